@@ -22,6 +22,8 @@ pub struct SurfaceView<'a> {
     pub surface: &'a SurfaceFrame,
     /// What colours it, of the whole body.
     pub picture: Option<&'a Arc<MipChain>>,
+    /// Back faces are drawn too: a surface of closed bodies whose other side counts beside a rim.
+    pub draws_back_faces: bool,
 }
 
 impl<'a> From<&'a FillInput> for SurfaceView<'a> {
@@ -33,6 +35,7 @@ impl<'a> From<&'a FillInput> for SurfaceView<'a> {
             size: input.size,
             surface: &input.surface,
             picture: input.scene.picture.as_ref(),
+            draws_back_faces: false,
         }
     }
 }

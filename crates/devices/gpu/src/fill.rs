@@ -26,6 +26,19 @@ pub trait Volumes {
     /// Makes the pipelines of `draw` unless they are there. `blends` is set for colours only.
     fn ensure(&mut self, gpu: &Gpu, list: &VolumeList, draw: &VolumeDraw<'_>, blends: bool);
 
+    /// Hands over the copy of depth that every frame makes, where the switches ask for one.
+    ///
+    /// # Errors
+    /// [`DeviceError::OutOfMemory`].
+    fn read_depth(
+        &mut self,
+        _gpu: &Gpu,
+        _list: &VolumeList,
+        _copy: &wgpu::TextureView,
+    ) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
     /// Whether [`Volumes::make`] has something to do.
     fn are_made_per_frame(&self) -> bool {
         false
@@ -80,7 +93,7 @@ struct Loaded {
     numbers: Option<Numbers>,
     /// Where colours of the first pass go, which nobody reads, if it has fragments.
     unread: Option<wgpu::TextureView>,
-    /// Where depth is copied to, which nobody reads, if it is.
+    /// Where depth is copied to, if it is; volumes may read it.
     depth_copy: Option<wgpu::Texture>,
 }
 
@@ -211,7 +224,7 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         let depth_copy = self.copies_depth.then(|| {
             depth_copy.filter(is_of_size).unwrap_or_else(|| {
                 gpu.work.count_texture(depth_copy_bytes(size));
-                let copied = wgpu::TextureUsages::COPY_DST;
+                let copied = wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING;
                 target(gpu, size, "copy of depth", DEPTH_STENCIL_FORMAT, copied)
             })
         });
@@ -245,6 +258,13 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         let gpu = self.gpu();
         let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
         let StencilWork { list, blends, .. } = &loaded.work;
+        if let Some(copy) = &loaded.depth_copy {
+            let view = copy.create_view(&wgpu::TextureViewDescriptor {
+                aspect: wgpu::TextureAspect::DepthOnly,
+                ..Default::default()
+            });
+            volumes.read_depth(&gpu, list, &view)?;
+        }
         for step in loaded.steps() {
             match step {
                 FillStep::Volumes(draw) => {

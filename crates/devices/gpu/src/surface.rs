@@ -4,28 +4,32 @@
 use crate::Gpu;
 use crate::attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT};
 use crate::picture::{bind_picture, picture_layout, upload_picture};
+use std::collections::HashMap;
 use std::sync::Arc;
 use terrafill_fill::{AddressMode, DeviceError, count_u32};
 use terrafill_scene::MipChain;
 use terrafill_surface::{SurfaceFrame, SurfaceRenderer};
+
+/// What decides how a surface is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+struct Look {
+    has_picture: bool,
+    draws_back_faces: bool,
+}
+
+/// The picture meets itself at ±180°.
+const PICTURE_ADDRESS: [AddressMode; 2] = [AddressMode::Repeat, AddressMode::ClampToEdge];
 
 /// Draws the triangles of any surface. Group 0 holds the view's constants, group 1 a picture where there is one.
 #[derive(Debug)]
 pub(crate) struct TriangleRenderer {
     gpu: Arc<Gpu>,
     view_layout: wgpu::BindGroupLayout,
-    /// In one colour.
-    plain: Option<wgpu::RenderPipeline>,
-    coloured: Option<Coloured>,
+    look: Look,
+    /// Of the looks so far.
+    pipelines: HashMap<Look, wgpu::RenderPipeline>,
+    picture: Option<(Arc<MipChain>, wgpu::BindGroup)>,
     uploaded: Option<Uploaded>,
-}
-
-/// What it takes to draw with a picture.
-#[derive(Debug)]
-struct Coloured {
-    picture: Arc<MipChain>,
-    group: wgpu::BindGroup,
-    pipeline: wgpu::RenderPipeline,
 }
 
 #[derive(Debug)]
@@ -41,48 +45,49 @@ impl TriangleRenderer {
         Self {
             gpu: Arc::clone(gpu),
             view_layout: layout.clone(),
-            plain: None,
-            coloured: None,
+            look: Look::default(),
+            pipelines: HashMap::new(),
+            picture: None,
             uploaded: None,
         }
     }
 
-    /// Makes what draws in one colour or with `picture`, and lets go of what does not.
+    /// Whether back faces are drawn in frames that are prepared from now on.
+    pub(crate) fn set_faces(&mut self, draws_back_faces: bool) {
+        self.look.draws_back_faces = draws_back_faces;
+    }
+
+    /// Holds `picture` and no other.
     fn set_picture(&mut self, picture: Option<&Arc<MipChain>>) -> Result<(), DeviceError> {
+        self.look.has_picture = picture.is_some();
+        let held = self.picture.take();
         let Some(picture) = picture else {
-            self.coloured = None;
-            if self.plain.is_none() {
-                let groups = [Some(&self.view_layout)];
-                self.plain = Some(pipeline(&self.gpu, "surface/surface.wgsl", &groups)?);
-            }
             return Ok(());
         };
-        self.plain = None;
-        let held = self.coloured.as_ref();
-        if held.is_some_and(|held| Arc::ptr_eq(&held.picture, picture)) {
-            return Ok(());
-        }
-        let layout = picture_layout(&self.gpu);
-        let image = upload_picture(&self.gpu, picture)?;
-        let group = bind_picture(&self.gpu, &layout, &image, PICTURE_ADDRESS);
-        let pipeline = match self.coloured.take() {
-            Some(held) => held.pipeline,
-            None => {
-                let groups = [Some(&self.view_layout), Some(&layout)];
-                pipeline(&self.gpu, "surface/picture.wgsl", &groups)?
+        self.picture = match held {
+            Some(held) if Arc::ptr_eq(&held.0, picture) => Some(held),
+            _ => {
+                let image = upload_picture(&self.gpu, picture)?;
+                let layout = picture_layout(&self.gpu);
+                let group = bind_picture(&self.gpu, &layout, &image, PICTURE_ADDRESS);
+                Some((Arc::clone(picture), group))
             }
         };
-        self.coloured = Some(Coloured {
-            picture: Arc::clone(picture),
-            group,
-            pipeline,
-        });
         Ok(())
     }
-}
 
-/// The picture meets itself at ±180°.
-const PICTURE_ADDRESS: [AddressMode; 2] = [AddressMode::Repeat, AddressMode::ClampToEdge];
+    /// Of the look that is wanted now.
+    fn pipeline(&self) -> Result<wgpu::RenderPipeline, DeviceError> {
+        let cull_mode = (!self.look.draws_back_faces).then_some(wgpu::Face::Back);
+        if !self.look.has_picture {
+            let groups = [Some(&self.view_layout)];
+            return pipeline(&self.gpu, "surface/surface.wgsl", &groups, cull_mode);
+        }
+        let layout = picture_layout(&self.gpu);
+        let groups = [Some(&self.view_layout), Some(&layout)];
+        pipeline(&self.gpu, "surface/picture.wgsl", &groups, cull_mode)
+    }
+}
 
 impl SurfaceRenderer for TriangleRenderer {
     type Pass<'p> = wgpu::RenderPass<'p>;
@@ -94,6 +99,10 @@ impl SurfaceRenderer for TriangleRenderer {
         picture: Option<&Arc<MipChain>>,
     ) -> Result<(), DeviceError> {
         self.set_picture(picture)?;
+        if !self.pipelines.contains_key(&self.look) {
+            let pipeline = self.pipeline()?;
+            self.pipelines.insert(self.look, pipeline);
+        }
         let indices = frame.triangles.as_flattened();
         let vertices = bytemuck::cast_slice(&frame.vertices_rte);
         let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
@@ -107,16 +116,13 @@ impl SurfaceRenderer for TriangleRenderer {
     }
 
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
-        let Some(uploaded) = &self.uploaded else {
+        let pipeline = self.pipelines.get(&self.look);
+        let (Some(uploaded), Some(pipeline)) = (&self.uploaded, pipeline) else {
             return;
         };
-        match (&self.coloured, &self.plain) {
-            (Some(coloured), _) => {
-                pass.set_pipeline(&coloured.pipeline);
-                pass.set_bind_group(1, &coloured.group, &[]);
-            }
-            (None, Some(plain)) => pass.set_pipeline(plain),
-            (None, None) => return,
+        pass.set_pipeline(pipeline);
+        if let Some((_, group)) = &self.picture {
+            pass.set_bind_group(1, group, &[]);
         }
         pass.set_vertex_buffer(0, uploaded.vertices.slice(..));
         pass.set_index_buffer(uploaded.indices.slice(..), wgpu::IndexFormat::Uint32);
@@ -129,6 +135,7 @@ fn pipeline(
     gpu: &Gpu,
     path: &str,
     groups: &[Option<&wgpu::BindGroupLayout>],
+    cull_mode: Option<wgpu::Face>,
 ) -> Result<wgpu::RenderPipeline, DeviceError> {
     let shader = gpu.shader(path)?;
     let layout = gpu
@@ -152,7 +159,7 @@ fn pipeline(
             })],
         },
         primitive: wgpu::PrimitiveState {
-            cull_mode: Some(wgpu::Face::Back),
+            cull_mode,
             ..Default::default()
         },
         depth_stencil: Some(wgpu::DepthStencilState {

@@ -164,6 +164,7 @@ impl RenderTargets {
         let constants = ViewConstants::new(&view);
         self.gpu
             .write_buffer(&self.view_constants, 0, bytemuck::bytes_of(&constants));
+        self.surface.set_faces(view.draws_back_faces);
         self.surface.prepare(view.surface, view.picture)?;
         self.prepared = Some(view.id);
         Ok(())

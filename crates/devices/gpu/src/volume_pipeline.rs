@@ -29,6 +29,8 @@ pub struct VolumeShader<'a> {
     pub strip_index_format: Option<wgpu::IndexFormat>,
     /// The winding of faces that are seen from outside.
     pub front_face: wgpu::FrontFace,
+    /// `no_colour` discards fragments, so it is run where there is no colour target as well.
+    pub discards: bool,
 }
 
 /// What the vertex stage of a volume hands on.
@@ -107,6 +109,7 @@ impl VolumeShader<'_> {
                 (entry, Some(added), accumulate_state(depth))
             }
         };
+        let targets = [target.clone()];
         gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("volume"),
             layout: Some(self.layout),
@@ -136,11 +139,11 @@ impl VolumeShader<'_> {
             },
             depth_stencil: Some(depth_stencil),
             multisample: Default::default(),
-            fragment: target.is_some().then_some(wgpu::FragmentState {
+            fragment: (target.is_some() || self.discards).then_some(wgpu::FragmentState {
                 module: self.module,
                 entry_point: Some(fragment_entry),
                 compilation_options: Default::default(),
-                targets: &[target],
+                targets: if target.is_some() { &targets } else { &[] },
             }),
             multiview_mask: None,
             cache: None,

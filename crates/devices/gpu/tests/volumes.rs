@@ -60,6 +60,7 @@ impl Volumes for Boxes {
             })],
             strip_index_format: None,
             front_face: wgpu::FrontFace::Ccw,
+            discards: false,
         };
         let pipeline = || shader.pipeline(gpu, draw.state, blends);
         self.pipelines.entry(draw.state).or_insert_with(pipeline);

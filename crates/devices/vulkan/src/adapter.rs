@@ -8,7 +8,7 @@ use crate::failure::failure;
 use crate::fixtures::{DEPTH_STENCIL_FORMAT, Fixtures, NUMBER_FORMAT};
 use crate::shader_modules::ShaderModules;
 use crate::validation;
-use ash::{ext, vk};
+use ash::{ext, khr, vk};
 use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -58,6 +58,8 @@ pub struct Features {
     pub max_views: u32,
     /// Vertex shaders can choose the layer that they draw into.
     pub vertex_layer: bool,
+    /// Shaders can ask what a ray meets.
+    pub ray_query: bool,
 }
 
 /// What a device is, for reports.
@@ -93,6 +95,10 @@ pub struct Gpu {
     pub(crate) mesh: Option<ext::mesh_shader::Device>,
     /// Keeps what vertices become, where it can.
     pub(crate) feedback: Option<ext::transform_feedback::Device>,
+    /// Builds trees of triangles for rays, where shaders can ask them.
+    pub(crate) trees: Option<khr::acceleration_structure::Device>,
+    /// What scratch memory of such a build is aligned to, bytes.
+    pub(crate) scratch_alignment: u64,
     /// What it is.
     pub facts: DeviceFacts,
     loss: DeviceLoss,
@@ -208,6 +214,7 @@ struct Adapter {
     queue_family: Option<u32>,
     /// Attachments need not be stored.
     has_no_store: bool,
+    scratch_alignment: u64,
     facts: DeviceFacts,
 }
 
@@ -272,6 +279,7 @@ impl Adapter {
         };
         let is = |feature: vk::Bool32| feature == vk::TRUE;
         let mesh = mesh_shaders(instance, raw, plain.api_version);
+        let has_rays = has_ray_query(instance, raw, plain.api_version);
         Self {
             raw,
             device_type,
@@ -279,6 +287,7 @@ impl Adapter {
             features,
             queue_family: family.map(|(index, _)| index),
             has_no_store: plain.api_version >= vk::API_VERSION_1_3,
+            scratch_alignment: scratch_alignment(instance, raw, has_rays),
             facts: DeviceFacts {
                 name: text(plain.device_name_as_c_str()),
                 device_type: device_type.name(),
@@ -302,6 +311,7 @@ impl Adapter {
                         raw,
                         ext::shader_viewport_index_layer::NAME,
                     ),
+                    ray_query: has_rays,
                     blends_float: numbers.optimal_tiling_features.contains(blends_and_reads),
                     samples_depth: format
                         .optimal_tiling_features
@@ -376,6 +386,46 @@ fn mesh_shaders(
     (mesh.mesh_shader == vk::TRUE).then_some(mesh.task_shader == vk::TRUE)
 }
 
+/// What rays in shaders need besides Vulkan 1.2, which has SPIR-V 1.4 and the extensions that these lean on.
+const RAY_EXTENSIONS: [&CStr; 3] = [
+    khr::acceleration_structure::NAME,
+    khr::deferred_host_operations::NAME,
+    khr::ray_query::NAME,
+];
+
+fn has_ray_query(instance: &ash::Instance, raw: vk::PhysicalDevice, api_version: u32) -> bool {
+    let is_there = |name| has_extension(instance, raw, name);
+    if api_version < vk::API_VERSION_1_2 || !RAY_EXTENSIONS.into_iter().all(is_there) {
+        return false;
+    }
+    let mut addresses = vk::PhysicalDeviceBufferDeviceAddressFeatures::default();
+    let mut trees = vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default();
+    let mut rays = vk::PhysicalDeviceRayQueryFeaturesKHR::default();
+    let mut features = vk::PhysicalDeviceFeatures2::default()
+        .push_next(&mut addresses)
+        .push_next(&mut trees)
+        .push_next(&mut rays);
+    // SAFETY: of Vulkan 1.1, and what is chained is of Vulkan 1.2 or of extensions that are there.
+    unsafe { instance.get_physical_device_features2(raw, &mut features) };
+    let all = [
+        addresses.buffer_device_address,
+        trees.acceleration_structure,
+        rays.ray_query,
+    ];
+    all == [vk::TRUE; 3]
+}
+
+fn scratch_alignment(instance: &ash::Instance, raw: vk::PhysicalDevice, has_rays: bool) -> u64 {
+    if !has_rays {
+        return 1;
+    }
+    let mut trees = vk::PhysicalDeviceAccelerationStructurePropertiesKHR::default();
+    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut trees);
+    // SAFETY: of Vulkan 1.1, and what is chained is of an extension that is there.
+    unsafe { instance.get_physical_device_properties2(raw, &mut properties) };
+    u64::from(trees.min_acceleration_structure_scratch_offset_alignment).max(1)
+}
+
 /// Every Vulkan adapter of this machine, in the order in which [`Gpu::open`] prefers them.
 ///
 /// # Errors
@@ -430,6 +480,13 @@ impl Gpu {
         let has_feedback = adapter.facts.features.transform_feedback;
         let mut feedback_features =
             vk::PhysicalDeviceTransformFeedbackFeaturesEXT::default().transform_feedback(true);
+        let has_rays = adapter.facts.features.ray_query;
+        let mut address_features =
+            vk::PhysicalDeviceBufferDeviceAddressFeatures::default().buffer_device_address(true);
+        let mut tree_features = vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default()
+            .acceleration_structure(true);
+        let mut ray_features = vk::PhysicalDeviceRayQueryFeaturesKHR::default().ray_query(true);
+        let of_rays = RAY_EXTENSIONS.map(|name| (has_rays, name));
         let extensions: Vec<_> = [
             (has_mesh, ext::mesh_shader::NAME),
             (has_feedback, ext::transform_feedback::NAME),
@@ -439,6 +496,7 @@ impl Gpu {
             ),
         ]
         .into_iter()
+        .chain(of_rays)
         .filter(|(has, _)| *has)
         .map(|(_, name)| name.as_ptr())
         .collect();
@@ -455,6 +513,12 @@ impl Gpu {
         }
         if has_feedback {
             info = info.push_next(&mut feedback_features);
+        }
+        if has_rays {
+            info = info
+                .push_next(&mut address_features)
+                .push_next(&mut tree_features)
+                .push_next(&mut ray_features);
         }
         // SAFETY: the family, the features and the extensions are the adapter's.
         let device = unsafe { api.instance.create_device(adapter.raw, &info, None) }
@@ -478,8 +542,12 @@ impl Gpu {
                 .get_physical_device_memory_properties(adapter.raw)
         };
         let mesh = has_mesh.then(|| ext::mesh_shader::Device::new(&api.instance, &device));
+        let trees =
+            has_rays.then(|| khr::acceleration_structure::Device::new(&api.instance, &device));
         Ok(Arc::new(Self {
             mesh,
+            trees,
+            scratch_alignment: adapter.scratch_alignment,
             feedback: has_feedback
                 .then(|| ext::transform_feedback::Device::new(&api.instance, &device)),
             device,

@@ -170,7 +170,10 @@ impl DrawPipeline {
             topology,
             faces: FaceSet::Both,
             is_turned: false,
-            depth_stencil: depth_stencil(PipelineState::Surface { has_picture: false }),
+            depth_stencil: depth_stencil(PipelineState::Surface {
+                has_picture: false,
+                draws_back_faces: true,
+            }),
             depth_bounds: false,
             blends: &blends,
             layout: resources.layout,

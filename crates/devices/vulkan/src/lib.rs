@@ -45,6 +45,7 @@ mod surface;
 mod targets;
 mod textured;
 mod textured_pipeline;
+mod triangle_tree;
 mod validation;
 mod volume_pass;
 
@@ -75,5 +76,6 @@ pub use targets::Numbers;
 pub use textured_pipeline::{
     CoverPurpose, DepthBindings, Probe, TexturedDescriptor, TexturedPipeline,
 };
+pub use triangle_tree::TriangleTree;
 pub use validation::{POSITIVE_CONTROL, ValidationMessage, messages};
 pub use volume_pass::VolumePass;

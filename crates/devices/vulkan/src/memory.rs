@@ -72,6 +72,7 @@ impl Memory {
         label: &str,
         needs: vk::MemoryRequirements,
         wanted: &[vk::MemoryPropertyFlags],
+        has_address: bool,
     ) -> Result<Self, DeviceError> {
         let fits = |flags: vk::MemoryPropertyFlags| {
             let types = gpu.memory.memory_types_as_slice();
@@ -87,9 +88,14 @@ impl Memory {
             bytes: needs.size,
         };
         let kind = wanted.iter().find_map(|&flags| fits(flags));
-        let info = vk::MemoryAllocateInfo::default()
+        let mut flags =
+            vk::MemoryAllocateFlagsInfo::default().flags(vk::MemoryAllocateFlags::DEVICE_ADDRESS);
+        let mut info = vk::MemoryAllocateInfo::default()
             .allocation_size(needs.size)
             .memory_type_index(kind.ok_or_else(out_of_memory)?);
+        if has_address {
+            info = info.push_next(&mut flags);
+        }
         // SAFETY: size and type are what the driver asked for.
         let raw = unsafe { gpu.device.allocate_memory(&info, None) }
             .map_err(|error| failure(error, label, needs.size))?;
@@ -355,6 +361,33 @@ impl Buffer {
         Self::new(gpu, label, size, vk::BufferUsageFlags::TRANSFER_DST, HOST)
     }
 
+    /// A buffer that device code finds by its address; the device must have such addresses.
+    ///
+    /// - `bytes`: what it holds, where the host has something to say; such a buffer lies in host memory
+    pub(crate) fn addressed(
+        gpu: &Arc<Gpu>,
+        label: &str,
+        size: u64,
+        usage: vk::BufferUsageFlags,
+        bytes: Option<&[u8]>,
+    ) -> Result<Self, DeviceError> {
+        let usage = usage | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS;
+        let wanted = if bytes.is_some() { HOST } else { DEVICE };
+        let buffer = Self::new(gpu, label, size, usage, wanted)?;
+        if let Some(bytes) = bytes {
+            buffer.write(bytes)?;
+        }
+        gpu.work.count_buffer(size);
+        Ok(buffer)
+    }
+
+    /// Address of a buffer of [`Buffer::addressed`].
+    pub(crate) fn address(&self) -> vk::DeviceAddress {
+        let info = vk::BufferDeviceAddressInfo::default().buffer(self.raw);
+        // SAFETY: the buffer was made to have one, as only a device that has the feature makes them.
+        unsafe { self.gpu.device.get_buffer_device_address(&info) }
+    }
+
     fn new(
         gpu: &Arc<Gpu>,
         label: &str,
@@ -371,7 +404,8 @@ impl Buffer {
             .map_err(|error| failure(error, label, size))?;
         // SAFETY: the buffer is the device's.
         let needs = unsafe { gpu.device.get_buffer_memory_requirements(raw) };
-        let memory = Memory::new(gpu, label, needs, wanted).and_then(|memory| {
+        let has_address = usage.contains(vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS);
+        let memory = Memory::new(gpu, label, needs, wanted, has_address).and_then(|memory| {
             // SAFETY: fresh memory of the type and size that the buffer asked for.
             match unsafe { gpu.device.bind_buffer_memory(raw, memory.raw, 0) } {
                 Ok(()) => Ok(memory),
@@ -559,7 +593,7 @@ impl Image {
             .map_err(|error| failure(error, label, 0))?;
         // SAFETY: the image is the device's.
         let needs = unsafe { gpu.device.get_image_memory_requirements(raw) };
-        let bound = Memory::new(gpu, label, needs, DEVICE).and_then(|memory| {
+        let bound = Memory::new(gpu, label, needs, DEVICE, false).and_then(|memory| {
             let view_info = vk::ImageViewCreateInfo::default()
                 .image(raw)
                 .view_type(match kind.shape {

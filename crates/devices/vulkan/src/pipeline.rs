@@ -93,10 +93,12 @@ impl Topology {
 /// What a pipeline draws into, and when.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PipelineState {
-    /// The surface: nearest depth wins, back faces are culled.
+    /// The surface: nearest depth wins.
     Surface {
         /// Set 1 is a picture with its sampler.
         has_picture: bool,
+        /// Back faces are drawn as well.
+        draws_back_faces: bool,
     },
     /// Into the stencil, in a pass with or without a colour target that is left alone.
     Mark {
@@ -178,12 +180,15 @@ impl PipelineState {
 
     fn faces(self) -> FaceSet {
         match self {
-            Self::Surface { .. } => FaceSet::Front,
+            Self::Surface {
+                draws_back_faces: false,
+                ..
+            } => FaceSet::Front,
             Self::Mark { rule, .. } => rule.faces,
             Self::Count { faces } | Self::Colour { faces, .. } | Self::Accumulate { faces, .. } => {
                 faces
             }
-            Self::Resolve => FaceSet::Both,
+            Self::Resolve | Self::Surface { .. } => FaceSet::Both,
         }
     }
 }
@@ -352,7 +357,9 @@ fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, De
         depth_bounds: descriptor.depth_bounds,
         blends: if has_colour { &blends } else { &[] },
         layout: match descriptor.state {
-            PipelineState::Surface { has_picture: true } => gpu.fixtures.picture_layout,
+            PipelineState::Surface {
+                has_picture: true, ..
+            } => gpu.fixtures.picture_layout,
             _ => gpu.fixtures.pipeline_layout,
         },
         render_pass: render_pass(&gpu.fixtures, descriptor.state),

@@ -192,6 +192,7 @@ impl RenderTargets {
             bytemuck::bytes_of(&ViewConstants::new(&view)),
             BufferUse::Uniform,
         )?);
+        self.surface.set_faces(view.draws_back_faces);
         self.surface.prepare(view.surface, view.picture)?;
         self.prepared = Some(PreparedView {
             id: view.id,

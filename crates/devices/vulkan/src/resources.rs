@@ -3,7 +3,7 @@
 
 use crate::bindings::SetPool;
 use crate::failure::failure;
-use crate::{Buffer, BufferUse, Gpu, LayeredDepth, SampledImage};
+use crate::{Buffer, BufferUse, Gpu, LayeredDepth, SampledImage, TriangleTree};
 use ash::vk;
 use std::sync::Arc;
 use terrafill_fill::DeviceError;
@@ -19,6 +19,8 @@ pub enum Resource {
     Image(Arc<SampledImage>),
     /// Depth maps that are drawn into before.
     Depths(Arc<LayeredDepth>),
+    /// Triangles that rays may meet.
+    Triangles(Arc<TriangleTree>),
 }
 
 impl Resource {
@@ -27,13 +29,14 @@ impl Resource {
             Self::Uniform(_) => vk::DescriptorType::UNIFORM_BUFFER,
             Self::Storage(_) => vk::DescriptorType::STORAGE_BUFFER,
             Self::Image(_) | Self::Depths(_) => vk::DescriptorType::SAMPLED_IMAGE,
+            Self::Triangles(_) => vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
         }
     }
 
-    /// Null for a buffer.
+    /// Null for what is no image.
     fn view(&self) -> vk::ImageView {
         match self {
-            Self::Uniform(_) | Self::Storage(_) => vk::ImageView::null(),
+            Self::Uniform(_) | Self::Storage(_) | Self::Triangles(_) => vk::ImageView::null(),
             Self::Image(image) => image.view(),
             Self::Depths(depths) => depths.view(),
         }
@@ -50,6 +53,7 @@ impl Resource {
             }
             Self::Image(image) => image.is_on(gpu),
             Self::Depths(depths) => depths.is_on(gpu),
+            Self::Triangles(tree) => tree.is_on(gpu),
         }
     }
 }
@@ -132,6 +136,14 @@ impl Resources {
                         image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
                     }];
                     let writes = [write.image_info(&images)];
+                    // SAFETY: as above.
+                    unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };
+                }
+                Resource::Triangles(tree) => {
+                    let trees = [tree.raw()];
+                    let mut own = vk::WriteDescriptorSetAccelerationStructureKHR::default()
+                        .acceleration_structures(&trees);
+                    let writes = [write.descriptor_count(1).push_next(&mut own)];
                     // SAFETY: as above.
                     unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };
                 }

@@ -6,31 +6,48 @@ use crate::{
     SampledImage, Topology, VertexFormat, VertexStage,
 };
 use ash::vk;
+use std::collections::HashMap;
 use std::sync::Arc;
 use terrafill_fill::{AddressMode, DeviceError, count_u32};
 use terrafill_scene::MipChain;
 use terrafill_surface::{SurfaceFrame, SurfaceRenderer};
 
-fn descriptor(has_picture: bool) -> PipelineDescriptor {
-    let path = match has_picture {
-        true => "surface/picture.wgsl",
-        false => "surface/surface.wgsl",
-    };
-    PipelineDescriptor {
-        vertex: VertexStage {
-            path,
-            entry_point: "vertex_main",
-            bends_footprints: false,
-        },
-        geometry: None,
-        fragments: Fragments::Shader {
-            path,
-            entry_point: "fragment_main",
-        },
-        format: VertexFormat::Metres,
-        topology: Topology::Triangles,
-        state: PipelineState::Surface { has_picture },
-        depth_bounds: false,
+/// What decides how a surface is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+struct Look {
+    has_picture: bool,
+    draws_back_faces: bool,
+}
+
+impl Look {
+    fn descriptor(self) -> PipelineDescriptor {
+        let Self {
+            has_picture,
+            draws_back_faces,
+        } = self;
+        let path = match has_picture {
+            true => "surface/picture.wgsl",
+            false => "surface/surface.wgsl",
+        };
+        PipelineDescriptor {
+            vertex: VertexStage {
+                path,
+                entry_point: "vertex_main",
+                bends_footprints: false,
+            },
+            geometry: None,
+            fragments: Fragments::Shader {
+                path,
+                entry_point: "fragment_main",
+            },
+            format: VertexFormat::Metres,
+            topology: Topology::Triangles,
+            state: PipelineState::Surface {
+                has_picture,
+                draws_back_faces,
+            },
+            depth_bounds: false,
+        }
     }
 }
 
@@ -41,18 +58,11 @@ const PICTURE_ADDRESS: [AddressMode; 2] = [AddressMode::Repeat, AddressMode::Cla
 #[derive(Debug)]
 pub(crate) struct TriangleRenderer {
     gpu: Arc<Gpu>,
-    /// In one colour.
-    plain: Option<Pipeline>,
-    coloured: Option<Coloured>,
+    look: Look,
+    /// Of the looks so far.
+    pipelines: HashMap<Look, Pipeline>,
+    picture: Option<(Arc<MipChain>, ImageBindings)>,
     uploaded: Option<Uploaded>,
-}
-
-/// What it takes to draw with a picture.
-#[derive(Debug)]
-struct Coloured {
-    picture: Arc<MipChain>,
-    bindings: ImageBindings,
-    pipeline: Pipeline,
 }
 
 #[derive(Debug)]
@@ -82,37 +92,33 @@ impl TriangleRenderer {
     pub(crate) fn new(gpu: &Arc<Gpu>) -> Self {
         Self {
             gpu: Arc::clone(gpu),
-            plain: None,
-            coloured: None,
+            look: Look::default(),
+            pipelines: HashMap::new(),
+            picture: None,
             uploaded: None,
         }
     }
 
-    /// Makes what draws in one colour or with `picture`, and lets go of what does not.
+    /// Whether back faces are drawn in frames that are prepared from now on.
+    pub(crate) fn set_faces(&mut self, draws_back_faces: bool) {
+        self.look.draws_back_faces = draws_back_faces;
+    }
+
+    /// Holds `picture` and no other.
     fn set_picture(&mut self, picture: Option<&Arc<MipChain>>) -> Result<(), DeviceError> {
+        self.look.has_picture = picture.is_some();
+        let held = self.picture.take();
         let Some(picture) = picture else {
-            self.coloured = None;
-            if self.plain.is_none() {
-                self.plain = Some(Pipeline::new(&self.gpu, descriptor(false))?);
+            return Ok(());
+        };
+        self.picture = match held {
+            Some(held) if Arc::ptr_eq(&held.0, picture) => Some(held),
+            _ => {
+                let image = Arc::new(SampledImage::picture(&self.gpu, picture)?);
+                let bindings = ImageBindings::picture(&image, PICTURE_ADDRESS)?;
+                Some((Arc::clone(picture), bindings))
             }
-            return Ok(());
         };
-        self.plain = None;
-        let held = self.coloured.as_ref();
-        if held.is_some_and(|held| Arc::ptr_eq(&held.picture, picture)) {
-            return Ok(());
-        }
-        let image = Arc::new(SampledImage::picture(&self.gpu, picture)?);
-        let bindings = ImageBindings::picture(&image, PICTURE_ADDRESS)?;
-        let pipeline = match self.coloured.take() {
-            Some(held) => held.pipeline,
-            None => Pipeline::new(&self.gpu, descriptor(true))?,
-        };
-        self.coloured = Some(Coloured {
-            picture: Arc::clone(picture),
-            bindings,
-            pipeline,
-        });
         Ok(())
     }
 }
@@ -127,6 +133,10 @@ impl SurfaceRenderer for TriangleRenderer {
         picture: Option<&Arc<MipChain>>,
     ) -> Result<(), DeviceError> {
         self.set_picture(picture)?;
+        if !self.pipelines.contains_key(&self.look) {
+            let pipeline = Pipeline::new(&self.gpu, self.look.descriptor())?;
+            self.pipelines.insert(self.look, pipeline);
+        }
         let indices = frame.triangles.as_flattened();
         let vertices = bytemuck::cast_slice(&frame.vertices_rte);
         let upload = |label, bytes, use_for| Buffer::upload(&self.gpu, label, bytes, use_for);
@@ -143,10 +153,8 @@ impl SurfaceRenderer for TriangleRenderer {
     }
 
     fn draw(&self, pass: &mut SurfacePass<'_>) {
-        let coloured = self.coloured.as_ref();
-        let pipeline = coloured.map(|coloured| &coloured.pipeline);
-        let (Some(uploaded), Some(pipeline)) = (&self.uploaded, pipeline.or(self.plain.as_ref()))
-        else {
+        let pipeline = self.pipelines.get(&self.look);
+        let (Some(uploaded), Some(pipeline)) = (&self.uploaded, pipeline) else {
             return;
         };
         let SurfacePass { device, commands } = *pass;
@@ -155,9 +163,9 @@ impl SurfaceRenderer for TriangleRenderer {
         // it on this device; the indices are all there.
         unsafe {
             device.cmd_bind_pipeline(commands, graphics, pipeline.raw);
-            if let Some(coloured) = coloured {
+            if let Some((_, bindings)) = &self.picture {
                 let layout = self.gpu.fixtures.picture_layout;
-                let sets = [coloured.bindings.set()];
+                let sets = [bindings.set()];
                 device.cmd_bind_descriptor_sets(commands, graphics, layout, 1, &sets, &[]);
             }
             device.cmd_bind_vertex_buffers(commands, 0, &[uploaded.vertices.raw], &[0]);

@@ -11,6 +11,10 @@ use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 
 /// SPIR-V of Vulkan 1.1, which any driver with geometry shaders has.
 const LANGUAGE_VERSION: (u8, u8) = (1, 3);
+/// Of modules that send rays: SPIR-V of Vulkan 1.2, which such a driver has.
+const RAY_LANGUAGE_VERSION: (u8, u8) = (1, 4);
+/// What such a module begins with.
+const RAYS: &str = "enable wgpu_ray_query;";
 
 /// A stage that WGSL knows and a pipeline here has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -76,7 +80,10 @@ pub fn composed_to_spirv(
         stage == SpirvStage::PointVertex,
     );
     let options = spv::Options {
-        lang_version: LANGUAGE_VERSION,
+        lang_version: match composed.contains(RAYS) {
+            true => RAY_LANGUAGE_VERSION,
+            false => LANGUAGE_VERSION,
+        },
         flags,
         bounds_check_policies: BoundsCheckPolicies {
             index: BoundsCheckPolicy::Restrict,

@@ -23,7 +23,7 @@ pub(crate) use shader_sources;
 pub(crate) const MODULES: &[ShaderSource] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 
 /// Files that others import.
-pub(crate) const SHARED: [ShaderSource; 10] = shader_sources![
+pub(crate) const SHARED: [ShaderSource; 11] = shader_sources![
     "shared/view.wgsl",
     "shared/footprint.wgsl",
     "shared/region.wgsl",
@@ -34,6 +34,7 @@ pub(crate) const SHARED: [ShaderSource; 10] = shader_sources![
     "shared/srgb.wgsl",
     "shared/ground.wgsl",
     "shared/cache.wgsl",
+    "shared/receiver.wgsl",
 ];
 
 /// What can be wrong with a shader.
@@ -139,6 +140,7 @@ pub fn validate(path: &str, composed: &str) -> Result<naga::Module, ShaderError>
 /// is asked first.
 fn capabilities() -> Capabilities {
     Capabilities::PRIMITIVE_INDEX
+        | Capabilities::RAY_QUERY
         | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY
         | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY_NON_UNIFORM_INDEXING
 }

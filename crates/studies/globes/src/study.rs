@@ -544,6 +544,7 @@ impl SightSession<'_> {
             size: eye.size,
             surface: frame,
             picture: None,
+            draws_back_faces: false,
         };
         let targets = self.targets.get_mut(targets);
         let targets = targets.ok_or(DeviceError::Missing("targets of the interface"))?;

@@ -3,6 +3,7 @@
 
 mod findings;
 mod sections;
+mod steps;
 
 use crate::metrics::{FILL_CPU, LOST, MAP_WRONG, MISSED, TIME, UPDATES};
 use sections::{SECTIONS, Section};
@@ -308,7 +309,10 @@ impl<'a> Own<'a> {
                 && suns.contains(&case.condition("sun"))
         });
         let volumes = self.of_question("devices").filter(|case| {
-            question == "device-maps" && is_plain(case) && suns.contains(&case.condition("sun"))
+            question == "device-maps"
+                && case.condition("api") == "wgpu"
+                && is_plain(case)
+                && suns.contains(&case.condition("sun"))
         });
         let others = others.chain(volumes);
         for case in self.of_question(question).chain(others) {
@@ -425,10 +429,9 @@ impl<'a> Own<'a> {
     }
 }
 
-/// Volumes closed at the sea as the rows of a device begin with them, on the interface that draws maps.
+/// Volumes closed at the sea as the rows of a device begin with them.
 fn is_plain(case: &Case) -> bool {
     let plain = [
-        ("api", "wgpu"),
         ("extent", "sea-closed"),
         ("rule", "z-fail"),
         ("faces", "two-sided"),
@@ -442,136 +445,4 @@ fn is_plain(case: &Case) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use terrafill_results::Standing;
-    use terrafill_results::made_up::{MadeUpRun, case_id};
-
-    fn finding(run: &MadeUpRun, claim: &str) -> Option<Standing> {
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
-        let found = Own::of(&run)
-            .findings(run.clock())
-            .into_iter()
-            .find(|finding| finding.claim.contains(claim));
-        found.map(|finding| finding.standing)
-    }
-
-    fn with(
-        question: &str,
-        conditions: &[(&str, &str)],
-        metric: &'static str,
-        value: f64,
-        run: &mut MadeUpRun,
-    ) {
-        let mut all = vec![("question", question)];
-        all.extend(conditions);
-        let name: Vec<&str> = all.iter().map(|(_, value)| *value).collect();
-        run.case(case_id(crate::STUDY, &name.join("/"), &all))
-            .figure(metric, value);
-    }
-
-    fn updates(values: [f64; 4]) -> MadeUpRun {
-        let mut run = MadeUpRun::default();
-        let ways = [
-            ("infinite", "z-pass"),
-            ("infinite", "z-fail"),
-            ("sea-closed", "z-pass"),
-            ("sea-closed", "z-fail"),
-        ];
-        for ((extent, rule), value) in ways.into_iter().zip(values) {
-            let conditions = [("sun", "5° from 0°"), ("extent", extent), ("rule", rule)];
-            with("updates", &conditions, UPDATES, value, &mut run);
-        }
-        run
-    }
-
-    #[test]
-    fn claims_stand_and_fall_by_their_figures() {
-        let cheap = updates([12.0, 41.0, 12.0, 7.5]);
-        assert_eq!(
-            finding(&cheap, "z-pass writes less"),
-            Some(Standing::DoesNotHold)
-        );
-        assert_eq!(finding(&cheap, "Closing volumes"), Some(Standing::Holds));
-        // Twin: the other way round.
-        let dear = updates([12.0, 41.0, 12.0, 43.0]);
-        assert_eq!(finding(&dear, "z-pass writes less"), Some(Standing::Holds));
-        assert_eq!(
-            finding(&dear, "Closing volumes"),
-            Some(Standing::DoesNotHold)
-        );
-        assert_eq!(finding(&cheap, "clears"), None, "not measured");
-    }
-
-    #[test]
-    fn a_way_is_faster_where_it_is_under_every_sun() {
-        let claim = "Two-sided stencil is faster";
-        let times = |values: [(&str, &str, f64); 4]| {
-            let mut run = MadeUpRun::default();
-            for (sun, faces, ms) in values {
-                let conditions = [("question", "devices"), ("sun", sun), ("faces", faces)];
-                let id = case_id(crate::STUDY, &format!("{sun}/{faces}"), &conditions);
-                run.case(id).timed(FILL_CPU, &[ms; 7]);
-            }
-            finding(&run, claim)
-        };
-        let high = [("60°", "two-sided", 1.0), ("60°", "two-pass", 2.0)];
-        let low = |ms: f64| [("5°", "two-sided", ms), ("5°", "two-pass", 2.0)];
-        let both = |[a, b]: [_; 2], [c, d]: [_; 2]| [a, b, c, d];
-        assert_eq!(times(both(high, low(1.5))), Some(Standing::Holds));
-        assert_eq!(times(both(high, low(3.0))), Some(Standing::DoesNotHold));
-    }
-
-    #[test]
-    fn a_row_that_wraps_where_it_must_not_is_no_agreement() {
-        let rows = |lost_of_257: f64| {
-            let mut run = MadeUpRun::default();
-            for (count, lost) in [
-                ("255", 0.0),
-                ("256", 100.0),
-                ("257", lost_of_257),
-                ("511", 0.0),
-                ("512", 100.0),
-            ] {
-                with(
-                    "rows",
-                    &[("casters", count), ("counting", "8 bits, wrapping")],
-                    LOST,
-                    lost,
-                    &mut run,
-                );
-                with(
-                    "rows",
-                    &[("casters", count), ("counting", "passes of 255")],
-                    LOST,
-                    0.0,
-                    &mut run,
-                );
-            }
-            finding(&run, "Eight bits")
-        };
-        assert_eq!(rows(0.0), Some(Standing::Holds));
-        assert_eq!(rows(3.0), Some(Standing::DoesNotHold));
-    }
-
-    #[test]
-    fn a_question_that_was_measured_has_a_table_and_others_have_none() {
-        let run = updates([12.0, 41.0, 12.0, 7.5]);
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
-        let blocks = ShadowsChapter.blocks(&run).expect("a chapter");
-        let tables = blocks
-            .iter()
-            .filter(|block| matches!(block, Block::Table(_)));
-        assert_eq!(tables.count(), 1);
-        let plots = blocks
-            .iter()
-            .filter(|block| matches!(block, Block::Plot(_)));
-        assert_eq!(plots.count(), 1);
-        let mut other = MadeUpRun::default();
-        other.case(case_id("filling", "a", &[]));
-        let other = other.write(&folder.path().join("other")).expect("a run");
-        assert_eq!(ShadowsChapter.blocks(&other).expect("a chapter"), []);
-    }
-}
+mod tests;

@@ -8,8 +8,8 @@ use self::on_vulkan::OnVulkan;
 use self::on_wgpu::OnWgpu;
 use crate::source::VolumeSource;
 use terrafill_fill::{
-    Counters, DeviceError, Devices, FrameTimes, Picture, StencilExecutor, StencilWork, SurfaceView,
-    Switches,
+    Counters, CpuStopwatch, DeviceError, Devices, FrameTimes, Picture, StencilExecutor,
+    StencilWork, SurfaceView, Switches,
 };
 
 /// An interface that draws.
@@ -36,13 +36,15 @@ impl Interface {
         switches: &Switches,
         view: SurfaceView<'_>,
         source: VolumeSource,
-        work: StencilWork,
+        work: (StencilWork, Option<Retile>),
     ) -> Result<Box<dyn Draws>, DeviceError> {
         match self {
             Self::Wgpu => {
                 let gpu = terrafill_gpu::shared_gpu(devices)?;
                 let targets = terrafill_gpu::RenderTargets::shared(&gpu, view.size)?;
-                let make = |fill: &terrafill_gpu::VolumeFill| OnWgpu::new(fill, source);
+                let make = |fill: &terrafill_gpu::VolumeFill| {
+                    OnWgpu::new(fill, source, switches.copies_depth)
+                };
                 loaded(&targets, switches, make, view, work)
             }
             Self::Vulkan => {
@@ -57,6 +59,9 @@ impl Interface {
     }
 }
 
+/// Another program for what is seen, by its depths.
+pub(crate) type Retile = Box<dyn Fn(&Picture) -> Result<StencilWork, DeviceError>>;
+
 /// Draws one view.
 pub(crate) trait Draws {
     /// What is seen and its shadows; counts.
@@ -69,11 +74,25 @@ pub(crate) trait Draws {
 struct Loaded<E, V> {
     executor: E,
     volumes: V,
+    retile: Option<Retile>,
+}
+
+impl<V, E: StencilExecutor<V>> Loaded<E, V> {
+    /// Leaves out tiles by the depths that lie in the targets.
+    fn retile(&mut self) -> Result<(), DeviceError> {
+        if let Some(retile) = &self.retile {
+            let work = retile(&self.executor.read()?)?;
+            self.executor.load(work)?;
+            self.executor.ensure(&mut self.volumes)?;
+        }
+        Ok(())
+    }
 }
 
 impl<V, E: StencilExecutor<V>> Draws for Loaded<E, V> {
     fn draw(&mut self) -> Result<(Counters, Picture), DeviceError> {
         self.executor.draw_surface()?;
+        self.retile()?;
         let mut counters = self.executor.draw(&mut self.volumes)?;
         let picture = self.executor.read()?;
         counters.stencil_fragments = self.executor.count_fragments(&mut self.volumes)?;
@@ -82,7 +101,16 @@ impl<V, E: StencilExecutor<V>> Draws for Loaded<E, V> {
 
     fn time(&mut self) -> Result<FrameTimes, DeviceError> {
         self.executor.draw_surface()?;
-        self.executor.time(&mut self.volumes)
+        let watch = CpuStopwatch::start();
+        self.retile()?;
+        let (cpu_ms, wall_ms) = match self.retile {
+            Some(_) => (watch.cpu_ms(), watch.wall_ms()),
+            None => (0.0, 0.0),
+        };
+        let mut times = self.executor.time(&mut self.volumes)?;
+        times.fill_cpu_ms += cpu_ms;
+        times.fill_wall_ms += wall_ms;
+        Ok(times)
     }
 }
 
@@ -91,12 +119,16 @@ fn loaded<V: 'static, E: StencilExecutor<V> + 'static>(
     switches: &Switches,
     make: impl FnOnce(&E) -> Result<V, DeviceError>,
     view: SurfaceView<'_>,
-    work: StencilWork,
+    (work, retile): (StencilWork, Option<Retile>),
 ) -> Result<Box<dyn Draws>, DeviceError> {
     let mut executor = E::new(targets, switches)?;
     let mut volumes = make(&executor)?;
     executor.set_view(view)?;
     executor.load(work)?;
     executor.ensure(&mut volumes)?;
-    Ok(Box::new(Loaded { executor, volumes }))
+    Ok(Box::new(Loaded {
+        executor,
+        volumes,
+        retile,
+    }))
 }

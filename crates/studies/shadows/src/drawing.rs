@@ -6,21 +6,22 @@
 //! in the same order, so that their depths are equal: equal depth fails.
 
 use crate::count::Wrong;
-use crate::device::Draws;
+use crate::device::{Draws, Retile};
 use crate::loading::{Loadable, listed, program};
 use crate::reference::{Light, Reference, SEA_RADIUS_M, Truth};
 use crate::scissor::Rectangle;
 use crate::sea::surface;
 use crate::source::VolumeSource;
+use crate::tiling::tiled;
 use crate::view::View;
-use crate::way::{DeviceWay, DrawError, count};
+use crate::way::{Bounds, Cut, DeviceWay, DrawError, Positions, Silhouettes, count};
 use crate::work::{End, Scene};
 use glam::{DMat3, DVec3};
 use std::cell::LazyCell;
 use terrafill_core::{Ellipsoid, VolumeHeights};
 use terrafill_fill::{
-    Devices, FixedPoint, Frame, Picture, PositionFormat, StencilWork, SurfaceView, ViewId,
-    VolumeConstants, VolumeList, VolumePlace, mask_hash,
+    DeviceError, Devices, FixedPoint, Frame, Picture, PositionFormat, StencilWork, SurfaceView,
+    ViewId, VolumeConstants, VolumeList, VolumePlace, mask_hash,
 };
 use terrafill_scene::{Camera, ImageSize};
 
@@ -54,11 +55,15 @@ impl Scene {
         devices: &Devices,
         way: DeviceWay,
     ) -> Result<DeviceDrawn, DrawError> {
-        let volume = self.volume(way.end).map_err(|error| error.to_string())?;
+        let volume = match way.silhouettes {
+            Silhouettes::EachTriangle => self.volume_of_each_triangle(way.end),
+            _ => self.volume(way.end),
+        };
+        let volume = volume.map_err(|error| error.to_string())?;
         // A rectangle holds the volume closed at the sea, wherever the one that is drawn ends.
-        let closed = match way.is_cut {
-            true => Some(self.volume(End::Sea).map_err(|error| error.to_string())?),
-            false => None,
+        let closed = match way.cut {
+            Cut::Off => None,
+            _ => Some(self.volume(End::Sea).map_err(|error| error.to_string())?),
         };
         let darkest = self.darkest_channel().ok_or("no channel")?;
         let mut drawn = DeviceDrawn {
@@ -114,41 +119,82 @@ impl Scene {
         view: &View,
         loadable: Loadable,
     ) -> Result<Box<dyn Draws>, DrawError> {
+        self.open_with(devices, way, view, loadable, true)
+    }
+
+    /// - `draws_back_faces`: as [`SurfaceView`] has it
+    fn open_with(
+        &self,
+        devices: &Devices,
+        way: DeviceWay,
+        view: &View,
+        loadable: Loadable,
+        draws_back_faces: bool,
+    ) -> Result<Box<dyn Draws>, DrawError> {
+        let switches = way.switches();
+        let Loadable { source, list, .. } = loadable;
+        self.seen_by(way.positions, view, |seen| {
+            let (id, size, camera) = (seen.id, seen.size, *seen.camera);
+            let words = match &source {
+                VolumeSource::Adjacent(own) => Some(own.clone()),
+                _ => None,
+            };
+            let work = move |list: Vec<terrafill_fill::Volume>| {
+                let constants = constants(&camera, list.len());
+                let mut constants = bytemuck::cast_slice(&constants).to_vec();
+                if let Some(own) = &words {
+                    let words = own.words_behind(constants.len());
+                    constants.extend_from_slice(bytemuck::cast_slice(&words));
+                }
+                Ok::<_, DeviceError>(StencilWork {
+                    program: program(way, &switches, &list)?,
+                    list: VolumeList {
+                        view_id: id,
+                        size,
+                        volumes: list,
+                    },
+                    constants,
+                    blends: false,
+                })
+            };
+            let whole = work(list.clone())?;
+            let retile: Option<Retile> = (way.bounds == Bounds::Tiles).then(|| {
+                let retile: Retile =
+                    Box::new(move |picture| work(tiled(&list, size, &picture.depth)));
+                retile
+            });
+            let seen = SurfaceView {
+                draws_back_faces,
+                ..seen
+            };
+            let interface = way.interface;
+            Ok(interface.open(devices, &switches, seen, source, (whole, retile))?)
+        })
+    }
+
+    /// Hands over what a view sees, as devices draw it.
+    pub(crate) fn seen_by<T>(
+        &self,
+        positions: Positions,
+        view: &View,
+        use_it: impl FnOnce(SurfaceView<'_>) -> Result<T, DrawError>,
+    ) -> Result<T, DrawError> {
         let body = Ellipsoid::new("sea", SEA_RADIUS_M, SEA_RADIUS_M).ok_or("no sphere")?;
-        let camera = camera(view);
-        let surface = surface(way.positions, view, self.mesh());
-        let id = ViewId::unique();
         let size = ImageSize {
             width: view.size[0],
             height: view.size[1],
         };
-        let seen = SurfaceView {
-            id,
+        use_it(SurfaceView {
+            id: ViewId::unique(),
             body: &body,
-            camera: &camera,
+            camera: &camera(view),
             size,
-            surface: &surface,
+            surface: &surface(positions, view, self.mesh()),
             picture: None,
-        };
-        let switches = way.switches();
-        let program = program(way, &switches, &loadable.list)?;
-        let constants = constants(&camera, loadable.list.len());
-        let mut constants = bytemuck::cast_slice(&constants).to_vec();
-        if let VolumeSource::Adjacent(own) = &loadable.source {
-            constants.extend_from_slice(bytemuck::cast_slice(&own.words_behind(constants.len())));
-        }
-        let work = StencilWork {
-            list: VolumeList {
-                view_id: id,
-                size,
-                volumes: loadable.list,
-            },
-            program,
-            constants,
-            blends: false,
-        };
-        let interface = way.interface;
-        Ok(interface.open(devices, &switches, seen, loadable.source, work)?)
+            // Of a lit face that looks away the light cap is drawn too. Beside a rim it is as near as what looks at
+            // the eye, and a rounding nearer where the cap's depth must be no nearer than what is seen.
+            draws_back_faces: true,
+        })
     }
 }
 
@@ -195,14 +241,14 @@ fn mask(picture: &Picture) -> Vec<bool> {
     pixels.map(|pixel| pixel[3] != 0).collect()
 }
 
-fn lost(mask: &[bool], truth: &Truth) -> usize {
+pub(crate) fn lost(mask: &[bool], truth: &Truth) -> usize {
     let pixels = mask.iter().zip(&truth.light);
     pixels
         .filter(|(is_dark, light)| !**is_dark && **light == Light::Shadow)
         .count()
 }
 
-fn hash(mask: &[bool]) -> String {
+pub(crate) fn hash(mask: &[bool]) -> String {
     mask_hash(&Frame {
         size: ImageSize {
             width: count(mask.len()),
@@ -215,3 +261,6 @@ fn hash(mask: &[bool]) -> String {
         texture: None,
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -6,12 +6,16 @@
 //! hold it; devices draw the same volumes into a stencil. The casters are a procedural port, or a user's model.
 
 mod brought;
+mod casting;
 mod chapter;
 mod count;
 mod device;
 mod device_map;
 mod drawing;
+mod eyes;
 mod images;
+mod job;
+mod ladder;
 mod list;
 mod loading;
 mod maps;
@@ -19,12 +23,15 @@ mod metrics;
 mod near;
 mod outline;
 mod reference;
+mod rivals;
 mod scissor;
 mod sea;
 mod silhouettes;
 mod source;
 mod study;
+mod tiling;
 mod view;
+mod views;
 mod way;
 mod work;
 

@@ -1,26 +1,33 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which cases there are.
 
-use crate::STUDY;
+mod planned;
+
+use self::planned::planned;
 use crate::brought::Brought;
 use crate::count::Rule;
 use crate::device::Interface;
+use crate::job::{Job, Method};
+use crate::ladder::rungs;
 use crate::maps::Bias;
 use crate::near::EyeTest;
 use crate::outline::Way;
+use crate::rivals::Rival;
 use crate::source::Adjacency;
+use crate::views::{Chooser, Eyes, Place};
 use crate::way::Silhouettes;
-use crate::way::{Counting, DeviceWay, Positions};
+use crate::way::{Bounds, Counting, Cut, DeviceWay, Positions};
 use crate::work::{End, NEARS, Scissor};
 use terrafill_casters::Policy;
 use terrafill_fill::FacePasses;
-use terrafill_results::{CaseId, PlannedCase};
+use terrafill_results::PlannedCase;
 use terrafill_study::Depth;
 
 /// Suns over the deck: elevation and azimuth from the dock, degrees.
 const DECK_SUNS: [[f64; 2]; 2] = [[30.0, -60.0], [5.0, 0.0]];
-/// Suns over the bridge; a quick run has the first four.
-const SUNS: [[f64; 2]; 7] = [
+/// Suns over the bridge, from the zenith to one at which the shadows of the highest tops land nowhere on the sphere;
+/// a quick run has the first four.
+const SUNS: [[f64; 2]; 9] = [
     [60.0, 90.0],
     [10.0, -60.0],
     [5.0, 0.0],
@@ -28,6 +35,8 @@ const SUNS: [[f64; 2]; 7] = [
     [30.0, -60.0],
     [2.0, 0.0],
     [0.3, -60.0],
+    [90.0, 0.0],
+    [0.2, -60.0],
 ];
 const QUICK_SUNS: usize = 4;
 /// Suns of devices; a quick run has the first two.
@@ -48,6 +57,8 @@ const MAP_SUNS: [[f64; 2]; 5] = [
 const TEXELS_M: [f64; 4] = [1.0, 0.25, 0.1, 0.05];
 /// Sun of scissors and finite volumes.
 const LOW_SUN: [f64; 2] = [10.0, -60.0];
+/// Sun of rails seen from near, low enough to show a step of f32.
+const RAIL_SUN: [f64; 2] = [3.0, -60.0];
 /// Lengths of finite volumes, m.
 const LENGTHS: [f64; 7] = [6.0, 12.0, 25.0, 50.0, 100.0, 200.0, 400.0];
 /// Casters of rows; 255 is the most that 8 bits count.
@@ -72,61 +83,18 @@ pub(crate) const BROUGHT: &str = "";
 const SAMPLES: u32 = 5;
 
 /// Questions that a user's model is asked, in order.
-const OF_ANY_MODEL: [&str; 8] = [
+const OF_ANY_MODEL: [&str; 10] = [
     "model",
     "updates",
     "scissors",
     "bounds",
     "silhouettes",
     "devices",
+    "ladder",
+    "rivals",
     "maps",
     "device-maps",
 ];
-
-/// How a silhouette is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Method {
-    Stack,
-    Hash,
-    Adjacency,
-}
-
-impl Method {
-    pub(crate) const ALL: [Self; 3] = [Self::Stack, Self::Hash, Self::Adjacency];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Stack => "stack",
-            Self::Hash => "hash",
-            Self::Adjacency => "adjacency",
-        }
-    }
-}
-
-/// What a case computes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Job {
-    Eye([f64; 2], f64, EyeTest),
-    Updates([f64; 2], End, Rule),
-    Scissor([f64; 2], Scissor),
-    /// By depth bounds, volumes closed at the sea.
-    Bounds([f64; 2], Rule),
-    Finite([f64; 2], f64),
-    Row(u32, bool),
-    Casters(Policy),
-    Outline(u32, Way),
-    Silhouette(&'static str, Method),
-    /// What a user's file holds.
-    Model,
-    Device([f64; 2], DeviceWay),
-    Origin([f64; 2], DeviceWay),
-    /// Of boxes, turned so that faces are edge-on or at random.
-    Facing([f64; 2], bool, DeviceWay),
-    Near([f64; 2], DeviceWay),
-    DeviceRow(u32, DeviceWay),
-    Map([f64; 2], f64, Bias),
-    DeviceMap([f64; 2], f64, Bias),
-}
 
 /// Volumes from the CPU, closed at the sea, z-fail, two-sided, whole.
 fn device_way(interface: Interface) -> DeviceWay {
@@ -137,9 +105,9 @@ fn device_way(interface: Interface) -> DeviceWay {
         end: End::Sea,
         rule: Rule::Fail,
         faces: FacePasses::TwoSided,
-        is_cut: false,
+        cut: Cut::Off,
         counting: Counting::Casters,
-        has_bounds: false,
+        bounds: Bounds::Off,
     }
 }
 
@@ -147,6 +115,12 @@ fn device_way(interface: Interface) -> DeviceWay {
 fn device_ways(interface: Interface) -> Vec<DeviceWay> {
     let way = device_way(interface);
     let (end, rule, faces) = (End::Infinite, Rule::Pass, FacePasses::TwoPass);
+    let bounded = |bounds| DeviceWay { bounds, ..way };
+    // No more than some fifty volumes of this port lie over a pixel.
+    let by_part = |bounds| DeviceWay {
+        counting: Counting::Parts { is_guarded: false },
+        ..bounded(bounds)
+    };
     let mut ways = vec![
         DeviceWay { end, ..way },
         DeviceWay { end, rule, ..way },
@@ -154,13 +128,13 @@ fn device_ways(interface: Interface) -> Vec<DeviceWay> {
         DeviceWay { rule, ..way },
         DeviceWay { faces, ..way },
         DeviceWay {
-            is_cut: true,
+            cut: Cut::Rectangle,
             ..way
         },
-        DeviceWay {
-            has_bounds: true,
-            ..way
-        },
+        bounded(Bounds::Native),
+        by_part(Bounds::Native),
+        bounded(Bounds::Tiles),
+        by_part(Bounds::Tiles),
         DeviceWay {
             rule: Rule::Preload,
             ..way
@@ -173,6 +147,8 @@ fn device_ways(interface: Interface) -> Vec<DeviceWay> {
     };
     match interface {
         Interface::Wgpu => ways.extend([
+            bounded(Bounds::Discard),
+            by_part(Bounds::Discard),
             found(Silhouettes::Pulled, end),
             found(Silhouettes::Computed, end),
             found(Silhouettes::Computed, End::Sea),
@@ -245,10 +221,6 @@ fn origin_ways(interface: Interface) -> impl Iterator<Item = DeviceWay> {
 /// A question's cases.
 pub(crate) type Questions = (&'static str, Vec<(Job, PlannedCase)>);
 
-pub(crate) fn sun_name([elevation, azimuth]: [f64; 2]) -> String {
-    format!("{elevation}° from {azimuth}°")
-}
-
 /// All of a depth, by question.
 ///
 /// - `brought`: a user's model, of which the questions are asked that any model answers
@@ -270,11 +242,16 @@ pub(crate) fn questions(
     });
     let updates = suns.iter().flat_map(|sun| {
         let of = |end| Rule::ALL.map(|rule| Job::Updates(*sun, end, rule));
-        [End::Infinite, End::Sea].into_iter().flat_map(of)
+        let ends = [End::Infinite, End::Sea].into_iter().flat_map(of);
+        ends.chain([Job::Updates(*sun, End::Calm, Rule::Fail)])
     });
     let bounds = suns.iter().flat_map(|sun| {
         let rules = [Rule::Pass, Rule::Fail];
         rules.map(|rule| Job::Bounds(*sun, rule))
+    });
+    let views = Place::ALL.into_iter().flat_map(|place| {
+        let of = move |chooser| Job::View(LOW_SUN, place, chooser);
+        Chooser::ALL.into_iter().map(of)
     });
     let rows = ROWS
         .into_iter()
@@ -293,8 +270,21 @@ pub(crate) fn questions(
         let ways = Interface::ALL.into_iter().flat_map(device_ways);
         ways.map(move |way| Job::Device(*sun, way))
     });
+    let rivals = device_suns.iter().flat_map(|sun| {
+        let of = move |rival| Job::Rival(*sun, rival);
+        Rival::ALL.into_iter().map(of)
+    });
+    let ladder = device_suns.iter().flat_map(|sun| {
+        let all = Interface::ALL.into_iter().flat_map(rungs);
+        all.map(move |rung| Job::Rung(*sun, rung))
+    });
     let origins = Interface::ALL.into_iter().flat_map(origin_ways);
-    let origins = origins.map(|way| Job::Origin(LOW_SUN, way));
+    let origins = origins.flat_map(|way| {
+        [
+            Job::Origin(LOW_SUN, Eyes::Bridge, way),
+            Job::Origin(RAIL_SUN, Eyes::At(Place::QuayEdge), way),
+        ]
+    });
     let facings = [true, false].into_iter().flat_map(|is_edge_on| {
         let ways = Interface::ALL.into_iter().flat_map(facing_ways);
         ways.map(move |way| Job::Facing(FACING_SUN, is_edge_on, way))
@@ -310,7 +300,7 @@ pub(crate) fn questions(
         false => (&MAP_SUNS[..], &TEXELS_M[..]),
     };
     let device_maps = map_suns.iter().flat_map(|sun| {
-        let of = move |texel: &f64| Bias::ALL.map(|bias| Job::DeviceMap(*sun, *texel, bias));
+        let of = move |texel: &f64| Bias::DRAWN.map(|bias| Job::DeviceMap(*sun, *texel, bias));
         texels.iter().flat_map(of)
     });
     let maps = map_suns.iter().flat_map(|sun| {
@@ -326,6 +316,7 @@ pub(crate) fn questions(
         ("model", cases(vec![Job::Model], 0)),
         ("eyes", cases(eyes.collect(), 0)),
         ("updates", cases(updates.collect(), 0)),
+        ("views", cases(views.collect(), 0)),
         (
             "scissors",
             cases(
@@ -351,6 +342,14 @@ pub(crate) fn questions(
             "devices",
             cases(devices.collect(), samples.unwrap_or(SAMPLES)),
         ),
+        (
+            "ladder",
+            cases(ladder.collect(), samples.unwrap_or(SAMPLES)),
+        ),
+        (
+            "rivals",
+            cases(rivals.collect(), samples.unwrap_or(SAMPLES)),
+        ),
         ("near", cases(nears.collect(), samples.unwrap_or(SAMPLES))),
         (
             "device-rows",
@@ -371,182 +370,4 @@ pub(crate) fn questions(
     all.into_iter()
         .filter(|(name, _)| is_asked(*name))
         .collect()
-}
-
-fn counting(is_guarded: bool) -> &'static str {
-    match is_guarded {
-        true => "passes of 255",
-        false => "8 bits, wrapping",
-    }
-}
-
-fn planned(job: Job, samples: u32, brought: Option<&Brought>) -> PlannedCase {
-    let (question, conditions, may_be_wrong): (_, Vec<(&str, String)>, _) = match job {
-        Job::Model => ("model", Vec::new(), false),
-        Job::Eye(sun, near, test) => (
-            "eyes",
-            vec![
-                ("sun", sun_name(sun)),
-                ("near_m", near.to_string()),
-                ("eye_test", test.name().to_owned()),
-            ],
-            test == EyeTest::Eye,
-        ),
-        Job::Updates(sun, end, rule) => (
-            "updates",
-            vec![
-                ("sun", sun_name(sun)),
-                ("extent", end.name().to_owned()),
-                ("rule", rule.name().to_owned()),
-            ],
-            rule == Rule::PassAsPrinted,
-        ),
-        Job::Scissor(sun, scissor) => (
-            "scissors",
-            vec![
-                ("sun", sun_name(sun)),
-                ("scissor", scissor.name().to_owned()),
-            ],
-            !matches!(scissor, Scissor::Off | Scissor::CasterRectangle),
-        ),
-        Job::Bounds(sun, rule) => (
-            "bounds",
-            vec![
-                ("sun", sun_name(sun)),
-                ("rule", rule.name().to_owned()),
-                ("depth_bounds", "on".to_owned()),
-            ],
-            false,
-        ),
-        Job::Finite(sun, length) => (
-            "finite",
-            vec![("sun", sun_name(sun)), ("length_m", length.to_string())],
-            true,
-        ),
-        Job::Row(count, guard) => (
-            "rows",
-            vec![
-                ("casters", count.to_string()),
-                ("counting", counting(guard).to_owned()),
-            ],
-            !guard,
-        ),
-        Job::Casters(policy) => (
-            "casters",
-            vec![("policy", policy.name().to_owned())],
-            policy == Policy::AsIs,
-        ),
-        Job::Outline(count, way) => (
-            "outlines",
-            vec![
-                ("models", count.to_string()),
-                ("outline", way.name().to_owned()),
-            ],
-            matches!(way, Way::ValueAsPrinted | Way::ValueNeverCleared),
-        ),
-        Job::Silhouette(mesh, method) => (
-            "silhouettes",
-            match brought {
-                Some(_) => vec![("silhouette", method.name().to_owned())],
-                None => vec![
-                    ("mesh", mesh.to_owned()),
-                    ("silhouette", method.name().to_owned()),
-                ],
-            },
-            mesh.contains("turned") && method != Method::Adjacency,
-        ),
-        Job::Map(sun, texel, bias) | Job::DeviceMap(sun, texel, bias) => (
-            if matches!(job, Job::Map(..)) {
-                "maps"
-            } else {
-                "device-maps"
-            },
-            vec![
-                ("sun", sun_name(sun)),
-                ("texel_m", texel.to_string()),
-                ("bias", bias.name().to_owned()),
-            ],
-            true,
-        ),
-        Job::Origin(sun, way) => (
-            "origins",
-            vec![
-                ("sun", sun_name(sun)),
-                ("api", way.interface.name().to_owned()),
-                ("positions", way.positions.name()),
-            ],
-            way.positions != Positions::Eye,
-        ),
-        Job::Near(sun, way) => {
-            let may_be_wrong = match way.counting {
-                Counting::Casters => way.rule == Rule::Pass,
-                counting => counting == Counting::Chosen(EyeTest::Eye),
-            };
-            let conditions = vec![
-                ("sun", sun_name(sun)),
-                ("api", way.interface.name().to_owned()),
-                ("rule", way.rule_name()),
-            ];
-            ("near", conditions, may_be_wrong)
-        }
-        Job::DeviceRow(count, way) => {
-            let is_guarded = way.counting == Counting::Parts { is_guarded: true };
-            let conditions = vec![
-                ("casters", count.to_string()),
-                ("api", way.interface.name().to_owned()),
-                ("counting", counting(is_guarded).to_owned()),
-            ];
-            ("device-rows", conditions, !is_guarded)
-        }
-        Job::Facing(sun, is_edge_on, way) => (
-            "facings",
-            vec![
-                ("sun", sun_name(sun)),
-                (
-                    "boxes",
-                    if is_edge_on { "edge-on" } else { "at random" }.to_owned(),
-                ),
-                ("api", way.interface.name().to_owned()),
-                ("silhouette", way.silhouettes.name().to_owned()),
-            ],
-            way.silhouettes.decides_by_corners(),
-        ),
-        Job::Device(sun, way) => {
-            let scissor = if way.is_cut {
-                Scissor::CasterRectangle
-            } else {
-                Scissor::Off
-            };
-            let faces = match way.faces {
-                FacePasses::TwoSided => "two-sided",
-                FacePasses::TwoPass => "two-pass",
-            };
-            let conditions = [
-                ("sun", sun_name(sun)),
-                ("api", way.interface.name().to_owned()),
-                ("extent", way.end.name().to_owned()),
-                ("rule", way.rule_name()),
-                ("faces", faces.to_owned()),
-                ("scissor", scissor.name().to_owned()),
-                (
-                    "depth_bounds",
-                    if way.has_bounds { "on" } else { "off" }.to_owned(),
-                ),
-                ("silhouette", way.silhouettes.name().to_owned()),
-            ];
-            ("devices", conditions.into(), false)
-        }
-    };
-    let model = brought.map(|brought| ("model", brought.name.clone()));
-    let conditions: Vec<(&str, String)> = model.into_iter().chain(conditions).collect();
-    let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
-    let name = format!("{question}/{}", values.join("/"));
-    let conditions = std::iter::once(("question", question.to_owned())).chain(conditions.clone());
-    // Of a mesh that is not closed, any answer but the verdict may be wrong.
-    let may_leak = brought.is_some_and(|brought| brought.policy == Policy::AsIs);
-    PlannedCase {
-        id: CaseId::new(STUDY, name, conditions),
-        samples,
-        may_be_wrong: may_be_wrong || may_leak,
-    }
 }

@@ -10,7 +10,7 @@ use crate::reference::Reference;
 use crate::scissor::{Rectangle, of_parts};
 use crate::source::{EyeVolumes, VolumeSource};
 use crate::view::View;
-use crate::way::{Counting, DeviceWay, DrawError, count, eye_vertices};
+use crate::way::{Bounds, Counting, Cut, DeviceWay, DrawError, count, eye_vertices};
 use crate::work::Scene;
 use glam::DVec4;
 use std::ops::Range;
@@ -38,7 +38,7 @@ struct Together {
 }
 
 impl Scene {
-    fn together(&self, way: DeviceWay, view: &View, reference: &Reference<'_>) -> Vec<Together> {
+    fn groups(&self, way: DeviceWay, view: &View, reference: &Reference<'_>) -> Vec<Together> {
         let mesh = self.mesh();
         let all = |parts: Range<usize>| Together {
             parts: parts.collect(),
@@ -94,7 +94,7 @@ impl Scene {
         for triangle in &volume.triangles {
             of_part[triangle.part as usize].extend(triangle.corners);
         }
-        for Together { parts, is_near } in self.together(way, view, reference) {
+        for Together { parts, is_near } in self.groups(way, view, reference) {
             let rectangle = match &rectangles {
                 Some(all) => {
                     let own = parts.iter().map(|part| all[*part]);
@@ -112,14 +112,18 @@ impl Scene {
             }
             let own = &volumes.indices[first..];
             let places = own.iter().map(|at| volume.vertices[*at as usize]);
-            let depth = match way.has_bounds {
-                true => depth_range(view, places),
-                false => DepthRange::ANY,
+            let depth = match way.bounds {
+                Bounds::Off => DepthRange::ANY,
+                _ => depth_range(view, places),
+            };
+            let drawn = match way.cut {
+                Cut::Rectangle => rectangle,
+                Cut::Off | Cut::Culled => Rectangle::whole(view),
             };
             list.push(terrafill_fill::Volume {
                 near_plane_meets_volume: is_near,
                 depth,
-                ..listed(rectangle, volumes.ranges.len())
+                ..listed(drawn, volumes.ranges.len())
             });
             volumes
                 .ranges
@@ -201,29 +205,10 @@ pub(crate) fn program(
     list: &[terrafill_fill::Volume],
 ) -> Result<FillProgram, DeviceError> {
     let mut program = match way.counting {
-        Counting::Parts { is_guarded } => {
-            let together = if is_guarded {
-                COUNTABLE
-            } else {
-                list.len().max(1)
-            };
-            let mut program = FillProgram::default();
-            for first in (0..list.len()).step_by(together) {
-                // Of one volume, which stands for all that are counted with it: the contract's own guard would
-                // refuse a case that is to show what wrapping does.
-                let mut own = FillProgram::new(&list[first..=first], switches, Overlap::Ordered)?;
-                let past = list.len().min(first + together);
-                for command in own.passes.iter_mut().flat_map(|pass| &mut pass.commands) {
-                    match command {
-                        FillCommand::Volumes { volumes, .. } => *volumes = (first..past).collect(),
-                        FillCommand::Cover { volumes, .. } => *volumes = vec![first],
-                        FillCommand::Accumulate { .. } | FillCommand::Resolve => {}
-                    }
-                }
-                program.passes.extend(own.passes);
-            }
-            program
-        }
+        Counting::Parts { is_guarded: true } => together(switches, list, COUNTABLE)?,
+        Counting::Parts { is_guarded: false } => together(switches, list, list.len())?,
+        // As many as before over any pixel: rectangles of a caster lie beside each other.
+        _ if way.bounds == Bounds::Tiles => together(switches, list, list.len())?,
         _ => FillProgram::new(list, switches, Overlap::Ordered)?,
     };
     if way.rule == Rule::Preload {
@@ -245,6 +230,30 @@ pub(crate) fn program(
             let preloads: Vec<FillCommand> = preloads.collect();
             pass.commands = preloads.into_iter().chain(commands).collect();
         }
+    }
+    Ok(program)
+}
+
+/// Passes that count so many volumes each.
+fn together(
+    switches: &Switches,
+    list: &[terrafill_fill::Volume],
+    count: usize,
+) -> Result<FillProgram, DeviceError> {
+    let mut program = FillProgram::default();
+    for first in (0..list.len()).step_by(count.max(1)) {
+        // Of one volume, which stands for all that are counted with it: the contract's own guard would
+        // refuse a case that is to show what wrapping does.
+        let mut own = FillProgram::new(&list[first..=first], switches, Overlap::Ordered)?;
+        let past = list.len().min(first + count);
+        for command in own.passes.iter_mut().flat_map(|pass| &mut pass.commands) {
+            match command {
+                FillCommand::Volumes { volumes, .. } => *volumes = (first..past).collect(),
+                FillCommand::Cover { volumes, .. } => *volumes = vec![first],
+                FillCommand::Accumulate { .. } | FillCommand::Resolve => {}
+            }
+        }
+        program.passes.extend(own.passes);
     }
     Ok(program)
 }

@@ -12,7 +12,7 @@ pub(crate) const MAP_WRONG: &str = "shadow_map_wrong";
 pub(crate) const FILL_CPU: &str = "shadow_fill_cpu_ms";
 pub(crate) const FILL_GPU: &str = "shadow_fill_gpu_ms";
 
-pub(crate) const METRICS: [Metric; 38] = [
+pub(crate) const METRICS: [Metric; 42] = [
     Metric::less(
         "shadow_silhouette_cpu_ms",
         "ms",
@@ -30,6 +30,18 @@ pub(crate) const METRICS: [Metric; 38] = [
         "ms",
         Kind::Time,
         "GPU time of the same.",
+    ),
+    Metric::less(
+        "shadow_volumes_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time of finding the volumes of all casters for a frame; none where they are kept.",
+    ),
+    Metric::less(
+        "shadow_build_gpu_ms",
+        "ms",
+        Kind::Time,
+        "GPU time of building the device's tree of triangles, once for casters that rest.",
     ),
     Metric::less(
         "shadow_fragments",
@@ -86,6 +98,12 @@ pub(crate) const METRICS: [Metric; 38] = [
         "Wrong pixels of all that the reference judges, the band included, at the best step of the bias.",
     ),
     Metric::less(
+        "shadow_map_wrong_in_three",
+        "%",
+        Kind::Error,
+        "The same of the three channels that see most pixels of casters, at the step that is best there.",
+    ),
+    Metric::less(
         "shadow_map_wrong_unbiased",
         "%",
         Kind::Error,
@@ -138,6 +156,12 @@ pub(crate) const METRICS: [Metric; 38] = [
         "%",
         Kind::Error,
         "Eyes for which z-pass is chosen while part of the near rectangle is in shadow, so that pixels miscount.",
+    ),
+    Metric::less(
+        "shadow_eyes_missed_at_corners",
+        "%",
+        Kind::Error,
+        "Of these, those of which a corner or the middle of the near rectangle is in shadow; all samples are 17 by 17.",
     ),
     Metric::less(
         "shadow_eyes_needless",

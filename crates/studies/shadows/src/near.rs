@@ -226,6 +226,13 @@ pub(crate) fn shadowed_share(view: &View, reference: &Reference<'_>) -> f64 {
     dark as f64 / f64::from(SAMPLES * SAMPLES)
 }
 
+/// Whether a corner or the middle of the near rectangle is in shadow: what five samples find.
+pub(crate) fn is_shadowed_at_corners(view: &View, reference: &Reference<'_>) -> bool {
+    let middle = view.eye + view.forward * view.near;
+    let mut places = view.near_corners().into_iter().chain([middle]);
+    places.any(|place| reference.is_shadowed(place, None))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -244,6 +251,10 @@ mod tests {
             // The small port's dock is 60 m long.
             view.eye.x = view.eye.x / 5.0 - 120.0;
             let is_dark = shadowed_share(&view, &reference) > 0.0;
+            assert!(
+                is_dark || !is_shadowed_at_corners(&view, &reference),
+                "a sample"
+            );
             for (at, test) in EyeTest::ALL.into_iter().enumerate() {
                 let choice = chosen(test, &view, to_light, &mesh, &facing, &boxes, &reference);
                 let any = choice.contains(&true);

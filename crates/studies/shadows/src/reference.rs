@@ -215,18 +215,6 @@ impl<'a> Reference<'a> {
         is_shadowed
     }
 
-    /// Whether the way from one place to another meets a face that is turned to the sun and away from the eye.
-    pub(crate) fn is_lit_back_between(&self, eye: DVec3, own: DVec3, other: DVec3) -> bool {
-        let mut is_met = false;
-        self.walk(own, other - own, |triangle, share| {
-            let normal = self.mesh.normals[self.mesh.planes[triangle as usize] as usize];
-            let is_lit_back = normal.dot(self.to_light) > 0.0 && normal.dot(own - eye) > 0.0;
-            is_met |= share < 1.0 && is_lit_back;
-            1.0
-        });
-        is_met
-    }
-
     /// Test A by every triangle, one after the other.
     #[cfg(test)]
     fn is_shadowed_by_any(&self, place: DVec3, own: Option<u32>) -> bool {

@@ -27,7 +27,7 @@ impl Scene {
         volume: &Volume,
     ) -> Result<Option<Found>, DrawError> {
         let source = match way.silhouettes {
-            Silhouettes::Adjacency => return Ok(None),
+            Silhouettes::Adjacency | Silhouettes::EachTriangle => return Ok(None),
             Silhouettes::Pulled => VolumeSource::Pulled(self.pieces(false)?),
             Silhouettes::Corners => VolumeSource::Corners(self.pieces(true)?),
             Silhouettes::Computed => VolumeSource::Computed(Computed {

@@ -1,20 +1,24 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The cases, by question: each question is a group.
 
+mod on_devices;
+
 use crate::brought::{Brought, SETTING};
+use crate::casting::Asks;
 use crate::chapter::ShadowsChapter;
 use crate::count::{Rule, Wrong};
 use crate::device::Draws;
-use crate::device_map::{DeviceMap, differing};
-use crate::drawing::DeviceDrawn;
-use crate::list::{Job, Method, questions};
-use crate::maps::Bias;
+use crate::device_map::DeviceMap;
+use crate::eyes::EyeTable;
+use crate::job::{Job, Method};
+use crate::list::questions;
 use crate::metrics::METRICS;
 use crate::near::EyeTest;
 use crate::outline::{Way, outlines};
 use crate::view::sun;
+use crate::views::Chooser;
 use crate::way::DrawError;
-use crate::work::{BOUNDS_SHARE, Drawn, End, EyeTable, Pixels, Scene, Scissor};
+use crate::work::{BOUNDS_SHARE, Drawn, End, Pixels, Scene, Scissor};
 use crate::{STUDY, images};
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -128,6 +132,8 @@ impl Group for Question {
             eyes: None,
             meshes: Vec::new(),
             opened: BTreeMap::new(),
+            asking: BTreeMap::new(),
+            edges: None,
             map: None,
         }))
     }
@@ -150,6 +156,10 @@ struct Answering<'a> {
     meshes: Vec<Ready>,
     /// By case: what a device drew.
     opened: BTreeMap<usize, Box<dyn Draws>>,
+    /// By case: what a rival answers.
+    asking: BTreeMap<usize, Box<dyn Asks>>,
+    /// Of the last scene, for silhouettes that are found each frame.
+    edges: Option<EdgeTable>,
     /// The last one, of a sun and a size of texels: it may fill half of a device.
     map: Option<([f64; 2], f64, DeviceMap)>,
 }
@@ -271,29 +281,6 @@ fn verdict_of(wrong: Wrong, figures: Figures) -> Verdict {
     verdict(wrong.outside() == 0, reason, figures)
 }
 
-fn device_figures(drawn: &DeviceDrawn, pixels: Pixels) -> Figures {
-    let mut figures = vec![
-        ("shadow_receiver_px", pixels.receivers as f64),
-        ("shadow_px", pixels.shadow as f64),
-        ("shadow_false_lit_px", drawn.wrong.false_lit as f64),
-        ("shadow_false_dark_px", drawn.wrong.false_dark as f64),
-        ("shadow_band_px", drawn.wrong.in_band as f64),
-        ("shadow_rim_px", drawn.wrong.at_rims as f64),
-        (
-            "shadow_lost_share",
-            percent(drawn.lost as f64, pixels.shadow),
-        ),
-        ("shadow_volume_triangles", drawn.volume_triangles as f64),
-        ("shadow_draws", drawn.draws as f64),
-        ("shadow_bytes", drawn.bytes[0] as f64),
-        ("shadow_sun_bytes", drawn.bytes[1] as f64),
-        ("shadow_casters_left_out", drawn.left_out as f64),
-    ];
-    let fragments = drawn.fragments;
-    figures.extend(fragments.map(|all| ("shadow_fragments", all as f64 / pixels.all as f64)));
-    figures
-}
-
 impl Answering<'_> {
     /// The scene called `name`, made if the last one is another.
     fn scene(
@@ -303,6 +290,7 @@ impl Answering<'_> {
     ) -> Result<&Scene, String> {
         if self.scene.as_ref().is_none_or(|(own, _)| own != name) {
             self.scene = Some((name.to_owned(), make()?));
+            self.edges = None;
         }
         self.scene
             .as_ref()
@@ -359,6 +347,19 @@ impl Answering<'_> {
                 let scene = self.under(sun)?;
                 let drawn = scene.drawn_within(rule, BOUNDS_SHARE)?;
                 Ok(drawn_verdict(&drawn, scene.pixels()))
+            }
+            Job::View(sun, place, chooser) => {
+                let size = self.question.size;
+                let make = || Scene::of_place(place, sun, size);
+                let scene = self.scene(place.name(), make)?;
+                let drawn = scene.drawn_chosen(chooser)?;
+                let mut verdict = drawn_verdict(&drawn, scene.pixels());
+                if chooser == Chooser::ALL[0] {
+                    let (_, truth) = scene.darkest().ok_or("no channel")?;
+                    let path = images::write(folder, place.name(), truth, None)?;
+                    verdict.notes.push(("reference_image", path));
+                }
+                Ok(verdict)
             }
             Job::Finite(sun, length) => {
                 let scene = self.under(sun)?;
@@ -434,6 +435,7 @@ impl Answering<'_> {
                 let share = |count: usize| percent(count as f64, mapped.judged);
                 let figures = vec![
                     ("shadow_map_wrong", share(all)),
+                    ("shadow_map_wrong_in_three", 100.0 * mapped.wrong_in_three),
                     ("shadow_map_wrong_unbiased", share(mapped.unbiased)),
                     ("shadow_map_bias_m", mapped.bias_m),
                     ("shadow_bytes", mapped.bytes as f64),
@@ -454,102 +456,10 @@ impl Answering<'_> {
             | Job::Facing(..)
             | Job::Near(..)
             | Job::DeviceRow(..)
-            | Job::DeviceMap(..) => Err("devices answer by case".to_owned()),
+            | Job::DeviceMap(..)
+            | Job::Rival(..)
+            | Job::Rung(..) => Err("devices answer by case".to_owned()),
         }
-    }
-
-    /// A map on the device, made if the last one is another.
-    fn map(&mut self, sun: [f64; 2], texel_m: f64) -> Result<&DeviceMap, DrawError> {
-        let is_there = |map: &([f64; 2], f64, DeviceMap)| map.0 == sun && map.1 == texel_m;
-        if !self.map.as_ref().is_some_and(is_there) {
-            // Two at a time may be more than there is room for.
-            self.map = None;
-            let devices = self.context.devices;
-            let scene = self.under(sun)?;
-            let frame = scene.frame(texel_m);
-            let frame = frame.map_err(|error| DrawError::Unfit(error.to_string()))?;
-            let map = scene.device_map(devices, &frame)?;
-            self.map = Some((sun, texel_m, map));
-        }
-        let map = self.map.as_ref().map(|(.., map)| map);
-        map.ok_or_else(|| "no map".into())
-    }
-
-    /// The device's map beside the CPU's, at the step of the bias that is best there.
-    fn device_mapped(
-        &mut self,
-        sun: [f64; 2],
-        texel_m: f64,
-        bias: Bias,
-    ) -> Result<Verdict, DrawError> {
-        self.map(sun, texel_m)?;
-        let mapped = self.under(sun)?.mapped(texel_m, bias);
-        let mapped = mapped.map_err(|error| DrawError::Unfit(error.to_string()))?;
-        let masks = self.map(sun, texel_m)?.masks(bias, mapped.step, texel_m)?;
-        let scene = self.under(sun)?;
-        let channels = masks.iter().zip(&scene.channels);
-        let wrong = channels.fold(Wrong::default(), |sum, (mask, (_, truth))| {
-            sum.plus(Wrong::of(mask, truth))
-        });
-        let share = |count: usize| percent(count as f64, scene.judged());
-        let differs = share(differing(scene, &masks, &mapped.masks));
-        if differs > MAX_DIFFERS {
-            let message = format!(
-                "{differs:.2} % of the pixels say otherwise than the CPU's map, allowed: {MAX_DIFFERS} %"
-            );
-            return Ok(Verdict::failed(message));
-        }
-        Ok(verdict_of(
-            wrong,
-            vec![
-                ("shadow_map_wrong", share(wrong.outside() + wrong.in_band)),
-                ("shadow_map_differs", differs),
-                ("shadow_map_bias_m", mapped.bias_m),
-                ("shadow_bytes", mapped.bytes as f64),
-                ("shadow_false_lit_px", wrong.false_lit as f64),
-                ("shadow_false_dark_px", wrong.false_dark as f64),
-                ("shadow_band_px", wrong.in_band as f64),
-            ],
-        ))
-    }
-
-    /// What a device draws.
-    fn device(&mut self, case: usize, job: Job) -> Result<Verdict, DrawError> {
-        let (context, question, size) = (self.context, self.question.name, self.question.size);
-        let (scene, way) = match job {
-            Job::Device(sun, way) | Job::Origin(sun, way) => (self.under(sun)?, way),
-            Job::Facing(sun, is_edge_on, way) => {
-                let make = || Scene::of_boxes(sun, is_edge_on, size);
-                (self.scene(&format!("{sun:?} {is_edge_on}"), make)?, way)
-            }
-            Job::Near(sun, way) => {
-                let make = || Scene::of_missed_eye(sun, size);
-                (self.scene(&format!("{sun:?}"), make)?, way)
-            }
-            Job::DeviceRow(count, way) => {
-                let make = || Scene::of_row(count, size);
-                (self.scene(&count.to_string(), make)?, way)
-            }
-            _ => return Err("no device draws it".into()),
-        };
-        let mut drawn = scene.drawn_by(context.devices, way)?;
-        let mut verdict = verdict_of(drawn.wrong, device_figures(&drawn, scene.pixels()));
-        if way.silhouettes.decides_by_corners() {
-            let views = scene.channels.iter();
-            let undecided = views.map(|(view, _)| scene.undecided_facings(view)).max();
-            let all = scene.mesh().triangles.len();
-            let share = undecided.map(|count| percent(count as f64, all));
-            let share = share.map(|share| ("shadow_undecided_facings", share));
-            verdict.figures.extend(share);
-        }
-        let (channel, mask) = drawn.darkest.take().ok_or("no channel")?;
-        let (_, truth) = scene.darkest().ok_or("no channel")?;
-        let name = format!("{question}-{case}");
-        let path = images::write(context.folder, &name, truth, Some(&mask))?;
-        verdict.notes.push(("image", path));
-        verdict.notes.push(("mask_hash", drawn.mask_hash));
-        self.opened.insert(case, channel);
-        Ok(verdict)
     }
 
     fn eye(&mut self, sun: [f64; 2], near: f64, test: EyeTest) -> Result<Verdict, String> {
@@ -562,6 +472,10 @@ impl Answering<'_> {
             (
                 "shadow_eyes_missed",
                 percent(result.missed as f64, result.eyes),
+            ),
+            (
+                "shadow_eyes_missed_at_corners",
+                percent(result.missed_at_corners as f64, result.eyes),
             ),
             (
                 "shadow_eyes_needless",
@@ -649,7 +563,9 @@ impl Session for Answering<'_> {
             | Job::Origin(..)
             | Job::Facing(..)
             | Job::Near(..)
-            | Job::DeviceRow(..)) => self.device(case, job),
+            | Job::DeviceRow(..)
+            | Job::Rung(..)) => self.device(case, job),
+            Job::Rival(sun, rival) => self.rival(case, sun, rival),
             Job::DeviceMap(sun, texel_m, bias) => self.device_mapped(sun, texel_m, bias),
             job => self.answer(job).map_err(DrawError::from),
         };
@@ -669,6 +585,22 @@ impl Session for Answering<'_> {
             Job::Device(..) | Job::Near(..) | Job::DeviceRow(..) => {
                 let channel = self.opened.get_mut(&case).ok_or("it was not verified")?;
                 let times = channel.time().map_err(|error| error.to_string())?;
+                let mut values = vec![("shadow_fill_cpu_ms", times.fill_cpu_ms)];
+                values.extend(times.fill_gpu_ms.map(|ms| ("shadow_fill_gpu_ms", ms)));
+                return Ok(values);
+            }
+            Job::Rung(sun, rung) => {
+                let found_ms = self.volumes_ms(sun, rung)?;
+                let channel = self.opened.get_mut(&case).ok_or("it was not verified")?;
+                let times = channel.time().map_err(|error| error.to_string())?;
+                let mut values = vec![("shadow_fill_cpu_ms", times.fill_cpu_ms)];
+                values.extend(times.fill_gpu_ms.map(|ms| ("shadow_fill_gpu_ms", ms)));
+                values.extend(found_ms.map(|ms| ("shadow_volumes_cpu_ms", ms)));
+                return Ok(values);
+            }
+            Job::Rival(..) => {
+                let asking = self.asking.get_mut(&case).ok_or("it was not verified")?;
+                let times = asking.time().map_err(|error| error.to_string())?;
                 let mut values = vec![("shadow_fill_cpu_ms", times.fill_cpu_ms)];
                 values.extend(times.fill_gpu_ms.map(|ms| ("shadow_fill_gpu_ms", ms)));
                 return Ok(values);

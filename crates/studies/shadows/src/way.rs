@@ -16,6 +16,8 @@ use terrafill_fill::{ColourWay, DepthRuleChoice, DeviceError, FacePasses, Switch
 pub(crate) enum Silhouettes {
     /// By the CPU from stored adjacency: volumes are handed over.
     Adjacency,
+    /// By nobody: each lit triangle is a volume.
+    EachTriangle,
     /// By the vertex shader: meshes, edges and facing bits are handed over.
     Pulled,
     /// The same without bits.
@@ -30,6 +32,7 @@ impl Silhouettes {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Adjacency => "adjacency",
+            Self::EachTriangle => "none, by triangle",
             Self::Pulled => "pulled",
             Self::Corners => "pulled, f32 by corners",
             Self::Computed => "compute",
@@ -83,11 +86,52 @@ pub(crate) struct DeviceWay {
     pub(crate) end: End,
     pub(crate) rule: Rule,
     pub(crate) faces: FacePasses,
-    /// Each caster is cut to its rectangle, and left out where that is empty.
-    pub(crate) is_cut: bool,
+    pub(crate) cut: Cut,
     pub(crate) counting: Counting,
-    /// Fragments count only where the surface's depth is in a caster's range.
-    pub(crate) has_bounds: bool,
+    pub(crate) bounds: Bounds,
+}
+
+/// What is made of the rectangle round a caster's shadow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Cut {
+    Off,
+    /// A caster is left out where its rectangle is empty.
+    Culled,
+    /// The same, and the others are cut to theirs.
+    Rectangle,
+}
+
+impl Cut {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Culled => "casters left out",
+            Self::Rectangle => "caster-rect",
+        }
+    }
+}
+
+/// Where the surface's depth must be for a fragment of a caster to count: in the range of its volume.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Bounds {
+    Off,
+    /// By the device's own test.
+    Native,
+    /// By a fragment shader that reads a copy of depth, and discards.
+    Discard,
+    /// By tiles of the picture, none of whose depths is in the range: the CPU leaves them out.
+    Tiles,
+}
+
+impl Bounds {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Native => "native",
+            Self::Discard => "discard",
+            Self::Tiles => "tiles",
+        }
+    }
 }
 
 /// What is counted together, and who chooses the rule.
@@ -113,6 +157,16 @@ impl DeviceWay {
         }
     }
 
+    /// As rows have it.
+    pub(crate) fn bounds_name(self) -> String {
+        let name = self.bounds.name();
+        match (self.bounds, self.counting) {
+            (Bounds::Off, _) => name.to_owned(),
+            (_, Counting::Parts { .. }) => format!("{name}, by part"),
+            _ => name.to_owned(),
+        }
+    }
+
     pub(crate) fn switches(self) -> Switches {
         Switches {
             colour: ColourWay::OneColour,
@@ -122,8 +176,9 @@ impl DeviceWay {
                 (Counting::ZpPlus, _) | (_, Rule::Pass | Rule::Preload) => DepthRuleChoice::Pass,
                 _ => DepthRuleChoice::Fail,
             },
-            depth_bounds: self.has_bounds,
-            scissor: self.is_cut,
+            depth_bounds: self.bounds == Bounds::Native,
+            copies_depth: self.bounds == Bounds::Discard,
+            scissor: self.cut == Cut::Rectangle || self.bounds == Bounds::Tiles,
             ..Switches::default()
         }
     }

@@ -2,7 +2,7 @@
 //! What the cases compute.
 
 use crate::count::{Rule, Stencil, Wrong, draw, draw_within};
-use crate::near::{Boxes, EyeTest, chosen, shadowed_share};
+use crate::near::shadowed_share;
 use crate::reference::{Light, Reference, Seen, Truth};
 use crate::scissor::{Rectangle, above_horizon, around_pixels, depths_of_parts, of_parts};
 use crate::view::{View, bridge, deck_eyes, sun};
@@ -19,6 +19,8 @@ pub(crate) const EYES: usize = 400;
 pub(crate) const NEARS: [f64; 3] = [0.1, 0.5, 1.0];
 /// Below the sea at its lowest, m: waves of a harbour.
 const MARGIN_M: f64 = 1.0;
+/// The same of a sea without waves: what a device draws of it lies less below the sphere.
+const CALM_M: f64 = 0.2;
 /// Boxes along either axis, their size, m, and their seed.
 const BOXES: [u32; 2] = [8, 12];
 const BOX_M: f64 = 6.0;
@@ -34,6 +36,8 @@ pub(crate) const BOUNDS_SHARE: f64 = 1.0 / 1024.0;
 pub(crate) enum End {
     Infinite,
     Sea,
+    /// Below a sea without waves.
+    Calm,
     Finite(f64),
 }
 
@@ -42,6 +46,7 @@ impl End {
         match self {
             Self::Infinite => "infinite",
             Self::Sea => "sea-closed",
+            Self::Calm => "sea-closed, calm",
             Self::Finite(_) => "finite",
         }
     }
@@ -281,19 +286,24 @@ impl Scene {
     }
 
     pub(crate) fn volume(&self, end: End) -> Result<Volume, LightError> {
+        self.volume_of(&self.sides, end)
+    }
+
+    /// Silhouette by stored adjacency, found anew.
+    pub(crate) fn sides_by(&self, table: &EdgeTable) -> Vec<Side> {
+        table.sides(&self.prepared, &self.facing)
+    }
+
+    /// Volumes that these sides enclose.
+    pub(crate) fn volume_of(&self, sides: &[Side], end: End) -> Result<Volume, LightError> {
         let mesh = &self.prepared.mesh;
         let extent = match end {
             End::Infinite => Extent::Infinite,
             End::Sea => Extent::ClosedAt(sea_level_below(mesh, self.to_light, MARGIN_M)?),
+            End::Calm => Extent::ClosedAt(sea_level_below(mesh, self.to_light, CALM_M)?),
             End::Finite(length) => Extent::Finite(length),
         };
-        Volume::of(
-            &self.prepared,
-            &self.facing,
-            &self.sides,
-            self.to_light,
-            &extent,
-        )
+        Volume::of(&self.prepared, &self.facing, sides, self.to_light, &extent)
     }
 
     /// Draws all volumes in every channel.
@@ -391,9 +401,7 @@ impl Scene {
 
     /// Whether a device's rounding may give a pixel this light. Around its centre, [`ROUNDING_PX`] away, either
     /// the reference has that light or judges none, or on the way there the boundary of a single part's
-    /// shadow is crossed: within the shadow of others it is no boundary of light. Or a rim is crossed behind
-    /// which a lit face begins: there a volume is thinner than depths are exact, and a device may count one
-    /// of its two faces alone.
+    /// shadow is crossed: within the shadow of others it is no boundary of light.
     pub(crate) fn is_within_rounding(
         &self,
         reference: &Reference<'_>,
@@ -420,10 +428,7 @@ impl Scene {
             let is_other_light =
                 found == light || matches!(found, Light::EdgeOn | Light::Undecided);
             let ends = own.zip(other);
-            let is_between = |(own, other)| {
-                self.is_side_between(own, other)
-                    || reference.is_lit_back_between(view.eye, own, other)
-            };
+            let is_between = |(own, other)| self.is_side_between(own, other);
             is_other_light || ends.is_some_and(is_between)
         })
     }
@@ -517,7 +522,7 @@ impl Scene {
 }
 
 impl Drawn {
-    fn add(&mut self, stencil: &Stencil, mask: &[bool], truth: &Truth) {
+    pub(crate) fn add(&mut self, stencil: &Stencil, mask: &[bool], truth: &Truth) {
         self.wrong = self.wrong.plus(Wrong::of(mask, truth));
         self.updates += stencil.updates;
         self.worst_channel_updates = self.worst_channel_updates.max(stencil.updates);
@@ -528,126 +533,6 @@ impl Drawn {
                 self.lost_on_casters += usize::from(matches!(truth.seen[at], Seen::Triangle(..)));
             }
         }
-    }
-}
-
-/// What a test of the eye came to over all eyes.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct EyeResult {
-    pub(crate) near: f64,
-    pub(crate) eyes: usize,
-    /// Eyes for which z-pass was chosen and part of the near rectangle is in shadow.
-    pub(crate) missed: usize,
-    /// Eyes for which z-fail was chosen and no sample of the rectangle is in shadow.
-    pub(crate) needless: usize,
-    /// Sum of the shares of the rectangle in shadow over missed eyes.
-    pub(crate) missed_share: f64,
-    /// Sum of the shares of casters' triangles drawn by z-fail.
-    pub(crate) fail_share: f64,
-}
-
-/// What is seen, and masks by the published test and by the exact one.
-pub(crate) type Missed = (Truth, [Vec<bool>; 2]);
-
-/// Every test for every near plane under a sun, and the eye that the published one misses worst.
-pub(crate) struct EyeTable {
-    pub(crate) at: [f64; 2],
-    results: Vec<(EyeTest, EyeResult)>,
-    worst: Option<View>,
-}
-
-impl EyeTable {
-    pub(crate) fn new(at: [f64; 2]) -> Result<Self, String> {
-        let mesh = port(PortSize::named("port-m").ok_or("no port-m")?);
-        let to_light = sun(at);
-        let (facing, boxes) = (Facing::of(&mesh, to_light), Boxes::of(&mesh));
-        let reference = Reference::new(&mesh, to_light);
-        let mut table = Self {
-            at,
-            results: Vec::new(),
-            worst: None,
-        };
-        let mut worst_share = 0.0;
-        for near in NEARS {
-            let mut results = EyeTest::ALL.map(|test| {
-                (
-                    test,
-                    EyeResult {
-                        near,
-                        ..EyeResult::default()
-                    },
-                )
-            });
-            for view in deck_eyes(&mesh, EYES, near) {
-                let share = shadowed_share(&view, &reference);
-                for (test, result) in &mut results {
-                    let fail = chosen(*test, &view, to_light, &mesh, &facing, &boxes, &reference);
-                    let triangles: usize = mesh
-                        .parts
-                        .iter()
-                        .zip(&fail)
-                        .map(|(part, fail)| usize::from(*fail) * part.triangles.len())
-                        .sum();
-                    let any = triangles > 0;
-                    result.eyes += 1;
-                    result.fail_share += triangles as f64 / mesh.triangles.len() as f64;
-                    result.needless += usize::from(any && share == 0.0);
-                    if share > 0.0 && !any {
-                        result.missed += 1;
-                        result.missed_share += share;
-                        if *test == EyeTest::Eye && share > worst_share {
-                            (worst_share, table.worst) = (share, Some(view));
-                        }
-                    }
-                }
-            }
-            table.results.extend(results);
-        }
-        Ok(table)
-    }
-
-    pub(crate) fn result(&self, test: EyeTest, near: f64) -> Option<EyeResult> {
-        let mut all = self.results.iter();
-        let found =
-            all.find(|(own, result)| *own == test && result.near.to_bits() == near.to_bits());
-        found.map(|(_, result)| *result)
-    }
-
-    /// The view that the published test misses worst.
-    pub(crate) fn missed(&self) -> Result<Option<Missed>, String> {
-        let Some(view) = self.worst else {
-            return Ok(None);
-        };
-        let mesh = port(PortSize::named("port-m").ok_or("no port-m")?);
-        let scene = Scene::of(mesh, self.at, vec![view])?;
-        let mesh = &scene.prepared.mesh;
-        let boxes = Boxes::of(mesh);
-        let reference = Reference::new(mesh, scene.to_light);
-        let volume = scene.volume(End::Sea).map_err(|error| error.to_string())?;
-        let (view, truth) = &scene.channels[0];
-        let masks = [EyeTest::Eye, EyeTest::Exact].map(|test| {
-            let fail = chosen(
-                test,
-                view,
-                scene.to_light,
-                mesh,
-                &scene.facing,
-                &boxes,
-                &reference,
-            );
-            let mut stencil = Stencil::clear(view);
-            let how = |part: u32| {
-                let rule = if fail[part as usize] {
-                    Rule::Fail
-                } else {
-                    Rule::Pass
-                };
-                Some((rule, Rectangle::whole(view)))
-            };
-            draw(&mut stencil, view, mesh, &volume, truth, &how);
-            stencil.mask()
-        });
-        Ok(Some((truth.clone(), masks)))
     }
 }
 

@@ -184,6 +184,7 @@ impl Pipelines {
             buffers: if is_placed { &corner } else { &[] },
             strip_index_format: None,
             front_face: wgpu::FrontFace::Ccw,
+            discards: false,
         };
         shader.pipeline(gpu, state, false)
     }

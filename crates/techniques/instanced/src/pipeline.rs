@@ -116,6 +116,7 @@ impl Pipelines {
             constants: &[("IS_BOTTOM", f64::from(u8::from(is_bottom)))],
             buffers: &buffers,
             strip_index_format,
+            discards: false,
             front_face: if is_bottom {
                 wgpu::FrontFace::Cw
             } else {

@@ -150,6 +150,7 @@ impl Pipelines {
             constants: &constants[..2 + of_layout],
             buffers: &buffers,
             strip_index_format: self.strip_format(key.part),
+            discards: false,
             front_face: match key.part {
                 Part::Caps | Part::Walls { .. } => wgpu::FrontFace::Ccw,
                 Part::TurnedWalls => wgpu::FrontFace::Cw,

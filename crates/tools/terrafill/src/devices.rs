@@ -294,7 +294,11 @@ mod tests {
                 blends_float: true,
                 samples_depth: true,
                 mesh_shader: true,
+                task_shader: false,
+                max_views: 0,
+                vertex_layer: false,
                 transform_feedback: true,
+                ray_query: true,
             },
             lacks: Vec::new(),
         }

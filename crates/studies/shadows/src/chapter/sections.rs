@@ -29,7 +29,7 @@ pub(super) const DEVICE_KEYS: [&str; 8] = [
     "silhouette",
 ];
 
-pub(super) const SECTIONS: [Section; 17] = [
+pub(super) const SECTIONS: [Section; 20] = [
     Section {
         question: "model",
         title: "The model",
@@ -51,6 +51,7 @@ pub(super) const SECTIONS: [Section; 17] = [
         named_by: &["sun", "near_m", "eye_test"],
         columns: &[
             ("missed, %", MISSED),
+            ("by five samples, %", "shadow_eyes_missed_at_corners"),
             ("needless, %", "shadow_eyes_needless"),
             ("triangles by z-fail, %", "shadow_fail_triangles"),
             (
@@ -62,11 +63,29 @@ pub(super) const SECTIONS: [Section; 17] = [
     Section {
         question: "updates",
         title: "Volumes, rules and suns",
-        text: "Volumes end at infinity or in a plane below the curved sea. Stencil writes per pixel are a cost without noise.",
+        text: "Volumes end at infinity or in a plane below the curved sea, by 1 m for waves, or \
+               by 0.2 m on a calm sea: what reaches below the sea counts under z-fail. Stencil writes per pixel are a cost without noise.",
         named_by: &["sun", "extent", "rule"],
         columns: &[
             ("writes per pixel", UPDATES),
             ("triangles", "shadow_volume_triangles"),
+            ("largest count", "shadow_max_overlap"),
+            ("false lit px", "shadow_false_lit_px"),
+            ("false dark px", "shadow_false_dark_px"),
+            ("in the band", "shadow_band_px"),
+            ("edge-on px", "shadow_edge_on_px"),
+            ("undecided px", "shadow_undecided_px"),
+            ("shadow px", "shadow_px"),
+        ],
+    },
+    Section {
+        question: "views",
+        title: "Other eyes",
+        text: "Between the legs of a crane; on deck, where a rail's shadow runs through the near rectangle; and from 250 m \
+               up. Volumes are closed at the sea, and a rule is chosen for all or by a test.",
+        named_by: &["sun", "view", "rule"],
+        columns: &[
+            ("writes per pixel", UPDATES),
             ("largest count", "shadow_max_overlap"),
             ("false lit px", "shadow_false_lit_px"),
             ("false dark px", "shadow_false_dark_px"),
@@ -178,7 +197,10 @@ pub(super) const SECTIONS: [Section; 17] = [
                from one to the next. In rows with \"pulled\" a vertex shader reads the two facing bits of each edge, \
                and what is no side collapses; with \"compute\" a compute shader writes indices and draw arguments; \
                with \"gs\" a geometry shader makes sides of triangles or of edges with adjacency. Another sun then takes \
-               those bits alone, and ends of its own where volumes are closed. Pixels \"at rims\" are outside the \
+               those bits alone, and ends of its own where volumes are closed. Depth bounds are the device's own test; or \
+               a fragment shader that reads a copy of depth, whose making is timed, and discards; or tiles of 16 pixels \
+               whose depths the CPU reads back and compares, which is timed too, so that each caster is drawn into those \
+               alone that matter to it. A range is that of a caster, or of each of its convex parts, of which more are drawn. Pixels \"at rims\" are outside the \
                band and within a device's rounding: at a caster's rim, or on the boundary of one part's shadow inside \
                the shadow of others.",
         named_by: &DEVICE_KEYS,
@@ -192,6 +214,52 @@ pub(super) const SECTIONS: [Section; 17] = [
             ("at rims", "shadow_rim_px"),
             ("draws", "shadow_draws"),
             ("casters left out", "shadow_casters_left_out"),
+            ("bytes", "shadow_bytes"),
+            ("bytes of another sun", "shadow_sun_bytes"),
+        ],
+    },
+    Section {
+        question: "ladder",
+        title: "One optimisation after the other",
+        text: "Each step is taken on top of those before, as devices draw it, in the channel with most shadow; writes of the \
+               stencil and all else are over all channels. A frame finds its volumes and hands them over until they are \
+               kept, so that its time is that of finding and that of drawing. What Yang & Jin (2006) say of a step stands \
+               beside it: they measured none apart. A rule by part is chosen by the near rectangle, not by the eye.",
+        named_by: &["sun", "api", "step", "paper"],
+        columns: &[
+            ("draw, CPU ms", "shadow_fill_cpu_ms"),
+            ("draw, GPU ms", "shadow_fill_gpu_ms"),
+            ("find volumes, CPU ms", "shadow_volumes_cpu_ms"),
+            ("writes per pixel", UPDATES),
+            ("fragments per pixel", "shadow_fragments"),
+            ("draws", "shadow_draws"),
+            ("casters left out", "shadow_casters_left_out"),
+            ("bytes", "shadow_bytes"),
+            ("false lit px", "shadow_false_lit_px"),
+            ("false dark px", "shadow_false_dark_px"),
+            ("in the band", "shadow_band_px"),
+            ("at rims", "shadow_rim_px"),
+        ],
+    },
+    Section {
+        question: "rivals",
+        title: "Rivals that are as exact",
+        text: "Tiles: each triangle that faces the sun descends into a hierarchy of tiles of 128, 32 and 8 pixels with their \
+               least and greatest depth (Sintorn et al., 2011), by compute on wgpu. Rays: one from each pixel to the sun, \
+               by ray queries on Vulkan, through a tree of triangles that the driver builds once for casters that rest. Both \
+               are handed the depth that the surface left, in the channel with most shadow; times are from there to an \
+               answer a pixel. A place 1/256 of a pixel below a triangle counts as on it. They need no closed mesh, no \
+               test of the near plane and no count. Volumes stand in \"Drawn by devices\".",
+        named_by: &["sun", "api", "rival"],
+        columns: &[
+            ("CPU ms", "shadow_fill_cpu_ms"),
+            ("GPU ms", "shadow_fill_gpu_ms"),
+            ("tree, GPU ms", "shadow_build_gpu_ms"),
+            ("false lit px", "shadow_false_lit_px"),
+            ("false dark px", "shadow_false_dark_px"),
+            ("in the band", "shadow_band_px"),
+            ("at rims", "shadow_rim_px"),
+            ("shadow px", "shadow_px"),
             ("bytes", "shadow_bytes"),
             ("bytes of another sun", "shadow_sun_bytes"),
         ],
@@ -254,8 +322,10 @@ pub(super) const SECTIONS: [Section; 17] = [
         title: "Far from the origin",
         text: "The volumes closed at the sea, by z-fail, with vertices from the eye as above, and as an engine has \
                them that keeps places in f32 about an origin of its own: a step of f32 is 4 mm at 100 km, 6 cm at \
-               1,000 km and 25 cm at the earth's centre, here along each axis. The eye's place has the same steps.",
-        named_by: &["sun", "api", "positions"],
+               1,000 km and 25 cm at the earth's centre, here along each axis. The eye's place has the same steps. From the bridge most of \
+               the port is 100 m away and more, where a pixel is tens of centimetres wide; at the quay's edge the rail is 1 m \
+               away, and under a sun at 3° a step in height is twenty in its shadow.",
+        named_by: &["sun", "view", "api", "positions"],
         columns: &[
             ("false lit px", "shadow_false_lit_px"),
             ("false dark px", "shadow_false_dark_px"),
@@ -269,10 +339,12 @@ pub(super) const SECTIONS: [Section; 17] = [
         title: "Shadow maps",
         text: "One orthographic map along the light, fitted to the casters, drawn and asked on the CPU: the nearest \
                texel, no filter. The bias is the best of 13 constants from 0 to 40 m, or of 7 multiples of texel and \
-               slope from 0 to 2. Wrong pixels are of all that the reference judges, the band included.",
+               slope from 0 to 2. \"No normals\": faces turned away from the sun ask the map too, so that a bias lights them \
+               where their caster is thinner than it. Wrong pixels are of all that the reference judges, the band included.",
         named_by: &["sun", "texel_m", "bias"],
         columns: &[
             ("wrong, %", MAP_WRONG),
+            ("of three channels, %", "shadow_map_wrong_in_three"),
             ("wrong without bias, %", "shadow_map_wrong_unbiased"),
             ("best bias, m", "shadow_map_bias_m"),
             ("false lit px", "shadow_false_lit_px"),

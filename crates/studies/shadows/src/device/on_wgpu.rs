@@ -7,6 +7,7 @@ use std::ops::Range;
 use terrafill_fill::{DeviceError, VolumeDraw, VolumeList, VolumeState};
 use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumePass, VolumeShader, Volumes};
 
+const BOUNDED_SHADER: &str = "casters/bounded.wgsl";
 const PULLED_SHADER: &str = "casters/pulled.wgsl";
 const CORNERS_SHADER: &str = "casters/corners.wgsl";
 const COMPUTE_SHADER: &str = "casters/silhouettes.wgsl";
@@ -21,8 +22,47 @@ enum Feed {
         vertices: wgpu::Buffer,
         indices: wgpu::Buffer,
     },
+    /// The same, cut to ranges of depth by the fragment shader.
+    Bounded(Box<Bounded>),
     Pulled(wgpu::BindGroup),
     Computed(Box<Finder>),
+}
+
+/// What a fragment shader tests depth by.
+struct Bounded {
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    layout: wgpu::BindGroupLayout,
+    /// The group points at them.
+    ranges: Option<wgpu::Buffer>,
+    bound: Option<wgpu::BindGroup>,
+}
+
+fn bounded_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
+    let entry = |binding, visibility, ty| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility,
+        ty,
+        count: None,
+    };
+    let depth = wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Depth,
+        view_dimension: wgpu::TextureViewDimension::D2,
+        multisampled: false,
+    };
+    let ranges = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Storage { read_only: true },
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
+    let descriptor = wgpu::BindGroupLayoutDescriptor {
+        label: Some("depth and ranges"),
+        entries: &[
+            entry(0, wgpu::ShaderStages::FRAGMENT, depth),
+            entry(1, wgpu::ShaderStages::VERTEX, ranges),
+        ],
+    };
+    gpu.device.create_bind_group_layout(&descriptor)
 }
 
 /// What a compute shader finds silhouettes by.
@@ -119,7 +159,12 @@ pub(super) struct OnWgpu {
 }
 
 impl OnWgpu {
-    pub(super) fn new(fill: &VolumeFill, source: VolumeSource) -> Result<Self, DeviceError> {
+    /// - `is_bounded`: a fragment shader tests depth in the copy that the executor makes
+    pub(super) fn new(
+        fill: &VolumeFill,
+        source: VolumeSource,
+        is_bounded: bool,
+    ) -> Result<Self, DeviceError> {
         let gpu = fill.gpu();
         let frame = Some(fill.frame_layout());
         let (shader, layout, feed, ranges) = match source {
@@ -127,12 +172,27 @@ impl OnWgpu {
                 let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
                 let vertices = bytemuck::cast_slice(&volumes.vertices);
                 let indices = bytemuck::cast_slice(&volumes.indices);
-                let feed = Feed::Buffers {
-                    vertices: gpu.upload("shadow vertices", vertices, vertex)?,
-                    indices: gpu.upload("shadow indices", indices, index)?,
-                };
-                let layout = gpu.pipeline_layout("shadows", &[frame]);
-                (SHADER, layout, feed, volumes.ranges)
+                let vertices = gpu.upload("shadow vertices", vertices, vertex)?;
+                let indices = gpu.upload("shadow indices", indices, index)?;
+                match is_bounded {
+                    true => {
+                        let own = bounded_layout(&gpu);
+                        let layout = gpu.pipeline_layout("bounded shadows", &[frame, Some(&own)]);
+                        let feed = Feed::Bounded(Box::new(Bounded {
+                            vertices,
+                            indices,
+                            layout: own,
+                            ranges: None,
+                            bound: None,
+                        }));
+                        (BOUNDED_SHADER, layout, feed, volumes.ranges)
+                    }
+                    false => {
+                        let layout = gpu.pipeline_layout("shadows", &[frame]);
+                        let feed = Feed::Buffers { vertices, indices };
+                        (SHADER, layout, feed, volumes.ranges)
+                    }
+                }
             }
             VolumeSource::Pulled(mesh) => pulled(&gpu, frame, PULLED_SHADER, mesh)?,
             VolumeSource::Corners(mesh) => pulled(&gpu, frame, CORNERS_SHADER, mesh)?,
@@ -211,6 +271,40 @@ impl Volumes for OnWgpu {
         }
     }
 
+    fn read_depth(
+        &mut self,
+        gpu: &Gpu,
+        list: &VolumeList,
+        copy: &wgpu::TextureView,
+    ) -> Result<(), DeviceError> {
+        let Feed::Bounded(own) = &mut self.feed else {
+            return Ok(());
+        };
+        let ranges = list.volumes.iter();
+        let ranges = ranges.map(|volume| [volume.depth.low, volume.depth.high]);
+        let mut ranges: Vec<[f32; 2]> = ranges.collect();
+        // A binding of 0 bytes is not allowed.
+        ranges.resize(ranges.len().max(1), [0.0; 2]);
+        let bytes = bytemuck::cast_slice(&ranges);
+        let ranges = gpu.upload("ranges of depth", bytes, wgpu::BufferUsages::STORAGE)?;
+        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("depth and ranges"),
+            layout: &own.layout,
+            entries: &[
+                wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::TextureView(copy),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: ranges.as_entire_binding(),
+                },
+            ],
+        });
+        (own.bound, own.ranges) = (Some(group), Some(ranges));
+        Ok(())
+    }
+
     fn ensure(&mut self, gpu: &Gpu, _list: &VolumeList, draw: &VolumeDraw<'_>, blends: bool) {
         debug_assert_eq!(HandedOn::of(draw.state), HandedOn::Nothing, "one colour");
         let attributes = wgpu::vertex_attr_array![0 => Sint32x3, 1 => Uint32];
@@ -225,11 +319,12 @@ impl Volumes for OnWgpu {
             vertex_entry: "vertex_main",
             constants: &[],
             buffers: match self.feed {
-                Feed::Buffers { .. } | Feed::Computed(_) => &vertices,
+                Feed::Buffers { .. } | Feed::Bounded(_) | Feed::Computed(_) => &vertices,
                 Feed::Pulled(_) => &[],
             },
             strip_index_format: None,
             front_face: wgpu::FrontFace::Ccw,
+            discards: matches!(self.feed, Feed::Bounded(_)),
         };
         let pipeline = || shader.pipeline(gpu, draw.state, blends);
         self.pipelines.entry(draw.state).or_insert_with(pipeline);
@@ -240,6 +335,13 @@ impl Volumes for OnWgpu {
             Feed::Buffers { vertices, indices } => {
                 pass.set_vertex_buffer(0, vertices.slice(..));
                 pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+            }
+            Feed::Bounded(own) => {
+                pass.set_vertex_buffer(0, own.vertices.slice(..));
+                pass.set_index_buffer(own.indices.slice(..), wgpu::IndexFormat::Uint32);
+                if let Some(bound) = &own.bound {
+                    pass.set_bind_group(1, bound, &[]);
+                }
             }
             Feed::Pulled(bound) => pass.set_bind_group(1, bound, &[]),
             Feed::Computed(finder) => {
@@ -259,7 +361,7 @@ impl Volumes for OnWgpu {
             let range = self.ranges[caster].clone();
             pass.cut(volume, draw.scissor);
             match &self.feed {
-                Feed::Buffers { .. } => pass.draw_indexed(range, 0, volume),
+                Feed::Buffers { .. } | Feed::Bounded(_) => pass.draw_indexed(range, 0, volume),
                 Feed::Pulled(_) => pass.draw(range, volume),
                 Feed::Computed(finder) => {
                     let offset = size_of::<u32>() * ARGUMENTS * caster;

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What is measured of the ladder, of emulated depth bounds and of rivals.
+
+use super::findings::{is_same_but, of_all, range};
+use super::{Own, is_plain, number};
+use crate::metrics::{FILL_CPU, FILL_GPU};
+use terrafill_plot::number::significant;
+use terrafill_results::{Case, Claim, Clock, Finding, Outcome, Standing, ratio};
+
+/// Depth bounds of casters and of their parts.
+const EMULATED: [&str; 6] = [
+    "native",
+    "native, by part",
+    "discard",
+    "discard, by part",
+    "tiles",
+    "tiles, by part",
+];
+
+/// Texels, m, and wrong pixels, %, as another program computed them of 7,178 samples.
+const OTHER_CURVE: [(&str, f64); 3] = [("0.05", 0.59), ("0.25", 2.0), ("1", 3.8)];
+/// Ports, eyes and samples differ: half as much again is the same.
+const SAME_CURVE: f64 = 1.5;
+
+impl<'a> Own<'a> {
+    /// Depth bounds by discarding and by tiles, against none.
+    pub(super) fn emulated(&self, clock: Clock) -> Option<Finding> {
+        let metric = clock.pick(FILL_GPU, FILL_CPU);
+        let mut texts = Vec::new();
+        let mut standings = Vec::new();
+        for how in EMULATED {
+            let mut gains = Vec::new();
+            let of_devices = || self.of_question("devices");
+            let is_ok = |case: &&Case| case.outcome == Outcome::Ok;
+            let all = of_devices().filter(is_ok);
+            for case in all.filter(|case| case.condition("depth_bounds") == how) {
+                let mut plain = of_devices().filter(is_ok);
+                let plain = plain.find(|other| {
+                    other.condition("depth_bounds") == "off"
+                        && is_same_but(&["depth_bounds"], case, other)
+                });
+                if let Some(gain) = plain.and_then(|plain| ratio(plain, case, metric)) {
+                    gains.push(gain.middle);
+                    standings.push(Claim::Faster.standing(&gain));
+                }
+            }
+            texts.extend(range(&gains).map(|gains| format!("{how}: {gains}")));
+        }
+        (!texts.is_empty()).then(|| Finding {
+            claim: "Depth bounds are faster, by the device's test or emulated.".to_owned(),
+            standing: of_all(&standings),
+            because: format!(
+                "Times as fast as without, by {}: {}",
+                clock.name(),
+                texts.join("; ")
+            ),
+        })
+    }
+
+    /// The curve of another program, a ray caster in Python over a port of its own.
+    pub(super) fn map_curve(&self) -> Option<Finding> {
+        let found = |texel: &str| {
+            let conditions = [
+                ("sun", "10° from -60°"),
+                ("bias", "constant, no normals"),
+                ("texel_m", texel),
+            ];
+            self.value("maps", &conditions, "shadow_map_wrong_in_three")
+        };
+        let known = OTHER_CURVE.iter().filter_map(|(texel, other)| {
+            let own = found(texel)?;
+            Some((*texel, own, *other))
+        });
+        let known: Vec<(&str, f64, f64)> = known.collect();
+        let is_near = |(_, own, other): &(&str, f64, f64)| {
+            (1.0 / SAME_CURVE..SAME_CURVE).contains(&(own / other))
+        };
+        let text = known.iter().map(|(texel, own, other)| {
+            let own = significant(*own);
+            format!("{own} % at {texel} m, there {other} %")
+        });
+        (!known.is_empty()).then(|| Finding {
+            claim: "Wrong pixels of shadow maps grow with texels as another program has it, under a sun at 10°."
+                .to_owned(),
+            standing: Standing::holds_if(known.iter().all(is_near)),
+            because: format!(
+                "Three channels that see casters, best constant bias, no normals: {}. Of all channels and with normals it \
+                 is less",
+                text.collect::<Vec<_>>().join("; ")
+            ),
+        })
+    }
+
+    /// Steps of the ladder with what each gains over the last one that could be drawn.
+    fn gains(&self, metric: &str) -> Vec<(&'a Case, f64, Standing)> {
+        let mut gains = Vec::new();
+        let mut last: Option<&Case> = None;
+        let done = |case: &&Case| case.outcome == Outcome::Ok;
+        for case in self.of_question("ladder").filter(done) {
+            let is_next = |before: &&Case| {
+                ["sun", "api"]
+                    .iter()
+                    .all(|key| before.condition(key) == case.condition(key))
+            };
+            let gain = last
+                .filter(is_next)
+                .and_then(|before| ratio(before, case, metric));
+            gains.extend(gain.map(|gain| (case, gain.middle, Claim::Faster.standing(&gain))));
+            last = Some(case);
+        }
+        gains
+    }
+
+    pub(super) fn ladder(&self, clock: Clock) -> Option<Finding> {
+        let metric = clock.pick(FILL_GPU, FILL_CPU);
+        let gains = self.gains(metric);
+        let mut steps: Vec<&str> = Vec::new();
+        for (case, ..) in &gains {
+            if !steps.contains(&case.condition("step")) {
+                steps.push(case.condition("step"));
+            }
+        }
+        let text = steps.iter().filter_map(|step| {
+            let own = gains
+                .iter()
+                .filter(|(case, ..)| case.condition("step") == *step);
+            let own: Vec<f64> = own.map(|(_, gain, _)| *gain).collect();
+            Some(format!("{step}: {}", range(&own)?))
+        });
+        let text: Vec<String> = text.collect();
+        let anticipated = gains
+            .iter()
+            .filter(|(case, ..)| case.condition("paper").contains("anticipated"));
+        let standings: Vec<Standing> = anticipated.map(|(.., standing)| *standing).collect();
+        (!standings.is_empty()).then(|| Finding {
+            claim: "Each step of the ladder that was anticipated to be faster is (Yang & Jin, 2006, anticipated).".to_owned(),
+            standing: of_all(&standings),
+            because: format!(
+                "Times as fast to draw as the step before, by {}: {}",
+                clock.name(),
+                text.join("; ")
+            ),
+        })
+    }
+
+    /// Rivals' pixels, and their times beside those of volumes by the same interface.
+    pub(super) fn rivals(&self, clock: Clock) -> Option<Finding> {
+        let metric = clock.pick(FILL_GPU, FILL_CPU);
+        let known = |case: &&Case| matches!(case.outcome, Outcome::Ok | Outcome::Wrong);
+        let all: Vec<&Case> = self.of_question("rivals").filter(known).collect();
+        let wrong: Option<Vec<f64>> = all.iter().map(|case| Self::wrong_px(case)).collect();
+        let wrong: f64 = wrong?.iter().sum();
+        let mut names: Vec<&str> = all.iter().map(|case| case.condition("rival")).collect();
+        names.dedup();
+        names.sort_unstable();
+        names.dedup();
+        let mut standings = vec![Standing::holds_if(wrong == 0.0)];
+        let mut texts = Vec::new();
+        for name in names {
+            let own = all.iter().filter(|case| case.condition("rival") == name);
+            let gains = own.filter_map(|case| {
+                let mut volumes = self
+                    .of_question("devices")
+                    .filter(|other| is_volumes(other, case));
+                ratio(case, volumes.next()?, metric)
+            });
+            let gains: Vec<_> = gains.collect();
+            standings.extend(gains.iter().map(|gain| Claim::Faster.standing(gain)));
+            let middles: Vec<f64> = gains.iter().map(|gain| gain.middle).collect();
+            texts.extend(range(&middles).map(|range| format!("{name}: {range}")));
+        }
+        (!all.is_empty()).then(|| Finding {
+            claim: "Volumes closed at the sea are faster than rivals that are as exact.".to_owned(),
+            standing: of_all(&standings),
+            because: format!(
+                "{} pixels of rivals are wrong outside the band. Times of rivals over those of volumes, by {}: {}",
+                number(wrong),
+                clock.name(),
+                texts.join("; ")
+            ),
+        })
+    }
+}
+
+/// Volumes as the rows of an interface begin with them, under a rival's sun.
+fn is_volumes(case: &Case, rival: &Case) -> bool {
+    let same = ["sun", "api"]
+        .iter()
+        .all(|key| case.condition(key) == rival.condition(key));
+    same && is_plain(case)
+}

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Findings stand and fall by their figures.
+
+use super::*;
+use terrafill_results::Standing;
+use terrafill_results::made_up::{MadeUpRun, case_id};
+
+fn finding(run: &MadeUpRun, claim: &str) -> Option<Standing> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = run.write(folder.path()).expect("a run");
+    let found = Own::of(&run)
+        .findings(run.clock())
+        .into_iter()
+        .find(|finding| finding.claim.contains(claim));
+    found.map(|finding| finding.standing)
+}
+
+fn with(
+    question: &str,
+    conditions: &[(&str, &str)],
+    metric: &'static str,
+    value: f64,
+    run: &mut MadeUpRun,
+) {
+    let mut all = vec![("question", question)];
+    all.extend(conditions);
+    let name: Vec<&str> = all.iter().map(|(_, value)| *value).collect();
+    run.case(case_id(crate::STUDY, &name.join("/"), &all))
+        .figure(metric, value);
+}
+
+fn updates(values: [f64; 4]) -> MadeUpRun {
+    let mut run = MadeUpRun::default();
+    let ways = [
+        ("infinite", "z-pass"),
+        ("infinite", "z-fail"),
+        ("sea-closed", "z-pass"),
+        ("sea-closed", "z-fail"),
+    ];
+    for ((extent, rule), value) in ways.into_iter().zip(values) {
+        let conditions = [("sun", "5° from 0°"), ("extent", extent), ("rule", rule)];
+        with("updates", &conditions, UPDATES, value, &mut run);
+    }
+    run
+}
+
+#[test]
+fn claims_stand_and_fall_by_their_figures() {
+    let cheap = updates([12.0, 41.0, 12.0, 7.5]);
+    assert_eq!(
+        finding(&cheap, "z-pass writes less"),
+        Some(Standing::DoesNotHold)
+    );
+    assert_eq!(finding(&cheap, "Closing volumes"), Some(Standing::Holds));
+    // Twin: the other way round.
+    let dear = updates([12.0, 41.0, 12.0, 43.0]);
+    assert_eq!(finding(&dear, "z-pass writes less"), Some(Standing::Holds));
+    assert_eq!(
+        finding(&dear, "Closing volumes"),
+        Some(Standing::DoesNotHold)
+    );
+    let low = "at 5° and below";
+    assert_eq!(finding(&cheap, low), Some(Standing::Holds));
+    assert_eq!(finding(&dear, low), Some(Standing::DoesNotHold));
+    assert_eq!(finding(&cheap, "clears"), None, "not measured");
+}
+
+#[test]
+fn a_way_is_faster_where_it_is_under_every_sun() {
+    let claim = "Two-sided stencil is faster";
+    let times = |values: [(&str, &str, f64); 4]| {
+        let mut run = MadeUpRun::default();
+        for (sun, faces, ms) in values {
+            let conditions = [("question", "devices"), ("sun", sun), ("faces", faces)];
+            let id = case_id(crate::STUDY, &format!("{sun}/{faces}"), &conditions);
+            run.case(id).timed(FILL_CPU, &[ms; 7]);
+        }
+        finding(&run, claim)
+    };
+    let high = [("60°", "two-sided", 1.0), ("60°", "two-pass", 2.0)];
+    let low = |ms: f64| [("5°", "two-sided", ms), ("5°", "two-pass", 2.0)];
+    let both = |[a, b]: [_; 2], [c, d]: [_; 2]| [a, b, c, d];
+    assert_eq!(times(both(high, low(1.5))), Some(Standing::Holds));
+    assert_eq!(times(both(high, low(3.0))), Some(Standing::DoesNotHold));
+}
+
+fn device_run(cases: &[(&[(&'static str, &'static str)], f64)]) -> MadeUpRun {
+    let mut run = MadeUpRun::default();
+    for (at, (conditions, ms)) in cases.iter().enumerate() {
+        let id = case_id(crate::STUDY, &at.to_string(), conditions);
+        let case = run.case(id);
+        case.figure("shadow_false_lit_px", 0.0);
+        case.figure("shadow_false_dark_px", 0.0);
+        case.timed(FILL_CPU, &[*ms; 7]);
+    }
+    run
+}
+
+#[test]
+fn a_ladder_compares_each_step_with_the_last_that_was_drawn() {
+    let ladder = |two_sided: f64| {
+        let step = |step, paper| {
+            [
+                ("question", "ladder"),
+                ("sun", "5°"),
+                ("api", "wgpu"),
+                ("step", step),
+                ("paper", paper),
+            ]
+        };
+        let run = device_run(&[
+            (&step("1 each triangle", "not in the paper"), 9.0),
+            (&step("2 silhouette", "anticipated: faster"), 3.0),
+            (&step("3 two-sided", "anticipated: faster"), two_sided),
+            (&step("4 closed", "not in the paper"), 4.0),
+        ]);
+        finding(&run, "Each step of the ladder")
+    };
+    assert_eq!(ladder(2.0), Some(Standing::Holds));
+    // Twin: slower than the step before, not than the first.
+    assert_eq!(ladder(5.0), Some(Standing::DoesNotHold));
+}
+
+#[test]
+fn a_curve_of_maps_is_the_other_program_s_or_it_is_not() {
+    let curve = |at_a_metre: f64| {
+        let mut run = MadeUpRun::default();
+        for (texel, wrong) in [("0.25", 1.6), ("1", at_a_metre)] {
+            let conditions = [
+                ("sun", "10° from -60°"),
+                ("texel_m", texel),
+                ("bias", "constant, no normals"),
+            ];
+            with(
+                "maps",
+                &conditions,
+                "shadow_map_wrong_in_three",
+                wrong,
+                &mut run,
+            );
+        }
+        finding(&run, "as another program has it")
+    };
+    assert_eq!(curve(4.1), Some(Standing::Holds));
+    assert_eq!(curve(1.9), Some(Standing::DoesNotHold));
+}
+
+#[test]
+fn rivals_stand_beside_volumes_of_their_interface() {
+    let rivals = |rays: f64| {
+        let volumes = |api| {
+            [
+                ("question", "devices"),
+                ("sun", "5°"),
+                ("api", api),
+                ("extent", "sea-closed"),
+                ("rule", "z-fail"),
+                ("faces", "two-sided"),
+                ("scissor", "off"),
+                ("depth_bounds", "off"),
+                ("silhouette", "adjacency"),
+            ]
+        };
+        let rival = [
+            ("question", "rivals"),
+            ("sun", "5°"),
+            ("api", "vulkan"),
+            ("rival", "ray query"),
+        ];
+        let run = device_run(&[
+            (&volumes("wgpu"), 9.0),
+            (&volumes("vulkan"), 2.0),
+            (&rival, rays),
+        ]);
+        finding(&run, "Volumes closed at the sea are faster than rivals")
+    };
+    assert_eq!(rivals(5.0), Some(Standing::Holds));
+    assert_eq!(rivals(1.0), Some(Standing::DoesNotHold));
+}
+
+#[test]
+fn a_row_that_wraps_where_it_must_not_is_no_agreement() {
+    let rows = |lost_of_257: f64| {
+        let mut run = MadeUpRun::default();
+        for (count, lost) in [
+            ("255", 0.0),
+            ("256", 100.0),
+            ("257", lost_of_257),
+            ("511", 0.0),
+            ("512", 100.0),
+        ] {
+            with(
+                "rows",
+                &[("casters", count), ("counting", "8 bits, wrapping")],
+                LOST,
+                lost,
+                &mut run,
+            );
+            with(
+                "rows",
+                &[("casters", count), ("counting", "passes of 255")],
+                LOST,
+                0.0,
+                &mut run,
+            );
+        }
+        finding(&run, "Eight bits")
+    };
+    assert_eq!(rows(0.0), Some(Standing::Holds));
+    assert_eq!(rows(3.0), Some(Standing::DoesNotHold));
+}
+
+#[test]
+fn a_question_that_was_measured_has_a_table_and_others_have_none() {
+    let run = updates([12.0, 41.0, 12.0, 7.5]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = run.write(folder.path()).expect("a run");
+    let blocks = ShadowsChapter.blocks(&run).expect("a chapter");
+    let tables = blocks
+        .iter()
+        .filter(|block| matches!(block, Block::Table(_)));
+    assert_eq!(tables.count(), 1);
+    let plots = blocks
+        .iter()
+        .filter(|block| matches!(block, Block::Plot(_)));
+    assert_eq!(plots.count(), 1);
+    let mut other = MadeUpRun::default();
+    other.case(case_id("filling", "a", &[]));
+    let other = other.write(&folder.path().join("other")).expect("a run");
+    assert_eq!(ShadowsChapter.blocks(&other).expect("a chapter"), []);
+}

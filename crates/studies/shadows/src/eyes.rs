@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Tests of the eye and of the near rectangle, over eyes on deck.
+
+use crate::count::{Rule, Stencil, draw};
+use crate::near::{Boxes, EyeTest, chosen, is_shadowed_at_corners, shadowed_share};
+use crate::reference::{Reference, Truth};
+use crate::scissor::Rectangle;
+use crate::view::{View, deck_eyes, sun};
+use crate::work::{EYES, End, NEARS, Scene};
+use terrafill_casters::{Facing, PortSize, port};
+
+/// What a test of the eye came to over all eyes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct EyeResult {
+    pub(crate) near: f64,
+    pub(crate) eyes: usize,
+    /// Eyes for which z-pass was chosen and part of the near rectangle is in shadow.
+    pub(crate) missed: usize,
+    /// Of these, those of which a corner or the middle of the rectangle is.
+    pub(crate) missed_at_corners: usize,
+    /// Eyes for which z-fail was chosen and no sample of the rectangle is in shadow.
+    pub(crate) needless: usize,
+    /// Sum of the shares of the rectangle in shadow over missed eyes.
+    pub(crate) missed_share: f64,
+    /// Sum of the shares of casters' triangles drawn by z-fail.
+    pub(crate) fail_share: f64,
+}
+
+/// What is seen, and masks by the published test and by the exact one.
+pub(crate) type Missed = (Truth, [Vec<bool>; 2]);
+
+/// Every test for every near plane under a sun, and the eye that the published one misses worst.
+pub(crate) struct EyeTable {
+    pub(crate) at: [f64; 2],
+    results: Vec<(EyeTest, EyeResult)>,
+    worst: Option<View>,
+}
+
+impl EyeTable {
+    pub(crate) fn new(at: [f64; 2]) -> Result<Self, String> {
+        let mesh = port(PortSize::named("port-m").ok_or("no port-m")?);
+        let to_light = sun(at);
+        let (facing, boxes) = (Facing::of(&mesh, to_light), Boxes::of(&mesh));
+        let reference = Reference::new(&mesh, to_light);
+        let mut table = Self {
+            at,
+            results: Vec::new(),
+            worst: None,
+        };
+        let mut worst_share = 0.0;
+        for near in NEARS {
+            let mut results = EyeTest::ALL.map(|test| {
+                (
+                    test,
+                    EyeResult {
+                        near,
+                        ..EyeResult::default()
+                    },
+                )
+            });
+            for view in deck_eyes(&mesh, EYES, near) {
+                let share = shadowed_share(&view, &reference);
+                let at_corners = is_shadowed_at_corners(&view, &reference);
+                for (test, result) in &mut results {
+                    let fail = chosen(*test, &view, to_light, &mesh, &facing, &boxes, &reference);
+                    let triangles: usize = mesh
+                        .parts
+                        .iter()
+                        .zip(&fail)
+                        .map(|(part, fail)| usize::from(*fail) * part.triangles.len())
+                        .sum();
+                    let any = triangles > 0;
+                    result.eyes += 1;
+                    result.fail_share += triangles as f64 / mesh.triangles.len() as f64;
+                    result.needless += usize::from(any && share == 0.0);
+                    if share > 0.0 && !any {
+                        result.missed += 1;
+                        result.missed_at_corners += usize::from(at_corners);
+                        result.missed_share += share;
+                        if *test == EyeTest::Eye && share > worst_share {
+                            (worst_share, table.worst) = (share, Some(view));
+                        }
+                    }
+                }
+            }
+            table.results.extend(results);
+        }
+        Ok(table)
+    }
+
+    pub(crate) fn result(&self, test: EyeTest, near: f64) -> Option<EyeResult> {
+        let mut all = self.results.iter();
+        let found =
+            all.find(|(own, result)| *own == test && result.near.to_bits() == near.to_bits());
+        found.map(|(_, result)| *result)
+    }
+
+    /// The view that the published test misses worst.
+    pub(crate) fn missed(&self) -> Result<Option<Missed>, String> {
+        let Some(view) = self.worst else {
+            return Ok(None);
+        };
+        let mesh = port(PortSize::named("port-m").ok_or("no port-m")?);
+        let scene = Scene::of(mesh, self.at, vec![view])?;
+        let mesh = scene.mesh();
+        let boxes = Boxes::of(mesh);
+        let reference = Reference::new(mesh, scene.to_light);
+        let volume = scene.volume(End::Sea).map_err(|error| error.to_string())?;
+        let (view, truth) = &scene.channels[0];
+        let masks = [EyeTest::Eye, EyeTest::Exact].map(|test| {
+            let fail = chosen(
+                test,
+                view,
+                scene.to_light,
+                mesh,
+                scene.facing(),
+                &boxes,
+                &reference,
+            );
+            let mut stencil = Stencil::clear(view);
+            let how = |part: u32| {
+                let rule = if fail[part as usize] {
+                    Rule::Fail
+                } else {
+                    Rule::Pass
+                };
+                Some((rule, Rectangle::whole(view)))
+            };
+            draw(&mut stencil, view, mesh, &volume, truth, &how);
+            stencil.mask()
+        });
+        Ok(Some((truth.clone(), masks)))
+    }
+}

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What cases compute.
+
+use crate::count::Rule;
+use crate::ladder::Rung;
+use crate::maps::Bias;
+use crate::near::EyeTest;
+use crate::outline::Way;
+use crate::rivals::Rival;
+use crate::views::{Chooser, Eyes, Place};
+use crate::way::DeviceWay;
+use crate::work::{End, Scissor};
+use terrafill_casters::Policy;
+
+/// How a silhouette is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Method {
+    Stack,
+    Hash,
+    Adjacency,
+}
+
+impl Method {
+    pub(crate) const ALL: [Self; 3] = [Self::Stack, Self::Hash, Self::Adjacency];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Stack => "stack",
+            Self::Hash => "hash",
+            Self::Adjacency => "adjacency",
+        }
+    }
+}
+
+/// What a case computes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Job {
+    Eye([f64; 2], f64, EyeTest),
+    Updates([f64; 2], End, Rule),
+    Scissor([f64; 2], Scissor),
+    /// By depth bounds, volumes closed at the sea.
+    Bounds([f64; 2], Rule),
+    Finite([f64; 2], f64),
+    Row(u32, bool),
+    Casters(Policy),
+    Outline(u32, Way),
+    Silhouette(&'static str, Method),
+    /// What a user's file holds.
+    Model,
+    Device([f64; 2], DeviceWay),
+    Origin([f64; 2], Eyes, DeviceWay),
+    /// Of boxes, turned so that faces are edge-on or at random.
+    Facing([f64; 2], bool, DeviceWay),
+    Near([f64; 2], DeviceWay),
+    DeviceRow(u32, DeviceWay),
+    Map([f64; 2], f64, Bias),
+    DeviceMap([f64; 2], f64, Bias),
+    Rival([f64; 2], Rival),
+    View([f64; 2], Place, Chooser),
+    Rung([f64; 2], Rung),
+}
+
+/// As rows have it.
+pub(crate) fn sun_name([elevation, azimuth]: [f64; 2]) -> String {
+    format!("{elevation}° from {azimuth}°")
+}

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The hierarchy of tiles, by compute on wgpu.
+
+use crate::casting::{Asks, Casting, mask_of};
+use std::sync::Arc;
+use terrafill_fill::{CpuStopwatch, DeviceError, Devices, FrameTimes, SurfaceView};
+use terrafill_gpu::{Gpu, PassTimer, RenderTargets, TimedPass, read_buffer, shared_gpu};
+
+const SHADER: &str = "casters/tiles.wgsl";
+/// Invocations of a group.
+const GROUP: u32 = 64;
+/// Pixels along a tile, level by level.
+const SIDES: [u32; 3] = [8, 32, 128];
+
+/// Buffers and pipelines for one view.
+pub(super) struct Tiles {
+    gpu: Arc<Gpu>,
+    bound: wgpu::BindGroup,
+    /// In order, with their groups.
+    steps: Vec<(wgpu::ComputePipeline, u32)>,
+    dark: wgpu::Buffer,
+    answers: wgpu::Buffer,
+    timer: Option<PassTimer>,
+    bytes: [u64; 2],
+}
+
+impl Tiles {
+    pub(super) fn new(
+        devices: &Devices,
+        seen: SurfaceView<'_>,
+        casting: &Casting,
+    ) -> Result<Self, DeviceError> {
+        let gpu = shared_gpu(devices)?;
+        let mut targets = RenderTargets::new(&gpu, seen.size)?;
+        targets.prepare(seen)?;
+        targets.draw_surface()?;
+        let depths = targets.read()?.depth;
+        let storage = wgpu::BufferUsages::STORAGE;
+        let upload = |label, bytes: &[u8], usage| gpu.upload(label, bytes, usage);
+        let receivers = bytemuck::bytes_of(&casting.receivers);
+        let receivers = upload("receivers", receivers, wgpu::BufferUsages::UNIFORM)?;
+        let depths = upload("depths", bytemuck::cast_slice(&depths), storage)?;
+        let places = upload("places", bytemuck::cast_slice(&casting.places), storage)?;
+        // A binding of 0 bytes is not allowed.
+        let mut triangles = casting.triangles.clone();
+        triangles.resize(triangles.len().max(1), [0; 4]);
+        let triangles = upload("triangles", bytemuck::cast_slice(&triangles), storage)?;
+        let [width, height] = casting.receivers.size;
+        let tiles = SIDES.map(|side| width.div_ceil(side) * height.div_ceil(side));
+        let all: u32 = tiles.iter().sum();
+        let room = |label, words: u32, usage| {
+            gpu.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: u64::from(words) * size_of::<u32>() as u64,
+                usage: storage | usage,
+                mapped_at_creation: false,
+            })
+        };
+        let none = wgpu::BufferUsages::empty();
+        let boxes = room("boxes of tiles", 2 * all, none);
+        let dark = room("dark", all + tiles[0], wgpu::BufferUsages::COPY_DST);
+        let pixels = width * height;
+        let answers = room("answers", pixels, wgpu::BufferUsages::COPY_SRC);
+        let kind = |read_only| wgpu::BufferBindingType::Storage { read_only };
+        let kinds = [
+            wgpu::BufferBindingType::Uniform,
+            kind(true),
+            kind(true),
+            kind(true),
+            kind(false),
+            kind(false),
+            kind(false),
+        ];
+        let layout = gpu.buffer_layout("tiles", wgpu::ShaderStages::COMPUTE, &kinds);
+        let buffers = [
+            &receivers, &depths, &places, &triangles, &boxes, &dark, &answers,
+        ];
+        let bound = gpu.bind_buffers("tiles", &layout, &buffers);
+        let module = gpu.shader(SHADER)?;
+        let own = gpu.pipeline_layout("tiles", &[Some(&layout)]);
+        let steps = [
+            ("bound", tiles[0]),
+            ("join_middle", tiles[1]),
+            ("join_top", tiles[2]),
+            ("throw_shadows", casting.receivers.triangles),
+            ("answer", pixels),
+        ];
+        let step = |(entry_point, invocations): (&str, u32)| {
+            let pipeline = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(entry_point),
+                layout: Some(&own),
+                module: &module,
+                entry_point: Some(entry_point),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            });
+            (pipeline, invocations.div_ceil(GROUP))
+        };
+        let held = buffers.iter().map(|buffer| buffer.size()).sum();
+        Ok(Self {
+            // Those that face the sun, and the direction.
+            bytes: [held, triangles.size() + 16],
+            steps: steps.map(step).into(),
+            timer: PassTimer::new(&gpu),
+            bound,
+            dark,
+            answers,
+            gpu,
+        })
+    }
+
+    fn run(&self, timer: Option<&PassTimer>) -> Result<(), DeviceError> {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        encoder.clear_buffer(&self.dark, 0, None);
+        let stamps = timer.map(|timer| timer.around(TimedPass::Colour));
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("tiles"),
+            timestamp_writes: stamps.map(|writes| wgpu::ComputePassTimestampWrites {
+                query_set: writes.query_set,
+                beginning_of_pass_write_index: writes.beginning_of_pass_write_index,
+                end_of_pass_write_index: writes.end_of_pass_write_index,
+            }),
+        });
+        pass.set_bind_group(0, &self.bound, &[]);
+        for (pipeline, groups) in &self.steps {
+            pass.set_pipeline(pipeline);
+            pass.dispatch_workgroups(*groups, 1, 1);
+        }
+        drop(pass);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait()
+    }
+}
+
+impl Asks for Tiles {
+    fn mask(&mut self) -> Result<Vec<bool>, DeviceError> {
+        self.run(None)?;
+        Ok(mask_of(&read_buffer(&self.gpu, &self.answers)?))
+    }
+
+    fn time(&mut self) -> Result<FrameTimes, DeviceError> {
+        let watch = CpuStopwatch::start();
+        self.run(self.timer.as_ref())?;
+        let mut times = FrameTimes {
+            fill_cpu_ms: watch.cpu_ms(),
+            fill_wall_ms: watch.wall_ms(),
+            ..FrameTimes::default()
+        };
+        if let Some(timer) = &self.timer {
+            let stamps = timer.read(&self.gpu, TimedPass::Colour, TimedPass::Colour)?;
+            times.fill_gpu_ms = stamps.pass_ms(TimedPass::Colour);
+        }
+        Ok(times)
+    }
+
+    fn bytes(&self) -> [u64; 2] {
+        self.bytes
+    }
+}

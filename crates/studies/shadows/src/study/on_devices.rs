@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Cases that a device answers.
+
+use super::{Answering, Figures, MAX_DIFFERS, percent, verdict_of};
+use crate::count::Wrong;
+use crate::device_map::{DeviceMap, differing};
+use crate::drawing::DeviceDrawn;
+use crate::images;
+use crate::job::Job;
+use crate::ladder::Rung;
+use crate::maps::Bias;
+use crate::rivals::Rival;
+use crate::views::Eyes;
+use crate::way::DrawError;
+use crate::work::{Pixels, Scene};
+use terrafill_casters::EdgeTable;
+use terrafill_results::Verdict;
+
+fn device_figures(drawn: &DeviceDrawn, pixels: Pixels) -> Figures {
+    let mut figures = vec![
+        ("shadow_receiver_px", pixels.receivers as f64),
+        ("shadow_px", pixels.shadow as f64),
+        ("shadow_false_lit_px", drawn.wrong.false_lit as f64),
+        ("shadow_false_dark_px", drawn.wrong.false_dark as f64),
+        ("shadow_band_px", drawn.wrong.in_band as f64),
+        ("shadow_rim_px", drawn.wrong.at_rims as f64),
+        (
+            "shadow_lost_share",
+            percent(drawn.lost as f64, pixels.shadow),
+        ),
+        ("shadow_volume_triangles", drawn.volume_triangles as f64),
+        ("shadow_draws", drawn.draws as f64),
+        ("shadow_bytes", drawn.bytes[0] as f64),
+        ("shadow_sun_bytes", drawn.bytes[1] as f64),
+        ("shadow_casters_left_out", drawn.left_out as f64),
+    ];
+    let fragments = drawn.fragments;
+    figures.extend(fragments.map(|all| ("shadow_fragments", all as f64 / pixels.all as f64)));
+    figures
+}
+
+impl Answering<'_> {
+    /// A map on the device, made if the last one is another.
+    pub(super) fn map(&mut self, sun: [f64; 2], texel_m: f64) -> Result<&DeviceMap, DrawError> {
+        let is_there = |map: &([f64; 2], f64, DeviceMap)| map.0 == sun && map.1 == texel_m;
+        if !self.map.as_ref().is_some_and(is_there) {
+            // Two at a time may be more than there is room for.
+            self.map = None;
+            let devices = self.context.devices;
+            let scene = self.under(sun)?;
+            let frame = scene.frame(texel_m);
+            let frame = frame.map_err(|error| DrawError::Unfit(error.to_string()))?;
+            let map = scene.device_map(devices, &frame)?;
+            self.map = Some((sun, texel_m, map));
+        }
+        let map = self.map.as_ref().map(|(.., map)| map);
+        map.ok_or_else(|| "no map".into())
+    }
+
+    /// The device's map beside the CPU's, at the step of the bias that is best there.
+    pub(super) fn device_mapped(
+        &mut self,
+        sun: [f64; 2],
+        texel_m: f64,
+        bias: Bias,
+    ) -> Result<Verdict, DrawError> {
+        self.map(sun, texel_m)?;
+        let mapped = self.under(sun)?.mapped(texel_m, bias);
+        let mapped = mapped.map_err(|error| DrawError::Unfit(error.to_string()))?;
+        let masks = self.map(sun, texel_m)?.masks(bias, mapped.step, texel_m)?;
+        let scene = self.under(sun)?;
+        let channels = masks.iter().zip(&scene.channels);
+        let wrong = channels.fold(Wrong::default(), |sum, (mask, (_, truth))| {
+            sum.plus(Wrong::of(mask, truth))
+        });
+        let share = |count: usize| percent(count as f64, scene.judged());
+        let differs = share(differing(scene, &masks, &mapped.masks));
+        if differs > MAX_DIFFERS {
+            let message = format!(
+                "{differs:.2} % of the pixels say otherwise than the CPU's map, allowed: {MAX_DIFFERS} %"
+            );
+            return Ok(Verdict::failed(message));
+        }
+        Ok(verdict_of(
+            wrong,
+            vec![
+                ("shadow_map_wrong", share(wrong.outside() + wrong.in_band)),
+                ("shadow_map_differs", differs),
+                ("shadow_map_bias_m", mapped.bias_m),
+                ("shadow_bytes", mapped.bytes as f64),
+                ("shadow_false_lit_px", wrong.false_lit as f64),
+                ("shadow_false_dark_px", wrong.false_dark as f64),
+                ("shadow_band_px", wrong.in_band as f64),
+            ],
+        ))
+    }
+
+    /// What a device draws.
+    pub(super) fn device(&mut self, case: usize, job: Job) -> Result<Verdict, DrawError> {
+        let (context, question, size) = (self.context, self.question.name, self.question.size);
+        let (scene, way) = match job {
+            Job::Device(sun, way) | Job::Origin(sun, Eyes::Bridge, way) => (self.under(sun)?, way),
+            Job::Origin(sun, Eyes::At(place), way) => {
+                let make = || Scene::of_place(place, sun, size);
+                (self.scene(place.name(), make)?, way)
+            }
+            Job::Rung(sun, rung) => (self.under(sun)?, rung.way),
+            Job::Facing(sun, is_edge_on, way) => {
+                let make = || Scene::of_boxes(sun, is_edge_on, size);
+                (self.scene(&format!("{sun:?} {is_edge_on}"), make)?, way)
+            }
+            Job::Near(sun, way) => {
+                let make = || Scene::of_missed_eye(sun, size);
+                (self.scene(&format!("{sun:?}"), make)?, way)
+            }
+            Job::DeviceRow(count, way) => {
+                let make = || Scene::of_row(count, size);
+                (self.scene(&count.to_string(), make)?, way)
+            }
+            _ => return Err("no device draws it".into()),
+        };
+        let mut drawn = scene.drawn_by(context.devices, way)?;
+        let mut verdict = verdict_of(drawn.wrong, device_figures(&drawn, scene.pixels()));
+        if matches!(job, Job::Rung(..)) {
+            let writes = scene.writes_of(way).map_err(|error| error.to_string())?;
+            let share = writes as f64 / scene.pixels().all as f64;
+            verdict.figures.push(("shadow_updates", share));
+        }
+        if way.silhouettes.decides_by_corners() {
+            let views = scene.channels.iter();
+            let undecided = views.map(|(view, _)| scene.undecided_facings(view)).max();
+            let all = scene.mesh().triangles.len();
+            let share = undecided.map(|count| percent(count as f64, all));
+            let share = share.map(|share| ("shadow_undecided_facings", share));
+            verdict.figures.extend(share);
+        }
+        let (channel, mask) = drawn.darkest.take().ok_or("no channel")?;
+        let (_, truth) = scene.darkest().ok_or("no channel")?;
+        let name = format!("{question}-{case}");
+        let path = images::write(context.folder, &name, truth, Some(&mask))?;
+        verdict.notes.push(("image", path));
+        verdict.notes.push(("mask_hash", drawn.mask_hash));
+        self.opened.insert(case, channel);
+        Ok(verdict)
+    }
+
+    /// What a rival answers.
+    pub(super) fn rival(
+        &mut self,
+        case: usize,
+        sun: [f64; 2],
+        rival: Rival,
+    ) -> Result<Verdict, DrawError> {
+        let context = self.context;
+        let scene = self.under(sun)?;
+        let mut asked = scene.asked_by(context.devices, rival)?;
+        let pixels = scene.pixels();
+        let wrong = asked.wrong;
+        let lost = percent(asked.lost as f64, pixels.shadow);
+        let mut figures = vec![
+            ("shadow_receiver_px", pixels.receivers as f64),
+            ("shadow_px", pixels.shadow as f64),
+            ("shadow_false_lit_px", wrong.false_lit as f64),
+            ("shadow_false_dark_px", wrong.false_dark as f64),
+            ("shadow_band_px", wrong.in_band as f64),
+            ("shadow_rim_px", wrong.at_rims as f64),
+            ("shadow_lost_share", lost),
+            ("shadow_bytes", asked.bytes[0] as f64),
+            ("shadow_sun_bytes", asked.bytes[1] as f64),
+        ];
+        figures.extend(asked.build_ms.map(|ms| ("shadow_build_gpu_ms", ms)));
+        let mut verdict = verdict_of(wrong, figures);
+        let (channel, mask) = asked.darkest.take().ok_or("no channel")?;
+        let (_, truth) = scene.darkest().ok_or("no channel")?;
+        let name = format!("rivals-{case}");
+        let path = images::write(context.folder, &name, truth, Some(&mask))?;
+        verdict.notes.push(("image", path));
+        verdict.notes.push(("mask_hash", asked.mask_hash));
+        self.asking.insert(case, channel);
+        Ok(verdict)
+    }
+
+    /// Time of finding the volumes of a rung, unless they are kept.
+    pub(super) fn volumes_ms(&mut self, sun: [f64; 2], rung: Rung) -> Result<Option<f64>, String> {
+        if rung.is_kept {
+            return Ok(None);
+        }
+        let table = self.edges.take();
+        let scene = self.under(sun)?;
+        let table = table.unwrap_or_else(|| EdgeTable::of(scene.mesh()));
+        let cpu_ms = scene.time_volumes(rung.way, &table);
+        self.edges = Some(table);
+        cpu_ms.map(Some).map_err(|error| error.to_string())
+    }
+}
