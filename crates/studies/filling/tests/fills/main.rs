@@ -11,6 +11,7 @@ mod extreme_views;
 mod far_level;
 mod front_caps;
 mod level_of_detail;
+mod merged_draws;
 mod native_against_reference;
 mod needs;
 mod over_a_spiral;
