@@ -3,6 +3,7 @@
 //!
 //! One program: each one more would be linked with both device crates, which takes longer than most tests.
 
+mod camera_path;
 mod compute_against_reference;
 mod depth_rule;
 mod drawing;
