@@ -19,6 +19,19 @@ fn vertex_main(
     return Varying(vec4<f32>(x, y, 1.0, 1.0), regions[region_index].colour);
 }
 
+// Many covers in one draw: each instance is a rectangle, left, bottom, right and top in clip space, of four
+// vertices in a strip, with the number of its region.
+@vertex
+fn rectangle_main(
+    @builtin(vertex_index) vertex_index: u32,
+    @location(0) edges: vec4<f32>,
+    @location(1) region_index: u32,
+) -> Varying {
+    let x = select(edges.x, edges.z, (vertex_index & 1u) != 0u);
+    let y = select(edges.y, edges.w, (vertex_index & 2u) != 0u);
+    return Varying(vec4<f32>(x, y, 1.0, 1.0), regions[region_index].colour);
+}
+
 @fragment
 fn fragment_main(in: Varying) -> @location(0) vec4<f32> {
     return in.colour;

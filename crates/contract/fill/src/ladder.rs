@@ -239,12 +239,29 @@ impl Climb {
             },
             |switches| switches.colour = Switches::for_overlap(overlap).colour,
         )
+        .merged_draws(overlap)
         .step(
             "boundary-lod",
             "boundaries at the coarsest level that moves none by more than half a pixel",
             |variant| variant.plan.boundary_lod_px = Some(LOD_PX),
         )
         .far_level(overlap)
+    }
+
+    /// One draw for many. Where regions keep an order, they are drawn one at a time.
+    fn merged_draws(self, overlap: Overlap) -> Self {
+        if overlap == Overlap::Ordered {
+            return self;
+        }
+        self.switch(
+            "one-draw",
+            "what one step draws in one state is one draw instead of one for each region: covers, and where \
+             vertices say whose they are volumes, which are no longer cut to rectangles",
+            |switches| {
+                switches.merges_draws = true;
+                switches.scissor = false;
+            },
+        )
     }
 
     /// Caps without the facets that face away, beside the way. Where regions keep an order, numbers cannot

@@ -12,6 +12,7 @@ mod batches;
 mod bottom_caps;
 mod clock;
 mod constants;
+mod cover_instances;
 mod depth_range;
 mod devices;
 mod error;
@@ -58,6 +59,7 @@ pub use clock::CpuStopwatch;
 pub use constants::{
     FootprintConstants, ViewConstants, VolumeConstants, VolumePlace, changed_words,
 };
+pub use cover_instances::CoverInstance;
 pub use depth_range::DepthRange;
 pub use devices::{DeviceLoss, Devices};
 pub use error::DeviceError;

@@ -179,6 +179,9 @@ pub struct Switches {
     /// Top caps leave out the facets that face away from the eye, and covers the sky, for regions of
     /// which that is known to be right.
     pub front_caps: bool,
+    /// What one step draws in one state is one draw: covers as instances, volumes by one index list for
+    /// the view, where a layout's vertices say whose they are.
+    pub merges_draws: bool,
     /// Covers by volume draw one kind of face only.
     pub cover_culls_faces: bool,
     /// What takes the stencil back to 0.
@@ -217,7 +220,7 @@ impl Switches {
     pub const KEYS: &str = "bottom-cap=always|first-pass|where-needed, cap-faces=both|front, \
         colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
         cover-area=rectangle|screen, cover-faces=both|culled, depth-bounds=off|on, depth-copy=none|made, \
-        depth-rule=zfail|zpass|automatic, faces=two-sided|two-pass, \
+        depth-rule=zfail|zpass|automatic, draws=each|merged, faces=two-sided|two-pass, \
         first-pass=stencil|colour|program|program-colour, normalize=needed|superfluous, position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
         stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3, \
         texture-code=needed|loaded, vertices=stored|bent";
@@ -236,7 +239,7 @@ impl Switches {
 
     /// Every switch with its value, in alphabetical order.
     #[must_use]
-    pub fn settings(&self) -> [(&'static str, String); 17] {
+    pub fn settings(&self) -> [(&'static str, String); 18] {
         let either = |is_second: bool, [first, second]: [&str; 2]| {
             if is_second { second } else { first }.to_owned()
         };
@@ -268,6 +271,7 @@ impl Switches {
             ("depth-bounds", either(self.depth_bounds, ["off", "on"])),
             ("depth-copy", either(self.copies_depth, ["none", "made"])),
             ("depth-rule", depth_rule.to_owned()),
+            ("draws", either(self.merges_draws, ["each", "merged"])),
             (
                 "faces",
                 either(self.faces == FacePasses::TwoPass, ["two-sided", "two-pass"]),
@@ -366,6 +370,9 @@ impl Switches {
                     ],
                 )?;
             }
+            "draws" => {
+                self.merges_draws = pick("draws", value, &[("each", false), ("merged", true)])?;
+            }
             "faces" => {
                 self.faces = pick(
                     "faces",
@@ -449,6 +456,24 @@ impl Switches {
         })
     }
 
+    /// Whether one draw can do for many: nothing is set anew between volumes.
+    fn check_draws(&self) -> Result<(), SwitchError> {
+        let (found, allowed) = if !self.merges_draws {
+            return Ok(());
+        } else if self.scissor {
+            ("scissor=volumes", "scissor=covers")
+        } else if self.depth_bounds {
+            ("depth-bounds=on", "depth-bounds=off")
+        } else {
+            return Ok(());
+        };
+        Err(SwitchError {
+            switch: "draws",
+            found: format!("merged with {found}, which differs from volume to volume"),
+            allowed: format!("each, or {allowed}"),
+        })
+    }
+
     /// Whether the switches go together and are right for a scene of this kind.
     ///
     /// # Errors
@@ -488,6 +513,7 @@ impl Switches {
             });
         }
         self.check_caps()?;
+        self.check_draws()?;
         if self.loads_texture && self.texture.is_some() {
             return Err(SwitchError {
                 switch: "texture-code",
@@ -584,6 +610,7 @@ mod tests {
             first_pass: FirstPass::Program,
             scissor: true,
             front_caps: true,
+            merges_draws: true,
             covers_screen: true,
             cover_culls_faces: true,
             stencil_clear: StencilClear::ByColour,
@@ -602,7 +629,7 @@ mod tests {
         assert_eq!(Switches::default().names(), Vec::<String>::new());
         let changed = all_changed();
         let names = changed.names();
-        assert_eq!(names.len(), 17);
+        assert_eq!(names.len(), 18);
         assert!(names.is_sorted());
         let mut read = Switches::default();
         for name in &names {
@@ -633,6 +660,7 @@ mod tests {
             position: None,
             superfluous_normalize: false,
             front_caps: false,
+            merges_draws: false,
             ..all_changed()
         };
         assert!(plain.check(Overlap::Ordered).is_ok());
@@ -735,6 +763,28 @@ mod tests {
             );
             // Twin: with both kinds of facets it is allowed.
             wrong.front_caps = false;
+            assert_eq!(wrong.check(Overlap::Disjoint), Ok(()));
+        }
+    }
+
+    #[test]
+    fn draws_are_merged_only_where_nothing_changes_between_them() {
+        let merged = Switches {
+            merges_draws: true,
+            ..Switches::default()
+        };
+        assert_eq!(merged.check(Overlap::Disjoint), Ok(()));
+        for (key, value) in [("scissor", "volumes"), ("depth-bounds", "on")] {
+            let mut wrong = merged;
+            assert_eq!(wrong.set(key, value), Ok(true));
+            let error = wrong.check(Overlap::Disjoint).expect_err(value);
+            assert_eq!(error.switch, "draws");
+            assert!(
+                error.to_string().contains(&format!("{key}={value}")),
+                "{error}"
+            );
+            // Twin: drawn one by one it is allowed.
+            wrong.merges_draws = false;
             assert_eq!(wrong.check(Overlap::Disjoint), Ok(()));
         }
     }

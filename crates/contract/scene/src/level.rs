@@ -168,6 +168,19 @@ pub(crate) struct DrawnRegion {
 }
 
 impl LevelTable {
+    /// Of each region its meshes, the coarsest first and that of level 0 last.
+    ///
+    /// - `meshes`: how many there are of all levels
+    #[must_use]
+    pub fn meshes_of_regions(&self, meshes: usize) -> Vec<Vec<usize>> {
+        let of_region = |region: usize| {
+            let coarser = self.coarser.iter().rev();
+            let coarser = coarser.map(|level| level.meshes[region]);
+            coarser.chain([region]).collect()
+        };
+        (0..self.region_count(meshes)).map(of_region).collect()
+    }
+
     /// - `meshes`: how many there are of all levels
     pub(crate) fn region_count(&self, meshes: usize) -> usize {
         let coarser = self.coarser.first();
@@ -254,6 +267,14 @@ mod tests {
             ..table()
         };
         assert_eq!(apart.pick(&near_0, 0.5), [4, 9, 10, 11]);
+    }
+
+    #[test]
+    fn every_mesh_is_one_of_one_region() {
+        let of_regions = table().meshes_of_regions(12);
+        assert_eq!(of_regions, [[8, 4, 0], [9, 5, 1], [10, 6, 2], [11, 7, 3]]);
+        // Twin: without levels each region has its one.
+        assert_eq!(LevelTable::default().meshes_of_regions(2), [[0], [1]]);
     }
 
     #[test]

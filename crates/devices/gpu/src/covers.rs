@@ -6,12 +6,20 @@ use crate::attachments::target;
 use crate::volume_pipeline::{NUMBER_FORMAT, colour_state, colour_target, unchanged};
 use crate::{Gpu, VolumePass};
 use std::collections::HashMap;
-use terrafill_fill::{DeviceError, Feature, Holding, NUMBER_BYTES, StencilTest};
+use std::ops::Range;
+use terrafill_fill::{
+    CoverInstance, DeviceError, Feature, Holding, MemoryUse, NUMBER_BYTES, StencilTest,
+};
 use terrafill_scene::ImageSize;
+
+/// Where covers that are instances are bound, behind whatever volumes bind.
+const INSTANCES: u32 = 3;
 
 /// Pipelines on one device, made when first asked for.
 #[derive(Debug)]
 pub(crate) struct Covers {
+    /// Those of one step are instances of one draw.
+    are_merged: bool,
     cover_shader: Option<wgpu::ShaderModule>,
     cover_layout: wgpu::PipelineLayout,
     /// By test, and whether they are blended over what lies under them.
@@ -23,11 +31,13 @@ pub(crate) struct Covers {
 
 impl Covers {
     /// - `frame_layout`: group 0, view and volumes' constants
-    pub(crate) fn new(gpu: &Gpu, frame_layout: &wgpu::BindGroupLayout) -> Self {
+    /// - `are_merged`: covers of one step are instances of one draw
+    pub(crate) fn new(gpu: &Gpu, frame_layout: &wgpu::BindGroupLayout, are_merged: bool) -> Self {
         let number = wgpu::TextureSampleType::Float { filterable: false };
         let number_layout = gpu.texture_layout("accumulated numbers", number);
         let resolved = [Some(frame_layout), Some(&number_layout)];
         Self {
+            are_merged,
             cover_shader: None,
             cover_layout: gpu.pipeline_layout("cover", &[Some(frame_layout)]),
             covers: HashMap::new(),
@@ -53,7 +63,11 @@ impl Covers {
             None => gpu.shader("vertex/cover.wgsl")?,
         };
         let (state, target) = (Some(colour_state(test)), colour_target(blends));
-        let made = full_screen(gpu, "cover", &self.cover_layout, &shader, state, target);
+        let layout = &self.cover_layout;
+        let made = match self.are_merged {
+            true => rectangles(gpu, layout, &shader, state, target),
+            false => full_screen(gpu, "cover", layout, &shader, state, target),
+        };
         self.covers.insert(key, made);
         self.cover_shader = Some(shader);
         Ok(())
@@ -97,6 +111,23 @@ impl Covers {
         }
     }
 
+    /// Covers marked pixels by one draw of `range` among the instances that are bound.
+    pub(crate) fn draw_merged(
+        &self,
+        pass: &mut VolumePass<'_>,
+        test: StencilTest,
+        blends: bool,
+        range: Range<u32>,
+    ) {
+        if let Some(pipeline) = self.covers.get(&cover_key(test, blends)) {
+            pass.raw.set_pipeline(pipeline);
+        }
+        pass.raw.set_stencil_reference(u32::from(test.reference));
+        pass.at_sky(test.skips_sky);
+        pass.cut(0, false);
+        pass.draw_covers(4, range);
+    }
+
     /// Looks up the colours of accumulated numbers.
     pub(crate) fn draw_resolve(&self, pass: &mut VolumePass<'_>, numbers: &Numbers) {
         if let Some(pipeline) = &self.resolve {
@@ -116,6 +147,50 @@ fn cover_key(test: StencilTest, blends: bool) -> (StencilTest, bool) {
         ..test
     };
     (test, blends)
+}
+
+/// Covers of a program as instances.
+#[derive(Debug)]
+pub(crate) struct CoverList {
+    buffer: wgpu::Buffer,
+    bytes: Vec<u8>,
+}
+
+impl CoverList {
+    /// Those of `instances` in the buffer of `before`, where it has room for as many.
+    ///
+    /// # Errors
+    /// [`DeviceError::OverCapacity`].
+    pub(crate) fn new(
+        gpu: &Gpu,
+        instances: &[CoverInstance],
+        before: Option<Self>,
+    ) -> Result<Self, DeviceError> {
+        let bytes: Vec<u8> = bytemuck::cast_slice(instances).to_vec();
+        let buffer = match before {
+            Some(before) if before.buffer.size() >= bytes.len() as u64 => {
+                gpu.write_changed(&before.buffer, &before.bytes, &bytes);
+                before.buffer
+            }
+            _ => gpu.upload("covers", &bytes, wgpu::BufferUsages::VERTEX)?,
+        };
+        Ok(Self { buffer, bytes })
+    }
+
+    pub(crate) fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_vertex_buffer(INSTANCES, self.buffer.slice(..));
+    }
+
+    pub(crate) fn holding(&self) -> Holding {
+        let written = self.bytes.len() as u64;
+        let memory = MemoryUse {
+            constant_bytes: written,
+            padding_bytes: self.buffer.size().saturating_sub(written),
+            buffers: 1,
+            ..MemoryUse::default()
+        };
+        Holding::memory(Feature::Covers, memory)
+    }
 }
 
 /// The accumulation target.
@@ -156,16 +231,72 @@ pub(crate) fn full_screen(
     depth_stencil: Option<wgpu::DepthStencilState>,
     target: wgpu::ColorTargetState,
 ) -> wgpu::RenderPipeline {
+    let vertex = wgpu::VertexState {
+        module: shader,
+        entry_point: Some("vertex_main"),
+        compilation_options: Default::default(),
+        buffers: &[],
+    };
+    let primitive = wgpu::PrimitiveState::default();
+    coloured(
+        gpu,
+        label,
+        layout,
+        (vertex, primitive),
+        depth_stencil,
+        target,
+    )
+}
+
+/// A pipeline for rectangles of [`CoverInstance`].
+fn rectangles(
+    gpu: &Gpu,
+    layout: &wgpu::PipelineLayout,
+    shader: &wgpu::ShaderModule,
+    depth_stencil: Option<wgpu::DepthStencilState>,
+    target: wgpu::ColorTargetState,
+) -> wgpu::RenderPipeline {
+    let attributes = wgpu::vertex_attr_array![0 => Float32x4, 1 => Uint32];
+    let instances = wgpu::VertexBufferLayout {
+        array_stride: CoverInstance::STRIDE,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &attributes,
+    };
+    let vertex = wgpu::VertexState {
+        module: shader,
+        entry_point: Some("rectangle_main"),
+        compilation_options: Default::default(),
+        buffers: &[None, None, None, Some(instances)],
+    };
+    let primitive = wgpu::PrimitiveState {
+        topology: wgpu::PrimitiveTopology::TriangleStrip,
+        ..Default::default()
+    };
+    coloured(
+        gpu,
+        "covers",
+        layout,
+        (vertex, primitive),
+        depth_stencil,
+        target,
+    )
+}
+
+/// A pipeline whose fragments write colours by the entry point `fragment_main` of the same shader.
+fn coloured(
+    gpu: &Gpu,
+    label: &str,
+    layout: &wgpu::PipelineLayout,
+    (vertex, primitive): (wgpu::VertexState<'_>, wgpu::PrimitiveState),
+    depth_stencil: Option<wgpu::DepthStencilState>,
+    target: wgpu::ColorTargetState,
+) -> wgpu::RenderPipeline {
+    let shader = vertex.module;
     gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(label),
         layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module: shader,
-            entry_point: Some("vertex_main"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: Default::default(),
+        vertex,
+        primitive,
         depth_stencil,
         multisample: Default::default(),
         fragment: Some(wgpu::FragmentState {

@@ -7,17 +7,18 @@
 //! stand in passes that leave the stencil alone as well.
 
 use crate::attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, attached, read_only_depth, target};
-use crate::covers::{Covers, Numbers};
+use crate::covers::{CoverList, Covers, Numbers};
 use crate::statistics::Statistics;
 use crate::textured::{BoundCover, CoverPurpose, Probe, TexturedFill};
 use crate::volume_pipeline::check_blendable;
 use crate::{API, Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
+use std::ops::Range;
 use std::sync::Arc;
 use terrafill_fill::{
     COLOUR_BYTES, Capabilities, Counters, CpuStopwatch, DEPTH_STENCIL_BYTES, DeviceError, Feature,
-    FillPass, FillStep, FirstPass, FrameTimes, Holding, Picture, Probed, StencilExecutor,
-    StencilTest, StencilWork, SurfaceView, Switches, TexturedPlan, ViewId, VolumeDraw, VolumeList,
-    VolumeState, WorkDone, changed_words,
+    FillPass, FillProgram, FillStep, FirstPass, FrameTimes, Holding, Picture, Probed,
+    StencilExecutor, StencilTest, StencilWork, SurfaceView, Switches, TexturedPlan, ViewId,
+    VolumeDraw, VolumeList, VolumeState, WorkDone,
 };
 use terrafill_scene::{ImageSize, MipChain};
 
@@ -56,6 +57,19 @@ pub trait Volumes {
     ) {
     }
 
+    /// Makes ready what draws of many volumes need, once for a program and after [`Volumes::ensure`].
+    ///
+    /// # Errors
+    /// [`DeviceError::OverCapacity`], [`DeviceError::OutOfMemory`].
+    fn merge(
+        &mut self,
+        _gpu: &Gpu,
+        _list: &VolumeList,
+        _program: &FillProgram,
+    ) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
     /// Hands over what every frame hands over anew, before it is recorded.
     fn stream(&mut self, _gpu: &Gpu, _list: &VolumeList) {}
 
@@ -76,6 +90,8 @@ pub struct VolumeFill {
     draws_texture: bool,
     /// Every frame copies depth.
     copies_depth: bool,
+    /// Plain covers of one step are one draw.
+    merges_covers: bool,
     frame_layout: wgpu::BindGroupLayout,
     covers: Covers,
     /// Covers of a textured fill, which stand where the plain ones would.
@@ -89,6 +105,8 @@ struct Loaded {
     work: StencilWork,
     constants: wgpu::Buffer,
     bind_group: wgpu::BindGroup,
+    /// Plain covers, if they are merged.
+    covers: Option<CoverList>,
     /// Where the program accumulates numbers, if it does.
     numbers: Option<Numbers>,
     /// Where colours of the first pass go, which nobody reads, if it has fragments.
@@ -136,7 +154,8 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
             draws_texture: switches.texture.is_some(),
             copies_depth: switches.copies_depth,
             targets: SharedTargets::clone(targets),
-            covers: Covers::new(&gpu, &frame_layout),
+            merges_covers: switches.merges_draws && switches.texture.is_none(),
+            covers: Covers::new(&gpu, &frame_layout, switches.merges_draws),
             textured: None,
             frame_layout,
             loaded: None,
@@ -172,13 +191,20 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
     fn load(&mut self, work: StencilWork) -> Result<(), DeviceError> {
         let targets = self.targets.borrow();
         let gpu = targets.gpu();
-        let (held, numbers, depth_copy) = match self.loaded.take() {
+        let (held, numbers, depth_copy, covers) = match self.loaded.take() {
             Some(loaded) => {
                 let written = loaded.work.constants;
                 let held = (loaded.constants, written, loaded.bind_group);
-                (Some(held), loaded.numbers, loaded.depth_copy)
+                (Some(held), loaded.numbers, loaded.depth_copy, loaded.covers)
             }
-            None => (None, None, None),
+            None => (None, None, None, None),
+        };
+        let instances = self
+            .merges_covers
+            .then(|| work.program.cover_instances(&work.list));
+        let covers = match instances.filter(|instances| !instances.is_empty()) {
+            Some(instances) => Some(CoverList::new(gpu, &instances, covers)?),
+            None => None,
         };
         let size = work.list.size;
         let numbers = work.program.accumulates().then(|| {
@@ -186,13 +212,10 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
                 .filter(|numbers| numbers.size == size)
                 .unwrap_or_else(|| Numbers::new(gpu, &self.covers, size))
         });
-        let fits = held.filter(|(_, written, _)| written.len() == work.constants.len());
-        let (constants, bind_group) = match fits {
+        let has_room = |buffer: &wgpu::Buffer| buffer.size() >= work.constants.len() as u64;
+        let (constants, bind_group) = match held.filter(|(buffer, ..)| has_room(buffer)) {
             Some((buffer, written, bind_group)) => {
-                if let Some(changed) = changed_words(&written, &work.constants) {
-                    let first_byte = changed.start as u64;
-                    gpu.write_buffer(&buffer, first_byte, &work.constants[changed]);
-                }
+                gpu.write_changed(&buffer, &written, &work.constants);
                 (buffer, bind_group)
             }
             None => {
@@ -232,6 +255,7 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
             work,
             constants,
             bind_group,
+            covers,
             numbers,
             unread,
             depth_copy,
@@ -257,7 +281,12 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
     fn ensure(&mut self, volumes: &mut V) -> Result<(), DeviceError> {
         let gpu = self.gpu();
         let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
-        let StencilWork { list, blends, .. } = &loaded.work;
+        let StencilWork {
+            list,
+            program,
+            blends,
+            ..
+        } = &loaded.work;
         if let Some(copy) = &loaded.depth_copy {
             let view = copy.create_view(&wgpu::TextureViewDescriptor {
                 aspect: wgpu::TextureAspect::DepthOnly,
@@ -288,7 +317,7 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
                 FillStep::Resolve => self.covers.ensure_resolve(&gpu)?,
             }
         }
-        Ok(())
+        volumes.merge(&gpu, list, program)
     }
 
     fn draw(&mut self, volumes: &mut V) -> Result<Counters, DeviceError> {
@@ -403,6 +432,7 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
                 .as_ref()
                 .map_or(0, |_| depth_copy_bytes(size));
             all.push(loaded.work.constants_held(loaded.constants.size()));
+            all.extend(loaded.covers.iter().map(CoverList::holding));
             all.extend([
                 Holding::target(Feature::NumberTarget, numbers),
                 Holding::target(Feature::FirstPassColours, unread),
@@ -498,6 +528,7 @@ impl VolumeFill {
         let (colour, depth_stencil) = (targets.colour_view(), targets.depth_stencil_view());
         let probe_views = recording.probe.map(Probe::views);
         let mut zero = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+        let mut merged_covers = MergedCovers::default();
         for (index, steps) in passes.iter().enumerate() {
             let is_textured = steps.has_colour && self.draws_texture && self.textured.is_some();
             let attachments = match (&loaded.numbers, &probe_views) {
@@ -545,6 +576,9 @@ impl VolumeFill {
             }
             raw.set_bind_group(0, &loaded.bind_group, &[]);
             volumes.bind(&mut raw);
+            if let Some(covers) = &loaded.covers {
+                covers.bind(&mut raw);
+            }
             let mut pass = VolumePass::new(raw, list, &mut counters);
             let mut bound = BoundCover::default();
             for step in steps.steps() {
@@ -556,7 +590,7 @@ impl VolumeFill {
                         };
                         draw_textured(&mut pass, textured, &step, purpose, &mut bound);
                     }
-                    _ => self.step(&mut pass, volumes, loaded, &step),
+                    _ => self.step(&mut pass, volumes, loaded, &step, &mut merged_covers),
                 }
             }
             if recording.statistics.is_some() {
@@ -574,6 +608,7 @@ impl VolumeFill {
         volumes: &mut impl Volumes,
         loaded: &Loaded,
         step: &FillStep<'_>,
+        merged_covers: &mut MergedCovers,
     ) {
         let blends = loaded.work.blends;
         match step {
@@ -583,6 +618,10 @@ impl VolumeFill {
                 }
                 pass.at_sky(false);
                 volumes.draw(pass, draw, blends && is_coloured(draw));
+            }
+            FillStep::Cover { test, volumes, .. } if loaded.covers.is_some() => {
+                let range = merged_covers.next(volumes.len());
+                self.covers.draw_merged(pass, *test, blends, range);
             }
             FillStep::Cover {
                 test,
@@ -597,6 +636,21 @@ impl VolumeFill {
                 }
             }
         }
+    }
+}
+
+/// How many instances of covers are drawn so far: they lie in the order of the steps.
+#[derive(Debug, Default)]
+struct MergedCovers {
+    drawn: u32,
+}
+
+impl MergedCovers {
+    /// The instances of the next step.
+    fn next(&mut self, count: usize) -> Range<u32> {
+        let first = self.drawn;
+        self.drawn = first.saturating_add(u32::try_from(count).unwrap_or(u32::MAX));
+        first..self.drawn
     }
 }
 

@@ -74,6 +74,14 @@ impl<'a> VolumePass<'a> {
         self.raw.draw(vertices, instances);
     }
 
+    /// Draws `corners` vertices that the shader makes up for each of `covers`, which bring what tells them
+    /// apart along.
+    pub(crate) fn draw_covers(&mut self, corners: u32, covers: Range<u32>) {
+        let vertices = 0..corners;
+        self.count(&vertices, covers.len());
+        self.raw.draw(vertices, covers);
+    }
+
     /// Draws indices, each plus `base_vertex`, of a volume.
     pub fn draw_indexed(&mut self, indices: Range<u32>, base_vertex: i32, volume: usize) {
         self.count(&indices, 1);

@@ -5,7 +5,7 @@
 //! measuring needs, such as queries and read-back, is made on the device itself and not counted.
 
 use crate::Gpu;
-use terrafill_fill::{DeviceError, WorkDone};
+use terrafill_fill::{DeviceError, WorkDone, changed_words};
 
 impl Gpu {
     /// What was made and written so far.
@@ -68,6 +68,17 @@ impl Gpu {
     pub fn write_buffer(&self, buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]) {
         self.work.count_upload(bytes.len() as u64);
         self.queue.write_buffer(buffer, offset, bytes);
+    }
+
+    /// Writes what a buffer has to hold over what it holds from its first byte on, where that differs.
+    pub fn write_changed(&self, buffer: &wgpu::Buffer, before: &[u8], after: &[u8]) {
+        let changed = match before.len() == after.len() {
+            true => changed_words(before, after),
+            false => Some(0..after.len()),
+        };
+        if let Some(changed) = changed.filter(|changed| !changed.is_empty()) {
+            self.write_buffer(buffer, changed.start as u64, &after[changed]);
+        }
     }
 
     /// Makes a render pipeline.

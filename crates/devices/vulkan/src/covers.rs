@@ -3,43 +3,65 @@
 //! accumulated numbers. The one place where they are made and bound.
 
 use crate::{
-    Fragments, Gpu, Pipeline, PipelineDescriptor, PipelineState, Topology, VertexFormat,
-    VertexStage, VolumePass,
+    Buffer, BufferUse, Fragments, Gpu, Pipeline, PipelineDescriptor, PipelineState, Topology,
+    VertexFormat, VertexStage, VolumePass,
 };
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, FaceSet, Feature, Holding, StencilTest};
+use terrafill_fill::{
+    CoverInstance, DeviceError, FaceSet, Feature, Holding, MemoryUse, StencilTest,
+};
+
+/// Corners of a rectangle, in a strip.
+const CORNERS: u32 = 4;
 
 /// Pipelines on one device, made when first asked for.
 #[derive(Debug, Default)]
 pub(crate) struct Covers {
+    /// Those of one step are instances of one draw.
+    are_merged: bool,
     made: HashMap<PipelineState, Pipeline>,
 }
 
 impl Covers {
+    /// - `are_merged`: covers of one step are instances of one draw
+    pub(crate) fn new(are_merged: bool) -> Self {
+        Self {
+            are_merged,
+            ..Self::default()
+        }
+    }
+
     /// Makes a cover's pipeline unless it is there.
     pub(crate) fn ensure_cover(
         &mut self,
         gpu: &Arc<Gpu>,
         test: StencilTest,
     ) -> Result<(), DeviceError> {
-        self.ensure(gpu, cover(test), "vertex/cover.wgsl")
+        let state = cover(test);
+        let path = "vertex/cover.wgsl";
+        let descriptor = match self.are_merged {
+            true => rectangles(path, state),
+            false => full_screen(path, state),
+        };
+        self.ensure(gpu, descriptor)
     }
 
     /// Makes the lookup's pipeline unless it is there.
     pub(crate) fn ensure_resolve(&mut self, gpu: &Arc<Gpu>) -> Result<(), DeviceError> {
-        self.ensure(gpu, PipelineState::Resolve, "vertex/resolve.wgsl")
+        let descriptor = full_screen("vertex/resolve.wgsl", PipelineState::Resolve);
+        self.ensure(gpu, descriptor)
     }
 
     fn ensure(
         &mut self,
         gpu: &Arc<Gpu>,
-        state: PipelineState,
-        path: &'static str,
+        descriptor: PipelineDescriptor,
     ) -> Result<(), DeviceError> {
-        if let Entry::Vacant(place) = self.made.entry(state) {
-            place.insert(Pipeline::new(gpu, full_screen(path, state))?);
+        if let Entry::Vacant(place) = self.made.entry(descriptor.state) {
+            place.insert(Pipeline::new(gpu, descriptor)?);
         }
         Ok(())
     }
@@ -67,6 +89,21 @@ impl Covers {
         }
     }
 
+    /// Covers marked pixels by one draw of `range` among `list`.
+    pub(crate) fn draw_merged<'a>(
+        &'a self,
+        pass: &mut VolumePass<'a, '_, '_>,
+        test: StencilTest,
+        list: &'a CoverList,
+        range: Range<u32>,
+    ) {
+        if let Some(pipeline) = self.made.get(&cover(test)) {
+            pass.at_sky(test.skips_sky);
+            pass.cut(0, false);
+            pass.draw_covers(pipeline, &list.buffer, CORNERS, range);
+        }
+    }
+
     /// Looks up the colours of accumulated numbers.
     pub(crate) fn draw_resolve<'a>(&'a self, pass: &mut VolumePass<'a, '_, '_>) {
         if let Some(pipeline) = self.made.get(&PipelineState::Resolve) {
@@ -74,6 +111,46 @@ impl Covers {
             pass.cut(0, false);
             pass.draw(pipeline, 3, 0);
         }
+    }
+}
+
+/// Covers of a program as instances.
+#[derive(Debug)]
+pub(crate) struct CoverList {
+    buffer: Buffer,
+    bytes: Vec<u8>,
+}
+
+impl CoverList {
+    /// Those of `instances` in the buffer of `before`, where it has room for as many.
+    ///
+    /// # Errors
+    /// [`DeviceError::OverCapacity`], [`DeviceError::OutOfMemory`].
+    pub(crate) fn new(
+        gpu: &Arc<Gpu>,
+        instances: &[CoverInstance],
+        before: Option<Self>,
+    ) -> Result<Self, DeviceError> {
+        let bytes: Vec<u8> = bytemuck::cast_slice(instances).to_vec();
+        let buffer = match before {
+            Some(before) if before.buffer.size() >= bytes.len() as u64 => {
+                before.buffer.rewrite_changed(&before.bytes, &bytes)?;
+                before.buffer
+            }
+            _ => Buffer::upload(gpu, "covers", &bytes, BufferUse::Vertex)?,
+        };
+        Ok(Self { buffer, bytes })
+    }
+
+    pub(crate) fn holding(&self) -> Holding {
+        let written = self.bytes.len() as u64;
+        let memory = MemoryUse {
+            constant_bytes: written,
+            padding_bytes: self.buffer.size().saturating_sub(written),
+            buffers: 1,
+            ..MemoryUse::default()
+        };
+        Holding::memory(Feature::Covers, memory)
     }
 }
 
@@ -102,5 +179,19 @@ fn full_screen(path: &'static str, state: PipelineState) -> PipelineDescriptor {
         topology: Topology::Triangles,
         state,
         depth_bounds: false,
+    }
+}
+
+/// The pipeline of rectangles, one for each [`CoverInstance`].
+fn rectangles(path: &'static str, state: PipelineState) -> PipelineDescriptor {
+    let triangle = full_screen(path, state);
+    PipelineDescriptor {
+        vertex: VertexStage {
+            entry_point: "rectangle_main",
+            ..triangle.vertex
+        },
+        format: VertexFormat::Cover,
+        topology: Topology::Strips,
+        ..triangle
     }
 }

@@ -6,7 +6,7 @@
 //! attached read-only throughout. Covers of a textured fill read it there, and stand in passes that
 //! leave the stencil alone as well.
 
-use crate::covers::Covers;
+use crate::covers::{CoverList, Covers};
 use crate::textured::{Purpose, TexturedFill, probed};
 use crate::{
     BindGroup, Buffer, BufferUse, DepthCopy, FillRecorder, FillReport, Gpu, Measured, Numbers,
@@ -16,7 +16,7 @@ use std::sync::Arc;
 use terrafill_fill::{
     Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FillPass, FillStep, FirstPass,
     FrameTimes, Holding, Picture, Probed, StencilExecutor, StencilTest, StencilWork, SurfaceView,
-    Switches, TexturedPlan, ViewId, VolumeDraw, WorkDone, changed_words,
+    Switches, TexturedPlan, ViewId, VolumeDraw, WorkDone,
 };
 use terrafill_scene::MipChain;
 
@@ -37,6 +37,8 @@ pub trait Volumes {
 pub struct VolumeFill {
     targets: SharedTargets,
     covers: Covers,
+    /// Plain covers of one step are one draw.
+    merges_covers: bool,
     /// Covers show the picture, if one is held.
     draws_texture: bool,
     /// Every frame copies depth.
@@ -55,6 +57,8 @@ struct Loaded {
     view_constants: Arc<Buffer>,
     constants: Arc<Buffer>,
     bindings: BindGroup,
+    /// Plain covers, if they are merged.
+    covers: Option<CoverList>,
     /// Where the program accumulates numbers, if it does.
     numbers: Option<Numbers>,
 }
@@ -88,7 +92,8 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
             draws_texture: switches.texture.is_some(),
             copies_depth: switches.copies_depth,
             depth_copy: None,
-            covers: Covers::default(),
+            covers: Covers::new(switches.merges_draws),
+            merges_covers: switches.merges_draws && switches.texture.is_none(),
             textured: None,
             loaded: None,
         })
@@ -138,15 +143,22 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
             },
         };
         let gpu = targets.gpu();
+        let instances = self
+            .merges_covers
+            .then(|| work.program.cover_instances(&work.list));
+        let covers = match instances.filter(|instances| !instances.is_empty()) {
+            Some(instances) => {
+                let held = before.as_mut().and_then(|held| held.covers.take());
+                Some(CoverList::new(gpu, &instances, held)?)
+            }
+            None => None,
+        };
         let view_constants = targets.view_constants();
         let view_constants = view_constants.ok_or(DeviceError::Missing("view of a surface"))?;
         let constants = match &before {
-            Some(held) if held.work.constants.len() == work.constants.len() => {
-                if let Some(changed) = changed_words(&held.work.constants, &work.constants) {
-                    let first_byte = changed.start as u64;
-                    held.constants
-                        .rewrite(first_byte, &work.constants[changed])?;
-                }
+            Some(held) if held.constants.size() >= work.constants.len() as u64 => {
+                held.constants
+                    .rewrite_changed(&held.work.constants, &work.constants)?;
                 Arc::clone(&held.constants)
             }
             _ => {
@@ -168,6 +180,7 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
             view_constants: Arc::clone(view_constants),
             constants,
             bindings,
+            covers,
             numbers,
         });
         Ok(())
@@ -284,6 +297,7 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         all.extend(self.textured.iter().flat_map(TexturedFill::holdings));
         if let Some(loaded) = &self.loaded {
             all.push(loaded.work.constants_held(loaded.constants.size()));
+            all.extend(loaded.covers.iter().map(CoverList::holding));
             let numbers = loaded.numbers.as_ref().map_or(0, Numbers::bytes);
             all.push(Holding::target(Feature::NumberTarget, numbers));
         }
@@ -370,11 +384,12 @@ impl<'a> Recording<'a> {
         {
             recorder.copy_depth(copy);
         }
+        let mut covered = 0;
         for pass in &work.program.passes {
             let steps = |recorder: &mut PassRecorder<'a, '_>| {
                 let mut volume_pass = VolumePass::new(recorder, &work.list, bindings, counters);
                 for step in pass.steps() {
-                    self.step(&mut volume_pass, volumes, &step);
+                    self.step(&mut volume_pass, volumes, &step, &mut covered);
                 }
             };
             if let (true, Some(numbers)) = (pass.accumulates(), numbers) {
@@ -391,11 +406,13 @@ impl<'a> Recording<'a> {
         }
     }
 
+    /// - `covered`: how many merged covers are drawn so far; they lie in the order of the steps
     fn step<V: Volumes>(
         &self,
         pass: &mut VolumePass<'a, '_, '_>,
         volumes: &'a V,
         step: &FillStep<'_>,
+        covered: &mut u32,
     ) {
         let shown = self.fill.textured.as_ref();
         match (step, shown.filter(|_| self.fill.draws_texture)) {
@@ -416,6 +433,14 @@ impl<'a> Recording<'a> {
                     None => Purpose::Colour,
                 };
                 textured.draw_covers(pass, *test, purpose, *scissor, volumes);
+            }
+            (FillStep::Cover { test, volumes, .. }, None) if self.loaded.covers.is_some() => {
+                let first = *covered;
+                *covered = first.saturating_add(u32::try_from(volumes.len()).unwrap_or(u32::MAX));
+                if let Some(list) = &self.loaded.covers {
+                    let covers = &self.fill.covers;
+                    covers.draw_merged(pass, *test, list, first..*covered);
+                }
             }
             (
                 FillStep::Cover {

@@ -7,7 +7,7 @@ use crate::failure::failure;
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use terrafill_fill::DeviceError;
+use terrafill_fill::{DeviceError, changed_words};
 
 /// What a buffer is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -276,6 +276,23 @@ impl Buffer {
         buffer.use_for = Some(use_for);
         gpu.work.count_buffer(size);
         Ok(buffer)
+    }
+
+    /// Writes what the buffer has to hold over what it holds, where that differs.
+    ///
+    /// - `before`: what it holds from its first byte on
+    ///
+    /// # Errors
+    /// As [`Buffer::rewrite`].
+    pub fn rewrite_changed(&self, before: &[u8], after: &[u8]) -> Result<(), DeviceError> {
+        let changed = match before.len() == after.len() {
+            true => changed_words(before, after),
+            false => Some(0..after.len()),
+        };
+        match changed.filter(|changed| !changed.is_empty()) {
+            Some(changed) => self.rewrite(changed.start as u64, &after[changed]),
+            None => Ok(()),
+        }
     }
 
     /// Overwrites whole words of a buffer that was uploaded; meant for constants.

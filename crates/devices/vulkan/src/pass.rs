@@ -9,11 +9,12 @@ use crate::queries::{Queries, QueryKind};
 use crate::targets::{Numbers, Targets};
 use crate::{
     BindGroup, Buffer, BufferUse, DepthBindings, DepthCopy, Gpu, ImageBindings, Pipeline, Probe,
-    TexturedPipeline,
+    TexturedPipeline, VertexFormat,
 };
 use ash::vk;
+use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_fill::{CoverInstance, DeviceError};
 use terrafill_scene::PixelRect;
 
 /// Width of an index.
@@ -357,6 +358,27 @@ impl<'a> PassRecorder<'a, '_> {
         }
     }
 
+    /// Draws `vertices` vertices for each of `instances`, which are read from `buffer`.
+    pub fn draw_instances(
+        &mut self,
+        state: &DrawState<'a>,
+        buffer: &'a Buffer,
+        vertices: u32,
+        instances: Range<u32>,
+    ) {
+        let end = u64::from(instances.end) * CoverInstance::STRIDE;
+        if state.pipeline.format() != VertexFormat::Cover || end > buffer.size() {
+            self.refuse("instances that are not there, or a pipeline that reads none");
+            return;
+        }
+        if self.bind_state(state) && self.bind_vertices(buffer) {
+            let (first, count) = (instances.start, instances.end - instances.start);
+            let device = &self.fill.gpu.device;
+            // SAFETY: all state is bound and fits, and the instances are there.
+            unsafe { device.cmd_draw(self.fill.commands, vertices, count, 0, first) };
+        }
+    }
+
     /// Draws indices `first..first + count`, each plus `base_vertex`, as instance number
     /// `instance`.
     pub fn draw_indexed(
@@ -465,6 +487,21 @@ impl<'a> PassRecorder<'a, '_> {
 
     /// Binds what is not bound yet; false when something does not fit.
     fn bind(&mut self, state: &DrawState<'a>) -> bool {
+        if !self.bind_state(state) {
+            return false;
+        }
+        match &state.geometry {
+            Some(geometry) => self.bind_geometry(geometry),
+            None if state.pipeline.format() != VertexFormat::Number => {
+                self.refuse("a pipeline that reads vertices without any");
+                false
+            }
+            None => true,
+        }
+    }
+
+    /// The same of pipeline and constants.
+    fn bind_state(&mut self, state: &DrawState<'a>) -> bool {
         if state.pipeline.raw != self.bound.pipeline && !self.bind_pipeline(state.pipeline) {
             return false;
         }
@@ -473,17 +510,7 @@ impl<'a> PassRecorder<'a, '_> {
             return false;
         }
         self.ensure_scissor();
-        if state.bindings.set() != self.bound.set && !self.bind_constants(state.bindings) {
-            return false;
-        }
-        match &state.geometry {
-            Some(geometry) => self.bind_geometry(geometry),
-            None if state.pipeline.needs_vertices() => {
-                self.refuse("a pipeline that reads vertices without any");
-                false
-            }
-            None => true,
-        }
+        state.bindings.set() == self.bound.set || self.bind_constants(state.bindings)
     }
 
     /// The whole image, unless draws were cut to something.
@@ -551,23 +578,32 @@ impl<'a> PassRecorder<'a, '_> {
         }
     }
 
-    fn bind_geometry(&mut self, geometry: &Geometry<'a>) -> bool {
-        let is = |buffer: &Buffer, use_for| {
-            buffer.is_on(self.fill.gpu) && buffer.use_for() == Some(use_for)
-        };
-        if geometry.vertices.raw != self.bound.vertices {
-            if !is(geometry.vertices, BufferUse::Vertex) {
+    /// Whether a buffer is this device's and made for a use.
+    fn is_for(&self, buffer: &Buffer, use_for: BufferUse) -> bool {
+        buffer.is_on(self.fill.gpu) && buffer.use_for() == Some(use_for)
+    }
+
+    fn bind_vertices(&mut self, vertices: &'a Buffer) -> bool {
+        if vertices.raw != self.bound.vertices {
+            if !self.is_for(vertices, BufferUse::Vertex) {
                 self.refuse("vertices of another device or made for another use");
                 return false;
             }
             let device = &self.fill.gpu.device;
-            let buffers = [geometry.vertices.raw];
+            let buffers = [vertices.raw];
             // SAFETY: a vertex buffer of this device.
             unsafe { device.cmd_bind_vertex_buffers(self.fill.commands, 0, &buffers, &[0]) };
-            self.bound.vertices = geometry.vertices.raw;
+            self.bound.vertices = vertices.raw;
+        }
+        true
+    }
+
+    fn bind_geometry(&mut self, geometry: &Geometry<'a>) -> bool {
+        if !self.bind_vertices(geometry.vertices) {
+            return false;
         }
         if geometry.indices.raw != self.bound.indices {
-            if !is(geometry.indices, BufferUse::Index) {
+            if !self.is_for(geometry.indices, BufferUse::Index) {
                 self.refuse("indices of another device or made for another use");
                 return false;
             }

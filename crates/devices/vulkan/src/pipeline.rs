@@ -12,7 +12,8 @@ use ash::vk;
 use std::ffi::CString;
 use std::sync::Arc;
 use terrafill_fill::{
-    DepthRule, DeviceError, FaceEffect, FaceSet, StencilRule, StencilTest, VolumeState,
+    CoverInstance, DepthRule, DeviceError, FaceEffect, FaceSet, StencilRule, StencilTest,
+    VolumeState,
 };
 use terrafill_shaders::HandsOn;
 
@@ -56,6 +57,8 @@ pub enum VertexFormat {
     FixedAndFlag,
     /// A `u32`, 4 bytes.
     Word,
+    /// A [`terrafill_fill::CoverInstance`] for each instance, and the vertex's number.
+    Cover,
 }
 
 /// How vertices become primitives.
@@ -270,8 +273,8 @@ impl Pipeline {
         matches!(self.descriptor.state, PipelineState::Surface { .. })
     }
 
-    pub(crate) fn needs_vertices(&self) -> bool {
-        self.descriptor.format != VertexFormat::Number
+    pub(crate) fn format(&self) -> VertexFormat {
+        self.descriptor.format
     }
 
     pub(crate) fn tests_depth_bounds(&self) -> bool {
@@ -468,6 +471,10 @@ fn render_pass(fixtures: &Fixtures, state: PipelineState) -> vk::RenderPass {
     }
 }
 
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "the stride of an instance is a handful of bytes"
+)]
 fn vertex_input(
     format: VertexFormat,
 ) -> (
@@ -485,6 +492,13 @@ fn vertex_input(
         VertexFormat::Number => return (Vec::new(), Vec::new()),
         VertexFormat::Metres => (12, vec![position(vk::Format::R32G32B32_SFLOAT)]),
         VertexFormat::Word => (4, vec![position(vk::Format::R32_UINT)]),
+        VertexFormat::Cover => (
+            CoverInstance::STRIDE as u32,
+            vec![
+                position(vk::Format::R32G32B32A32_SFLOAT),
+                attribute(1, vk::Format::R32_UINT, 16),
+            ],
+        ),
         VertexFormat::Fixed => (12, vec![position(vk::Format::R32G32B32_SINT)]),
         VertexFormat::FixedAndFlag => (
             16,
@@ -497,7 +511,10 @@ fn vertex_input(
     let binding = vk::VertexInputBindingDescription {
         binding: 0,
         stride,
-        input_rate: vk::VertexInputRate::VERTEX,
+        input_rate: match format {
+            VertexFormat::Cover => vk::VertexInputRate::INSTANCE,
+            _ => vk::VertexInputRate::VERTEX,
+        },
     };
     (vec![binding], attributes)
 }

@@ -2,7 +2,7 @@
 //! One pass of a stencil program while it is recorded: draws are counted, and cut to their volume's
 //! rectangle.
 
-use crate::{BindGroup, CoverState, DrawState, Geometry, PassRecorder, Pipeline};
+use crate::{BindGroup, Buffer, CoverState, DrawState, Geometry, PassRecorder, Pipeline};
 use std::ops::Range;
 use terrafill_fill::{Counters, VolumeList};
 
@@ -69,6 +69,20 @@ impl<'a, 'r, 'f> VolumePass<'a, 'r, 'f> {
         let (first, instance) = (indices.start, instance(volume));
         self.recorder
             .draw_indexed(&state, first, count, base_vertex, instance);
+    }
+
+    /// Draws `corners` vertices for each of `covers`, which are read from `buffer`.
+    pub(crate) fn draw_covers(
+        &mut self,
+        pipeline: &'a Pipeline,
+        buffer: &'a Buffer,
+        corners: u32,
+        covers: Range<u32>,
+    ) {
+        self.count(corners * (covers.end - covers.start));
+        let state = self.state(pipeline, None);
+        self.recorder
+            .draw_instances(&state, buffer, corners, covers);
     }
 
     /// Covers a volume with a picture.

@@ -99,8 +99,12 @@ impl Technique for NativeTechnique {
         // Last, since where the device has none the rungs after it would have no result either.
         .switch(
             "depth-bounds",
-            "fragments over surface outside the region's depth range are dropped",
-            |switches| switches.depth_bounds = true,
+            "fragments over surface outside the region's depth range are dropped; bounds are set for each \
+             region, which has its draws for itself again",
+            |switches| {
+                switches.depth_bounds = true;
+                switches.merges_draws = false;
+            },
         )
         .rungs()
     }

@@ -3,6 +3,7 @@
 //!
 //! Indices are 16 bits where a region's vertices fit and 32 where they do not, region by region.
 
+use crate::pool::Pool;
 use crate::{IndexOrder, Layout, Normals, VertexOrder, VertexVariant, cache_ordered};
 use glam::{DVec3, IVec3, Vec3};
 use std::borrow::Cow;
@@ -105,6 +106,8 @@ pub fn per_triangle_volume_bytes(
 pub(crate) struct RegionSlice {
     /// Vertices are counted as stored: two per mesh vertex when doubled.
     pub(crate) place: VolumePlace,
+    /// Of its region: all its levels have the same.
+    pub(crate) number: u32,
     /// Its bottom cap can be drawn: its indices are stored, or shaders need none.
     pub(crate) has_bottom: bool,
     pub(crate) vertex_count: u32,
@@ -192,49 +195,125 @@ impl SceneGeometry {
         meshes: &[RegionMesh],
         has_bottom: impl Fn(usize) -> bool,
     ) -> Self {
+        Self::build_from(variant, meshes, has_bottom, 0)
+    }
+
+    /// As [`SceneGeometry::build`], of meshes whose first one is number `first` of its scene.
+    pub(crate) fn build_from(
+        variant: &VertexVariant,
+        meshes: &[RegionMesh],
+        has_bottom: impl Fn(usize) -> bool,
+        first: usize,
+    ) -> Self {
         let mut geometry = Self::default();
-        let flags = shared_flag_bytes(variant.layout, meshes) / FLAG_BYTES as u64;
-        geometry.flags = (0..flags)
-            .map(|vertex| [if vertex % 2 == 0 { 0 } else { 255 }, 0, 0, 0])
-            .collect();
         for (place, mesh) in meshes.iter().enumerate() {
-            let has_bottom = has_bottom(place) || !variant.layout.is_doubled();
-            geometry.push(variant, mesh, has_bottom);
+            let mesh = ordered(variant, mesh);
+            let stored = geometry.push_vertices(variant, &mesh, first + place);
+            let used = mesh.vertices_ecef.len();
+            let slice = geometry.push_indices(variant, &mesh, used, has_bottom(place), &stored);
+            geometry.regions.push(slice);
         }
+        let largest = meshes.iter().map(|mesh| mesh.vertices_ecef.len()).max();
+        geometry.push_flags(variant, largest.unwrap_or(0));
         geometry
     }
 
+    /// As [`SceneGeometry::build`], all levels of a region over one list of vertices ([`Pool`]).
+    ///
+    /// - `levels`: of each region its meshes, coarsest first; each mesh is one of one region
+    pub(crate) fn build_shared(
+        variant: &VertexVariant,
+        meshes: &[RegionMesh],
+        has_bottom: impl Fn(usize) -> bool,
+        levels: &[Vec<usize>],
+    ) -> Self {
+        let mut geometry = Self::default();
+        let mut slices: Vec<Option<RegionSlice>> = vec![None; meshes.len()];
+        let mut largest = 0;
+        for (number, of_region) in levels.iter().enumerate() {
+            let own: Vec<_> = of_region
+                .iter()
+                .map(|&mesh| ordered(variant, &meshes[mesh]))
+                .collect();
+            let pool = Pool::new(&own.iter().map(AsRef::as_ref).collect::<Vec<_>>());
+            let stored = geometry.push_vertices(variant, &pool.vertices, number);
+            largest = largest.max(pool.vertices.vertices_ecef.len());
+            debug_assert_eq!(stored.fixed, pool.fixed());
+            for (level, &mesh) in pool.levels.iter().zip(of_region) {
+                let has_bottom = has_bottom(mesh);
+                let slice =
+                    geometry.push_indices(variant, &level.mesh, level.used, has_bottom, &stored);
+                slices[mesh] = Some(slice);
+            }
+        }
+        geometry.regions = slices.into_iter().flatten().collect();
+        geometry.push_flags(variant, largest);
+        geometry
+    }
+
+    /// Layout `separate`: two flags for each vertex of the largest region.
+    fn push_flags(&mut self, variant: &VertexVariant, largest: usize) {
+        if variant.layout == Layout::Separate {
+            let flag = |vertex: usize| [if vertex.is_multiple_of(2) { 0 } else { 255 }, 0, 0, 0];
+            self.flags = (0..2 * largest).map(flag).collect();
+        }
+    }
+
+    /// - `number`: of the region, which vertices carry where volumes share draws
     #[allow(
         clippy::cast_possible_truncation,
-        reason = "buffers are refused by the device long before 2^32 elements"
+        clippy::cast_possible_wrap,
+        reason = "buffers are refused by the device long before 2^31 elements"
     )]
-    fn push(&mut self, variant: &VertexVariant, mesh: &RegionMesh, has_bottom: bool) {
-        let ordered;
-        let mesh = match variant.vertex_order {
-            VertexOrder::Mesh => mesh,
-            VertexOrder::FirstUse => {
-                ordered = first_use_ordered(mesh, variant.index_order);
-                &ordered
-            }
-        };
+    fn push_vertices(
+        &mut self,
+        variant: &VertexVariant,
+        mesh: &RegionMesh,
+        number: usize,
+    ) -> StoredVertices {
         let fixed = FixedPoint::for_mesh(mesh);
         let first_vertex = (self.vertices.len() / variant.vertex_words()) as u32;
+        let above_flag = match variant.merges_volumes() {
+            true => 2 * number as i32,
+            false => 0,
+        };
         for (vertex, degrees) in mesh.vertices_ecef.iter().zip(&mesh.vertices_deg) {
             let stored = store(&fixed, variant.positions, *vertex);
             let mut words = stored[..variant.positions.words()].to_vec();
             if variant.normals == Normals::Stored {
                 words.extend(bits(geodetic_normal(*degrees).as_vec3()).to_array());
             }
-            self.push_vertex(variant, &words);
+            self.push_vertex(variant, &words, above_flag);
         }
+        StoredVertices {
+            fixed,
+            first_vertex,
+            number: number as u32,
+        }
+    }
+
+    /// Caps and walls.
+    ///
+    /// - `used`: the mesh's indices are below this
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "buffers are refused by the device long before 2^32 elements"
+    )]
+    fn push_indices(
+        &mut self,
+        variant: &VertexVariant,
+        mesh: &RegionMesh,
+        used: usize,
+        has_bottom: bool,
+        stored: &StoredVertices,
+    ) -> RegionSlice {
+        let layout = variant.layout;
+        let has_bottom = has_bottom || !layout.is_doubled();
         let triangles = match (variant.index_order, variant.vertex_order) {
-            (IndexOrder::Cache, VertexOrder::Mesh) => {
-                cache_ordered(&mesh.triangles, mesh.vertices_ecef.len())
-            }
+            (IndexOrder::Cache, VertexOrder::Mesh) => cache_ordered(&mesh.triangles, used),
             _ => Cow::Borrowed(mesh.triangles.as_slice()),
         };
-        let layout = variant.layout;
-        let short_indices = has_short_indices(layout, mesh.vertices_ecef.len());
+        let short_indices = has_short_indices(layout, used);
         let first_triangle_index = self.indices.count(short_indices);
         self.push_caps(layout, short_indices, &triangles, has_bottom);
         let first_loop_index = self.indices.count(short_indices);
@@ -247,30 +326,33 @@ impl SceneGeometry {
             _ if variant.has_strips() => self.push_strips(short_indices, mesh),
             _ => self.push_wall_list(short_indices, mesh),
         }
-        self.regions.push(RegionSlice {
+        let copies = if layout.is_doubled() { 2 } else { 1 };
+        RegionSlice {
             place: VolumePlace {
-                fixed,
-                first_vertex,
+                fixed: stored.fixed,
+                first_vertex: stored.first_vertex,
                 first_triangle_index,
                 first_loop_index,
                 triangle_count: mesh.triangles.len() as u32,
                 has_short_indices: short_indices,
             },
+            number: stored.number,
             has_bottom,
-            vertex_count: (self.vertices.len() / variant.vertex_words()) as u32 - first_vertex,
+            vertex_count: (copies * used) as u32,
             loop_index_count: self.indices.count(short_indices) - first_loop_index,
             turned_index_count,
-        });
+        }
     }
 
     /// - `words`: position, and normal where that is stored
-    fn push_vertex(&mut self, variant: &VertexVariant, words: &[i32]) {
+    /// - `above_flag`: what the flag's word holds beside it
+    fn push_vertex(&mut self, variant: &VertexVariant, words: &[i32], above_flag: i32) {
         let padding = variant.vertex_words().saturating_sub(words.len() + 1);
         match variant.layout {
             Layout::Doubled | Layout::PerTriangle => {
                 for flag in [0, 1] {
                     self.vertices.extend(words);
-                    self.vertices.push(flag);
+                    self.vertices.push(above_flag + flag);
                     self.vertices.extend(std::iter::repeat_n(0, padding));
                 }
             }
@@ -373,6 +455,21 @@ impl SceneGeometry {
             vertex_bytes: (self.vertices.len() * 4 + self.flags.len() * FLAG_BYTES) as u64,
             index_bytes: self.indices.bytes(),
         }
+    }
+}
+
+/// Where vertices of a region lie.
+struct StoredVertices {
+    fixed: FixedPoint,
+    first_vertex: u32,
+    number: u32,
+}
+
+/// The mesh with its vertices in the order of the variant.
+fn ordered<'a>(variant: &VertexVariant, mesh: &'a RegionMesh) -> Cow<'a, RegionMesh> {
+    match variant.vertex_order {
+        VertexOrder::Mesh => Cow::Borrowed(mesh),
+        VertexOrder::FirstUse => Cow::Owned(first_use_ordered(mesh, variant.index_order)),
     }
 }
 

@@ -2,13 +2,14 @@
 //! Volumes as the passes of a fill draw them: caps, then walls, then those that are turned over.
 
 use crate::layout::{IndexBytes, RegionSlice, SceneGeometry};
+use crate::merged::Merged;
 use crate::pipeline::{Part, PipelineKey, Pipelines, parts};
-use crate::{Buffers, Layout, VertexVariant};
+use crate::{Buffers, Layout, LevelVertices, VertexVariant};
 use std::ops::Range;
 use terrafill_fill::{
-    BottomCaps, DeviceError, FaceSet, Feature, FillInput, GeometryBytes, Holding, IndexLists,
-    MemoryUse, PositionFormat, RegionVolumes, Switches, VolumeBackend, VolumeDraw, VolumeList,
-    VolumePlace,
+    BottomCaps, DeviceError, FaceSet, Feature, FillInput, FillProgram, GeometryBytes, Holding,
+    IndexLists, MemoryUse, PositionFormat, RegionVolumes, Switches, VolumeBackend, VolumeDraw,
+    VolumeList, VolumePlace,
 };
 use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
 use terrafill_scene::Overlap;
@@ -38,6 +39,8 @@ struct SceneBuffers {
     short: Vec<u16>,
     /// Layout `pulled`: the vertices with the short and with the long indices.
     pulled: Option<[Option<wgpu::BindGroup>; 2]>,
+    /// Volumes of one step are one draw: the lists of a view, which stand for those of the regions.
+    merged: Option<Merged>,
     /// What is handed over anew in every frame, if it is.
     streamed: Option<Streamed>,
     bytes: GeometryBytes,
@@ -89,7 +92,7 @@ impl RegionVolumes for VertexVolumes {
     }
 
     fn stores_bottom_caps(&self) -> bool {
-        self.variant.layout.is_doubled()
+        self.variant.layout.is_doubled() && !self.variant.merges_volumes()
     }
 
     fn upload(
@@ -100,8 +103,16 @@ impl RegionVolumes for VertexVolumes {
     ) -> Result<(), DeviceError> {
         let gpu = fill.gpu();
         let layout = self.variant.layout;
-        let has_bottom = |mesh| bottoms.has(mesh);
-        let geometry = SceneGeometry::build(&self.variant, &input.scene.meshes, has_bottom);
+        // The CPU keeps those of merged draws, and hands over what a view draws.
+        let has_bottom = |mesh| self.variant.merges_volumes() || bottoms.has(mesh);
+        let (variant, meshes) = (&self.variant, &input.scene.meshes);
+        let mut geometry = match variant.level_vertices {
+            LevelVertices::Own => SceneGeometry::build(variant, meshes, has_bottom),
+            LevelVertices::Shared => {
+                let levels = input.scene.levels.meshes_of_regions(meshes.len());
+                SceneGeometry::build_shared(variant, meshes, has_bottom, &levels)
+            }
+        };
         let bytes = geometry.bytes();
         let (vertex_usage, index_usage) = match layout {
             Layout::Pulled => (wgpu::BufferUsages::STORAGE, wgpu::BufferUsages::STORAGE),
@@ -124,6 +135,15 @@ impl RegionVolumes for VertexVolumes {
         let indices = |label: &str, bytes: &[u8]| {
             let held = (!bytes.is_empty()).then(|| gpu.upload(label, bytes, index_usage));
             held.transpose()
+        };
+        let merged = match self.variant.merges_volumes() {
+            true => {
+                let stored = std::mem::take(&mut geometry.indices);
+                let layout = &self.pipelines.geometry_layout;
+                let vertices = geometry.vertices.len() / self.variant.vertex_words();
+                Some(Merged::new(&gpu, layout, meshes.len(), vertices, stored)?)
+            }
+            false => None,
         };
         let short = bytemuck::cast_slice(&geometry.indices.short);
         let short_indices = indices("16-bit indices", short)?;
@@ -148,6 +168,7 @@ impl RegionVolumes for VertexVolumes {
             long_indices,
             short: geometry.indices.short,
             pulled,
+            merged,
             streamed,
             bytes,
         });
@@ -163,12 +184,16 @@ impl RegionVolumes for VertexVolumes {
         let Some(scene) = &mut self.scene else {
             return Ok(false);
         };
+        if !input.scene.levels.coarser.is_empty() {
+            return Ok(false);
+        }
         let gpu = fill.gpu();
         let mut rewritten = Vec::with_capacity(changed.len());
         for &mesh in changed {
             let mesh_alone = std::slice::from_ref(&input.scene.meshes[mesh]);
             let has_bottom = scene.regions[mesh].has_bottom;
-            let geometry = SceneGeometry::build(&self.variant, mesh_alone, |_| has_bottom);
+            let geometry =
+                SceneGeometry::build_from(&self.variant, mesh_alone, |_| has_bottom, mesh);
             let Some(slice) = scene.regions[mesh].replaced_by(&geometry.regions[0]) else {
                 return Ok(false);
             };
@@ -180,7 +205,11 @@ impl RegionVolumes for VertexVolumes {
             let vertices = bytemuck::cast_slice(&geometry.vertices);
             gpu.write_buffer(&scene.vertices, first_byte, vertices);
             scene.keep_streamed(&slice, &geometry, self.variant.vertex_words());
-            scene.write_indices(&gpu, slice.indices(), &geometry.indices);
+            match &mut scene.merged {
+                // What changed of them is handed over with the view.
+                Some(merged) => merged.replace(slice.indices(), &geometry.indices),
+                None => scene.write_indices(&gpu, slice.indices(), &geometry.indices),
+            }
             scene.regions[mesh] = slice;
         }
         Ok(true)
@@ -196,7 +225,7 @@ fn write(gpu: &Gpu, buffer: Option<&wgpu::Buffer>, first_byte: u64, bytes: &[u8]
 
 impl SceneBuffers {
     /// Bytes of its buffers by what they are for; what all regions' indices share is the top caps'.
-    fn holdings(&self, layout: Layout) -> [Holding; 4] {
+    fn holdings(&self, layout: Layout) -> Vec<Holding> {
         let vertices = [Some(&self.vertices), self.flags.as_ref()];
         let indices = [self.short_indices.as_ref(), self.long_indices.as_ref()];
         let of_buffers = |buffers: [Option<&wgpu::Buffer>; 2], written: u64| {
@@ -216,11 +245,15 @@ impl SceneBuffers {
             vertex_bytes: self.bytes.vertex_bytes,
             ..of_buffers(vertices, self.bytes.vertex_bytes)
         };
+        if let Some(merged) = &self.merged {
+            let positions = Holding::memory(Feature::Positions, positions);
+            return [positions].into_iter().chain(merged.holdings()).collect();
+        }
         let top_caps = MemoryUse {
             index_bytes: index_bytes.top_caps,
             ..of_buffers(indices, self.bytes.index_bytes)
         };
-        [
+        vec![
             Holding::memory(Feature::Positions, positions),
             Holding::memory(Feature::TopCaps, top_caps),
             Holding {
@@ -328,6 +361,17 @@ impl Volumes for VertexVolumes {
         let Some(scene) = &self.scene else {
             return;
         };
+        if let Some(merged) = &scene.merged {
+            for part in parts(self.variant.layout, merged.has_short_indices()) {
+                let key = PipelineKey {
+                    part,
+                    state: draw.state,
+                    blends,
+                };
+                self.pipelines.ensure(gpu, key);
+            }
+            return;
+        }
         for short_indices in [true, false] {
             let mut drawn = scene.of_width(list, draw.volumes, short_indices);
             if drawn.next().is_none() {
@@ -341,6 +385,22 @@ impl Volumes for VertexVolumes {
                 };
                 self.pipelines.ensure(gpu, key);
             }
+        }
+    }
+
+    fn merge(
+        &mut self,
+        gpu: &Gpu,
+        list: &VolumeList,
+        program: &FillProgram,
+    ) -> Result<(), DeviceError> {
+        match &mut self.scene {
+            Some(SceneBuffers {
+                merged: Some(merged),
+                regions,
+                ..
+            }) => merged.load(gpu, list, program, regions),
+            _ => Ok(()),
         }
     }
 
@@ -360,6 +420,9 @@ impl Volumes for VertexVolumes {
         if let Some(flags) = &scene.flags {
             pass.set_vertex_buffer(1, flags.slice(..));
         }
+        if let Some(merged) = &scene.merged {
+            merged.bind(pass);
+        }
     }
 
     /// Caps of all volumes, then walls of all, so that pipelines change seldom.
@@ -367,6 +430,10 @@ impl Volumes for VertexVolumes {
         let Some(scene) = &self.scene else {
             return;
         };
+        if let Some(merged) = &scene.merged {
+            self.draw_merged(merged, pass, draw, blends);
+            return;
+        }
         for short_indices in [true, false] {
             for part in parts(self.variant.layout, short_indices) {
                 let mut is_bound = false;
@@ -392,6 +459,35 @@ impl Volumes for VertexVolumes {
 }
 
 impl VertexVolumes {
+    /// All volumes of the step, caps and then walls.
+    fn draw_merged(
+        &self,
+        merged: &Merged,
+        pass: &mut VolumePass<'_>,
+        draw: &VolumeDraw<'_>,
+        blends: bool,
+    ) {
+        let (Some(ranges), Some(&first)) = (merged.ranges(draw), draw.volumes.first()) else {
+            return;
+        };
+        pass.cut(first, false);
+        for part in parts(self.variant.layout, merged.has_short_indices()) {
+            let range = match part {
+                Part::Caps => &ranges.caps,
+                Part::Walls { .. } | Part::TurnedWalls => &ranges.walls,
+            };
+            let key = PipelineKey {
+                part,
+                state: draw.state,
+                blends,
+            };
+            if let Some(pipeline) = self.pipelines.volume(key).filter(|_| !range.is_empty()) {
+                pass.raw.set_pipeline(pipeline);
+                pass.draw_indexed(range.clone(), 0, first);
+            }
+        }
+    }
+
     fn draw_part(
         &self,
         scene: &SceneBuffers,

@@ -42,7 +42,7 @@ pub(crate) struct Pipelines {
     shader: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
     volumes: HashMap<PipelineKey, wgpu::RenderPipeline>,
-    /// Group 1 of layout `pulled`: vertices and indices.
+    /// Group 1 of layout `pulled`: vertices and indices. Of merged volumes: where their constants lie.
     pub(crate) geometry_layout: wgpu::BindGroupLayout,
 }
 
@@ -51,13 +51,15 @@ impl Pipelines {
         let gpu = fill.gpu();
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let geometry_layout = gpu.buffer_layout("pulled geometry", stages, &[storage, storage]);
+        let geometry_layout = match variant.merges_volumes() {
+            true => gpu.buffer_layout("volumes of regions", wgpu::ShaderStages::VERTEX, &[storage]),
+            false => gpu.buffer_layout("pulled geometry", stages, &[storage, storage]),
+        };
         let frame = Some(fill.frame_layout());
+        let with_geometry = || gpu.pipeline_layout("vertex", &[frame, Some(&geometry_layout)]);
         let (path, layout) = match variant.layout {
-            Layout::Pulled => (
-                "vertex/pulled.wgsl",
-                gpu.pipeline_layout("vertex", &[frame, Some(&geometry_layout)]),
-            ),
+            Layout::Pulled => ("vertex/pulled.wgsl", with_geometry()),
+            _ if variant.merges_volumes() => ("vertex/merged.wgsl", with_geometry()),
             _ => (
                 "vertex/doubled.wgsl",
                 gpu.pipeline_layout("vertex", &[frame]),
@@ -142,7 +144,8 @@ impl Pipelines {
         };
         let normals = ("NORMALS", normals_number(self.variant.normals));
         let constants = [positions, normals, ("BOTTOM_PX", bottom)];
-        let of_layout = usize::from(vertices != Vertices::Pulled);
+        let has_bottom_px = vertices != Vertices::Pulled && !self.variant.merges_volumes();
+        let of_layout = usize::from(has_bottom_px);
         let shader = VolumeShader {
             module: &self.shader,
             layout: &self.layout,

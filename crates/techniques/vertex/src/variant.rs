@@ -94,6 +94,16 @@ pub enum VertexOrder {
     FirstUse,
 }
 
+/// Whether the levels of detail of a region have vertices in common.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum LevelVertices {
+    /// Each level is stored as a mesh of its own.
+    #[default]
+    Own,
+    /// Each place is stored once, and levels are indices.
+    Shared,
+}
+
 /// Whether the device keeps geometry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Buffers {
@@ -167,6 +177,8 @@ pub struct VertexVariant {
     pub index_order: IndexOrder,
     /// In which order vertices are stored.
     pub vertex_order: VertexOrder,
+    /// Whether levels share them.
+    pub level_vertices: LevelVertices,
     /// Whether the device keeps them.
     pub buffers: Buffers,
     /// Where flagged vertices go.
@@ -190,6 +202,7 @@ impl Default for VertexVariant {
             walls: Walls::default(),
             index_order: IndexOrder::default(),
             vertex_order: VertexOrder::default(),
+            level_vertices: LevelVertices::default(),
             buffers: Buffers::default(),
             bottom: Bottom::default(),
             normals: Normals::default(),
@@ -225,6 +238,13 @@ impl VertexVariant {
                 &[
                     ("mesh", VertexOrder::Mesh),
                     ("first-use", VertexOrder::FirstUse),
+                ],
+            )?,
+            level_vertices: variant.choice(
+                "level-vertices",
+                &[
+                    ("own", LevelVertices::Own),
+                    ("shared", LevelVertices::Shared),
                 ],
             )?,
             buffers: variant.choice(
@@ -286,6 +306,7 @@ impl VertexVariant {
             });
         }
         self.check_normals()?;
+        self.check_draws()?;
         if self.buffers == Buffers::Streamed && self.layout == Layout::Separate {
             return Err(SwitchError {
                 switch: "buffers",
@@ -395,6 +416,36 @@ impl VertexVariant {
         })
     }
 
+    /// Whether the volumes of one step are one draw: those of a layout with room for the number of a mesh
+    /// beside each flag. The others merge covers only.
+    pub(crate) fn merges_volumes(&self) -> bool {
+        self.switches.merges_draws && self.layout == Layout::Doubled
+    }
+
+    /// Whether merged draws have a shader.
+    fn check_draws(&self) -> Result<(), SwitchError> {
+        let found = if !self.merges_volumes() {
+            return Ok(());
+        } else if self.positions.words() > 3 {
+            format!("positions={}", self.positions.name())
+        } else if self.normals == Normals::Stored {
+            "normals=stored".to_owned()
+        } else if self.bottom == Bottom::Pixels {
+            "bottom=pixels".to_owned()
+        } else if self.buffers == Buffers::Streamed {
+            "buffers=streamed".to_owned()
+        } else {
+            return Ok(());
+        };
+        Err(SwitchError {
+            switch: "draws",
+            found: format!("merged with {found}"),
+            allowed: "each, or positions of 12 bytes, normals that are not stored, bottom=planned \
+                      and buffers=kept"
+                .to_owned(),
+        })
+    }
+
     /// Whether walls are drawn as strips.
     pub(crate) fn has_strips(&self) -> bool {
         self.layout.has_wall_choice() && self.walls == Walls::Strip
@@ -462,6 +513,37 @@ mod tests {
             let automatic =
                 |v: &mut VertexVariant| v.switches.depth_rule = DepthRuleChoice::Automatic;
             assert_eq!(is_allowed(automatic), is_placed);
+        }
+    }
+
+    #[test]
+    fn merged_draws_refuse_vertices_that_they_have_no_shader_for() {
+        let merged = VertexTechnique.main(Overlap::Disjoint);
+        let merged = merged.with_switches(|switches| switches.merges_draws = true);
+        let check = |variant: &Variant| {
+            let read = VertexVariant::of(variant).expect("known names");
+            read.check(Overlap::Disjoint)
+        };
+        assert_eq!(check(&merged), Ok(()));
+        for (key, value) in [
+            ("positions", "two-float"),
+            ("normals", "stored"),
+            ("bottom", "pixels"),
+            ("buffers", "streamed"),
+        ] {
+            let wrong = merged.clone().with(key, value);
+            let error = check(&wrong).expect_err(value);
+            assert_eq!(error.switch, "draws");
+            assert!(
+                error.to_string().contains(&format!("{key}={value}")),
+                "{error}"
+            );
+            // Twin: drawn one by one it is allowed.
+            let each = wrong.with_switches(|switches| switches.merges_draws = false);
+            assert_eq!(check(&each), Ok(()));
+        }
+        for layout in Layout::ALL {
+            assert_eq!(check(&merged.clone().with("layout", layout.name())), Ok(()));
         }
     }
 

@@ -3,6 +3,7 @@
 //!
 //! One program: each one more would be linked with both device crates, which takes longer than most tests.
 
+mod camera_path;
 mod compute_against_reference;
 mod depth_rule;
 mod drawing;
@@ -11,6 +12,7 @@ mod extreme_views;
 mod far_level;
 mod front_caps;
 mod level_of_detail;
+mod merged_draws;
 mod native_against_reference;
 mod needs;
 mod over_a_spiral;

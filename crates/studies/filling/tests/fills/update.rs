@@ -61,11 +61,15 @@ fn seen(scene: &PreparedScene) -> FillInput {
 }
 
 fn all_layouts() -> Vec<Technique> {
-    let vertex = Layout::ALL.map(|layout| {
+    let layouts = Layout::ALL.map(|layout| {
         Technique::Vertex(VertexVariant {
             layout,
             ..VertexVariant::default()
         })
+    });
+    let merged = vertex(Switches {
+        merges_draws: true,
+        ..Switches::default()
     });
     let compute = [Expansion::PerFrame, Expansion::Cached].map(|expansion| {
         Technique::Compute(ComputeVariant {
@@ -87,7 +91,8 @@ fn all_layouts() -> Vec<Technique> {
             })
     };
     let native = Extrusion::ALL.into_iter().flat_map(native);
-    vertex.into_iter().chain(compute).chain(native).collect()
+    let layouts = layouts.into_iter().chain([merged]);
+    layouts.chain(compute).chain(native).collect()
 }
 
 /// Replaces the middle region and puts it back, and compares with backends of their own.
@@ -180,6 +185,10 @@ fn fine_ring(first_deg: f64) -> String {
 fn long_indices_are_rewritten_too() {
     let techniques = [
         vertex(Switches::default()),
+        vertex(Switches {
+            merges_draws: true,
+            ..Switches::default()
+        }),
         Technique::Native(NativeVariant {
             technique: Extrusion::VsControl,
             indices: None,

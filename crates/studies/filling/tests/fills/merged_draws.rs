@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Many volumes and covers in one draw: the same picture to the pixel, no more draws than the program has
+//! steps and parts, and nothing handed over in a frame like the one before.
+
+use crate::drawing;
+
+use drawing::{
+    AllTargets, Devices, Technique, counters, differing, draw_with, shipped, vertex, with_switches,
+};
+use terrafill_compute::ComputeVariant;
+use terrafill_fill::{
+    BottomCap, BottomCaps, ColourWay, Colours, Counters, DepthRuleChoice, FacePasses, Feature,
+    FillCommand, FillInput, FillPass, FillProgram, FillStep, PreparedScene, RegionVolumes as _,
+    StencilExecutor, StencilWork, Switches, VolumeConstants, VolumeList,
+};
+use terrafill_gpu::VolumeFill;
+use terrafill_native::{Extrusion, NativeVariant};
+use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions, Scene, View};
+use terrafill_surface::{EllipsoidKind, open_surface};
+use terrafill_vertex::{Layout, LevelVertices, VertexVariant, VertexVolumes, Walls};
+
+const SIZE: ImageSize = ImageSize {
+    width: 256,
+    height: 256,
+};
+
+/// The full plan, and each of its draws alone or merged.
+fn switches(merges_draws: bool) -> Switches {
+    Switches {
+        merges_draws,
+        depth_rule: DepthRuleChoice::Automatic,
+        bottom_cap: BottomCap::WhereNeeded,
+        ..Switches::default()
+    }
+}
+
+fn techniques() -> Vec<Technique> {
+    let vertex = Layout::ALL.map(|layout| {
+        Technique::Vertex(VertexVariant {
+            layout,
+            ..VertexVariant::default()
+        })
+    });
+    let lists = Technique::Vertex(VertexVariant {
+        walls: Walls::List,
+        ..VertexVariant::default()
+    });
+    let native = [Extrusion::VsControl, Extrusion::GsLine].map(|technique| {
+        Technique::Native(NativeVariant {
+            technique,
+            ..NativeVariant::default()
+        })
+    });
+    let compute = Technique::Compute(ComputeVariant::default());
+    vertex
+        .into_iter()
+        .chain([lists, compute])
+        .chain(native)
+        .collect()
+}
+
+fn seen(scene: &PreparedScene, view: &View) -> FillInput {
+    FillInput::new(scene, view, SIZE, PlanOptions::default()).expect("a surface")
+}
+
+/// Draws of layout `doubled` by its program: caps and walls of each step of volumes, one of each of covers.
+fn planned_draws(input: &FillInput, switches: &Switches) -> u64 {
+    let list = VolumeList::of(input, switches);
+    let program = FillProgram::new(&list.volumes, switches, input.scene.overlap);
+    let program = program.expect("allowed");
+    let steps = program.passes.iter().flat_map(FillPass::steps);
+    let draws = steps.map(|step| match step {
+        FillStep::Volumes(_) => 2,
+        FillStep::Cover { .. } | FillStep::Resolve => 1,
+    });
+    draws.sum()
+}
+
+#[test]
+fn shipped_scenes_look_the_same_whether_draws_are_merged() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    let targets = AllTargets::new(&devices, SIZE);
+    for name in ["california", "planet-134", "countries-110m"] {
+        let Some((scene, views)) = shipped(name) else {
+            continue;
+        };
+        let mut fewer = 0;
+        for view in &views {
+            let input = seen(&scene, view);
+            for technique in techniques() {
+                let what = format!("{name}/{}: {technique:?}", view.name);
+                let [each, merged] = [false, true].map(|merges| {
+                    let technique = with_switches(technique, switches(merges));
+                    let mut backend = targets.open(technique);
+                    let frame = draw_with(&mut *backend, &input);
+                    if let Some(needs) = backend.needs(&input).expect("prepared") {
+                        assert_eq!(needs.undeclared(), None, "{what}");
+                    }
+                    frame
+                });
+                assert_eq!(differing(&each, &merged), 0, "{what}");
+                let [each, merged] = [&each, &merged].map(counters);
+                assert!(merged.draws <= each.draws, "{what}");
+                fewer += usize::from(merged.draws < each.draws);
+                let is_doubled = matches!(
+                    technique,
+                    Technique::Vertex(VertexVariant {
+                        layout: Layout::Doubled,
+                        ..
+                    })
+                );
+                if is_doubled {
+                    // A region that has no boundary has no walls to draw; none of these is one.
+                    assert_eq!(
+                        merged.draws,
+                        planned_draws(&input, &switches(true)),
+                        "{what}"
+                    );
+                    assert_eq!(merged.stencil_fragments, each.stencil_fragments, "{what}");
+                }
+            }
+        }
+        assert_eq!(
+            fewer > 0,
+            name != "california",
+            "{name}: one region shares no draw"
+        );
+    }
+}
+
+#[test]
+fn every_way_of_colouring_looks_the_same_whether_draws_are_merged() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    let Some((scene, views)) = shipped("planet-134") else {
+        return;
+    };
+    let targets = AllTargets::new(&devices, SIZE);
+    let input = seen(&scene, &views[0]);
+    let native = Technique::Native(NativeVariant {
+        technique: Extrusion::VsControl,
+        ..NativeVariant::default()
+    });
+    for colour in ColourWay::ALL {
+        for faces in [FacePasses::TwoSided, FacePasses::TwoPass] {
+            for technique in [vertex(Switches::default()), native] {
+                let [each, merged] = [false, true].map(|merges| {
+                    let switches = Switches {
+                        colour,
+                        faces,
+                        ..switches(merges)
+                    };
+                    targets.draw(&input, with_switches(technique, switches))
+                });
+                let what = format!("{colour:?} {faces:?} {technique:?}");
+                assert_eq!(differing(&each, &merged), 0, "{what}");
+                assert!(merged.filled_px() > 1000, "{what}");
+            }
+        }
+    }
+}
+
+fn made(counters: Counters) -> [u64; 3] {
+    [
+        counters.buffer_creations,
+        counters.pipeline_creations,
+        counters.uploads,
+    ]
+}
+
+#[test]
+fn a_merged_frame_like_the_one_before_hands_nothing_over() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    let Some((scene, views)) = shipped("planet-134") else {
+        return;
+    };
+    let targets = AllTargets::new(&devices, SIZE);
+    let native = Technique::Native(NativeVariant {
+        technique: Extrusion::VsControl,
+        ..NativeVariant::default()
+    });
+    for technique in [vertex(Switches::default()), native] {
+        let mut backend = targets.open(with_switches(technique, switches(true)));
+        let inputs: Vec<FillInput> = views.iter().map(|view| seen(&scene, view)).collect();
+        let mut frame = |input: &FillInput| made(counters(&draw_with(&mut *backend, input)));
+        let first = frame(&inputs[0]);
+        assert!(first.iter().all(|&count| count > 0), "{first:?}");
+        assert_eq!(frame(&inputs[0]), [0, 0, 0]);
+        // Twin: another view draws others, which is handed over, and then no more.
+        let other = frame(&inputs[1]);
+        assert!(other[2] > 1, "{other:?}");
+        assert_eq!(frame(&inputs[1]), [0, 0, 0]);
+    }
+}
+
+#[test]
+fn levels_share_draws_as_full_boundaries_do() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let scene = Scene::shipped("planet-134", None).expect("ships");
+    let views = scene.views.clone();
+    let meshes = LeveledMeshes::build(&scene, &scene.mesh).expect("meshes");
+    assert!(meshes.meshes.len() > scene.regions.len(), "one level");
+    let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
+    let scene = PreparedScene::leveled(&scene, meshes, surface);
+    let targets = AllTargets::new(&devices, SIZE);
+    let plan = PlanOptions {
+        boundary_lod_px: Some(0.5),
+        ..PlanOptions::default()
+    };
+    for view in &views {
+        let input = FillInput::new(&scene, view, SIZE, plan).expect("a surface");
+        let each = targets.draw(&input, vertex(switches(false)));
+        let positions = |level_vertices, merges, layout| {
+            let variant = VertexVariant {
+                level_vertices,
+                layout,
+                switches: switches(merges),
+                ..VertexVariant::default()
+            };
+            let mut backend = targets.open(Technique::Vertex(variant));
+            let frame = draw_with(&mut *backend, &input);
+            assert_eq!(differing(&each, &frame), 0, "{}: {variant:?}", view.name);
+            let needs = backend.needs(&input).expect("prepared").expect("told");
+            assert_eq!(needs.undeclared(), None);
+            needs.of(Feature::Positions).expect("told").bytes
+        };
+        for layout in Layout::ALL {
+            let [own, shared] = [LevelVertices::Own, LevelVertices::Shared]
+                .map(|vertices| [false, true].map(|merges| positions(vertices, merges, layout)));
+            // Levels keep vertices of finer ones: most are stored once instead of once a level.
+            assert!(
+                10 * shared[0] < 7 * own[0],
+                "{layout:?}: {shared:?} {own:?}"
+            );
+            assert_eq!((own[0], shared[0]), (own[1], shared[1]), "{layout:?}");
+        }
+    }
+}
+
+/// Pixels that change where the program of the merged draws is changed.
+fn differing_when(
+    targets: &AllTargets<'_>,
+    input: &FillInput,
+    change: impl Fn(&mut FillProgram, &mut VolumeList),
+) -> usize {
+    let switches = switches(true);
+    let variant = VertexVariant {
+        switches,
+        ..VertexVariant::default()
+    };
+    let mut fill = <VolumeFill as StencilExecutor<VertexVolumes>>::new(targets.wgpu(), &switches);
+    let fill = fill.as_mut().expect("opens");
+    let mut volumes = VertexVolumes::new(fill, variant).expect("opens");
+    let mut list = VolumeList::of(input, &switches);
+    let program = FillProgram::new(&list.volumes, &switches, input.scene.overlap);
+    let mut program = program.expect("allowed");
+    change(&mut program, &mut list);
+    StencilExecutor::<VertexVolumes>::set_view(fill, input.into()).expect("fits");
+    volumes.upload(fill, input, &BottomCaps::All).expect("fits");
+    let places = volumes.places().expect("uploaded");
+    let constants = VolumeConstants::bytes_of_all(input, volumes.positions(), Colours::Ids, places);
+    let work = StencilWork {
+        list,
+        program,
+        constants,
+        blends: false,
+    };
+    StencilExecutor::<VertexVolumes>::load(fill, work).expect("fits");
+    fill.ensure(&mut volumes).expect("makes");
+    StencilExecutor::<VertexVolumes>::draw_surface(fill).expect("draws");
+    fill.draw(&mut volumes).expect("draws");
+    let picture = StencilExecutor::<VertexVolumes>::read(fill).expect("reads");
+    let all = targets.draw(input, vertex(self::switches(false)));
+    let changed = terrafill_fill::ids_of(&picture);
+    all.ids.iter().zip(changed).filter(|(a, b)| *a != b).count()
+}
+
+/// What the checks above would not notice, if these were right as well.
+#[test]
+fn draws_that_share_what_they_may_not_are_wrong() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    let Some((scene, views)) = shipped("planet-134") else {
+        return;
+    };
+    let targets = AllTargets::new(&devices, SIZE);
+    let input = seen(&scene, &views[0]);
+    assert_eq!(differing_when(&targets, &input, |_, _| ()), 0);
+    // Covers of one number reach over the volumes of that number that they are merged with.
+    let wide = differing_when(&targets, &input, |_, list| {
+        for volume in &mut list.volumes {
+            volume.screen_rect.right = (volume.screen_rect.right + 40).min(SIZE.width);
+        }
+    });
+    // A step loses its last volume to no other.
+    let lost = differing_when(&targets, &input, |program, _| {
+        for command in program
+            .passes
+            .iter_mut()
+            .flat_map(|pass| &mut pass.commands)
+        {
+            if let FillCommand::Volumes { volumes, .. } = command {
+                volumes.truncate(1);
+            }
+        }
+    });
+    // Constants of another volume: the table says whose they are.
+    let swapped = differing_when(&targets, &input, |_, list| {
+        let last = list.volumes.len() - 1;
+        let geometry = list.volumes[0].geometry;
+        list.volumes[0].geometry = list.volumes[last].geometry;
+        list.volumes[last].geometry = geometry;
+    });
+    eprintln!("{wide} by wide covers, {lost} lost, {swapped} by swapped constants");
+    assert!(wide > 0 && lost > 0 && swapped > 0);
+}

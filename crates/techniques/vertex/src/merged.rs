@@ -1,0 +1,433 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Volumes of one step as one draw for each part: one index list for a view, in the order in which its
+//! program draws.
+//!
+//! Volumes share a draw where nothing but their data differs: those that flip the same number, which do not
+//! overlap on the screen, or all that are counted together. Such volumes are neighbours neither on the
+//! ground nor in the scene's buffers, so that ranges of one list hardly ever join. Their indices are few,
+//! though: the CPU keeps those of all regions and hands over what a view draws. Vertices stay on the
+//! device. Each says of which region it is, and a table where that region's constants are in the view.
+
+use crate::layout::RegionSlice;
+use std::collections::HashMap;
+use std::ops::Range;
+use terrafill_fill::{
+    DeviceError, Feature, FillPass, FillProgram, FillStep, Holding, IndexLists, MemoryUse,
+    VolumeDraw, VolumeList,
+};
+use terrafill_gpu::Gpu;
+
+/// Restarts strips, in either width.
+const RESTART: u32 = u32::MAX;
+
+/// Largest number of stored vertices whose indices fit 16 bits.
+const MAX_SHORT_VERTICES: usize = 0xffff;
+
+/// Where the volumes of a draw lie in the list, in indices.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct MergedRanges {
+    /// Top caps, and bottom caps where they are drawn.
+    pub(crate) caps: Range<u32>,
+    pub(crate) walls: Range<u32>,
+}
+
+/// The index list of a view.
+#[derive(Debug, Default, PartialEq, Eq)]
+struct MergedLists {
+    /// Into the scene's vertices.
+    indices: Vec<u32>,
+    /// By the volumes that are drawn together, first with their bottoms, then without.
+    ranges: HashMap<Vec<usize>, [Option<MergedRanges>; 2]>,
+    /// How many of the indices are for what.
+    top_caps: usize,
+    bottom_caps: usize,
+    walls: usize,
+}
+
+impl MergedLists {
+    /// The volumes of all draws of `program`; what two of them draw alike lies there once.
+    fn new(
+        list: &VolumeList,
+        program: &FillProgram,
+        regions: &[RegionSlice],
+        stored: &IndexLists,
+    ) -> Self {
+        let mut merged = Self::default();
+        for step in program.passes.iter().flat_map(FillPass::steps) {
+            if let FillStep::Volumes(draw) = step {
+                merged.push(list, &draw, regions, stored);
+            }
+        }
+        merged
+    }
+
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "buffers are refused by the device long before 2^32 elements"
+    )]
+    fn push(
+        &mut self,
+        list: &VolumeList,
+        draw: &VolumeDraw<'_>,
+        regions: &[RegionSlice],
+        stored: &IndexLists,
+    ) {
+        let ranges = self.ranges.entry(draw.volumes.to_vec()).or_default();
+        let own = &mut ranges[usize::from(draw.without_bottom)];
+        if own.is_some() {
+            return;
+        }
+        let slices = || {
+            draw.volumes
+                .iter()
+                .map(|&v| &regions[list.volumes[v].geometry])
+        };
+        let first_cap = self.indices.len();
+        for slice in slices() {
+            let cap = 3 * slice.place.triangle_count as usize;
+            let has_bottom = !draw.without_bottom && slice.has_bottom;
+            debug_assert!(slice.has_bottom || draw.without_bottom, "no bottom is held");
+            let caps = if has_bottom { 2 * cap } else { cap };
+            let first = slice.place.first_triangle_index as usize;
+            self.indices
+                .extend(moved(slice, stored, first..first + caps));
+            self.top_caps += cap;
+            self.bottom_caps += caps - cap;
+        }
+        let first_wall = self.indices.len();
+        for slice in slices() {
+            let first = slice.place.first_loop_index as usize;
+            let end = first + slice.loop_index_count as usize;
+            self.indices.extend(moved(slice, stored, first..end));
+        }
+        self.walls += self.indices.len() - first_wall;
+        *own = Some(MergedRanges {
+            caps: first_cap as u32..first_wall as u32,
+            walls: first_wall as u32..self.indices.len() as u32,
+        });
+    }
+
+    /// As the device reads them.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "short indices are below 2^16 by choice of width, or the restart value"
+    )]
+    fn bytes(&self, is_short: bool) -> Vec<u8> {
+        if !is_short {
+            return bytemuck::cast_slice(&self.indices).to_vec();
+        }
+        let mut short: Vec<u16> = self.indices.iter().map(|&index| index as u16).collect();
+        // Buffers are written in words.
+        if !short.len().is_multiple_of(2) {
+            short.push(0);
+        }
+        bytemuck::cast_slice(&short).to_vec()
+    }
+}
+
+/// Indices of a region, as they count in the vertices of all.
+fn moved(
+    slice: &RegionSlice,
+    stored: &IndexLists,
+    range: Range<usize>,
+) -> impl Iterator<Item = u32> {
+    let (short, long) = match slice.place.has_short_indices {
+        true => (&stored.short[range], &[][..]),
+        false => (&[][..], &stored.long[range]),
+    };
+    let widened = short.iter().map(|&index| match index {
+        u16::MAX => RESTART,
+        index => u32::from(index),
+    });
+    let first_vertex = slice.place.first_vertex;
+    let all = widened.chain(long.iter().copied());
+    all.map(move |index| match index {
+        RESTART => RESTART,
+        index => first_vertex + index,
+    })
+}
+
+/// What merged draws hold beside the scene's vertices.
+#[derive(Debug)]
+pub(crate) struct Merged {
+    /// Indices of all regions.
+    stored: IndexLists,
+    is_short: bool,
+    /// What `lists` are of: a program, and the geometry of each of its volumes.
+    listed: Option<(FillProgram, Vec<usize>)>,
+    lists: MergedLists,
+    indices: Option<wgpu::Buffer>,
+    /// What that holds.
+    written: Vec<u8>,
+    volume_of_region: wgpu::Buffer,
+    volumes_written: Vec<u32>,
+    bind_group: wgpu::BindGroup,
+}
+
+impl Merged {
+    /// - `layout`: of one storage buffer
+    /// - `regions`: how many there are at most
+    /// - `vertices`: as stored, of all of them
+    /// - `stored`: indices of all of them
+    ///
+    /// # Errors
+    /// [`DeviceError::OverCapacity`].
+    pub(crate) fn new(
+        gpu: &Gpu,
+        layout: &wgpu::BindGroupLayout,
+        regions: usize,
+        vertices: usize,
+        stored: IndexLists,
+    ) -> Result<Self, DeviceError> {
+        let volumes = vec![0_u32; regions.max(1)];
+        let volume_of_region = gpu.upload(
+            "volumes of regions",
+            bytemuck::cast_slice(&volumes),
+            wgpu::BufferUsages::STORAGE,
+        )?;
+        Ok(Self {
+            stored,
+            is_short: vertices <= MAX_SHORT_VERTICES,
+            listed: None,
+            lists: MergedLists::default(),
+            indices: None,
+            written: Vec::new(),
+            bind_group: gpu.bind_buffers("volumes of regions", layout, &[&volume_of_region]),
+            volume_of_region,
+            volumes_written: volumes,
+        })
+    }
+
+    /// Indices of a region that took another one's place.
+    pub(crate) fn replace(&mut self, range: Range<usize>, new: &IndexLists) {
+        self.listed = None;
+        if !new.short.is_empty() {
+            self.stored.short[range.clone()].copy_from_slice(&new.short);
+        }
+        if !new.long.is_empty() {
+            self.stored.long[range].copy_from_slice(&new.long);
+        }
+    }
+
+    /// Hands over the list of a program and where its volumes' constants lie, where they changed.
+    ///
+    /// # Errors
+    /// [`DeviceError::OverCapacity`].
+    pub(crate) fn load(
+        &mut self,
+        gpu: &Gpu,
+        list: &VolumeList,
+        program: &FillProgram,
+        regions: &[RegionSlice],
+    ) -> Result<(), DeviceError> {
+        let geometries: Vec<usize> = list.volumes.iter().map(|volume| volume.geometry).collect();
+        let is_listed =
+            |(of, meshes): &(FillProgram, Vec<usize>)| of == program && *meshes == geometries;
+        if self.listed.as_ref().is_some_and(is_listed) {
+            return Ok(());
+        }
+        self.listed = None;
+        let mut volumes = vec![0_u32; self.volumes_written.len()];
+        for (number, volume) in (0..).zip(&list.volumes) {
+            volumes[regions[volume.geometry].number as usize] = number;
+        }
+        let [before, after] = [&self.volumes_written, &volumes].map(|v| bytemuck::cast_slice(v));
+        gpu.write_changed(&self.volume_of_region, before, after);
+        self.volumes_written = volumes;
+        self.lists = MergedLists::new(list, program, regions, &self.stored);
+        let bytes = self.lists.bytes(self.is_short);
+        let has_room = |buffer: &wgpu::Buffer| buffer.size() >= bytes.len() as u64;
+        match self.indices.take().filter(has_room) {
+            Some(buffer) => {
+                gpu.write_changed(&buffer, &self.written, &bytes);
+                self.indices = Some(buffer);
+            }
+            None => {
+                let usage = wgpu::BufferUsages::INDEX;
+                self.indices = Some(gpu.upload("merged indices", &bytes, usage)?);
+            }
+        }
+        self.written = bytes;
+        self.listed = Some((program.clone(), geometries));
+        Ok(())
+    }
+
+    /// Where a draw's volumes lie; `None` of a draw that the program has not.
+    pub(crate) fn ranges(&self, draw: &VolumeDraw<'_>) -> Option<&MergedRanges> {
+        let both = self.lists.ranges.get(draw.volumes)?;
+        both[usize::from(draw.without_bottom)].as_ref()
+    }
+
+    /// Whether indices have 16 bits.
+    pub(crate) fn has_short_indices(&self) -> bool {
+        self.is_short
+    }
+
+    pub(crate) fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(1, &self.bind_group, &[]);
+        let format = match self.is_short {
+            true => wgpu::IndexFormat::Uint16,
+            false => wgpu::IndexFormat::Uint32,
+        };
+        if let Some(indices) = &self.indices {
+            pass.set_index_buffer(indices.slice(..), format);
+        }
+    }
+
+    /// Bytes of its buffers by what they are for.
+    pub(crate) fn holdings(&self) -> [Holding; 4] {
+        let index_size = if self.is_short { 2 } else { 4 };
+        let bytes = |indices: usize| (indices * index_size) as u64;
+        let of_indices = |indices: usize| MemoryUse {
+            index_bytes: bytes(indices),
+            ..MemoryUse::default()
+        };
+        let allocated = self.indices.as_ref().map_or(0, wgpu::Buffer::size);
+        let top_caps = MemoryUse {
+            padding_bytes: allocated.saturating_sub(bytes(self.lists.indices.len())),
+            buffers: u64::from(self.indices.is_some()),
+            ..of_indices(self.lists.top_caps)
+        };
+        let volumes = MemoryUse {
+            constant_bytes: self.volume_of_region.size(),
+            buffers: 1,
+            ..MemoryUse::default()
+        };
+        [
+            Holding::memory(Feature::TopCaps, top_caps),
+            Holding {
+                spared_bytes: bytes(self.lists.top_caps - self.lists.bottom_caps),
+                ..Holding::memory(Feature::BottomCaps, of_indices(self.lists.bottom_caps))
+            },
+            Holding::memory(Feature::Walls, of_indices(self.lists.walls)),
+            Holding::memory(Feature::RegionConstants, volumes),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::VertexVariant;
+    use crate::layout::SceneGeometry;
+    use std::collections::BTreeSet;
+    use terrafill_fill::{DepthRange, Switches, ViewId, Volume};
+    use terrafill_fixtures::by_hand::{circle_deg, mesh};
+    use terrafill_scene::{ImageSize, Overlap, PixelRect};
+
+    /// Rings of 3, 5 and 40,000 vertices: the last one has indices of 32 bits.
+    fn geometry() -> SceneGeometry {
+        let ring = |count: u32| {
+            let fan = (1..count - 1).map(|i| [0, i, i + 1]).collect();
+            mesh(circle_deg(count, 1.0), fan, vec![(0..count).collect()])
+        };
+        let meshes = [ring(3), ring(5), ring(40_000)];
+        SceneGeometry::build(&VertexVariant::default(), &meshes, |_| true)
+    }
+
+    /// Volumes of the meshes 2, 0 and 1, the first and the last beside each other.
+    fn list() -> VolumeList {
+        let volume = |geometry: usize, left: u32| Volume {
+            screen_rect: PixelRect {
+                left,
+                top: 0,
+                right: left + 10,
+                bottom: 10,
+            },
+            depth: DepthRange::ANY,
+            near_plane_meets_volume: false,
+            is_flat: false,
+            front_caps_suffice: false,
+            geometry,
+        };
+        VolumeList {
+            view_id: ViewId::unique(),
+            size: ImageSize {
+                width: 64,
+                height: 64,
+            },
+            volumes: vec![volume(2, 0), volume(0, 5), volume(1, 20)],
+        }
+    }
+
+    #[test]
+    fn a_draw_finds_the_triangles_of_its_volumes_and_no_others() {
+        let (geometry, list) = (geometry(), list());
+        let switches = Switches::default();
+        let program = FillProgram::new(&list.volumes, &switches, Overlap::Disjoint);
+        let program = program.expect("allowed");
+        let merged = MergedLists::new(&list, &program, &geometry.regions, &geometry.indices);
+        let mut draws = 0;
+        for step in program.passes.iter().flat_map(FillPass::steps) {
+            let FillStep::Volumes(draw) = step else {
+                continue;
+            };
+            draws += 1;
+            let ranges = &merged.ranges[draw.volumes][usize::from(draw.without_bottom)];
+            let ranges = ranges.as_ref().expect("listed");
+            let drawn = |range: &Range<u32>| -> BTreeSet<u32> {
+                let range = range.start as usize..range.end as usize;
+                let indices = merged.indices[range].iter().copied();
+                indices.filter(|&index| index != RESTART).collect()
+            };
+            let own = draw.volumes.iter().flat_map(|&volume| {
+                let slice = &geometry.regions[list.volumes[volume].geometry];
+                let first = slice.place.first_vertex;
+                first..first + slice.vertex_count
+            });
+            let own: BTreeSet<u32> = own.collect();
+            assert_eq!(drawn(&ranges.walls), own, "{draw:?}");
+            assert_eq!(drawn(&ranges.caps), own, "{draw:?}");
+        }
+        // Two numbers: one for the first and the last, one for the second.
+        assert_eq!(draws, 2);
+        let parts = merged.top_caps + merged.bottom_caps + merged.walls;
+        assert_eq!(parts, merged.indices.len());
+        assert_eq!(merged.top_caps, merged.bottom_caps);
+        // Twin: volumes that no step draws together have no ranges.
+        assert!(!merged.ranges.contains_key(&[0, 1, 2][..]));
+    }
+
+    #[test]
+    fn short_lists_keep_restarts_and_whole_words() {
+        let mut merged = MergedLists {
+            indices: vec![1, 70_000 - 65_536, RESTART],
+            ..MergedLists::default()
+        };
+        let short = merged.bytes(true);
+        assert_eq!(short.len(), 8);
+        let short: &[u16] = bytemuck::cast_slice(&short);
+        assert_eq!(short, [1, 4_464, u16::MAX, 0]);
+        let long = merged.bytes(false);
+        let long: &[u32] = bytemuck::cast_slice(&long);
+        assert_eq!(long, merged.indices);
+        merged.indices.push(2);
+        assert_eq!(merged.bytes(true).len(), 8);
+    }
+
+    #[test]
+    fn every_stored_vertex_says_whose_it_is() {
+        let variant = VertexVariant {
+            switches: Switches {
+                merges_draws: true,
+                ..Switches::default()
+            },
+            ..VertexVariant::default()
+        };
+        let ring = |count: u32| {
+            let fan = (1..count - 1).map(|i| [0, i, i + 1]).collect();
+            mesh(circle_deg(count, 1.0), fan, vec![(0..count).collect()])
+        };
+        let meshes = [ring(3), ring(4)];
+        let geometry = SceneGeometry::build(&variant, &meshes, |_| true);
+        let words: Vec<i32> = geometry.vertices.chunks(4).map(|v| v[3]).collect();
+        assert_eq!(words, [[0, 1].repeat(3), [2, 3].repeat(4)].concat());
+        // Twin: drawn one by one, vertices are the same for whichever mesh.
+        let each = SceneGeometry::build(&VertexVariant::default(), &meshes, |_| true);
+        let words: Vec<i32> = each.vertices.chunks(4).map(|v| v[3]).collect();
+        assert_eq!(words, [0, 1].repeat(7));
+        // One mesh alone, built to take its old place, keeps its number.
+        let again = SceneGeometry::build_from(&variant, &meshes[1..], |_| true, 1);
+        assert_eq!(again.vertices, geometry.vertices[4 * 6..]);
+    }
+}
