@@ -252,6 +252,8 @@ const COMPILED_SHADERS: &[CompiledShader] = compiled_shaders![
     "native/grid.mesh", "native/grid.mesh.spv", Mesh, [];
     "native/grid.frag", "native/grid.frag.spv", MeshFragment, [];
     "native/balls.vert", "native/balls.spv", Capture, [];
+    "globes/seam.geom", "globes/seam.half.spv", Geometry, ["LIMIT=0.5"];
+    "globes/seam.geom", "globes/seam.published.spv", Geometry, ["LIMIT=0.7"];
 ];
 
 /// Every shader that was compiled beforehand, those of [`geometry_shaders`] left out.
@@ -393,7 +395,7 @@ mod tests {
             .iter()
             .map(|shader| compiled_spirv(shader.spirv).expect("SPIR-V"))
             .collect();
-        assert_eq!(all.len(), 10);
+        assert_eq!(all.len(), 12);
         for (index, one) in all.iter().enumerate() {
             assert!(all[..index].iter().all(|other| other != one), "{index}");
         }
