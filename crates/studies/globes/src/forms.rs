@@ -40,8 +40,9 @@ const LAWS: [&str; 5] = [
 const RING_VERTICES: i64 = 288;
 /// What no one sees, pixels.
 const FINE_PX: f64 = 0.25;
-/// Turns to double the radius that the surface allows at least.
+/// Turns to double the radius that the surface allows at least, and at most.
 const MIN_DOUBLING: f64 = 0.3;
+const MAX_DOUBLING: f64 = 64.0;
 /// More than any law needs.
 const MAX_RINGS: u32 = 1200;
 
@@ -173,11 +174,12 @@ impl Forms {
         // The surface allows no fewer turns.
         let mut low = whole((MIN_DOUBLING * doublings).ceil());
         let mut high = low + 1;
+        let most = whole(MAX_DOUBLING * doublings).min(MAX_RINGS);
         while !is_fine(high)? {
-            (low, high) = (high, 2 * high);
-            if high > MAX_RINGS {
-                return Err(format!("{law}: {high} rings, allowed: {MAX_RINGS}"));
+            if high >= most {
+                return Err(format!("{law}: more than {high} rings, allowed: {most}"));
             }
+            (low, high) = (high, (2 * high).min(most));
         }
         while high - low > 1 {
             let middle = (low + high) / 2;

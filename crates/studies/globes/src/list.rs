@@ -52,6 +52,9 @@ pub(crate) struct SurfaceRow {
     pub(crate) quick: Vec<Value>,
     #[serde(default)]
     pub(crate) expected: Formula,
+    /// Whether it has cracks, in which device and rays may differ.
+    #[serde(default)]
+    pub(crate) cracks: bool,
     /// Further parameters.
     #[serde(default)]
     pub(crate) with: Table,

@@ -143,6 +143,7 @@ struct Work {
     /// `None` for the body itself, a ray for each pixel.
     surface: Option<Chosen>,
     interface: Interface,
+    has_cracks: bool,
 }
 
 /// What a surface is opened by.
@@ -191,6 +192,7 @@ fn works(rows: &[SurfaceRow], depth: Depth) -> Vec<Work> {
                     with: row.with.clone(),
                 }),
                 interface,
+                has_cracks: row.cracks,
             }));
         }
     }
@@ -198,6 +200,7 @@ fn works(rows: &[SurfaceRow], depth: Depth) -> Vec<Work> {
         name: RAY_CAST.to_owned(),
         surface: None,
         interface: RAYS,
+        has_cracks: false,
     });
     works
 }
@@ -242,7 +245,7 @@ impl Sight {
                     ],
                 ),
                 samples,
-                may_be_wrong: false,
+                may_be_wrong: work.has_cracks,
             }
         });
         Self {

@@ -137,6 +137,10 @@ fn truth(
     });
     let ecef = camera.eye_ecef + direction * depth;
     let crossings = half_plane_crossings(corners);
+    // Beside a cap, a corner beyond the map's end pulls V' off the map: no texel is there, whatever the seam.
+    let is_on_map = [by_vertex, by_fragment]
+        .iter()
+        .all(|v| (0.0..1.0).contains(v));
     let place = eye.body.ecef_to_geodetic(ecef);
     let drawn = Place {
         u,
@@ -157,7 +161,9 @@ fn truth(
         body: of_body,
         levels: [1.0 + LEVEL_ROUNDING, 1.0 - LEVEL_ROUNDING]
             .map(|share| wanted_level(eye, place, share * direction.length() * depth)),
-        is_at_seam: crossings == 2 && (u - u.round()).abs() <= 2.0 * beside[0].max(beside[1]),
+        is_at_seam: is_on_map
+            && crossings == 2
+            && (u - u.round()).abs() <= 2.0 * beside[0].max(beside[1]),
         holds_pole: crossings % 2 == 1,
     })
 }
