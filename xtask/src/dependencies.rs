@@ -40,6 +40,7 @@ const WITHIN: &[(&str, &[&str])] = &[
     ("casters", &["results"]),
     ("texture", &["core"]),
     ("elevation", &["core"]),
+    ("maps", &["core"]),
     ("shaders", &["texture"]),
     ("plot", &["results"]),
     ("surface", &["scene"]),

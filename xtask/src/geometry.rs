@@ -203,7 +203,7 @@ mod tests {
     /// A copy of the shaders that may be broken.
     fn copy() -> tempfile::TempDir {
         let folder = tempfile::tempdir().expect("temporary folder");
-        for own in ["native", "casters"] {
+        for own in ["native", "casters", "globes"] {
             let from = Path::new(env!("CARGO_MANIFEST_DIR"))
                 .join("../shaders")
                 .join(own);

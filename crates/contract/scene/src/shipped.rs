@@ -84,6 +84,8 @@ const EXTREME: &[(&str, &str)] = &[
     file!("extreme/nan-coordinates.toml"),
     file!("extreme/beyond-the-pole.toml"),
     file!("extreme/antipodal-edge.toml"),
+    file!("extreme/grid-on-the-screen.toml"),
+    file!("extreme/spiral-round-the-eye.toml"),
 ];
 
 /// Height files that scenes name by `embedded`; ours.

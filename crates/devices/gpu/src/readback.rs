@@ -4,8 +4,11 @@
 use crate::Gpu;
 use terrafill_fill::DeviceError;
 
-/// Copies one aspect of a texture into tightly packed rows.
-pub(crate) fn read_texture(
+/// Copies one aspect of a texture with `COPY_SRC` usage into tightly packed rows.
+///
+/// # Errors
+/// [`DeviceError::DeviceLost`].
+pub fn read_texture(
     gpu: &Gpu,
     texture: &wgpu::Texture,
     aspect: wgpu::TextureAspect,

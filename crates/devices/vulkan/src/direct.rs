@@ -54,18 +54,22 @@ pub struct Dispatch<'a> {
 }
 
 /// What was measured; absent where the device cannot, or it was not asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct DirectReport {
     /// GPU time of dispatch and draw, milliseconds.
     pub gpu_ms: Option<f64>,
     /// Pipeline statistics of the draw.
     pub statistics: Option<PassStatistics>,
+    /// Samples of each range of vertices that passed the depth test when it was drawn, exactly: precise occlusion
+    /// queries.
+    pub samples: Option<Vec<u64>>,
 }
 
 impl RenderTargets {
     /// Clears the targets, dispatches, draws and waits.
     ///
-    /// - `measured`: times or statistics; the statistics of mesh shaders are never counted
+    /// - `measured`: times, statistics or samples; the statistics of mesh shaders are never counted, and samples of
+    ///   ranges of vertices alone
     ///
     /// # Errors
     /// [`DeviceError::Unsupported`] when what is drawn does not fit together or is of another device,
@@ -83,6 +87,12 @@ impl RenderTargets {
             true => Queries::new(gpu, QueryKind::Statistics, 1)?,
             false => None,
         };
+        let ranges = match draw.call {
+            DrawCall::Vertices(ranges) if measured == Measured::Samples => ranges.len(),
+            _ => 0,
+        };
+        let ranges = u32::try_from(ranges).unwrap_or(u32::MAX);
+        let samples = Queries::new(gpu, QueryKind::Samples, ranges)?;
         let stamps = self.stamps.as_ref().filter(|_| measured == Measured::Times);
         let clears = [
             vk::ClearValue {
@@ -109,6 +119,9 @@ impl RenderTargets {
                 if let Some(queries) = &queries {
                     device.cmd_reset_query_pool(commands, queries.raw, 0, 1);
                 }
+                if let Some(samples) = &samples {
+                    device.cmd_reset_query_pool(commands, samples.raw, 0, ranges);
+                }
                 if let Some(dispatch) = dispatch {
                     record_dispatch(device, commands, dispatch);
                 }
@@ -119,7 +132,7 @@ impl RenderTargets {
                     let flags = vk::QueryControlFlags::empty();
                     device.cmd_begin_query(commands, queries.raw, 0, flags);
                 }
-                record_draw(device, gpu.mesh.as_ref(), commands, draw);
+                record_draw(device, gpu.mesh.as_ref(), commands, draw, samples.as_ref());
                 if let Some(queries) = &queries {
                     device.cmd_end_query(commands, queries.raw, 0);
                 }
@@ -141,8 +154,16 @@ impl RenderTargets {
             Some(queries) => Some(queries.read_statistics(1)?),
             None => None,
         };
+        let samples = match &samples {
+            Some(samples) => Some(samples.read(0, ranges)?),
+            None => None,
+        };
         self.set_drawn();
-        Ok(DirectReport { gpu_ms, statistics })
+        Ok(DirectReport {
+            gpu_ms,
+            statistics,
+            samples,
+        })
     }
 
     fn check(
@@ -217,12 +238,14 @@ pub(crate) unsafe fn record_dispatch(
 }
 
 /// # Safety
-/// Recording is under way, in the surface's pass, on the device of the draw, which fits together.
+/// Recording is under way, in the surface's pass, on the device of the draw, which fits together; `samples` has a query
+/// for each range, reset before.
 unsafe fn record_draw(
     device: &ash::Device,
     mesh: Option<&ash::ext::mesh_shader::Device>,
     commands: vk::CommandBuffer,
     draw: &DirectDraw<'_>,
+    samples: Option<&Queries>,
 ) {
     let graphics = vk::PipelineBindPoint::GRAPHICS;
     let resources = &draw.pipeline.resources;
@@ -236,9 +259,16 @@ unsafe fn record_draw(
         }
         match draw.call {
             DrawCall::Vertices(ranges) => {
-                for range in ranges {
+                for (query, range) in (0..).zip(ranges) {
+                    if let Some(samples) = samples {
+                        let exactly = vk::QueryControlFlags::PRECISE;
+                        device.cmd_begin_query(commands, samples.raw, query, exactly);
+                    }
                     let count = range.end - range.start;
                     device.cmd_draw(commands, count, 1, range.start, 0);
+                    if let Some(samples) = samples {
+                        device.cmd_end_query(commands, samples.raw, query);
+                    }
                 }
             }
             DrawCall::Indexed {

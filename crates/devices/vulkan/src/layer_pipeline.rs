@@ -171,7 +171,11 @@ impl LayeredDepth {
             Some(counted) => Some(counted.read_statistics(counted.count)?),
             None => None,
         };
-        Ok(DirectReport { gpu_ms, statistics })
+        Ok(DirectReport {
+            gpu_ms,
+            statistics,
+            samples: None,
+        })
     }
 
     /// # Safety

@@ -8,7 +8,7 @@
 mod quadtree;
 mod radius;
 
-pub use quadtree::{QuadtreeView, Settling, settle};
+pub use quadtree::{Node, Quadtree, QuadtreeView, Settling, Thresholds, settle};
 pub use radius::{
     Cycle, constant_step, cycle, gain_without_overshoot, logarithmic, proportional, stable_gain,
 };

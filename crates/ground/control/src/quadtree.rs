@@ -13,7 +13,7 @@ const SIDE: usize = 1 << MAX_LEVEL;
 const MAX_LEVEL: u32 = 7;
 
 /// Level, column, row.
-type Node = (u32, usize, usize);
+pub type Node = (u32, usize, usize);
 
 /// How many pixels each part of a square of side 1 has in a view.
 #[derive(Debug, Clone)]
@@ -87,44 +87,121 @@ impl QuadtreeView {
     }
 }
 
-/// Lets a quadtree that begins as one node come to rest in a view that stands still.
-///
-/// - `texels`: of a node's texture
-/// - `hysteresis`: the upper threshold of pixels per texel over the lower one, which is 1/√hysteresis
-#[must_use]
-pub fn settle(view: &QuadtreeView, texels: f64, hysteresis: f64, frames: usize) -> Settling {
-    let (low, high) = (texels / hysteresis.sqrt(), texels * hysteresis.sqrt());
-    let mut leaves = BTreeSet::from([(0, 0, 0)]);
-    let mut counts = vec![1];
-    let mut settled = None;
-    for frame in 0..frames {
-        let mut after = leaves.clone();
-        let mut has_changed = false;
-        for &node in &leaves {
+/// A quadtree that splits and merges by counts.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Quadtree {
+    leaves: BTreeSet<Node>,
+    max_level: u32,
+}
+
+/// When a quadtree splits and merges.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Thresholds {
+    /// Four leaves merge where all have fewer pixels.
+    pub low: f64,
+    /// A leaf splits where it has more.
+    pub high: f64,
+}
+
+impl Thresholds {
+    /// About the texels of a node.
+    ///
+    /// - `hysteresis`: the upper threshold of pixels per texel over the lower one, which is 1/√hysteresis
+    #[must_use]
+    pub fn new(texels: f64, hysteresis: f64) -> Self {
+        Self {
+            low: texels / hysteresis.sqrt(),
+            high: texels * hysteresis.sqrt(),
+        }
+    }
+}
+
+impl Quadtree {
+    /// One node.
+    ///
+    /// - `max_level`: splits end there
+    #[must_use]
+    pub fn new(max_level: u32) -> Self {
+        Self {
+            leaves: BTreeSet::from([(0, 0, 0)]),
+            max_level,
+        }
+    }
+
+    /// Its leaves, sorted.
+    pub fn leaves(&self) -> impl Iterator<Item = Node> {
+        self.leaves.iter().copied()
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.leaves.len()
+    }
+
+    /// Splits and merges once.
+    ///
+    /// - `pixels`: counted of a leaf; `None` where none was counted since it exists, so that it may not act
+    /// - `max_changes`: at most so many splits and merges, those with the most pixels first among the splits
+    /// - returns: nodes that are new, which need their picture
+    pub fn update(
+        &mut self,
+        pixels: impl Fn(Node) -> Option<f64>,
+        thresholds: Thresholds,
+        max_changes: usize,
+    ) -> Vec<Node> {
+        let mut splits: Vec<(f64, Node)> = Vec::new();
+        let mut merges: Vec<Node> = Vec::new();
+        for &node in &self.leaves {
             let (level, column, row) = node;
-            if view.pixels(node) > high && level < MAX_LEVEL {
-                after.remove(&node);
-                after.extend(children(node));
-                has_changed = true;
+            let Some(own) = pixels(node) else { continue };
+            if own > thresholds.high && level < self.max_level {
+                splits.push((own, node));
             } else if level > 0 && column % 2 == 0 && row % 2 == 0 {
                 let parent = (level - 1, column / 2, row / 2);
+                let is_low = |one| pixels(one).is_some_and(|pixels| pixels < thresholds.low);
                 let mut siblings = children(parent).into_iter();
-                if siblings.all(|one| leaves.contains(&one) && view.pixels(one) < low) {
-                    for one in children(parent) {
-                        after.remove(&one);
-                    }
-                    after.insert(parent);
-                    has_changed = true;
+                if siblings.all(|one| self.leaves.contains(&one) && is_low(one)) {
+                    merges.push(parent);
                 }
             }
         }
-        settled = match (has_changed, settled) {
-            (true, _) => None,
-            (false, None) => Some(frame),
-            (false, known) => known,
+        splits.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut new = Vec::new();
+        for (_, node) in splits.into_iter().take(max_changes) {
+            self.leaves.remove(&node);
+            new.extend(children(node));
+        }
+        let left = max_changes - (new.len() / 4).min(max_changes);
+        for parent in merges.into_iter().take(left) {
+            for one in children(parent) {
+                self.leaves.remove(&one);
+            }
+            new.push(parent);
+        }
+        self.leaves.extend(&new);
+        new
+    }
+}
+
+/// Lets a quadtree that begins as one node come to rest in a view that stands still.
+///
+/// - `texels`: of a node's texture
+/// - `hysteresis`: as [`Thresholds::new`]
+#[must_use]
+pub fn settle(view: &QuadtreeView, texels: f64, hysteresis: f64, frames: usize) -> Settling {
+    let thresholds = Thresholds::new(texels, hysteresis);
+    let mut tree = Quadtree::new(MAX_LEVEL);
+    let mut counts = vec![1];
+    let mut settled = None;
+    for frame in 0..frames {
+        let new = tree.update(|node| Some(view.pixels(node)), thresholds, usize::MAX);
+        settled = match (new.is_empty(), settled) {
+            (false, _) => None,
+            (true, None) => Some(frame),
+            (true, known) => known,
         };
-        leaves = after;
-        counts.push(leaves.len());
+        counts.push(tree.count());
     }
     Settling {
         leaves: counts,
@@ -156,6 +233,29 @@ mod tests {
         // From far above, its solid angle is its side over the distance, squared.
         let far = QuadtreeView::new([0.5, 0.5, 50.0], [0.0; 2], 1000.0).pixels((0, 0, 0));
         assert!((far / 400.0 - 1.0).abs() < 1e-3, "{far}");
+    }
+
+    #[test]
+    fn a_leaf_acts_on_its_own_count_alone_and_changes_are_capped() {
+        let thresholds = Thresholds::new(100.0, 4.0);
+        let mut tree = Quadtree::new(3);
+        assert!(tree.update(|_| None, thresholds, 9).is_empty());
+        assert_eq!(tree.update(|_| Some(201.0), thresholds, 9).len(), 4);
+        // Two of the four want to split, one may: that with the most pixels.
+        let counted = |node: Node| {
+            Some(if node.1 == 1 {
+                300.0 + node.2 as f64
+            } else {
+                150.0
+            })
+        };
+        let new = tree.update(counted, thresholds, 1);
+        assert!(new.len() == 4 && new.iter().all(|node| node.1 / 2 == 1 && node.2 / 2 == 1));
+        assert_eq!(tree.count(), 7);
+        // Twin: with nothing allowed nothing changes; below the lower threshold four merge.
+        assert!(tree.update(|_| Some(201.0), thresholds, 0).is_empty());
+        assert_eq!(tree.update(|_| Some(49.0), thresholds, 9), [(1, 1, 1)]);
+        assert_eq!(tree.update(|_| Some(49.0), thresholds, 9), [(0, 0, 0)]);
     }
 
     #[test]

@@ -8,6 +8,7 @@
 
 mod bars;
 mod canvas;
+mod courses;
 mod error;
 mod fronts;
 mod labels;
@@ -23,6 +24,7 @@ mod steps;
 mod work_precision;
 
 pub use bars::{Bar, Bars};
+pub use courses::{Course, Courses};
 pub use error::PlotError;
 pub use fronts::{FrontPanel, FrontPoint, Fronts};
 pub use lines::{Line, LinePanel, Lines};

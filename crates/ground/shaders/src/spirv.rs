@@ -277,6 +277,8 @@ const COMPILED_SHADERS: &[CompiledShader] = compiled_shaders![
     "native/lights.geom", "native/lights.invoked16.spv", Geometry, ["INVOCATIONS=16"];
     "native/balls.vert", "native/balls.spv", Capture, [];
     "native/balls.vert", "native/balls.terrain.spv", Capture, ["TERRAIN"];
+    "globes/seam.geom", "globes/seam.half.spv", Geometry, ["LIMIT=0.5"];
+    "globes/seam.geom", "globes/seam.published.spv", Geometry, ["LIMIT=0.7"];
 ];
 
 /// Every shader that was compiled beforehand, those of [`geometry_shaders`] left out.
@@ -418,7 +420,7 @@ mod tests {
             .iter()
             .map(|shader| compiled_spirv(shader.spirv).expect("SPIR-V"))
             .collect();
-        assert_eq!(all.len(), 21);
+        assert_eq!(all.len(), 23);
         for (index, one) in all.iter().enumerate() {
             assert!(all[..index].iter().all(|other| other != one), "{index}");
         }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter on surfaces of a globe: error against time and against triangles, a plot for each view.
 
-use crate::{controllers, published};
+use crate::clock::{draw, whole};
+use crate::{controllers, counts, forms, made, projection, published, shading, tiled};
 use terrafill_plot::number::{measured_bytes, significant};
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
@@ -57,10 +58,10 @@ impl Chapter for GlobesChapter {
 
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
         let (sights, clock, noise) = (sights(run), run.clock(), noise(run));
-        if sights.is_empty() {
-            return Ok(Vec::new());
+        let mut blocks = Vec::new();
+        if !sights.is_empty() {
+            blocks.push(Block::Text(WHAT_IS_COMPARED.to_owned()));
         }
-        let mut blocks = vec![Block::Text(WHAT_IS_COMPARED.to_owned())];
         let names = series(&sights);
         let palette = Palette::new(names);
         for sight in &sights {
@@ -86,8 +87,15 @@ impl Chapter for GlobesChapter {
             blocks.push(Block::Table(table(sight, clock)));
             blocks.push(Block::Table(against_formulas(sight)));
         }
-        blocks.extend(published::blocks());
-        blocks.extend(controllers::blocks());
+        blocks.extend(tiled::blocks(run, clock));
+        blocks.extend(tiled::stage::blocks(run, clock));
+        blocks.extend(forms::blocks(run));
+        blocks.extend(made::blocks(run, clock));
+        blocks.extend(counts::blocks(run)?);
+        blocks.extend(shading::blocks(run, clock));
+        blocks.extend(projection::blocks());
+        blocks.extend(published::blocks(&tiled::frame_times_by_cells(run, clock)));
+        blocks.extend(controllers::blocks()?);
         Ok(blocks)
     }
 }
@@ -104,18 +112,13 @@ fn noise(run: &Run) -> Option<Noise> {
     Noise::of(own.iter().copied(), whole(run.clock()))
 }
 
-fn whole(clock: Clock) -> &'static str {
-    clock.pick("globe_whole_gpu_ms", "globe_whole_cpu_ms")
-}
-
-fn draw(clock: Clock) -> &'static str {
-    clock.pick("globe_draw_gpu_ms", "globe_draw_cpu_ms")
-}
-
 /// In the order in which they first appear.
 fn sights(run: &Run) -> Vec<Sight<'_>> {
     let mut sights: Vec<Sight<'_>> = Vec::new();
-    for case in run.of_study(crate::STUDY).filter(|case| !case.is_twin()) {
+    let own = run.of_study(crate::STUDY);
+    // Other parts of the study say which they are.
+    let own = own.filter(|case| !case.is_twin() && case.condition("part").is_empty());
+    for case in own {
         let view = case.condition("view");
         match sights.iter_mut().find(|sight| sight.view == view) {
             Some(sight) => sight.cases.push(case),

@@ -5,7 +5,8 @@ use crate::published::{cells, headed};
 use terrafill_control::{
     QuadtreeView, constant_step, cycle, gain_without_overshoot, logarithmic, settle, stable_gain,
 };
-use terrafill_results::{Block, Cell, Table};
+use terrafill_plot::{Course, Courses};
+use terrafill_results::{Block, Cell, ChapterError, Plot, Table};
 
 /// Frames from drawing to using a count; 1 is the paper's, 2 or 3 are what mapping a buffer back takes.
 const DELAYS: [usize; 4] = [0, 1, 2, 3];
@@ -19,8 +20,13 @@ const TEXELS: f64 = 4096.0;
 /// A few hundred frames are enough for each of these loops to come to rest or to repeat.
 const FRAMES: usize = 400;
 
-pub(crate) fn blocks() -> Vec<Block> {
-    vec![
+/// Frames of a step response as drawn.
+const SHOWN: usize = 48;
+/// Gains on either side of the limit, as shares of it.
+const BESIDE_LIMIT: [f64; 2] = [0.99, 1.01];
+
+pub(crate) fn blocks() -> Result<Vec<Block>, ChapterError> {
+    let mut blocks = vec![
         Block::section("Controllers of level of detail"),
         Block::Text(
             "Gebbie & Bailey hold a fan of triangles at a number of pixels, and split a picture's quadtree by \
@@ -29,7 +35,78 @@ pub(crate) fn blocks() -> Vec<Block> {
         ),
         Block::Table(radius()),
         Block::Table(quadtree()),
-    ]
+    ];
+    let svg = step_responses().draw()?;
+    blocks.extend(svg.map(|svg| {
+        Block::Plot(Plot {
+            caption: "Answers to a step: constant steps and the logarithmic loop, radius less the wanted one; leaves \
+                      of a quadtree in the first view that does not settle without hysteresis."
+                .to_owned(),
+            svg,
+        })
+    }));
+    Ok(blocks)
+}
+
+/// Whether the logarithmic loop ends nearer to the wanted radius than it began.
+fn settles(delay: usize, gain: f64) -> bool {
+    // A hundredth below the limit a loop loses a few hundredths in a turn of its cycle.
+    let series = logarithmic(delay, gain, 1.0, 20 * FRAMES);
+    series.last().is_some_and(|off| off.abs() < 1e-3)
+}
+
+fn step_responses() -> Courses<'static> {
+    let mut panels = Vec::new();
+    let course = |name: String, mut values: Vec<f64>, wanted| {
+        values.truncate(SHOWN);
+        Course {
+            name,
+            values,
+            wanted,
+        }
+    };
+    for delay in DELAYS {
+        let values = constant_step(delay, 1.0, 6.3, SHOWN);
+        panels.push(course(
+            format!("constant steps, d = {delay}"),
+            values,
+            Some(0.0),
+        ));
+    }
+    for delay in DELAYS {
+        let values = logarithmic(delay, gain_without_overshoot(delay), 1.0, SHOWN);
+        panels.push(course(
+            format!("ln r, no overshoot, d = {delay}"),
+            values,
+            Some(0.0),
+        ));
+    }
+    for share in BESIDE_LIMIT {
+        let values = logarithmic(1, share * stable_gain(1), 1.0, SHOWN);
+        panels.push(course(
+            format!("ln r, {share} of the limit, d = 1"),
+            values,
+            Some(0.0),
+        ));
+    }
+    let mut views = (0..VIEWS).map(QuadtreeView::numbered);
+    let cycling = views.find(|view| settle(view, TEXELS, 1.0, 64).frames.is_none());
+    if let Some(view) = cycling {
+        for hysteresis in [1.0, 4.0] {
+            let leaves = settle(&view, TEXELS, hysteresis, SHOWN).leaves;
+            let values = leaves.into_iter().map(|count| count as f64).collect();
+            panels.push(course(
+                format!("leaves, hysteresis {hysteresis}"),
+                values,
+                None,
+            ));
+        }
+    }
+    Courses {
+        title: "answers of controllers to a step".to_owned(),
+        across: "frames",
+        panels,
+    }
 }
 
 fn radius() -> Table {
@@ -49,7 +126,16 @@ fn radius() -> Table {
             swing.map(|swing| format!("{:.0}", swing.peak_to_peak)),
             never,
         ));
-        row.extend(cells([stable_gain(delay), gain]));
+        row.extend(cells([stable_gain(delay)]));
+        row.extend(BESIDE_LIMIT.map(|share| {
+            let name = if settles(delay, share * stable_gain(delay)) {
+                "settles"
+            } else {
+                "does not"
+            };
+            Cell::plain(name)
+        }));
+        row.extend(cells([gain]));
         row.push(Cell::or_absent(
             settled.map(|frames| frames.to_string()),
             "it does not settle",
@@ -63,6 +149,8 @@ fn radius() -> Table {
             "constant steps: period, frames",
             "swing, steps",
             "logarithmic: stable below the gain",
+            "at 0.99 of it",
+            "at 1.01 of it",
             "largest gain without overshoot",
             "frames to 1 % with it",
         ],
@@ -113,12 +201,27 @@ mod tests {
             ["1", "3", "5", "7"]
         );
         assert_eq!(
-            [0, 1, 2, 3].map(|row| text(&radius, row, 5)),
+            [0, 1, 2, 3].map(|row| text(&radius, row, 7)),
             ["1", "10", "16", "23"]
         );
+        for row in 0..4 {
+            assert_eq!(text(&radius, row, 4), "settles");
+            // Twin: a hundredth more.
+            assert_eq!(text(&radius, row, 5), "does not");
+        }
         let quadtree = quadtree();
         assert_eq!(text(&quadtree, 5, 1), "0 of 300");
         // Twin: with less than 4 some never settle.
         assert_ne!(text(&quadtree, 4, 1), "0 of 300");
+    }
+
+    #[test]
+    fn answers_are_drawn_for_every_loop() {
+        let plot = step_responses();
+        assert_eq!(plot.panels.len(), 12);
+        let last = |at: usize| plot.panels[at].values.last().copied().expect("values");
+        // The logarithmic loops come to rest, the constant steps do not.
+        assert!(last(5).abs() < 1e-3 && last(1).abs() > 0.2);
+        assert!(plot.draw().expect("a plot").is_some());
     }
 }

@@ -6,13 +6,23 @@
 //! by the depth that the device wrote.
 
 mod api;
+mod canvas;
 mod chapter;
+mod clock;
 mod controllers;
+mod counts;
 mod error;
 mod expected;
+mod forms;
 mod list;
+mod made;
+mod metrics;
+mod opened;
+mod projection;
 mod published;
+mod shading;
 mod study;
+mod tiled;
 
 pub use chapter::GlobesChapter;
 pub use study::GlobesStudy;

@@ -20,6 +20,8 @@ const NEAR_SHARE: f64 = 0.1;
 pub(crate) struct List {
     pub(crate) view: Vec<ViewRow>,
     pub(crate) surface: Vec<SurfaceRow>,
+    /// Under tiles of a map.
+    pub(crate) tiled_view: Vec<ViewRow>,
 }
 
 /// Where the eye is.
@@ -34,6 +36,9 @@ pub(crate) struct ViewRow {
     /// Whether a quick run has it.
     #[serde(default)]
     pub(crate) quick: bool,
+    /// Whether tiles are drawn there over every published number of cells.
+    #[serde(default)]
+    pub(crate) all_cells: bool,
 }
 
 /// A surface through its knob.
@@ -47,6 +52,9 @@ pub(crate) struct SurfaceRow {
     pub(crate) quick: Vec<Value>,
     #[serde(default)]
     pub(crate) expected: Formula,
+    /// Whether it has cracks, in which device and rays may differ.
+    #[serde(default)]
+    pub(crate) cracks: bool,
     /// Further parameters.
     #[serde(default)]
     pub(crate) with: Table,

@@ -51,7 +51,7 @@ const TABLE_2: [(&str, [f64; 6]); 6] = [
 ];
 
 /// Table 3: what was removed, each row lacking all above, and GPU ms.
-const TABLE_3: [(&str, f64); 8] = [
+pub(crate) const TABLE_3: [(&str, f64); 8] = [
     ("None (Complete)", 8.326),
     ("Clouds", 8.082),
     ("City Lights", 7.820),
@@ -133,7 +133,9 @@ fn frame_times() -> Vec<[f64; 2]> {
 }
 
 /// All of it.
-pub(crate) fn blocks() -> Vec<Block> {
+///
+/// - `ours`: by view, cells a side and ms of a frame drawn as published
+pub(crate) fn blocks(ours: &[(String, Vec<[f64; 2]>)]) -> Vec<Block> {
     let mut blocks = vec![
         Block::section("What two documents printed"),
         Block::Remark(
@@ -143,12 +145,18 @@ pub(crate) fn blocks() -> Vec<Block> {
         ),
         Block::Table(frame_rates()),
         Block::Finding(frame_rate_finding()),
+    ];
+    for (view, times) in ours {
+        blocks.push(Block::Table(our_frame_times(view, times)));
+        blocks.push(Block::Finding(our_finding(view, times)));
+    }
+    blocks.extend([
         Block::Table(table_1()),
         Block::Finding(idle_finding()),
         Block::Finding(tessellation_finding()),
         Block::Table(table_2()),
-    ];
-    blocks.push(Block::Table(table_3()));
+        Block::Table(table_3()),
+    ]);
     blocks
 }
 
@@ -203,6 +211,57 @@ fn frame_rate_finding() -> Finding {
             significant(all.p),
             significant(rest.correlation),
             significant(rest.p),
+        ),
+    }
+}
+
+/// Ours beside theirs, as ratios to their first rows.
+fn our_frame_times(view: &str, times: &[[f64; 2]]) -> Table {
+    let theirs = frame_times();
+    let published = |n: f64| {
+        let mut rates = FRAME_RATES.iter().zip(&theirs);
+        let found = rates.find(|((cells, _), _)| *cells == n);
+        found.map(|(_, [_, ms])| ms / theirs[0][1])
+    };
+    let first = times.first().map_or(f64::NAN, |time| time[1]);
+    let rows = times.iter().map(|[n, ms]| {
+        let mut row = cells([*n, 2.0 * n * n, *ms, ms / first]);
+        row.push(Cell::or_absent(
+            published(*n).map(significant),
+            "not published",
+        ));
+        row
+    });
+    headed(
+        &format!("Ours in view {view}, tiles drawn one by one as published"),
+        &[
+            "N",
+            "triangles before the seam",
+            "frame, ms",
+            "ratio to the first",
+            "published, ratio",
+        ],
+        rows,
+    )
+}
+
+/// Whether our own times rise with the number of triangles.
+fn our_finding(view: &str, times: &[[f64; 2]]) -> Finding {
+    let points: Vec<[f64; 2]> = times.iter().map(|[n, ms]| [2.0 * n * n, *ms]).collect();
+    let all = line(&points);
+    Finding {
+        claim: format!("Ours in view {view}: time rises with the number of triangles"),
+        standing: match all.p.is_nan() {
+            true => Standing::CannotTell,
+            false if all.p < SIGNIFICANT && all.slope > 0.0 => Standing::Holds,
+            false => Standing::CannotTell,
+        },
+        because: format!(
+            "Of {} numbers of cells: {} µs a triangle, correlation {}, p = {}.",
+            points.len(),
+            significant(1e3 * all.slope),
+            significant(all.correlation),
+            significant(all.p)
         ),
     }
 }
@@ -262,7 +321,7 @@ fn idle_finding() -> Finding {
 }
 
 /// GPU time with the most triangles over that with the fewest, less 1, by window: full and white shader.
-fn tessellation() -> [Vec<f64>; 2] {
+pub(crate) fn tessellation_published() -> [Vec<f64>; 2] {
     let of = |pick: fn(&Timing) -> f64| -> Vec<f64> {
         let most = TABLE_1[..3].iter();
         let fewest = &TABLE_1[6..];
@@ -280,7 +339,7 @@ fn tessellation_finding() -> Finding {
             .map(|share| format!("{:+.1} %", 100.0 * share));
         shares.collect::<Vec<_>>().join(", ")
     };
-    let [full, white] = tessellation();
+    let [full, white] = tessellation_published();
     Finding {
         claim: "Gebbie & Bailey: “Note that the GPU time is almost completely independent of the level of \
                 tessellation.”"
@@ -401,7 +460,7 @@ mod tests {
             .max_by(|a, b| a[0].total_cmp(&b[0]))
             .expect("steps");
         assert!((most[0] - 2.67).abs() < 1e-9 && (most[1] - 0.321).abs() < 5e-4);
-        let [full, white] = tessellation();
+        let [full, white] = tessellation_published();
         let expected = [[0.029, -0.026, -0.066], [-0.39, -0.34, -0.42]];
         // The facts count from the most triangles to the fewest.
         for (found, expected) in [full, white].iter().zip(expected) {

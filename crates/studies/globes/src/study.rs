@@ -2,11 +2,19 @@
 //! The cases: surfaces through their knobs, in each view a group.
 
 use crate::api::{Drawing, Interface, RAYS, VULKAN, WGPU};
+use crate::canvas::no_triangles;
+use crate::counts::Counts;
 use crate::error::{Errors, of_depth, of_frame};
 use crate::expected::{Expected, expected};
+use crate::forms::{self, Forms};
 use crate::list::{Eye, Formula, List, SurfaceRow, ViewRow, number};
+use crate::made::Made;
+use crate::metrics::METRICS;
+use crate::opened::Opened;
+use crate::shading::{self, Shadings};
+use crate::tiled::stage::Stages;
+use crate::tiled::{self, Tiled};
 use crate::{STUDY, chapter::GlobesChapter};
-use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::hash::{DefaultHasher, Hasher as _};
@@ -14,10 +22,9 @@ use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_fill::{CpuStopwatch, DeviceError, SurfaceView, ViewConstants, ViewId};
 use terrafill_gpu::RayCast;
-use terrafill_results::{CaseId, Chapter, Kind, Metric, PlannedCase, Skipped, Status, Verdict};
-use terrafill_scene::{Scene, SurfaceChoice};
+use terrafill_results::{CaseId, Chapter, Metric, PlannedCase, Skipped, Status, Verdict};
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
-use terrafill_surface::{Surface, SurfaceError, SurfaceFrame, SurfaceKind, open_surface};
+use terrafill_surface::{Surface, SurfaceError, SurfaceFrame, SurfaceKind};
 use toml::Value;
 
 /// Timed frames of each case in a process, unless the request says otherwise. Odd, so that the median
@@ -32,183 +39,8 @@ const QUICK_SIDE_PX: u32 = 400;
 /// The case without triangles.
 const RAY_CAST: &str = "ray-cast";
 
-/// A scene that needs no data, whose surface is replaced.
-const ANY_SCENE: &str = "square-10m";
-
 /// Bytes of a vertex, and of a triangle's indices.
 const VERTEX_BYTES: u64 = 12;
-
-const METRICS: [Metric; 29] = [
-    Metric::less(
-        "globe_whole_cpu_ms",
-        "ms",
-        Kind::Time,
-        "Process CPU time of a frame whose eye has moved: making, uploading and drawing the surface.",
-    ),
-    Metric::less(
-        "globe_whole_gpu_ms",
-        "ms",
-        Kind::Time,
-        "Process CPU time of making and uploading, and the GPU's time of drawing.",
-    ),
-    Metric::less(
-        "globe_whole_wall_ms",
-        "ms",
-        Kind::Time,
-        "Wall clock of making, uploading and drawing.",
-    ),
-    Metric::less(
-        "globe_make_cpu_ms",
-        "ms",
-        Kind::Time,
-        "Process CPU time of making the view's triangles.",
-    ),
-    Metric::less(
-        "globe_upload_cpu_ms",
-        "ms",
-        Kind::Time,
-        "Process CPU time of handing them to the device.",
-    ),
-    Metric::less(
-        "globe_draw_cpu_ms",
-        "ms",
-        Kind::Time,
-        "Process CPU time of drawing them, until the device is done.",
-    ),
-    Metric::less(
-        "globe_draw_gpu_ms",
-        "ms",
-        Kind::Time,
-        "GPU time of the pass that draws them.",
-    ),
-    Metric::less(
-        "globe_upload_bytes",
-        "bytes",
-        Kind::Bytes,
-        "Bytes of vertices, indices and constants handed to the device for a frame.",
-    ),
-    Metric::less(
-        "globe_triangles",
-        "",
-        Kind::Counter,
-        "Triangles of the view.",
-    ),
-    Metric::less("globe_vertices", "", Kind::Counter, "Vertices of the view."),
-    Metric::neither(
-        "globe_compared_px",
-        "px",
-        Kind::Counter,
-        "Pixels whose ray meets both the body and the surface as drawn.",
-    ),
-    Metric::less(
-        "globe_px_max",
-        "px",
-        Kind::Error,
-        "Where the foot of a pixel's drawn place, along the geodetic normal, is seen on the true body: its distance from the pixel's centre, largest.",
-    ),
-    Metric::less(
-        "globe_px_p99",
-        "px",
-        Kind::Error,
-        "The same, 99 % of the pixels.",
-    ),
-    Metric::less(
-        "globe_px_median",
-        "px",
-        Kind::Error,
-        "The same, median of the pixels.",
-    ),
-    Metric::less(
-        "globe_m_max",
-        "m",
-        Kind::Error,
-        "The same on the ground, largest.",
-    ),
-    Metric::less(
-        "globe_map_px_max",
-        "px",
-        Kind::Error,
-        "As `globe_px_max` for the place that longitude and Mercator's latitude give, interpolated from the triangle's corners: what a map as a texture shows.",
-    ),
-    Metric::less(
-        "globe_map_px_p99",
-        "px",
-        Kind::Error,
-        "The same, 99 % of the pixels.",
-    ),
-    Metric::less(
-        "globe_map_px_median",
-        "px",
-        Kind::Error,
-        "The same, median of the pixels.",
-    ),
-    Metric::less(
-        "globe_map_m_max",
-        "m",
-        Kind::Error,
-        "The same on the ground, largest.",
-    ),
-    Metric::less(
-        "globe_depth_m_max",
-        "m",
-        Kind::Error,
-        "Distance along a pixel's ray from the true place to the drawn one, largest.",
-    ),
-    Metric::neither(
-        "globe_lowest_m",
-        "m",
-        Kind::Error,
-        "Height above the body of the lowest drawn place at a pixel's centre; the nearer to 0 the better.",
-    ),
-    Metric::neither(
-        "globe_stated_lowest_m",
-        "m",
-        Kind::Counter,
-        "Height below which the surface says that none of its triangles in this view lies.",
-    ),
-    Metric::less(
-        "globe_uncovered_px",
-        "px",
-        Kind::Error,
-        "Pixels more than one pixel within the body's outline that show no surface.",
-    ),
-    Metric::less(
-        "globe_extra_px",
-        "px",
-        Kind::Error,
-        "Pixels that show surface where the body is not.",
-    ),
-    Metric::less(
-        "globe_non_finite",
-        "",
-        Kind::Error,
-        "Triangles with a corner that is NaN or infinite, and figures that are.",
-    ),
-    Metric::less(
-        "globe_drawn_otherwise_px",
-        "px",
-        Kind::Error,
-        "Pixels that the device draws and rays against the triangles do not meet, or the other way round, but for those beside the outline of what rays meet; at most 0.",
-    ),
-    Metric::neither(
-        "globe_expected_px_max",
-        "px",
-        Kind::Error,
-        "What a formula says of `globe_px_max`; the note `expected-by` has it.",
-    ),
-    Metric::neither(
-        "globe_expected_map_m_max",
-        "m",
-        Kind::Error,
-        "What a formula says of `globe_map_m_max`.",
-    ),
-    Metric::neither(
-        "globe_expected_lowest_m",
-        "m",
-        Kind::Error,
-        "What a formula says of `globe_lowest_m`.",
-    ),
-];
 
 /// Which surface draws the body with which error in which time.
 #[derive(Debug, Clone, Copy)]
@@ -238,7 +70,7 @@ impl Study for GlobesStudy {
         let list = List::shipped().map_err(StudyError::BadInput)?;
         let is_quick = request.depth == Depth::Quick;
         let (mut rows, mut skipped) = (Vec::new(), Vec::new());
-        for row in list.surface {
+        for row in list.surface.clone() {
             if self.surfaces.iter().any(|kind| kind.name() == row.kind) {
                 rows.push(row);
                 continue;
@@ -249,22 +81,58 @@ impl Study for GlobesStudy {
             });
         }
         let works = works(&rows, request.depth);
-        let opened = Rc::new(Opened {
-            kinds: self.surfaces,
-            surfaces: RefCell::default(),
-        });
-        let views = list.view.into_iter().filter(|view| view.quick || !is_quick);
-        let groups = views
-            .map(|view| -> Box<dyn Group> { Box::new(Sight::new(view, &works, &opened, request)) });
-        Ok(Planned {
-            groups: groups.collect(),
-            skipped,
-        })
+        let opened = Rc::new(Opened::new(self.surfaces));
+        let views = list
+            .view
+            .iter()
+            .filter(|view| view.quick || !is_quick)
+            .cloned();
+        let mut groups: Vec<Box<dyn Group>> = views
+            .map(|view| -> Box<dyn Group> { Box::new(Sight::new(view, &works, &opened, request)) })
+            .collect();
+        if opened.has(tiled::KIND) {
+            let sizes = sizes(request);
+            let views = list
+                .tiled_view
+                .iter()
+                .filter(|view| view.quick || !is_quick);
+            for view in views {
+                groups.push(Box::new(Tiled::planned(view, sizes, is_quick, &opened)));
+                groups.push(Box::new(Stages::new(view, sizes, &opened)));
+            }
+        } else {
+            skipped.push(Skipped {
+                what: format!("{STUDY}/{}", tiled::PART),
+                reason: format!("there is no surface of the kind {:?}", tiled::KIND),
+            });
+        }
+        if opened.has(forms::KIND) {
+            groups.push(Box::new(Forms::new(&opened)));
+            let sizes = sizes(request);
+            groups.push(Box::new(Shadings::new(&list, sizes, is_quick, &opened)));
+        } else {
+            skipped.push(Skipped {
+                what: format!("{STUDY}/{}, {STUDY}/{}", forms::PART, shading::PART),
+                reason: format!("there is no surface of the kind {:?}", forms::KIND),
+            });
+        }
+        groups.push(Box::new(Made::new(&list, sizes(request))));
+        groups.push(Box::new(Counts::new(&list, is_quick, sizes(request).1)));
+        Ok(Planned { groups, skipped })
     }
 
     fn chapter(&self) -> &dyn Chapter {
         &GlobesChapter
     }
+}
+
+/// Pixels a side, and timed frames of a case.
+fn sizes(request: &Request) -> (u32, u32) {
+    let (side_px, samples) = match request.depth {
+        Depth::Quick => (QUICK_SIDE_PX, QUICK_SAMPLES),
+        Depth::Main | Depth::Full => (SIDE_PX, SAMPLES),
+    };
+    (side_px, request.samples.unwrap_or(samples))
 }
 
 /// A surface with its knob set, on an interface.
@@ -275,6 +143,7 @@ struct Work {
     /// `None` for the body itself, a ray for each pixel.
     surface: Option<Chosen>,
     interface: Interface,
+    has_cracks: bool,
 }
 
 /// What a surface is opened by.
@@ -323,6 +192,7 @@ fn works(rows: &[SurfaceRow], depth: Depth) -> Vec<Work> {
                     with: row.with.clone(),
                 }),
                 interface,
+                has_cracks: row.cracks,
             }));
         }
     }
@@ -330,35 +200,9 @@ fn works(rows: &[SurfaceRow], depth: Depth) -> Vec<Work> {
         name: RAY_CAST.to_owned(),
         surface: None,
         interface: RAYS,
+        has_cracks: false,
     });
     works
-}
-
-/// Surfaces, opened once for all views.
-struct Opened {
-    kinds: &'static [&'static dyn SurfaceKind],
-    surfaces: RefCell<BTreeMap<String, Arc<dyn Surface>>>,
-}
-
-impl Opened {
-    fn get(&self, chosen: &Chosen) -> Result<Arc<dyn Surface>, String> {
-        let key = chosen.key();
-        if let Some(surface) = self.surfaces.borrow().get(&key) {
-            return Ok(Arc::clone(surface));
-        }
-        let mut scene = Scene::shipped(ANY_SCENE, None).map_err(|error| error.to_string())?;
-        scene.surface = SurfaceChoice {
-            file: "plan.toml of study globes".to_owned(),
-            kind: chosen.kind.clone(),
-            files: Vec::new(),
-            picture: None,
-            parameters: chosen.parameters(),
-        };
-        let surface = open_surface(self.kinds, &scene).map_err(|error| error.to_string())?;
-        let mut surfaces = self.surfaces.borrow_mut();
-        surfaces.insert(key, Arc::clone(&surface));
-        Ok(surface)
-    }
 }
 
 /// All surfaces in one view.
@@ -372,10 +216,8 @@ struct Sight {
 
 impl Sight {
     fn new(view: ViewRow, works: &[Work], opened: &Rc<Opened>, request: &Request) -> Self {
-        let is_quick = request.depth == Depth::Quick;
-        let eye = view.eye(if is_quick { QUICK_SIDE_PX } else { SIDE_PX });
-        let default = if is_quick { QUICK_SAMPLES } else { SAMPLES };
-        let samples = request.samples.unwrap_or(default);
+        let (side_px, samples) = sizes(request);
+        let eye = view.eye(side_px);
         let cases = works.iter().map(|work| {
             let (knob, value) = work
                 .surface
@@ -403,7 +245,7 @@ impl Sight {
                     ],
                 ),
                 samples,
-                may_be_wrong: false,
+                may_be_wrong: work.has_cracks,
             }
         });
         Self {
@@ -506,7 +348,7 @@ impl SightSession<'_> {
         let work = &self.sight.works[case];
         let surface = match &work.surface {
             Some(chosen) => {
-                let opened = self.sight.opened.get(chosen);
+                let opened = self.sight.opened.get(&chosen.kind, &chosen.parameters());
                 Some(opened.map_err(Failure::Broken)?)
             }
             None => None,
@@ -563,7 +405,7 @@ impl SightSession<'_> {
         let frame = self.make_ready(case)?;
         let ready = &self.ready[&case];
         let (targets, hash) = (ready.targets, ready.fingerprint);
-        self.draw(targets, frame.as_ref().unwrap_or(&nothing()))?;
+        self.draw(targets, frame.as_ref().unwrap_or(&no_triangles()))?;
         let picture = self.targets[targets].read()?;
         let eye = self.sight.eye;
         let work = &self.sight.works[case];
@@ -622,7 +464,7 @@ impl SightSession<'_> {
         let watch = CpuStopwatch::start();
         let frame = match &surface {
             Some(surface) => self.frame(surface).map_err(|error| error.to_string())?,
-            None => nothing(),
+            None => no_triangles(),
         };
         let make_ms = watch.cpu_ms();
         let drawn = self
@@ -685,19 +527,6 @@ impl Session for SightSession<'_> {
 
     fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
         self.time(case)
-    }
-}
-
-/// What a pass without triangles is given.
-fn nothing() -> SurfaceFrame {
-    SurfaceFrame {
-        vertices_rte: Arc::default(),
-        triangles: Arc::default(),
-        heights: terrafill_scene::HeightRange {
-            lowest_m: 0.0,
-            highest_m: 0.0,
-        },
-        parts: Arc::default(),
     }
 }
 

@@ -6,12 +6,8 @@
 mod facet;
 mod mesh;
 mod rays;
-mod seam;
 mod surface;
-mod texture;
 
 pub use mesh::{GridOptions, Limb, ScreenMesh};
 pub use rays::Rays;
-pub use seam::{Seam, SeamCorner, fragment_u, split};
 pub use surface::ScreenGridKind;
-pub use texture::{MapPoint, MapTile, TILE_TEXELS, level_of, max_latitude_rad, mercator_v, place};

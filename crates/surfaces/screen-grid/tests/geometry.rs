@@ -6,10 +6,9 @@ mod view;
 
 use std::sync::Arc;
 use terrafill_core::Ellipsoid;
+use terrafill_maps::{MapPoint, mercator_v, place};
 use terrafill_scene::{Camera, ImageSize, Scene};
-use terrafill_screen_grid::{
-    GridOptions, Limb, MapPoint, Rays, ScreenGridKind, ScreenMesh, mercator_v, place,
-};
+use terrafill_screen_grid::{GridOptions, Limb, Rays, ScreenGridKind, ScreenMesh};
 use terrafill_surface::{Surface, open_surface};
 use view::{camera, corners, grid, pixel, seen, sphere, spread, square, true_hit};
 

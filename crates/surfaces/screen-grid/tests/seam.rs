@@ -7,9 +7,11 @@ use glam::DVec3;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use terrafill_core::Ellipsoid;
-use terrafill_screen_grid::{
-    MapPoint, MapTile, ScreenMesh, Seam, TILE_TEXELS, fragment_u, level_of, split,
+use terrafill_maps::{
+    MapPoint, MapTile, Seam, TILE_TEXELS, fragment_u, half_plane_crossings as crossings, level_of,
+    split,
 };
+use terrafill_screen_grid::ScreenMesh;
 use view::{camera, corners, grid, pixel, seen, sphere, square, true_hit, weights};
 
 /// Numbers evenly between 0 and 1, the same on every run (Steele, Lea & Flood, 2014: SplitMix64).
@@ -37,20 +39,6 @@ impl Draws {
     fn between(&mut self, from: f64, to: f64) -> f64 {
         from + (to - from) * self.next()
     }
-}
-
-/// How often a triangle's edges cross the half plane of ±180°, by no angle.
-fn crossings([a, b, c]: [DVec3; 3]) -> usize {
-    let crosses = |p: DVec3, q: DVec3| {
-        let changes = (p.y < 0.0) != (q.y < 0.0);
-        // x where y is 0, times a positive number.
-        let x = (p.x * q.y - q.x * p.y) * (q.y - p.y).signum();
-        changes && x < 0.0
-    };
-    [(a, b), (b, c), (c, a)]
-        .into_iter()
-        .filter(|&(p, q)| crosses(p, q))
-        .count()
 }
 
 #[test]

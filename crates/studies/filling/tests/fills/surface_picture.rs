@@ -95,7 +95,8 @@ fn compared_and_wrong(input: &FillInput, plain: &Picture, coloured: &Picture) ->
             assert_eq!(pixels.0, pixels.1, "the sky and what is filled");
             continue;
         }
-        let (column, row) = (at as u32 % SIZE.width, at as u32 / SIZE.width);
+        let at = u32::try_from(at).expect("a small image");
+        let (column, row) = (at % SIZE.width, at / SIZE.width);
         let along = input.camera.pixel_direction_ecef(SIZE, column, row);
         let place = input.camera.eye_ecef + along * (input.camera.near_m / depth);
         let place = input.scene.body.ecef_to_geodetic(place);

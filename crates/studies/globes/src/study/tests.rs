@@ -15,10 +15,7 @@ const STUDIED: GlobesStudy = GlobesStudy {
 /// One view, small.
 fn sight(works: &[Work], side_px: u32) -> Sight {
     let view = List::shipped().expect("a list").view.swap_remove(0);
-    let opened = Rc::new(Opened {
-        kinds: STUDIED.surfaces,
-        surfaces: RefCell::default(),
-    });
+    let opened = Rc::new(Opened::new(STUDIED.surfaces));
     let request = Request {
         samples: Some(1),
         ..Request::default()
@@ -168,7 +165,8 @@ fn a_run_has_errors_times_and_a_chapter() {
     let plots = blocks
         .iter()
         .filter(|block| matches!(block, Block::Plot(_)));
-    assert_eq!(plots.count(), 2);
+    // Two of the view, and the answers of controllers.
+    assert_eq!(plots.count(), 3);
 }
 
 #[test]

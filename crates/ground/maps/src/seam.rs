@@ -4,6 +4,8 @@
 //!
 //! Weights are those of a triangle's corners at a point of it; a result is right up to whole turns.
 
+use glam::DVec3;
+
 /// How the seam is kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Seam {
@@ -80,6 +82,22 @@ fn inserted(us: [f64; 3], one: usize, other: usize) -> [f64; 3] {
         i if i == low => from_high,
         _ => 0.0,
     })
+}
+
+/// How often a triangle's edges cross the half plane of ±180°, by no angle: 0 or 2, and an odd number where the
+/// axis passes through it, so that `U` is no function on it.
+///
+/// - `corners_ecef`: from the body's centre
+#[must_use]
+pub fn half_plane_crossings([a, b, c]: [DVec3; 3]) -> usize {
+    let crosses = |p: DVec3, q: DVec3| {
+        let changes = (p.y < 0.0) != (q.y < 0.0);
+        // x where y is 0, times a positive number.
+        let x = (p.x * q.y - q.x * p.y) * (q.y - p.y).signum();
+        changes && x < 0.0
+    };
+    let edges = [(a, b), (b, c), (c, a)].into_iter();
+    edges.filter(|&(p, q)| crosses(p, q)).count()
 }
 
 /// `U` of a fragment.

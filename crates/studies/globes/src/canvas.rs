@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Targets on wgpu of any format, the one pass over them, and their read-back.
+
+use bytemuck::Pod;
+use std::sync::Arc;
+use terrafill_fill::DeviceError;
+use terrafill_gpu::{Gpu, PassTimer, TimedPass, read_texture};
+use terrafill_scene::ImageSize;
+
+const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Colour of some format, depth, and the GPU's clock where there is one.
+pub(crate) struct Canvas {
+    pub(crate) gpu: Arc<Gpu>,
+    format: wgpu::TextureFormat,
+    colour: wgpu::Texture,
+    depth: wgpu::Texture,
+    timer: Option<PassTimer>,
+}
+
+impl Canvas {
+    pub(crate) fn new(gpu: &Arc<Gpu>, size: ImageSize, format: wgpu::TextureFormat) -> Self {
+        let target = |label, format, usage| {
+            gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d {
+                    width: size.width,
+                    height: size.height,
+                    depth_or_array_layers: 1,
+                },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
+                view_formats: &[],
+            })
+        };
+        let read = wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING;
+        Self {
+            gpu: Arc::clone(gpu),
+            format,
+            colour: target("canvas", format, read),
+            depth: target("canvas' depth", DEPTH, wgpu::TextureUsages::empty()),
+            timer: PassTimer::new(gpu),
+        }
+    }
+
+    /// A pipeline that draws triangles into it, the nearest depth winning.
+    pub(crate) fn pipeline(
+        &self,
+        label: &str,
+        layout: &wgpu::PipelineLayout,
+        vertex: wgpu::VertexState<'_>,
+        (module, entry_point): (&wgpu::ShaderModule, &str),
+        options: wgpu::PipelineCompilationOptions<'_>,
+    ) -> wgpu::RenderPipeline {
+        self.gpu
+            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(label),
+                layout: Some(layout),
+                vertex,
+                primitive: Default::default(),
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: DEPTH,
+                    depth_write_enabled: Some(true),
+                    depth_compare: Some(wgpu::CompareFunction::Greater),
+                    stencil: Default::default(),
+                    bias: Default::default(),
+                }),
+                multisample: Default::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module,
+                    entry_point: Some(entry_point),
+                    compilation_options: options,
+                    targets: &[Some(self.format.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+    }
+
+    /// The colour target, for reading.
+    pub(crate) fn view(&self) -> wgpu::TextureView {
+        self.colour.create_view(&Default::default())
+    }
+
+    /// Clears all to 0 and records a pass over it.
+    pub(crate) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        draw: impl FnOnce(&mut wgpu::RenderPass<'_>),
+    ) {
+        let (colour, depth) = (self.view(), self.depth.create_view(&Default::default()));
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("canvas"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &colour,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: self.timer.as_ref().map(|t| t.around(TimedPass::Surface)),
+            ..Default::default()
+        });
+        draw(&mut pass);
+    }
+
+    /// Submits what was recorded, waits, and gives the pass's time.
+    pub(crate) fn finish(&self, encoder: wgpu::CommandEncoder) -> Result<Option<f64>, DeviceError> {
+        let gpu = &self.gpu;
+        gpu.queue.submit([encoder.finish()]);
+        gpu.wait()?;
+        let Some(timer) = &self.timer else {
+            return Ok(None);
+        };
+        let stamps = timer.read(gpu, TimedPass::Surface, TimedPass::Surface)?;
+        Ok(stamps.pass_ms(TimedPass::Surface))
+    }
+
+    /// Texels in rows.
+    pub(crate) fn read<T: Pod>(&self) -> Result<Vec<T>, DeviceError> {
+        let bytes = read_texture(&self.gpu, &self.colour, wgpu::TextureAspect::All)?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+}
+
+/// A buffer that the CPU writes now and then.
+pub(crate) fn written(
+    gpu: &Gpu,
+    label: &str,
+    size: u64,
+    usage: wgpu::BufferUsages,
+) -> wgpu::Buffer {
+    gpu.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size,
+        usage: usage | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+/// A frame without triangles, where no more is wanted of it.
+pub(crate) fn no_triangles() -> terrafill_surface::SurfaceFrame {
+    terrafill_surface::SurfaceFrame {
+        vertices_rte: Arc::default(),
+        triangles: Arc::default(),
+        heights: terrafill_scene::HeightRange {
+            lowest_m: 0.0,
+            highest_m: 0.0,
+        },
+        parts: Arc::default(),
+    }
+}
+
+/// Constants of a view without a surface.
+pub(crate) fn view_constants(eye: &crate::list::Eye) -> terrafill_fill::ViewConstants {
+    let nothing = no_triangles();
+    terrafill_fill::ViewConstants::new(&terrafill_fill::SurfaceView {
+        id: terrafill_fill::ViewId::unique(),
+        body: &eye.body,
+        camera: &eye.camera,
+        size: eye.size,
+        surface: &nothing,
+        picture: None,
+        draws_back_faces: false,
+    })
+}

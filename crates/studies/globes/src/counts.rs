@@ -1,0 +1,444 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Level of detail by counted pixels: a quadtree over a large picture splits and merges by counts that are some
+//! frames old (Gebbie and Bailey, occlusion queries), drawn and counted on devices.
+
+mod device;
+mod scene;
+mod section;
+
+pub(crate) use section::blocks;
+
+use crate::STUDY;
+use crate::list::{Eye, List};
+use device::{Counter, NODE_TEXELS, Way};
+use scene::{ByRays, Drawn, Picture};
+use std::collections::BTreeMap;
+use terrafill_control::{Node, Quadtree, Thresholds};
+use terrafill_fill::{CpuStopwatch, DeviceError};
+use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
+use terrafill_study::{Context, Group, Session, StudyError};
+
+/// Name of this part in cases.
+pub(crate) const PART: &str = "counts";
+
+/// Pixels a side: with pictures of 64² texels, some 40 nodes.
+const SIDE_PX: u32 = 400;
+/// Frames in which a loop comes to rest or does not.
+const FRAMES: usize = 48;
+/// Frames of the zoom.
+const ZOOM_FRAMES: usize = 60;
+/// Heights between which it goes, metres.
+const ZOOM_M: [f64; 2] = [8e6, 1e5];
+/// Nodes are split no further.
+const MAX_LEVEL: u32 = 8;
+/// Views that stand still.
+const VIEWS: [&str; 4] = ["globe", "nadir-1161km", "oblique-100km", "horizon-2km"];
+const HYSTERESES: [f64; 4] = [1.0, 2.0, 4.0, 6.0];
+/// Frames from drawing to using a count; the paper's is 1, and 2 or 3 are what mapping a buffer back takes.
+const DELAYS: [usize; 2] = [1, 3];
+/// The hysteresis at which a still view has no cycle: a split divides the mean by 4.
+const ENOUGH: f64 = 4.0;
+
+/// What the eye does.
+#[derive(Debug, Clone, PartialEq)]
+enum Path {
+    Still(String),
+    Zoom,
+}
+
+#[derive(Debug, Clone)]
+struct Work {
+    path: Path,
+    way: Way,
+    hysteresis: f64,
+    delay: usize,
+    /// Splits and merges of a frame at most.
+    transfers: usize,
+}
+
+/// All of it.
+pub(crate) struct Counts {
+    work: Vec<Work>,
+    cases: Vec<PlannedCase>,
+    list: List,
+}
+
+impl Counts {
+    pub(crate) fn new(list: &List, is_quick: bool, samples: u32) -> Self {
+        let mut work = Vec::new();
+        let views = VIEWS.iter().take(if is_quick { 2 } else { VIEWS.len() });
+        for view in views {
+            for way in Way::ALL {
+                for hysteresis in HYSTERESES {
+                    work.extend(DELAYS.map(|delay| Work {
+                        path: Path::Still((*view).to_owned()),
+                        way,
+                        hysteresis,
+                        delay,
+                        transfers: usize::MAX,
+                    }));
+                }
+            }
+        }
+        for way in Way::ALL {
+            work.extend([usize::MAX, 1].map(|transfers| Work {
+                path: Path::Zoom,
+                way,
+                hysteresis: ENOUGH,
+                delay: 1,
+                transfers,
+            }));
+        }
+        let cases = work.iter().map(|work| case(work, samples));
+        Self {
+            cases: cases.collect(),
+            work,
+            list: list.clone(),
+        }
+    }
+
+    fn eye(&self, work: &Work, frame: usize) -> Result<Eye, String> {
+        let view = match &work.path {
+            Path::Still(view) => view.as_str(),
+            Path::Zoom => VIEWS[0],
+        };
+        let mut views = self.list.view.iter();
+        let row = views.find(|row| row.name == view);
+        let mut row = row
+            .ok_or_else(|| format!("no view is called {view:?}"))?
+            .clone();
+        if work.path == Path::Zoom {
+            let share = frame as f64 / ZOOM_FRAMES as f64;
+            row.height_m = ZOOM_M[0] * (ZOOM_M[1] / ZOOM_M[0]).powf(share.min(1.0));
+        }
+        Ok(row.eye(SIDE_PX))
+    }
+}
+
+fn case(work: &Work, samples: u32) -> PlannedCase {
+    let path = match &work.path {
+        Path::Still(view) => view.clone(),
+        Path::Zoom => "zoom".to_owned(),
+    };
+    let transfers = match work.transfers {
+        usize::MAX => "any".to_owned(),
+        count => count.to_string(),
+    };
+    let [api, way] = work.way.names();
+    let conditions = [
+        ("part", PART.to_owned()),
+        ("path", path.clone()),
+        ("api", api.to_owned()),
+        ("counted_by", way.to_owned()),
+        ("hysteresis", work.hysteresis.to_string()),
+        ("delay", work.delay.to_string()),
+        ("transfers", transfers.clone()),
+    ];
+    let name = format!(
+        "{PART}/{path}/{way}/hysteresis={}/delay={}/transfers={transfers}",
+        work.hysteresis, work.delay
+    );
+    PlannedCase {
+        id: CaseId::new(STUDY, name, conditions),
+        samples,
+        may_be_wrong: false,
+    }
+}
+
+impl Group for Counts {
+    fn name(&self) -> String {
+        format!("{STUDY}/{PART}")
+    }
+
+    fn cases(&self) -> &[PlannedCase] {
+        &self.cases
+    }
+
+    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
+        Ok(Box::new(CountSession {
+            group: self,
+            context,
+            counters: BTreeMap::new(),
+            last: BTreeMap::new(),
+        }))
+    }
+}
+
+struct CountSession<'a> {
+    group: &'a Counts,
+    context: Context<'a>,
+    /// By name.
+    counters: BTreeMap<&'static str, Box<dyn Counter>>,
+    /// The last frame of each case.
+    last: BTreeMap<usize, (Eye, Drawn)>,
+}
+
+/// What a loop did.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Course {
+    /// After each frame.
+    leaves: Vec<usize>,
+    /// The last frame in which anything changed.
+    last_change: Option<usize>,
+    /// CPU time of each frame's paging.
+    paging_ms: Vec<f64>,
+    /// Pixels of all nodes in the last frame.
+    pixels: u64,
+    /// Largest difference from rays, nodes off by more than their edges, and nodes compared.
+    against_rays: (u64, usize, usize),
+}
+
+/// Why a loop broke off.
+enum Broken {
+    Device(DeviceError),
+    Input(String),
+}
+
+impl From<DeviceError> for Broken {
+    fn from(error: DeviceError) -> Self {
+        Self::Device(error)
+    }
+}
+
+impl CountSession<'_> {
+    fn counter(&mut self, way: Way, eye: &Eye) -> Result<&mut Box<dyn Counter>, DeviceError> {
+        let name = way.names()[0];
+        if !self.counters.contains_key(name) {
+            let counter = way.open(self.context.devices, eye.size)?;
+            self.counters.insert(name, counter);
+        }
+        let counter = self.counters.get_mut(name);
+        counter.ok_or(DeviceError::Missing("a counter of pixels"))
+    }
+
+    fn run(&mut self, case: usize) -> Result<Course, Broken> {
+        let work = self.group.work[case].clone();
+        let frames = match work.path {
+            Path::Still(_) => FRAMES,
+            Path::Zoom => ZOOM_FRAMES,
+        };
+        let first = self.group.eye(&work, 0).map_err(Broken::Input)?;
+        let mut picture = Picture::below(&first);
+        let texels = f64::from(NODE_TEXELS * NODE_TEXELS);
+        let thresholds = Thresholds::new(texels, work.hysteresis);
+        let mut tree = Quadtree::new(MAX_LEVEL);
+        // Of each leaf, the frame in which it was first drawn.
+        let mut since: BTreeMap<Node, usize> = BTreeMap::new();
+        let mut counted: Vec<BTreeMap<Node, u64>> = Vec::new();
+        let mut course = Course::default();
+        let mut last = None;
+        for frame in 0..frames {
+            let eye = self.group.eye(&work, frame).map_err(Broken::Input)?;
+            let drawn = picture.drawn(&eye, tree.leaves());
+            let counts = self.counter(work.way, &eye)?.count(&eye, &drawn)?;
+            let counts: BTreeMap<Node, u64> = drawn.nodes.iter().copied().zip(counts).collect();
+            since = drawn
+                .nodes
+                .iter()
+                .map(|node| (*node, since.get(node).copied().unwrap_or(frame)))
+                .collect();
+            course.pixels = counts.values().sum();
+            counted.push(counts);
+            if frame == 0 || frame + 1 == frames {
+                let (largest, wrong) = ByRays::new(&eye, &drawn).against(&counted[frame]);
+                let (so_far, so_wrong, compared) = course.against_rays;
+                let nodes = compared + drawn.nodes.len();
+                course.against_rays = (so_far.max(largest), so_wrong + wrong, nodes);
+            }
+            last = Some((eye, drawn));
+            let new = match (frame + 1).checked_sub(work.delay) {
+                // A count may be used so many frames after the one that it is of.
+                Some(old) if old <= frame => {
+                    let usable = |node: Node| {
+                        let is_own = since.get(&node).is_some_and(|first| *first <= old);
+                        let count = counted[old].get(&node).filter(|_| is_own);
+                        count.map(|count| *count as f64)
+                    };
+                    tree.update(usable, thresholds, work.transfers)
+                }
+                _ => Vec::new(),
+            };
+            let watch = CpuStopwatch::start();
+            if !new.is_empty() {
+                course.last_change = Some(frame);
+                self.counter(work.way, &eye)?.page(new.len())?;
+            }
+            course.paging_ms.push(watch.cpu_ms());
+            course.leaves.push(tree.count());
+        }
+        self.last.extend(last.map(|last| (case, last)));
+        Ok(course)
+    }
+}
+
+/// Frames after which nothing changes; `None` where changes go on to the end.
+fn settled(course: &Course, delay: usize) -> Option<usize> {
+    let frames = course.leaves.len();
+    let last = course.last_change.map_or(0, |frame| frame + 1);
+    // A change may still come from a count that is on its way.
+    (last + 2 * delay + 2 <= frames).then_some(last)
+}
+
+fn verdict(work: &Work, course: &Course) -> Verdict {
+    let (largest, wrong, compared) = course.against_rays;
+    let leaves = course.leaves.last().copied().unwrap_or(0);
+    let texels = leaves as f64 * f64::from(NODE_TEXELS * NODE_TEXELS);
+    let mean_ms = course.paging_ms.iter().sum::<f64>() / course.paging_ms.len().max(1) as f64;
+    let max_ms = course.paging_ms.iter().copied().fold(0.0, f64::max);
+    let mut figures = vec![
+        ("globe_count_off_px", largest as f64),
+        ("globe_count_wrong_nodes", wrong as f64),
+        ("globe_count_nodes", compared as f64),
+        ("globe_count_leaves", leaves as f64),
+        ("globe_count_page_cpu_ms", mean_ms),
+        ("globe_count_page_max_cpu_ms", max_ms),
+    ];
+    if course.pixels > 0 {
+        figures.push(("globe_count_texels_per_px", texels / course.pixels as f64));
+    }
+    let mut reason = String::new();
+    if wrong > 0 {
+        reason = format!(
+            "{wrong} of {compared} nodes are off by more pixels than they have at their edges, allowed 0"
+        );
+    }
+    if let Path::Still(_) = work.path {
+        let settled = settled(course, work.delay);
+        figures.push(("globe_count_cycles", f64::from(u8::from(settled.is_none()))));
+        figures.extend(settled.map(|frames| ("globe_count_settle_frames", frames as f64)));
+    }
+    Verdict {
+        status: if reason.is_empty() {
+            Status::Ok
+        } else {
+            Status::Wrong
+        },
+        reason,
+        figures,
+        notes: vec![(
+            "leaves",
+            course
+                .leaves
+                .iter()
+                .map(usize::to_string)
+                .collect::<Vec<_>>()
+                .join(" "),
+        )],
+    }
+}
+
+impl Session for CountSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+        Ok(match self.run(case) {
+            Ok(course) => verdict(&self.group.work[case], &course),
+            Err(Broken::Device(
+                error @ (DeviceError::Unsupported { .. } | DeviceError::OverCapacity { .. }),
+            )) => Verdict::skipped(error.to_string()),
+            Err(Broken::Device(error)) => Verdict::failed(error.to_string()),
+            Err(Broken::Input(error)) => Verdict::failed(error),
+        })
+    }
+
+    /// The last frame with its counts read at once, and without counts.
+    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+        let way = self.group.work[case].way;
+        let (eye, drawn) = self.last.remove(&case).ok_or("it was not verified")?;
+        let counter = self.counter(way, &eye).map_err(|error| error.to_string())?;
+        let watch = CpuStopwatch::start();
+        counter
+            .count(&eye, &drawn)
+            .map_err(|error| error.to_string())?;
+        let counted_ms = watch.cpu_ms();
+        let watch = CpuStopwatch::start();
+        counter
+            .draw(&eye, &drawn)
+            .map_err(|error| error.to_string())?;
+        let plain_ms = watch.cpu_ms();
+        self.last.insert(case, (eye, drawn));
+        Ok(vec![
+            ("globe_counted_cpu_ms", counted_ms),
+            ("globe_uncounted_cpu_ms", plain_ms),
+        ])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::rc::Rc;
+    use terrafill_fill::{Devices, device_for_test};
+
+    fn course(leaves: usize, last_change: Option<usize>) -> Course {
+        Course {
+            leaves: vec![4; leaves],
+            last_change,
+            ..Course::default()
+        }
+    }
+
+    #[test]
+    fn a_loop_that_changes_to_the_end_has_not_settled() {
+        assert_eq!(settled(&course(48, None), 1), Some(0));
+        assert_eq!(settled(&course(48, Some(9)), 1), Some(10));
+        // Twins: at the end, and just before it.
+        assert_eq!(settled(&course(48, Some(47)), 1), None);
+        assert_eq!(settled(&course(48, Some(44)), 3), None);
+    }
+
+    #[test]
+    fn devices_count_what_rays_see_and_a_wide_hysteresis_comes_to_rest() {
+        let devices = Rc::new(Devices::default());
+        if device_for_test(terrafill_gpu::shared_gpu(&devices)).is_none() {
+            return;
+        }
+        let list = List::shipped().expect("a list");
+        let counts = Counts::new(&list, true, 1);
+        let folder = tempfile::tempdir().expect("a folder");
+        let context = Context {
+            devices: &devices,
+            folder: folder.path(),
+        };
+        let mut session = CountSession {
+            group: &counts,
+            context,
+            counters: BTreeMap::new(),
+            last: BTreeMap::new(),
+        };
+        let mut ends = Vec::new();
+        for way in Way::ALL {
+            let is_it = |work: &Work| {
+                work.way == way
+                    && work.hysteresis == 6.0
+                    && work.delay == 1
+                    && work.path == Path::Still("nadir-1161km".to_owned())
+            };
+            let case = counts.work.iter().position(is_it).expect("planned");
+            match session.run(case) {
+                Ok(course) => {
+                    eprintln!("{way:?}: {:?} {:?}", course.leaves, course.against_rays);
+                    assert!(course.against_rays.1 == 0 && course.against_rays.2 > 8);
+                    assert!(settled(&course, 1).is_some_and(|frames| frames > 1));
+                    ends.push(course.leaves);
+                    let (eye, drawn) = &session.last[&case];
+                    let rays = ByRays::new(eye, drawn);
+                    let mut fewer: BTreeMap<Node, u64> = rays
+                        .counts
+                        .iter()
+                        .map(|(node, count)| (*node, count[0]))
+                        .collect();
+                    assert_eq!(rays.against(&fewer), (0, 0));
+                    // Twin: half of a node's pixels are not counted.
+                    let most = fewer.values_mut().max().expect("nodes");
+                    *most /= 2;
+                    assert_eq!(rays.against(&fewer).1, 1);
+                }
+                Err(Broken::Device(error)) => {
+                    assert!(matches!(error, DeviceError::Unsupported { .. }), "{error}");
+                }
+                Err(Broken::Input(error)) => unreachable!("{error}"),
+            }
+        }
+        // The same loop from either count.
+        assert!(ends.windows(2).all(|pair| pair[0] == pair[1]), "{ends:?}");
+    }
+}

@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Pixels of nodes, counted by devices: on Vulkan by precise occlusion queries, on wgpu, whose queries say no more
+//! than zero or not, by a target of node numbers and a histogram.
+
+use super::scene::{Drawn, NODE_VERTICES};
+use crate::canvas::{Canvas, view_constants, written};
+use crate::list::Eye;
+use std::ops::Range;
+use std::sync::Arc;
+use terrafill_fill::{DeviceError, Devices, ViewConstants};
+use terrafill_gpu::read_buffer;
+use terrafill_scene::ImageSize;
+use terrafill_vulkan::{
+    Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, Measured, PrimitiveStages, Resource,
+    Resources, Shader, Topology, VertexFormat,
+};
+
+/// Texels along a side of a node's picture.
+pub(crate) const NODE_TEXELS: u32 = 64;
+
+/// Draws nodes and counts their pixels.
+pub(crate) trait Counter {
+    /// Pixels of each node, in the order in which they are drawn.
+    fn count(&mut self, eye: &Eye, drawn: &Drawn) -> Result<Vec<u64>, DeviceError>;
+
+    /// Draws them without counting, and waits.
+    fn draw(&mut self, eye: &Eye, drawn: &Drawn) -> Result<(), DeviceError>;
+
+    /// Hands pictures of nodes to the device.
+    fn page(&mut self, count: usize) -> Result<(), DeviceError>;
+}
+
+/// How pixels are counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Way {
+    Histogram,
+    Queries,
+}
+
+impl Way {
+    pub(crate) const ALL: [Self; 2] = [Self::Histogram, Self::Queries];
+
+    /// Interface and name.
+    pub(crate) fn names(self) -> [&'static str; 2] {
+        match self {
+            Self::Histogram => ["wgpu", "histogram"],
+            Self::Queries => ["vulkan", "queries"],
+        }
+    }
+
+    pub(crate) fn open(
+        self,
+        devices: &Devices,
+        size: ImageSize,
+    ) -> Result<Box<dyn Counter>, DeviceError> {
+        Ok(match self {
+            Self::Histogram => Box::new(ByHistogram::new(devices, size)?),
+            Self::Queries => Box::new(ByQueries::new(devices, size)?),
+        })
+    }
+}
+
+struct ByHistogram {
+    canvas: Canvas,
+    size: ImageSize,
+    draw: wgpu::RenderPipeline,
+    count: wgpu::ComputePipeline,
+    view: wgpu::Buffer,
+    bound_view: wgpu::BindGroup,
+    counted: wgpu::BindGroupLayout,
+    pictures: wgpu::Texture,
+}
+
+impl ByHistogram {
+    fn new(devices: &Devices, size: ImageSize) -> Result<Self, DeviceError> {
+        let gpu = terrafill_gpu::shared_gpu(devices)?;
+        let view_layout = gpu.buffer_layout(
+            "nodes",
+            wgpu::ShaderStages::VERTEX,
+            &[wgpu::BufferBindingType::Uniform],
+        );
+        let bytes = size_of::<ViewConstants>() as u64;
+        let view = written(&gpu, "view constants", bytes, wgpu::BufferUsages::UNIFORM);
+        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty,
+            count: None,
+        };
+        let counted = gpu
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("counts"),
+                entries: &[
+                    entry(
+                        0,
+                        wgpu::BindingType::Texture {
+                            sample_type: wgpu::TextureSampleType::Uint,
+                            view_dimension: wgpu::TextureViewDimension::D2,
+                            multisampled: false,
+                        },
+                    ),
+                    entry(
+                        1,
+                        wgpu::BindingType::Buffer {
+                            ty: wgpu::BufferBindingType::Storage { read_only: false },
+                            has_dynamic_offset: false,
+                            min_binding_size: None,
+                        },
+                    ),
+                ],
+            });
+        let module = gpu.shader("globes/nodes.wgsl")?;
+        let canvas = Canvas::new(&gpu, size, wgpu::TextureFormat::R32Uint);
+        let attributes = [
+            wgpu::vertex_attr_array![0 => Float32x3],
+            wgpu::vertex_attr_array![1 => Uint32],
+        ];
+        let buffers = attributes.each_ref().map(|attributes| {
+            Some(wgpu::VertexBufferLayout {
+                array_stride: attributes[0].format.size(),
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes,
+            })
+        });
+        let layout = gpu.pipeline_layout("nodes", &[Some(&view_layout)]);
+        let vertex = wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vertex_main"),
+            compilation_options: Default::default(),
+            buffers: &buffers,
+        };
+        let fragment = (&module, "fragment_main");
+        let draw = canvas.pipeline("nodes", &layout, vertex, fragment, Default::default());
+        let count = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("counts"),
+            layout: Some(&gpu.pipeline_layout("counts", &[None, Some(&counted)])),
+            module: &module,
+            entry_point: Some("count_main"),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        let pictures = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("picture of a node"),
+            size: wgpu::Extent3d {
+                width: NODE_TEXELS,
+                height: NODE_TEXELS,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8Unorm,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        Ok(Self {
+            size,
+            draw,
+            count,
+            bound_view: gpu.bind_buffers("view", &view_layout, &[&view]),
+            view,
+            counted,
+            pictures,
+            canvas,
+        })
+    }
+
+    fn record(&self, eye: &Eye, drawn: &Drawn) -> Result<wgpu::CommandEncoder, DeviceError> {
+        let gpu = &self.canvas.gpu;
+        gpu.write_buffer(&self.view, 0, bytemuck::bytes_of(&view_constants(eye)));
+        let count = u32::try_from(drawn.vertices_rte.len()).unwrap_or(u32::MAX);
+        let numbers: Vec<u32> = (0..count)
+            .map(|vertex| vertex / NODE_VERTICES + 1)
+            .collect();
+        let usage = wgpu::BufferUsages::VERTEX;
+        let places = gpu.upload("nodes", bytemuck::cast_slice(&drawn.vertices_rte), usage)?;
+        let numbers = gpu.upload("numbers", bytemuck::cast_slice(&numbers), usage)?;
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        self.canvas.record(&mut encoder, |pass| {
+            pass.set_pipeline(&self.draw);
+            pass.set_bind_group(0, &self.bound_view, &[]);
+            pass.set_vertex_buffer(0, places.slice(..));
+            pass.set_vertex_buffer(1, numbers.slice(..));
+            pass.draw(0..count, 0..1);
+        });
+        Ok(encoder)
+    }
+}
+
+impl Counter for ByHistogram {
+    fn count(&mut self, eye: &Eye, drawn: &Drawn) -> Result<Vec<u64>, DeviceError> {
+        let gpu = &self.canvas.gpu;
+        let mut encoder = self.record(eye, drawn)?;
+        let counts = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("counts"),
+            size: 4 * (drawn.nodes.len() as u64 + 1),
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        let numbers = self.canvas.view();
+        let bound = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("counts"),
+            layout: &self.counted,
+            entries: &[
+                wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::TextureView(&numbers),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: counts.as_entire_binding(),
+                },
+            ],
+        });
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&self.count);
+        pass.set_bind_group(1, &bound, &[]);
+        let [x, y] = [self.size.width, self.size.height].map(|pixels| pixels.div_ceil(8));
+        pass.dispatch_workgroups(x, y, 1);
+        drop(pass);
+        gpu.queue.submit([encoder.finish()]);
+        let bytes = read_buffer(gpu, &counts)?;
+        let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
+        Ok(counts.into_iter().skip(1).map(u64::from).collect())
+    }
+
+    fn draw(&mut self, eye: &Eye, drawn: &Drawn) -> Result<(), DeviceError> {
+        let encoder = self.record(eye, drawn)?;
+        self.canvas.gpu.queue.submit([encoder.finish()]);
+        self.canvas.gpu.wait()
+    }
+
+    fn page(&mut self, count: usize) -> Result<(), DeviceError> {
+        let gpu = &self.canvas.gpu;
+        let texels = vec![0x7f_u8; 4 * (NODE_TEXELS * NODE_TEXELS) as usize];
+        for _ in 0..count {
+            gpu.queue.write_texture(
+                self.pictures.as_image_copy(),
+                &texels,
+                wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(4 * NODE_TEXELS),
+                    rows_per_image: None,
+                },
+                self.pictures.size(),
+            );
+        }
+        gpu.queue.submit([]);
+        gpu.wait()
+    }
+}
+
+struct ByQueries {
+    gpu: Arc<terrafill_vulkan::Gpu>,
+    targets: terrafill_vulkan::RenderTargets,
+    pipeline: DrawPipeline,
+    view: Arc<Buffer>,
+    vertices: Buffer,
+}
+
+impl ByQueries {
+    fn new(devices: &Devices, size: ImageSize) -> Result<Self, DeviceError> {
+        let gpu = terrafill_vulkan::shared_gpu(devices)?;
+        let bytes = size_of::<ViewConstants>() as u64;
+        let view = Buffer::streamed(&gpu, "view constants", bytes, BufferUse::Uniform)?;
+        let view = Arc::new(view);
+        let resources = Resources::new(&gpu, vec![Resource::Uniform(Arc::clone(&view))])?;
+        let shader = |entry_point| Shader::Wgsl {
+            path: "surface/surface.wgsl",
+            entry_point,
+        };
+        let stages = PrimitiveStages::Vertices {
+            vertex: shader("vertex_main"),
+            geometry: None,
+            format: VertexFormat::Metres,
+            topology: Topology::Triangles,
+        };
+        Ok(Self {
+            targets: terrafill_vulkan::RenderTargets::new(&gpu, size)?,
+            pipeline: DrawPipeline::new(&gpu, &resources, stages, shader("fragment_main"))?,
+            view,
+            vertices: Buffer::streamed(&gpu, "nodes", 12, BufferUse::Vertex)?,
+            gpu,
+        })
+    }
+
+    fn frame(
+        &mut self,
+        eye: &Eye,
+        drawn: &Drawn,
+        measured: Measured,
+    ) -> Result<Option<Vec<u64>>, DeviceError> {
+        self.view.stream(bytemuck::bytes_of(&view_constants(eye)))?;
+        let bytes: &[u8] = bytemuck::cast_slice(&drawn.vertices_rte);
+        if bytes.len() as u64 > self.vertices.size() {
+            let size = bytes.len() as u64;
+            self.vertices = Buffer::streamed(&self.gpu, "nodes", size, BufferUse::Vertex)?;
+        }
+        self.vertices.stream(bytes)?;
+        let count = u32::try_from(drawn.nodes.len()).unwrap_or(u32::MAX);
+        let ranges: Vec<Range<u32>> = (0..count)
+            .map(|node| node * NODE_VERTICES..(node + 1) * NODE_VERTICES)
+            .collect();
+        let draw = DirectDraw {
+            pipeline: &self.pipeline,
+            vertices: Some(&self.vertices),
+            call: DrawCall::Vertices(&ranges),
+        };
+        Ok(self.targets.draw_directly(None, &draw, measured)?.samples)
+    }
+}
+
+impl Counter for ByQueries {
+    fn count(&mut self, eye: &Eye, drawn: &Drawn) -> Result<Vec<u64>, DeviceError> {
+        let samples = self.frame(eye, drawn, Measured::Samples)?;
+        samples
+            .ok_or_else(|| DeviceError::unsupported("occlusionQueryPrecise", &self.gpu.facts.name))
+    }
+
+    fn draw(&mut self, eye: &Eye, drawn: &Drawn) -> Result<(), DeviceError> {
+        self.frame(eye, drawn, Measured::Nothing).map(|_| ())
+    }
+
+    fn page(&mut self, count: usize) -> Result<(), DeviceError> {
+        let texels = vec![0x7f_u8; 4 * (NODE_TEXELS * NODE_TEXELS) as usize];
+        for _ in 0..count {
+            Buffer::upload(&self.gpu, "picture of a node", &texels, BufferUse::Storage)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The section on level of detail by counted pixels.
+
+use super::{ENOUGH, PART};
+use terrafill_plot::number::significant;
+use terrafill_plot::{Course, Courses};
+use terrafill_results::{
+    Block, Case, Cell, ChapterError, Finding, Heading, Plot, Row, Run, Standing, Table,
+};
+
+/// What is measured.
+const WHAT_IS_COMPARED: &str = "A picture of 40° × 40° below the eye is drawn by the leaves of a quadtree, each with 64² texels and 10 × 10 \
+     sub-quads, the nearest first. A leaf splits where it has more pixels than the upper threshold and four merge \
+     where all have fewer than the lower one; hysteresis is the one over the other, delay the frames from drawing \
+     to using a count. On Vulkan counts are precise occlusion queries, one a node. WebGPU's queries say no more \
+     than zero or not, so on wgpu a compute pass counts a target of node numbers. Counts of the first and the last \
+     frame are held against rays in f64: a node may be off by the pixels at its edge.";
+
+fn cases(run: &Run) -> Vec<&Case> {
+    let own = run.of_study(crate::STUDY);
+    own.filter(|case| !case.is_twin() && case.condition("part") == PART)
+        .collect()
+}
+
+/// The section; nothing where no case was planned.
+pub(crate) fn blocks(run: &Run) -> Result<Vec<Block>, ChapterError> {
+    let cases = cases(run);
+    if cases.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut blocks = vec![
+        Block::section("Level of detail by counted pixels"),
+        Block::Text(WHAT_IS_COMPARED.to_owned()),
+        Block::Finding(exact_finding(&cases)),
+        Block::Finding(cycle_finding(&cases)),
+        Block::Finding(transfer_finding(&cases)),
+        Block::Table(table(&cases)),
+    ];
+    let svg = courses(&cases).draw()?;
+    blocks.extend(svg.map(|svg| {
+        Block::Plot(Plot {
+            caption: "Leaves frame by frame, counts used one frame late.".to_owned(),
+            svg,
+        })
+    }));
+    Ok(blocks)
+}
+
+fn table(cases: &[&Case]) -> Table {
+    let columns = [
+        ("settled after, frames", "globe_count_settle_frames"),
+        ("leaves", "globe_count_leaves"),
+        ("texels a pixel", "globe_count_texels_per_px"),
+        ("off rays, px", "globe_count_off_px"),
+        (
+            "nodes off by more than their edges",
+            "globe_count_wrong_nodes",
+        ),
+        ("frame with counts, CPU ms", "globe_counted_cpu_ms"),
+        ("without", "globe_uncounted_cpu_ms"),
+        ("paging, CPU ms", "globe_count_page_cpu_ms"),
+        ("largest", "globe_count_page_max_cpu_ms"),
+    ];
+    let rows = cases.iter().map(|case| {
+        let why = match case.reason.as_str() {
+            "" if case.value("globe_count_cycles") == Some(1.0) => "it does not settle",
+            "" => "the eye moves, or it was not measured",
+            reason => reason,
+        };
+        let mut cells = ["path", "counted_by", "hysteresis", "delay", "transfers"]
+            .map(|key| Cell::name(case.condition(key)))
+            .to_vec();
+        cells.extend(
+            columns
+                .iter()
+                .map(|(_, metric)| Cell::or_absent(case.value(metric).map(significant), why)),
+        );
+        Row {
+            cells,
+            status: case.outcome.name().to_owned(),
+            remark: case.reason.clone(),
+        }
+    });
+    let names = [
+        "path",
+        "counted by",
+        "hysteresis",
+        "delay",
+        "transfers a frame",
+    ];
+    let mut headings = names.map(Heading::plain).to_vec();
+    headings.extend(
+        columns
+            .iter()
+            .map(|(text, metric)| Heading::metric(*text, *metric)),
+    );
+    Table {
+        caption: "Quadtrees by counted pixels".to_owned(),
+        headings,
+        rows: rows.collect(),
+        ..Table::default()
+    }
+}
+
+fn courses(cases: &[&Case]) -> Courses<'static> {
+    let shown = cases.iter().filter(|case| {
+        case.condition("counted_by") == "histogram"
+            && case.condition("delay") == "1"
+            && ["1", "4"].contains(&case.condition("hysteresis"))
+    });
+    let panels = shown.map(|case| {
+        let values = case.note("leaves").split(' ');
+        Course {
+            name: format!(
+                "{}, hysteresis {}{}",
+                case.condition("path"),
+                case.condition("hysteresis"),
+                match case.condition("transfers") {
+                    "any" => String::new(),
+                    capped => format!(", {capped} transfer"),
+                }
+            ),
+            values: values.filter_map(|value| value.parse().ok()).collect(),
+            wanted: None,
+        }
+    });
+    Courses {
+        title: "leaves of quadtrees frame by frame".to_owned(),
+        across: "frames",
+        panels: panels.collect(),
+    }
+}
+
+fn sum(cases: &[&Case], metric: &str) -> (f64, usize) {
+    let values = cases.iter().filter_map(|case| case.value(metric));
+    values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1))
+}
+
+fn exact_finding(cases: &[&Case]) -> Finding {
+    let of = |way: &str| -> Vec<&Case> {
+        let own = cases.iter().copied();
+        own.filter(|case| case.condition("counted_by") == way)
+            .collect()
+    };
+    let words: Vec<String> = ["histogram", "queries"]
+        .iter()
+        .map(|way| {
+            let own = of(way);
+            let (nodes, count) = sum(&own, "globe_count_nodes");
+            let (wrong, _) = sum(&own, "globe_count_wrong_nodes");
+            match count {
+                0 => format!("{way}: not measured"),
+                _ => format!("{way}: {wrong} of {nodes} nodes off by more than their edges"),
+            }
+        })
+        .collect();
+    let (wrong, count) = sum(cases, "globe_count_wrong_nodes");
+    Finding {
+        claim: "Counts by precise queries and by a histogram of node numbers are the pixels that rays see".to_owned(),
+        standing: match count {
+            0 => Standing::CannotTell,
+            _ => Standing::holds_if(wrong == 0.0),
+        },
+        because: format!("{}.", words.join("; ")),
+    }
+}
+
+fn cycle_finding(cases: &[&Case]) -> Finding {
+    let hysteresis = |case: &Case| case.condition("hysteresis").parse().unwrap_or(f64::NAN);
+    let still: Vec<&Case> = cases
+        .iter()
+        .copied()
+        .filter(|case| case.value("globe_count_cycles").is_some())
+        .collect();
+    let mut all: Vec<f64> = still.iter().map(|case| hysteresis(case)).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    let cycling = |share: f64| {
+        let own: Vec<&Case> = still
+            .iter()
+            .copied()
+            .filter(|case| hysteresis(case) == share)
+            .collect();
+        let (sum, count) = sum(&own, "globe_count_cycles");
+        (sum, count)
+    };
+    let words: Vec<String> = all
+        .iter()
+        .map(|share| {
+            let (never, of) = cycling(*share);
+            format!("{share}: {never} of {of}")
+        })
+        .collect();
+    let enough: Vec<f64> = all
+        .iter()
+        .copied()
+        .filter(|share| *share >= ENOUGH)
+        .collect();
+    Finding {
+        claim: "With a hysteresis of 4 or more no quadtree cycles in a view that stands still"
+            .to_owned(),
+        standing: match enough.is_empty() {
+            true => Standing::CannotTell,
+            false => Standing::holds_if(enough.iter().all(|share| cycling(*share).0 == 0.0)),
+        },
+        because: format!("Never at rest by hysteresis: {}.", words.join("; ")),
+    }
+}
+
+fn transfer_finding(cases: &[&Case]) -> Finding {
+    let largest = |transfers: &str| {
+        let own = cases.iter().filter(|case| {
+            case.condition("path") == "zoom" && case.condition("transfers") == transfers
+        });
+        own.filter_map(|case| case.value("globe_count_page_max_cpu_ms"))
+            .max_by(f64::total_cmp)
+    };
+    let pair = largest("any").zip(largest("1"));
+    Finding {
+        claim: "Gebbie & Bailey: one transfer an update smooths its spikes".to_owned(),
+        standing: match pair {
+            Some((any, one)) => Standing::holds_if(one < any),
+            None => Standing::CannotTell,
+        },
+        because: match pair {
+            Some((any, one)) => format!(
+                "Largest paging of a frame in the zoom: {} ms of CPU time with any number of transfers, {} with \
+                 one.",
+                significant(any),
+                significant(one)
+            ),
+            None => "The zoom was not measured.".to_owned(),
+        },
+    }
+}

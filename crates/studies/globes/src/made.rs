@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The spiral's vertices made on the GPU: by a compute shader into a buffer that is drawn and read back, or by the
+//! vertex stage from the vertex's number, with no buffer at all; beside them those that the CPU makes and sends.
+
+mod device;
+mod section;
+mod spiral;
+
+pub(crate) use section::blocks;
+
+use crate::STUDY;
+use crate::list::{Eye, List};
+use device::{MadeScene, MadeTargets};
+use glam::DVec3;
+use spiral::{Source, Spiral};
+use std::collections::BTreeMap;
+use terrafill_fill::{CpuStopwatch, DeviceError};
+use terrafill_plot::number::significant;
+use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
+use terrafill_study::{Context, Group, Session, StudyError};
+
+/// Name of this part in cases.
+pub(crate) const PART: &str = "made";
+
+/// Vertices of a turn.
+const N: u32 = 72;
+/// What a vertex made in f32 may be off f64 on the screen, pixels: 8e-5 were measured in pictures of 160 rows, which is
+/// 4e-4 of 800, with a margin of five.
+const ALLOWED_PX: f64 = 2e-3;
+
+const VIEWS: [&str; 5] = [
+    "globe",
+    "nadir-1161km",
+    "oblique-100km",
+    "horizon-2km",
+    "ground-1.7m",
+];
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Work {
+    view: &'static str,
+    source: Source,
+    has_series: bool,
+    is_quadratic: bool,
+}
+
+/// All of it.
+pub(crate) struct Made {
+    work: Vec<Work>,
+    cases: Vec<PlannedCase>,
+    list: List,
+    side_px: u32,
+}
+
+impl Made {
+    pub(crate) fn new(list: &List, (side_px, samples): (u32, u32)) -> Self {
+        let mut work = Vec::new();
+        for view in VIEWS {
+            for source in Source::ALL {
+                for is_quadratic in [false, true] {
+                    let trigonometry: &[bool] = match source {
+                        Source::Sent => &[false],
+                        Source::Compute | Source::Number => &[false, true],
+                    };
+                    work.extend(trigonometry.iter().map(|&has_series| Work {
+                        view,
+                        source,
+                        has_series,
+                        is_quadratic,
+                    }));
+                }
+            }
+        }
+        let cases = work.iter().map(|work| {
+            let trig = if work.has_series { "series" } else { "native" };
+            let law = if work.is_quadratic {
+                "quadratic"
+            } else {
+                "exponential"
+            };
+            let conditions = [
+                ("part", PART.to_owned()),
+                ("view", work.view.to_owned()),
+                ("vertices", work.source.name().to_owned()),
+                ("trig", trig.to_owned()),
+                ("law", law.to_owned()),
+                ("size_px", side_px.to_string()),
+            ];
+            let name = format!("{PART}/{}/{}/{trig}/{law}", work.view, work.source.name());
+            PlannedCase {
+                id: CaseId::new(STUDY, name, conditions),
+                samples,
+                // Native sines have no bound that helps.
+                may_be_wrong: !work.has_series && work.source != Source::Sent,
+            }
+        });
+        Self {
+            cases: cases.collect(),
+            work,
+            list: list.clone(),
+            side_px,
+        }
+    }
+
+    fn eye(&self, work: &Work) -> Result<Eye, String> {
+        let mut views = self.list.view.iter();
+        let row = views.find(|row| row.name == work.view);
+        let row = row.ok_or_else(|| format!("no view is called {:?}", work.view))?;
+        Ok(row.eye(self.side_px))
+    }
+}
+
+impl Group for Made {
+    fn name(&self) -> String {
+        format!("{STUDY}/{PART}")
+    }
+
+    fn cases(&self) -> &[PlannedCase] {
+        &self.cases
+    }
+
+    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
+        Ok(Box::new(MadeSession {
+            group: self,
+            context,
+            targets: None,
+            ready: BTreeMap::new(),
+        }))
+    }
+}
+
+struct MadeSession<'a> {
+    group: &'a Made,
+    context: Context<'a>,
+    targets: Option<MadeTargets>,
+    ready: BTreeMap<usize, MadeScene>,
+}
+
+/// Vertices of the device against f64: largest on the screen and on the ground, and how many are not finite.
+fn against(eye: &Eye, spiral: &Spiral, made: &[[f32; 3]]) -> (f64, f64, usize) {
+    let focal_px = 0.5 * f64::from(eye.size.height) / eye.camera.tan_half_fov();
+    let (mut px, mut metres, mut lost) = (0.0_f64, 0.0_f64, 0);
+    for (number, vertex) in (0..).zip(made) {
+        let (found, exact) = (DVec3::from(vertex.map(f64::from)), spiral.place(number));
+        if !found.is_finite() {
+            lost += 1;
+            continue;
+        }
+        let angle = found.cross(exact).length().atan2(found.dot(exact));
+        px = px.max(angle * focal_px);
+        metres = metres.max(found.distance(exact));
+    }
+    (px, metres, lost)
+}
+
+impl MadeSession<'_> {
+    fn make(&mut self, case: usize) -> Result<Result<Verdict, String>, DeviceError> {
+        let work = self.group.work[case];
+        let eye = match self.group.eye(&work) {
+            Ok(eye) => eye,
+            Err(error) => return Ok(Err(error)),
+        };
+        if self.targets.is_none() {
+            let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
+            self.targets = Some(MadeTargets::new(&gpu, eye.size));
+        }
+        let targets = self.targets.as_ref();
+        let targets = targets.ok_or(DeviceError::Missing("targets of the spiral"))?;
+        let spiral = Spiral::new(&eye, N, work.is_quadratic);
+        let mut scene = targets.scene(&spiral, work.source, work.has_series)?;
+        let sent = targets.send(&mut scene, &eye, &spiral);
+        targets.draw(&scene)?;
+        let picture = targets.read()?;
+        // What the compute shader made of the same view: the vertex stage is held to it.
+        let mut twin = targets.scene(&spiral, Source::Compute, work.has_series)?;
+        targets.send(&mut twin, &eye, &spiral);
+        targets.draw(&twin)?;
+        let other = targets.read()?;
+        let made = match work.source {
+            Source::Sent => (0..spiral.count())
+                .map(|k| spiral.place(k).as_vec3().to_array())
+                .collect(),
+            Source::Compute | Source::Number => targets.vertices(&twin)?,
+        };
+        let (px, metres, lost) = against(&eye, &spiral, &made);
+        let differs = picture.iter().zip(&other).filter(|(a, b)| a != b).count();
+        let mut reasons = Vec::new();
+        if lost > 0 {
+            reasons.push(format!("{lost} vertices are not finite, allowed 0"));
+        }
+        if px > ALLOWED_PX {
+            reasons.push(format!(
+                "vertices are {} px off f64, allowed {ALLOWED_PX}",
+                significant(px)
+            ));
+        }
+        if work.source == Source::Number && differs > 0 {
+            reasons.push(format!(
+                "{differs} pixels differ from those of the vertices that the compute shader made, allowed 0"
+            ));
+        }
+        self.ready.insert(case, scene);
+        Ok(Ok(Verdict {
+            status: if reasons.is_empty() {
+                Status::Ok
+            } else {
+                Status::Wrong
+            },
+            reason: reasons.join(", "),
+            figures: vec![
+                ("globe_made_px_max", px),
+                ("globe_made_m_max", metres),
+                ("globe_made_differs_px", differs as f64),
+                ("globe_non_finite", lost as f64),
+                ("globe_triangles", spiral.triangles().len() as f64),
+                ("globe_vertices", f64::from(spiral.count())),
+                ("globe_upload_bytes", sent as f64),
+            ],
+            notes: Vec::new(),
+        }))
+    }
+
+    fn time(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+        let work = self.group.work[case];
+        let eye = self.group.eye(&work)?;
+        let targets = self.targets.as_ref().ok_or("it has no targets")?;
+        let scene = self.ready.get_mut(&case).ok_or("it was not verified")?;
+        let watch = CpuStopwatch::start();
+        let spiral = Spiral::new(&eye, N, work.is_quadratic);
+        targets.send(scene, &eye, &spiral);
+        let upload_ms = watch.cpu_ms();
+        let gpu_ms = targets.draw(scene).map_err(|error| error.to_string())?;
+        let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
+        let mut values = vec![
+            ("globe_whole_cpu_ms", cpu_ms),
+            ("globe_whole_wall_ms", wall_ms),
+            ("globe_upload_cpu_ms", upload_ms),
+            ("globe_draw_cpu_ms", cpu_ms - upload_ms),
+        ];
+        if let Some(gpu_ms) = gpu_ms {
+            values.push(("globe_draw_gpu_ms", gpu_ms));
+            values.push(("globe_whole_gpu_ms", upload_ms + gpu_ms));
+        }
+        Ok(values)
+    }
+}
+
+impl Session for MadeSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+        Ok(match self.make(case) {
+            Ok(Ok(verdict)) => verdict,
+            Ok(Err(error)) => Verdict::failed(error),
+            Err(error @ (DeviceError::Unsupported { .. } | DeviceError::OverCapacity { .. })) => {
+                Verdict::skipped(error.to_string())
+            }
+            Err(error) => Verdict::failed(error.to_string()),
+        })
+    }
+
+    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+        self.time(case)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The spiral on wgpu, its vertices from wherever they come.
+
+use super::spiral::{Source, Spiral};
+use crate::canvas::{Canvas, view_constants, written};
+use crate::list::Eye;
+use bytemuck::{Pod, Zeroable};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use terrafill_fill::{DeviceError, ViewConstants};
+use terrafill_gpu::{Gpu, read_buffer};
+use terrafill_scene::ImageSize;
+
+const TARGET: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
+/// Bytes of a vertex.
+const VERTEX_BYTES: u64 = 12;
+
+/// Twin of `SpiralConstants` in `globes/spiral.wgsl`.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct SpiralConstants {
+    east: [f32; 3],
+    inner: f32,
+    north: [f32; 3],
+    outer: f32,
+    up: [f32; 3],
+    turns: f32,
+    focus: [f32; 3],
+    per_turn: u32,
+    count: u32,
+    law: u32,
+    padding: [u32; 2],
+}
+
+impl SpiralConstants {
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "rounding to what the GPU reads is the purpose"
+    )]
+    fn new(spiral: &Spiral) -> Self {
+        let [east, north, up] = spiral.axes.map(|axis| axis.as_vec3().to_array());
+        Self {
+            east,
+            inner: spiral.inner as f32,
+            north,
+            outer: spiral.outer as f32,
+            up,
+            turns: spiral.turns as f32,
+            focus: spiral.focus.as_vec3().to_array(),
+            per_turn: spiral.per_turn,
+            count: spiral.count(),
+            law: u32::from(spiral.is_quadratic),
+            padding: [0; 2],
+        }
+    }
+}
+
+/// Targets, and layouts of what shaders read.
+pub(crate) struct MadeTargets {
+    canvas: Canvas,
+    view_layout: wgpu::BindGroupLayout,
+    /// Constants and directions, and for the compute shader the buffer that it writes.
+    layouts: [wgpu::BindGroupLayout; 2],
+}
+
+/// A spiral, ready to draw.
+pub(crate) struct MadeScene {
+    source: Source,
+    pipeline: wgpu::RenderPipeline,
+    compute: Option<wgpu::ComputePipeline>,
+    view: wgpu::Buffer,
+    bound_view: wgpu::BindGroup,
+    constants: wgpu::Buffer,
+    bound: [wgpu::BindGroup; 2],
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    index_count: u32,
+    vertex_count: u32,
+}
+
+impl MadeTargets {
+    pub(crate) fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Self {
+        let uniform = wgpu::BufferBindingType::Uniform;
+        let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
+        let (vertex, compute) = (wgpu::ShaderStages::VERTEX, wgpu::ShaderStages::COMPUTE);
+        Self {
+            view_layout: gpu.buffer_layout("view", vertex, &[uniform]),
+            layouts: [
+                gpu.buffer_layout("spiral", vertex, &[uniform, storage(true)]),
+                gpu.buffer_layout("spiral", compute, &[uniform, storage(true), storage(false)]),
+            ],
+            canvas: Canvas::new(gpu, size, TARGET),
+        }
+    }
+
+    pub(crate) fn scene(
+        &self,
+        spiral: &Spiral,
+        source: Source,
+        has_series: bool,
+    ) -> Result<MadeScene, DeviceError> {
+        let gpu = &self.canvas.gpu;
+        let uniform = wgpu::BufferUsages::UNIFORM;
+        let view = written(
+            gpu,
+            "view constants",
+            size_of::<ViewConstants>() as u64,
+            uniform,
+        );
+        let constants = written(gpu, "spiral", size_of::<SpiralConstants>() as u64, uniform);
+        let directions: Vec<[f32; 2]> = (0..spiral.per_turn)
+            .map(|k| direction(k, spiral.per_turn))
+            .collect();
+        let bytes = bytemuck::cast_slice(&directions);
+        let directions = gpu.upload("directions", bytes, wgpu::BufferUsages::STORAGE)?;
+        let usage =
+            wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let size = VERTEX_BYTES * u64::from(spiral.count());
+        let vertices = written(gpu, "vertices of the spiral", size, usage);
+        let triangles = spiral.triangles();
+        let indices = triangles.as_flattened();
+        let bytes = bytemuck::cast_slice(indices);
+        let index_buffer =
+            gpu.upload("triangles of the spiral", bytes, wgpu::BufferUsages::INDEX)?;
+        let [read, made] = &self.layouts;
+        let bound = [
+            gpu.bind_buffers("spiral", read, &[&constants, &directions]),
+            gpu.bind_buffers("spiral", made, &[&constants, &directions, &vertices]),
+        ];
+        let module = gpu.shader("globes/spiral.wgsl")?;
+        let overrides = [("SERIES", f64::from(u8::from(has_series)))];
+        let options = || wgpu::PipelineCompilationOptions {
+            constants: &overrides,
+            ..Default::default()
+        };
+        let compute = (source == Source::Compute).then(|| {
+            gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some("spiral"),
+                layout: Some(&gpu.pipeline_layout("spiral", &[None, Some(made)])),
+                module: &module,
+                entry_point: Some("make_main"),
+                compilation_options: options(),
+                cache: None,
+            })
+        });
+        let attributes = wgpu::vertex_attr_array![0 => Float32x3];
+        let buffer = [Some(wgpu::VertexBufferLayout {
+            array_stride: VERTEX_BYTES,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &attributes,
+        })];
+        let layout = match source {
+            Source::Number => gpu.pipeline_layout("spiral", &[Some(&self.view_layout), Some(read)]),
+            Source::Sent | Source::Compute => {
+                gpu.pipeline_layout("spiral", &[Some(&self.view_layout)])
+            }
+        };
+        let (entry_point, buffers) = match source {
+            Source::Number => ("making_main", &buffer[..0]),
+            Source::Sent | Source::Compute => ("read_main", &buffer[..]),
+        };
+        let vertex = wgpu::VertexState {
+            module: &module,
+            entry_point: Some(entry_point),
+            compilation_options: match source {
+                Source::Number => options(),
+                Source::Sent | Source::Compute => Default::default(),
+            },
+            buffers,
+        };
+        let fragment = (&module, "fragment_main");
+        let pipeline =
+            self.canvas
+                .pipeline("spiral", &layout, vertex, fragment, Default::default());
+        Ok(MadeScene {
+            source,
+            pipeline,
+            compute,
+            bound_view: gpu.bind_buffers("view", &self.view_layout, &[&view]),
+            view,
+            constants,
+            bound,
+            vertices,
+            index_count: u32::try_from(indices.len()).unwrap_or(u32::MAX),
+            indices: index_buffer,
+            vertex_count: spiral.count(),
+        })
+    }
+
+    /// Hands a view to the device; bytes that were sent.
+    pub(crate) fn send(&self, scene: &mut MadeScene, eye: &Eye, spiral: &Spiral) -> u64 {
+        let view = view_constants(eye);
+        let constants = SpiralConstants::new(spiral);
+        let vertices: Vec<[f32; 3]> = match scene.source {
+            Source::Sent => (0..spiral.count())
+                .map(|number| spiral.place(number).as_vec3().to_array())
+                .collect(),
+            Source::Compute | Source::Number => Vec::new(),
+        };
+        let all: [(&wgpu::Buffer, &[u8]); 3] = [
+            (&scene.view, bytemuck::bytes_of(&view)),
+            (&scene.constants, bytemuck::bytes_of(&constants)),
+            (&scene.vertices, bytemuck::cast_slice(&vertices)),
+        ];
+        for (buffer, bytes) in all.iter().filter(|(_, bytes)| !bytes.is_empty()) {
+            self.canvas.gpu.write_buffer(buffer, 0, bytes);
+        }
+        all.iter().map(|(_, bytes)| bytes.len() as u64).sum()
+    }
+
+    pub(crate) fn draw(&self, scene: &MadeScene) -> Result<Option<f64>, DeviceError> {
+        let gpu = &self.canvas.gpu;
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        if let Some(compute) = &scene.compute {
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_pipeline(compute);
+            pass.set_bind_group(1, &scene.bound[1], &[]);
+            pass.dispatch_workgroups(scene.vertex_count.div_ceil(64), 1, 1);
+        }
+        self.canvas.record(&mut encoder, |pass| {
+            pass.set_pipeline(&scene.pipeline);
+            pass.set_bind_group(0, &scene.bound_view, &[]);
+            match scene.source {
+                Source::Number => pass.set_bind_group(1, &scene.bound[0], &[]),
+                Source::Sent | Source::Compute => {
+                    pass.set_vertex_buffer(0, scene.vertices.slice(..));
+                }
+            }
+            pass.set_index_buffer(scene.indices.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..scene.index_count, 0, 0..1);
+        });
+        self.canvas.finish(encoder)
+    }
+
+    /// Vertices that the compute shader made.
+    pub(crate) fn vertices(&self, scene: &MadeScene) -> Result<Vec<[f32; 3]>, DeviceError> {
+        let bytes = read_buffer(&self.canvas.gpu, &scene.vertices)?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+
+    /// Bits of distances, row by row; 0 for the sky.
+    pub(crate) fn read(&self) -> Result<Vec<u32>, DeviceError> {
+        self.canvas.read()
+    }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "rounding to what the GPU reads is the purpose"
+)]
+fn direction(k: u32, per_turn: u32) -> [f32; 2] {
+    let (sin, cos) = (TAU * f64::from(k) / f64::from(per_turn)).sin_cos();
+    [sin as f32, cos as f32]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn constants_lie_as_the_shader_reads_them() {
+        let layout = terrafill_shaders::struct_layout("globes/spiral.wgsl", "SpiralConstants");
+        let layout = layout.expect("a struct");
+        let offsets: Vec<u32> = layout.members.iter().map(|member| member.1).collect();
+        assert_eq!(offsets, [0, 12, 16, 28, 32, 44, 48, 60, 64, 68]);
+        assert_eq!(layout.stride as usize, size_of::<SpiralConstants>());
+    }
+}

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The spiral in `f64`, which `globes/spiral.wgsl` follows in `f32`.
+
+use crate::list::Eye;
+use glam::DVec3;
+use std::f64::consts::{LN_2, TAU};
+
+/// Radius of the fan, pixels, and of the inner circle at most.
+const FAN_PX: f64 = 50.0;
+const MAX_INNER: f64 = 0.1;
+
+/// Where vertices come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Source {
+    /// The CPU makes and sends them.
+    Sent,
+    /// A compute shader makes them.
+    Compute,
+    /// The vertex stage makes them, from a vertex's number.
+    Number,
+}
+
+impl Source {
+    pub(super) const ALL: [Self; 3] = [Self::Sent, Self::Compute, Self::Number];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Sent => "sent",
+            Self::Compute => "compute",
+            Self::Number => "number",
+        }
+    }
+}
+
+/// A spiral in f64, which the shader follows.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Spiral {
+    /// East, north and up of the focus in scaled space, in metres.
+    pub(crate) axes: [DVec3; 3],
+    /// The focus from the eye.
+    pub(crate) focus: DVec3,
+    pub(crate) inner: f64,
+    pub(crate) outer: f64,
+    pub(crate) turns: f64,
+    pub(crate) per_turn: u32,
+    pub(crate) is_quadratic: bool,
+}
+
+impl Spiral {
+    /// In closed form from a view: from the fan's rim to the horizon, in square cells.
+    pub(super) fn new(eye: &Eye, per_turn: u32, is_quadratic: bool) -> Self {
+        let radii = eye.body.radii_m();
+        let scaled = eye.camera.eye_ecef / radii;
+        let distance = scaled.length();
+        let up = scaled / distance;
+        let across = up.x.hypot(up.y);
+        let east = match across > 0.0 {
+            true => DVec3::new(-up.y / across, up.x / across, 0.0),
+            false => DVec3::Y,
+        };
+        // acos(1/d) without its cancellation near 1: tan² = d² − 1.
+        let outer = ((distance - 1.0) * (distance + 1.0)).sqrt().atan();
+        let focal_px = 0.5 * f64::from(eye.size.height) / eye.camera.tan_half_fov();
+        let inner = (FAN_PX * (distance - 1.0) / focal_px)
+            .min(MAX_INNER)
+            .min(0.5 * outer);
+        Self {
+            axes: [east * radii, up.cross(east) * radii, up * radii],
+            focus: eye.camera.eye_ecef * ((1.0 - distance) / distance),
+            inner,
+            outer,
+            turns: f64::from(per_turn) * LN_2 / TAU * (outer / inner).log2(),
+            per_turn,
+            is_quadratic,
+        }
+    }
+
+    /// Vertices: the centre, and the turns.
+    pub(crate) fn count(&self) -> u32 {
+        self.rim() + self.per_turn + 1
+    }
+
+    /// The first vertex on the outer circle.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "some thousands of vertices"
+    )]
+    fn rim(&self) -> u32 {
+        (self.turns * f64::from(self.per_turn)).ceil() as u32
+    }
+
+    /// Triangles that share every vertex: fan, one that closes it, strips.
+    pub(crate) fn triangles(&self) -> Vec<[u32; 3]> {
+        let (n, rim) = (self.per_turn, self.rim());
+        let at = |k: u32| k + 1;
+        let mut triangles: Vec<[u32; 3]> = (0..n).map(|k| [0, at((k + 1) % n), at(k)]).collect();
+        triangles.push([at(0), at(n), at(n - 1)]);
+        for k in 0..rim {
+            triangles.push([at(k), at(k + 1), at(k + n)]);
+            if k + 1 < rim {
+                triangles.push([at(k + 1), at(k + n + 1), at(k + n)]);
+            }
+        }
+        triangles
+    }
+
+    /// A vertex from the eye, metres.
+    pub(crate) fn place(&self, number: u32) -> DVec3 {
+        let Some(k) = number.checked_sub(1) else {
+            return self.focus;
+        };
+        let share = (f64::from(k) / f64::from(self.per_turn) / self.turns).min(1.0);
+        let radius = match self.is_quadratic {
+            false => self.inner * (self.outer / self.inner).powf(share),
+            true => (self.inner.sqrt() + share * (self.outer.sqrt() - self.inner.sqrt())).powi(2),
+        };
+        let angle = TAU * f64::from(k % self.per_turn) / f64::from(self.per_turn);
+        let [east, north, up] = self.axes;
+        let level = east * angle.sin() + north * angle.cos();
+        level * radius.sin() - up * (2.0 * (0.5 * radius).sin().powi(2)) + self.focus
+    }
+}

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Vertices made by a device, and the judge without one.
+
+use super::*;
+use std::rc::Rc;
+use terrafill_fill::{Devices, device_for_test};
+
+fn eye(name: &str) -> Eye {
+    let list = List::shipped().expect("a list");
+    let view = list.view.iter().find(|view| view.name == name);
+    view.expect("the view").eye(160)
+}
+
+#[test]
+fn every_vertex_lies_on_the_body_and_every_edge_is_shared() {
+    for view in VIEWS {
+        let eye = eye(view);
+        for is_quadratic in [false, true] {
+            let spiral = Spiral::new(&eye, 36, is_quadratic);
+            let mut edges: BTreeMap<[u32; 2], u32> = BTreeMap::new();
+            for [a, b, c] in spiral.triangles() {
+                for [p, q] in [[a, b], [b, c], [c, a]] {
+                    *edges.entry([p.min(q), p.max(q)]).or_default() += 1;
+                }
+            }
+            let open = edges.values().filter(|count| **count == 1).count();
+            assert!(open <= spiral.per_turn as usize && edges.values().all(|count| *count <= 2));
+            for number in 0..spiral.count() {
+                let ecef = eye.camera.eye_ecef + spiral.place(number);
+                let height_m = eye.body.ecef_to_geodetic(ecef).height_m;
+                assert!(height_m.abs() < 1e-6, "{view} {number} {height_m}");
+            }
+        }
+    }
+}
+
+#[test]
+fn devices_make_the_vertices_of_f64_and_both_stages_the_same() {
+    let devices = Rc::new(Devices::default());
+    if device_for_test(terrafill_gpu::shared_gpu(&devices)).is_none() {
+        return;
+    }
+    let list = List::shipped().expect("a list");
+    let made = Made::new(&list, (160, 1));
+    let folder = tempfile::tempdir().expect("a folder");
+    let context = Context {
+        devices: &devices,
+        folder: folder.path(),
+    };
+    let mut session = made.open(context).expect("opens");
+    for (case, work) in made.work.iter().enumerate() {
+        let verdict = session.verify(case).expect("a verdict");
+        let figures: Vec<String> = verdict
+            .figures
+            .iter()
+            .map(|(name, value)| format!("{name} {value:.6}"))
+            .collect();
+        eprintln!(
+            "{work:?}: {:?} {} {}",
+            verdict.status,
+            verdict.reason,
+            figures.join(", ")
+        );
+        if work.has_series || work.source == Source::Sent {
+            assert_eq!(verdict.status, Status::Ok, "{work:?}: {}", verdict.reason);
+            assert!(session.sample(case).is_ok());
+        }
+    }
+}
+
+#[test]
+fn a_vertex_that_was_moved_is_found() {
+    let eye = eye("globe");
+    let spiral = Spiral::new(&eye, 36, false);
+    let mut vertices: Vec<[f32; 3]> = (0..spiral.count())
+        .map(|k| spiral.place(k).as_vec3().to_array())
+        .collect();
+    assert!(against(&eye, &spiral, &vertices).0 < 1e-4);
+    // Twins: 100 km off, and lost.
+    vertices[7][0] += 1e5;
+    assert!(against(&eye, &spiral, &vertices).0 > 0.5);
+    vertices[7][0] = f32::NAN;
+    assert_eq!(against(&eye, &spiral, &vertices).2, 1);
+}

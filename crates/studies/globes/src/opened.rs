@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Surfaces, opened once for all views.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use terrafill_scene::{Scene, SurfaceChoice};
+use terrafill_surface::{Surface, SurfaceKind, open_surface};
+use toml::Table;
+
+/// A scene that needs no data, whose surface is replaced.
+const ANY_SCENE: &str = "square-10m";
+
+/// What surfaces the study was handed, and those that were opened.
+pub(crate) struct Opened {
+    kinds: &'static [&'static dyn SurfaceKind],
+    surfaces: RefCell<BTreeMap<String, Arc<dyn Surface>>>,
+}
+
+impl Opened {
+    pub(crate) fn new(kinds: &'static [&'static dyn SurfaceKind]) -> Self {
+        Self {
+            kinds,
+            surfaces: RefCell::default(),
+        }
+    }
+
+    /// Whether there are surfaces of that kind.
+    pub(crate) fn has(&self, kind: &str) -> bool {
+        self.kinds.iter().any(|known| known.name() == kind)
+    }
+
+    /// A surface over the Earth.
+    ///
+    /// # Errors
+    /// What is wrong with its parameters, with what is allowed.
+    pub(crate) fn get(&self, kind: &str, parameters: &Table) -> Result<Arc<dyn Surface>, String> {
+        let key = format!("{kind} {parameters}");
+        if let Some(surface) = self.surfaces.borrow().get(&key) {
+            return Ok(Arc::clone(surface));
+        }
+        let mut scene = Scene::shipped(ANY_SCENE, None).map_err(|error| error.to_string())?;
+        scene.surface = SurfaceChoice {
+            file: "plan.toml of study globes".to_owned(),
+            kind: kind.to_owned(),
+            files: Vec::new(),
+            picture: None,
+            parameters: parameters.clone(),
+        };
+        let surface = open_surface(self.kinds, &scene).map_err(|error| error.to_string())?;
+        let mut surfaces = self.surfaces.borrow_mut();
+        surfaces.insert(key, Arc::clone(&surface));
+        Ok(surface)
+    }
+}

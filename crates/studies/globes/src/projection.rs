@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Where Gebbie and Bailey's projections put a place: the globe, a flat map, a hyperbolic one by polar or by Cartesian
+//! coordinates, and a dome. Their formulas are those of Bailey's shader textbook, since the paper prints none.
+//!
+//! Flat and hyperbolic maps take longitude and latitude from the place below the eye, in units of the body's radius:
+//! about it, to the east and to the north. What comes out fills −1 … 1.
+
+use glam::{DVec3, DVec4};
+use std::f64::consts::{FRAC_PI_2, TAU};
+use terrafill_core::{Ellipsoid, Geodetic};
+use terrafill_plot::number::significant;
+use terrafill_results::{Block, Cell, Heading, Row, Table};
+use terrafill_scene::{Camera, ImageSize};
+
+/// A projection.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Projection {
+    Globe,
+    Flat,
+    HyperbolicPolar,
+    HyperbolicCartesian,
+    Dome,
+}
+
+/// How far from the focus half of the rim is reached, radii.
+const K: f64 = 0.5;
+/// Half a picture's rows, of which segments are counted.
+const RIM_PX: f64 = 540.0;
+/// What no one sees, pixels.
+const FINE_PX: f64 = 0.25;
+
+impl Projection {
+    pub(crate) const ALL: [Self; 5] = [
+        Self::Globe,
+        Self::Flat,
+        Self::HyperbolicPolar,
+        Self::HyperbolicCartesian,
+        Self::Dome,
+    ];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Globe => "globe",
+            Self::Flat => "flat",
+            Self::HyperbolicPolar => "hyperbolic-polar",
+            Self::HyperbolicCartesian => "hyperbolic-cartesian",
+            Self::Dome => "dome",
+        }
+    }
+
+    /// Clip position of a place, reversed depth.
+    ///
+    /// - `relative_m`: from the eye, ECEF axes
+    pub(crate) fn clip(
+        self,
+        (body, camera, size): (&Ellipsoid, &Camera, ImageSize),
+        focus: Geodetic,
+        relative_m: DVec3,
+    ) -> DVec4 {
+        let view = camera.view_from_ecef * relative_m;
+        let near = camera.near_m / relative_m.length();
+        let map = || {
+            let place = body.ecef_to_geodetic(camera.eye_ecef + relative_m);
+            let turn = place.longitude_rad - focus.longitude_rad;
+            let turn = turn - TAU * (turn / TAU).round();
+            [turn, place.latitude_rad - focus.latitude_rad]
+        };
+        // On the map nothing hides anything else; what is nearer to the eye stays so.
+        let flat = |[x, y]: [f64; 2]| DVec4::new(x / size.aspect(), y, near.clamp(0.0, 1.0), 1.0);
+        match self {
+            Self::Globe => {
+                let tan = camera.tan_half_fov();
+                let x = view.x / (tan * size.aspect());
+                DVec4::new(x, view.y / tan, camera.near_m, -view.z)
+            }
+            Self::Flat => flat(map().map(|at| at / FRAC_PI_2)),
+            Self::HyperbolicPolar => flat(hyperbolic_polar(map(), K)),
+            Self::HyperbolicCartesian => flat(map().map(|at| hyperbolic_cartesian(at, K))),
+            Self::Dome => flat(dome(view)),
+        }
+    }
+}
+
+/// `(x, y) / (ρ + K)`: radius `r' = ρ / (ρ + K)`, the angle stays.
+pub(crate) fn hyperbolic_polar([x, y]: [f64; 2], k: f64) -> [f64; 2] {
+    let from = x.hypot(y) + k;
+    // At the middle of a map with K = 0 all directions are one.
+    if from > 0.0 {
+        [x / from, y / from]
+    } else {
+        [0.0; 2]
+    }
+}
+
+/// `x / √(x² + K²)`, each axis by itself.
+pub(crate) fn hyperbolic_cartesian(x: f64, k: f64) -> f64 {
+    let from = x.hypot(k);
+    if from > 0.0 { x / from } else { 0.0 }
+}
+
+/// Share of a quarter turn from straight ahead, in the direction where it is seen; the view looks along −z.
+pub(crate) fn dome(view: DVec3) -> [f64; 2] {
+    let across = view.x.hypot(view.y);
+    let share = across.atan2(-view.z) / FRAC_PI_2;
+    if across > 0.0 {
+        [view.x, view.y].map(|at| share * at / across)
+    } else {
+        [0.0; 2]
+    }
+}
+
+/// Fewest segments of a straight path with which no point is off by more than a quarter of a pixel.
+///
+/// - `place`: along the path, 0 … 1, to pixels
+fn segments(place: impl Fn(f64) -> [f64; 2]) -> u32 {
+    (1..1000)
+        .find(|count| off_px(&place, *count) <= FINE_PX)
+        .unwrap_or(1000)
+}
+
+/// Largest distance between a path and its segments at the same share of the way.
+fn off_px(place: &impl Fn(f64) -> [f64; 2], count: u32) -> f64 {
+    const PARTS: u32 = 32;
+    let count_ = f64::from(count);
+    let mut worst = 0.0_f64;
+    for segment in 0..count {
+        let [from, to] = [segment, segment + 1].map(|at| f64::from(at) / count_);
+        let [a, b] = [place(from), place(to)];
+        for part in 1..PARTS {
+            let share = f64::from(part) / f64::from(PARTS);
+            let at = place(from + share * (to - from));
+            let off = [0, 1].map(|i| a[i] + share * (b[i] - a[i]) - at[i]);
+            worst = worst.max(off[0].hypot(off[1]));
+        }
+    }
+    worst
+}
+
+/// The section.
+pub(crate) fn blocks() -> Vec<Block> {
+    let rows = paths().map(|(name, place)| {
+        let ten = off_px(&place, 10);
+        Row::new(vec![
+            Cell::name(name),
+            Cell::plain(segments(&place).to_string()),
+            Cell::plain(significant(ten)),
+        ])
+    });
+    vec![
+        Block::section("Projections"),
+        Block::Text(
+            "Gebbie & Bailey draw a decal as 10 × 10 sub-quads, whose edges a projection bends. Paths as long as K, \
+             or as the eye's distance in the dome, at a rim of 540 px; computed."
+                .to_owned(),
+        ),
+        Block::Table(Table {
+            caption: "Segments that a straight path needs".to_owned(),
+            headings: ["path", "segments for ¼ px", "off with 10, px"].map(Heading::plain).into(),
+            rows: rows.into(),
+            ..Table::default()
+        }),
+    ]
+}
+
+type Path = Box<dyn Fn(f64) -> [f64; 2]>;
+
+fn paths() -> [(&'static str, Path); 4] {
+    let px = |at: [f64; 2]| at.map(|at| RIM_PX * at);
+    [
+        (
+            "hyperbolic, from the focus outwards",
+            Box::new(move |share| px(hyperbolic_polar([share * K, 0.0], K))),
+        ),
+        (
+            "hyperbolic, past the focus",
+            Box::new(move |share| px(hyperbolic_polar([(share - 0.5) * K, 0.25 * K], K))),
+        ),
+        (
+            "hyperbolic by Cartesian coordinates, past the focus",
+            Box::new(move |share| {
+                px([(share - 0.5) * K, 0.25 * K].map(|at| hyperbolic_cartesian(at, K)))
+            }),
+        ),
+        (
+            "dome, across the view",
+            Box::new(move |share| px(dome(DVec3::new(share, 0.0, -1.0)))),
+        ),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn maps_go_to_their_rim_and_back() {
+        for at in [0.1, 1.0, 3.0] {
+            let [x, y] = hyperbolic_polar([0.6 * at, 0.8 * at], K);
+            let radius = x.hypot(y);
+            assert!((K * radius / (1.0 - radius) - at).abs() < 1e-12);
+            assert!((y / x - 0.8 / 0.6).abs() < 1e-12);
+            let x = hyperbolic_cartesian(at, K);
+            assert!((K * x / (1.0 - x * x).sqrt() - at).abs() < 1e-12);
+        }
+        // K = 0 sends all to the rim, K = ∞ to the middle.
+        assert_eq!(hyperbolic_polar([3.0, 4.0], 0.0), [0.6, 0.8]);
+        assert_eq!(hyperbolic_polar([3.0, 4.0], f64::INFINITY), [0.0; 2]);
+        assert_eq!(hyperbolic_cartesian(-2.0, 0.0), -1.0);
+        assert_eq!(hyperbolic_cartesian(-2.0, f64::INFINITY), 0.0);
+        for at in [
+            hyperbolic_polar([0.0; 2], 0.0),
+            dome(DVec3::ZERO),
+            dome(DVec3::NEG_Z),
+        ] {
+            assert_eq!(at, [0.0; 2]);
+        }
+        assert!((dome(DVec3::X)[0] - 1.0).abs() < 1e-12);
+        assert!((dome(DVec3::new(1.0, 0.0, -1.0))[0] - 0.5).abs() < 1e-12);
+        assert!(hyperbolic_cartesian(0.0, 0.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn segments_are_as_many_as_the_second_derivative_says() {
+        let [(_, outwards), _, _, (_, across)] = paths();
+        // f'' = 1080 / K² at the focus: k = √540 = 23.2 for a quarter of a pixel.
+        assert!(
+            (22..=24).contains(&segments(&outwards)),
+            "{}",
+            segments(&outwards)
+        );
+        assert!(
+            (off_px(&outwards, 10) - 1.17).abs() < 0.02,
+            "{}",
+            off_px(&outwards, 10)
+        );
+        assert!(
+            (9..=12).contains(&segments(&across)),
+            "{}",
+            segments(&across)
+        );
+        assert!(
+            (off_px(&across, 10) - 0.27).abs() < 0.02,
+            "{}",
+            off_px(&across, 10)
+        );
+        // Twin: a straight map needs one.
+        assert_eq!(segments(|share| [RIM_PX * share, 0.0]), 1);
+    }
+
+    #[test]
+    fn every_place_of_every_projection_is_finite() {
+        let body = Ellipsoid::WGS84;
+        let size = ImageSize {
+            width: 100,
+            height: 100,
+        };
+        for focus_deg in [[15.0, 20.0], [180.0, -89.0], [0.0, 90.0]] {
+            let row = crate::list::ViewRow {
+                name: String::new(),
+                longitude_deg: focus_deg[0],
+                latitude_deg: focus_deg[1],
+                height_m: 8e6,
+                pitch_deg: -90.0,
+                quick: false,
+                all_cells: false,
+            };
+            let eye = row.eye(size.width);
+            for projection in Projection::ALL {
+                for i in 0..200_u32 {
+                    let place = Geodetic {
+                        longitude_rad: f64::from(i) * 0.9 - PI,
+                        latitude_rad: (f64::from(i) * 0.37).sin() * FRAC_PI_2,
+                        height_m: 0.0,
+                    };
+                    let relative_m = body.geodetic_to_ecef(place) - eye.camera.eye_ecef;
+                    let clip =
+                        projection.clip((&body, &eye.camera, size), eye.pose.eye, relative_m);
+                    assert!(clip.is_finite(), "{projection:?} {place:?}");
+                    if matches!(
+                        projection,
+                        Projection::HyperbolicPolar | Projection::HyperbolicCartesian
+                    ) {
+                        assert!(clip.x.abs() < 1.0 && clip.y.abs() < 1.0);
+                    }
+                }
+            }
+        }
+    }
+}

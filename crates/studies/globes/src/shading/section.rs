@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The sections on layers: the ladder of features, pictures, faults, projections, and triangles against pixels.
+
+use super::{FAULTS, PART};
+use crate::published::{TABLE_3, tessellation_published};
+use terrafill_plot::number::significant;
+use terrafill_results::{
+    Block, Case, Cell, Clock, Finding, Heading, Picture, PictureFigure, Pictures, Row, Run,
+    Standing, Table,
+};
+
+/// What is measured.
+const WHAT_IS_COMPARED: &str = "Colour with water, bumps, clouds and lights of night lie over the spiral, each in its own cube map or in a \
+     picture by longitude and latitude, as dense along the equator. They are baked from smooth functions of \
+     direction, and each pixel is held against these functions in f64, at the place that its ray meets: the \
+     largest channel's difference, 1 being white. A frame makes the mesh, sends it and draws it.";
+/// Share of the time above which time is not independent of the number of triangles.
+const INDEPENDENT: f64 = 0.03;
+
+fn cases<'a>(run: &'a Run, what: &str) -> Vec<&'a Case> {
+    let own = run.of_study(crate::STUDY);
+    own.filter(|case| {
+        !case.is_twin() && case.condition("part") == PART && case.condition("what") == what
+    })
+    .collect()
+}
+
+fn value(case: &Case, metric: &str) -> Option<f64> {
+    case.value(metric).filter(|_| case.counts())
+}
+
+/// The sections; nothing where no case was planned.
+pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
+    let ladder = cases(run, "ladder");
+    if ladder.is_empty() {
+        return Vec::new();
+    }
+    let mut blocks = vec![
+        Block::section("Five layers"),
+        Block::Text(WHAT_IS_COMPARED.to_owned()),
+        Block::Table(ladder_table(&ladder, clock)),
+        Block::Finding(bump_finding(&ladder, clock)),
+        Block::Table(errors(
+            "Cube maps against pictures by angles",
+            &cases(run, "pictures"),
+            "pictures",
+        )),
+        Block::Finding(pole_finding(&cases(run, "pictures"))),
+        Block::Table(errors(
+            "Faults of the printed shader",
+            &cases(run, "faults"),
+            "fault",
+        )),
+        Block::Finding(fault_finding(&cases(run, "faults"))),
+    ];
+    let tessellation = cases(run, "tessellation");
+    if !tessellation.is_empty() {
+        blocks.push(Block::section("Triangles against pixels"));
+        blocks.push(Block::Table(tessellation_table(&tessellation, clock)));
+        blocks.push(Block::Finding(tessellation_finding(&tessellation, clock)));
+    }
+    let shown = ["ladder", "pictures", "faults", "projections"];
+    let all: Vec<&Case> = shown.iter().flat_map(|what| cases(run, what)).collect();
+    blocks.extend(pictures(&all));
+    blocks
+}
+
+fn ladder_table(cases: &[&Case], clock: Clock) -> Table {
+    let metric = crate::clock::whole(clock);
+    let drawing = crate::clock::draw(clock);
+    let first = cases.first().and_then(|case| value(case, drawing));
+    let mut before = first;
+    let rows = cases
+        .iter()
+        .zip(TABLE_3)
+        .map(|(case, (removed, published))| {
+            let ms = value(case, drawing);
+            let ratio = ms.zip(first).map(|(ms, first)| ms / first);
+            let step = ms
+                .zip(before)
+                .zip(first)
+                .map(|((ms, before), first)| (before - ms) / first);
+            before = ms;
+            let why = match case.reason.as_str() {
+                "" => "not measured",
+                reason => reason,
+            };
+            Row::new(vec![
+                Cell::name(removed),
+                Cell::plain(significant(published / TABLE_3[0].1)),
+                Cell::or_absent(ratio.map(significant), why),
+                Cell::or_absent(step.map(|step| format!("{:.1} %", 100.0 * step)), why),
+                Cell::or_absent(ms.map(significant), why),
+                Cell::or_absent(value(case, metric).map(significant), why),
+                Cell::or_absent(value(case, "globe_shade_p99").map(significant), why),
+            ])
+        });
+    Table {
+        caption: "Features removed one after the other, each row lacking all above: ours beside Gebbie & Bailey's Table \
+                  3, as ratios to the first row"
+            .to_owned(),
+        headings: vec![
+            Heading::plain("feature removed"),
+            Heading::plain("published, ratio"),
+            Heading::plain("ours, ratio"),
+            Heading::plain("saved of the whole"),
+            Heading::metric("draw, ms", drawing),
+            Heading::metric("frame, ms", metric),
+            Heading::metric("off the functions, 99 %", "globe_shade_p99"),
+        ],
+        rows: rows.collect(),
+        ..Table::default()
+    }
+}
+
+/// What each removal saves, ms, by its name.
+fn savings(cases: &[&Case], clock: Clock) -> Option<Vec<(&'static str, f64)>> {
+    let times: Option<Vec<f64>> = cases
+        .iter()
+        .map(|case| value(case, crate::clock::draw(clock)))
+        .collect();
+    let times = times.filter(|times| times.len() == TABLE_3.len())?;
+    let pairs = times.windows(2).zip(&TABLE_3[1..]);
+    Some(
+        pairs
+            .map(|(pair, (name, _))| (*name, pair[0] - pair[1]))
+            .collect(),
+    )
+}
+
+fn bump_finding(cases: &[&Case], clock: Clock) -> Finding {
+    let savings = savings(cases, clock);
+    let most = savings.as_ref().and_then(|savings| {
+        let all = savings.iter();
+        all.max_by(|a, b| a.1.total_cmp(&b.1)).copied()
+    });
+    Finding {
+        claim: "Gebbie & Bailey: bump mapping costs most of the layers".to_owned(),
+        standing: match most {
+            Some((name, _)) => Standing::holds_if(name == "Bump mapping"),
+            None => Standing::CannotTell,
+        },
+        because: match most {
+            Some((name, ms)) => format!(
+                "Here most is saved by removing “{name}”: {} ms.",
+                significant(ms)
+            ),
+            None => "The ladder was not timed.".to_owned(),
+        },
+    }
+}
+
+fn errors(caption: &str, cases: &[&Case], key: &str) -> Table {
+    let columns = [
+        ("largest", "globe_shade_max"),
+        ("99 %", "globe_shade_p99"),
+        ("within 5° of a pole, largest", "globe_shade_polar_max"),
+        ("99 %", "globe_shade_polar_p99"),
+        ("not finite", "globe_non_finite"),
+    ];
+    let rows = cases.iter().map(|case| {
+        let mut cells = vec![
+            Cell::name(case.condition("view")),
+            Cell::name(case.condition(key)),
+        ];
+        cells.extend(columns.iter().map(|(_, metric)| {
+            Cell::or_absent(case.value(metric).map(significant), "no pixel is there")
+        }));
+        Row {
+            cells,
+            status: case.outcome.name().to_owned(),
+            remark: case.reason.clone(),
+        }
+    });
+    let mut headings = vec![Heading::plain("view"), Heading::plain(key)];
+    headings.extend(
+        columns
+            .iter()
+            .map(|(text, metric)| Heading::metric(*text, *metric)),
+    );
+    Table {
+        caption: caption.to_owned(),
+        headings,
+        rows: rows.collect(),
+        ..Table::default()
+    }
+}
+
+fn pole_finding(cases: &[&Case]) -> Finding {
+    let polar = |pictures: &str| {
+        let mut own = cases.iter().filter(|case| {
+            case.condition("view") == "globe-pole" && case.condition("pictures") == pictures
+        });
+        own.next()
+            .and_then(|case| value(case, "globe_shade_polar_p99"))
+    };
+    let pair = polar("cube").zip(polar("angles"));
+    Finding {
+        claim: "Gebbie & Bailey: cube maps mend what pictures by angles do at the poles".to_owned(),
+        standing: match pair {
+            Some((cube, angles)) => Standing::holds_if(cube < angles),
+            None => Standing::CannotTell,
+        },
+        because: match pair {
+            Some((cube, angles)) => format!(
+                "Within 5° of the pole 99 % of the pixels are off by at most {} with cube maps and {} with pictures by \
+                 angles. Bumps are stored along parallels, whose direction turns once round the pole in either.",
+                significant(cube),
+                significant(angles)
+            ),
+            None => "The pole was not drawn.".to_owned(),
+        },
+    }
+}
+
+fn fault_finding(cases: &[&Case]) -> Finding {
+    let words: Vec<String> = FAULTS
+        .iter()
+        .map(|(_, name)| {
+            let own = cases.iter().filter(|case| case.condition("fault") == *name);
+            let own: Vec<&&Case> = own.collect();
+            let lost: f64 = own
+                .iter()
+                .filter_map(|case| case.value("globe_non_finite"))
+                .sum();
+            let worst = own
+                .iter()
+                .filter_map(|case| case.value("globe_shade_max"))
+                .max_by(f64::total_cmp);
+            match worst {
+                Some(worst) => format!(
+                    "{name}: {lost} pixels not finite, off by up to {}",
+                    significant(worst)
+                ),
+                None => format!("{name}: {lost} pixels not finite"),
+            }
+        })
+        .collect();
+    let shows = cases.iter().any(|case| {
+        case.value("globe_non_finite")
+            .is_some_and(|lost| lost > 0.0)
+            || case
+                .value("globe_shade_max")
+                .is_some_and(|worst| worst > super::ALLOWED)
+    });
+    Finding {
+        claim: "The shader as printed is wrong here: an undeclared variable, a power of what is negative, a tangent of no \
+                length, night by the negated light"
+            .to_owned(),
+        standing: match cases.is_empty() {
+            true => Standing::CannotTell,
+            false => Standing::holds_if(shows),
+        },
+        because: format!("The first does not compile. {}.", words.join("; ")),
+    }
+}
+
+fn tessellation_table(cases: &[&Case], clock: Clock) -> Table {
+    let drawing = crate::clock::draw(clock);
+    let of = |removed: &str| -> Vec<&Case> {
+        let own = cases.iter().copied();
+        own.filter(|case| case.condition("removed") == removed)
+            .collect()
+    };
+    let (full, white) = (of("0"), of("7"));
+    let firsts = [&full, &white].map(|cases| {
+        let first = cases
+            .iter()
+            .rev()
+            .find(|case| case.condition("size_px") == "1000");
+        first.and_then(|case| value(case, drawing))
+    });
+    let rows = full.iter().rev().map(|case| {
+        let key = |case: &Case| {
+            [
+                case.condition("size_px").to_owned(),
+                case.condition("n").to_owned(),
+            ]
+        };
+        let plain = white.iter().find(|other| key(other) == key(case));
+        let times =
+            [Some(*case), plain.copied()].map(|case| case.and_then(|case| value(case, drawing)));
+        let mut cells = vec![
+            Cell::plain(format!("{}²", case.condition("size_px"))),
+            Cell::or_absent(
+                value(case, "globe_triangles").map(significant),
+                "not measured",
+            ),
+        ];
+        for (ms, first) in times.into_iter().zip(firsts) {
+            let ratio = ms.zip(first).map(|(ms, first)| ms / first);
+            cells.push(Cell::or_absent(ratio.map(significant), "not measured"));
+            cells.push(Cell::or_absent(ms.map(significant), "not measured"));
+        }
+        Row::new(cells)
+    });
+    Table {
+        caption: "Windows and triangles as in Gebbie & Bailey's Table 1, with the full shader and a white one; ratios to \
+                  the first row"
+            .to_owned(),
+        headings: vec![
+            Heading::plain("window"),
+            Heading::metric("triangles", "globe_triangles"),
+            Heading::plain("full, ratio"),
+            Heading::metric("full, draw ms", drawing),
+            Heading::plain("white, ratio"),
+            Heading::metric("white, draw ms", drawing),
+        ],
+        rows: rows.collect(),
+        ..Table::default()
+    }
+}
+
+/// Time with the most triangles over that with the fewest less 1, by window.
+fn growth(cases: &[&Case], removed: &str, clock: Clock) -> Vec<(String, f64)> {
+    let mut windows: Vec<&str> = cases.iter().map(|case| case.condition("size_px")).collect();
+    windows.dedup();
+    let of = |window: &&str| {
+        let own = cases.iter().filter(|case| {
+            case.condition("removed") == removed && case.condition("size_px") == *window
+        });
+        let mut times: Vec<(f64, f64)> = own
+            .filter_map(|case| {
+                let triangles = value(case, "globe_triangles")?;
+                Some((triangles, value(case, crate::clock::draw(clock))?))
+            })
+            .collect();
+        times.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (fewest, most) = (times.first()?, times.last()?);
+        (times.len() > 1).then(|| ((*window).to_owned(), most.1 / fewest.1 - 1.0))
+    };
+    windows.iter().filter_map(of).collect()
+}
+
+fn tessellation_finding(cases: &[&Case], clock: Clock) -> Finding {
+    let words = |growth: &[(String, f64)]| {
+        let shares = growth
+            .iter()
+            .map(|(window, share)| format!("{window}²: {:+.1} %", 100.0 * share));
+        shares.collect::<Vec<_>>().join(", ")
+    };
+    let (full, white) = (growth(cases, "0", clock), growth(cases, "7", clock));
+    let [published, _] = tessellation_published();
+    let published: Vec<String> = published
+        .iter()
+        .map(|share| format!("{:+.1} %", 100.0 * share))
+        .collect();
+    Finding {
+        claim: "Gebbie & Bailey: with the full shader GPU time does not depend on the number of triangles".to_owned(),
+        standing: match full.is_empty() {
+            true => Standing::CannotTell,
+            false => Standing::holds_if(full.iter().all(|(_, share)| *share <= INDEPENDENT)),
+        },
+        because: format!(
+            "From the fewest triangles to the most, full shader: {}; white: {}. Published, full: {}. More than {} % counts \
+             as dependent.",
+            words(&full),
+            words(&white),
+            published.join(", "),
+            100.0 * INDEPENDENT
+        ),
+    }
+}
+
+fn pictures(cases: &[&Case]) -> Option<Block> {
+    let shown = cases.iter().filter(|case| !case.note("picture").is_empty());
+    let figures: Vec<PictureFigure> = shown
+        .map(|case| PictureFigure {
+            pictures: vec![Picture {
+                path: case.note("picture").to_owned(),
+                caption: match case.condition("what") {
+                    "projections" => case.condition("projection").to_owned(),
+                    "faults" => case.condition("fault").to_owned(),
+                    "pictures" => case.condition("pictures").to_owned(),
+                    _ => format!("{} removed", case.condition("removed")),
+                },
+            }],
+            notes: vec![case.condition("view").to_owned()],
+        })
+        .collect();
+    (!figures.is_empty()).then(|| {
+        Block::Pictures(Pictures {
+            caption: "Layers and projections as drawn; what is not finite is magenta.".to_owned(),
+            reference: String::new(),
+            figures,
+        })
+    })
+}

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! How tiles of a map are laid over a grid on the screen.
+
+/// How triangles across ±180° are kept from running back over the whole map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Seam {
+    /// They are not.
+    None,
+    /// Split by the CPU where two corners' U differ by more than this; 0.7 as published.
+    Split(f64),
+    /// Each fragment takes U or its half-turned twin, whichever changes less (Tarini 2012).
+    Derivative,
+    /// U is counted from the eye's in `f32`, so that the seam lies behind the body.
+    Rotated,
+    /// U and V' are counted from the eye's texel, which is whole numbers: nothing is lost to `f32` near the eye.
+    Local,
+}
+
+impl Seam {
+    pub(crate) fn name(self) -> String {
+        match self {
+            Self::None => "none".to_owned(),
+            Self::Split(limit) => format!("split-{limit}"),
+            Self::Derivative => "derivative".to_owned(),
+            Self::Rotated => "rotated".to_owned(),
+            Self::Local => "local".to_owned(),
+        }
+    }
+
+    /// Whether it is expected to leave texels beside the seam wrong.
+    fn may_miss(self) -> bool {
+        match self {
+            Self::None | Self::Derivative => true,
+            // Corners of a triangle that holds no pole are less than half a turn apart.
+            Self::Split(limit) => limit > 0.5,
+            Self::Rotated | Self::Local => false,
+        }
+    }
+}
+
+/// How fragments come to their tile.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Drawing {
+    /// As published: the whole grid is drawn once for each tile, and fragments of other tiles are discarded.
+    DrawEach,
+    /// In one draw, from an array of all tiles.
+    Array,
+}
+
+impl Drawing {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::DrawEach => "draw-each",
+            Self::Array => "array",
+        }
+    }
+}
+
+/// One way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Options {
+    /// Cells along each side of the screen.
+    pub(crate) n: u32,
+    pub(crate) seam: Seam,
+    pub(crate) drawing: Drawing,
+    /// Whether Mercator's V' is made by each fragment, and not by each vertex.
+    pub(crate) by_fragment: bool,
+    /// Whether the finest level that a pixel of the frame asks for holds for all of it.
+    pub(crate) one_level: bool,
+}
+
+impl Options {
+    /// What others differ from in one thing.
+    pub(crate) const BASE: Self = Self {
+        n: 10,
+        seam: Seam::Split(0.5),
+        drawing: Drawing::Array,
+        by_fragment: false,
+        one_level: false,
+    };
+
+    /// Whether texels beside the seam may be wrong.
+    pub(crate) fn may_be_wrong(&self) -> bool {
+        self.seam.may_miss()
+    }
+
+    pub(crate) fn mercator(&self) -> &'static str {
+        if self.by_fragment {
+            "fragment"
+        } else {
+            "vertex"
+        }
+    }
+
+    pub(crate) fn level(&self) -> &'static str {
+        if self.one_level { "frame" } else { "pixel" }
+    }
+
+    /// What a view is drawn by.
+    ///
+    /// - `has_all_cells`: whether the published numbers of cells are gone through, drawn as published
+    pub(crate) fn of_view(is_quick: bool, has_all_cells: bool) -> Vec<Self> {
+        let base = Self::BASE;
+        let seams = [
+            Seam::Split(0.5),
+            Seam::None,
+            Seam::Split(0.7),
+            Seam::Derivative,
+            Seam::Rotated,
+            Seam::Local,
+        ];
+        let mut all: Vec<Self> = seams.map(|seam| Self { seam, ..base }).into();
+        all.push(Self {
+            by_fragment: true,
+            ..base
+        });
+        all.push(Self {
+            drawing: Drawing::DrawEach,
+            ..base
+        });
+        all.push(Self {
+            one_level: true,
+            ..base
+        });
+        if is_quick {
+            return all;
+        }
+        let cells = [2, 5, 20, 40, 80];
+        all.extend(cells.map(|n| Self { n, ..base }));
+        if has_all_cells {
+            all.extend((1..=9).map(|n| Self {
+                n,
+                drawing: Drawing::DrawEach,
+                ..base
+            }));
+        }
+        all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_way_is_planned_twice_and_each_differs_in_what_it_says() {
+        for has_all_cells in [false, true] {
+            let all = Options::of_view(false, has_all_cells);
+            for (at, one) in all.iter().enumerate() {
+                assert!(!all[at + 1..].contains(one), "{one:?}");
+            }
+        }
+        // Twins: half a turn misses nothing, more does.
+        assert!(Seam::Split(0.7).may_miss() && !Seam::Split(0.5).may_miss());
+    }
+}

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The section on tiles of a map over the grid on the screen.
+
+use super::PART;
+use terrafill_plot::number::{measured_bytes, significant};
+use terrafill_results::{Block, Case, Cell, Clock, Finding, Heading, Row, Run, Standing, Table};
+
+/// What is measured.
+const WHAT_IS_COMPARED: &str = "A Web Mercator map in tiles of 256 × 256 texels lies over the grid on the screen, with a stereographic \
+     cap about each pole. Every texel holds its own address, so the picture says which texel a pixel shows. \
+     “Texels” is how far outside it the pixel's place lies: by the triangles as drawn, with longitude in one \
+     piece, which leaves seam and f32 as causes; and by the body itself. Triangles that hold a pole are left out \
+     of the first: longitude is no function on them. A case of the base is a grid of 10 × 10 cells, split by the \
+     CPU at ½, V' by the vertex, one draw from an array, a level for each pixel; others differ in what is named.";
+
+fn cases(run: &Run) -> Vec<&Case> {
+    let own = run.of_study(crate::STUDY);
+    own.filter(|case| !case.is_twin() && case.condition("part") == PART)
+        .collect()
+}
+
+/// What differs from the base.
+fn name(case: &Case) -> String {
+    let base = super::Options::BASE;
+    let all = [
+        ("n", base.n.to_string()),
+        ("seam", base.seam.name()),
+        ("tiles", base.drawing.name().to_owned()),
+        ("mercator", base.mercator().to_owned()),
+        ("level", base.level().to_owned()),
+    ];
+    let other: Vec<String> = all
+        .iter()
+        .filter(|(key, value)| case.condition(key) != value)
+        .map(|(key, _)| format!("{key}={}", case.condition(key)))
+        .collect();
+    match other.is_empty() {
+        true => "base".to_owned(),
+        false => other.join(" "),
+    }
+}
+
+fn views<'a>(cases: &[&'a Case]) -> Vec<&'a str> {
+    let mut views: Vec<&str> = Vec::new();
+    for case in cases {
+        if !views.contains(&case.condition("view")) {
+            views.push(case.condition("view"));
+        }
+    }
+    views
+}
+
+/// The section; nothing where no case was planned.
+pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
+    let cases = cases(run);
+    if cases.is_empty() {
+        return Vec::new();
+    }
+    let mut blocks = vec![
+        Block::section("Tiles of a map over the grid on the screen"),
+        Block::Text(WHAT_IS_COMPARED.to_owned()),
+        Block::Finding(seam_finding(&cases)),
+    ];
+    for view in views(&cases) {
+        let own: Vec<&Case> = cases
+            .iter()
+            .copied()
+            .filter(|case| case.condition("view") == view)
+            .collect();
+        blocks.push(Block::Table(table(view, &own, clock)));
+    }
+    blocks
+}
+
+fn table(view: &str, cases: &[&Case], clock: Clock) -> Table {
+    let columns = [
+        ("crossing triangles", "globe_tile_crossing"),
+        ("missed", "globe_tile_missed"),
+        ("px at the seam", "globe_tile_seam_px"),
+        ("off by > ½ texel", "globe_tile_seam_wrong_px"),
+        ("texels, largest", "globe_tile_texels_max"),
+        ("texels, 99 %", "globe_tile_texels_p99"),
+        ("of the body, median", "globe_tile_true_texels_median"),
+        ("of the body, 99 %", "globe_tile_true_texels_p99"),
+        ("of the body, largest", "globe_tile_true_texels_max"),
+        ("px without a tile", "globe_tile_missing_px"),
+        ("px in triangles with a pole", "globe_tile_pole_px"),
+        ("tiles", "globe_tile_count"),
+        ("draws", "globe_tile_draws"),
+        ("frame, ms", crate::clock::whole(clock)),
+        ("draw, ms", crate::clock::draw(clock)),
+    ];
+    let rows = cases.iter().map(|case| {
+        let why = match case.reason.as_str() {
+            "" => "not measured",
+            reason => reason,
+        };
+        let mut cells = vec![Cell::name(name(case))];
+        cells.extend(
+            columns
+                .iter()
+                .map(|(_, metric)| Cell::or_absent(case.value(metric).map(significant), why)),
+        );
+        let bytes = case.value("globe_tile_bytes").map(measured_bytes);
+        cells.push(Cell::or_absent(bytes, why));
+        Row {
+            cells,
+            status: case.outcome.name().to_owned(),
+            remark: case.reason.clone(),
+        }
+    });
+    let mut headings = vec![Heading::plain("way")];
+    headings.extend(
+        columns
+            .iter()
+            .map(|(text, metric)| Heading::metric(*text, *metric)),
+    );
+    headings.push(Heading::metric("tiles, bytes", "globe_tile_bytes"));
+    Table {
+        caption: format!("Tiles in view {view}"),
+        headings,
+        rows: rows.collect(),
+        ..Table::default()
+    }
+}
+
+/// Triangles across the seam and those that a rule misses, and pixels beside it and those that are wrong.
+fn seam_sums(cases: &[&Case], seam: &str) -> [f64; 4] {
+    let metrics = [
+        "globe_tile_crossing",
+        "globe_tile_missed",
+        "globe_tile_seam_px",
+        "globe_tile_seam_wrong_px",
+    ];
+    let of_rule: Vec<&&Case> = cases
+        .iter()
+        .filter(|case| case.condition("seam") == seam)
+        .collect();
+    metrics.map(|metric| of_rule.iter().filter_map(|case| case.value(metric)).sum())
+}
+
+fn seam_finding(cases: &[&Case]) -> Finding {
+    let rules = [
+        "none",
+        "split-0.7",
+        "split-0.5",
+        "derivative",
+        "rotated",
+        "local",
+    ];
+    let sums: Vec<(&str, [f64; 4])> = rules.map(|rule| (rule, seam_sums(cases, rule))).into();
+    let [crossing, _, px, wrong] = seam_sums(cases, "split-0.5");
+    let words = sums.iter().map(|(rule, [crossing, missed, px, wrong])| {
+        format!("{rule}: {missed} of {crossing} triangles missed, {wrong} of {px} px wrong")
+    });
+    Finding {
+        claim: "Split at half a turn, no texel is off by more than ½ within two pixels of ±180°"
+            .to_owned(),
+        standing: match crossing > 0.0 && px > 0.0 {
+            true => Standing::holds_if(wrong == 0.0),
+            false => Standing::CannotTell,
+        },
+        because: format!("{}.", words.collect::<Vec<_>>().join("; ")),
+    }
+}
+
+/// Cells a side and time of a frame drawn as published, by view, for views that go through the published numbers of
+/// cells.
+pub(crate) fn frame_times_by_cells(run: &Run, clock: Clock) -> Vec<(String, Vec<[f64; 2]>)> {
+    let cases = cases(run);
+    let times = |view: &&str| {
+        let own = cases.iter().filter(|case| {
+            case.condition("view") == *view
+                && case.condition("tiles") == "draw-each"
+                && case.counts()
+        });
+        let mut times: Vec<[f64; 2]> = own
+            .filter_map(|case| {
+                let n: f64 = case.condition("n").parse().ok()?;
+                Some([n, case.value(crate::clock::whole(clock))?])
+            })
+            .collect();
+        times.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        ((*view).to_owned(), times)
+    };
+    let all = views(&cases);
+    let with = all.iter().map(times);
+    with.filter(|(_, times)| times.len() >= 3).collect()
+}

@@ -1,0 +1,512 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Triangles across ±180° split by a geometry shader, as published, and by the CPU, on Vulkan. Each pixel shows its U in
+//! 24 bits, which is held against U in one piece over the triangle, in `f64`.
+
+use super::mesh::{MapMesh, MapVertex, map_mesh};
+use super::options::{Options, Seam};
+use super::truth::{Truth, truths};
+use super::{ALLOWED_TEXELS, KIND};
+use crate::STUDY;
+use crate::canvas::view_constants;
+use crate::list::{Eye, ViewRow};
+use crate::opened::Opened;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use std::sync::Arc;
+use terrafill_fill::{CpuStopwatch, DeviceError, Picture, ViewConstants};
+use terrafill_maps::TILE_TEXELS;
+use terrafill_plot::number::significant;
+use terrafill_results::{
+    Block, Case, CaseId, Cell, Clock, Finding, Heading, PlannedCase, Row, Run, Standing, Status,
+    Table, Verdict,
+};
+use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_vulkan::{
+    Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, GeometryOutput, Gpu, Measured,
+    PrimitiveStages, RenderTargets, Resource, Resources, Shader, Topology, VertexFormat,
+};
+use toml::Value;
+
+/// Name of this part in cases.
+pub(crate) const PART: &str = "seams";
+
+/// Who splits, and where two corners' U differ by how much.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Splitter {
+    Nobody,
+    Cpu(f64),
+    Geometry(f64),
+}
+
+impl Splitter {
+    const ALL: [Self; 5] = [
+        Self::Nobody,
+        Self::Cpu(0.7),
+        Self::Cpu(0.5),
+        Self::Geometry(0.7),
+        Self::Geometry(0.5),
+    ];
+
+    fn names(self) -> [String; 2] {
+        match self {
+            Self::Nobody => ["nobody".to_owned(), String::new()],
+            Self::Cpu(limit) => ["cpu".to_owned(), limit.to_string()],
+            Self::Geometry(limit) => ["geometry-shader".to_owned(), limit.to_string()],
+        }
+    }
+
+    /// Compiled for the limit.
+    fn shader(self) -> Option<GeometryOutput> {
+        let name = match self {
+            Self::Geometry(limit) if limit > 0.5 => "globes/seam.published.spv",
+            Self::Geometry(_) => "globes/seam.half.spv",
+            Self::Nobody | Self::Cpu(_) => return None,
+        };
+        Some(GeometryOutput {
+            name,
+            vertices: 9,
+            // A position, and U, whose location counts as a whole of four.
+            components: 8,
+        })
+    }
+
+    fn seam(self) -> Seam {
+        match self {
+            Self::Cpu(limit) => Seam::Split(limit),
+            Self::Nobody | Self::Geometry(_) => Seam::None,
+        }
+    }
+
+    fn may_be_wrong(self) -> bool {
+        match self {
+            Self::Nobody => true,
+            Self::Cpu(limit) | Self::Geometry(limit) => limit > 0.5,
+        }
+    }
+}
+
+/// A view, and who splits.
+pub(crate) struct Stages {
+    name: String,
+    eye: Eye,
+    cases: Vec<PlannedCase>,
+    opened: Rc<Opened>,
+}
+
+impl Stages {
+    pub(crate) fn new(view: &ViewRow, (side_px, samples): (u32, u32), opened: &Rc<Opened>) -> Self {
+        let cases = Splitter::ALL.map(|splitter| {
+            let [by, limit] = splitter.names();
+            let name = format!("{PART}/{}/{by}{limit}", view.name);
+            let conditions = [
+                ("part", PART.to_owned()),
+                ("view", view.name.clone()),
+                ("split_by", by),
+                ("limit", limit),
+                ("size_px", side_px.to_string()),
+            ];
+            PlannedCase {
+                id: CaseId::new(STUDY, name, conditions),
+                samples,
+                may_be_wrong: splitter.may_be_wrong(),
+            }
+        });
+        Self {
+            name: view.name.clone(),
+            eye: view.eye(side_px),
+            cases: cases.into(),
+            opened: Rc::clone(opened),
+        }
+    }
+
+    fn options(splitter: Splitter) -> Options {
+        Options {
+            seam: splitter.seam(),
+            ..Options::BASE
+        }
+    }
+}
+
+impl Group for Stages {
+    fn name(&self) -> String {
+        format!("{STUDY}/{PART}/{}", self.name)
+    }
+
+    fn cases(&self) -> &[PlannedCase] {
+        &self.cases
+    }
+
+    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
+        Ok(Box::new(StageSession {
+            group: self,
+            context,
+            targets: None,
+            truths: None,
+            ready: BTreeMap::new(),
+        }))
+    }
+}
+
+struct Ready {
+    pipeline: DrawPipeline,
+    view: Arc<Buffer>,
+    vertices: Arc<Buffer>,
+}
+
+struct StageSession<'a> {
+    group: &'a Stages,
+    context: Context<'a>,
+    targets: Option<RenderTargets>,
+    truths: Option<Rc<Vec<Option<Truth>>>>,
+    ready: BTreeMap<usize, Ready>,
+}
+
+/// Pixels beside the seam, those off by more than half a texel, and the largest error of those whose triangle holds no
+/// pole, texels of the level that each pixel asks for.
+fn judge(truths: &[Option<Truth>], picture: &Picture) -> [f64; 3] {
+    let (mut beside, mut wrong, mut worst) = (0.0, 0.0, 0.0_f64);
+    for (truth, pixel) in truths.iter().zip(picture.rgba.chunks_exact(4)) {
+        let Some(truth) = truth.filter(|truth| !truth.holds_pole && truth.drawn.cap.is_none())
+        else {
+            continue;
+        };
+        let [r, g, b, a] = [0, 1, 2, 3].map(|i| u32::from(pixel[i]));
+        let shown = f64::from((r << 16) | (g << 8) | b) + 0.5;
+        let off = shown / 2_f64.powi(24) - truth.drawn.u;
+        let side = TILE_TEXELS * f64::from(truth.levels[1]).exp2();
+        let texels = match a {
+            0 => f64::INFINITY,
+            _ => (off - off.round()).abs() * side,
+        };
+        // A pixel at the limb that rays meet and the device does not draw is none of the seam's.
+        if texels.is_finite() {
+            worst = worst.max(texels);
+        }
+        if truth.is_at_seam {
+            beside += 1.0;
+            wrong += f64::from(u8::from(texels > ALLOWED_TEXELS));
+        }
+    }
+    [beside, wrong, worst]
+}
+
+impl StageSession<'_> {
+    fn mesh(&self, splitter: Splitter) -> Result<(MapMesh, Vec<Option<Truth>>), String> {
+        let eye = &self.group.eye;
+        let options = Stages::options(splitter);
+        let parameters =
+            toml::Table::from_iter([("n".to_owned(), Value::Integer(options.n.into()))]);
+        let surface = self.group.opened.get(KIND, &parameters)?;
+        let frame = surface.frame(&eye.camera, eye.size);
+        let frame = frame.map_err(|error| error.to_string())?;
+        let mesh = map_mesh(&eye.body, &eye.camera, &frame, &options);
+        let truths = match self.truths {
+            Some(_) => Vec::new(),
+            None => truths(eye, &frame),
+        };
+        Ok((mesh, truths))
+    }
+
+    fn open(
+        &mut self,
+        gpu: &Arc<Gpu>,
+        splitter: Splitter,
+        count: usize,
+    ) -> Result<Ready, DeviceError> {
+        if self.targets.is_none() {
+            self.targets = Some(RenderTargets::new(gpu, self.group.eye.size)?);
+        }
+        let bytes = size_of::<ViewConstants>() as u64;
+        let view = Arc::new(Buffer::streamed(
+            gpu,
+            "view constants",
+            bytes,
+            BufferUse::Uniform,
+        )?);
+        let bytes = (count * size_of::<MapVertex>()) as u64;
+        let vertices = Buffer::streamed(gpu, "map vertices", bytes, BufferUse::Storage)?;
+        let vertices = Arc::new(vertices);
+        let resources = vec![
+            Resource::Uniform(Arc::clone(&view)),
+            Resource::Storage(Arc::clone(&vertices)),
+        ];
+        let resources = Resources::new(gpu, resources)?;
+        let shader = |entry_point| Shader::Wgsl {
+            path: "globes/seam.wgsl",
+            entry_point,
+        };
+        let stages = PrimitiveStages::Vertices {
+            vertex: shader("vertex_main"),
+            geometry: splitter.shader(),
+            format: VertexFormat::Number,
+            topology: Topology::Triangles,
+        };
+        Ok(Ready {
+            pipeline: DrawPipeline::new(gpu, &resources, stages, shader("fragment_main"))?,
+            view,
+            vertices,
+        })
+    }
+
+    fn draw(
+        &mut self,
+        ready: &Ready,
+        vertices: &[MapVertex],
+        measured: Measured,
+    ) -> Result<Option<f64>, DeviceError> {
+        ready
+            .view
+            .stream(bytemuck::bytes_of(&view_constants(&self.group.eye)))?;
+        ready.vertices.stream(bytemuck::cast_slice(vertices))?;
+        let count = u32::try_from(vertices.len()).unwrap_or(u32::MAX);
+        let whole = 0..count;
+        let draw = DirectDraw {
+            pipeline: &ready.pipeline,
+            vertices: None,
+            call: DrawCall::Vertices(std::slice::from_ref(&whole)),
+        };
+        let targets = self.targets.as_mut();
+        let targets = targets.ok_or(DeviceError::Missing("targets of the seam"))?;
+        Ok(targets.draw_directly(None, &draw, measured)?.gpu_ms)
+    }
+
+    fn make(&mut self, case: usize) -> Result<Result<Verdict, String>, DeviceError> {
+        let splitter = Splitter::ALL[case];
+        let (mesh, truths) = match self.mesh(splitter) {
+            Ok(made) => made,
+            Err(error) => return Ok(Err(error)),
+        };
+        let truths = Rc::clone(self.truths.get_or_insert_with(|| Rc::new(truths)));
+        let gpu = terrafill_vulkan::shared_gpu(self.context.devices)?;
+        let ready = self.open(&gpu, splitter, mesh.vertices.len())?;
+        self.draw(&ready, &mesh.vertices, Measured::Nothing)?;
+        let targets = self.targets.as_ref();
+        let picture = targets
+            .ok_or(DeviceError::Missing("targets of the seam"))?
+            .read()?;
+        let [beside, wrong, worst] = judge(&truths, &picture);
+        self.ready.insert(case, ready);
+        let mut figures = vec![
+            ("globe_tile_seam_px", beside),
+            ("globe_tile_seam_wrong_px", wrong),
+            ("globe_tile_texels_max", worst),
+            ("globe_tile_crossing", mesh.crossing as f64),
+            ("globe_triangles", (mesh.vertices.len() / 3) as f64),
+            (
+                "globe_upload_bytes",
+                std::mem::size_of_val(mesh.vertices.as_slice()) as f64,
+            ),
+        ];
+        // What a geometry shader leaves whole nobody counts but it.
+        if splitter.shader().is_none() {
+            figures.push(("globe_tile_missed", mesh.missed as f64));
+        }
+        let reason = match wrong > 0.0 {
+            true => format!(
+                "{wrong} of {beside} pixels beside ±180° are off by more than {ALLOWED_TEXELS} texel, allowed 0"
+            ),
+            false => String::new(),
+        };
+        Ok(Ok(Verdict {
+            status: if reason.is_empty() {
+                Status::Ok
+            } else {
+                Status::Wrong
+            },
+            reason,
+            figures,
+            notes: Vec::new(),
+        }))
+    }
+
+    fn time(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+        let ready = self.ready.remove(&case).ok_or("it was not verified")?;
+        let watch = CpuStopwatch::start();
+        let (mesh, _) = self.mesh(Splitter::ALL[case])?;
+        let make_ms = watch.cpu_ms();
+        let gpu_ms = self.draw(&ready, &mesh.vertices, Measured::Times);
+        let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
+        self.ready.insert(case, ready);
+        let gpu_ms = gpu_ms.map_err(|error| error.to_string())?;
+        let mut values = vec![
+            ("globe_whole_cpu_ms", cpu_ms),
+            ("globe_whole_wall_ms", wall_ms),
+            ("globe_make_cpu_ms", make_ms),
+            ("globe_draw_cpu_ms", cpu_ms - make_ms),
+        ];
+        if let Some(gpu_ms) = gpu_ms {
+            values.push(("globe_draw_gpu_ms", gpu_ms));
+            values.push(("globe_whole_gpu_ms", make_ms + gpu_ms));
+        }
+        Ok(values)
+    }
+}
+
+impl Session for StageSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+        Ok(match self.make(case) {
+            Ok(Ok(verdict)) => verdict,
+            Ok(Err(error)) => Verdict::failed(error),
+            Err(error @ (DeviceError::Unsupported { .. } | DeviceError::OverCapacity { .. })) => {
+                Verdict::skipped(error.to_string())
+            }
+            Err(error) => Verdict::failed(error.to_string()),
+        })
+    }
+
+    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+        self.time(case)
+    }
+}
+
+/// The section; nothing where no case was planned.
+pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
+    let own = run.of_study(STUDY);
+    let cases: Vec<&Case> = own
+        .filter(|case| !case.is_twin() && case.condition("part") == PART)
+        .collect();
+    if cases.is_empty() {
+        return Vec::new();
+    }
+    let columns = [
+        ("triangles sent", "globe_triangles"),
+        ("crossing", "globe_tile_crossing"),
+        ("missed", "globe_tile_missed"),
+        ("px at the seam", "globe_tile_seam_px"),
+        ("off by > ½ texel", "globe_tile_seam_wrong_px"),
+        ("texels, largest", "globe_tile_texels_max"),
+        ("frame, ms", crate::clock::whole(clock)),
+        ("make, CPU ms", "globe_make_cpu_ms"),
+        ("draw, ms", crate::clock::draw(clock)),
+    ];
+    let rows = cases.iter().map(|case| {
+        let why = match case.reason.as_str() {
+            "" => "only the shader knows",
+            reason => reason,
+        };
+        let mut cells = ["view", "split_by", "limit"]
+            .map(|key| Cell::name(case.condition(key)))
+            .to_vec();
+        cells.extend(
+            columns
+                .iter()
+                .map(|(_, metric)| Cell::or_absent(case.value(metric).map(significant), why)),
+        );
+        Row {
+            cells,
+            status: case.outcome.name().to_owned(),
+            remark: case.reason.clone(),
+        }
+    });
+    let mut headings = ["view", "split by", "where U differs by"]
+        .map(Heading::plain)
+        .to_vec();
+    headings.extend(
+        columns
+            .iter()
+            .map(|(text, metric)| Heading::metric(*text, *metric)),
+    );
+    vec![
+        Block::section("The seam split by a geometry shader and by the CPU"),
+        Block::Text(
+            "On Vulkan, 10 × 10 cells; a pixel shows its U in 24 bits. The geometry shader is the published one; the CPU \
+             splits by the same rule before vertices are sent."
+                .to_owned(),
+        ),
+        Block::Table(Table {
+            caption: "Who splits triangles across ±180°".to_owned(),
+            headings,
+            rows: rows.collect(),
+            ..Table::default()
+        }),
+        Block::Finding(finding(&cases)),
+    ]
+}
+
+fn finding(cases: &[&Case]) -> Finding {
+    let wrong = |by: &str, limit: &str| {
+        let own = cases
+            .iter()
+            .filter(|case| case.condition("split_by") == by && case.condition("limit") == limit);
+        let values: Vec<f64> = own
+            .filter_map(|case| case.value("globe_tile_seam_wrong_px"))
+            .collect();
+        (!values.is_empty()).then(|| values.iter().sum::<f64>())
+    };
+    let all = [
+        ("geometry-shader", "0.7"),
+        ("geometry-shader", "0.5"),
+        ("cpu", "0.7"),
+        ("cpu", "0.5"),
+    ];
+    let words: Vec<String> = all
+        .iter()
+        .filter_map(|(by, limit)| Some(format!("{by} at {limit}: {} px wrong", wrong(by, limit)?)))
+        .collect();
+    let pairs =
+        ["0.7", "0.5"].map(|limit| wrong("geometry-shader", limit).zip(wrong("cpu", limit)));
+    Finding {
+        claim: "The CPU's split is the geometry shader's: the same pixels are right".to_owned(),
+        standing: match pairs {
+            [Some((a, b)), Some((c, d))] => Standing::holds_if(a == b && c == d),
+            _ => Standing::CannotTell,
+        },
+        because: format!("{}.", words.join("; ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::list::List;
+    use terrafill_fill::{Devices, device_for_test};
+    use terrafill_screen_grid::ScreenGridKind;
+    use terrafill_surface::SurfaceKind;
+
+    const KINDS: &[&dyn SurfaceKind] = &[&ScreenGridKind];
+
+    #[test]
+    fn a_geometry_shader_keeps_the_seam_as_the_cpu_does() {
+        let devices = Rc::new(Devices::default());
+        if device_for_test(terrafill_vulkan::shared_gpu(&devices)).is_none() {
+            return;
+        }
+        let list = List::shipped().expect("a list");
+        let view = list
+            .tiled_view
+            .iter()
+            .find(|view| view.name == "globe-antimeridian");
+        let stages = Stages::new(
+            view.expect("the view"),
+            (160, 1),
+            &Rc::new(Opened::new(KINDS)),
+        );
+        let folder = tempfile::tempdir().expect("a folder");
+        let context = Context {
+            devices: &devices,
+            folder: folder.path(),
+        };
+        let mut session = stages.open(context).expect("opens");
+        for (case, splitter) in Splitter::ALL.iter().enumerate() {
+            let verdict = session.verify(case).expect("a verdict");
+            eprintln!(
+                "{splitter:?}: {:?} {} {:?}",
+                verdict.status, verdict.reason, verdict.figures
+            );
+            match splitter {
+                Splitter::Cpu(limit) if *limit <= 0.5 => assert_eq!(verdict.status, Status::Ok),
+                // A device without geometry shaders skips it.
+                Splitter::Geometry(limit) if *limit <= 0.5 => {
+                    assert_ne!(verdict.status, Status::Wrong, "{}", verdict.reason);
+                    assert_ne!(verdict.status, Status::Failed, "{}", verdict.reason);
+                    if verdict.status == Status::Ok {
+                        assert!(session.sample(case).is_ok());
+                    }
+                }
+                // Twin: with nobody, pixels beside the seam are wrong.
+                Splitter::Nobody => assert_eq!(verdict.status, Status::Wrong),
+                _ => {}
+            }
+        }
+    }
+}

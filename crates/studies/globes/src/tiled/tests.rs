@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Tiles on a device, and the judge without one.
+
+use super::options::{Drawing, Seam};
+use super::truth::{Place, Texel, Tile};
+use super::*;
+use crate::list::List;
+use terrafill_fill::{Devices, device_for_test};
+use terrafill_screen_grid::ScreenGridKind;
+use terrafill_surface::SurfaceKind;
+
+const KINDS: &[&dyn SurfaceKind] = &[&ScreenGridKind];
+
+fn view(name: &str) -> ViewRow {
+    let list = List::shipped().expect("a list");
+    let mut views = list.tiled_view.into_iter();
+    views.find(|view| view.name == name).expect("the view")
+}
+
+/// Verdicts of a view's ways; `None` without a device.
+fn verdicts(name: &str, side_px: u32, options: Vec<Options>) -> Option<Vec<Verdict>> {
+    let devices = Rc::new(Devices::default());
+    device_for_test(terrafill_gpu::shared_gpu(&devices))?;
+    let opened = Rc::new(Opened::new(KINDS));
+    let count = options.len();
+    let tiled = Tiled::new(&view(name), (side_px, 1), options, &opened);
+    let folder = tempfile::tempdir().expect("a folder");
+    let context = Context {
+        devices: &devices,
+        folder: folder.path(),
+    };
+    let mut session = tiled.open(context).expect("opens");
+    let all = (0..count).map(|case| {
+        let verdict = session.verify(case).expect("a verdict");
+        let figures = verdict.figures.iter();
+        let shown: Vec<String> = figures
+            .map(|(name, value)| format!("{name} {value:.3}"))
+            .collect();
+        eprintln!(
+            "{name} {:?}: {:?} {} {}",
+            tiled.options[case],
+            verdict.status,
+            verdict.reason,
+            shown.join(", ")
+        );
+        if verdict.status == Status::Ok {
+            assert!(session.sample(case).is_ok());
+        }
+        verdict
+    });
+    Some(all.collect())
+}
+
+fn figure(verdict: &Verdict, name: &str) -> f64 {
+    let mut figures = verdict.figures.iter();
+    let found = figures.find(|(known, _)| *known == name);
+    found.map_or(f64::NAN, |(_, value)| *value)
+}
+
+#[test]
+fn every_pixel_of_a_globe_shows_its_texel_and_the_seam_is_kept() {
+    let base = Options::BASE;
+    let options = vec![
+        base,
+        Options {
+            drawing: Drawing::DrawEach,
+            ..base
+        },
+        Options {
+            seam: Seam::Rotated,
+            ..base
+        },
+        Options {
+            seam: Seam::Local,
+            ..base
+        },
+        Options {
+            by_fragment: true,
+            ..base
+        },
+        Options {
+            one_level: true,
+            ..base
+        },
+        Options {
+            seam: Seam::None,
+            ..base
+        },
+    ];
+    let Some(all) = verdicts("globe-antimeridian", 200, options) else {
+        return;
+    };
+    for verdict in &all[..6] {
+        assert_eq!(verdict.status, Status::Ok, "{}", verdict.reason);
+        assert!(figure(verdict, "globe_tile_seam_px") > 100.0);
+        assert_eq!(figure(verdict, "globe_tile_missing_px"), 0.0);
+        // f32 of a map of some thousand texels.
+        assert!(figure(verdict, "globe_tile_texels_max") < 0.05);
+    }
+    // The body's own texels are farther off: the grid is coarse.
+    assert!(figure(&all[0], "globe_tile_true_texels_max") > 1.0);
+    // Finer texels at the limb, where the grid is farthest off.
+    let worst = |at: usize| figure(&all[at], "globe_tile_true_texels_max");
+    assert!(worst(5) > 2.0 * worst(0));
+    assert_eq!(
+        figure(&all[1], "globe_tile_draws"),
+        figure(&all[1], "globe_tile_count")
+    );
+    // Twin: with nothing done about the seam, pixels beside it are wrong.
+    let never = &all[6];
+    assert_eq!(never.status, Status::Wrong, "{}", never.reason);
+    assert_eq!(
+        figure(never, "globe_tile_missed"),
+        figure(never, "globe_tile_crossing")
+    );
+}
+
+#[test]
+fn counted_from_the_eye_no_texel_is_lost_to_single_precision() {
+    let base = Options::BASE;
+    let options = vec![
+        Options {
+            seam: Seam::Local,
+            n: 40,
+            ..base
+        },
+        Options { n: 40, ..base },
+    ];
+    let Some(all) = verdicts("ground-1.7m", 100, options) else {
+        return;
+    };
+    let [local, absolute] = [0, 1].map(|at| figure(&all[at], "globe_tile_texels_p99"));
+    assert!(local < 0.5, "{local}");
+    // Twin: by an absolute U the ground is a metre off.
+    assert!(absolute > 10.0, "{absolute}");
+}
+
+#[test]
+fn a_texel_beside_the_right_one_is_found_wrong() {
+    let place = Place {
+        u: 1.0 + 0.25 / 256.0,
+        mercator_vs: [10.5 / 256.0, 20.5 / 256.0],
+        cap: None,
+    };
+    let texel = |x, y| Texel {
+        tile: Tile::Map {
+            level: 0,
+            row: 0,
+            column: 0,
+        },
+        x,
+        y,
+    };
+    // Round the map, and by the vertex or by the fragment.
+    assert_eq!(off_texels(texel(0, 10), &place, false), 0.0);
+    assert_eq!(off_texels(texel(0, 20), &place, true), 0.0);
+    assert!((off_texels(texel(255, 10), &place, false) - 0.25).abs() < 1e-9);
+    assert!((off_texels(texel(2, 10), &place, false) - 1.75).abs() < 1e-9);
+    assert!((off_texels(texel(0, 20), &place, false) - 9.5).abs() < 1e-9);
+    // A pixel without a texel counts as wrong beside the seam.
+    let truth = Truth {
+        drawn: place,
+        body: None,
+        levels: [0; 2],
+        is_at_seam: true,
+        holds_pole: false,
+    };
+    let found = |shown| judge(&[Some(truth)], &[shown], false);
+    assert_eq!(found(Shown::Missing).seam_wrong_px, 1);
+    assert_eq!(found(Shown::Texel(texel(0, 10))).seam_wrong_px, 0);
+    assert_eq!(found(Shown::Texel(texel(2, 10))).seam_wrong_px, 1);
+}

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What each pixel should show of the map, in `f64`: by the triangles as drawn, with U kept in one piece, and by
+//! the body itself. The first leaves the seam and `f32` as the only causes of an error.
+
+use super::options::Options;
+use crate::list::Eye;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+use std::f64::consts::TAU;
+use terrafill_core::Geodetic;
+use terrafill_maps::{
+    MapPoint, MapTile, TILE_TEXELS, cap_point, half_plane_crossings, level_of, mercator_v,
+};
+use terrafill_reference::SurfaceTriangles;
+use terrafill_surface::SurfaceFrame;
+
+/// Deepest level: texels of 2 cm.
+pub(crate) const MAX_LEVEL: u32 = 22;
+
+/// Texels about a pixel's own within which `f32` may ask for another tile.
+const ROUNDING_TEXELS: f64 = 1.5;
+
+/// Share of the distance by which a device's level may round otherwise: the logarithm has an error of 3 ulp
+/// (WGSL, 15.7.4.2), so of some 1e-6 of a level; with a margin of a hundred.
+const LEVEL_ROUNDING: f64 = 1e-4;
+
+/// A picture of the map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Tile {
+    /// Of the map, row before column as the device sorts them.
+    Map { level: u32, row: u32, column: u32 },
+    /// About a pole.
+    Cap { is_south: bool },
+}
+
+impl Tile {
+    /// As the shader names it.
+    pub(crate) fn key(self) -> [u32; 4] {
+        match self {
+            Self::Map { level, row, column } => [level, row, column, 0],
+            Self::Cap { is_south } => [1000, 0, u32::from(is_south), 0],
+        }
+    }
+
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "levels up to 22 have no more than 2^22 columns"
+    )]
+    fn of(tile: MapTile) -> Self {
+        Self::Map {
+            level: tile.level,
+            row: tile.row as u32,
+            column: tile.column as u32,
+        }
+    }
+}
+
+/// A place on the map: U in one piece over a triangle, so beyond 0 … 1 on one side of the seam.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Place {
+    pub(crate) u: f64,
+    /// By the vertex, and by the fragment.
+    pub(crate) mercator_vs: [f64; 2],
+    /// Where a cap of a pole shows it.
+    pub(crate) cap: Option<[f64; 2]>,
+}
+
+/// A pixel that shows the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Truth {
+    pub(crate) drawn: Place,
+    /// By the body; `None` where it is missed.
+    pub(crate) body: Option<Place>,
+    /// That it asks for: from and to, the same but where rounding to `f32` may change it.
+    pub(crate) levels: [u32; 2],
+    /// Whether ±180° is within two pixels, on this triangle.
+    pub(crate) is_at_seam: bool,
+    /// Whether the triangle holds a pole, so that U is no function on it.
+    pub(crate) holds_pole: bool,
+}
+
+/// Pixels in rows.
+pub(crate) fn truths(eye: &Eye, frame: &SurfaceFrame) -> Vec<Option<Truth>> {
+    let triangles = SurfaceTriangles::new(frame);
+    let body = SurfaceTriangles::of_body(&eye.body, eye.camera.eye_ecef);
+    let width = eye.size.width as usize;
+    let mut pixels = vec![None; eye.size.pixel_count()];
+    let rows = pixels.par_chunks_mut(width.max(1)).enumerate();
+    rows.for_each(|(row, pixels)| {
+        for (column, pixel) in pixels.iter_mut().enumerate() {
+            let centre = [column, row].map(|at| at as f64 + 0.5);
+            *pixel = truth(eye, &triangles, &body, centre);
+        }
+    });
+    pixels
+}
+
+/// Shares of a triangle's corners where a ray from the eye meets its plane.
+fn shares([a, b, c]: [DVec3; 3], direction: DVec3) -> [f64; 3] {
+    let sides = [b.cross(c), c.cross(a), a.cross(b)].map(|side| side.dot(direction));
+    let sum: f64 = sides.iter().sum();
+    sides.map(|side| side / sum)
+}
+
+fn truth(
+    eye: &Eye,
+    triangles: &SurfaceTriangles,
+    body: &SurfaceTriangles,
+    centre: [f64; 2],
+) -> Option<Truth> {
+    let camera = &eye.camera;
+    let direction = camera.direction_ecef(eye.size, centre);
+    let (depth, facet) = triangles.hit_facet(direction, camera.near_m)?;
+    let corners = facet.map(|corner| corner + camera.eye_ecef);
+    let points = corners.map(|corner| MapPoint::new(&eye.body, corner));
+    let first = points[0].u;
+    let us = points.map(|point| point.u - (point.u - first).round());
+    let at = |direction: DVec3| {
+        let shares = shares(facet, direction);
+        let mixed = |of: [f64; 3]| {
+            of.iter()
+                .zip(shares)
+                .map(|(of, share)| of * share)
+                .sum::<f64>()
+        };
+        [
+            mixed(us),
+            mixed(points.map(|point| point.mercator_v)),
+            mercator_v(mixed(points.map(|point| point.v))),
+        ]
+    };
+    let [u, by_vertex, by_fragment] = at(direction);
+    let beside = [[1.0, 0.0], [0.0, 1.0]].map(|[x, y]| {
+        let there = camera.direction_ecef(eye.size, [centre[0] + x, centre[1] + y]);
+        (at(there)[0] - u).abs()
+    });
+    let ecef = camera.eye_ecef + direction * depth;
+    let crossings = half_plane_crossings(corners);
+    // Beside a cap, a corner beyond the map's end pulls V' off the map: no texel is there, whatever the seam.
+    let is_on_map = [by_vertex, by_fragment]
+        .iter()
+        .all(|v| (0.0..1.0).contains(v));
+    let place = eye.body.ecef_to_geodetic(ecef);
+    let drawn = Place {
+        u,
+        mercator_vs: [by_vertex, by_fragment],
+        cap: cap_point(&eye.body, ecef),
+    };
+    let of_body = body.hit(direction, camera.near_m).map(|depth| {
+        let ecef = camera.eye_ecef + direction * depth;
+        let point = MapPoint::new(&eye.body, ecef);
+        Place {
+            u: point.u,
+            mercator_vs: [point.mercator_v; 2],
+            cap: cap_point(&eye.body, ecef),
+        }
+    });
+    Some(Truth {
+        drawn,
+        body: of_body,
+        levels: [1.0 + LEVEL_ROUNDING, 1.0 - LEVEL_ROUNDING]
+            .map(|share| wanted_level(eye, place, share * direction.length() * depth)),
+        is_at_seam: is_on_map
+            && crossings == 2
+            && (u - u.round()).abs() <= 2.0 * beside[0].max(beside[1]),
+        holds_pole: crossings % 2 == 1,
+    })
+}
+
+/// Pixels per radian in the image's middle.
+pub(crate) fn focal_px(eye: &Eye) -> f64 {
+    0.5 * f64::from(eye.size.height) / eye.camera.tan_half_fov()
+}
+
+fn wanted_level(eye: &Eye, place: Geodetic, distance_m: f64) -> u32 {
+    level_of(&eye.body, place.latitude_rad, focal_px(eye), distance_m).min(MAX_LEVEL)
+}
+
+/// The finest level that a pixel of the map asks for.
+pub(crate) fn finest(truths: &[Option<Truth>]) -> u32 {
+    let on_map = truths
+        .iter()
+        .flatten()
+        .filter(|truth| truth.drawn.cap.is_none());
+    on_map.map(|truth| truth.levels[1]).max().unwrap_or(0)
+}
+
+/// Tiles that a picture shows, sorted, both caps last.
+pub(crate) fn tiles(truths: &[Option<Truth>], options: &Options) -> Vec<Tile> {
+    let level = options.one_level.then(|| finest(truths));
+    let mut tiles = BTreeSet::new();
+    for truth in truths.iter().flatten() {
+        let v = truth.drawn.mercator_vs[usize::from(options.by_fragment)];
+        let [from, to] = truth.levels;
+        for level in level.map_or(from..=to, |level| level..=level) {
+            let step = ROUNDING_TEXELS / (TILE_TEXELS * f64::from(level).exp2());
+            for [x, y] in [
+                [0.0, 0.0],
+                [step, 0.0],
+                [-step, 0.0],
+                [0.0, step],
+                [0.0, -step],
+            ] {
+                let v = (v + y).clamp(0.0, 1.0_f64.next_down());
+                tiles.extend(MapTile::at(level, truth.drawn.u + x, v).map(Tile::of));
+            }
+        }
+    }
+    let caps = [false, true].map(|is_south| Tile::Cap { is_south });
+    tiles.into_iter().chain(caps).collect()
+}
+
+/// A texel as a picture shows it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Texel {
+    pub(crate) tile: Tile,
+    pub(crate) x: u32,
+    pub(crate) y: u32,
+}
+
+/// How far outside a texel a place lies, texels; 0 inside it.
+pub(crate) fn off_texels(texel: Texel, place: &Place, by_fragment: bool) -> f64 {
+    let beyond = |shown: f64, at: f64| ((shown + 0.5 - at).abs() - 0.5).max(0.0);
+    let [x, y] = [texel.x, texel.y].map(f64::from);
+    match (texel.tile, place.cap) {
+        (Tile::Map { level, row, column }, _) => {
+            let side = TILE_TEXELS * f64::from(level).exp2();
+            let shown = f64::from(column) * TILE_TEXELS + x;
+            let at = place.u.rem_euclid(1.0) * side;
+            // Round the map the nearer way.
+            let at = at + side * ((shown - at) / side).round();
+            let v = place.mercator_vs[usize::from(by_fragment)];
+            beyond(shown, at).max(beyond(f64::from(row) * TILE_TEXELS + y, v * side))
+        }
+        (Tile::Cap { .. }, Some(cap)) => {
+            let [u, v] = cap.map(|at| at * TILE_TEXELS);
+            beyond(x, u).max(beyond(y, v))
+        }
+        // A cap where the map reaches: by how much it should not have been, in its own texels.
+        (Tile::Cap { .. }, None) => {
+            let latitude = (TAU * (0.5 - place.mercator_vs[0])).sinh().atan().abs();
+            let end = terrafill_maps::max_latitude_rad();
+            0.5 * TILE_TEXELS * (end - latitude).max(0.0) / (std::f64::consts::FRAC_PI_2 - end)
+        }
+    }
+}
