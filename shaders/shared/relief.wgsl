@@ -5,6 +5,8 @@
 const BARE_COLOUR: vec3<f32> = vec3<f32>(0.36, 0.46, 0.58);
 // Brightness per slope towards the light, exaggerated: mountains are gentle at the scale of a globe.
 const RELIEF_PER_SLOPE: f32 = 8.0;
+// By how much a slope brightens or darkens at most.
+const MOST_RELIEF: f32 = 0.6;
 
 struct SurfaceVertex {
     @builtin(position) clip: vec4<f32>,
@@ -48,6 +50,8 @@ fn brightness(in: SurfaceVertex, up: vec3<f32>) -> f32 {
     // Shorter towards the poles, where there is no north-west.
     let north = vec3<f32>(0.0, 0.0, 1.0) - up * up.z;
     let east = vec3<f32>(-up.y, up.x, 0.0);
-    let relief = clamp(1.0 + RELIEF_PER_SLOPE * dot(lean, north - east), 0.4, 1.6);
+    // Towards its ends, so that gentle slopes show on a globe and steep ones differ from each other near by.
+    let slope = RELIEF_PER_SLOPE * dot(lean, north - east);
+    let relief = 1.0 + MOST_RELIEF * slope / (MOST_RELIEF + abs(slope));
     return shade * relief;
 }
