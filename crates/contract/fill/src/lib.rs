@@ -84,7 +84,7 @@ pub use program::{
 };
 pub use route_choice::RouteChoice;
 pub use steps::{FillStep, NUMBER_BYTES, VolumeDraw, VolumeState};
-pub use surface_view::SurfaceView;
+pub use surface_view::{SurfaceLook, SurfaceView};
 pub use switches::{
     BottomCap, ColourWay, DepthRuleChoice, FacePasses, FirstPass, StencilClear, SwitchError,
     Switches, pick,

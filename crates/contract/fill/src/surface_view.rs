@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! An eye over a surface: all that render targets need to know before anything is filled.
 
-use crate::{DeviceError, FillInput, ViewId};
+use crate::{AddressMode, DeviceError, FillInput, ViewId};
 use std::sync::Arc;
 use terrafill_core::Ellipsoid;
 use terrafill_scene::{Camera, ImageSize, MipChain};
@@ -54,5 +54,28 @@ impl SurfaceView<'_> {
             found: self.size.pixel_count() as u64,
             allowed: targets.pixel_count() as u64,
         })
+    }
+}
+
+/// What decides by which pipeline the triangles of a surface are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct SurfaceLook {
+    /// A picture of the whole body colours them.
+    pub has_picture: bool,
+    /// As [`SurfaceView::draws_back_faces`].
+    pub draws_back_faces: bool,
+}
+
+impl SurfaceLook {
+    /// How the picture is continued beyond its edges: it meets itself at ±180°.
+    pub const PICTURE_ADDRESS: [AddressMode; 2] = [AddressMode::Repeat, AddressMode::ClampToEdge];
+
+    /// Shader of both stages, `vertex_main` and `fragment_main`, relative to `shaders/`.
+    #[must_use]
+    pub fn shader(self) -> &'static str {
+        match self.has_picture {
+            true => "surface/picture.wgsl",
+            false => "surface/surface.wgsl",
+        }
     }
 }

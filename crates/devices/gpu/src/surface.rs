@@ -6,28 +6,18 @@ use crate::attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT};
 use crate::picture::{bind_picture, picture_layout, upload_picture};
 use std::collections::HashMap;
 use std::sync::Arc;
-use terrafill_fill::{AddressMode, DeviceError, count_u32};
+use terrafill_fill::{DeviceError, SurfaceLook, count_u32};
 use terrafill_scene::MipChain;
 use terrafill_surface::{SurfaceFrame, SurfaceRenderer};
-
-/// What decides how a surface is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-struct Look {
-    has_picture: bool,
-    draws_back_faces: bool,
-}
-
-/// The picture meets itself at ±180°.
-const PICTURE_ADDRESS: [AddressMode; 2] = [AddressMode::Repeat, AddressMode::ClampToEdge];
 
 /// Draws the triangles of any surface. Group 0 holds the view's constants, group 1 a picture where there is one.
 #[derive(Debug)]
 pub(crate) struct TriangleRenderer {
     gpu: Arc<Gpu>,
     view_layout: wgpu::BindGroupLayout,
-    look: Look,
+    look: SurfaceLook,
     /// Of the looks so far.
-    pipelines: HashMap<Look, wgpu::RenderPipeline>,
+    pipelines: HashMap<SurfaceLook, wgpu::RenderPipeline>,
     picture: Option<(Arc<MipChain>, wgpu::BindGroup)>,
     uploaded: Option<Uploaded>,
 }
@@ -45,7 +35,7 @@ impl TriangleRenderer {
         Self {
             gpu: Arc::clone(gpu),
             view_layout: layout.clone(),
-            look: Look::default(),
+            look: SurfaceLook::default(),
             pipelines: HashMap::new(),
             picture: None,
             uploaded: None,
@@ -69,7 +59,7 @@ impl TriangleRenderer {
             _ => {
                 let image = upload_picture(&self.gpu, picture)?;
                 let layout = picture_layout(&self.gpu);
-                let group = bind_picture(&self.gpu, &layout, &image, PICTURE_ADDRESS);
+                let group = bind_picture(&self.gpu, &layout, &image, SurfaceLook::PICTURE_ADDRESS);
                 Some((Arc::clone(picture), group))
             }
         };
@@ -79,13 +69,10 @@ impl TriangleRenderer {
     /// Of the look that is wanted now.
     fn pipeline(&self) -> Result<wgpu::RenderPipeline, DeviceError> {
         let cull_mode = (!self.look.draws_back_faces).then_some(wgpu::Face::Back);
-        if !self.look.has_picture {
-            let groups = [Some(&self.view_layout)];
-            return pipeline(&self.gpu, "surface/surface.wgsl", &groups, cull_mode);
-        }
-        let layout = picture_layout(&self.gpu);
-        let groups = [Some(&self.view_layout), Some(&layout)];
-        pipeline(&self.gpu, "surface/picture.wgsl", &groups, cull_mode)
+        let own = self.look.has_picture.then(|| picture_layout(&self.gpu));
+        let groups = [Some(&self.view_layout), own.as_ref()];
+        let groups = &groups[..1 + usize::from(own.is_some())];
+        pipeline(&self.gpu, self.look.shader(), groups, cull_mode)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::{Gpu, Resources, Topology, VertexFormat};
 use ash::vk;
 use std::ffi::CString;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, FaceSet};
+use terrafill_fill::{DeviceError, FaceSet, SurfaceLook};
 use terrafill_shaders::SpirvStage;
 
 /// Where a shader comes from.
@@ -170,10 +170,10 @@ impl DrawPipeline {
             topology,
             faces: FaceSet::Both,
             is_turned: false,
-            depth_stencil: depth_stencil(PipelineState::Surface {
+            depth_stencil: depth_stencil(PipelineState::Surface(SurfaceLook {
                 has_picture: false,
                 draws_back_faces: true,
-            }),
+            })),
             depth_bounds: false,
             blends: &blends,
             layout: resources.layout,

@@ -13,7 +13,7 @@ use std::ffi::CString;
 use std::sync::Arc;
 use terrafill_fill::{
     CoverInstance, DepthRule, DeviceError, FaceEffect, FaceSet, StencilRule, StencilTest,
-    VolumeState,
+    SurfaceLook, VolumeState,
 };
 use terrafill_shaders::HandsOn;
 
@@ -96,13 +96,8 @@ impl Topology {
 /// What a pipeline draws into, and when.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PipelineState {
-    /// The surface: nearest depth wins.
-    Surface {
-        /// Set 1 is a picture with its sampler.
-        has_picture: bool,
-        /// Back faces are drawn as well.
-        draws_back_faces: bool,
-    },
+    /// The surface: nearest depth wins. With a picture, set 1 is that picture with its sampler.
+    Surface(SurfaceLook),
     /// Into the stencil, in a pass with or without a colour target that is left alone.
     Mark {
         /// Which fragments do what.
@@ -174,7 +169,7 @@ impl PipelineState {
                 has_colour: false, ..
             }
             | Self::Count { .. } => PassTarget::Stencil,
-            Self::Mark { .. } | Self::Surface { .. } | Self::Colour { .. } | Self::Resolve => {
+            Self::Mark { .. } | Self::Surface(_) | Self::Colour { .. } | Self::Resolve => {
                 PassTarget::Colour
             }
             Self::Accumulate { .. } => PassTarget::Numbers,
@@ -183,15 +178,12 @@ impl PipelineState {
 
     fn faces(self) -> FaceSet {
         match self {
-            Self::Surface {
-                draws_back_faces: false,
-                ..
-            } => FaceSet::Front,
+            Self::Surface(look) if !look.draws_back_faces => FaceSet::Front,
             Self::Mark { rule, .. } => rule.faces,
             Self::Count { faces } | Self::Colour { faces, .. } | Self::Accumulate { faces, .. } => {
                 faces
             }
-            Self::Resolve | Self::Surface { .. } => FaceSet::Both,
+            Self::Resolve | Self::Surface(_) => FaceSet::Both,
         }
     }
 }
@@ -270,7 +262,7 @@ impl Pipeline {
     }
 
     pub(crate) fn is_surface(&self) -> bool {
-        matches!(self.descriptor.state, PipelineState::Surface { .. })
+        matches!(self.descriptor.state, PipelineState::Surface(_))
     }
 
     pub(crate) fn format(&self) -> VertexFormat {
@@ -360,9 +352,7 @@ fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, De
         depth_bounds: descriptor.depth_bounds,
         blends: if has_colour { &blends } else { &[] },
         layout: match descriptor.state {
-            PipelineState::Surface {
-                has_picture: true, ..
-            } => gpu.fixtures.picture_layout,
+            PipelineState::Surface(look) if look.has_picture => gpu.fixtures.picture_layout,
             _ => gpu.fixtures.pipeline_layout,
         },
         render_pass: render_pass(&gpu.fixtures, descriptor.state),
@@ -465,7 +455,7 @@ impl Assembly<'_> {
 /// Passes that differ in what they load are compatible.
 fn render_pass(fixtures: &Fixtures, state: PipelineState) -> vk::RenderPass {
     match state {
-        PipelineState::Surface { .. } => fixtures.surface,
+        PipelineState::Surface(_) => fixtures.surface,
         PipelineState::Accumulate { .. } => fixtures.numbers,
         _ => fixtures.fill(false, state.target() == PassTarget::Colour),
     }
@@ -527,7 +517,7 @@ pub(crate) fn depth_stencil(
 ) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
     let base = vk::PipelineDepthStencilStateCreateInfo::default();
     match state {
-        PipelineState::Surface { .. } => base
+        PipelineState::Surface(_) => base
             .depth_test_enable(true)
             .depth_write_enable(true)
             .depth_compare_op(vk::CompareOp::GREATER),

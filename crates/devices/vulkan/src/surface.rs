@@ -8,59 +8,37 @@ use crate::{
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::Arc;
-use terrafill_fill::{AddressMode, DeviceError, count_u32};
+use terrafill_fill::{DeviceError, SurfaceLook, count_u32};
 use terrafill_scene::MipChain;
 use terrafill_surface::{SurfaceFrame, SurfaceRenderer};
 
-/// What decides how a surface is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-struct Look {
-    has_picture: bool,
-    draws_back_faces: bool,
-}
-
-impl Look {
-    fn descriptor(self) -> PipelineDescriptor {
-        let Self {
-            has_picture,
-            draws_back_faces,
-        } = self;
-        let path = match has_picture {
-            true => "surface/picture.wgsl",
-            false => "surface/surface.wgsl",
-        };
-        PipelineDescriptor {
-            vertex: VertexStage {
-                path,
-                entry_point: "vertex_main",
-                bends_footprints: false,
-            },
-            geometry: None,
-            fragments: Fragments::Shader {
-                path,
-                entry_point: "fragment_main",
-            },
-            format: VertexFormat::Metres,
-            topology: Topology::Triangles,
-            state: PipelineState::Surface {
-                has_picture,
-                draws_back_faces,
-            },
-            depth_bounds: false,
-        }
+fn descriptor(look: SurfaceLook) -> PipelineDescriptor {
+    let path = look.shader();
+    PipelineDescriptor {
+        vertex: VertexStage {
+            path,
+            entry_point: "vertex_main",
+            bends_footprints: false,
+        },
+        geometry: None,
+        fragments: Fragments::Shader {
+            path,
+            entry_point: "fragment_main",
+        },
+        format: VertexFormat::Metres,
+        topology: Topology::Triangles,
+        state: PipelineState::Surface(look),
+        depth_bounds: false,
     }
 }
-
-/// The picture meets itself at ±180°.
-const PICTURE_ADDRESS: [AddressMode; 2] = [AddressMode::Repeat, AddressMode::ClampToEdge];
 
 /// Draws the triangles of any surface. Set 0 holds the view's constants, set 1 a picture where there is one.
 #[derive(Debug)]
 pub(crate) struct TriangleRenderer {
     gpu: Arc<Gpu>,
-    look: Look,
+    look: SurfaceLook,
     /// Of the looks so far.
-    pipelines: HashMap<Look, Pipeline>,
+    pipelines: HashMap<SurfaceLook, Pipeline>,
     picture: Option<(Arc<MipChain>, ImageBindings)>,
     uploaded: Option<Uploaded>,
 }
@@ -92,7 +70,7 @@ impl TriangleRenderer {
     pub(crate) fn new(gpu: &Arc<Gpu>) -> Self {
         Self {
             gpu: Arc::clone(gpu),
-            look: Look::default(),
+            look: SurfaceLook::default(),
             pipelines: HashMap::new(),
             picture: None,
             uploaded: None,
@@ -115,7 +93,7 @@ impl TriangleRenderer {
             Some(held) if Arc::ptr_eq(&held.0, picture) => Some(held),
             _ => {
                 let image = Arc::new(SampledImage::picture(&self.gpu, picture)?);
-                let bindings = ImageBindings::picture(&image, PICTURE_ADDRESS)?;
+                let bindings = ImageBindings::picture(&image, SurfaceLook::PICTURE_ADDRESS)?;
                 Some((Arc::clone(picture), bindings))
             }
         };
@@ -134,7 +112,7 @@ impl SurfaceRenderer for TriangleRenderer {
     ) -> Result<(), DeviceError> {
         self.set_picture(picture)?;
         if !self.pipelines.contains_key(&self.look) {
-            let pipeline = Pipeline::new(&self.gpu, self.look.descriptor())?;
+            let pipeline = Pipeline::new(&self.gpu, descriptor(self.look))?;
             self.pipelines.insert(self.look, pipeline);
         }
         let indices = frame.triangles.as_flattened();

@@ -27,7 +27,7 @@ pub fn embedded_paths() -> impl Iterator<Item = &'static str> {
 }
 
 fn every_source() -> impl Iterator<Item = &'static ShaderSource> {
-    MODULES.iter().chain(&SHARED).chain(&textured::PARTS)
+    MODULES.iter().chain(SHARED).chain(&textured::PARTS)
 }
 
 /// FNV-1a over every embedded file's path and text or SPIR-V: changes when any shader does.

@@ -22,20 +22,8 @@ pub(crate) use shader_sources;
 /// Files with entry points that compile as they are, by path: listed by the build script.
 pub(crate) const MODULES: &[ShaderSource] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 
-/// Files that others import.
-pub(crate) const SHARED: [ShaderSource; 11] = shader_sources![
-    "shared/view.wgsl",
-    "shared/footprint.wgsl",
-    "shared/region.wgsl",
-    "shared/volume.wgsl",
-    "shared/draw.wgsl",
-    "shared/grid.wgsl",
-    "shared/relief.wgsl",
-    "shared/srgb.wgsl",
-    "shared/ground.wgsl",
-    "shared/cache.wgsl",
-    "shared/receiver.wgsl",
-];
+/// Files that others import: listed by the build script.
+pub(crate) const SHARED: &[ShaderSource] = include!(concat!(env!("OUT_DIR"), "/shared.rs"));
 
 /// What can be wrong with a shader.
 #[derive(Debug, thiserror::Error)]
