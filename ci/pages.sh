@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT OR Apache-2.0
 #
-# Opens every page of a report in headless Chromium and checks what a test without a browser cannot: axe finds
-# nothing serious, nothing scrolls sideways at 1400, 800 and 390 pixels, the console stays empty, filters,
-# sorting, toggles, keyboard and the sliding edge work, the first page loads in 1 s, is at most 300 kB and
+# Opens every page of a report in headless Chromium and checks what needs a browser. axe finds nothing
+# serious, nothing scrolls sideways at 1400, 800 and 390 pixels, and the console stays empty. Filters,
+# sorting, toggles, keyboard and the wipe slider work. The first page loads in 1 s, is at most 300 kB and
 # prints on at most 12 pages. Needs node, npm and Chromium; where one is absent it says so and checks nothing.
 #
 # usage: ci/pages.sh RUN [RUN...]   folders with a report, as `bench` or `report` leaves them

@@ -46,9 +46,9 @@ const ECEF_F32: u32 = 2u;
 const TWO_FLOAT: u32 = 3u;
 override POSITIONS: u32 = FIXED;
 
-// Along what vertices are moved to their caps: the geodetic normal made here from the position; the
-// direction from the body's centre, which leaves out how oblate the body is, as Cozzi (2007, 2.1.7.3)
-// proposed; or a normal stored with each vertex, as his meshes had it. The latter two are for comparison.
+// Along what vertices are moved to their caps. The geodetic normal is made here from the position. The direction
+// from the body's centre leaves out how oblate the body is, as Cozzi (2007, 2.1.7.3) proposed. A stored normal comes
+// with each vertex, as in his meshes. The latter two are for comparison.
 const GEODETIC_NORMALS: u32 = 0u;
 const CENTRIC_NORMALS: u32 = 1u;
 const STORED_NORMALS: u32 = 2u;

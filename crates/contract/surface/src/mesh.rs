@@ -109,13 +109,13 @@ impl SurfaceMesh {
     ///
     /// The height above an ellipsoid is its signed distance, which is convex, so that no point of a
     /// triangle is higher than its highest corner. With `m` the lowest corner's height, all corners lie
-    /// outside the surface at height `m`, in which a ball of the radius `R + m` rolls freely (Blaschke;
-    /// R is the body's smallest curvature radius). Where a point of the triangle is `d` below that
-    /// surface, the ball that touches it above has its centre `R + m − d` away, and the corners lie
-    /// outside the ball. As the point is a weighted mean of the corners, its squared distance from
-    /// the centre is the mean of theirs less the mean of their squared distances from the point, which is
-    /// at most `r²` in a circle of the radius `r`: `(R + m − d)² ≥ (R + m)² − r²`. The circle around a
-    /// triangle with a longest edge `c` has at most `r² = c² / 3` (Jung).
+    /// outside the surface at height `m`, in which a ball of the radius `R + m` rolls freely (Blaschke; R
+    /// is the body's smallest curvature radius). Where a point of the triangle is `d` below that surface,
+    /// the ball that touches it above has its centre `R + m − d` away, and the corners lie outside the
+    /// ball. The point is a weighted mean of the corners. So its squared distance from the centre is the
+    /// mean of theirs, less the mean of their squared distances from the point, which is at most `r²` in
+    /// a circle of the radius `r`: `(R + m − d)² ≥ (R + m)² − r²`. The circle around a triangle with a
+    /// longest edge `c` has at most `r² = c² / 3` (Jung).
     #[must_use]
     pub fn facet_heights(&self, triangle: &[u32; 3]) -> HeightRange {
         let corners = triangle.map(|vertex| self.vertices_ecef[vertex as usize]);

@@ -7,7 +7,7 @@
 //! fill compiles is compiled here and asked.
 //!
 //! Times are those of a loop of evaluations per invocation, whose input moves by a uniform step in
-//! each turn and whose answers are summed up: nothing can be hoisted, and a pass lasts milliseconds
+//! each turn and whose answers are summed up. Nothing can be hoisted, and a pass lasts milliseconds
 //! though an evaluation lasts less than a nanosecond. The loop around a function that returns its
 //! input ([`Kernel::BASELINE`]) costs what is not the function; it is timed in the same rounds.
 

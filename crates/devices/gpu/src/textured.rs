@@ -4,7 +4,7 @@
 //!
 //! A textured cover stands where a plain one would: a triangle over the screen, cut by scissor and
 //! stencil. It reads the depth that the surface left through a second view of the texture that is
-//! attached, which is allowed while neither depth nor stencil is written: so no depth is copied, and
+//! attached. That is allowed while neither depth nor stencil is written. So no depth is copied, and
 //! covers that take the stencil back to 0 cannot be textured.
 
 use crate::picture::{bind_picture, bytes_of, picture_layout, upload_picture};

@@ -2,10 +2,10 @@
 //! Vulkan validation messages: caught, kept, and proved to be on.
 //!
 //! wgpu hands the layer's messages to the `log` crate. With `TERRAFILL_VALIDATION=1` a logger is
-//! installed that keeps every message of severity warning or error that comes from Vulkan, and
-//! appends it to the file named by `TERRAFILL_VALIDATION_LOG`, one line each:
-//! process id, severity, message id and text, separated by tabs. Silence alone proves nothing, so
-//! [`crate::make_deliberate_error`] commits an error that a working layer must report.
+//! installed that keeps every message of severity warning or error that comes from Vulkan. Each is
+//! appended to the file named by `TERRAFILL_VALIDATION_LOG` as one line: process id, severity, message
+//! id and text, separated by tabs. Silence alone proves nothing, so [`crate::make_deliberate_error`]
+//! commits an error that a working layer must report.
 
 use std::fs::OpenOptions;
 use std::io::Write as _;
@@ -28,10 +28,10 @@ static MESSAGES: Mutex<Vec<ValidationMessage>> = Mutex::new(Vec::new());
 pub const POSITIVE_CONTROL: &str = "VUID-VkBufferCreateInfo-size-00912";
 
 /// Id given to synchronisation messages about depth that a pass attaches read-only and its fragment
-/// shaders read as well. wgpu-hal 30 ends every such pass with the store operation `STORE`, which
-/// counts as a write though the bits are those that were loaded; Vulkan 1.3 has `STORE_OP_NONE` for it,
-/// and wgpu no way to ask for that. Where the project speaks to Vulkan itself the same message would be
-/// a fault of its own, so the id says who is meant.
+/// shaders read as well. wgpu-hal 30 ends every such pass with the store operation `STORE`. That counts
+/// as a write, though the bits are those that were loaded; Vulkan 1.3 has `STORE_OP_NONE` for it, and
+/// wgpu no way to ask for that. Where the project speaks to Vulkan itself the same message would be a
+/// fault of its own, so the id says who is meant.
 const STORES_READ_ONLY_DEPTH: &str = "wgpu-stores-read-only-depth";
 
 /// Parts of the layer's sentence about it.

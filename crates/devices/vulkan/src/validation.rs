@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Vulkan validation messages: caught, kept, and proved to be on.
 //!
-//! With `TERRAFILL_VALIDATION=1` the layer is loaded and every message of severity warning or error
-//! is kept, and appended to the file named by `TERRAFILL_VALIDATION_LOG`, one line each: process id,
-//! severity, message id and text, separated by tabs; the same lines as `terrafill-gpu` writes. Silence
+//! With `TERRAFILL_VALIDATION=1` the layer is loaded and every message of severity warning or error is
+//! kept. Each is appended to the file named by `TERRAFILL_VALIDATION_LOG` as one line: process id,
+//! severity, message id and text, separated by tabs. `terrafill-gpu` writes the same lines. Silence
 //! alone proves nothing, so [`crate::make_deliberate_error`] commits an error that a working layer must
 //! report.
 

@@ -3,7 +3,7 @@
 //! sensor's cone covers.
 //!
 //! They come out as ordinary rings whose edges are *planar*, straight in longitude and latitude
-//! ([`AnalyticRegion::EDGE_RULE`]): that rule alone can write regions that hold both poles or more
+//! ([`AnalyticRegion::EDGE_RULE`]). That rule alone can write regions that hold both poles or more
 //! than a hemisphere, and its edges have no opposite ends to stumble over. Angles in radians,
 //! lengths in metres; bearings clockwise from north. At a pole north is the direction that a
 //! meridian of the centre's own longitude has there.

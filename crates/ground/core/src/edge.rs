@@ -18,9 +18,9 @@ use glam::DVec3;
 /// Longitude and latitude, degrees.
 pub(crate) type Degrees = [f64; 2];
 
-/// Ratio of the deviation of an edge to its length above which it is split however small it is:
-/// beyond it a triangle next to the edge can be turned over (only near poles and on small bodies,
-/// where the tolerance in metres says nothing).
+/// Ratio of the deviation of an edge to its length above which it is split however small it is. Beyond
+/// it a triangle next to the edge can be turned over. That happens only near poles and on small bodies,
+/// where the tolerance in metres says nothing.
 const LARGEST_RELATIVE_BOW: f64 = 0.05;
 /// Longitude span below which [`LARGEST_RELATIVE_BOW`] cannot be reached, degrees: the bow of a
 /// straight line in longitude and latitude is at most Δλ · length / 4.
@@ -160,8 +160,8 @@ fn hypotenuse(a: f64, b: f64) -> f64 {
     (a * a + b * b).sqrt()
 }
 
-/// Upper bounds in metres for an edge much shorter than a radian: of its bow, by which a straight line
-/// in longitude and latitude is off the great circle, and of its deviation, by which its rule is off
+/// Upper bounds in metres for an edge much shorter than a radian. Its bow is by how much a straight
+/// line in longitude and latitude is off the great circle. Its deviation is by how much its rule is off
 /// the edge as drawn.
 pub(crate) fn edge_bounds_m(
     body: &Ellipsoid,
@@ -204,10 +204,10 @@ fn is_at_pole(start: Degrees, end: Degrees) -> bool {
 /// other edges and for meridians.
 ///
 /// All ends at a pole are one point of the body, so the last piece is drawn as a meridian whatever
-/// longitude it was to end at, and two edges from one vertex would become one and lose the area
-/// between them. Halving by the boundary's tolerance does not help: that area can be all a region
-/// has. So these edges are split at fixed parallels down to where what is left is below rounding;
-/// parallels, and not parts of the edge, so that edges side by side are split side by side.
+/// longitude it was to end at. Two edges from one vertex would become one and lose the area between
+/// them. Halving by the boundary's tolerance does not help: that area can be all a region has. So these
+/// edges are split at fixed parallels down to where what is left is below rounding; parallels, and not
+/// parts of the edge, so that edges side by side are split side by side.
 ///
 /// An edge from pole to pole is split so at both: the ladders end 64° from their poles.
 fn pole_approach(start: Degrees, end: Degrees) -> Vec<Degrees> {
@@ -244,10 +244,10 @@ fn ladder(pole: Degrees, other: Degrees) -> impl Iterator<Item = Degrees> {
 
 /// Places that split an edge along a pole, in order from `start` to `end`.
 ///
-/// At the same longitudes in all of them, and none so near to an end that the rest could have been
-/// left whole: halves of two edges that lie over one another in part can come to lie a last bit
-/// apart, and no interior edge that ends at one of two such neighbours can be split at its middle
-/// without touching that of the other.
+/// They are split at the same longitudes in all edges, and never so near to an end that the rest could
+/// have been left whole. Otherwise halves of two edges that partly overlap could lie a last bit apart.
+/// No interior edge that ends at one of two such neighbours can be split at its middle without touching
+/// those of the other.
 fn places_along_pole(start: Degrees, end: Degrees) -> impl Iterator<Item = Degrees> {
     let (west, east) = (start[0].min(end[0]), start[0].max(end[0]));
     let clearance_deg = POLE_STEP_DEG - POLE_PLACES_DEG;

@@ -6,8 +6,8 @@
 //! so does every ring of great ellipses. Of the two sides the smaller one is meant ([`Inside`]), as
 //! in S2's normalised loops. Their areas are integrals along the edges, so that a vertex on an edge
 //! changes nothing: `U = ∮ Z dλ`, with Z the area from the equator to a latitude per radian of
-//! longitude, is the area south of a ring that goes once round eastwards, less half the body, and
-//! less the area on the left of a ring that does not go round.
+//! longitude. For a ring that goes once round eastwards it is the area south of it, less half the
+//! body. For a ring that does not go round it is the area on its left, negated.
 
 use crate::edge::area::{ZoneArea, compensated_sum};
 use crate::pieces::{or_at_pole, ring_pieces};

@@ -7,12 +7,12 @@
 //! though, and finer chords everywhere cost as many vertices as the sliver is long and thin: arcs of
 //! 10° a rounding apart took 600,000.
 //!
-//! So arcs are split at the feet of the vertices in their lenses: there chord and arc meet, and the
-//! vertex is in neither half's lens. Where no lens holds a vertex, chords lie to one another and to
-//! all vertices as their arcs do. For let the ends of two arcs lie outside of each other's lenses: an
-//! arc enters and leaves the other's lens an even number of times, so it crosses chord and arc
-//! equally often but for pairs, and the same goes for the two chords in turn. Cost is a vertex for
-//! each vertex in a lens, whatever the arcs' distance.
+//! So arcs are split at the feet of the vertices in their lenses: there chord and arc meet, and the vertex
+//! is in neither half's lens. Where no lens holds a vertex, chords lie to one another and to all vertices
+//! as their arcs do. For let the ends of two arcs lie outside of each other's lenses. An arc enters and
+//! leaves the other's lens an even number of times. So it crosses chord and arc equally often but for
+//! pairs, and the same goes for the two chords in turn. Cost is a vertex for each vertex in a lens,
+//! whatever the arcs' distance.
 
 use crate::EdgeRule;
 use crate::box_tree::{AxisBox, BoxTree};
@@ -62,12 +62,11 @@ pub(crate) enum WithinRounding {
     Merged,
 }
 
-/// Splits arcs until their chords lie to one another as they do: at the feet of vertices in their
-/// lenses, and where chords cross all the same. Those are arcs within rounding of one another, and the
-/// place is one on them: a vertex where the *chords* cross is off the arcs by as much as a lens is
-/// high, and in the lenses of all arcs beside these two. Arcs that do cross are split where they do;
-/// whether they are refused is decided by the edges of the file, of which these may be parts a rounding
-/// off.
+/// Splits arcs until their chords lie to one another as they do: at the feet of vertices in their lenses,
+/// and where chords cross all the same. Those are arcs within rounding of one another, and the place is one
+/// on them. A vertex where the *chords* cross is off the arcs by as much as a lens is high, and in the
+/// lenses of all arcs beside these two. Arcs that do cross are split where they do; whether they are
+/// refused is decided by the edges of the file, of which these may be parts a rounding off.
 ///
 /// Arcs that are one to the last bit can cross more of one another with every place that they are split
 /// at. Where there is no end of that, what is within rounding is merged although `near` is to keep it.
@@ -150,9 +149,9 @@ pub(crate) fn sight_of([start, end]: [Degrees; 2], place: Degrees) -> Sight {
     let chord = [0, 1].map(|k| end[k] - start[k]);
     let length_deg = chord[0].hypot(chord[1]);
     let off_deg = off_chord([start, end], place).abs();
-    // A straight line in longitude and latitude leaves the arc by an eighth of the acceleration
-    // (2 tan φ Δλ Δφ, sin φ cos φ Δλ²), and sets out from its ends at half of it; half as much again
-    // covers its change on the way. Most places are a thousand times as far away.
+    // A straight line in longitude and latitude leaves the arc by an eighth of the acceleration (2 tan φ Δλ
+    // Δφ, sin φ cos φ Δλ²). It sets out from its ends at half of it; half as much again covers its change
+    // on the way. Most places are a thousand times as far away.
     let mut lens = None;
     let (bow_deg, steepest) = if start[1].abs().max(end[1].abs()) < STEEP_DEG {
         let [width, height] = chord.map(f64::abs);

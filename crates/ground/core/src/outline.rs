@@ -2,14 +2,14 @@
 //! Rings → edges that the triangulation can take: within ±180° of longitude, closed there, split to
 //! follow their rule, and grouped into parts that have nothing to do with one another.
 //!
-//! Degrees. A region is treated as a *chain modulo 2* on the strip −180 … 180 × −90 … 90: a set of
-//! edges in which every point is met by an even number of ends, and whose inside is what an odd
+//! Degrees. A region is treated as a *chain modulo 2* on the strip −180 … 180 × −90 … 90. That is a
+//! set of edges in which every point is met by an even number of ends. Its inside is what an odd
 //! number of edges separates from the outside. Cutting at the antimeridian then needs no case
-//! distinction: wherever a ring passes from one side to the other it leaves an odd end at the same
-//! latitude on both sides, and joining those ends in pairs along +180 and again along −180 closes
-//! the chain on each side. A ring with one pole on either side passes an odd number of times. The
-//! whole parallel of each pole that lies inside a ring ([`Polygon::sides`]) belongs to the chain; it
-//! is one point of the body.
+//! distinction. Wherever a ring passes from one side to the other it leaves an odd end at the same
+//! latitude on both sides. Joining those ends in pairs along +180 and again along −180 closes the
+//! chain on each side. A ring with one pole on either side passes an odd number of times. The whole
+//! parallel of each pole that lies inside a ring ([`Polygon::sides`]) belongs to the chain; it is one
+//! point of the body.
 
 use crate::antimeridian::{AtAntimeridian, crossings_at_antimeridian};
 use crate::box_tree::{AxisBox, BoxTree};

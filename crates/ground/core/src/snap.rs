@@ -10,8 +10,8 @@
 //! 1998). That holds as long as cells and crossings are exact, so both are found in integers.
 //!
 //! The cells are as wide as the last bit of the largest longitude and as high as that of the largest
-//! latitude, so that nothing is moved further than its file could have rounded it, and nothing that
-//! was not there is moved onto the antimeridian.
+//! latitude. So nothing is moved further than its file could have rounded it, and nothing that was
+//! not there is moved onto the antimeridian.
 
 use crate::EdgeRule;
 use crate::box_tree::{AxisBox, BoxTree};

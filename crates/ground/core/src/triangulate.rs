@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Closed edges in the plane of longitude and latitude → triangles of what they enclose.
 //!
-//! Degrees. Constrained Delaunay (see `delaunay`), inside and outside by the even-odd rule, then
-//! interior points so that no cap facet is much longer than the step asked for. Longitudes are scaled by the power of two nearest to the cosine of the
-//! middle latitude: triangles come out well shaped on the body, and not one bit of a coordinate
-//! changes, so predicates remain exact for the numbers of the file.
+//! Degrees. Constrained Delaunay (see `delaunay`), inside and outside by the even-odd rule, then interior
+//! points so that no cap facet is much longer than the step asked for. Longitudes are scaled by the power
+//! of two nearest to the cosine of the middle latitude. Triangles come out well shaped on the body, and
+//! not one bit of a coordinate changes. So predicates remain exact for the numbers of the file.
 
 pub(crate) mod delaunay;
 mod insertion_order;
@@ -72,9 +72,9 @@ pub(crate) enum TriangulateError {
 
 /// Triangulates what `edges`, a closed chain modulo 2, enclose.
 ///
-/// The plane sees straight lines for great-ellipse arcs, within the boundary tolerance of them;
-/// where two of those lines cross although the arcs do not, arcs are split on their way if `arcs` says
-/// so, and what crosses even then becomes a vertex.
+/// The plane sees straight lines for great-ellipse arcs, within the boundary tolerance of them. Where two
+/// of those lines cross although the arcs do not, arcs are split on their way if `arcs` says so. What
+/// crosses even then becomes a vertex.
 pub(crate) fn triangulate(
     edges: Vec<OutlineEdge>,
     rule: EdgeRule,
@@ -332,9 +332,9 @@ impl Group {
     /// Inserts points of an edge until it is gone, by its middle but for a few; adds to `new` what
     /// has new edges.
     ///
-    /// The middle is rounded. Where an edge lies between neighbours a rounding away its middle comes
-    /// to lie beside it or is there already, and to the first stage of the in-circle test all of them
-    /// are one line: the edge stayed, with no end that would have been looked at again.
+    /// The middle is rounded. Where an edge lies between neighbours a rounding away, its middle comes to
+    /// lie beside it or is there already. To the first stage of the in-circle test all of them are one
+    /// line. So the edge stayed, with no end that would have been looked at again.
     fn split(&mut self, ends: [u32; 2], new: &mut Vec<u32>) -> Result<(), TriangulateError> {
         for share in SPLIT_SHARES {
             let before = self.mesh.vertex_count();

@@ -129,9 +129,9 @@ fn an_edge_bent_over_its_neighbour_by_its_splits_is_no_crossing() {
 
 #[test]
 fn runs_along_a_pole_are_split_at_the_same_longitudes() {
-    // Halves of runs along the south pole that end a millionth of a degree apart lay a last bit
-    // apart, at −22.5; between the interior edges to both there was no room for their middles, so
-    // they stayed 157° wide and a triangle was turned over by 31.7 m.
+    // Halves of runs along the south pole that end a millionth of a degree apart lay a last bit apart, at
+    // −22.5. Between the interior edges to both there was no room for their middles. So they stayed 157°
+    // wide, and a triangle was turned over by 31.7 m.
     let mut region = region(
         "[[[[-80.041235015,-3.000000001],[-74.041235015,-1.800000001],\
          [-78.841235015,1.7999999989999997],[-81.841235015,1.7999999989999997]],\
@@ -323,8 +323,8 @@ fn a_crossing_beside_a_pole_is_not_made_a_vertex_beyond_it() {
 #[test]
 fn an_arc_that_is_cut_at_the_antimeridian_a_rounding_from_the_pole_goes_over_the_pole() {
     // From −90.00000000000006 to 89.99999999999997 the shorter way leads over the antimeridian, at a
-    // latitude that is rounded to 90: its halves were taken for straight lines to the pole's corners
-    // of the map, and then drawn as meridians, 11° from there.
+    // latitude that is rounded to 90. Its halves were taken for straight lines to the pole's corners of
+    // the map, and then drawn as meridians, 11° from there.
     let arc = "[269.99999999999994,89.75],[89.99999999999997,89.75]";
     let body = Ellipsoid::WGS84;
     let options = MeshOptions {
@@ -534,8 +534,8 @@ fn rings_text(rings: &[Vec<[f64; 2]>]) -> String {
 #[test]
 fn arcs_that_cross_more_with_every_split_are_led_through_one_another() {
     // Arcs of a hundred degrees, a last bit apart. Each place that two were split at made them cross
-    // others, so it ended with the crossings of chords 115 km off, 30,352 km² of a sliver of one square
-    // metre, or, one way round only, with chords that were on the wrong side of a vertex: 1,741 km².
+    // others. So it ended with the crossings of chords 115 km off: 30,352 km² for a sliver of one square
+    // metre. One way round only, it ended with chords on the wrong side of a vertex: 1,741 km².
     let five = vec![vec![
         [-50.0, -19.9],
         [4.313725763931867, 64.06216298919168],
@@ -643,9 +643,9 @@ fn a_lens_beside_edges_that_cancel_is_filled() {
 
 #[test]
 fn slivers_beside_a_vertex_where_chords_cross_keep_their_area() {
-    // Of three arcs millimetres apart two crossed by rounding, and their chords crossed off all three
-    // by as much as a chord is off its arc: made a vertex there, it bent two of them past the third.
-    // −37 km² at 497 m, refused as a fault; at 1 m 774,331 m², which nobody noticed.
+    // Of three arcs millimetres apart two crossed by rounding. Their chords crossed off all three by as
+    // much as a chord is off its arc. A vertex made there bent two of them past the third: −37 km² at 497
+    // m, refused as a fault; at 1 m 774,331 m², unnoticed.
     let text = r#"[
         [[[-179.95,-33.0],[-179.950000008,-33.000000008],[-179.949999999,-33.000000001],
           [-49.21875,0.0],[-179.95000000599998,-33.000000001],[-11.261830385774374,89.0],

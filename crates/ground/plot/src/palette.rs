@@ -3,8 +3,8 @@
 //!
 //! The first two hues are those of Okabe and Ito (2008), "Color universal design". The others were
 //! searched for the largest distance between any two in Oklab, as seen with full colour vision and as
-//! simulated for the three dichromacies (Machado et al. 2009), at a contrast of 4.5 : 1 or more on the
-//! page, as text needs. Each has a twin for dark pages. Plots are drawn in the light colours; the page's
+//! simulated for the three dichromacies (Machado et al. 2009). Their contrast on the page is 4.5 : 1 or
+//! more, as text needs. Each has a twin for dark pages. Plots are drawn in the light colours; the page's
 //! style sheet swaps them. Twelve hues cannot all be told apart with two kinds of cones, so nothing rests
 //! on colour alone: curves of one report differ in their markers too, and neighbours differ in both.
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Work and precision: one curve for each method through its knob, both axes logarithmic.
 //!
-//! A point has what it costs across and what it misses upwards, each with its 5–95 % range where it
-//! was sampled; a second, open mark below it is the root mean square where the first is a maximum. A
-//! point without error stands on a line of its own at the bottom and a failed one on the upper edge:
-//! neither has a place on a logarithm, and neither may vanish. A wrong one whose figures are known is
-//! the exception, since its error may be the answer: it stands where its figures put it, on its curve,
-//! with a cross; of a method that is approximate by nature, with an open mark. The Pareto front joins only right points that keep their place when processes
-//! are drawn again (see [`terrafill_results::front_survival`]).
+//! A point has what it costs across and what it misses upwards, each with its 5–95 % range where it was
+//! sampled; a second, open mark below it is the root mean square where the first is a maximum. A point
+//! without error stands on a line of its own at the bottom and a failed one on the upper edge: neither
+//! has a place on a logarithm, and neither may vanish. A wrong one whose figures are known is the
+//! exception, since its error may be the answer. It stands where its figures put it, on its curve, with
+//! a cross; of a method that is approximate by nature, with an open mark. The Pareto front joins only
+//! right points that keep their place when processes are drawn again (see
+//! [`terrafill_results::front_survival`]).
 
 use crate::PlotError;
 use crate::canvas::{Anchor, Canvas, MARKER_PX, Spot, TEXT_PX, text_width};
@@ -243,9 +244,9 @@ impl<'a> Panel<'a> {
         Some(panel)
     }
 
-    /// For many curves close to one another: reference lines are named at the right of the panel, where
-    /// no point is, and a label stands where it hides no mark, no whisker and no other label; the ends of
-    /// a curve are named first, and from afar if need be.
+    /// For many curves close to one another. Reference lines are named at the right of the panel, where
+    /// no point is. A label stands where it hides no mark, no whisker and no other label; the ends of a
+    /// curve are named first, and from afar if need be.
     pub(crate) fn crowded(self) -> Self {
         Self {
             is_crowded: true,

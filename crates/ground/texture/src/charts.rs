@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Charts: routes by a map of the region's own, fitted in `f64` on the CPU.
 //!
-//! Near an anchor no trigonometry is needed. A fragment is projected from the point where the
-//! anchor's normal meets the polar axis, `(0, 0, −e² N sin φ₀)`, onto the plane through the anchor:
-//! along the normal that projection does not depend on height, from the body's centre it would
-//! (37 m at latitude 45° and −11 km). What then is left between the two plane coordinates and
-//! longitude and latitude is smooth, and a polynomial of low degree fits it. Everything that is
-//! large cancels in the anchor's frame before `f32` sees it.
+//! Near an anchor no trigonometry is needed. A fragment is projected onto the plane through the anchor,
+//! from the point where the anchor's normal meets the polar axis, `(0, 0, −e² N sin φ₀)`. Along the normal
+//! that projection does not depend on height. From the body's centre it would: 37 m at latitude 45° and
+//! −11 km. What then is left between the two plane coordinates and longitude and latitude is smooth, and a
+//! polynomial of low degree fits it. Everything that is large cancels in the anchor's frame before `f32`
+//! sees it.
 //!
 //! Offsets in meridian axes, metres; angles minus the anchor's, radians. Sources: `planes` is how
 //! CesiumJS places materials on small ground primitives (`ShadowVolumeAppearance`); gnomonic and

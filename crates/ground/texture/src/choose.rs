@@ -243,8 +243,8 @@ impl Chooser {
     /// front of error against operations.
     ///
     /// Left out beforehand are the device's own arctangent, whose only bound is WGSL's 4096 ULP, and
-    /// everything that reads a texture, which is dearer and less accurate; barycentric coordinates too,
-    /// since a gnomonic chart of degree 1 is as flat, costs less and errs less.
+    /// everything that reads a texture, which costs more and is less accurate. Barycentric coordinates
+    /// are left out too, since a gnomonic chart of degree 1 is as flat, costs less and errs less.
     #[must_use]
     pub fn default_candidates() -> Vec<CoordinateRoute> {
         CoordinateRoute::all()

@@ -3,10 +3,10 @@
 //!
 //! A **coordinate route** is one way to get from a fragment's position relative to its region's
 //! anchor (metres, `f32`, meridian axes) to longitude and latitude relative to the anchor's
-//! (radians, `f32`). Every route is a [`Program`]: one list of steps from which its WGSL is
-//! printed, its `f32` emulation is run, its operations are counted and its rounding is bounded, so
-//! none of the four can say something else than the others. What a route costs in accuracy over a
-//! [`MapRegion`] is its [`Residual`], computed against the exact map of [`ExactGeodetic`].
+//! (radians, `f32`). Every route is a [`Program`], one list of steps. From it its WGSL is printed,
+//! its `f32` emulation is run, its operations are counted and its rounding is bounded. So none of
+//! the four can contradict the others. What a route costs in accuracy over a [`MapRegion`] is its
+//! [`Residual`], computed against the exact map of [`ExactGeodetic`].
 //!
 //! **Meridian axes**: body axes turned about the polar axis so that the anchor's longitude becomes
 //! 0: x outward through the anchor's meridian in the equator's plane, y east, z to the north pole.

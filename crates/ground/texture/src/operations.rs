@@ -4,13 +4,13 @@
 //! with a pixel and its depth in the place of the offset and three results.
 //!
 //! Scalars in `f32`, no loops and no branches: a choice is a select, as on a GPU. Steps are shared
-//! where they are equal, and steps that no result needs are dropped, as a shader compiler would.
-//! A device may differ from the emulation where WGSL leaves it free (WGSL §15.7.4 "Floating point
-//! accuracy"): `fma` may be a product and a sum with two roundings ([`Arithmetic::Separate`] does
-//! that), a division may be off by 2.5 ULP, an inverse square root by 2 ULP, `atan` and `atan2` by
-//! 4096 ULP, a sampler may weigh more finely or round to the format it reads, subnormals may be
-//! flushed, and minima of NaN are anything. The bounds of
-//! [`Program::bounded`] cover all of these but the flush and the NaN.
+//! where they are equal, and steps that no result needs are dropped, as a shader compiler would. A
+//! device may differ from the emulation where WGSL leaves it free (WGSL §15.7.4 "Floating point
+//! accuracy"): `fma` may be a product and a sum with two roundings, as [`Arithmetic::Separate`]
+//! computes it. A division may be off by 2.5 ULP, an inverse square root by 2 ULP, `atan` and `atan2`
+//! by 4096 ULP. A sampler may weigh more finely or round to the format it reads, subnormals may be
+//! flushed, and minima of NaN are undefined. The bounds of [`Program::bounded`] cover all of these but
+//! the flush and the NaN.
 
 mod builder;
 mod evaluate;

@@ -292,12 +292,11 @@ impl MapRegion {
 
     /// `count` places spread evenly over extent and heights, with corners, edges and the middle.
     ///
-    /// Evenly means the additive recurrence of the plastic number in three dimensions (Roberts
-    /// 2018, "The unreasonable effectiveness of quasirandom sequences"): any single coordinate
-    /// takes `count` different, evenly spread values, which a grid of as many points does not, and
-    /// the errors looked for mostly wave in one coordinate.
-    /// Last come the extent's edges, lowest and highest: a fitted chart is worst there, and of evenly
-    /// spread places few lie close to them.
+    /// Evenly means the additive recurrence of the plastic number in three dimensions (Roberts 2018,
+    /// "The unreasonable effectiveness of quasirandom sequences"). Any single coordinate takes `count`
+    /// different, evenly spread values, which a grid of as many points does not. The errors looked for
+    /// mostly wave in one coordinate. Last come the extent's edges, lowest and highest: a fitted chart
+    /// is worst there, and of evenly spread places few lie close to them.
     pub fn samples(&self, count: u32) -> impl Iterator<Item = Sample> + '_ {
         let corners = (0..27).map(move |i: u32| {
             let half = |n: u32| f64::from(n % 3) * 0.5;

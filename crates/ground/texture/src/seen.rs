@@ -10,10 +10,10 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrafill_core::Ellipsoid;
 
 impl MapRegion {
-    /// The part of `extent` that the body does not hide from the eye, anchored in its middle, or at the
-    /// pole that it touches, where charts are smooth; and below the eye where an `f32` offset from there
-    /// would be rounded by more than 1/512 of a pixel: what is nearest to the eye is then nearest to the
-    /// anchor.
+    /// The part of `extent` that the body does not hide from the eye. It is anchored in its middle, or
+    /// at the pole that it touches, where charts are smooth. Where an `f32` offset from there would be
+    /// rounded by more than 1/512 of a pixel, it is anchored below the eye: what is nearest to the eye
+    /// is then nearest to the anchor.
     ///
     /// - `height_range_m`: of the surface as drawn
     /// - `pixel_m`: size of a pixel on the ground at the nearest point of the region

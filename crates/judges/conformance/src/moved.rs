@@ -3,9 +3,9 @@
 //!
 //! Pixels of the image; places count from its upper left corner, so that a pixel's centre is at half
 //! pixels. When no point of a curve moves by more than δ, a pixel's id changes only if some curve swept
-//! over its centre, and a curve that did so was within δ of it before: each mismatched centre lies
-//! within δ of a place where the reference shows the id that the frame shows. So the largest such
-//! distance is measured, by asking the reference at places on rings about the centre.
+//! over its centre, and that curve was within δ of it before. So each mismatched centre lies within δ of a
+//! place where the reference shows the id that the frame shows. So the largest such distance is measured,
+//! by asking the reference at places on rings about the centre.
 //!
 //! The distance between two pictures' boundaries as sets of pixels cannot stand in for it. A tongue
 //! of sea thinner than 2δ may close over its whole length, and that distance is then the length.

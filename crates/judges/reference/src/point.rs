@@ -5,9 +5,9 @@
 
 use glam::DVec3;
 
-/// Longitudes are rounded to multiples of 2⁻⁴³ degrees (13 nm at the equator) so that adding or
-/// subtracting whole turns is exact below 1024 degrees, and no point falls between the end of a
-/// ring and its start one turn on.
+/// Longitudes are rounded to multiples of 2⁻⁴³ degrees, 13 nm at the equator. So adding or subtracting
+/// whole turns is exact below 1024 degrees, and no point falls between the end of a ring and its start
+/// one turn on.
 const LONGITUDE_STEPS_PER_DEG: f64 = 8_796_093_022_208.0;
 
 /// How a ring lies round the axis.

@@ -156,9 +156,9 @@ impl<'a> Texturing<'a> {
 
     /// Texture coordinates of a point of `region`.
     ///
-    /// Its longitude is taken within half a turn of the middle of the region's extent: inside the
-    /// region that is the same as from its western end on, and a pixel that rounding put an inch
-    /// beyond the border does not see the far end of the picture.
+    /// Its longitude is taken within half a turn of the middle of the region's extent. Inside the
+    /// region that is the same as from its western end on. A pixel that rounding put an inch beyond
+    /// the border does not see the far end of the picture.
     pub(crate) fn at(&self, region: usize, point: &SurfacePoint) -> Coordinates {
         let extent = &self.extents[region];
         let middle = extent.middle_longitude();

@@ -2,10 +2,10 @@
 //! Great-ellipse rings that lie in no hemisphere: round the axis, over both poles, round more than
 //! half of the body.
 //!
-//! Three judges that share no code with the locator: areas by Girard's theorem (the angles of a
-//! polygon on the unit sphere, less (n − 2)·π), areas of `core`'s meshes, and for every point the
-//! parity of the arcs crossed, in plain f64, on the way to the same pole over a place of one's own
-//! choice, which no meridian leads through.
+//! Three judges share no code with the locator. Areas by Girard's theorem: the angles of a polygon on
+//! the unit sphere, less (n − 2)·π. Areas of `core`'s meshes. And for every point the parity of the
+//! arcs crossed, in plain f64, on the way to the same pole over a place of one's own choice, which no
+//! meridian leads through.
 
 #![allow(clippy::print_stdout, reason = "how much was asked is worth reading")]
 

@@ -2,11 +2,11 @@
 //! One build of a mesh, from the text of its outline on, by process CPU time.
 //!
 //! Every build is a process of its own where there is a program to start ([`GrowthProgram`]), as a
-//! user's build is. In a process that has scenes loaded and shapes meshed already the allocator has
-//! memory to hand out again, whose pages are there: enough for a hundred thousand vertices and not for
-//! a million, whose arrays are above the 32 MiB from which on glibc asks the system every time. That
-//! alone made the growth from one to the other a tenth steeper than it is. Nor does that process make
-//! the shape: it reads it from a file, as a user's build does.
+//! user's build is. In a process that has already loaded scenes and meshed shapes, the allocator has
+//! memory to hand out again. That is enough for a hundred thousand vertices and not for a million:
+//! arrays above 32 MiB glibc requests from the system every time. That alone made the growth from one
+//! to the other a tenth steeper than it is. Nor does that process make the shape: it reads it from a
+//! file, as a user's build does.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -8,9 +8,9 @@ use std::process::{Child, Command, Stdio};
 const CHUNK_BYTES: usize = 64 * 1024;
 /// `curl`'s exit code where a server sends a whole file though a part of it was asked for.
 const NO_RANGES: i32 = 33;
-/// Options of every transfer. A status of 400 or more is an error; only HTTP is spoken, whatever a
-/// server redirects to; a connection that cannot be made in half a minute, or brings less than a
-/// byte a second for a whole minute, is broken. `[` and `{` in an address mean themselves.
+/// Options of every transfer. A status of 400 or more is an error, and only HTTP is spoken,
+/// whatever a server redirects to. A connection is broken that cannot be made in half a minute, or
+/// brings less than a byte a second for a whole minute. `[` and `{` in an address mean themselves.
 const OPTIONS: [&str; 17] = [
     "--fail",
     "--silent",

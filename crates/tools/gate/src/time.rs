@@ -9,8 +9,8 @@
 //!
 //! On a software device all processes of a block run on one core, see `cores`.
 //!
-//! *By turns*, where a program cannot be stepped, a block is four whole processes, base, new, new, base
-//! and the other way round by turns; its difference is the mean of ln(new) less that of ln(base), each of a
+//! *By turns*, where a program cannot be stepped, a block is four whole processes: base, new, new, base,
+//! and the other way round by turns. Its difference is the mean of ln(new) less that of ln(base), each of a
 //! process's median.
 //!
 //! [`SCREEN_BLOCKS`] look at every case. What moved by [`SCREEN_RATIO`], or spread too much to tell, is

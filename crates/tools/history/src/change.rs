@@ -2,11 +2,12 @@
 //! Changes in series of figures over commits: exact ones, steps of times, and slow drift.
 //!
 //! A figure that is exact has changed wherever it differs from the commit before. A time has a step
-//! where all of these hold, and a drift by the same rules of its line: enough commits, a change of the
-//! floor's size, several times the series' own scatter, sides that hardly overlap, and a rank test whose
-//! probability is a discovery among all tests of all series. The commit of a step is the one that leaves
-//! the least absolute residuals. Its probability counts every place that it might have had (Bonferroni).
-//! Whether steps or a line tell a series better, an information criterion decides.
+//! where all of these hold, and a drift by the same rules of its line. There are enough commits; the
+//! change is of the floor's size and several times the series' own scatter; the sides hardly overlap.
+//! And a rank test's probability is a discovery among all tests of all series. The commit of a step is
+//! the one that leaves the least absolute residuals. Its probability counts every place that it might
+//! have had (Bonferroni). Whether steps or a line tell a series better, an information criterion
+//! decides.
 //!
 //! Times of different jobs are not paired: what moved may be the machine. So all of it is advisory.
 

@@ -2,9 +2,9 @@
 //! Two runs side by side: exact figures as the gate compares them, and times as advice.
 //!
 //! Two run folders are two jobs. Nothing pairs their times, so a difference may be the machine's, and no
-//! verdict rests on it: each case has its ratio with an interval over processes, beside what identical
-//! work differed by within each run and what all cases differ by together. Times of two kinds of
-//! machines are not compared at all; [`by_device`](crate::by_device) sets those side by side.
+//! verdict rests on it. Each case has its ratio with an interval over processes. Beside it stand what
+//! identical work differed by within each run, and what all cases differ by together. Times of two kinds
+//! of machines are not compared at all; [`by_device`](crate::by_device) sets those side by side.
 
 use crate::rank::difference;
 use crate::record::Machine;

@@ -274,11 +274,11 @@ mod tests {
                 }
                 let mut before = &rungs[0];
                 for rung in &rungs[1..] {
-                    // A value that becomes another one is two parts. Three: walls of single
-                    // triangles are lists always, two edges in a triangle are never strips, which faces
-                    // are drawn as covers has no meaning where none are, and without its bottom cap a
-                    // volume can be counted in front of the surface only. Four: single triangles have
-                    // no vertex size either.
+                    // A value that becomes another one is two parts. Walls of single triangles are
+                    // always lists, and two edges in a triangle are never strips. Which faces are drawn
+                    // as covers has no meaning where none are. Without its bottom cap a volume can be
+                    // counted in front of the surface only. Four: single triangles have no vertex size
+                    // either.
                     let allowed = match rung.step {
                         "one-volume" => 4,
                         "two-edges" | "screen-cover" | "z-pass" => 3,

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A cone's edge on a body as a device follows it: a few numbers a footprint instead of its vertices.
 //!
-//! A vertex is the angle about the cone's axis. With the apex `a` in ECEF metres, `p` the same divided by
-//! the radii, `g = |p|² − 1`, and the direction `d = axis + right cos + forward sin` of unit length, the
-//! ray meets the body first at `a + d g / (√((p·e)² − g e·e) − p·e)`, `e` being `d` divided by the
-//! radii. Here that is followed in f64; `shaders/shared/footprint.wgsl` does the same in f32, and
+//! A vertex is the angle about the cone's axis. Let `a` be the apex in ECEF metres, `p` the same divided by
+//! the radii, `g = |p|² − 1`, and `d = axis + right cos + forward sin` the direction, of unit length. With
+//! `e` as `d` divided by the radii, the ray meets the body first at `a + d g / (√((p·e)² − g e·e) − p·e)`.
+//! Here that is followed in f64; `shaders/shared/footprint.wgsl` does the same in f32, and
 //! [`ConeEdge::rounding_bound_m`] says how far apart the two may be.
 
 use super::AnalyticError;

@@ -106,8 +106,8 @@ impl Geodesic {
 /// radii are closed curves without a crossing.
 ///
 /// On an oblate body geodesics that leave to the north and to the south of east meet half a turn of
-/// the auxiliary sphere on, `σ = π` (Karney 2013, § 3), which is `b ∫₀^π √(1 + k² sin² σ) dσ`; the
-/// two that leave due east, `cos² α₀ = sin² β₁`, do so first.
+/// the auxiliary sphere on, `σ = π` (Karney 2013, § 3). That is `b ∫₀^π √(1 + k² sin² σ) dσ`. The two
+/// that leave due east, `cos² α₀ = sin² β₁`, do so first.
 pub(super) fn shortest_cut_m(body: &Ellipsoid, latitude_rad: f64) -> f64 {
     let (sin_beta1, _) = parametric_latitude(body, latitude_rad);
     let k2 = second_eccentricity_squared(body) * sin_beta1 * sin_beta1;

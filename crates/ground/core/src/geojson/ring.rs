@@ -80,10 +80,10 @@ pub(super) fn net_jumps(positions: &[[f64; 2]]) -> isize {
     }
 }
 
-/// Shifts what follows each edge that turns by that many turns, drops the position that a jump
-/// repeats, and returns how far from the start the ring ends, the longitudes before they were shifted,
-/// and how many positions became one with their neighbour since 360° more cost them their last bits.
-/// The same positions are dropped from `file_vertices`.
+/// Shifts what follows each edge that turns by that many turns, and drops the position that a jump
+/// repeats. Returns how far from the start the ring ends, the longitudes before they were shifted, and
+/// how many positions became one with their neighbour because 360° more cost them their last bits. The
+/// same positions are dropped from `file_vertices`.
 pub(super) fn unroll(
     positions: &mut Vec<[f64; 2]>,
     file_vertices: &mut Vec<usize>,

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Constrained Delaunay triangulation of a rectangle, point by point and edge by edge.
 //!
-//! The plane, any unit. A triangle knows its corners, its neighbours and its edges' marks, 28 bytes,
-//! and there are two to a vertex: a million vertices fit where the half-edges of a general library
-//! take three times as much, and how time grows with size is how memory is reached. Four corners
-//! of a frame round everything that will come spare every case at the hull.
+//! The plane, any unit. A triangle knows its corners, its neighbours and its edges' marks: 28 bytes,
+//! and there are two to a vertex. A million vertices fit where the half-edges of a general library take
+//! three times as much. How time grows with size is how memory is reached. Four corners of a frame
+//! round everything that will come spare every case at the hull.
 //!
-//! Where something is, is decided exactly (Shewchuk 1997, crate `robust`). Whether an edge is
-//! Delaunay is decided by the first stage of his in-circle test alone, and an edge is flipped only
-//! where that stage is certain: points on one circle, which cost the exact stages most and gain
-//! nothing, are left as they are. A certain flip lowers the triangulation lifted to the paraboloid,
-//! so flipping ends.
+//! Where something is, is decided exactly (Shewchuk 1997, crate `robust`). Whether an edge is Delaunay
+//! is decided by the first stage of his in-circle test alone. An edge is flipped only where that stage
+//! is certain. Points on one circle, which cost the exact stages most and gain nothing, are left as
+//! they are. A certain flip lowers the triangulation lifted to the paraboloid, so flipping ends.
 
 use crate::mesh::index_u32;
 use robust::Coord;

@@ -13,13 +13,14 @@ const COUNTED_FROM_SHARE: usize = 16;
 
 /// The corners of an outline, and when each is to be inserted.
 ///
-/// First a random one in 4¹⁵, then four times as many, and so on, in every round in the order of
-/// the outline, and edges as soon as both their ends are there. Random rounds keep the number of
-/// flips proportional to the number of corners whatever the shape; the outline's order makes the
-/// next corner a neighbour of the last one, which is where the search for its place starts
-/// (Amenta, Choi & Rote 2003, "Incremental constructions con BRIO"). Loading all at once from the
-/// middle outwards takes the square of the number for a comb: a line of many corners is there long
-/// before the next one, and each corner of that takes its neighbours from all those before it. So do edges that are inserted last, where they cross many triangles.
+/// First a random one in 4¹⁵, then four times as many, and so on, in every round in the order of the
+/// outline, and edges as soon as both their ends are there. Random rounds keep the number of flips
+/// proportional to the number of corners, whatever the shape. The outline's order makes the next
+/// corner a neighbour of the last one, where the search for its place starts (Amenta, Choi & Rote
+/// 2003, "Incremental constructions con BRIO"). Loading all at once from the middle outwards takes
+/// the square of the number for a comb. A line of many corners is there long before the next one,
+/// and each corner of that takes its neighbours from all those before it. So do edges that are
+/// inserted last, where they cross many triangles.
 pub(super) struct Corners {
     /// An outline's neighbours once, so a corner that several rings share occurs several times.
     pub(super) positions: Vec<Degrees>,
