@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT OR Apache-2.0
 #
-# From nothing to a report: sets the machine up, builds, measures the main question on every scene
+# From nothing to a report. Sets the machine up, builds, measures the main question on every scene
 # whose data is here, and says where the report is. --full measures everything, --quick just enough to
 # see that it works. Further arguments go to `terrafill bench`.
 #

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT OR Apache-2.0
 #
-# Loads one core half of the time, by turns of half a second, until it is ended or the given seconds are over:
-# what a time gate has to stand on a shared machine. Run it beside `terrafill gate --self-test`.
+# Loads one core half of the time, by turns of half a second, until it is ended or the given seconds are over.
+# A time gate has to stand that on a shared machine. Run it beside `terrafill gate --self-test`.
 #
 # usage: ci/load.sh [SECONDS]
 set -euo pipefail

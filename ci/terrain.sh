@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT OR Apache-2.0
 #
-# Whether fills do not care how terrain is drawn: three scenes over real elevation, each on three kinds of surface
-# and in three views, by every volume technique, against the reference over the triangles of that surface. Views
-# close to the ground are left out, since coarse surfaces are higher there than the eye. The last line but one counts
-# the pictures; the exit code is that of `terrafill bench`. Needs the data that the scenes name (TERRAFILL_DATA).
-# Further arguments go to `terrafill bench`.
+# Whether fills do not care how terrain is drawn. Three scenes over real elevation, each on three kinds of surface
+# and in three views, are drawn by every volume technique and compared with the reference over the triangles of that
+# surface. Views close to the ground are left out, since coarse surfaces are higher there than the eye. The last line
+# but one counts the pictures; the exit code is that of `terrafill bench`. Needs the data that the scenes name
+# (TERRAFILL_DATA). Further arguments go to `terrafill bench`.
 #
 # usage: ci/terrain.sh [--out DIR] [--size N] ...
 set -euo pipefail

@@ -2,10 +2,9 @@
 //! Shaders that WGSL cannot say, of geometry and mesh stages: the SPIR-V that is checked in against its GLSL.
 //!
 //! A fresh machine builds without a GLSL compiler, so the SPIR-V lies beside the sources. Where
-//! `glslangValidator` is installed the sources are compiled again: byte for byte the same if it is the
-//! version that made the files, and at least accepted if it is another, since versions differ in
-//! the code that they make. `spirv-val` judges the files as they are. A tool that is not there is
-//! named.
+//! `glslangValidator` is installed the sources are compiled again. The result must be the same byte for byte
+//! if it is the version that made the files. Another version must at least accept them, since versions differ
+//! in the code that they make. `spirv-val` judges the files as they are. A tool that is not there is named.
 
 use anyhow::{Context as _, Result, bail};
 use std::path::{Path, PathBuf};

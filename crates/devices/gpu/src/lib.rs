@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What every wgpu backend stands on: the device, the targets and the surface pass that fills them,
-//! fills by volumes with all but the volumes themselves, GPU clocks, read-back, and the two
+//! What every wgpu backend stands on. The device, the targets and the surface pass that fills them;
+//! fills by volumes with all but the volumes themselves. GPU clocks, read-back, and the two
 //! full-screen passes that fills are measured against.
 
 mod adapter;

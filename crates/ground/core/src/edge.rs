@@ -172,9 +172,9 @@ pub(crate) fn edge_bounds_m(
     let longitude_rad = (end[0] - start[0]).abs().to_radians();
     let latitude_rad = (end[1] - start[1]).abs().to_radians();
     let (a, b) = (body.equatorial_radius_m(), body.polar_radius_m());
-    // A straight line in longitude and latitude bends away from the great circle with the
-    // covariant acceleration (sin φ cos φ Δλ², 2 tan φ · cos φ Δλ Δφ); an arc of acceleration w
-    // bows by w / 8. Half as much again covers the change along the edge.
+    // A straight line in longitude and latitude bends away from the great circle with the covariant
+    // acceleration (sin φ cos φ Δλ², 2 tan φ · cos φ Δλ Δφ). An arc of acceleration w bows by w / 8.
+    // Half as much again covers the change along the edge.
     let largest_radius_m = a * a / b;
     let bow_m =
         0.19 * largest_radius_m * longitude_rad * hypotenuse(longitude_rad, 2.0 * latitude_rad);

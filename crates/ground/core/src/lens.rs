@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Great-ellipse edges split until the triangulation sees each vertex on the side that it lies on.
 //!
-//! Degrees. The triangulation sees an arc's chord, straight in longitude and latitude, and sees a
-//! vertex in the *lens* between the two beyond the arc when it is not. For most regions that is a
-//! matter of the boundary's tolerance. A sliver that lies in a lens as a whole comes out turned over,
-//! though, and finer chords everywhere cost as many vertices as the sliver is long and thin: arcs of
-//! 10° a rounding apart took 600,000.
+//! Degrees. The triangulation sees an arc's chord, straight in longitude and latitude, and sees a vertex in
+//! the *lens* between the two beyond the arc when it is not. For most regions that is a matter of the
+//! boundary's tolerance. A sliver that lies in a lens as a whole comes out turned over, though. Finer
+//! chords everywhere cost as many vertices as the sliver is long and thin: arcs of 10° a rounding apart
+//! took 600,000.
 //!
 //! So arcs are split at the feet of the vertices in their lenses: there chord and arc meet, and the vertex
 //! is in neither half's lens. Where no lens holds a vertex, chords lie to one another and to all vertices

@@ -194,12 +194,11 @@ impl RegionMesh {
     /// Heights that contain terrain between `lowest_m` and `highest_m` (metres above the
     /// ellipsoid).
     ///
-    /// The top is raised by the facets' sagitta, since a flat cap hangs through between its
-    /// corners; a flat bottom hangs further down by itself. Raising the corners by h along their
-    /// normals spreads them, and the sagitta grows by h/R; it is enlarged by twice h over the
-    /// distance to the centre, which is more for every oblate body with f < ½. One thousandth of
-    /// the span is added on both sides so that a cap never touches terrain of exactly the stated
-    /// height.
+    /// The top is raised by the facets' sagitta, since a flat cap hangs through between its corners; a flat
+    /// bottom hangs further down by itself. Raising the corners by h along their normals spreads them, and the
+    /// sagitta grows by h/R. It is enlarged by twice h over the distance to the centre, which is more for
+    /// every oblate body with f < ½. One thousandth of the span is added on both sides so that a cap never
+    /// touches terrain of exactly the stated height.
     #[must_use]
     pub fn volume_heights(&self, lowest_m: f64, highest_m: f64) -> VolumeHeights {
         volume_heights(&self.vertices_ecef, self.cap_sagitta_m, lowest_m, highest_m)

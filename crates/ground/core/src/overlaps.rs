@@ -129,9 +129,9 @@ fn signed_area(edges: impl Iterator<Item = [Degrees; 2]>, reference: f64) -> (f6
     (area.value(), scale)
 }
 
-/// Places where a polygon lies over another or a hole over what is outside its shell, one for each
-/// pair of rings; those that rounding or the chords of arcs within `tolerance_deg` can feign are
-/// left out. `None` for a fault of this program.
+/// Places where a polygon lies over another or a hole over what is outside its shell, one for each pair
+/// of rings. Those that rounding or the chords of arcs within `tolerance_deg` can feign are left out.
+/// `None` for a fault of this program.
 pub(crate) fn find_overlaps(
     edges: Vec<OutlineEdge>,
     rule: EdgeRule,
@@ -441,7 +441,7 @@ fn rings_along_whole_poles(edges: &[OutlineEdge]) -> Vec<RingKey> {
 /// Two of the rings that hold a place which say two things of it.
 ///
 /// Of rings round the axis the larger may be shell or hole, so of those of a polygon only the parity
-/// counts; any other hole has to lie in one of them if the shell is one.
+/// counts. Any other hole has to lie in one of them if the shell is one.
 fn overlapping(held: &[RingKey], goes_round: &[RingKey]) -> Option<[RingKey; 2]> {
     let mut inside: Option<RingKey> = None;
     for rings in held.chunk_by(|a, b| a.0 == b.0) {

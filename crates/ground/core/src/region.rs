@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Regions as people write them: polygons with holes in degrees, and the rule for their edges.
 //!
-//! Longitude east positive, latitude geodetic, both in degrees exactly as read: nothing is wrapped,
-//! reordered or subdivided here, so the reference renderer can judge from the same numbers that the
+//! Longitude east positive, latitude geodetic, both in degrees exactly as read. Nothing is wrapped,
+//! reordered or subdivided here. So the reference renderer can judge from the same numbers that the
 //! mesher starts from, without sharing any of its code.
 
 use serde::{Deserialize, Serialize};
@@ -35,11 +35,11 @@ impl EdgeRule {
 
 /// Which side of a ring round a pole is inside.
 ///
-/// Round a pole are: of planar rings those that end one turn on from their start ([`Ring::winding_deg`]);
-/// of rings of great ellipses those that have one pole on either side, and those that have both on
-/// their smaller side. All others enclose their smaller side
-/// (great ellipses) or a part of the plane (planar), whichever way they are written. When both the
-/// shell and a hole of a polygon part the poles, what lies between the two is meant.
+/// Round a pole are planar rings that end one turn on from their start ([`Ring::winding_deg`]). Of rings
+/// of great ellipses it is those that have one pole on either side, and those that have both on their
+/// smaller side. All others enclose their smaller side (great ellipses) or a part of the plane (planar),
+/// whichever way they are written. When both the shell and a hole of a polygon part the poles, what lies
+/// between the two is meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, Default)]
 #[serde(rename_all = "kebab-case")]
 pub enum Inside {
@@ -88,13 +88,12 @@ impl Unwrap {
 /// A closed ring: at least 3 distinct vertices, `[longitude_deg, latitude_deg]`, first vertex not
 /// repeated at the end, no two neighbours equal, every value finite, latitude within ±90.
 ///
-/// A planar ring round a pole that was written uncut ends 360° away from where it started; then
-/// [`Ring::winding_deg`] is ±360 and the closing edge runs from the last vertex to the first one
-/// shifted by that much. A ring that says so by a jump between −180 and 180 at one latitude is held
-/// the same way, the vertices after the jump shifted by one turn. Jumps that cancel, such as the
-/// two in the rectangle −180 … 180 × −10 … 10, are no such thing: they are edges along a parallel,
-/// and the ring is held as it was written. Of a ring that goes round, two vertices and its end are
-/// enough.
+/// A planar ring round a pole that was written uncut ends 360° away from where it started. Then
+/// [`Ring::winding_deg`] is ±360 and the closing edge runs from the last vertex to the first one shifted
+/// by that much. A ring that says so by a jump between −180 and 180 at one latitude is held the same
+/// way, the vertices after the jump shifted by one turn. Jumps that cancel, such as the two in the
+/// rectangle −180 … 180 × −10 … 10, are no such thing: they are edges along a parallel, and the ring is
+/// held as it was written. Of a ring that goes round, two vertices and its end are enough.
 #[derive(Debug, Clone)]
 pub struct Ring {
     vertices_deg: Vec<[f64; 2]>,

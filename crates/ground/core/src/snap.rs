@@ -2,7 +2,7 @@
 //! Straight edges → edges that meet at their ends only: snap rounding.
 //!
 //! Degrees. A place where two edges cross is rounded to the nearest numbers, which bends both of
-//! them, possibly over a third a rounding away; split again and again, two rings a rounding apart
+//! them, possibly over a third a rounding away. Split again and again, two rings a rounding apart
 //! never come to an end. Snap rounding does: every vertex and every crossing is moved to the middle
 //! of its cell of a grid, and every edge is led through the middles of those *hot* cells that it
 //! meets. Seen as cells that shrink to their middles, no edge moves over another or over a vertex

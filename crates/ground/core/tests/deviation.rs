@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How far the walls stand from the edges they are drawn for, measured without the splitter.
 //!
-//! ECEF metres. A ring edge is followed in small steps: straight in longitude and latitude, or round
-//! the centre in ECEF and put back on the surface, where the mesher thinks in great circles of the
-//! sphere of normals. A wall is its boundary edge swept along the geodetic normals of its two ends,
+//! ECEF metres. A ring edge is followed in small steps, straight in longitude and latitude, or round
+//! the centre in ECEF and put back on the surface. The mesher thinks in great circles of the sphere
+//! of normals instead. A wall is its boundary edge swept along the geodetic normals of its two ends,
 //! as the backends raise it, and what is measured is the distance to the line in which it cuts the
 //! surface.
 

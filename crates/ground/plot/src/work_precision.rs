@@ -2,7 +2,7 @@
 //! Work and precision: one curve for each method through its knob, both axes logarithmic.
 //!
 //! A point has what it costs across and what it misses upwards, each with its 5–95 % range where it was
-//! sampled; a second, open mark below it is the root mean square where the first is a maximum. A point
+//! sampled. A second, open mark below it is the root mean square where the first is a maximum. A point
 //! without error stands on a line of its own at the bottom and a failed one on the upper edge: neither
 //! has a place on a logarithm, and neither may vanish. A wrong one whose figures are known is the
 //! exception, since its error may be the answer. It stands where its figures put it, on its curve, with

@@ -66,13 +66,12 @@ pub enum Chart {
     /// Gnomonic projection on the pole, colatitude by an odd polynomial with that many terms,
     /// longitude by an arctangent.
     ///
-    /// For regions near or over a pole, where longitude and latitude are no smooth functions of
-    /// anything local. What holds there: the colatitude is smooth and exact in the pole's
-    /// neighbourhood. The longitude is that of the offset from the axis, so its relative error is
-    /// that of the offset as long as the anchor is the pole ([`MapRegion::anchored`]), and at the
-    /// pole itself, where there is none, it is 0. With another anchor, the distance of the anchor
-    /// from the axis is added in `f32`, and closer to the pole than some millimetres per kilometre
-    /// of that distance the longitude is noise.
+    /// For regions near or over a pole, where longitude and latitude are no smooth functions of anything
+    /// local. What holds there: the colatitude is smooth and exact in the pole's neighbourhood. The
+    /// longitude is that of the offset from the axis. So its relative error is that of the offset as long
+    /// as the anchor is the pole ([`MapRegion::anchored`]). At the pole itself, where there is none, it is
+    /// 0. With another anchor, the distance of the anchor from the axis is added in `f32`, and closer to
+    /// the pole than some millimetres per kilometre of that distance the longitude is noise.
     Azimuthal(ChartDegree),
     /// Both angles from a cube texture of that size.
     Cube(CubeSize),

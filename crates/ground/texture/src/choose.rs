@@ -7,10 +7,10 @@
 //! not need is never computed. Every route that was not taken is listed with the reason.
 //!
 //! The region asked about need not be all that a texture covers: what a view can see of it is enough,
-//! with the anchor below the eye. Offsets and angles are then small where pixels are small, and a
-//! picture of a whole continent keeps a hundredth of a pixel 20 m above the ground, where an anchor
-//! one degree away loses a pixel (`tests/choose_from_pixels.rs`). The difference between that anchor
-//! and the texture's edge is a constant, computed in `f64`.
+//! with the anchor below the eye. Offsets and angles are then small where pixels are small. A picture
+//! of a whole continent keeps a hundredth of a pixel 20 m above the ground, where an anchor one degree
+//! away loses a pixel (`tests/choose_from_pixels.rs`). The difference between that anchor and the
+//! texture's edge is a constant, computed in `f64`.
 
 use crate::residual::RESIDUAL_SAMPLES;
 use crate::{
@@ -25,8 +25,8 @@ pub const RMS_TOLERANCE: f64 = 0.25;
 /// Largest error in texels along each axis.
 pub const MAX_TOLERANCE: f64 = 0.5;
 
-/// Samples after which a route is looked at, and by how much its root mean square must then be over
-/// the tolerance to be left out: that of few samples may lie on either side of that of all.
+/// Samples after which a route is looked at, and by how much its root mean square must then be over the
+/// tolerance to be left out. That of few samples may lie on either side of that of all.
 const LOOKS: [(usize, f64); 3] = [(60, 4.0), (400, 1.5), (usize::MAX, 1.0)];
 
 /// What operations cost in units of one fused multiply-add.

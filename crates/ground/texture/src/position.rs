@@ -308,9 +308,9 @@ impl PositionRoute {
             let [x, y] = pixel.map(Bounded::exact);
             let of = |depth| program.bounded_all(&constants, [x, y, Bounded::exact(depth)]);
             let all = of(depth);
-            // What the stored depth is off by is one number wherever the formula reads it: the offsets at
-            // both its ends are asked for, where derivatives step by step would take a numerator's and a
-            // divisor's share for independent. Beyond infinity there is no offset.
+            // What the stored depth is off by is one number wherever the formula reads it. So the offsets at both
+            // its ends are evaluated. Derivatives step by step would take a numerator's and a divisor's share for
+            // independent. Beyond infinity there is no offset.
             let ends = [depth - stored_error, depth + stored_error];
             let is_beyond = ends.iter().any(|end| view.depth.distance_m(*end) < 0.0);
             let [low, high] = ends.map(of);

@@ -110,7 +110,7 @@ impl MapRegion {
 
     /// A region anchored at the pole that its extent touches, if it touches one, else at its centre.
     ///
-    /// Close to a pole longitude is as exact as the offset from the axis is, and with any other anchor
+    /// Close to a pole longitude is as exact as the offset from the axis is. With any other anchor
     /// that offset is a difference of `f32` numbers as large as the anchor's distance from the axis.
     ///
     /// # Errors

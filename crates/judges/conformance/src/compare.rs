@@ -82,9 +82,9 @@ pub fn filled_only(frame: &Frame) -> Frame {
 ///   [`crate::SMALLEST_PIECE_PX`] pixels in the reference are counted in `tiny_regions`, and of no
 ///   boundary within one pixel of them is it asked how far the other picture's is. That of a larger piece
 ///   there still is one that the other picture's may be near.
-/// - It is `None` when no boundary is left in either. When one picture lacks a boundary that the
-///   other has, the distance is infinite; the image's diagonal, which no distance in it exceeds,
-///   stands in for that, so that the figure stays a number in every file.
+/// - It is `None` when no boundary is left in either. When one picture lacks a boundary that the other has, the
+///   distance is infinite. The image's diagonal, which no distance in it exceeds, stands in for that, so that the
+///   figure stays a number in every file.
 /// - cost: O(pixels)
 ///
 /// # Errors

@@ -31,11 +31,12 @@ pub const MAX_PICTURE_SEARCH_PX: u32 = 64;
 /// How far boundaries that were moved on purpose have moved.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Movement {
-    /// The farthest that the centre of a mismatched pixel is from where the reference shows the frame's
-    /// id for that pixel, and of a foreign one from where it shows any other id than at the centre.
+    /// The farthest that the centre of a mismatched pixel is from where the reference shows the frame's id
+    /// for that pixel. Of a foreign pixel, it is from where the reference shows any other id than at the
+    /// centre.
     pub farthest_px: f64,
     /// Mismatched pixels whose id the reference shows nowhere within [`MOVED_SEARCH_PX`]. Positions of two
-    /// neighbours round each by themselves, so a pixel on their border may belong to both or to none; a
+    /// neighbours round each by themselves, so a pixel on their border may belong to both or to none. A
     /// fill that tells regions apart by sums of their numbers then shows a third one's id, or none.
     pub foreign_px: u64,
 }

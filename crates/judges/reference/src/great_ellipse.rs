@@ -10,10 +10,10 @@
 //! angle between its neighbours, and on longitudes −180 … 180, the latter excluded, where both angles
 //! are 180°. So a pole is never on a ring, and its side is known. Two tests:
 //!
-//! - *Meridian*: parity of the arcs crossed on the way from the point south to the pole. Which arcs
-//!   span its meridian is said by longitudes on a grid, exactly, and whether the point is north of
-//!   such an arc by the exact sign of a determinant of three vectors (Shewchuk, 1997, by the crate
-//!   `robust`). Spans are half-open, so a vertex between two of them counts once.
+//! - *Meridian*: parity of the arcs crossed on the way from the point south to the pole. Which arcs span its meridian
+//!   is said by longitudes on a grid, exactly. Whether the point is north of such an arc is said by the exact sign of
+//!   a determinant of three vectors (Shewchuk, 1997, by the crate `robust`). Spans are half-open, so a vertex between
+//!   two of them counts once.
 //! - *Angles*: the signed solid angles of the triangles between the point's antipode and each
 //!   edge. Their sum is the ring's signed area, modulo 4π, and jumps by 4π wherever the point
 //!   crosses the ring; so it tells the point's side from that of a pole. Van Oosterom and Strackee

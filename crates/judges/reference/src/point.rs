@@ -121,7 +121,7 @@ pub(crate) struct Point {
 
 impl Point {
     /// A pole is every longitude at once, and on the rim of whatever is straight in longitude and
-    /// latitude; so it is read as the nearest latitude to it that a double can hold, 10⁻⁹ m away.
+    /// latitude. So it is read as the nearest latitude to it that a double can hold, 10⁻⁹ m away.
     pub(crate) fn new(longitude_deg: f64, latitude_deg: f64) -> Option<Self> {
         if !longitude_deg.is_finite() || latitude_deg.is_nan() || latitude_deg.abs() > 90.0 {
             return None;

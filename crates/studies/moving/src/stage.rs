@@ -10,8 +10,8 @@ use terrafill_fill::{
 use terrafill_scene::{ImageSize, Overlap, PlanOptions, Scene, View};
 use terrafill_surface::{SurfaceError, SurfaceKind, open_surface};
 
-/// The eye from the apex, what is left of it, and the difference of the two, each rounded to f32 and
-/// no longer than the way from the eye to the far side of the body; along three axes.
+/// The eye from the apex, what is left of it, and the difference of the two, along three axes. Each is
+/// rounded to f32 and no longer than the way from the eye to the far side of the body.
 const SUBTRACTION_F32: f64 = 3.0 * 1.733 / (1 << 24) as f64;
 
 /// How a scene is brought up to date.

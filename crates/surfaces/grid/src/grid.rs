@@ -69,7 +69,7 @@ impl GridSurface {
     }
 
     /// Columns or rows that hold `from` … `to`, both counted in cells from the first, and one more on
-    /// either side: a triangle's edges are straight in space, so that they leave its cell by up to a
+    /// either side. A triangle's edges are straight in space, so that they leave its cell by up to a
     /// sixteenth of one.
     #[allow(
         clippy::cast_possible_truncation,

@@ -17,7 +17,7 @@ use terrafill_results::SplitMix64;
 const WARM_UP_ROUNDS: u32 = 1;
 
 /// A sample lasts at least so long, as the median of as many frames. What disturbs a busy machine changes
-/// every few milliseconds, so many short bursts tell more than a few long ones: on two busy cores bursts of
+/// every few milliseconds, so many short bursts tell more than a few long ones. On two busy cores bursts of
 /// samples of 1 ms and of 8 ms both spread by 10 %.
 const SAMPLE_TIME: Duration = Duration::from_micros(1500);
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Curves on the surface → rings of planar edges that stay within a tolerance of them.
 //!
-//! Degrees, deviations as straight-line metres. An edge is compared with its curve both ways, the
-//! curve's points with the edge as it runs in longitude and latitude and the other way round, and
-//! halved in the curve's parameter until both are near enough. Every distance measured is one to a
-//! point that was actually found, hence never too small.
+//! Degrees, deviations as straight-line metres. An edge is compared with its curve both ways: the
+//! curve's points with the edge as it runs in longitude and latitude, and the other way round. It
+//! is halved in the curve's parameter until both are near enough. Every distance measured is one
+//! to a point that was actually found, hence never too small.
 
 use crate::edge::{Degrees, surface_point};
 use crate::{EdgeRule, Ellipsoid, Inside, Polygon, Ring};

@@ -7,8 +7,8 @@
 //! Along the cone's edge D is a trigonometric polynomial of second degree, so the cone crosses the
 //! horizon at most four times, and where is asked of a quartic.
 //!
-//! A cone of less than 90° is convex, so is the one of the rays that touch, and so is what both
-//! hold: the footprint is in one piece, bounded by arcs of the two in turn.
+//! A cone of less than 90° is convex, so is the one of the rays that touch, and so is what both hold.
+//! The footprint is in one piece, bounded by arcs of the two in turn.
 
 use super::boundary::{Band, Boundary, Curve, Leg, pieces_of_turn};
 use crate::edge::Degrees;

@@ -4,10 +4,10 @@
 //!
 //! Bessel's auxiliary sphere, as in Karney (2013), "Algorithms for geodesics", eqs. 7–12 and 22–23.
 //! The series in the flattening that Vincenty (1975) and Karney truncate lose digits on bodies as
-//! flat as Saturn. Here the two integrands, which are even and have period π, are sampled and
-//! turned into cosine series for the geodesic at hand. The coefficients fall geometrically, so the
-//! sampling takes as many as doubles can see, and the result is good to a few roundings (tested to
-//! 3e-13°, 33 nm on the Earth, on both the Earth and a body like Saturn).
+//! flat as Saturn. Here the two integrands, which are even and have period π, are sampled and turned
+//! into cosine series for the geodesic at hand. The coefficients fall geometrically, so the sampling
+//! takes as many as doubles can see. The result is good to a few roundings: tested to 3e-13°, 33 nm
+//! on the Earth, on both the Earth and a body like Saturn.
 
 use crate::edge::Degrees;
 use crate::{Ellipsoid, Geodetic};

@@ -147,8 +147,8 @@ pub(super) fn unroll(
     (offset, written, repeated)
 }
 
-/// Of a place's longitudes on either side of a jump, the one that a ring in the other direction
-/// keeps as well: a turn apart to the nearest number, they may be a last bit apart on the body.
+/// Of a place's longitudes on either side of a jump, the one that a ring in the other direction keeps
+/// as well. They are a turn apart to the nearest number, and may be a last bit apart on the body.
 fn nearer_spelling(a: f64, b: f64) -> f64 {
     if b.abs() < a.abs() { b } else { a }
 }

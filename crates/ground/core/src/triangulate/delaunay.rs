@@ -106,8 +106,8 @@ fn index_of(numbers: [u32; 3], number: u32) -> usize {
     usize::from(numbers[1] == number) + 2 * usize::from(numbers[2] == number)
 }
 
-/// A position and the way to it. Together, since an edge is flipped after its ends were looked at: in a
-/// triangulation that is larger than the cache and the translation buffers every list of its own is
+/// A position and the way to it. Together, since an edge is flipped after its ends were looked at. In a
+/// triangulation that is larger than the cache and the translation buffers, every list of its own is
 /// another place of memory to go to.
 #[derive(Clone, Copy)]
 struct Vertex {

@@ -121,8 +121,8 @@ fn parallel_seen(body: &Ellipsoid, input: &FillInput, latitude_deg: f64) -> f64 
     rim.x / (input.camera.eye_ecef.z - rim.z)
 }
 
-/// Largest relative error of a disc's pixel count: facets of half a degree sag by 1e-5 of the
-/// radius, and the count of pixel centres in a disc of 350 pixels radius is off by 1e-4 at most.
+/// Largest relative error of a disc's pixel count. Facets of half a degree sag by 1e-5 of the radius, and the
+/// count of pixel centres in a disc of 350 pixels radius is off by 1e-4 at most.
 const DISC_TOLERANCE: f64 = 2e-4;
 
 #[test]

@@ -99,7 +99,7 @@ fn unchanged_work_gives_no_more_alarms_than_stated() {
 }
 
 /// Of 60 histories with a step of 5 % at the 22nd of 40 commits, up and down by turns, under noise of this
-/// size: those in which it is named a step, and is placed within two commits.
+/// size. Counted are those in which it is named a step, and is placed within two commits.
 fn steps_found(scatter: f64) -> [usize; 2] {
     let mut random = Random(11);
     let mut found = [0, 0];
