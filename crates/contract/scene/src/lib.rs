@@ -10,6 +10,7 @@ mod generated;
 mod level;
 mod near_plane;
 mod needs;
+mod part_culling;
 mod parts;
 mod plan;
 mod procedural;
