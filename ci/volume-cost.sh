@@ -50,8 +50,10 @@ tables() {
         rung = column["rung"] ? part[column["rung"]] : ""
         if (role !~ /\+(ladder|main)\+/ || view == "") next
         if (rung == "" && role !~ /\+full-plan\+/) next
-        name = rung == "" ? "full plan, exact" : part[column["step"]] (part[column["aside"]] == "yes" ? " (aside)" : "")
-        row = sprintf("%03d", rung == "" ? 999 : rung)
+        has_levels = part[column["boundary-lod-px"]] !~ /^(off)?$/
+        plan = "full plan, " (has_levels ? "with levels" : "exact")
+        name = rung == "" ? plan : part[column["step"]] (part[column["aside"]] == "yes" ? " (aside)" : "")
+        row = sprintf("%03d", rung == "" ? 998 + has_levels : rung)
         table = scene SUBSEP technique
         if (!(table in seen)) { seen[table] = 1; order[++tables] = table }
         rows[table, row] = name; if (row > last[table]) last[table] = row
@@ -65,9 +67,9 @@ tables() {
     }
     END {
         for (t = 1; t <= tables; t++) {
-            split(order[t], is, SUBSEP); scene = is[1]; n = split(views[scene], view, " ")
+            split(order[t], is, SUBSEP); scene = is[1]; n = split(views[scene], at, " ")
             printf "\n%s, %s\n%-24s", scene, is[2], "step"
-            for (v = 1; v <= n; v++) printf "  %24s", view[v] " ms (/stencil)"
+            for (v = 1; v <= n; v++) printf "  %24s", at[v] " ms (/stencil)"
             printf "  %10s %7s %9s %7s %9s\n", "bytes", "draws", "vertices", "px off", "out band"
             for (r = 1; r <= 999; r++) {
                 row = sprintf("%03d", r)
@@ -75,8 +77,8 @@ tables() {
                 printf "%-24s", rows[order[t], row]
                 first = ""; worst = 0; outside = 0
                 for (v = 1; v <= n; v++) {
-                    key = of[order[t], row, view[v]]; if (first == "") first = key
-                    ms = time_of(key); base = time_of(yardstick[scene, view[v]])
+                    key = of[order[t], row, at[v]]; if (first == "") first = key
+                    ms = time_of(key); base = time_of(yardstick[scene, at[v]])
                     cell = ms == "" ? (status[key] == "" ? "-" : status[key]) : sprintf("%.2f (%.2f)", ms, base > 0 ? ms / base : 0)
                     printf "  %24s", cell
                     if (figure[key, "mismatched_px"] > worst) worst = figure[key, "mismatched_px"]
