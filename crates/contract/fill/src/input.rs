@@ -3,11 +3,11 @@
 
 use crate::{DeviceError, MAX_REGIONS, NoSuchRegion, RegionSet, ViewId};
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use terrafill_core::{EdgeRule, Ellipsoid, Extent, MovingFootprint, Region, RegionMesh};
 use terrafill_scene::{
-    Camera, FramePlan, HeightRange, ImageSize, LevelTable, LeveledMeshes, MipChain, Overlap,
-    PlanOptions, RegionBounds, Scene, SceneTexture, View,
+    Camera, FramePlan, HeightRange, ImageSize, LevelTable, LeveledMeshes, MeshParts, MipChain,
+    Overlap, PartCulling, PlanOptions, RegionBounds, Scene, SceneTexture, View,
 };
 use terrafill_surface::{Surface, SurfaceError, SurfaceFrame};
 
@@ -38,6 +38,8 @@ pub struct PreparedScene {
     ///
     /// [`FootprintMesher::disc`]: terrafill_core::FootprintMesher::disc
     pub footprints: Arc<BTreeMap<usize, MovingFootprint>>,
+    /// Parts of large meshes, made when a plan first asks for them.
+    pub parts: LazyParts,
     /// What lies under the fill.
     pub surface: Arc<dyn Surface>,
     /// What colours the surface; no fill looks at it.
@@ -60,6 +62,7 @@ impl PreparedScene {
             meshes,
             levels: Arc::default(),
             footprints: Arc::default(),
+            parts: LazyParts::default(),
             surface,
             picture: scene.surface.picture.clone(),
             texture: scene.texture.clone(),
@@ -94,6 +97,7 @@ impl PreparedScene {
         Ok(Self {
             bounds: bounds.into(),
             meshes,
+            parts: LazyParts::default(),
             ..self.clone()
         })
     }
@@ -118,6 +122,7 @@ impl PreparedScene {
         Ok(Self {
             bounds: bounds.into(),
             footprints: footprints.into(),
+            parts: LazyParts::default(),
             ..self.clone()
         })
     }
@@ -129,8 +134,29 @@ impl PreparedScene {
             bounds: bounds(&self.body, &meshes, &*self.surface, None),
             meshes,
             levels: Arc::default(),
+            parts: LazyParts::default(),
             ..self.clone()
         }
+    }
+}
+
+/// Parts of a scene's large meshes by their place; shared by all who have the same meshes.
+#[derive(Debug, Clone, Default)]
+pub struct LazyParts(Arc<OnceLock<BTreeMap<usize, MeshParts>>>);
+
+impl LazyParts {
+    /// - `is_stored`: whether a mesh is drawn where its vertices are
+    fn of(
+        &self,
+        body: &Ellipsoid,
+        meshes: &RegionSet,
+        is_stored: impl Fn(usize) -> bool,
+    ) -> &BTreeMap<usize, MeshParts> {
+        self.0.get_or_init(|| {
+            let mut all = MeshParts::of_all(body, meshes);
+            all.retain(|&mesh, _| is_stored(mesh));
+            all
+        })
     }
 }
 
@@ -338,8 +364,11 @@ fn plan(
         &scene.levels,
         options,
     );
-    plan.settle_near_plane(&scene.body, camera, size, &scene.meshes, |mesh| {
-        !scene.footprints.contains_key(&mesh)
-    });
+    let is_stored = |mesh: usize| !scene.footprints.contains_key(&mesh);
+    plan.settle_near_plane(&scene.body, camera, size, &scene.meshes, is_stored);
+    if options.part_culling != PartCulling::Off {
+        let parts = scene.parts.of(&scene.body, &scene.meshes, is_stored);
+        plan.cull_parts(&scene.body, camera, size, terrain, parts);
+    }
     plan
 }

@@ -12,7 +12,7 @@
 //! its own rungs between those that all techniques share.
 
 use crate::{BottomCap, ColourWay, DepthRuleChoice, FacePasses, FirstPass, Switches, Variant};
-use terrafill_scene::{Overlap, PlanOptions, WallHeights};
+use terrafill_scene::{Overlap, PartCulling, PlanOptions, WallHeights};
 
 /// Deviation that boundaries may be drawn with where levels of detail are on: half a pixel stays
 /// within the band in which rounding decides as well.
@@ -264,14 +264,24 @@ impl Climb {
         )
     }
 
-    /// Caps without the facets that face away, beside the way. Where regions keep an order, numbers cannot
-    /// be flipped by XOR.
+    /// Large regions in parts, for a technique that draws them.
+    #[must_use]
+    pub fn parts(self) -> Self {
+        self.step(
+            "parts",
+            "of large regions, parts outside the view or hidden by the body are left out, and rectangles \
+             shrink to those of the others",
+            |variant| variant.plan.part_culling = PartCulling::All,
+        )
+    }
+
+    /// Caps without the facets that face away. Where regions keep an order, numbers cannot be flipped by XOR.
     #[must_use]
     pub fn front_caps(self, overlap: Overlap) -> Self {
         if overlap == Overlap::Ordered {
             return self;
         }
-        self.aside(
+        self.step(
             "xor-front",
             "facets of top caps that face away are left out where the sky is behind them, and covers leave \
              out the sky",

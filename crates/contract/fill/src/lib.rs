@@ -71,7 +71,7 @@ pub use fixed_point::{
 pub use frame::{Counters, Frame, FrameTimes, MemoryUse};
 pub use geometry::{GeometryBytes, IndexLists, boundary_edges};
 pub use identity::{NoSuchRegion, RegionSet, ViewId};
-pub use input::{FillInput, PreparedScene};
+pub use input::{FillInput, LazyParts, PreparedScene};
 pub use ladder::{Climb, LOD_PX, Rung};
 pub use matrix::matrix_row;
 pub use needs::{COLOUR_BYTES, DEPTH_STENCIL_BYTES, Feature, Holding, Need, Needs};

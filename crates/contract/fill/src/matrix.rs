@@ -8,7 +8,7 @@ use crate::{
     BottomCap, ColourWay, DepthRuleChoice, FacePasses, LOD_PX, StencilClear, Switches, Technique,
     Variant,
 };
-use terrafill_scene::Overlap;
+use terrafill_scene::{Overlap, PartCulling};
 
 /// `base` and, one at a time, every switch away from its default; with it, where a switch has no
 /// effect or is not allowed alone, the one that it needs.
@@ -48,6 +48,9 @@ pub fn matrix_row(technique: &dyn Technique, base: &Variant, overlap: Overlap) -
     let mut coarse = base.clone();
     coarse.plan.boundary_lod_px = Some(LOD_PX);
     row.push(coarse);
+    let mut in_parts = base.clone();
+    in_parts.plan.part_culling = PartCulling::Frustum;
+    row.push(in_parts);
     for culling in 0..3 {
         let mut variant = base.clone();
         let switches = [

@@ -86,6 +86,23 @@ pub trait Technique: Sync + Debug {
     /// for a technique that does not come from it.
     fn ladder(&self, overlap: Overlap) -> Vec<Rung>;
 
+    /// As it should be used: the top of its ladder with boundaries as they are, then with levels of detail, the
+    /// same picture but for half a pixel. None for a technique without a ladder. The depth-bounds test, which
+    /// devices may lack, is left to the ladder.
+    fn full_plans(&self, overlap: Overlap) -> Vec<Variant> {
+        let mut rungs = self.ladder(overlap);
+        rungs.retain(|rung| !rung.variant.switches.depth_bounds && !rung.is_aside);
+        let Some(top) = rungs.pop() else {
+            return Vec::new();
+        };
+        let mut exact = top.variant.clone();
+        exact.plan.boundary_lod_px = None;
+        match exact == top.variant {
+            true => vec![exact],
+            false => vec![exact, top.variant],
+        }
+    }
+
     /// `base` with each parameter of its own away from its default, alone. What is not allowed is
     /// left out by [`crate::matrix_row`].
     fn matrix_row(&self, base: &Variant) -> Vec<Variant>;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A variant: everything that is chosen of a technique, as keys and values that can be written down.
 
-use crate::{SwitchError, Switches, pick};
+use crate::{DepthRuleChoice, SwitchError, Switches, pick};
 use std::collections::BTreeMap;
-use terrafill_scene::{Overlap, PlanOptions, WallHeights};
+use terrafill_scene::{Overlap, PartCulling, PlanOptions, WallHeights};
 
 /// Values that a parameter may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -226,6 +226,45 @@ impl Variant {
         self
     }
 
+    /// Whether parts of regions may be left out: only of a technique that draws parts, and those that the body
+    /// hides only where fragments in front of the surface count.
+    ///
+    /// - `draws_parts`: whether the technique does, as it is set
+    ///
+    /// # Errors
+    /// [`SwitchError`].
+    pub fn check_parts(&self, draws_parts: bool) -> Result<(), SwitchError> {
+        let refuse = |value: &str, why: &str, allowed: &str| {
+            Err(SwitchError {
+                switch: "part-culling",
+                found: format!("{value} {why}"),
+                allowed: allowed.to_owned(),
+            })
+        };
+        let depth_rule = self.switches.depth_rule;
+        match self.plan.part_culling {
+            PartCulling::Off => Ok(()),
+            PartCulling::Frustum | PartCulling::All if !draws_parts => {
+                let value = match self.plan.part_culling {
+                    PartCulling::All => "all",
+                    _ => "frustum",
+                };
+                let layout = format!("of {} {}", self.technique, self.layout());
+                refuse(
+                    value,
+                    &format!("{layout}, which draws regions whole"),
+                    "off",
+                )
+            }
+            PartCulling::All if depth_rule == DepthRuleChoice::Fail => refuse(
+                "all",
+                "with depth-rule=zfail, to which hidden fragments count",
+                "off, frustum, or depth-rule=automatic",
+            ),
+            PartCulling::Frustum | PartCulling::All => Ok(()),
+        }
+    }
+
     /// Every key that [`Variant::set`] takes, with its values.
     #[must_use]
     pub fn keys(&self) -> String {
@@ -238,9 +277,9 @@ impl Variant {
 }
 
 /// Keys of a plan's options, with their values.
-const PLAN_KEYS: &str = "boundary-lod-px=PIXELS|off, far-level-px=PIXELS|off, frustum-culling=on|off, horizon-culling=on|off, too-small-culling=on|off, wall-heights=region|global";
+const PLAN_KEYS: &str = "boundary-lod-px=PIXELS|off, far-level-px=PIXELS|off, frustum-culling=on|off, horizon-culling=on|off, part-culling=off|frustum|all, too-small-culling=on|off, wall-heights=region|global";
 
-fn plan_settings(plan: &PlanOptions) -> [(&'static str, String); 6] {
+fn plan_settings(plan: &PlanOptions) -> [(&'static str, String); 7] {
     let switch = |is_on: bool| if is_on { "on" } else { "off" }.to_owned();
     let pixels = |px: Option<f64>| px.map_or("off".to_owned(), |px| px.to_string());
     [
@@ -248,6 +287,15 @@ fn plan_settings(plan: &PlanOptions) -> [(&'static str, String); 6] {
         ("far-level-px", pixels(plan.far_level_px)),
         ("frustum-culling", switch(plan.frustum_culling)),
         ("horizon-culling", switch(plan.horizon_culling)),
+        (
+            "part-culling",
+            match plan.part_culling {
+                PartCulling::Off => "off",
+                PartCulling::Frustum => "frustum",
+                PartCulling::All => "all",
+            }
+            .to_owned(),
+        ),
         ("too-small-culling", switch(plan.too_small_culling)),
         (
             "wall-heights",
@@ -282,6 +330,14 @@ fn set_plan(plan: &mut PlanOptions, key: &str, value: &str) -> Result<bool, Swit
         "far-level-px" => plan.far_level_px = pixels("far-level-px", value)?,
         "frustum-culling" => plan.frustum_culling = pick("frustum-culling", value, &switches)?,
         "horizon-culling" => plan.horizon_culling = pick("horizon-culling", value, &switches)?,
+        "part-culling" => {
+            let choices = [
+                ("off", PartCulling::Off),
+                ("frustum", PartCulling::Frustum),
+                ("all", PartCulling::All),
+            ];
+            plan.part_culling = pick("part-culling", value, &choices)?;
+        }
         "too-small-culling" => {
             plan.too_small_culling = pick("too-small-culling", value, &switches)?;
         }
@@ -363,7 +419,7 @@ mod tests {
     fn every_setting_has_a_value_and_can_be_set_to_it() {
         let changed = plain().with("indices", "strip").with("colour", "volume");
         let settings = changed.settings();
-        assert_eq!(settings.len(), 3 + 18 + 6);
+        assert_eq!(settings.len(), 3 + 18 + 7);
         let mut read = plain().with("opacity", "7");
         for (key, value) in &settings {
             assert_eq!(read.set(key, value), Ok(true), "{key}={value}");
@@ -388,6 +444,7 @@ mod tests {
             ("boundary-lod-px", "-1", "PIXELS, a number above 0, or off"),
             ("boundary-lod-px", "NaN", "PIXELS, a number above 0, or off"),
             ("far-level-px", "0", "PIXELS, a number above 0, or off"),
+            ("part-culling", "on", "off, frustum, all"),
         ] {
             let error = variant.set(key, value).expect_err("no such value");
             assert_eq!((error.switch, error.allowed.as_str()), (key, allowed));
@@ -396,6 +453,21 @@ mod tests {
         assert_eq!(variant.value("faces"), None, "none of its own");
         assert!(variant.choice("layout", &[("round", ())]).is_err());
         assert_eq!(variant.choice("layout", &[("flat", 1), ("tall", 2)]), Ok(1));
+    }
+
+    #[test]
+    fn parts_are_left_out_only_where_that_changes_nothing() {
+        let all = plain().with("part-culling", "all");
+        let behind = all.check_parts(true).expect_err("counts behind");
+        assert!(behind.to_string().contains("zfail"), "{behind}");
+        let whole = all.check_parts(false).expect_err("drawn whole");
+        assert!(whole.to_string().contains("test flat"), "{whole}");
+        // Twins: what is outside the view is so for all, and what is hidden for those that count in front.
+        let frustum = plain().with("part-culling", "frustum");
+        assert_eq!(frustum.check_parts(true), Ok(()));
+        let in_front = all.with("depth-rule", "automatic");
+        assert_eq!(in_front.check_parts(true), Ok(()));
+        assert_eq!(plain().check_parts(false), Ok(()));
     }
 
     #[test]

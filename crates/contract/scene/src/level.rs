@@ -7,7 +7,8 @@
 
 use crate::{LevelChoice, Scene};
 use terrafill_core::{
-    Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, SharedBoundaries, SimplifiedRegions,
+    Ellipsoid, LeftOutRings, MeshError, MeshOptions, Region, RegionMesh, SharedBoundaries,
+    SimplifiedRegions,
 };
 
 /// Scenes of fewer vertices than this have one level unless they ask for more: below it a fill
@@ -37,6 +38,8 @@ pub struct Level {
     /// Of each region, how far its boundary as drawn is from the region's own, metres: what
     /// simplifying moved it, and what the mesh's chords do beyond that.
     pub deviation_m: Vec<f64>,
+    /// Of each region, islands and lakes that the level leaves out.
+    pub left_out: Vec<LeftOutRings>,
 }
 
 /// Which mesh is which region at which level.
@@ -123,6 +126,7 @@ impl LeveledMeshes {
             deviation_m: deviations
                 .map(|(mesh, report)| mesh.boundary_deviation_m + report.deviation_m)
                 .collect(),
+            left_out: level.left_out.clone(),
         });
         self.meshes.extend(built);
         Ok(())
@@ -187,6 +191,13 @@ impl LevelTable {
         coarser.map_or(meshes, |level| level.meshes.len())
     }
 
+    /// What the mesh of a region leaves out; nothing at level 0.
+    pub(crate) fn left_out(&self, region: usize, mesh: usize) -> LeftOutRings {
+        let mut own = self.coarser.iter();
+        let own = own.find(|level| level.meshes[region] == mesh);
+        own.map_or_else(LeftOutRings::default, |level| level.left_out[region])
+    }
+
     /// Of each drawn region, the mesh of the coarsest level whose deviation stays within `pixels`
     /// on the screen for it and for everything it is connected to by borders that are drawn too.
     pub(crate) fn pick(&self, drawn: &[DrawnRegion], pixels: f64) -> Vec<usize> {
@@ -244,6 +255,7 @@ mod tests {
             tolerance_m: deviation_m,
             meshes: (first..first + 4).collect(),
             deviation_m: vec![deviation_m; 4],
+            left_out: vec![LeftOutRings::default(); 4],
         };
         LevelTable {
             coarser: vec![level(4, 10.0), level(8, 40.0)],

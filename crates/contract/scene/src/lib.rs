@@ -10,6 +10,8 @@ mod generated;
 mod level;
 mod near_plane;
 mod needs;
+mod part_culling;
+mod parts;
 mod plan;
 mod procedural;
 mod scene;
@@ -29,9 +31,10 @@ pub use level::{
     FEWEST_VERTICES_FOR_LEVELS, LEVEL_GROWTH, LEVEL_VERTEX_SHARE, Level, LevelTable, LeveledMeshes,
 };
 pub use needs::shipped_scene_needs;
+pub use parts::{MeshParts, PART_FACETS, PartOrder, SeenParts};
 pub use plan::{
     CAP_CLEARANCE_PX, FramePlan, GLOBAL_HEIGHT_M, HeightRange, LeftOutReason, LeftOutRegion,
-    PixelRect, PlanOptions, PlannedRegion, RegionBounds, WallHeights,
+    PartCulling, PixelRect, PlanOptions, PlannedRegion, RegionBounds, SmallRings, WallHeights,
 };
 pub use procedural::Islands;
 pub use scene::{LevelChoice, Overlap, Scene, SurfaceChoice, SurfaceFile, View};

@@ -22,8 +22,10 @@
 
 use crate::level::DrawnRegion;
 use crate::near_plane::{NearPlane, ViewVolume};
+use crate::parts::SeenParts;
 use crate::{Camera, ImageSize, LevelTable};
 use glam::DVec3;
+use std::collections::BTreeMap;
 use terrafill_core::{Ellipsoid, MovingFootprint, OrientedBox, RegionMesh, VolumeHeights};
 
 /// Caps are moved away from the terrain by at least this many pixels at the eye's distance, so
@@ -45,6 +47,18 @@ pub enum WallHeights {
     Global,
 }
 
+/// Which parts of large regions are left out; see [`crate::MeshParts`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PartCulling {
+    /// None.
+    #[default]
+    Off,
+    /// Those outside the view frustum.
+    Frustum,
+    /// Those, and those hidden by the body: where fragments in front of the surface count.
+    All,
+}
+
 /// Which parts of planning are switched on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlanOptions {
@@ -61,6 +75,8 @@ pub struct PlanOptions {
     pub far_level_px: Option<f64>,
     /// How far volumes reach.
     pub wall_heights: WallHeights,
+    /// Which parts of large regions are left out.
+    pub part_culling: PartCulling,
 }
 
 impl Default for PlanOptions {
@@ -72,6 +88,7 @@ impl Default for PlanOptions {
             boundary_lod_px: None,
             far_level_px: None,
             wall_heights: WallHeights::Region,
+            part_culling: PartCulling::Off,
         }
     }
 }
@@ -111,6 +128,29 @@ impl PixelRect {
     #[must_use]
     pub fn height(self) -> u32 {
         self.bottom.saturating_sub(self.top)
+    }
+
+    /// The smallest rectangle that holds both.
+    #[must_use]
+    pub fn around(self, other: Self) -> Self {
+        Self {
+            left: self.left.min(other.left),
+            top: self.top.min(other.top),
+            right: self.right.max(other.right),
+            bottom: self.bottom.max(other.bottom),
+        }
+    }
+
+    /// What lies in both; empty where they share no pixel.
+    #[must_use]
+    pub fn within(self, other: Self) -> Self {
+        let (left, top) = (self.left.max(other.left), self.top.max(other.top));
+        Self {
+            left,
+            top,
+            right: self.right.min(other.right).max(left),
+            bottom: self.bottom.min(other.bottom).max(top),
+        }
     }
 
     /// Whether the two share a pixel.
@@ -178,6 +218,15 @@ pub struct LeftOutRegion {
     pub reason: LeftOutReason,
 }
 
+/// Rings that levels of detail leave out of drawn regions.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SmallRings {
+    /// How many.
+    pub rings: usize,
+    /// All of them together cover no more pixels.
+    pub area_px: f64,
+}
+
 /// What a frame draws and what it leaves out.
 #[derive(Debug, Clone, Default)]
 pub struct FramePlan {
@@ -185,6 +234,10 @@ pub struct FramePlan {
     pub regions: Vec<PlannedRegion>,
     /// In scene order.
     pub left_out: Vec<LeftOutRegion>,
+    /// Islands and lakes of drawn regions that their levels leave out.
+    pub small_rings: SmallRings,
+    /// Of meshes that are drawn in parts what is seen of them; all of those that are not here.
+    pub seen_parts: BTreeMap<usize, SeenParts>,
     /// What it was planned by.
     pub options: PlanOptions,
 }
@@ -286,19 +339,7 @@ impl FramePlan {
         levels: &LevelTable,
         options: PlanOptions,
     ) -> Self {
-        let planner = Planner {
-            camera,
-            size,
-            horizon: Horizon::new(body, camera.eye_ecef, terrain.lowest_m),
-            clearance_m: cap_clearance_m(body, camera, size, terrain),
-            beyond_m: match options.wall_heights {
-                WallHeights::Region => [0.0; 2],
-                WallHeights::Global => [-terrain.highest_m, terrain.lowest_m]
-                    .map(|margin_m| (GLOBAL_HEIGHT_M + margin_m).max(0.0)),
-            },
-            near_plane: NearPlane::new(camera, size),
-            options,
-        };
+        let planner = Planner::new(body, camera, size, terrain, options);
         let mut plan = Self {
             options,
             ..Self::default()
@@ -335,6 +376,13 @@ impl FramePlan {
             })
             .collect();
         let picked = levels.pick(&drawn, pixels);
+        for (drawn, &mesh) in drawn.iter().zip(&picked) {
+            let left_out = levels.left_out(drawn.region, mesh);
+            if left_out.rings > 0 {
+                self.small_rings.rings += left_out.rings;
+                self.small_rings.area_px += left_out.area_m2 / drawn.pixel_m.powi(2);
+            }
+        }
         for (planned, mesh) in std::mem::take(&mut self.regions).into_iter().zip(picked) {
             let region = planned.region;
             let examined = if mesh == planned.mesh {
@@ -347,7 +395,7 @@ impl FramePlan {
         self.left_out.sort_by_key(|region| region.mesh);
     }
 
-    fn place(&mut self, region: usize, examined: Result<PlannedRegion, LeftOutReason>) {
+    pub(crate) fn place(&mut self, region: usize, examined: Result<PlannedRegion, LeftOutReason>) {
         match examined {
             Ok(planned) => self.regions.push(planned),
             Err(reason) => self.left_out.push(LeftOutRegion {
@@ -404,6 +452,13 @@ impl FramePlan {
                 "boundary detail below {pixels} px: {left_out} of {of} vertices"
             ));
         }
+        let SmallRings { rings, area_px } = self.small_rings;
+        if rings > 0 {
+            phrases.push(format!(
+                "{rings} islands and lakes below a quarter pixel, of {area_px:.2} px in all at most"
+            ));
+        }
+        phrases.extend(self.parts_left_out());
         let flat = self
             .regions
             .iter()
@@ -443,7 +498,7 @@ impl FramePlan {
 }
 
 /// What a frame's regions are held against.
-struct Planner<'a> {
+pub(crate) struct Planner<'a> {
     camera: &'a Camera,
     size: ImageSize,
     horizon: Horizon,
@@ -454,7 +509,58 @@ struct Planner<'a> {
     options: PlanOptions,
 }
 
-impl Planner<'_> {
+impl<'a> Planner<'a> {
+    pub(crate) fn new(
+        body: &Ellipsoid,
+        camera: &'a Camera,
+        size: ImageSize,
+        terrain: HeightRange,
+        options: PlanOptions,
+    ) -> Self {
+        Self {
+            camera,
+            size,
+            horizon: Horizon::new(body, camera.eye_ecef, terrain.lowest_m),
+            clearance_m: cap_clearance_m(body, camera, size, terrain),
+            beyond_m: match options.wall_heights {
+                WallHeights::Region => [0.0; 2],
+                WallHeights::Global => [-terrain.highest_m, terrain.lowest_m]
+                    .map(|margin_m| (GLOBAL_HEIGHT_M + margin_m).max(0.0)),
+            },
+            near_plane: NearPlane::new(camera, size),
+            options,
+        }
+    }
+
+    /// Why a part of a region that is drawn is left out, or its rectangle.
+    ///
+    /// - `counts_in_front`: fragments in front of the surface count, so that what the body hides changes
+    ///   nothing
+    pub(crate) fn look_at_part(
+        &self,
+        corners: &[DVec3; 8],
+        counts_in_front: bool,
+    ) -> Result<PixelRect, LeftOutReason> {
+        let (_, rect, off_screen) = self.on_screen(corners);
+        if off_screen {
+            Err(LeftOutReason::OutsideFrustum)
+        } else if counts_in_front && self.horizon.hides_all(corners) {
+            Err(LeftOutReason::BeyondHorizon)
+        } else {
+            Ok(rect)
+        }
+    }
+
+    /// Where corners project to, the pixels that their hull may touch, and whether there are none.
+    fn on_screen(&self, corners: &[DVec3; 8]) -> (Option<Footprint>, PixelRect, bool) {
+        let (camera, size) = (self.camera, self.size);
+        let footprint = Footprint::new(camera, size, corners);
+        let rect = footprint.map_or(PixelRect::full(size), |f| f.rect(size));
+        let off_screen =
+            rect.width() == 0 || rect.height() == 0 || outside_frustum(camera, size, corners);
+        (footprint, rect, off_screen)
+    }
+
     /// # Errors
     /// Why the region is left out when drawn by this mesh.
     fn examine(
@@ -463,15 +569,11 @@ impl Planner<'_> {
         mesh: usize,
         bounds: &RegionBounds,
     ) -> Result<PlannedRegion, LeftOutReason> {
-        let (camera, size, options) = (self.camera, self.size, &self.options);
+        let options = &self.options;
         let [up_m, down_m] = self.beyond_m.map(|beyond_m| beyond_m + self.clearance_m);
         let grown = bounds.grown(up_m, down_m);
         let corners = grown.bounds.corners_ecef();
-        let footprint = Footprint::new(camera, size, &corners);
-        let screen_rect = footprint.map_or(PixelRect::full(size), |f| f.rect(size));
-        let off_screen = screen_rect.width() == 0
-            || screen_rect.height() == 0
-            || outside_frustum(camera, size, &corners);
+        let (footprint, screen_rect, off_screen) = self.on_screen(&corners);
         if options.frustum_culling && off_screen {
             Err(LeftOutReason::OutsideFrustum)
         } else if options.horizon_culling && self.horizon.hides_all(&corners) {

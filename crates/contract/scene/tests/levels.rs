@@ -26,7 +26,10 @@ struct Prepared {
 
 impl Prepared {
     fn new(name: &str) -> Self {
-        let scene = Scene::shipped(name, None).expect("needs no data");
+        Self::of(Scene::shipped(name, None).expect("needs no data"))
+    }
+
+    fn of(scene: Scene) -> Self {
         let leveled = LeveledMeshes::build(&scene, &scene.mesh).expect("meshes");
         let bounds = leveled
             .meshes
@@ -313,4 +316,59 @@ fn only_volumes_lower_than_the_stated_pixels_and_before_the_horizon_are_flat() {
     assert_eq!(flat(&plan("top-down", Some(0.5))).0, 0);
     let low = plan("horizon", Some(1e6));
     assert!(flat(&low).0 < flat(&low).1, "{:?}", flat(&low));
+}
+
+/// Land, and a square island of the same region that is `width_deg` wide.
+fn land_and_island(width_deg: f64) -> Prepared {
+    let text = format!(
+        "name = \"islands\"\ndescription = \"land and an island\"\nbody = \"wgs84\"\n[regions]\n\
+         inline = '''{{\"type\":\"FeatureCollection\",\"features\":[{{\"type\":\"Feature\",\
+         \"geometry\":{{\"type\":\"MultiPolygon\",\"coordinates\":[\
+         [[[0,0],[9,0],[9,9],[4,9.1],[0,9],[0,0]]],\
+         [[[12,0],[{east},0],[{east},{width_deg}],[12,{width_deg}],[12,0]]]]}}}}]}}'''\n\
+         [surface]\nkind = \"ellipsoid\"\n[[views]]\nname = \"above\"\nlongitude_deg = 8\n\
+         latitude_deg = 4\nheight_m = 2e7\nheading_deg = 0\npitch_deg = -90\nnear_m = 1000\n",
+        east = 12.0 + width_deg
+    );
+    let mut scene = Scene::from_toml(&text, "islands.toml", None).expect("a scene");
+    scene.levels = LevelChoice::Given(vec![20_000.0]);
+    Prepared::of(scene)
+}
+
+#[test]
+fn islands_below_a_quarter_pixel_are_left_out_and_counted_with_their_pixels() {
+    // Of a level of 20 km, 0.05 degrees are less than half, 0.1 degrees are not.
+    for (width_deg, left_out) in [(0.05, 1), (0.1, 0)] {
+        let prepared = land_and_island(width_deg);
+        let camera = prepared.camera("above");
+        let plan = prepared.plan(&camera, Some(1.0));
+        let planned = plan.regions[0];
+        assert_ne!(planned.mesh, planned.region, "no level is drawn");
+        let loops = |mesh: usize| prepared.leveled.meshes[mesh].boundary_loops.len();
+        assert_eq!(loops(planned.region) - loops(planned.mesh), left_out);
+        assert_eq!(plan.small_rings.rings, left_out);
+        let said = plan.left_out_summary(&prepared.leveled.meshes);
+        assert_eq!(
+            said.contains("islands and lakes below"),
+            left_out > 0,
+            "{said}"
+        );
+        // Its pixels as seen from above, at least.
+        let corner = |x: f64, y: f64| prepared.pixel(&camera, [12.0 + x, y]).expect("in view");
+        let [a, b, c] = [
+            corner(0.0, 0.0),
+            corner(width_deg, 0.0),
+            corner(0.0, width_deg),
+        ];
+        let sides = [b, c].map(|end| (end[0] - a[0]).hypot(end[1] - a[1]));
+        let area_px = plan.small_rings.area_px;
+        match left_out {
+            0 => assert_eq!(area_px, 0.0),
+            _ => assert!(area_px >= sides[0] * sides[1], "{area_px} of {sides:?}"),
+        }
+    }
+    // Twin: as written nothing is left out.
+    let prepared = land_and_island(0.05);
+    let plan = prepared.plan(&prepared.camera("above"), None);
+    assert_eq!(plan.small_rings.rings, 0);
 }

@@ -110,6 +110,7 @@ fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FillInput {
         levels: Arc::default(),
         footprints: Arc::default(),
         bounds: Arc::new([]),
+        parts: terrafill_fill::LazyParts::default(),
         surface: EllipsoidKind::surface(&BODY, 720),
         picture: None,
         texture: Some(Arc::new(SceneTexture {

@@ -60,6 +60,8 @@ pub struct Features {
     pub vertex_layer: bool,
     /// Shaders can ask what a ray meets.
     pub ray_query: bool,
+    /// One call draws by many commands in a buffer, each with an instance number of its own.
+    pub draws_listed: bool,
 }
 
 /// What a device is, for reports.
@@ -312,6 +314,8 @@ impl Adapter {
                         ext::shader_viewport_index_layer::NAME,
                     ),
                     ray_query: has_rays,
+                    draws_listed: is(features.multi_draw_indirect)
+                        && is(features.draw_indirect_first_instance),
                     blends_float: numbers.optimal_tiling_features.contains(blends_and_reads),
                     samples_depth: format
                         .optimal_tiling_features
@@ -472,7 +476,9 @@ impl Gpu {
             .pipeline_statistics_query(has.pipeline_statistics_query == vk::TRUE)
             .occlusion_query_precise(has.occlusion_query_precise == vk::TRUE)
             .depth_bounds(has.depth_bounds == vk::TRUE)
-            .depth_clamp(has.depth_clamp == vk::TRUE);
+            .depth_clamp(has.depth_clamp == vk::TRUE)
+            .multi_draw_indirect(has.multi_draw_indirect == vk::TRUE)
+            .draw_indirect_first_instance(has.draw_indirect_first_instance == vk::TRUE);
         let has_mesh = adapter.facts.features.mesh_shader;
         let mut mesh_features = vk::PhysicalDeviceMeshShaderFeaturesEXT::default()
             .mesh_shader(true)

@@ -14,9 +14,9 @@ use crate::{
 };
 use std::sync::Arc;
 use terrafill_fill::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FillPass, FillStep, FirstPass,
-    FrameTimes, Holding, Picture, Probed, StencilExecutor, StencilTest, StencilWork, SurfaceView,
-    Switches, TexturedPlan, ViewId, VolumeDraw, WorkDone,
+    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FillPass, FillProgram, FillStep,
+    FirstPass, FrameTimes, Holding, Picture, Probed, StencilExecutor, StencilTest, StencilWork,
+    SurfaceView, Switches, TexturedPlan, ViewId, VolumeDraw, VolumeList, WorkDone,
 };
 use terrafill_scene::MipChain;
 
@@ -27,6 +27,19 @@ pub trait Volumes {
     /// # Errors
     /// [`DeviceError::Unsupported`], [`DeviceError::Shader`].
     fn ensure(&mut self, gpu: &Arc<Gpu>, draw: &VolumeDraw<'_>) -> Result<(), DeviceError>;
+
+    /// Makes ready what merged draws of `program` read; nothing where each volume has draws of its own.
+    ///
+    /// # Errors
+    /// [`DeviceError::OverCapacity`], [`DeviceError::OutOfMemory`].
+    fn merge(
+        &mut self,
+        _gpu: &Arc<Gpu>,
+        _list: &VolumeList,
+        _program: &FillProgram,
+    ) -> Result<(), DeviceError> {
+        Ok(())
+    }
 
     /// Draws volumes by the pipelines that [`Volumes::ensure`] made.
     fn draw<'a>(&'a self, pass: &mut VolumePass<'a, '_, '_>, draw: &VolumeDraw<'_>);
@@ -201,6 +214,7 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
     fn ensure(&mut self, volumes: &mut V) -> Result<(), DeviceError> {
         let gpu = self.gpu();
         let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
+        volumes.merge(&gpu, &loaded.work.list, &loaded.work.program)?;
         for step in loaded.steps() {
             match step {
                 FillStep::Volumes(draw) => volumes.ensure(&gpu, &draw)?,

@@ -62,7 +62,9 @@ pub use fill::{VolumeFill, Volumes};
 pub use layer_pipeline::LayerPipeline;
 pub use layered::{LayeredDepth, LayersBy};
 pub use memory::{Buffer, BufferUse};
-pub use pass::{CoverState, DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder};
+pub use pass::{
+    CoverState, DrawCommand, DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder,
+};
 pub use pipeline::{
     Fragments, GeometryStage, Pipeline, PipelineDescriptor, PipelineState, Topology, VertexFormat,
 };

@@ -12,6 +12,7 @@ use crate::{
     TexturedPipeline, VertexFormat,
 };
 use ash::vk;
+use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_fill::{CoverInstance, DeviceError};
@@ -35,6 +36,36 @@ impl IndexWidth {
             Self::Long => 4,
         }
     }
+}
+
+/// An indexed draw as a buffer of commands holds it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct DrawCommand {
+    /// How many.
+    pub index_count: u32,
+    /// Of the same.
+    pub instance_count: u32,
+    /// The first one.
+    pub first_index: u32,
+    /// Added to each index.
+    pub vertex_offset: i32,
+    /// Number of the first instance.
+    pub first_instance: u32,
+}
+
+impl DrawCommand {
+    /// Bytes from one to the next.
+    pub const STRIDE: u64 = size_of::<Self>() as u64;
+
+    /// One instance of nothing.
+    pub const ONE: Self = Self {
+        index_count: 0,
+        instance_count: 1,
+        first_index: 0,
+        vertex_offset: 0,
+        first_instance: 0,
+    };
 }
 
 /// Vertices and indices of a draw.
@@ -409,6 +440,46 @@ impl<'a> PassRecorder<'a, '_> {
             unsafe {
                 device.cmd_draw_indexed(self.fill.commands, count, 1, first, base_vertex, instance);
             }
+        }
+    }
+
+    /// Draws what commands of `list` say, by number: each as an indexed draw of `state`.
+    pub fn draw_listed(&mut self, state: &DrawState<'a>, list: &'a Buffer, numbers: Range<u32>) {
+        let features = self.fill.gpu.facts.features;
+        if state.geometry.is_none() || !features.draws_listed {
+            self.refuse("listed draws without indices, or on a device that has none");
+            return;
+        }
+        let end = u64::from(numbers.end) * DrawCommand::STRIDE;
+        if end > list.size() {
+            self.fill.refused.get_or_insert(DeviceError::OverCapacity {
+                what: "bytes of commands that a draw reads".to_owned(),
+                found: end,
+                allowed: list.size(),
+            });
+            return;
+        }
+        if !self.bind(state) {
+            return;
+        }
+        let gpu = self.fill.gpu;
+        let most = gpu.limits.max_draw_indirect_count.max(1);
+        let mut first = numbers.start;
+        while first < numbers.end {
+            let count = (numbers.end - first).min(most);
+            let offset = u64::from(first) * DrawCommand::STRIDE;
+            // SAFETY: all state is bound and fits, the device has the feature and the commands are there; what
+            // their indices point at is checked by the device (`robustBufferAccess`).
+            unsafe {
+                gpu.device.cmd_draw_indexed_indirect(
+                    self.fill.commands,
+                    list.raw,
+                    offset,
+                    count,
+                    DrawCommand::STRIDE as u32,
+                );
+            }
+            first += count;
         }
     }
 

@@ -71,6 +71,22 @@ impl<'a, 'r, 'f> VolumePass<'a, 'r, 'f> {
             .draw_indexed(&state, first, count, base_vertex, instance);
     }
 
+    /// Draws what commands say, by number, each of a volume.
+    ///
+    /// - `vertices`: of all of them
+    pub fn draw_listed(
+        &mut self,
+        pipeline: &'a Pipeline,
+        geometry: Geometry<'a>,
+        list: &'a Buffer,
+        (numbers, vertices): (Range<u32>, u64),
+    ) {
+        self.counters.draws += 1;
+        self.counters.vertices += vertices;
+        let state = self.state(pipeline, Some(geometry));
+        self.recorder.draw_listed(&state, list, numbers);
+    }
+
     /// Draws `corners` vertices for each of `covers`, which are read from `buffer`.
     pub(crate) fn draw_covers(
         &mut self,

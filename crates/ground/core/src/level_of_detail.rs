@@ -14,8 +14,8 @@
 //!   simplification with the Douglas-Peucker algorithm");
 //! - every ring keeps at least three vertices and no edge comes to lie on another.
 //!
-//! Rings of less than sixteen tolerances in size stay as they are: leaving out what is too small to
-//! be seen is what culling is for, and moving it makes it seen.
+//! Rings of less than sixteen tolerances in size stay as they are: moving what is hardly to be seen makes it
+//! seen. Those of less than half a tolerance are left out ([`small_rings`]).
 //!
 //! Regions that cross one another as they are written, and rounding at the antimeridian, escape the
 //! second condition, so afterwards all edges are searched for crossings all the same; edges that
@@ -24,6 +24,7 @@
 mod arcs;
 mod deviation;
 mod grid;
+mod small_rings;
 
 use crate::crossings::find_crossings;
 use crate::edge::Degrees;
@@ -37,6 +38,8 @@ use grid::VertexGrid;
 use rayon::prelude::*;
 use std::cmp::{Ordering, Reverse};
 use std::collections::{BinaryHeap, HashSet};
+
+pub use small_rings::LeftOutRings;
 
 /// Vertices that every ring keeps.
 const FEWEST_VERTICES: u32 = 3;
@@ -74,10 +77,12 @@ pub struct Simplification {
 pub struct SimplifiedRegions {
     /// Allowed deviation, metres.
     pub tolerance_m: f64,
-    /// In the order of the originals; same rings, fewer vertices.
+    /// In the order of the originals; fewer vertices, and no rings that are too small.
     pub regions: Vec<Region>,
     /// Of each region.
     pub reports: Vec<Simplification>,
+    /// Of each region, the rings that are too small.
+    pub left_out: Vec<LeftOutRings>,
     /// Vertices put back because edges crossed without them.
     pub restored_vertices: usize,
 }
@@ -103,6 +108,8 @@ pub struct SharedBoundaries<'a> {
     arcs: Arcs<'a>,
     /// Of each ring, which poles it holds.
     holds_poles: Vec<[bool; 2]>,
+    /// Of each ring, its size where it may be left out.
+    ring_sizes_m: Vec<f64>,
 }
 
 impl<'a> SharedBoundaries<'a> {
@@ -111,12 +118,14 @@ impl<'a> SharedBoundaries<'a> {
     /// - cost: O(vertices)
     #[must_use]
     pub fn new(regions: &'a [Region], body: &Ellipsoid, rule: EdgeRule) -> Self {
+        let arcs = Arcs::new(regions, body, rule);
         Self {
             regions,
             rule,
             body: *body,
             judge: Judge::new(body, rule),
-            arcs: Arcs::new(regions, body, rule),
+            ring_sizes_m: small_rings::sizes_m(&arcs, body),
+            arcs,
             holds_poles: holds_poles(regions, rule, body),
         }
     }
@@ -170,14 +179,19 @@ impl<'a> SharedBoundaries<'a> {
     fn level(&self, tolerance_m: f64, mut kept: Vec<bool>) -> SimplifiedRegions {
         let mut restored_vertices = 0;
         loop {
-            let regions = self.rebuild(&kept);
+            let mut regions = self.rebuild(&kept);
             let restore = self.to_restore(&regions, &kept);
             if restore.is_empty() {
-                let reports = self.reports(&regions, &kept);
+                let left_out = self.leave_out_small(tolerance_m, &mut regions);
+                let mut reports = self.reports(&regions, &kept);
+                for (report, left_out) in reports.iter_mut().zip(&left_out) {
+                    report.deviation_m = report.deviation_m.max(left_out.size_m);
+                }
                 return SimplifiedRegions {
                     tolerance_m,
                     regions,
                     reports,
+                    left_out,
                     restored_vertices,
                 };
             }

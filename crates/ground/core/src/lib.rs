@@ -42,7 +42,9 @@ pub use geojson::{
 };
 pub use inside::{RingSide, SideChoice};
 pub use invariants::InvariantViolation;
-pub use level_of_detail::{SharedBoundaries, Simplification, SimplifiedRegions, SimplifyError};
+pub use level_of_detail::{
+    LeftOutRings, SharedBoundaries, Simplification, SimplifiedRegions, SimplifyError,
+};
 pub use mesh::{Extent, MeshOptions, OrientedBox, RegionMesh, VolumeHeights, wrapped_deg};
 pub use mesh_error::MeshError;
 pub use region::{EdgePlace, EdgeRule, Inside, Polygon, Region, Ring, Unwrap};

@@ -226,6 +226,27 @@ impl RegionMesh {
         let normals = self.vertices_deg.iter().map(normal);
         OrientedBox::around(body, &self.vertices_ecef, normals, heights)
     }
+
+    /// As [`RegionMesh::oriented_box`], around some of the vertices: it holds the facets of both caps and the
+    /// walls that have no others.
+    ///
+    /// - `vertices`: indices of them
+    /// - cost: O(these vertices)
+    #[must_use]
+    pub fn box_of_some(
+        &self,
+        body: &Ellipsoid,
+        vertices: &[u32],
+        heights: VolumeHeights,
+    ) -> OrientedBox {
+        let places = vertices.iter().map(|&vertex| vertex as usize);
+        let ecef: Vec<DVec3> = places.clone().map(|v| self.vertices_ecef[v]).collect();
+        let normals = places.map(|vertex| {
+            let [longitude_deg, latitude_deg] = self.vertices_deg[vertex];
+            body.geodetic_surface_normal(longitude_deg.to_radians(), latitude_deg.to_radians())
+        });
+        OrientedBox::around(body, &ecef, normals, heights)
+    }
 }
 
 /// See [`RegionMesh::volume_heights`].

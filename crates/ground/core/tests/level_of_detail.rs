@@ -18,25 +18,26 @@ fn parse(text: &str) -> Vec<Region> {
     parse_regions(text.as_bytes(), "test").expect("valid")
 }
 
+/// Coordinates of a polygon.
+fn coordinates(rings: &[Vec<[f64; 2]>]) -> String {
+    let of_ring = |ring: &Vec<[f64; 2]>| {
+        let closed = ring.iter().chain(ring.first());
+        let points: Vec<String> = closed.map(|[x, y]| format!("[{x:?},{y:?}]")).collect();
+        format!("[{}]", points.join(","))
+    };
+    let rings: Vec<String> = rings.iter().map(of_ring).collect();
+    format!("[{}]", rings.join(","))
+}
+
+fn feature(rings: &[Vec<[f64; 2]>]) -> String {
+    format!(
+        r#"{{"type":"Feature","geometry":{{"type":"Polygon","coordinates":{}}}}}"#,
+        coordinates(rings)
+    )
+}
+
 fn collection(polygons: &[Vec<Vec<[f64; 2]>>]) -> String {
-    let features: Vec<String> = polygons
-        .iter()
-        .map(|rings| {
-            let rings: Vec<String> = rings
-                .iter()
-                .map(|ring| {
-                    let closed = ring.iter().chain(ring.first());
-                    let points: Vec<String> =
-                        closed.map(|[x, y]| format!("[{x:?},{y:?}]")).collect();
-                    format!("[{}]", points.join(","))
-                })
-                .collect();
-            format!(
-                r#"{{"type":"Feature","geometry":{{"type":"Polygon","coordinates":[{}]}}}}"#,
-                rings.join(",")
-            )
-        })
-        .collect();
+    let features: Vec<String> = polygons.iter().map(|rings| feature(rings)).collect();
     format!(
         r#"{{"type":"FeatureCollection","features":[{}]}}"#,
         features.join(",")
@@ -194,6 +195,28 @@ fn one_way_m(from: &[DVec3], to: &[DVec3], reach_m: f64) -> f64 {
     worst.sqrt()
 }
 
+/// Rings before and after, and those that are no longer there. Both have the same order, and what is
+/// left of a ring has none but vertices of it.
+fn pairs_of_rings<'a>(
+    original: &'a Region,
+    simplified: &'a Region,
+) -> (Vec<(&'a Ring, &'a Ring)>, Vec<&'a Ring>) {
+    let (mut pairs, mut left_out) = (Vec::new(), Vec::new());
+    let mut after = simplified.rings().peekable();
+    for before in original.rings() {
+        let is_of = |ring: &&Ring| {
+            let mut vertices = ring.vertices_deg().iter();
+            vertices.all(|vertex| before.vertices_deg().contains(vertex))
+        };
+        match after.next_if(is_of) {
+            Some(ring) => pairs.push((before, ring)),
+            None => left_out.push(before),
+        }
+    }
+    assert!(after.next().is_none(), "a ring of no original");
+    (pairs, left_out)
+}
+
 /// Asserts that both boundaries are as near to one another as is said; returns how near they are.
 fn assert_deviation(
     body: &Ellipsoid,
@@ -204,7 +227,19 @@ fn assert_deviation(
 ) -> f64 {
     let step_m = said_m / 5.0;
     let mut worst = 0.0_f64;
-    for (a, b) in original.rings().zip(simplified.rings()) {
+    let (pairs, left_out) = pairs_of_rings(original, simplified);
+    for ring in left_out {
+        // All of it moved to nowhere, which is as far as it is wide.
+        let places: Vec<DVec3> = ring
+            .vertices_deg()
+            .iter()
+            .map(|&at| ecef(body, at))
+            .collect();
+        let first = places[0];
+        let reach_m = places.iter().map(|place| place.distance(first));
+        worst = worst.max(reach_m.fold(0.0, f64::max));
+    }
+    for (a, b) in pairs {
         if a == b {
             continue;
         }
@@ -481,7 +516,71 @@ fn small_islands_stay_as_they_are_and_larger_ones_keep_three_vertices() {
         assert_eq!(vertices(2_500.0)[0], 40);
         assert!(vertices(1_500.0)[0] < 15);
         assert_eq!(vertices(10_000.0), [40, 3]);
+        // The last ring of a region stays, however small.
         assert_eq!(vertices(1e6), [40, 40]);
+    }
+}
+
+#[test]
+fn islands_and_lakes_of_less_than_half_a_tolerance_are_left_out_and_counted() {
+    let body = Ellipsoid::WGS84;
+    let ring = |longitude: f64, radius: f64| -> Vec<[f64; 2]> {
+        (0..40)
+            .map(|k| {
+                let angle = f64::from(k) * std::f64::consts::TAU / 40.0;
+                [
+                    longitude + radius * angle.cos(),
+                    20.0 + radius * angle.sin(),
+                ]
+            })
+            .collect()
+    };
+    // Land with a lake, and an island of the same region; the lake of the second land is a region.
+    let (land, lake, island) = (ring(10.0, 3.0), ring(10.0, 0.1), ring(15.0, 0.1));
+    let (other, enclave) = (ring(25.0, 3.0), ring(25.0, 0.1));
+    let features = [
+        format!(
+            r#"{{"type":"Feature","geometry":{{"type":"MultiPolygon","coordinates":[{},{}]}}}}"#,
+            coordinates(&[land, lake]),
+            coordinates(&[island])
+        ),
+        feature(&[other, enclave.clone()]),
+        feature(&[enclave]),
+    ];
+    let joined = features.join(",");
+    let regions = parse(&format!(
+        r#"{{"type":"FeatureCollection","features":[{joined}]}}"#
+    ));
+    for rule in RULES {
+        let shared = SharedBoundaries::new(&regions, &body, rule);
+        let level = |tolerance_m| shared.simplify(&[tolerance_m]).expect("positive").remove(0);
+        let rings = |level: &SimplifiedRegions| -> Vec<usize> {
+            let of_region = level.regions.iter();
+            of_region.map(|region| region.rings().count()).collect()
+        };
+        // The box around a small ring measures 31 km.
+        let kept = level(60_000.0);
+        assert_eq!(rings(&kept), [3, 2, 1]);
+        assert!(kept.left_out.iter().all(|left_out| left_out.rings == 0));
+        let left = level(66_000.0);
+        assert_eq!(rings(&left), [1, 2, 1], "{rule:?}");
+        let counted: Vec<usize> = left
+            .left_out
+            .iter()
+            .map(|left_out| left_out.rings)
+            .collect();
+        assert_eq!(counted, [2, 0, 0]);
+        // Both are circles of 11 km.
+        let area_m2 = 2.0 * std::f64::consts::PI * 11_000.0_f64.powi(2);
+        let said = left.left_out[0];
+        assert!(
+            said.area_m2 > area_m2 && said.area_m2 < 1.5 * area_m2,
+            "{said:?}"
+        );
+        assert!(said.size_m <= left.reports[0].deviation_m);
+        assert!(left.reports[0].deviation_m <= left.tolerance_m);
+        let areas = areas_m2(&body, rule, &regions);
+        assert_level(&body, rule, &regions, &areas, &left);
     }
 }
 

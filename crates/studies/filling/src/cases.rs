@@ -7,11 +7,10 @@ use crate::subject::Subject;
 use crate::textured::{ShownPicture, is_of_2007, is_picture_scene, textured_variants};
 use std::sync::Arc;
 use terrafill_core::{MeshOptions, RegionMesh};
-use terrafill_fill::{Role, Technique, Variant, matrix_row, needs_ladder};
+use terrafill_fill::{Role, Technique, matrix_row, needs_ladder};
 use terrafill_gpu::BaselineKind;
 use terrafill_results::{CaseId, PlannedCase};
-use terrafill_scene::{Overlap, PlanOptions, Scene, View, WallHeights};
-use terrafill_study::Depth;
+use terrafill_scene::{PlanOptions, Scene, View, WallHeights};
 
 /// Condition of fills whose pictures differ from the reference by nature: `yes`.
 pub(crate) const APPROXIMATE: &str = "approximate";
@@ -21,10 +20,12 @@ pub(crate) const APPROXIMATE: &str = "approximate";
 pub(crate) enum Purpose {
     /// A full-screen pass that techniques are held against.
     Baseline,
-    /// A technique as it should be used, or one switch beside it.
+    /// A technique as it should be used.
     Main,
-    /// A technique with every step of its ladder.
+    /// The same where that is every step of its ladder.
     FullPlan,
+    /// A layout without these steps, or one switch beside it: what the full plan is compared with.
+    Layout,
     /// A point of the sweep through the boundary tolerance: it may be wrong, since its error is what
     /// the sweep is about.
     Sweep,
@@ -52,6 +53,7 @@ impl Purpose {
             Self::Baseline => "baseline",
             Self::Main => "main",
             Self::FullPlan => "full-plan",
+            Self::Layout => "layout",
             Self::Sweep => "sweep",
             Self::Subdivision => "subdivision",
             Self::Ladder => "ladder",
@@ -192,17 +194,22 @@ impl Builder<'_> {
             Role::Quick
         };
         for technique in &wishes.techniques {
+            let full_plans = technique.full_plans(scene.overlap);
+            // A technique without a ladder is used as it is.
+            let purpose = match full_plans.is_empty() {
+                true => Purpose::Main,
+                false => Purpose::Layout,
+            };
             for variant in technique.variants(scene, role) {
                 let subject = Subject::Fill(*technique, variant);
                 if !subject.is_approximate() || wishes.wants_approximate(&scene.name) {
-                    self.add(subject, Purpose::Main, frames);
+                    self.add(subject, purpose, frames);
                 }
             }
-            if wishes.depth != Depth::Quick {
-                for variant in full_plans(*technique, scene.overlap) {
-                    let subject = Subject::Fill(*technique, variant);
-                    self.add(subject, Purpose::FullPlan, wishes.few_frames());
-                }
+            for variant in full_plans {
+                let subject = Subject::Fill(*technique, variant);
+                self.add(subject.clone(), Purpose::Main, frames);
+                self.add(subject, Purpose::FullPlan, frames);
             }
             self.add_textured(*technique, [frames, wishes.few_frames()]);
             if wishes.is_full() {
@@ -217,7 +224,7 @@ impl Builder<'_> {
         }
         if wishes.wants_ladder(&scene.name) {
             for technique in &wishes.techniques {
-                for (rung, number) in technique.ladder(scene.overlap).into_iter().zip(1..) {
+                for (rung, number) in wishes.rungs(*technique, scene).into_iter().zip(1..) {
                     let subject = Subject::Fill(*technique, rung.variant);
                     let case = self.add(subject, Purpose::Ladder, wishes.few_frames());
                     case.place = Some(Place {
@@ -507,19 +514,6 @@ impl Builder<'_> {
 /// them 2 pixels from where it should be. How exact tall walls are is part of the question.
 fn has_tall_walls(case: &FillCase) -> bool {
     case.subject.plan().wall_heights == WallHeights::Global
-}
-
-/// The top of the technique's ladder, with boundaries as they are and with levels of detail. The
-/// depth-bounds test, which devices may lack, is left to the ladder.
-fn full_plans(technique: &dyn Technique, overlap: Overlap) -> Vec<Variant> {
-    let mut rungs = technique.ladder(overlap);
-    rungs.retain(|rung| !rung.variant.switches.depth_bounds && !rung.is_aside);
-    let last = |has_levels: bool| {
-        let mut rungs = rungs.iter().rev();
-        let is_it = |variant: &Variant| variant.plan.boundary_lod_px.is_some() == has_levels;
-        rungs.find_map(|rung| Some(rung.variant.clone()).filter(is_it))
-    };
-    [false, true].into_iter().filter_map(last).collect()
 }
 
 impl ViewGroup {

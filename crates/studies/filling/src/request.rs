@@ -3,9 +3,9 @@
 
 use crate::subject::{Surfaces, Techniques};
 use std::path::PathBuf;
-use terrafill_fill::Technique;
+use terrafill_fill::{Rung, Technique};
 use terrafill_results::Skipped;
-use terrafill_scene::ImageSize;
+use terrafill_scene::{ImageSize, Scene};
 use terrafill_study::{Depth, Request, StudyError};
 
 /// Name of the study.
@@ -34,6 +34,14 @@ const FULL_FRAMES: u32 = 10;
 /// Timed frames of a rung in a process: few, since the first rungs take seconds where the last take
 /// milliseconds.
 const LADDER_FRAMES: u32 = 5;
+
+/// Scene and first step of `SCENE:STEP`; no step where all are wanted.
+pub(crate) fn ladder_part(wanted: &str) -> (&str, Option<&str>) {
+    match wanted.split_once(':') {
+        Some((scene, step)) => (scene, Some(step)),
+        None => (wanted, None),
+    }
+}
 
 /// What is wanted.
 #[derive(Debug, Clone)]
@@ -144,9 +152,25 @@ impl Wishes {
     /// Whether the ladder of this scene is wanted.
     pub(crate) fn wants_ladder(&self, scene: &str) -> bool {
         match &self.ladder {
-            Some(scenes) => scenes.iter().any(|name| name == scene),
+            Some(wanted) => wanted.iter().any(|wanted| ladder_part(wanted).0 == scene),
             None => self.is_full() && scene == LADDER_SCENE,
         }
+    }
+
+    /// The rungs of `technique` that are wanted of a scene's ladder: all, or those from a step on.
+    pub(crate) fn rungs(&self, technique: &dyn Technique, scene: &Scene) -> Vec<Rung> {
+        let mut rungs = technique.ladder(scene.overlap);
+        let wanted = self
+            .ladder
+            .iter()
+            .flatten()
+            .map(|wanted| ladder_part(wanted));
+        let first = wanted.filter(|(name, _)| *name == scene.name);
+        if let Some(step) = first.filter_map(|(_, step)| step).next() {
+            let place = rungs.iter().position(|rung| rung.step == step);
+            rungs.drain(..place.unwrap_or(0));
+        }
+        rungs
     }
 
     /// Whether the matrix of this scene is wanted.

@@ -2,13 +2,13 @@
 //! From names to scenes that can be measured.
 
 use crate::cases::{ViewGroup, view_group};
-use crate::request::{NO_SCENE, Wishes};
+use crate::request::{NO_SCENE, Wishes, ladder_part};
 use crate::textured::left_out;
 use std::sync::Arc;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_fill::RegionSet;
 use terrafill_results::Skipped;
-use terrafill_scene::{Scene, SceneError, shipped_scene_names};
+use terrafill_scene::{Overlap, Scene, SceneError, shipped_scene_names};
 use terrafill_study::StudyError;
 use terrafill_surface::open_surface;
 
@@ -99,12 +99,39 @@ fn check_wishes(
     }
     for (option, scenes) in [("--ladder", &wishes.ladder), ("--matrix", &wishes.matrix)] {
         let mut wanted = scenes.iter().flatten();
-        if let Some(found) = wanted.find(|name| !allowed.contains(&name.as_str())) {
+        let scene_of = |wanted: &str| match option {
+            "--ladder" => ladder_part(wanted).0.to_owned(),
+            _ => wanted.to_owned(),
+        };
+        if let Some(found) = wanted.find(|name| !allowed.contains(&scene_of(name).as_str())) {
             return Err(StudyError::BadInput(format!(
                 "{option}: found {found:?}, allowed: {}",
                 allowed.join(", ")
             )));
         }
+    }
+    let ladders = wishes
+        .techniques
+        .iter()
+        .flat_map(|t| t.ladder(Overlap::Disjoint));
+    let mut steps: Vec<&str> = Vec::new();
+    for rung in ladders {
+        if !steps.contains(&rung.step) {
+            steps.push(rung.step);
+        }
+    }
+    let mut wanted = wishes
+        .ladder
+        .iter()
+        .flatten()
+        .map(|wanted| ladder_part(wanted));
+    let unknown =
+        wanted.find_map(|(scene, step)| Some((scene, step.filter(|s| !steps.contains(s))?)));
+    if let Some((scene, step)) = unknown {
+        return Err(StudyError::BadInput(format!(
+            "--ladder: found step {step:?} of {scene}, allowed: {}",
+            steps.join(", ")
+        )));
     }
     Ok(())
 }

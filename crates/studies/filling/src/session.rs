@@ -252,7 +252,7 @@ impl<'a> ViewSession<'a> {
         };
         let (input, plan_cpu_ms) = self.input_for(case)?;
         // A cell of the matrix has to be right; elsewhere its error is the question.
-        let has_to_be_right = case.is(Purpose::Matrix) && !case.is(Purpose::Main);
+        let has_to_be_right = case.is(Purpose::Matrix) && !is_compared(case);
         let positions = case.subject.positions().filter(|_| has_to_be_right);
         let objection = positions.and_then(|format| objection(format, bound_px(format, &input)));
         if let Some(reason) = objection {
@@ -382,7 +382,7 @@ impl<'a> ViewSession<'a> {
         if case.frames > 0 && one_at_a_time(&case.subject) {
             probe.remark(ALTERNATING);
         }
-        let is_shown = case.is(Purpose::Main) || case.is(Purpose::Rival);
+        let is_shown = is_compared(case) || case.is(Purpose::Rival);
         let is_plain_main = is_shown && !case.variant_name().contains('=');
         let is_plain_main = is_plain_main || case.is(Purpose::Suite);
         // Of an approximate fill one picture a view shows what it is like.
@@ -846,10 +846,15 @@ fn shows_chosen(case: &FillCase) -> bool {
     route == Some(RouteChoice::Chosen) && case.shown == ShownPicture::Scene
 }
 
+/// Whether it stands in every view's comparison.
+fn is_compared(case: &FillCase) -> bool {
+    case.is(Purpose::Main) || case.is(Purpose::Layout)
+}
+
 /// Whether what it holds and leaves out is told: of techniques as they should be used, and of what a view
 /// needs.
 fn tells_needs(case: &FillCase) -> bool {
-    let is_plain_main = case.is(Purpose::Main) && !case.variant_name().contains('=');
+    let is_plain_main = is_compared(case) && !case.variant_name().contains('=');
     case.is(Purpose::Needs) || is_plain_main || shows_chosen(case)
 }
 

@@ -45,6 +45,7 @@ pub(crate) fn globe(size: ImageSize) -> Result<FillInput, SurfaceError> {
         levels: Arc::default(),
         footprints: Arc::default(),
         bounds: Arc::new([]),
+        parts: terrafill_fill::LazyParts::default(),
         surface: EllipsoidKind::surface(&body, ROWS),
         picture: None,
         texture: None,

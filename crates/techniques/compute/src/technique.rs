@@ -77,6 +77,7 @@ impl Technique for ComputeTechnique {
 
     fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
         ComputeVariant::of(variant)?.check()?;
+        variant.check_parts(false)?;
         if variant.switches.front_caps {
             return Err(SwitchError {
                 switch: "cap-faces",

@@ -6,6 +6,7 @@
 use std::ops::Range;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{FixedPoint, GeometryBytes, IndexLists, VolumePlace, boundary_edges};
+use terrafill_scene::PartOrder;
 
 /// A position in its region's units.
 pub(crate) type Position = [i32; 3];
@@ -47,12 +48,23 @@ pub(crate) struct SceneGeometry {
     /// Start and end of every boundary edge, inside on the left.
     pub(crate) walls: Vec<[Position; 2]>,
     pub(crate) regions: Vec<RegionSlice>,
+    /// Triangles of large meshes lie part by part.
+    pub(crate) by_part: bool,
 }
 
 impl SceneGeometry {
     /// Lays out every mesh.
+    #[cfg(test)]
     pub(crate) fn build(meshes: &[RegionMesh]) -> Self {
-        let mut geometry = Self::default();
+        Self::in_parts(meshes, false)
+    }
+
+    /// Lays out every mesh, the triangles of large ones part by part where that is asked for.
+    pub(crate) fn in_parts(meshes: &[RegionMesh], by_part: bool) -> Self {
+        let mut geometry = Self {
+            by_part,
+            ..Self::default()
+        };
         for mesh in meshes {
             geometry.push(mesh);
         }
@@ -83,7 +95,10 @@ impl SceneGeometry {
             walls: first_wall..self.walls.len() as u32,
         });
         self.vertices.extend(positions);
-        for &corner in mesh.triangles.as_flattened() {
+        let order = PartOrder::of(mesh).filter(|_| self.by_part);
+        let ordered = order.map(|order| order.ordered(mesh));
+        let triangles = ordered.as_deref().unwrap_or(&mesh.triangles);
+        for &corner in triangles.as_flattened() {
             self.indices.push(is_short, corner);
         }
     }

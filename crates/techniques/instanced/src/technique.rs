@@ -49,6 +49,7 @@ impl Technique for InstancedTechnique {
         .caps()
         .mesh_lod()
         .rest_of_the_way(overlap)
+        .parts()
         .front_caps(overlap)
         .rungs()
     }
@@ -59,6 +60,7 @@ impl Technique for InstancedTechnique {
 
     fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
         check_layout(variant)?;
+        variant.check_parts(true)?;
         variant.switches.check(overlap)
     }
 

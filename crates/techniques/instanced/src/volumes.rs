@@ -3,20 +3,27 @@
 
 use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pipeline::{Part, Pipelines, VERTICES, WALL_CORNERS, WALLS};
+use std::collections::BTreeMap;
 use terrafill_fill::{
     BottomCaps, DeviceError, Feature, FillInput, GeometryBytes, Holding, MemoryUse, RegionVolumes,
     Switches, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
 };
 use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
+use terrafill_scene::{PartCulling, SeenParts};
 
 /// Shadow volumes whose walls are instances.
 pub type InstancedBackend = VolumeBackend<InstancedVolumes>;
+
+/// What a view sees of meshes of which it leaves parts out, by their number.
+type SeenOfMeshes = BTreeMap<usize, SeenParts>;
 
 /// Volumes of a scene, and the pipelines that draw them.
 #[derive(Debug)]
 pub struct InstancedVolumes {
     pipelines: Pipelines,
     scene: Option<SceneBuffers>,
+    /// What the view sees of meshes of which it leaves parts out.
+    seen: SeenOfMeshes,
 }
 
 /// Geometry of every region of a scene, in view or not.
@@ -28,6 +35,8 @@ struct SceneBuffers {
     short_indices: Option<wgpu::Buffer>,
     long_indices: Option<wgpu::Buffer>,
     walls: wgpu::Buffer,
+    /// Triangles of large meshes lie part by part.
+    by_part: bool,
     /// Of positions without walls.
     position_bytes: u64,
     bytes: GeometryBytes,
@@ -48,6 +57,7 @@ impl RegionVolumes for InstancedVolumes {
         Ok(Self {
             pipelines: Pipelines::new(fill)?,
             scene: None,
+            seen: BTreeMap::new(),
         })
     }
 
@@ -67,7 +77,22 @@ impl RegionVolumes for InstancedVolumes {
         input: &FillInput,
         _bottoms: &BottomCaps,
     ) -> Result<(), DeviceError> {
-        self.upload_geometry(&fill.gpu(), SceneGeometry::build(&input.scene.meshes))
+        let by_part = input.plan.options.part_culling != PartCulling::Off;
+        let geometry = SceneGeometry::in_parts(&input.scene.meshes, by_part);
+        self.upload_geometry(&fill.gpu(), geometry)
+    }
+
+    fn upload_view(
+        &mut self,
+        _fill: &VolumeFill,
+        input: &FillInput,
+        _bottoms: &BottomCaps,
+    ) -> Result<(), DeviceError> {
+        let by_part = self.scene.as_ref().is_some_and(|scene| scene.by_part);
+        let seen = input.plan.seen_parts.iter();
+        let some = seen.filter(|(_, seen)| by_part && seen.facets_left_out > 0);
+        self.seen = some.map(|(&mesh, seen)| (mesh, seen.clone())).collect();
+        Ok(())
     }
 }
 
@@ -94,6 +119,7 @@ impl InstancedVolumes {
             position_bytes: vertices.len() as u64,
             walls: upload("walls", walls, vertex)?,
             bytes: geometry.bytes(),
+            by_part: geometry.by_part,
             regions: geometry.regions,
         });
         Ok(())
@@ -148,7 +174,7 @@ impl SceneBuffers {
         }
     }
 
-    fn draw_caps(&self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>) {
+    fn draw_caps(&self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>, seen: &SeenOfMeshes) {
         let mut bound = None;
         for &volume in draw.volumes {
             let place = &self.slice(pass.list, volume).place;
@@ -160,17 +186,28 @@ impl SceneBuffers {
             let first = place.first_triangle_index;
             let base_vertex = i32::try_from(place.first_vertex).unwrap_or(i32::MAX);
             pass.cut(volume, draw.scissor);
-            pass.draw_indexed(first..first + 3 * place.triangle_count, base_vertex, volume);
+            let whole = [0..place.triangle_count];
+            let parts = seen.get(&pass.list.volumes[volume].geometry);
+            for range in parts.map_or(&whole[..], |seen| &seen.caps) {
+                let indices = first + 3 * range.start..first + 3 * range.end;
+                pass.draw_indexed(indices, base_vertex, volume);
+            }
         }
     }
 
     /// A whole body has no boundary, and so no walls to draw.
-    fn draw_walls(&self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>) {
+    fn draw_walls(&self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>, seen: &SeenOfMeshes) {
         for &volume in draw.volumes {
             let walls = self.slice(pass.list, volume).walls.clone();
-            if !walls.is_empty() {
-                pass.cut(volume, draw.scissor);
-                pass.draw_instances(WALL_CORNERS, walls, volume);
+            if walls.is_empty() {
+                continue;
+            }
+            pass.cut(volume, draw.scissor);
+            let whole = [0..walls.end - walls.start];
+            let parts = seen.get(&pass.list.volumes[volume].geometry);
+            for range in parts.map_or(&whole[..], |seen| &seen.walls) {
+                let edges = walls.start + range.start..walls.start + range.end;
+                pass.draw_instances(WALL_CORNERS, edges, volume);
             }
         }
     }
@@ -200,8 +237,8 @@ impl Volumes for InstancedVolumes {
                 pass.raw.set_pipeline(pipeline);
             }
             match part {
-                Part::TopCap | Part::BottomCap => scene.draw_caps(pass, draw),
-                Part::Walls => scene.draw_walls(pass, draw),
+                Part::TopCap | Part::BottomCap => scene.draw_caps(pass, draw, &self.seen),
+                Part::Walls => scene.draw_walls(pass, draw, &self.seen),
             }
         }
     }

@@ -9,6 +9,7 @@
 
 mod extrusion;
 mod layout;
+mod listed;
 mod neighbours;
 mod pass;
 mod ring_order;

@@ -4,16 +4,19 @@
 use crate::NativeVariant;
 use crate::extrusion::{Extrusion, Part};
 use crate::layout::{RegionSlice, SceneGeometry, words_per_vertex};
+use crate::listed::{DrawLists, Wanted};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::ops::Range;
 use std::sync::Arc;
 use terrafill_fill::{
-    BottomCaps, DeviceError, Feature, FillInput, GeometryBytes, Holding, IndexLists, MemoryUse,
-    RegionVolumes, Switches, VolumeBackend, VolumeDraw, VolumeList, VolumePlace, VolumeState,
+    BottomCaps, DeviceError, Feature, FillInput, FillProgram, GeometryBytes, Holding, IndexLists,
+    MemoryUse, RegionVolumes, Switches, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
+    VolumeState,
 };
 use terrafill_vulkan::{
-    Buffer, BufferUse, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor, VolumeFill,
-    VolumePass, Volumes,
+    Buffer, BufferUse, DrawCommand, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor,
+    VolumeFill, VolumePass, Volumes,
 };
 
 /// Shadow volumes extruded in geometry shaders, or by `vs-control` in the vertex shader.
@@ -31,6 +34,8 @@ pub struct NativeVolumes {
     variant: NativeVariant,
     pipelines: HashMap<PipelineDescriptor, (Pipeline, Feature)>,
     scene: Option<SceneBuffers>,
+    /// Commands of merged draws, where draws are merged and the device has them.
+    lists: Option<DrawLists>,
 }
 
 /// Geometry of every mesh of a scene, in view or not.
@@ -64,6 +69,8 @@ impl RegionVolumes for NativeVolumes {
             variant,
             pipelines: HashMap::new(),
             scene: None,
+            lists: (variant.switches.merges_draws && facts.features.draws_listed)
+                .then(DrawLists::default),
         })
     }
 
@@ -77,7 +84,9 @@ impl RegionVolumes for NativeVolumes {
         let scene = self.scene.iter();
         let geometry = scene.flat_map(|scene| scene.holdings(technique));
         let features = self.pipelines.values().map(|(_, feature)| *feature);
-        geometry.chain(Holding::pipelines(features)).collect()
+        let lists = self.lists.iter().filter_map(DrawLists::holding);
+        let buffers = geometry.chain(lists);
+        buffers.chain(Holding::pipelines(features)).collect()
     }
 
     fn stores_bottom_caps(&self) -> bool {
@@ -157,6 +166,9 @@ impl NativeVolumes {
             let held = (!bytes.is_empty()).then(|| upload(label, bytes, BufferUse::Index));
             held.transpose()
         };
+        if let Some(lists) = &mut self.lists {
+            lists.forget();
+        }
         self.scene = Some(SceneBuffers {
             vertices: upload(
                 "volume vertices",
@@ -176,6 +188,23 @@ impl NativeVolumes {
             bytes,
         });
         Ok(())
+    }
+
+    /// What a draw of a part of a region reads.
+    fn indices_of(&self, slice: &RegionSlice, part: Part, without_bottom: bool) -> Range<u32> {
+        let (first, count) = match part {
+            Part::Walls => (slice.first_wall_index, slice.wall_index_count),
+            // The bottom's triangles are the second half; geometry shaders leave theirs out.
+            Part::Caps
+                if without_bottom
+                    && slice.has_bottom
+                    && self.variant.technique == Extrusion::VsControl =>
+            {
+                (slice.first_index, slice.index_count / 2)
+            }
+            Part::Caps | Part::Whole | Part::Turned => (slice.first_index, slice.index_count),
+        };
+        first..first + count
     }
 
     /// The pipelines that draw volumes in one state.
@@ -282,6 +311,33 @@ impl Volumes for NativeVolumes {
         Ok(())
     }
 
+    fn merge(
+        &mut self,
+        gpu: &Arc<Gpu>,
+        list: &VolumeList,
+        program: &FillProgram,
+    ) -> Result<(), DeviceError> {
+        let (Some(mut lists), Some(scene)) = (self.lists.take(), &self.scene) else {
+            return Ok(());
+        };
+        let command = |wanted: Wanted| {
+            let slice = scene.slice(list, wanted.volume);
+            let is_of_width = scene.width(list, wanted.volume) == wanted.width;
+            let indices = self.indices_of(slice, wanted.part, wanted.without_bottom);
+            is_of_width.then(|| DrawCommand {
+                index_count: indices.end - indices.start,
+                first_index: indices.start,
+                vertex_offset: i32::try_from(slice.first_vertex).unwrap_or(i32::MAX),
+                first_instance: u32::try_from(wanted.volume).unwrap_or(u32::MAX),
+                ..DrawCommand::ONE
+            })
+        };
+        let parts = self.variant.technique.parts();
+        let loaded = lists.load(gpu, (list, program), parts, command);
+        self.lists = Some(lists);
+        loaded
+    }
+
     fn draw<'a>(&'a self, pass: &mut VolumePass<'a, '_, '_>, draw: &VolumeDraw<'_>) {
         let Some(scene) = &self.scene else {
             return;
@@ -295,6 +351,14 @@ impl Volumes for NativeVolumes {
                 let Some((pipeline, _)) = self.pipelines.get(&key) else {
                     continue;
                 };
+                if let Some(lists) = &self.lists {
+                    if let Some((buffer, listed)) = lists.find(draw, part, width) {
+                        pass.cut(0, false);
+                        let commands = (listed.commands.clone(), listed.vertices);
+                        pass.draw_listed(pipeline, geometry, buffer, commands);
+                    }
+                    continue;
+                }
                 let drawn = draw.volumes.iter().copied();
                 for volume in drawn.filter(|&volume| scene.width(list, volume) == width) {
                     pass.cut(volume, draw.scissor);
@@ -303,23 +367,8 @@ impl Volumes for NativeVolumes {
                         pass.depth_bounds(range.low, range.high);
                     }
                     let slice = scene.slice(list, volume);
-                    let (first, count) = match part {
-                        Part::Walls => (slice.first_wall_index, slice.wall_index_count),
-                        // The bottom's triangles are the second half; geometry shaders leave
-                        // theirs out.
-                        Part::Caps
-                            if draw.without_bottom
-                                && slice.has_bottom
-                                && self.variant.technique == Extrusion::VsControl =>
-                        {
-                            (slice.first_index, slice.index_count / 2)
-                        }
-                        Part::Caps | Part::Whole | Part::Turned => {
-                            (slice.first_index, slice.index_count)
-                        }
-                    };
+                    let indices = self.indices_of(slice, part, draw.without_bottom);
                     let base_vertex = i32::try_from(slice.first_vertex).unwrap_or(i32::MAX);
-                    let indices = first..first + count;
                     pass.draw_indexed(pipeline, geometry, indices, base_vertex, volume);
                 }
             }

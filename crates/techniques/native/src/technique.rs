@@ -114,6 +114,7 @@ impl Technique for NativeTechnique {
     }
 
     fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
+        variant.check_parts(false)?;
         NativeVariant::of(variant)?.check(overlap)
     }
 

@@ -138,6 +138,7 @@ impl Technique for OverlayTechnique {
     /// No switch of a stencil fill means anything here.
     fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
         self.check_own(variant)?;
+        variant.check_parts(false)?;
         match variant.switches == Switches::for_overlap(overlap) {
             true => Ok(()),
             false => Err(SwitchError {

@@ -3,6 +3,7 @@
 //!
 //! Indices are 16 bits where a region's vertices fit and 32 where they do not, region by region.
 
+use crate::parts::ordered_by_part;
 use crate::pool::Pool;
 use crate::{IndexOrder, Layout, Normals, VertexOrder, VertexVariant, cache_ordered};
 use glam::{DVec3, IVec3, Vec3};
@@ -13,6 +14,7 @@ use terrafill_core::RegionMesh;
 use terrafill_fill::{
     FixedPoint, GeometryBytes, IndexLists, PositionFormat, VolumePlace, boundary_edges, two_float,
 };
+use terrafill_scene::PartOrder;
 
 /// Largest number of distinct indices in 16 bits: 0xffff restarts strips and separates loops.
 const MAX_SHORT_INDICES: usize = 0xffff;
@@ -310,6 +312,10 @@ impl SceneGeometry {
         let layout = variant.layout;
         let has_bottom = has_bottom || !layout.is_doubled();
         let triangles = match (variant.index_order, variant.vertex_order) {
+            // Ordered within their parts already.
+            _ if variant.parts && PartOrder::has_several(mesh) => {
+                Cow::Borrowed(mesh.triangles.as_slice())
+            }
             (IndexOrder::Cache, VertexOrder::Mesh) => cache_ordered(&mesh.triangles, used),
             _ => Cow::Borrowed(mesh.triangles.as_slice()),
         };
@@ -465,8 +471,14 @@ struct StoredVertices {
     number: u32,
 }
 
-/// The mesh with its vertices in the order of the variant.
+/// The mesh with its vertices in the order of the variant, and its triangles by part where it is drawn so.
 fn ordered<'a>(variant: &VertexVariant, mesh: &'a RegionMesh) -> Cow<'a, RegionMesh> {
+    if let Some(triangles) = ordered_by_part(variant, mesh) {
+        return Cow::Owned(RegionMesh {
+            triangles,
+            ..mesh.clone()
+        });
+    }
     match variant.vertex_order {
         VertexOrder::Mesh => Cow::Borrowed(mesh),
         VertexOrder::FirstUse => Cow::Owned(first_use_ordered(mesh, variant.index_order)),

@@ -10,6 +10,7 @@
 mod cache_order;
 mod layout;
 mod merged;
+mod parts;
 mod pass;
 mod pipeline;
 mod pool;

@@ -9,6 +9,7 @@
 //! device. Each says of which region it is, and a table where that region's constants are in the view.
 
 use crate::layout::RegionSlice;
+use crate::parts::DrawnOfMeshes;
 use std::collections::HashMap;
 use std::ops::Range;
 use terrafill_fill::{
@@ -46,16 +47,11 @@ struct MergedLists {
 
 impl MergedLists {
     /// The volumes of all draws of `program`; what two of them draw alike lies there once.
-    fn new(
-        list: &VolumeList,
-        program: &FillProgram,
-        regions: &[RegionSlice],
-        stored: &IndexLists,
-    ) -> Self {
+    fn new(list: &VolumeList, program: &FillProgram, held: &Held<'_>) -> Self {
         let mut merged = Self::default();
         for step in program.passes.iter().flat_map(FillPass::steps) {
             if let FillStep::Volumes(draw) = step {
-                merged.push(list, &draw, regions, stored);
+                merged.push(list, &draw, held);
             }
         }
         merged
@@ -65,40 +61,51 @@ impl MergedLists {
         clippy::cast_possible_truncation,
         reason = "buffers are refused by the device long before 2^32 elements"
     )]
-    fn push(
-        &mut self,
-        list: &VolumeList,
-        draw: &VolumeDraw<'_>,
-        regions: &[RegionSlice],
-        stored: &IndexLists,
-    ) {
+    fn push(&mut self, list: &VolumeList, draw: &VolumeDraw<'_>, held: &Held<'_>) {
         let ranges = self.ranges.entry(draw.volumes.to_vec()).or_default();
         let own = &mut ranges[usize::from(draw.without_bottom)];
         if own.is_some() {
             return;
         }
-        let slices = || {
-            draw.volumes
-                .iter()
-                .map(|&v| &regions[list.volumes[v].geometry])
-        };
+        let meshes = || draw.volumes.iter().map(|&v| list.volumes[v].geometry);
         let first_cap = self.indices.len();
-        for slice in slices() {
-            let cap = 3 * slice.place.triangle_count as usize;
+        for mesh in meshes() {
+            let slice = &held.regions[mesh];
+            let cap = 3 * slice.place.triangle_count;
             let has_bottom = !draw.without_bottom && slice.has_bottom;
             debug_assert!(slice.has_bottom || draw.without_bottom, "no bottom is held");
-            let caps = if has_bottom { 2 * cap } else { cap };
-            let first = slice.place.first_triangle_index as usize;
-            self.indices
-                .extend(moved(slice, stored, first..first + caps));
-            self.top_caps += cap;
-            self.bottom_caps += caps - cap;
+            let before = self.indices.len();
+            let drawn = match held.drawn_parts.get(&mesh) {
+                Some(parts) => parts.both_caps(cap, has_bottom),
+                None => vec![0..if has_bottom { 2 * cap } else { cap }],
+            };
+            for range in drawn {
+                held.copy(
+                    slice,
+                    slice.place.first_triangle_index,
+                    range,
+                    &mut self.indices,
+                );
+            }
+            let both = self.indices.len() - before;
+            let bottom = if has_bottom { both / 2 } else { 0 };
+            self.top_caps += both - bottom;
+            self.bottom_caps += bottom;
         }
         let first_wall = self.indices.len();
-        for slice in slices() {
-            let first = slice.place.first_loop_index as usize;
-            let end = first + slice.loop_index_count as usize;
-            self.indices.extend(moved(slice, stored, first..end));
+        for mesh in meshes() {
+            let slice = &held.regions[mesh];
+            let first = slice.place.first_loop_index;
+            let Some(parts) = held.drawn_parts.get(&mesh) else {
+                held.copy(slice, first, 0..slice.loop_index_count, &mut self.indices);
+                continue;
+            };
+            for range in &parts.walls {
+                held.copy(slice, first, range.clone(), &mut self.indices);
+                if held.has_strips {
+                    self.indices.push(RESTART);
+                }
+            }
         }
         self.walls += self.indices.len() - first_wall;
         *own = Some(MergedRanges {
@@ -125,26 +132,43 @@ impl MergedLists {
     }
 }
 
-/// Indices of a region, as they count in the vertices of all.
-fn moved(
-    slice: &RegionSlice,
-    stored: &IndexLists,
-    range: Range<usize>,
-) -> impl Iterator<Item = u32> {
-    let (short, long) = match slice.place.has_short_indices {
-        true => (&stored.short[range], &[][..]),
-        false => (&[][..], &stored.long[range]),
-    };
-    let widened = short.iter().map(|&index| match index {
-        u16::MAX => RESTART,
-        index => u32::from(index),
-    });
-    let first_vertex = slice.place.first_vertex;
-    let all = widened.chain(long.iter().copied());
-    all.map(move |index| match index {
-        RESTART => RESTART,
-        index => first_vertex + index,
-    })
+/// What lists of a view are made from.
+struct Held<'a> {
+    regions: &'a [RegionSlice],
+    stored: &'a IndexLists,
+    /// Walls are strips.
+    has_strips: bool,
+    drawn_parts: &'a DrawnOfMeshes,
+}
+
+impl Held<'_> {
+    /// Appends indices of a region, as they count in the vertices of all.
+    ///
+    /// - `range`: after the index `first`
+    fn copy(&self, slice: &RegionSlice, first: u32, range: Range<u32>, to: &mut Vec<u32>) {
+        let range = (first + range.start) as usize..(first + range.end) as usize;
+        let first_vertex = slice.place.first_vertex;
+        if slice.place.has_short_indices {
+            to.extend(self.stored.short[range].iter().map(|&index| match index {
+                u16::MAX => RESTART,
+                index => first_vertex + u32::from(index),
+            }));
+        } else {
+            to.extend(self.stored.long[range].iter().map(|&index| match index {
+                RESTART => RESTART,
+                index => first_vertex + index,
+            }));
+        }
+    }
+}
+
+/// What the lists of a view depend on: a program, the geometry of each of its volumes, and what is drawn of
+/// those that are not drawn whole.
+#[derive(Debug, PartialEq)]
+struct Listed {
+    program: FillProgram,
+    geometries: Vec<usize>,
+    drawn_parts: DrawnOfMeshes,
 }
 
 /// What merged draws hold beside the scene's vertices.
@@ -152,9 +176,11 @@ fn moved(
 pub(crate) struct Merged {
     /// Indices of all regions.
     stored: IndexLists,
+    /// Walls are strips.
+    has_strips: bool,
     is_short: bool,
-    /// What `lists` are of: a program, and the geometry of each of its volumes.
-    listed: Option<(FillProgram, Vec<usize>)>,
+    /// What `lists` are of.
+    listed: Option<Listed>,
     lists: MergedLists,
     indices: Option<wgpu::Buffer>,
     /// What that holds.
@@ -168,7 +194,7 @@ impl Merged {
     /// - `layout`: of one storage buffer
     /// - `regions`: how many there are at most
     /// - `vertices`: as stored, of all of them
-    /// - `stored`: indices of all of them
+    /// - `stored`: indices of all of them, and whether walls are strips
     ///
     /// # Errors
     /// [`DeviceError::OverCapacity`].
@@ -177,7 +203,7 @@ impl Merged {
         layout: &wgpu::BindGroupLayout,
         regions: usize,
         vertices: usize,
-        stored: IndexLists,
+        (stored, has_strips): (IndexLists, bool),
     ) -> Result<Self, DeviceError> {
         let volumes = vec![0_u32; regions.max(1)];
         let volume_of_region = gpu.upload(
@@ -187,6 +213,7 @@ impl Merged {
         )?;
         Ok(Self {
             stored,
+            has_strips,
             is_short: vertices <= MAX_SHORT_VERTICES,
             listed: None,
             lists: MergedLists::default(),
@@ -219,11 +246,14 @@ impl Merged {
         list: &VolumeList,
         program: &FillProgram,
         regions: &[RegionSlice],
+        drawn_parts: &DrawnOfMeshes,
     ) -> Result<(), DeviceError> {
-        let geometries: Vec<usize> = list.volumes.iter().map(|volume| volume.geometry).collect();
-        let is_listed =
-            |(of, meshes): &(FillProgram, Vec<usize>)| of == program && *meshes == geometries;
-        if self.listed.as_ref().is_some_and(is_listed) {
+        let listed = Listed {
+            program: program.clone(),
+            geometries: list.volumes.iter().map(|volume| volume.geometry).collect(),
+            drawn_parts: drawn_parts.clone(),
+        };
+        if self.listed.as_ref() == Some(&listed) {
             return Ok(());
         }
         self.listed = None;
@@ -234,7 +264,13 @@ impl Merged {
         let [before, after] = [&self.volumes_written, &volumes].map(|v| bytemuck::cast_slice(v));
         gpu.write_changed(&self.volume_of_region, before, after);
         self.volumes_written = volumes;
-        self.lists = MergedLists::new(list, program, regions, &self.stored);
+        let held = Held {
+            regions,
+            stored: &self.stored,
+            has_strips: self.has_strips,
+            drawn_parts,
+        };
+        self.lists = MergedLists::new(list, program, &held);
         let bytes = self.lists.bytes(self.is_short);
         let has_room = |buffer: &wgpu::Buffer| buffer.size() >= bytes.len() as u64;
         match self.indices.take().filter(has_room) {
@@ -248,7 +284,7 @@ impl Merged {
             }
         }
         self.written = bytes;
-        self.listed = Some((program.clone(), geometries));
+        self.listed = Some(listed);
         Ok(())
     }
 
@@ -356,7 +392,13 @@ mod tests {
         let switches = Switches::default();
         let program = FillProgram::new(&list.volumes, &switches, Overlap::Disjoint);
         let program = program.expect("allowed");
-        let merged = MergedLists::new(&list, &program, &geometry.regions, &geometry.indices);
+        let held = Held {
+            regions: &geometry.regions,
+            stored: &geometry.indices,
+            has_strips: true,
+            drawn_parts: &DrawnOfMeshes::new(),
+        };
+        let merged = MergedLists::new(&list, &program, &held);
         let mut draws = 0;
         for step in program.passes.iter().flat_map(FillPass::steps) {
             let FillStep::Volumes(draw) = step else {

@@ -3,6 +3,7 @@
 
 use crate::layout::{IndexBytes, RegionSlice, SceneGeometry};
 use crate::merged::Merged;
+use crate::parts::{DrawnOfMeshes, DrawnParts};
 use crate::pipeline::{Part, PipelineKey, Pipelines, parts};
 use crate::{Buffers, Layout, LevelVertices, VertexVariant};
 use std::ops::Range;
@@ -23,6 +24,8 @@ pub struct VertexVolumes {
     variant: VertexVariant,
     pipelines: Pipelines,
     scene: Option<SceneBuffers>,
+    /// What the view draws of meshes that it does not draw whole.
+    drawn_parts: DrawnOfMeshes,
 }
 
 /// Geometry of every region of a scene, in view or not.
@@ -68,6 +71,7 @@ impl RegionVolumes for VertexVolumes {
             variant,
             pipelines: Pipelines::new(fill, variant)?,
             scene: None,
+            drawn_parts: DrawnOfMeshes::new(),
         })
     }
 
@@ -141,7 +145,13 @@ impl RegionVolumes for VertexVolumes {
                 let stored = std::mem::take(&mut geometry.indices);
                 let layout = &self.pipelines.geometry_layout;
                 let vertices = geometry.vertices.len() / self.variant.vertex_words();
-                Some(Merged::new(&gpu, layout, meshes.len(), vertices, stored)?)
+                Some(Merged::new(
+                    &gpu,
+                    layout,
+                    meshes.len(),
+                    vertices,
+                    (stored, self.variant.has_strips()),
+                )?)
             }
             false => None,
         };
@@ -172,6 +182,16 @@ impl RegionVolumes for VertexVolumes {
             streamed,
             bytes,
         });
+        Ok(())
+    }
+
+    fn upload_view(
+        &mut self,
+        _fill: &VolumeFill,
+        input: &FillInput,
+        _bottoms: &BottomCaps,
+    ) -> Result<(), DeviceError> {
+        self.drawn_parts = DrawnParts::of_view(&self.variant, input);
         Ok(())
     }
 
@@ -346,6 +366,12 @@ impl SceneBuffers {
     }
 }
 
+/// Ranges that lie behind `first`.
+fn moved_by(first: u32, ranges: &[Range<u32>]) -> Vec<Range<u32>> {
+    let moved = |range: &Range<u32>| first + range.start..first + range.end;
+    ranges.iter().map(moved).collect()
+}
+
 /// The pairs of indices that hold those of `range`, and where they begin, in bytes. A buffer with an
 /// odd number of indices ends with zeros.
 fn whole_words(list: &[u16], range: Range<usize>) -> (u64, Vec<[u16; 2]>) {
@@ -399,7 +425,7 @@ impl Volumes for VertexVolumes {
                 merged: Some(merged),
                 regions,
                 ..
-            }) => merged.load(gpu, list, program, regions),
+            }) => merged.load(gpu, list, program, regions, &self.drawn_parts),
             _ => Ok(()),
         }
     }
@@ -499,37 +525,46 @@ impl VertexVolumes {
         let slice = scene.slice(pass.list, volume);
         let with_bottom = !draw.without_bottom && slice.has_bottom;
         debug_assert!(slice.has_bottom || draw.without_bottom, "no bottom is held");
-        let caps = if with_bottom { 6 } else { 3 } * slice.place.triangle_count;
+        let cap = 3 * slice.place.triangle_count;
+        let caps = if with_bottom { 2 * cap } else { cap };
+        let parts = self.drawn_parts.get(&pass.list.volumes[volume].geometry);
         if scene.pulled.is_some() {
-            let count = match part {
-                Part::Caps => caps,
+            let ranges = match (part, parts) {
+                (Part::Caps, Some(parts)) => parts.both_caps(cap, with_bottom),
+                (_, Some(parts)) => parts.walls.clone(),
+                (Part::Caps, None) => vec![0..caps],
                 // Entry e needs entry e + 1; the last one is a separator.
-                Part::Walls { .. } | Part::TurnedWalls => {
-                    6 * slice.loop_index_count.saturating_sub(1)
-                }
+                (_, None) => vec![0..6 * slice.loop_index_count.saturating_sub(1)],
             };
-            pass.draw(0..count, volume);
+            for range in ranges {
+                pass.draw(range, volume);
+            }
             return;
         }
         let (walls, turned) = (slice.loop_index_count, slice.turned_index_count);
         let first_wall = slice.place.first_loop_index;
         let inner_wall = first_wall + walls - 2 * turned;
-        let ranges = match part {
-            Part::Caps => {
+        let ranges = match (part, parts) {
+            (Part::Caps, Some(parts)) => moved_by(
+                slice.place.first_triangle_index,
+                &parts.both_caps(cap, with_bottom),
+            ),
+            (Part::Walls { .. }, Some(parts)) => moved_by(first_wall, &parts.walls),
+            (Part::Caps, None) => {
                 let first = slice.place.first_triangle_index;
-                [first..first + caps, 0..0]
+                vec![first..first + caps]
             }
-            Part::Walls { .. } if self.variant.layout == Layout::PerTriangle => {
+            (Part::Walls { .. }, None) if self.variant.layout == Layout::PerTriangle => {
                 match draw.state.faces() {
-                    FaceSet::Both | FaceSet::FrontCaps => [first_wall..inner_wall + turned, 0..0],
+                    FaceSet::Both | FaceSet::FrontCaps => vec![first_wall..inner_wall + turned],
                     // See `push_inner_walls`.
                     FaceSet::Front | FaceSet::Back => {
-                        [first_wall..inner_wall, inner_wall..inner_wall + turned]
+                        vec![first_wall..inner_wall, inner_wall..inner_wall + turned]
                     }
                 }
             }
-            Part::Walls { .. } => [first_wall..first_wall + walls, 0..0],
-            Part::TurnedWalls => [inner_wall..inner_wall + turned, 0..0],
+            (Part::Walls { .. }, None) => vec![first_wall..first_wall + walls],
+            (Part::TurnedWalls, _) => vec![inner_wall..inner_wall + turned],
         };
         let base_vertex = if scene.flags.is_some() {
             // Every region starts at the first flag, so its positions must start there too.

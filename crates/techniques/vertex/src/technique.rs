@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The technique as the contract knows it.
 
+use crate::parts::ordered_by_part;
 use crate::{
     CACHE_SIZE, IndexOrder, Normals, VertexBackend, VertexVariant, acmr, cache_ordered,
     centric_shift_m, shared_flag_bytes, variant_bytes,
@@ -164,6 +165,7 @@ impl Technique for VertexTechnique {
         )
         .mesh_lod()
         .rest_of_the_way(overlap)
+        .parts()
         .own(
             "shared-levels",
             "vertices that several levels of a region have in common are stored once",
@@ -189,7 +191,9 @@ impl Technique for VertexTechnique {
     }
 
     fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
-        VertexVariant::of(variant)?.check(overlap)
+        let vertex = VertexVariant::of(variant)?;
+        variant.check_parts(vertex.can_draw_parts())?;
+        vertex.check(overlap)
     }
 
     fn bytes(
@@ -224,7 +228,7 @@ impl Technique for VertexTechnique {
     ///   surface as drawn, at most; only of centric normals
     fn figures(&self, variant: &Variant, input: &FillInput) -> Vec<(&'static str, Option<f64>)> {
         let variant = VertexVariant::of(variant).ok();
-        let ratio = variant.and_then(|variant| cap_acmr(input, variant.index_order));
+        let ratio = variant.and_then(|variant| cap_acmr(input, &variant));
         let is_centric = variant.is_some_and(|variant| variant.normals == Normals::Centric);
         let shift_m = is_centric.then(|| ("wall_shift_m", wall_shift_m(input)));
         [("cap_acmr", ratio)].into_iter().chain(shift_m).collect()
@@ -255,13 +259,14 @@ fn wall_shift_m(input: &FillInput) -> Option<f64> {
 }
 
 /// Over all triangles of the regions drawn.
-fn cap_acmr(input: &FillInput, order: IndexOrder) -> Option<f64> {
+fn cap_acmr(input: &FillInput, variant: &VertexVariant) -> Option<f64> {
     let (mut misses, mut triangles) = (0.0, 0.0);
     for planned in &input.plan.regions {
         let mesh = &input.scene.meshes[planned.mesh];
-        let ratio = match order {
-            IndexOrder::Mesh => acmr(&mesh.triangles, CACHE_SIZE),
-            IndexOrder::Cache => {
+        let ratio = match (ordered_by_part(variant, mesh), variant.index_order) {
+            (Some(ordered), _) => acmr(&ordered, CACHE_SIZE),
+            (None, IndexOrder::Mesh) => acmr(&mesh.triangles, CACHE_SIZE),
+            (None, IndexOrder::Cache) => {
                 let ordered = cache_ordered(&mesh.triangles, mesh.vertices_ecef.len());
                 acmr(&ordered, CACHE_SIZE)
             }

@@ -2,7 +2,7 @@
 //! A variant of the vertex backend: how geometry lies in buffers, and the switches of the fill.
 
 use terrafill_fill::{ColourWay, DepthRuleChoice, PositionFormat, SwitchError, Switches, Variant};
-use terrafill_scene::Overlap;
+use terrafill_scene::{Overlap, PartCulling};
 
 /// Where a volume's vertices come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
@@ -190,6 +190,8 @@ pub struct VertexVariant {
     /// Opacity of regions in pictures for people, percent: below 100 they are blended over what
     /// lies under them, in plan order. Frames to be judged or timed are always opaque.
     pub opacity_percent: u8,
+    /// Triangles of large meshes lie part by part, so that plans may leave parts out.
+    pub parts: bool,
     /// What the fill does.
     pub switches: Switches,
 }
@@ -208,6 +210,7 @@ impl Default for VertexVariant {
             normals: Normals::default(),
             vertex_size: VertexSize::default(),
             opacity_percent: 100,
+            parts: false,
             switches: Switches::default(),
         }
     }
@@ -264,6 +267,7 @@ impl VertexVariant {
                 &[("16", VertexSize::Bytes16), ("20", VertexSize::Bytes20)],
             )?,
             opacity_percent: percent.unwrap_or(100),
+            parts: variant.plan.part_culling != PartCulling::Off,
             switches: variant.switches,
         })
     }
@@ -414,6 +418,17 @@ impl VertexVariant {
             ),
             allowed: "100, or colour=rectangle, volume or bit-planes".to_owned(),
         })
+    }
+
+    /// Whether parts of regions may be drawn alone: they are ranges of the indices, and vertices are where the
+    /// plan has them.
+    pub(crate) fn can_draw_parts(&self) -> bool {
+        self.layout != Layout::PerTriangle
+            && self.vertex_order == VertexOrder::Mesh
+            && self.buffers == Buffers::Kept
+            && self.bottom == Bottom::Planned
+            && self.normals != Normals::Centric
+            && self.positions != PositionFormat::EcefF32
     }
 
     /// Whether the volumes of one step are one draw: those of a layout with room for the number of a mesh

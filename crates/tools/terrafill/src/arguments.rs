@@ -486,7 +486,8 @@ pub(crate) struct BisectArguments {
 
 const LADDER_HELP: &str = "\
 Scene to measure switch by switch, from the un-optimised
-method to the full plan, or none; may be repeated
+method to the full plan, SCENE:STEP from a step on, or
+none; may be repeated
 [default: none, with --full planet-134]";
 
 const CASTERS_HELP: &str = "\

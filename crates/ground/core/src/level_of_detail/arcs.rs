@@ -21,7 +21,8 @@ const WIDE_EDGE_DEG: f64 = 90.0;
 const WIDE_ARC_COSINE: f64 = 0.5;
 /// Longitudes closer to ±180 than this are that meridian, degrees: as for the outlines of meshes.
 const ANTIMERIDIAN_SNAP_DEG: f64 = 1e-11;
-/// A ring of fewer tolerances in size than this stays as it is. A lake or island of less than a
+/// A ring of fewer tolerances in size than this stays as it is, or is left out whole
+/// ([`super::small_rings`]). A lake or island of less than a
 /// pixel that moved at all could appear where there was nothing to be seen, or the other way round,
 /// far from any boundary that a comparison could put it down to; and a level is drawn, by its
 /// tolerance of at most half a pixel and at least an eighth, where this many are two pixels or more.
@@ -159,7 +160,7 @@ impl<'a> Arcs<'a> {
     }
 
     /// Diagonal of a box around the ring's normals, in metres where the body is most curved.
-    fn size_m(&self, body: &Ellipsoid, ring: &RingVertices<'_>) -> f64 {
+    pub(super) fn size_m(&self, body: &Ellipsoid, ring: &RingVertices<'_>) -> f64 {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for &vertex in &ring.vertices {
             let normal = self.vertices[vertex as usize].normal;

@@ -51,6 +51,7 @@ fn input(body: Ellipsoid, pose: &CameraPose, size: u32, rows: u32) -> FillInput 
             levels: Arc::default(),
             footprints: Arc::default(),
             bounds: Arc::from([]),
+            parts: terrafill_fill::LazyParts::default(),
             surface,
             picture: None,
             texture: None,

@@ -118,6 +118,7 @@ impl Shot {
                 levels: Arc::default(),
                 footprints: Arc::default(),
                 bounds: Arc::from([]),
+                parts: terrafill_fill::LazyParts::default(),
                 surface,
                 picture: None,
                 texture: Some(Arc::new(checker(self.placement))),

@@ -4,7 +4,9 @@
 //! Steps are those of the vertex shader's ladder, which is the version that the document timed. What is
 //! no difference is taken from the run: how far intervals of identical work reach in the ladder's scene. A claim whose rows are not in the run has an empty cell.
 
-use super::data::{Data, Timed, counter, distinct, has_role, is_approximate, is_baseline};
+use super::data::{
+    Data, Timed, counter, distinct, has_role, is_approximate, is_baseline, is_compared,
+};
 use super::rungs::{Ladder, Rung, SOURCE, counters};
 use super::{fill_rate, memory, subdivision, textured};
 use crate::claims::{Basis, CLAIMS, Claimed, EVERY_VIEW, Rival, Test};
@@ -450,7 +452,7 @@ fn centric_normals(data: &Data<'_>) -> Judged {
     let own = data
         .cases
         .iter()
-        .filter(|case| case.condition("normals") == "centric" && has_role(case, "main"));
+        .filter(|case| case.condition("normals") == "centric" && is_compared(case));
     let parts = own.map(|case| {
         let (pixels, standing) = picture(case.condition("view"), case);
         let shift = case

@@ -403,6 +403,11 @@ pub(super) fn has_role(case: &Case, role: &str) -> bool {
     case.condition("role").split('+').any(|own| own == role)
 }
 
+/// Whether a case stands in every view's comparison: as it should be used, or a layout without its plan.
+pub(super) fn is_compared(case: &Case) -> bool {
+    has_role(case, "main") || has_role(case, "layout")
+}
+
 /// Whether a case's picture differs from the reference by the nature of its technique.
 pub(super) fn is_approximate(case: &Case) -> bool {
     case.condition(APPROXIMATE) == "yes"
@@ -411,7 +416,7 @@ pub(super) fn is_approximate(case: &Case) -> bool {
 /// Whether a case is there to be the best of its view: not a point of a sweep, which draws coarser
 /// boundaries on purpose, nor an approximate fill.
 pub(super) fn competes(case: &Case) -> bool {
-    let is_point = has_role(case, "sweep") && !has_role(case, "main");
+    let is_point = has_role(case, "sweep") && !is_compared(case);
     !is_point && !is_approximate(case)
 }
 

@@ -253,7 +253,10 @@ impl SuiteGroup {
         let view = view.ok_or_else(|| format!("view {:?} is not in the scene", wanted.name))?;
         let mut cases = Vec::new();
         for &technique in &self.techniques {
-            let mut variant = technique.main(scene.overlap);
+            // As it should be used, unless the view asks for a switch of its own.
+            let full_plan = technique.full_plans(scene.overlap).into_iter().next();
+            let full_plan = full_plan.filter(|_| wanted.set.is_empty());
+            let mut variant = full_plan.unwrap_or_else(|| technique.main(scene.overlap));
             for (key, value) in &wanted.set {
                 match variant.set(key, value) {
                     Ok(true) => {}

@@ -117,6 +117,11 @@ impl Work {
         self.meshes.len()
     }
 
+    /// Caps and walls of each volume of a step.
+    fn commands(&self) -> usize {
+        self.drawn.iter().map(|(meshes, _)| 2 * meshes.len()).sum()
+    }
+
     fn bottoms(&self) -> HashSet<usize> {
         let with = self
             .drawn
@@ -149,6 +154,7 @@ impl Work {
 struct Seen {
     volumes: usize,
     indices: usize,
+    commands: usize,
     bottoms: HashSet<usize>,
     states: HashSet<VolumeState>,
     tests: HashSet<StencilTest>,
@@ -180,6 +186,10 @@ fn unexplained(
     }
     if merges_volumes && work.indices(input) > seen.indices {
         buffers += 1;
+    }
+    if merges && !merges_volumes {
+        uploads += u64::from(work.drawn != before.drawn || work.meshes != before.meshes);
+        buffers += u64::from(work.commands() > seen.commands);
     }
     // Bottoms that no view needed before: all meshes once more, three buffers at most.
     if !merges_volumes && !work.bottoms().is_subset(&seen.bottoms) {
@@ -252,6 +262,7 @@ fn nothing_is_made_on_the_way_that_no_change_explains() {
             }
             seen.volumes = seen.volumes.max(work.volumes());
             seen.indices = seen.indices.max(work.indices(input));
+            seen.commands = seen.commands.max(work.commands());
             seen.bottoms.extend(work.bottoms());
             seen.states.extend(&work.states);
             seen.tests.extend(&work.tests);

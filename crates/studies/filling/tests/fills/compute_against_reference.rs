@@ -21,7 +21,7 @@ use terrafill_fill::{
     BottomCap, ColourWay, DepthRuleChoice, DeviceError, FacePasses, FillBackend as _, FillInput,
     Frame, StencilClear, Switches,
 };
-use terrafill_scene::{LeftOutReason, Overlap, PlanOptions, WallHeights};
+use terrafill_scene::{LeftOutReason, Overlap, PartCulling, PlanOptions, WallHeights};
 
 /// Every expansion with every culling that goes with it, and either transform.
 fn all_variants() -> Vec<ComputeVariant> {
@@ -148,6 +148,7 @@ const NOTHING_LEFT_OUT: PlanOptions = PlanOptions {
     boundary_lod_px: None,
     far_level_px: None,
     wall_heights: WallHeights::Region,
+    part_culling: PartCulling::Off,
 };
 
 #[test]

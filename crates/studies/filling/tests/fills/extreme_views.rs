@@ -325,8 +325,8 @@ fn the_study_sweeps_through_the_formats_where_a_scene_asks_for_it() {
             let expected = if is_swept { tolerances } else { 0 };
             assert_eq!(in_sweep, expected, "{name} {format:?}");
             // Outside the sweep a wrong picture fails the run.
-            let is_main = cases.iter().any(|case| is(case, "main"));
-            assert_eq!(is_main, !is_swept && format == PositionFormat::LocalF32);
+            let is_compared = cases.iter().any(|case| is(case, "layout"));
+            assert_eq!(is_compared, !is_swept && format == PositionFormat::LocalF32);
             assert!(
                 cases
                     .iter()
@@ -336,6 +336,6 @@ fn the_study_sweeps_through_the_formats_where_a_scene_asks_for_it() {
         let default = all
             .iter()
             .find(|case| case.id.condition("variant") == "doubled");
-        assert!(default.is_some_and(|case| is(case, "main") && !is(case, "sweep")));
+        assert!(default.is_some_and(|case| is(case, "layout") && !is(case, "sweep")));
     }
 }

@@ -221,6 +221,10 @@ fn a_movement_understated_four_times_is_noticed() {
             "{name}: {found:?}"
         );
         assert_eq!(found.mismatched_px_outside_band, 0, "{name}");
+        // Islands too small to be seen are among what is judged here.
+        let islands = input.plan.small_rings;
+        eprintln!("{name}: {islands:?}");
+        assert_eq!(islands.rings > 0, name == "countries-50m", "{islands:?}");
         assert!(
             !verdict_of_moved(&found, drawn_px / 4.0).is_pass(),
             "{name}: {found:?}"

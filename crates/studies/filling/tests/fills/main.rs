@@ -18,6 +18,7 @@ mod needs;
 mod over_a_spiral;
 mod over_terrain;
 mod overlaps;
+mod parts;
 mod run;
 mod screen_grid;
 mod steady_state;

@@ -63,7 +63,7 @@ fn seen(scene: &PreparedScene, view: &View) -> FillInput {
     FillInput::new(scene, view, SIZE, PlanOptions::default()).expect("a surface")
 }
 
-/// Draws of layout `doubled` by its program: caps and walls of each step of volumes, one of each of covers.
+/// Draws of layout `doubled`, or of commands in a list, by the program: caps and walls of each step of volumes, one of each of covers.
 fn planned_draws(input: &FillInput, switches: &Switches) -> u64 {
     let list = VolumeList::of(input, switches);
     let program = FillProgram::new(&list.volumes, switches, input.scene.overlap);
@@ -104,14 +104,12 @@ fn shipped_scenes_look_the_same_whether_draws_are_merged() {
                 let [each, merged] = [&each, &merged].map(counters);
                 assert!(merged.draws <= each.draws, "{what}");
                 fewer += usize::from(merged.draws < each.draws);
-                let is_doubled = matches!(
-                    technique,
-                    Technique::Vertex(VertexVariant {
-                        layout: Layout::Doubled,
-                        ..
-                    })
-                );
-                if is_doubled {
+                let is_merged = match technique {
+                    Technique::Vertex(variant) => variant.layout == Layout::Doubled,
+                    Technique::Native(_) => devices.vulkan().facts.features.draws_listed,
+                    Technique::Compute(_) => false,
+                };
+                if is_merged {
                     // A region that has no boundary has no walls to draw; none of these is one.
                     assert_eq!(
                         merged.draws,

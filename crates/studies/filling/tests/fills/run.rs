@@ -245,6 +245,29 @@ fn wrong_requests_are_refused_when_they_are_planned() {
     );
     let twice = refused(&request(&["california", "california"]));
     assert!(twice.contains("\"california\" is given twice"), "{twice}");
+    let mut wrong = request(&["california"]);
+    wrong
+        .settings
+        .extend([setting("ladder", "california:sideways")]);
+    let error = refused(&wrong);
+    assert!(
+        error.starts_with(
+            "--ladder: found step \"sideways\" of california, allowed: start, one-volume"
+        ),
+        "{error}"
+    );
+    // Twin: from a step that there is on, there are fewer rungs, numbered anew.
+    let rungs = |wanted: &str| {
+        let mut request = request(&["california"]);
+        request.settings.extend([setting("ladder", wanted)]);
+        let plan = planned(&request);
+        let cases = plan.run_plan().cases.iter();
+        cases
+            .filter(|case| !case.id.condition("rung").is_empty())
+            .count()
+    };
+    let some = rungs("california:colours");
+    assert!(some > 0 && 2 * some < rungs("california"), "{some}");
     for key in ["ladder", "matrix"] {
         let mut wrong = request(&["california"]);
         wrong.settings.extend([setting(key, "planet-134")]);

@@ -20,7 +20,8 @@ use terrafill_conformance::ErrorFigures;
 use terrafill_conformance::{compare, verdict};
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh, parse_regions};
 use terrafill_fill::{
-    ColourWay, Counters, FillBackend, FillInput, Frame, PreparedScene, RegionSet, Switches,
+    ColourWay, Counters, FillBackend, FillInput, Frame, LazyParts, PreparedScene, RegionSet,
+    Switches,
 };
 use terrafill_filling::Techniques;
 use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
@@ -247,6 +248,7 @@ pub(crate) fn scene_within(
         levels: Arc::default(),
         footprints: Arc::default(),
         bounds: Arc::new([]),
+        parts: LazyParts::default(),
         surface: EllipsoidKind::surface(&body, rows),
         picture: None,
         texture: None,

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Plans that leave out parts of large regions.
+
+use crate::parts::{MeshParts, SeenParts};
+use crate::plan::{FramePlan, HeightRange, LeftOutReason, PartCulling, Planner};
+use crate::{Camera, ImageSize};
+use glam::DVec3;
+use std::collections::BTreeMap;
+use terrafill_core::Ellipsoid;
+
+impl FramePlan {
+    /// Leaves out parts of large regions, as the options say. Comes after
+    /// [`FramePlan::settle_near_plane`], which says of which volumes fragments count in front.
+    ///
+    /// - `terrain`: height range of the surface as drawn
+    /// - `parts`: of the meshes that have several and lie where they will be drawn
+    /// - cost: O(parts of the regions drawn)
+    pub fn cull_parts(
+        &mut self,
+        body: &Ellipsoid,
+        camera: &Camera,
+        size: ImageSize,
+        terrain: HeightRange,
+        parts: &BTreeMap<usize, MeshParts>,
+    ) {
+        if self.options.part_culling == PartCulling::Off {
+            return;
+        }
+        let hides = self.options.part_culling == PartCulling::All;
+        let planner = Planner::new(body, camera, size, terrain, self.options);
+        for mut planned in std::mem::take(&mut self.regions) {
+            let Some(parts) = parts.get(&planned.mesh) else {
+                self.regions.push(planned);
+                continue;
+            };
+            let counts_in_front = hides && !planned.near_plane_meets_volume;
+            let look = |corners: &[DVec3; 8]| planner.look_at_part(corners, counts_in_front);
+            let (seen, rect) = parts.seen(planned.heights, look);
+            let rect = rect.map(|rect| rect.within(planned.screen_rect));
+            match rect.filter(|rect| rect.width() > 0 && rect.height() > 0) {
+                Some(rect) => {
+                    planned.screen_rect = rect;
+                    self.regions.push(planned);
+                    self.seen_parts.insert(planned.mesh, seen);
+                }
+                // A pixel that shows the region shows one of its facets' parts.
+                None => {
+                    let last = seen.left_out.into_keys().next_back();
+                    let reason = last.unwrap_or(LeftOutReason::OutsideFrustum);
+                    self.place(planned.region, Err(reason));
+                }
+            }
+        }
+        self.left_out.sort_by_key(|region| region.mesh);
+    }
+
+    /// One phrase on the parts left out by reason, of how many, and with how many facets and walls.
+    pub(crate) fn parts_left_out(&self) -> Option<String> {
+        let sum = |of: fn(&SeenParts) -> usize| self.seen_parts.values().map(of).sum::<usize>();
+        let facets = sum(|seen| seen.facets_left_out);
+        if facets == 0 {
+            return None;
+        }
+        let by_reason = LeftOutReason::ALL.into_iter().filter_map(|reason| {
+            let of = |seen: &SeenParts| seen.left_out.get(&reason).copied().unwrap_or(0);
+            let parts: usize = self.seen_parts.values().map(of).sum();
+            (parts > 0).then(|| format!("{parts} {}", reason.name()))
+        });
+        Some(format!(
+            "{} of {} parts of large regions, with {facets} of {} facets and walls",
+            by_reason.collect::<Vec<_>>().join(" and "),
+            sum(|seen| seen.of_parts),
+            sum(|seen| seen.of_facets)
+        ))
+    }
+}
