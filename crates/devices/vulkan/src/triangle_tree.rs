@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Triangles in a tree of boxes that the driver builds, for shaders that ask what a ray meets
+//! Triangles in a tree of boxes that the driver builds: shaders ask it what a ray meets
 //! (`VK_KHR_acceleration_structure`, `VK_KHR_ray_query`).
 //!
-//! One tree of triangles, and one of a single instance over it, which is what shaders are handed. No triangle
-//! is opaque: a shader sees each as a candidate and confirms it or not.
+//! There are two trees. The lower holds the triangles. The upper holds one instance of the lower, and is what
+//! shaders are handed. No triangle is opaque: a shader sees each as a candidate and confirms it or not.
 
 use crate::failure::failure;
 use crate::queries::{Queries, QueryKind, span_ms};

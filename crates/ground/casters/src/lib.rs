@@ -13,6 +13,7 @@ mod read;
 mod silhouette;
 mod verdict;
 mod volume;
+mod waterline;
 
 pub use mesh::{Caster, Mesh, MeshError, Part};
 pub use policy::{Policy, Prepared};
@@ -21,3 +22,4 @@ pub use read::{ReadError, Reading, Up};
 pub use silhouette::{EdgeTable, Facing, Side, by_hash, by_stack};
 pub use verdict::{Verdict, verdict};
 pub use volume::{Extent, Face, LightError, Volume, VolumeTriangle, sea_level_below};
+pub use waterline::feet_below_sea;

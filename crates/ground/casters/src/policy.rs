@@ -81,6 +81,7 @@ fn cap(mesh: &mut Mesh) {
         triangles.extend_from_slice(&mesh.triangles[part.triangles.clone()]);
         planes.extend_from_slice(&mesh.planes[part.triangles.clone()]);
         for ring in planar_loops(mesh, &part) {
+            let ring = from_where_a_fan_has_area(mesh, ring);
             let plane = index(mesh.normals.len());
             mesh.normals.push(normal(mesh, &ring));
             for at in 1..ring.len() - 1 {
@@ -97,6 +98,26 @@ fn cap(mesh: &mut Mesh) {
     }
     mesh.triangles = triangles;
     mesh.planes = planes;
+}
+
+/// The same loop from a corner whose fan has no triangle without area, if there is one: corners of a loop often lie in
+/// line.
+fn from_where_a_fan_has_area(mesh: &Mesh, mut ring: Vec<u32>) -> Vec<u32> {
+    let place = |at: u32| mesh.vertices[at as usize];
+    let has_area = |ring: &[u32]| {
+        let spokes = ring.windows(2).skip(1).map(|edge| {
+            let start = place(ring[0]);
+            (place(edge[0]) - start).cross(place(edge[1]) - start)
+        });
+        spokes.into_iter().all(|area| area != DVec3::ZERO)
+    };
+    for _ in 0..ring.len() {
+        if has_area(&ring) {
+            break;
+        }
+        ring.rotate_left(1);
+    }
+    ring
 }
 
 fn normal(mesh: &Mesh, ring: &[u32]) -> DVec3 {

@@ -10,7 +10,7 @@ use glam::{DVec3, DVec4};
 use std::collections::BTreeMap;
 
 /// Radius of the sea, m: the mean radius of the Earth.
-const SEA_RADIUS_M: f64 = 6_371_000.0;
+pub(crate) const SEA_RADIUS_M: f64 = 6_371_000.0;
 
 /// Where a volume ends.
 #[derive(Debug, Clone, PartialEq)]

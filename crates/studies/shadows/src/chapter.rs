@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter on shadows: a section a question, what was published beside what is measured.
 
+mod drawn;
+mod elsewhere;
 mod findings;
 mod sections;
 mod steps;

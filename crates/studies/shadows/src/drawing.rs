@@ -5,7 +5,7 @@
 //! triangles are drawn twice, as surface and as light cap. Both take the same `f32` numbers with the corners
 //! in the same order, so that their depths are equal: equal depth fails.
 
-use crate::count::Wrong;
+use crate::count::{Wrong, is_in_sliver};
 use crate::device::{Draws, Retile};
 use crate::loading::{Loadable, listed, program};
 use crate::reference::{Light, Reference, SEA_RADIUS_M, Truth};
@@ -15,7 +15,7 @@ use crate::source::VolumeSource;
 use crate::tiling::tiled;
 use crate::view::View;
 use crate::way::{Bounds, Cut, DeviceWay, DrawError, Positions, Silhouettes, count};
-use crate::work::{End, Scene};
+use crate::work::{End, ROUNDING_PX, Scene};
 use glam::{DMat3, DVec3};
 use std::cell::LazyCell;
 use terrafill_core::{Ellipsoid, VolumeHeights};
@@ -94,7 +94,10 @@ impl Scene {
             let mut channel = self.open(devices, way, view, loadable)?;
             let (counters, picture) = channel.draw()?;
             let mask = mask(&picture);
-            let is_rim = |at, light| self.is_within_rounding(&reference, view, at, light);
+            let is_rim = |at, light| {
+                self.is_within_rounding(&reference, view, at, light)
+                    || is_in_sliver(view, &volume, at, ROUNDING_PX)
+            };
             let wrong = Wrong::but_at_rims(&mask, truth, is_rim);
             drawn.wrong = drawn.wrong.plus(wrong);
             drawn.lost += lost(&mask, truth);

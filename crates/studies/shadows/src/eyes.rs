@@ -18,6 +18,8 @@ pub(crate) struct EyeResult {
     pub(crate) missed: usize,
     /// Of these, those of which a corner or the middle of the rectangle is.
     pub(crate) missed_at_corners: usize,
+    /// Of these, those of which more than half of the rectangle is.
+    pub(crate) missed_mostly: usize,
     /// Eyes for which z-fail was chosen and no sample of the rectangle is in shadow.
     pub(crate) needless: usize,
     /// Sum of the shares of the rectangle in shadow over missed eyes.
@@ -76,6 +78,7 @@ impl EyeTable {
                     if share > 0.0 && !any {
                         result.missed += 1;
                         result.missed_at_corners += usize::from(at_corners);
+                        result.missed_mostly += usize::from(share > 0.5);
                         result.missed_share += share;
                         if *test == EyeTest::Eye && share > worst_share {
                             (worst_share, table.worst) = (share, Some(view));
@@ -100,8 +103,7 @@ impl EyeTable {
         let Some(view) = self.worst else {
             return Ok(None);
         };
-        let mesh = port(PortSize::named("port-m").ok_or("no port-m")?);
-        let scene = Scene::of(mesh, self.at, vec![view])?;
+        let scene = Scene::of_port(self.at, vec![view])?;
         let mesh = scene.mesh();
         let boxes = Boxes::of(mesh);
         let reference = Reference::new(mesh, scene.to_light);

@@ -241,9 +241,11 @@ pub(crate) fn questions(
         NEARS.into_iter().flat_map(of)
     });
     let updates = suns.iter().flat_map(|sun| {
-        let of = |end| Rule::ALL.map(|rule| Job::Updates(*sun, end, rule));
-        let ends = [End::Infinite, End::Sea].into_iter().flat_map(of);
-        ends.chain([Job::Updates(*sun, End::Calm, Rule::Fail)])
+        let all = |end| Rule::ALL.map(|rule| Job::Updates(*sun, end, rule));
+        let fail = |end| [Job::Updates(*sun, end, Rule::Fail)];
+        // By what the casters are cut to: each scene is made once.
+        let whole = all(End::Infinite).into_iter().chain(fail(End::SeaOfWhole));
+        whole.chain(all(End::Sea)).chain(fail(End::Calm))
     });
     let bounds = suns.iter().flat_map(|sun| {
         let rules = [Rule::Pass, Rule::Fail];
@@ -283,6 +285,7 @@ pub(crate) fn questions(
         [
             Job::Origin(LOW_SUN, Eyes::Bridge, way),
             Job::Origin(RAIL_SUN, Eyes::At(Place::QuayEdge), way),
+            Job::Origin(LOW_SUN, Eyes::At(Place::RailShadow), way),
         ]
     });
     let facings = [true, false].into_iter().flat_map(|is_edge_on| {

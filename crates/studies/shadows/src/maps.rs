@@ -29,6 +29,9 @@ pub(crate) enum Bias {
     /// So many texels times the slope of the receiver against the light.
     Slope,
     /// So many metres, and faces turned away from the sun ask the map too, as where a shader knows no normal.
+    ///
+    /// [`Mapped::wrong_in_three`] with this bias is what another program's curve agrees with: 0.6 % at 5 cm, 2 % at
+    /// 25 cm, 3.8 % at 1 m. Its definition was found by trying several.
     Everywhere,
 }
 
@@ -268,7 +271,9 @@ pub(crate) struct Mapped {
     pub(crate) step: f64,
     pub(crate) bias_m: f64,
     pub(crate) bytes: u64,
-    /// Share of the pixels of the three channels that see most of the casters, at the step that is best there.
+    /// Share of wrong pixels, the band included, of those that the reference judges: sea and casters, lit or in
+    /// shadow, no sky, no edge-on faces. Of the three channels that see most pixels of casters, at the step that is best
+    /// for these three together.
     pub(crate) wrong_in_three: f64,
     /// Of each channel, at that step.
     pub(crate) masks: Vec<Vec<bool>>,

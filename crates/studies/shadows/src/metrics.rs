@@ -7,12 +7,13 @@ use terrafill_results::{Kind, Metric};
 pub(crate) const TIME: &str = "shadow_silhouette_cpu_ms";
 pub(crate) const UPDATES: &str = "shadow_updates";
 pub(crate) const MISSED: &str = "shadow_eyes_missed";
+pub(crate) const MOSTLY: &str = "shadow_eyes_missed_mostly";
 pub(crate) const LOST: &str = "shadow_lost_share";
 pub(crate) const MAP_WRONG: &str = "shadow_map_wrong";
 pub(crate) const FILL_CPU: &str = "shadow_fill_cpu_ms";
 pub(crate) const FILL_GPU: &str = "shadow_fill_gpu_ms";
 
-pub(crate) const METRICS: [Metric; 42] = [
+pub(crate) const METRICS: [Metric; 43] = [
     Metric::less(
         "shadow_silhouette_cpu_ms",
         "ms",
@@ -164,6 +165,12 @@ pub(crate) const METRICS: [Metric; 42] = [
         "Of these, those of which a corner or the middle of the near rectangle is in shadow; all samples are 17 by 17.",
     ),
     Metric::less(
+        "shadow_eyes_missed_mostly",
+        "%",
+        Kind::Error,
+        "Of these, those of which more than half of the near rectangle is in shadow: most of the picture miscounts.",
+    ),
+    Metric::less(
         "shadow_eyes_needless",
         "%",
         Kind::Error,
@@ -221,7 +228,7 @@ pub(crate) const METRICS: [Metric; 42] = [
         "shadow_rim_px",
         "px",
         Kind::Error,
-        "Wrong pixels of a device outside the band, yet within its rounding, 1/32 of a pixel: at a caster's rim, or where the boundary of one part's shadow runs within the shadow of others.",
+        "Wrong pixels of a device outside the band, yet within its rounding, 1/32 of a pixel: at a caster's rim, in a triangle that is thinner, or where the boundary of one part's shadow runs within others.",
     ),
     Metric::less(
         "shadow_band_px",

@@ -180,8 +180,9 @@ pub(crate) struct SlopeError {
     found: f64,
 }
 
-/// Lit triangles between the near plane and the sun, moved along the light into the near plane, where they face
-/// the eye: z-pass counts them, and thereby the volumes that the near plane is in (Hornus et al., 2005).
+/// Lit triangles between the near plane and the sun, moved along the light into the near plane.
+///
+/// There they face the eye. z-pass counts them, and thereby the volumes that the near plane is in (Hornus et al., 2005).
 pub(crate) fn near_caps(
     view: &View,
     to_light: DVec3,

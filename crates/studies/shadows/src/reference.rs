@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Reference: rays in `f64`, from the eye to what it sees and from there to the sun.
 //!
-//! Shares nothing with volumes or silhouettes. Each visible point is tested twice. **Test A** walks from
-//! the point to the sun through a tree of boxes. **Test B** looks from the sun down on triangles sorted
-//! into a grid across its light; the point is lit if it is of the first plane there. Where they disagree the pixel is undecided. The sea is a sphere that touches the origin.
+//! Shares nothing with volumes or silhouettes. Each visible point is tested twice:
+//!
+//! - Test A walks from the point to the sun through a tree of boxes.
+//! - Test B looks from the sun down on triangles sorted into a grid across its light. The point is lit if it is of
+//!   the first plane there.
+//!
+//! Where they disagree the pixel is undecided. The sea is a sphere that touches the origin.
 
 use crate::view::View;
 use glam::{DVec2, DVec3};

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Rivals of shadow volumes that are exact up to the depths of what is seen: a hierarchy of tiles into which each lit
-//! triangle descends (Sintorn, Olsson & Assarsson, 2011), by compute on wgpu; and a ray from each pixel to the sun,
-//! by the ray queries of Vulkan.
+//! Rivals of shadow volumes that are exact up to the depths of what is seen.
+//!
+//! One is a hierarchy of tiles into which each lit triangle descends (Sintorn, Olsson & Assarsson, 2011), by compute
+//! on wgpu. The other is a ray from each pixel to the sun, by the ray queries of Vulkan.
 //!
 //! Both are handed the depth that the surface left, as numbers in a buffer, and say of each pixel whether a triangle
 //! that faces the sun lies over it. They need no silhouette, no closed mesh, no test of the near plane, and count

@@ -2,8 +2,8 @@
 //! Casters for shaders that find their silhouettes: what each way of finding them reads.
 //!
 //! One facing bit a triangle, decided by the CPU in `f64`, is what all of them share. Two ways compute the
-//! facing in `f32` instead, from corners in the order in which they have them, as engines do: there the
-//! edges of one triangle may disagree where it is edge-on.
+//! facing in `f32` instead, as engines do, from corners in the order in which they have them. There the edges
+//! of one triangle may disagree where it is edge-on.
 
 use crate::source::{Adjacency, Adjacent, Computed, EyeMesh, IS_CAP, VolumeSource};
 use crate::view::View;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Depth bounds by tiles: a caster is drawn only in those tiles of the picture in which some depth lies in the
-//! range of its volume (after the clamping of CC shadow volumes, Lloyd et al., 2004).
+//! Depth bounds by tiles, after the clamping of CC shadow volumes (Lloyd et al., 2004).
+//!
+//! A caster is drawn only in those tiles of the picture in which some depth lies in the range of its volume.
 //!
 //! Exact for closed volumes: in a tile that is left out each pixel sees what lies outside of the volume, whose
 //! faces cancel there.

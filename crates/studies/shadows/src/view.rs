@@ -47,6 +47,13 @@ impl View {
         }
     }
 
+    /// The middle of the same channel at so many pixels across it: they are finer, and as many as before.
+    pub(crate) fn middle_of(mut self, columns: f64) -> Self {
+        let share = f64::from(self.size[0]) / columns;
+        self.tan = self.tan.map(|tan| tan * share);
+        self
+    }
+
     /// Direction through a place of the image, −1…1 rightwards and upwards; 1 m deep.
     pub(crate) fn towards(&self, x: f64, y: f64) -> DVec3 {
         self.forward + self.right * (x * self.tan[0]) + self.up * (y * self.tan[1])

@@ -8,7 +8,6 @@ use crate::scissor::Rectangle;
 use crate::view::View;
 use crate::work::{Drawn, End, Scene};
 use glam::DVec3;
-use terrafill_casters::{PortSize, port};
 
 /// A view of the port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,9 +18,15 @@ pub(crate) enum Place {
     QuayEdge,
     /// From a height, over everything.
     Aerial,
+    /// Where a crane's leg stands in the shadow of a rail, in the middle of a channel [`FINE_COLUMNS`] wide.
+    RailShadow,
 }
 
+/// Pixels across a channel of which [`Place::RailShadow`] is the middle: a simulator's.
+const FINE_COLUMNS: f64 = 1024.0;
+
 impl Place {
+    /// Of which rules are asked.
     pub(crate) const ALL: [Self; 3] = [Self::UnderCrane, Self::QuayEdge, Self::Aerial];
 
     pub(crate) fn name(self) -> &'static str {
@@ -29,18 +34,26 @@ impl Place {
             Self::UnderCrane => "under-crane",
             Self::QuayEdge => "quay-edge",
             Self::Aerial => "aerial",
+            Self::RailShadow => "rail-shadow",
         }
     }
 
     fn view(self, size: [u32; 2]) -> View {
         let (eye, azimuth_deg) = match self {
             Self::UnderCrane => (DVec3::new(0.0, -2.0, 8.9), 40.0),
-            // The upper bar of the rail is 8.25 to 8.3 m high at y = −9.9: under a sun at 10° from −60° its shadow
-            // is 7.98 to 8.02 m high where the eye is, and 7.87 to 7.92 m where the near rectangle stands. No ship lies sunwards.
+            // The upper bar of the rail is 8.25 to 8.3 m high at y = −9.9, and no ship lies sunwards. Under a sun at
+            // 10° from −60° its shadow is 7.98 to 8.02 m high where the eye is, and 7.87 to 7.92 m at the near rectangle.
             Self::QuayEdge => (DVec3::new(121.0, -8.55, 7.95), 90.0),
             Self::Aerial => (DVec3::new(-400.0, -700.0, 250.0), 55.0),
+            // 70 cm before the face of a leg at y = −8.2. Under a sun at 10° from −60° the upper bar of the rail has its
+            // shadow there from 7.899 to 7.959 m.
+            Self::RailShadow => (DVec3::new(108.0, -8.9, 7.9), 90.0),
         };
-        View::level(eye, azimuth_deg, 0.5, size)
+        let view = View::level(eye, azimuth_deg, 0.5, size);
+        match self {
+            Self::RailShadow => view.middle_of(FINE_COLUMNS),
+            _ => view,
+        }
     }
 }
 
@@ -87,8 +100,7 @@ impl Chooser {
 impl Scene {
     /// The port from there.
     pub(crate) fn of_place(place: Place, at: [f64; 2], size: [u32; 2]) -> Result<Self, String> {
-        let named = PortSize::named("port-m").ok_or("no port-m")?;
-        Self::of(port(named), at, vec![place.view(size)])
+        Self::of_port(at, vec![place.view(size)])
     }
 
     /// Draws volumes closed at the sea by the rule that is chosen for each part.

@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the cases compute.
 
+mod rounding;
+mod staged;
+
+pub(crate) use self::rounding::ROUNDING_PX;
+
 use crate::count::{Rule, Stencil, Wrong, draw, draw_within};
-use crate::near::shadowed_share;
 use crate::reference::{Light, Reference, Seen, Truth};
 use crate::scissor::{Rectangle, above_horizon, around_pixels, depths_of_parts, of_parts};
-use crate::view::{View, bridge, deck_eyes, sun};
-use glam::{DVec2, DVec3};
+#[cfg(test)]
+use crate::view::bridge;
+use crate::view::{View, sun};
+use glam::DVec3;
 use terrafill_casters::{
-    EdgeTable, Extent, Facing, LightError, Mesh, MeshError, Policy, PortSize, Prepared, Side,
-    Volume, hull, port, row, sea_level_below,
+    EdgeTable, Extent, Facing, LightError, Mesh, Policy, PortSize, Prepared, Side, Volume,
+    feet_below_sea, port, sea_level_below,
 };
-use terrafill_results::SplitMix64;
 
 /// Eyes on deck.
 pub(crate) const EYES: usize = 400;
@@ -21,10 +26,6 @@ pub(crate) const NEARS: [f64; 3] = [0.1, 0.5, 1.0];
 const MARGIN_M: f64 = 1.0;
 /// The same of a sea without waves: what a device draws of it lies less below the sphere.
 const CALM_M: f64 = 0.2;
-/// Boxes along either axis, their size, m, and their seed.
-const BOXES: [u32; 2] = [8, 12];
-const BOX_M: f64 = 6.0;
-const BOXES_SEED: u64 = 38;
 /// Casters that 8 bits can count.
 const MAX_COUNT: u32 = 255;
 
@@ -36,6 +37,8 @@ pub(crate) const BOUNDS_SHARE: f64 = 1.0 / 1024.0;
 pub(crate) enum End {
     Infinite,
     Sea,
+    /// The same of casters that go on under the sea.
+    SeaOfWhole,
     /// Below a sea without waves.
     Calm,
     Finite(f64),
@@ -46,8 +49,19 @@ impl End {
         match self {
             Self::Infinite => "infinite",
             Self::Sea => "sea-closed",
+            Self::SeaOfWhole => "sea-closed, whole hulls",
             Self::Calm => "sea-closed, calm",
             Self::Finite(_) => "finite",
+        }
+    }
+
+    /// How far below the sea its casters go, m: what is lower is not seen, but z-fail counts its volumes. `None` for
+    /// as far as they do.
+    pub(crate) fn feet_m(self) -> Option<f64> {
+        match self {
+            Self::Sea => Some(MARGIN_M),
+            Self::Calm => Some(CALM_M),
+            Self::Infinite | Self::SeaOfWhole | Self::Finite(_) => None,
         }
     }
 }
@@ -78,10 +92,6 @@ impl Scissor {
         }
     }
 }
-
-/// How far beside a pixel's centre a device may look: rasterisers round corners to 1/256 of a pixel, and a
-/// triangle thinner than some of these steps has any depth across it.
-const ROUNDING_PX: f64 = 8.0 / 256.0;
 
 /// The port under a sun, seen from the bridge.
 pub(crate) struct Scene {
@@ -116,136 +126,41 @@ pub(crate) struct Pixels {
     pub(crate) undecided: usize,
 }
 
+/// The port, closed.
+pub(crate) fn prepared_port() -> Result<Prepared, String> {
+    let named = PortSize::named("port-m").ok_or("no port-m")?;
+    let prepared = Policy::Refuse.prepare(port(named));
+    prepared.map_err(|error| error.to_string())
+}
+
 impl Scene {
+    /// The port, cut below the sea.
+    pub(crate) fn of_port(at: [f64; 2], views: Vec<View>) -> Result<Self, String> {
+        Self::standing(&prepared_port()?, at, views, End::Sea.feet_m())
+    }
+
+    /// The same from the bridge.
+    #[cfg(test)]
     pub(crate) fn new(at: [f64; 2], size: [u32; 2]) -> Result<Self, String> {
-        let named = PortSize::named("port-m").ok_or("no port-m")?;
-        Self::of(port(named), at, bridge(size))
+        Self::of_port(at, bridge(size))
     }
 
-    /// Plates in a row, seen from the side where all of their shadows lie over one another.
-    pub(crate) fn of_row(count: u32, size: [u32; 2]) -> Result<Self, String> {
-        let eye = DVec3::new(450.0, -250.0, 40.0);
-        Self::of(
-            row(count),
-            [2.0, 180.0],
-            vec![View::level(eye, 90.0, 0.5, size)],
-        )
-    }
-
-    /// The eye on deck that stands in the light while most of its near rectangle is in shadow.
-    pub(crate) fn of_missed_eye(at: [f64; 2], size: [u32; 2]) -> Result<Self, String> {
-        let mesh = port(PortSize::named("port-m").ok_or("no port-m")?);
-        let to_light = sun(at);
-        let reference = Reference::new(&mesh, to_light);
-        let near = NEARS[NEARS.len() - 1];
-        let eyes = deck_eyes(&mesh, EYES, near).into_iter();
-        let lit = eyes.filter(|view| !reference.is_shadowed(view.eye, None));
-        let dark = lit.map(|view| (shadowed_share(&view, &reference), view));
-        let worst = dark.max_by(|(one, _), (other, _)| one.total_cmp(other));
-        let (share, view) = worst.ok_or("no eye in the light")?;
-        if share == 0.0 {
-            return Err("no eye is missed".to_owned());
-        }
-        drop(reference);
-        Self::of(mesh, at, vec![View { size, ..view }])
-    }
-
-    /// Boxes over the sea, two faces of each of which are edge-on to the sun, or all turned at random.
-    pub(crate) fn of_boxes(at: [f64; 2], is_edge_on: bool, size: [u32; 2]) -> Result<Self, String> {
-        let to_light = sun(at);
-        let mut random = SplitMix64::new(BOXES_SEED);
-        // 53 bits are as many as an `f64` has.
-        let mut share = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
-        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-        for column in 0..BOXES[0] {
-            for row in 0..BOXES[1] {
-                let mut direction = || DVec3::new(share(), share(), share());
-                let (first, second) = (direction(), direction());
-                let normal = match is_edge_on {
-                    true => first.cross(to_light),
-                    false => first,
-                };
-                let normal = normal.normalize_or(DVec3::X);
-                let along = normal
-                    .cross(second)
-                    .normalize_or(normal.any_orthonormal_vector());
-                let axes = [normal, along, normal.cross(along)].map(|axis| axis * BOX_M / 2.0);
-                let [x, y] = [column, row].map(|place| 2.5 * BOX_M * f64::from(place));
-                let middle = DVec3::new(x, y, 1.5 * BOX_M);
-                let start = u32::try_from(vertices.len()).unwrap_or(u32::MAX);
-                vertices.extend((0..8).map(|corner| {
-                    let way = |bit: u32| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
-                    middle + axes[0] * way(0) + axes[1] * way(1) + axes[2] * way(2)
-                }));
-                let quads = [
-                    [0, 4, 6, 2],
-                    [1, 3, 7, 5],
-                    [0, 1, 5, 4],
-                    [2, 6, 7, 3],
-                    [0, 2, 3, 1],
-                    [4, 5, 7, 6],
-                ];
-                for [a, b, c, d] in quads.map(|quad| quad.map(|corner: u32| start + corner)) {
-                    triangles.extend([[a, b, c], [a, c, d]]);
-                }
-            }
-        }
-        let mesh = Mesh::from_triangles("boxes", vertices, triangles);
-        let mesh = mesh.map_err(|error| error.to_string())?;
-        let eye = DVec3::new(45.0, -120.0, 45.0);
-        Self::of(mesh, at, vec![View::level(eye, 90.0, 0.5, size)])
-    }
-
-    /// A hull whose shadow falls towards the eye, seen from below its deck.
-    pub(crate) fn of_hull(size: [u32; 2]) -> Result<Self, String> {
-        let eye = DVec3::new(0.0, -150.0, 9.0);
-        Self::of(
-            hull(1_000),
-            [30.0, 90.0],
-            vec![View::level(eye, 90.0, 0.5, size)],
-        )
-    }
-
-    /// The same caster with a tenth of its deck missing, by a policy: what it comes to against the whole
-    /// one, and its triangles.
+    /// Casters cut so far below the sea, or not at all.
     ///
     /// # Errors
-    /// What the policy refuses.
-    pub(crate) fn drawn_open(&self, policy: Policy) -> Result<(Drawn, usize), MeshError> {
-        let mut open = self.prepared.mesh.clone();
-        // The deck is the last part of a hull's triangles.
-        let is_deck =
-            |at: &usize| open.normals[open.planes[*at] as usize].truncate() == DVec2::ZERO;
-        let deck: Vec<usize> = (0..open.triangles.len()).filter(is_deck).collect();
-        let missing = deck.len() * 45 / 100..deck.len() * 55 / 100;
-        for at in deck[missing].iter().rev() {
-            open.triangles.remove(*at);
-            open.planes.remove(*at);
-            open.parts[0].triangles.end -= 1;
-        }
-        let prepared = policy.prepare(open)?;
-        let facing = Facing::of(&prepared.mesh, self.to_light);
-        let sides = EdgeTable::of(&prepared.mesh).sides(&prepared, &facing);
-        let caster = Self {
-            to_light: self.to_light,
-            channels: Vec::new(),
-            facing,
-            sides,
-            prepared,
+    /// As [`Prepared::cut_below`].
+    pub(crate) fn standing(
+        prepared: &Prepared,
+        at: [f64; 2],
+        views: Vec<View>,
+        feet_m: Option<f64>,
+    ) -> Result<Self, String> {
+        let prepared = match feet_m {
+            Some(feet_m) => prepared.cut_below(&feet_below_sea(&prepared.mesh, feet_m)),
+            None => Ok(prepared.clone()),
         };
-        let volume = caster.volume(End::Sea).unwrap_or_default();
-        let mut drawn = Drawn {
-            volume_triangles: volume.triangles.len(),
-            ..Drawn::default()
-        };
-        for (view, truth) in &self.channels {
-            let mut stencil = Stencil::clear(view);
-            let how = |_| Some((Rule::Fail, Rectangle::whole(view)));
-            let mesh = &self.prepared.mesh;
-            draw(&mut stencil, view, mesh, &volume, truth, &how);
-            drawn.add(&stencil, &stencil.mask(), truth);
-        }
-        Ok((drawn, caster.prepared.mesh.triangles.len()))
+        let prepared = prepared.map_err(|error| error.to_string())?;
+        Ok(Self::of_prepared(prepared, at, views))
     }
 
     pub(crate) fn of(mesh: Mesh, at: [f64; 2], views: Vec<View>) -> Result<Self, String> {
@@ -299,7 +214,9 @@ impl Scene {
         let mesh = &self.prepared.mesh;
         let extent = match end {
             End::Infinite => Extent::Infinite,
-            End::Sea => Extent::ClosedAt(sea_level_below(mesh, self.to_light, MARGIN_M)?),
+            End::Sea | End::SeaOfWhole => {
+                Extent::ClosedAt(sea_level_below(mesh, self.to_light, MARGIN_M)?)
+            }
             End::Calm => Extent::ClosedAt(sea_level_below(mesh, self.to_light, CALM_M)?),
             End::Finite(length) => Extent::Finite(length),
         };
@@ -399,59 +316,6 @@ impl Scene {
         Ok(drawn)
     }
 
-    /// Whether a device's rounding may give a pixel this light. Around its centre, [`ROUNDING_PX`] away, either
-    /// the reference has that light or judges none, or on the way there the boundary of a single part's
-    /// shadow is crossed: within the shadow of others it is no boundary of light.
-    pub(crate) fn is_within_rounding(
-        &self,
-        reference: &Reference<'_>,
-        view: &View,
-        at: usize,
-        light: Light,
-    ) -> bool {
-        let width = view.size[0] as usize;
-        let [column, row] = [at % width, at / width].map(|at| u32::try_from(at).unwrap_or(0));
-        let look = |right: f64, down: f64| {
-            let beside = [right, down].map(|steps| steps * ROUNDING_PX);
-            let ray = view.ray_beside(column, row, beside);
-            let seen = reference.seen(view.eye, ray, view.near);
-            let place = match seen {
-                Seen::Sky => None,
-                Seen::Sea(depth) | Seen::Triangle(_, depth) => Some(view.eye + ray * depth),
-            };
-            (reference.light(view, ray, seen), place)
-        };
-        let (_, own) = look(0.0, 0.0);
-        let around = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)];
-        around.into_iter().any(|(right, down)| {
-            let (found, other) = look(right, down);
-            let is_other_light =
-                found == light || matches!(found, Light::EdgeOn | Light::Undecided);
-            let ends = own.zip(other);
-            let is_between = |(own, other)| self.is_side_between(own, other);
-            is_other_light || ends.is_some_and(is_between)
-        })
-    }
-
-    /// Whether the boundary of a part's shadow lies between two places: a silhouette edge crosses what is
-    /// sunwards of the way from one to the other.
-    fn is_side_between(&self, own: DVec3, other: DVec3) -> bool {
-        let way = other - own;
-        let normal = way.cross(self.to_light);
-        let (across, sunwards) = (self.to_light.cross(normal), way.cross(normal));
-        self.sides.iter().any(|side| {
-            let [a, b] = side.map(|vertex| self.mesh().vertices[vertex as usize] - own);
-            let [of_a, of_b] = [a, b].map(|place| place.dot(normal));
-            if (of_a < 0.0) == (of_b < 0.0) {
-                return false;
-            }
-            let met = a + (b - a) * (of_a / (of_a - of_b));
-            let share = met.dot(across) / way.dot(across);
-            let height = met.dot(sunwards) / self.to_light.dot(sunwards);
-            (0.0..=1.0).contains(&share) && height > 0.0
-        })
-    }
-
     /// Which triangles face the sun.
     pub(crate) fn facing(&self) -> &Facing {
         &self.facing
@@ -541,28 +405,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rounding_excuses_few_pixels_outside_the_band() {
-        let scene = Scene::new([10.0, -60.0], [64, 48]).expect("a port");
-        let reference = Reference::new(scene.mesh(), scene.to_light);
-        let (mut excused, mut all) = (0, 0);
-        for (view, truth) in &scene.channels {
-            for at in (0..truth.light.len()).filter(|at| !truth.band[*at]) {
-                let other = match truth.light[at] {
-                    Light::Lit => Light::Shadow,
-                    Light::Shadow => Light::Lit,
-                    _ => continue,
-                };
-                all += 1;
-                let is_excused = scene.is_within_rounding(&reference, view, at, other);
-                excused += usize::from(is_excused);
-            }
-        }
-        // 116 of 9,170.
-        assert!(all > 5_000 && 50 * excused < all, "{excused} of {all}");
-        assert!(excused > 0);
-    }
-
-    #[test]
     fn depth_bounds_write_less_and_lose_nothing_unless_too_tight() {
         let scene = Scene::new([10.0, -60.0], [64, 48]).expect("a port");
         for rule in [Rule::Pass, Rule::Fail] {
@@ -578,16 +420,5 @@ mod tests {
             let tight = scene.drawn_within(rule, -1.0 / 32.0).expect("above");
             assert!(tight.wrong.outside() > 0, "{}", rule.name());
         }
-    }
-
-    #[test]
-    fn a_side_lies_between_light_and_shadow_and_not_within_either() {
-        let plate = [3.0, 5.0].map(|y| DVec3::new(0.0, y, 0.0));
-        let scene = Scene::of(row(1), [30.0, 180.0], Vec::new()).expect("a plate");
-        // 25 m high, under a sun at 30°: 43.3 m of shadow.
-        let at = |x: f64| plate[0] + DVec3::X * x;
-        assert!(scene.is_side_between(at(40.0), at(50.0)));
-        assert!(!scene.is_side_between(at(10.0), at(40.0)));
-        assert!(!scene.is_side_between(at(50.0), at(60.0)));
     }
 }

@@ -2,19 +2,53 @@
 //! What was published, and what is measured.
 
 use super::sections::DEVICE_KEYS;
-use super::{Own, is_plain, number, value};
-use crate::metrics::{FILL_CPU, FILL_GPU, LOST, MAP_WRONG, MISSED, UPDATES};
+use super::{Own, number, value};
+use crate::metrics::{LOST, MAP_WRONG, MISSED, UPDATES};
 use terrafill_plot::number::significant;
-use terrafill_results::{Case, Claim, Clock, Finding, Outcome, Standing, ratio};
+use terrafill_results::{Case, Clock, Finding, Standing};
 
 /// Two ways of a device that differ in one condition: its key, the way said to be faster, the other one.
-type Two = (&'static str, &'static str, &'static str);
+pub(super) type Two = (&'static str, &'static str, &'static str);
 
 const RULES: Two = ("rule", "z-pass", "z-fail");
 const FACES: Two = ("faces", "two-sided", "two-pass");
 const PULLED: Two = ("silhouette", "pulled", "adjacency");
 const COMPUTED: Two = ("silhouette", "compute", "adjacency");
 const TRIANGLES: Two = ("silhouette", "gs-adjacency", "adjacency");
+
+/// Twins that must be wrong: name, question, and the condition that tells them.
+const TWINS: [(&str, &str, &str, &str); 10] = [
+    ("z-pass as printed", "updates", "rule", "z-pass as printed"),
+    ("the horizon as a scissor", "scissors", "scissor", "horizon"),
+    ("8 bits that wrap", "rows", "counting", "8 bits, wrapping"),
+    ("an open hull as it is", "casters", "policy", "as-is"),
+    (
+        "contours where the stencil is S",
+        "outlines",
+        "outline",
+        "value as printed",
+    ),
+    (
+        "values never cleared",
+        "outlines",
+        "outline",
+        "value, never cleared",
+    ),
+    (
+        "a turned face",
+        "silhouettes",
+        "mesh",
+        "port-s, one face turned",
+    ),
+    (
+        "facing by corners",
+        "facings",
+        "silhouette",
+        "pulled, f32 by corners",
+    ),
+    ("z-pass at a dark near plane", "near", "rule", "z-pass"),
+    ("the eye's test there", "near", "rule", "automatic, eye"),
+];
 
 /// Whether two cases have the same conditions of a device, but for some.
 pub(super) fn is_same_but(keys: &[&str], a: &Case, b: &Case) -> bool {
@@ -43,10 +77,13 @@ impl Own<'_> {
     pub(super) fn findings(&self, clock: Clock) -> Vec<Finding> {
         let findings = [
             self.masks(),
+            self.twins(),
             self.eye_test(),
+            self.eyes_elsewhere(),
             self.pass_is_faster(),
             self.closed_at_the_sea(),
             self.closed_and_low(),
+            self.writes_elsewhere(),
             self.bounds(),
             self.horizon(),
             self.clears(),
@@ -89,87 +126,29 @@ impl Own<'_> {
         px.into_iter().try_fold(0.0, |sum, px| Some(sum + px?))
     }
 
-    /// Cases of a question that a device drew, by whether `is_own`, and their wrong pixels.
-    fn wrong_by(&self, question: &str, is_own: impl Fn(&Case) -> bool) -> [Vec<f64>; 2] {
-        let mut wrong = [Vec::new(), Vec::new()];
-        for case in self.of_question(question) {
-            let own = &mut wrong[usize::from(is_own(case))];
-            own.extend(Self::wrong_px(case));
-        }
-        wrong
-    }
-
-    fn near(&self) -> Option<Finding> {
-        let rule = |case: &Case| case.condition("rule").to_owned();
-        let is_published = |case: &Case| rule(case) == "automatic, eye";
-        let [others, published] =
-            self.wrong_by("near", |case| rule(case) == "z-pass" || is_published(case));
-        let most = published.iter().copied().reduce(f64::max)?;
-        let total: f64 = others.iter().sum();
-        (!others.is_empty()).then(|| Finding {
-            claim: "Where the near plane is partly in shadow, zp-plus, preload, z-fail and tests of the near rectangle \
-                    draw no wrong pixel on a device, and z-pass does."
-                .to_owned(),
-            standing: Standing::holds_if(total == 0.0 && most > 0.0),
+    /// What must be wrong, and by how much it is.
+    fn twins(&self) -> Option<Finding> {
+        let of = |(name, question, key, twin): &(&'static str, &str, &str, &str)| {
+            let all = self.of_question(question);
+            let own = all.filter(|case| case.condition(key) == *twin);
+            let wrong = own.filter_map(|case| {
+                let of = |metric| value(case, metric);
+                let other = of("shadow_contour_px").or_else(|| of("shadow_open_edges"));
+                other.or_else(|| Self::wrong_px(case))
+            });
+            let most = wrong.reduce(f64::max)?;
+            Some((*name, most))
+        };
+        let known: Vec<(&str, f64)> = TWINS.iter().filter_map(of).collect();
+        let text = known
+            .iter()
+            .map(|(name, most)| format!("{name}: {}", number(*most)));
+        (!known.is_empty()).then(|| Finding {
+            claim: "Twins that must be wrong are.".to_owned(),
+            standing: Standing::holds_if(known.iter().all(|(_, most)| *most > 0.0)),
             because: format!(
-                "{} pixels outside the band are wrong in {} cases; z-pass, which the eye's test chooses, has {}",
-                number(total),
-                others.len(),
-                number(most)
-            ),
-        })
-    }
-
-    fn device_rows(&self) -> Option<Finding> {
-        let is_wrapping = |case: &Case| case.condition("counting").contains("wrapping");
-        let cases = self.of_question("device-rows");
-        let cases: Option<Vec<(&str, bool, f64)>> = cases
-            .filter(|case| matches!(case.outcome, Outcome::Ok | Outcome::Wrong))
-            .map(|case| {
-                Some((
-                    case.condition("casters"),
-                    is_wrapping(case),
-                    value(case, LOST)?,
-                ))
-            })
-            .collect();
-        let cases = cases.filter(|cases| !cases.is_empty())?;
-        let is_multiple = |casters: &str| matches!(casters, "256" | "512");
-        let as_computed = cases.iter().all(|(casters, is_wrapping, lost)| {
-            (*lost > 0.0) == (*is_wrapping && is_multiple(casters))
-        });
-        let losing = cases.iter().filter(|(.., lost)| *lost > 0.0);
-        let losing: Vec<String> = losing
-            .map(|(casters, _, lost)| format!("{casters}: {} %", significant(*lost)))
-            .collect();
-        Some(Finding {
-            claim: "On a device, 8 bits lose shadows of exactly 256 and 512 casters, and passes of 255 lose none."
-                .to_owned(),
-            standing: Standing::holds_if(as_computed),
-            because: format!(
-                "Of {} cases these lose shadow pixels: {}",
-                cases.len(),
-                match losing.is_empty() {
-                    true => "none".to_owned(),
-                    false => losing.join(", "),
-                }
-            ),
-        })
-    }
-
-    fn facings(&self) -> Option<Finding> {
-        let by_corners = |case: &Case| case.condition("silhouette").contains("by corners");
-        let [bits, corners] = self.wrong_by("facings", by_corners);
-        let most = corners.iter().copied().reduce(f64::max)?;
-        let total: f64 = bits.iter().sum();
-        (!bits.is_empty()).then(|| Finding {
-            claim: "A facing decided once a triangle never leaks, one that each edge computes in f32 does.".to_owned(),
-            standing: Standing::holds_if(total == 0.0 && most > 0.0),
-            because: format!(
-                "{} wrong pixels outside the band in {} cases with facing bits, up to {} in those without",
-                number(total),
-                bits.len(),
-                number(most)
+                "So many pixels, contour pixels or open edges are wrong at most: {}",
+                text.collect::<Vec<_>>().join(", ")
             ),
         })
     }
@@ -180,131 +159,12 @@ impl Own<'_> {
             .of_question("updates")
             .filter(|case| !case.condition("rule").contains("printed"))
             .collect();
-        let wrong = |case: &&Case| {
-            let px =
-                ["shadow_false_lit_px", "shadow_false_dark_px"].map(|metric| value(case, metric));
-            px.into_iter().try_fold(0.0, |sum, px| Some(sum + px?))
-        };
-        let all: Option<Vec<f64>> = own.iter().map(wrong).collect();
+        let all: Option<Vec<f64>> = own.iter().map(|case| Self::wrong_px(case)).collect();
         let total: f64 = all?.iter().sum();
         (!own.is_empty()).then(|| Finding {
             claim: "Every rule and extent has the reference's mask outside the band.".to_owned(),
             standing: Standing::holds_if(total == 0.0),
             because: format!("{} pixels wrong in {} cases", significant(total), own.len()),
-        })
-    }
-
-    /// Every way of drawing, by each interface.
-    fn devices(&self) -> Option<Finding> {
-        let own: Vec<&Case> = self.of_question("devices").collect();
-        let known: Vec<&Case> = own
-            .iter()
-            .copied()
-            .filter(|case| value(case, "shadow_false_lit_px").is_some())
-            .collect();
-        let right = known.iter().filter(|case| case.outcome == Outcome::Ok);
-        let right = right.count();
-        // By who finds the silhouettes: alike, and not.
-        let (mut pairs, mut equal) = ([0; 2], [0; 2]);
-        for (at, case) in known.iter().enumerate() {
-            for other in &known[at + 1..] {
-                if is_same_but(&["api", "silhouette"], case, other) {
-                    let is_other = case.condition("silhouette") != other.condition("silhouette");
-                    let kind = usize::from(is_other);
-                    pairs[kind] += 1;
-                    equal[kind] += u32::from(case.note("mask_hash") == other.note("mask_hash"));
-                }
-            }
-        }
-        (!known.is_empty()).then(|| Finding {
-            claim: "Devices draw the reference's shadows outside the band, and each interface the same mask."
-                .to_owned(),
-            standing: Standing::holds_if(right == known.len() && equal[0] == pairs[0]),
-            because: format!(
-                "{right} of {} cases right; masks are equal in {} of {} pairs of interfaces, and in {} of {} pairs of ways to \
-                 find silhouettes: geometry shaders' sides begin with another corner, and round otherwise in the band",
-                known.len(),
-                equal[0],
-                pairs[0],
-                equal[1],
-                pairs[1]
-            ),
-        })
-    }
-
-    /// Whether one way takes less time than another, under each sun and by each interface.
-    fn faster(&self, clock: Clock, claim: &str, (key, fast, slow): Two) -> Option<Finding> {
-        let metric = clock.pick(FILL_GPU, FILL_CPU);
-        let of = |way: &'static str| {
-            let all = self.of_question("devices");
-            all.filter(move |case| case.condition(key) == way && case.outcome == Outcome::Ok)
-        };
-        let mut gains = Vec::new();
-        let mut standings = Vec::new();
-        for case in of(fast) {
-            let twin = of(slow).find(|other| is_same_but(&[key], case, other));
-            if let Some(gain) = twin.and_then(|other| ratio(other, case, metric)) {
-                gains.push(gain.middle);
-                standings.push(Claim::Faster.standing(&gain));
-            }
-        }
-        let count = |wanted: Standing| standings.iter().filter(|own| **own == wanted).count();
-        let (slower, open) = (count(Standing::DoesNotHold), count(Standing::CannotTell));
-        let least = gains.iter().copied().reduce(f64::min)?;
-        let most = gains.iter().copied().reduce(f64::max)?;
-        Some(Finding {
-            claim: format!("{claim} (Yang & Jin, 2006, anticipated)."),
-            standing: of_all(&standings),
-            because: format!(
-                "{} to {} times as fast by {}. Of {} pairs {} are faster, {slower} not, {open} undecided",
-                significant(least),
-                significant(most),
-                clock.name(),
-                gains.len(),
-                count(Standing::Holds),
-            ),
-        })
-    }
-
-    /// Wrong pixels by what vertices count from.
-    fn origins(&self) -> Option<Finding> {
-        let mut all: Vec<(&str, [f64; 2])> = Vec::new();
-        let near = self.of_question("origins");
-        // From far away a pixel is wider than a step of f32, and the boundary's band has pixels of its own.
-        for case in near.filter(|case| case.condition("view") != "bridge") {
-            let band = value(case, "shadow_band_px");
-            let Some(wrong) = Self::wrong_px(case).zip(band) else {
-                continue;
-            };
-            let (wrong, name) = ([wrong.0, wrong.0 + wrong.1], case.condition("positions"));
-            match all.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, most)) => *most = [0, 1].map(|at| most[at].max(wrong[at])),
-                None => all.push((name, wrong)),
-            }
-        }
-        let is_local = |name: &str| name.contains("the eye");
-        let local = all.iter().find(|(name, _)| is_local(name));
-        let local = local.map_or(0.0, |(_, [_, all])| *all);
-        // In the band the frame of the eye has a pixel or two as well.
-        let is_right = |(name, [outside, all]): &(&str, [f64; 2])| match is_local(name) {
-            true => *outside == 0.0,
-            false => *all > 4.0 * local.max(1.0),
-        };
-        let text = all.iter().map(|(name, [outside, all])| {
-            format!(
-                "{name}: {} and {} in the band",
-                number(*outside),
-                number(all - outside)
-            )
-        });
-        (all.len() > 1).then(|| Finding {
-            claim: "Places in f32 about an origin 100 km away are wrong, and about the eye right."
-                .to_owned(),
-            standing: Standing::holds_if(all.iter().all(is_right)),
-            because: format!(
-                "Wrong pixels where a rail is 1 m away, {}",
-                text.collect::<Vec<_>>().join("; ")
-            ),
         })
     }
 
@@ -344,45 +204,6 @@ impl Own<'_> {
                 falls(texels) && texels.iter().all(|(_, wrong)| *wrong > 0.0)
             })),
             because: format!("Best constant bias, {}", text.collect::<Vec<_>>().join("; ")),
-        })
-    }
-
-    /// Time and wrong pixels of a device's maps beside those of volumes, by sun.
-    fn volumes_or_maps(&self, clock: Clock) -> Option<Finding> {
-        let metric = clock.pick(FILL_GPU, FILL_CPU);
-        let all_wrong = |case: &Case| {
-            let px = Self::wrong_px(case)? + value(case, "shadow_band_px")?;
-            Some((value(case, metric)?, px))
-        };
-        let mut better = Vec::new();
-        let mut pairs = 0;
-        for sun in self.suns("device-maps") {
-            let own = |question| {
-                let all = self.of_question(question);
-                all.filter(move |case: &&Case| case.condition("sun") == sun)
-            };
-            let volumes = own("devices");
-            let volumes = volumes.filter(|case| case.condition("api") == "wgpu" && is_plain(case));
-            let volumes = volumes.filter_map(all_wrong).next();
-            let Some((time, px)) = volumes else { continue };
-            for case in own("device-maps") {
-                let Some((map_time, map_px)) = all_wrong(case) else {
-                    continue;
-                };
-                pairs += 1;
-                if map_time <= time && map_px < px {
-                    better.push(case.id().name.clone());
-                }
-            }
-        }
-        (pairs > 0).then(|| Finding {
-            claim: "No shadow map takes less time than volumes and has fewer wrong pixels, those in the band included."
-                .to_owned(),
-            standing: Standing::holds_if(better.is_empty()),
-            because: match better.is_empty() {
-                true => format!("None of {pairs} maps does, by {}", clock.name()),
-                false => format!("These do, by {}: {}", clock.name(), better.join(", ")),
-            },
         })
     }
 
@@ -462,7 +283,7 @@ impl Own<'_> {
             claim: "Closing volumes at the sea saves stencil writes of z-fail.".to_owned(),
             standing: Standing::holds_if(always),
             because: format!(
-                "Writes of infinite volumes over closed ones: {}",
+                "Writes of infinite volumes over those of volumes closed at the sea, whose casters are cut there too: {}",
                 ratios?.join(", ")
             ),
         })

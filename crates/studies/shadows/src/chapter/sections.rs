@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the chapter asks, in order.
 
-use crate::metrics::{LOST, MAP_WRONG, MISSED, TIME, UPDATES};
+use crate::metrics::{LOST, MAP_WRONG, MISSED, MOSTLY, TIME, UPDATES};
 use terrafill_results::Case;
 
 /// A column: its heading and its metric.
@@ -46,12 +46,13 @@ pub(super) const SECTIONS: [Section; 20] = [
         question: "eyes",
         title: "Which rule: the test of the eye",
         text: "400 eyes on deck, 1.7 m over it. Published: z-fail where the segment from the eye to the light \
-               meets a caster. z-pass is right where the near rectangle is outside the volumes, so an eye in the \
+               meets a caster. z-pass is right where the near rectangle is outside the volumes. An eye in the \
                light whose near rectangle is partly in shadow is missed.",
         named_by: &["sun", "near_m", "eye_test"],
         columns: &[
             ("missed, %", MISSED),
             ("by five samples, %", "shadow_eyes_missed_at_corners"),
+            ("by more than half, %", MOSTLY),
             ("needless, %", "shadow_eyes_needless"),
             ("triangles by z-fail, %", "shadow_fail_triangles"),
             (
@@ -63,8 +64,9 @@ pub(super) const SECTIONS: [Section; 20] = [
     Section {
         question: "updates",
         title: "Volumes, rules and suns",
-        text: "Volumes end at infinity or in a plane below the curved sea, by 1 m for waves, or \
-               by 0.2 m on a calm sea: what reaches below the sea counts under z-fail. Stencil writes per pixel are a cost without noise.",
+        text: "Volumes end at infinity, or in a plane 1 m below the curved sea for waves, or 0.2 m on a calm sea. What \
+               reaches below the sea counts under z-fail, so casters are cut there too. \"Whole hulls\" are not: piles go \
+               down to 12 m, hulls to 8. Stencil writes per pixel are a cost without noise.",
         named_by: &["sun", "extent", "rule"],
         columns: &[
             ("writes per pixel", UPDATES),
@@ -98,8 +100,8 @@ pub(super) const SECTIONS: [Section; 20] = [
     Section {
         question: "scissors",
         title: "Scissors",
-        text: "Three readings of \"what lies above the sea\": rows above the horizon; a rectangle round each \
-               caster's volume, closed at the sea; and the same, cut by the rectangle round everything above \
+        text: "Three readings of \"what lies above the sea\". One is rows above the horizon, one a rectangle round each \
+               caster's volume, closed at the sea. The third is the same, cut by the rectangle round everything above \
                the sea. The last leaves shadows on the sea out. z-fail, infinite volumes.",
         named_by: &["sun", "scissor"],
         columns: &[
@@ -152,7 +154,7 @@ pub(super) const SECTIONS: [Section; 20] = [
         question: "casters",
         title: "Casters that are not closed",
         text: "A hull of 1,022 triangles with a tenth of its deck missing, under each policy, against the shadow of \
-               the whole hull: what passes the hole meets the bottom. z-fail, volumes closed at the sea.",
+               the whole hull. What passes the hole meets the bottom. z-fail, volumes closed at the sea.",
         named_by: &["policy"],
         columns: &[
             ("triangles", "shadow_mesh_triangles"),
@@ -191,18 +193,18 @@ pub(super) const SECTIONS: [Section; 20] = [
     Section {
         question: "devices",
         title: "Drawn by devices",
-        text: "The same volumes drawn into a stencil by the executors that fill regions: vertices from the CPU, sea and \
-               casters as a surface, one colour over the screen where the count is not 0. Times are those of the \
+        text: "The same volumes drawn into a stencil by the executors that fill regions. Vertices come from the CPU, sea and \
+               casters are a surface, and one colour covers the screen where the count is not 0. Times are those of the \
                channel that has most shadow, all else is over all channels. Rows of one sun differ in one thing \
                from one to the next. In rows with \"pulled\" a vertex shader reads the two facing bits of each edge, \
-               and what is no side collapses; with \"compute\" a compute shader writes indices and draw arguments; \
-               with \"gs\" a geometry shader makes sides of triangles or of edges with adjacency. Another sun then takes \
-               those bits alone, and ends of its own where volumes are closed. Depth bounds are the device's own test; or \
-               a fragment shader that reads a copy of depth, whose making is timed, and discards; or tiles of 16 pixels \
-               whose depths the CPU reads back and compares, which is timed too, so that each caster is drawn into those \
-               alone that matter to it. A range is that of a caster, or of each of its convex parts, of which more are drawn. Pixels \"at rims\" are outside the \
-               band and within a device's rounding: at a caster's rim, or on the boundary of one part's shadow inside \
-               the shadow of others.",
+               and what is no side collapses. With \"compute\" a compute shader writes indices and draw arguments. \
+               With \"gs\" a geometry shader makes sides of triangles or of edges with adjacency. Another sun then takes \
+               those bits alone, and ends of its own where volumes are closed. Depth bounds are \"native\", the device's own test. \"Discard\" is \
+               a fragment shader that reads a copy of depth, whose making is timed. With \"tiles\" of 16 pixels \
+               the CPU reads depths back and compares, which is timed too, and draws each caster into those \
+               alone that matter to it. A range is that of a caster, or of each of its convex parts, of which more are drawn. Pixels \"at rims\" are outside the band and within a device's rounding. They lie at \
+               a caster's rim, in a triangle thinner than 1/32 of a pixel, or on the boundary of one part's shadow inside the \
+               shadow of others.",
         named_by: &DEVICE_KEYS,
         columns: &[
             ("CPU ms", "shadow_fill_cpu_ms"),
@@ -244,8 +246,8 @@ pub(super) const SECTIONS: [Section; 20] = [
     Section {
         question: "rivals",
         title: "Rivals that are as exact",
-        text: "Tiles: each triangle that faces the sun descends into a hierarchy of tiles of 128, 32 and 8 pixels with their \
-               least and greatest depth (Sintorn et al., 2011), by compute on wgpu. Rays: one from each pixel to the sun, \
+        text: "Tiles: each triangle that faces the sun descends into a hierarchy of tiles (Sintorn et al., 2011), by compute on \
+               wgpu. Tiles have 128, 32 and 8 pixels a side, a least and a greatest depth. Rays: one from each pixel to the sun, \
                by ray queries on Vulkan, through a tree of triangles that the driver builds once for casters that rest. Both \
                are handed the depth that the surface left, in the channel with most shadow; times are from there to an \
                answer a pixel. A place 1/256 of a pixel below a triangle counts as on it. They need no closed mesh, no \
@@ -321,10 +323,11 @@ pub(super) const SECTIONS: [Section; 20] = [
         question: "origins",
         title: "Far from the origin",
         text: "The volumes closed at the sea, by z-fail, with vertices from the eye as above, and as an engine has \
-               them that keeps places in f32 about an origin of its own: a step of f32 is 4 mm at 100 km, 6 cm at \
+               them that keeps places in f32 about an origin of its own. A step of f32 is 4 mm at 100 km, 6 cm at \
                1,000 km and 25 cm at the earth's centre, here along each axis. The eye's place has the same steps. From the bridge most of \
-               the port is 100 m away and more, where a pixel is tens of centimetres wide; at the quay's edge the rail is 1 m \
-               away, and under a sun at 3° a step in height is twenty in its shadow.",
+               the port is 100 m away and more, where a pixel is tens of centimetres wide. At the quay's edge the rail is 1 m \
+               away, and under a sun at 3° a step in height is twenty in its shadow. The shadow of a rail on a crane's leg is \
+               seen from 70 cm, as the middle of a channel 1,024 px wide has it: a pixel is half a millimetre there.",
         named_by: &["sun", "view", "api", "positions"],
         columns: &[
             ("false lit px", "shadow_false_lit_px"),
@@ -339,8 +342,8 @@ pub(super) const SECTIONS: [Section; 20] = [
         title: "Shadow maps",
         text: "One orthographic map along the light, fitted to the casters, drawn and asked on the CPU: the nearest \
                texel, no filter. The bias is the best of 13 constants from 0 to 40 m, or of 7 multiples of texel and \
-               slope from 0 to 2. \"No normals\": faces turned away from the sun ask the map too, so that a bias lights them \
-               where their caster is thinner than it. Wrong pixels are of all that the reference judges, the band included.",
+               slope from 0 to 2. Faces turned away from the sun are dark without asking. With \"no normals\" they ask the map \
+               too, so that a bias lights them where their caster is thinner than it. Wrong pixels are of all that the reference judges, the band included.",
         named_by: &["sun", "texel_m", "bias"],
         columns: &[
             ("wrong, %", MAP_WRONG),

@@ -4,7 +4,6 @@
 use super::findings::{is_same_but, of_all, range};
 use super::{Own, is_plain, number};
 use crate::metrics::{FILL_CPU, FILL_GPU};
-use terrafill_plot::number::significant;
 use terrafill_results::{Case, Claim, Clock, Finding, Outcome, Standing, ratio};
 
 /// Depth bounds of casters and of their parts.
@@ -16,11 +15,6 @@ const EMULATED: [&str; 6] = [
     "tiles",
     "tiles, by part",
 ];
-
-/// Texels, m, and wrong pixels, %, as another program computed them of 7,178 samples.
-const OTHER_CURVE: [(&str, f64); 3] = [("0.05", 0.59), ("0.25", 2.0), ("1", 3.8)];
-/// Ports, eyes and samples differ: half as much again is the same.
-const SAME_CURVE: f64 = 1.5;
 
 impl<'a> Own<'a> {
     /// Depth bounds by discarding and by tiles, against none.
@@ -53,40 +47,6 @@ impl<'a> Own<'a> {
                 "Times as fast as without, by {}: {}",
                 clock.name(),
                 texts.join("; ")
-            ),
-        })
-    }
-
-    /// The curve of another program, a ray caster in Python over a port of its own.
-    pub(super) fn map_curve(&self) -> Option<Finding> {
-        let found = |texel: &str| {
-            let conditions = [
-                ("sun", "10° from -60°"),
-                ("bias", "constant, no normals"),
-                ("texel_m", texel),
-            ];
-            self.value("maps", &conditions, "shadow_map_wrong_in_three")
-        };
-        let known = OTHER_CURVE.iter().filter_map(|(texel, other)| {
-            let own = found(texel)?;
-            Some((*texel, own, *other))
-        });
-        let known: Vec<(&str, f64, f64)> = known.collect();
-        let is_near = |(_, own, other): &(&str, f64, f64)| {
-            (1.0 / SAME_CURVE..SAME_CURVE).contains(&(own / other))
-        };
-        let text = known.iter().map(|(texel, own, other)| {
-            let own = significant(*own);
-            format!("{own} % at {texel} m, there {other} %")
-        });
-        (!known.is_empty()).then(|| Finding {
-            claim: "Wrong pixels of shadow maps grow with texels as another program has it, under a sun at 10°."
-                .to_owned(),
-            standing: Standing::holds_if(known.iter().all(is_near)),
-            because: format!(
-                "Three channels that see casters, best constant bias, no normals: {}. Of all channels and with normals it \
-                 is less",
-                text.collect::<Vec<_>>().join("; ")
             ),
         })
     }

@@ -5,7 +5,7 @@ use super::*;
 use terrafill_results::Standing;
 use terrafill_results::made_up::{MadeUpRun, case_id};
 
-fn finding(run: &MadeUpRun, claim: &str) -> Option<Standing> {
+pub(super) fn finding(run: &MadeUpRun, claim: &str) -> Option<Standing> {
     let folder = tempfile::tempdir().expect("a folder");
     let run = run.write(folder.path()).expect("a run");
     let found = Own::of(&run)
@@ -15,7 +15,7 @@ fn finding(run: &MadeUpRun, claim: &str) -> Option<Standing> {
     found.map(|finding| finding.standing)
 }
 
-fn with(
+pub(super) fn with(
     question: &str,
     conditions: &[(&str, &str)],
     metric: &'static str,
@@ -208,6 +208,20 @@ fn a_row_that_wraps_where_it_must_not_is_no_agreement() {
     };
     assert_eq!(rows(0.0), Some(Standing::Holds));
     assert_eq!(rows(3.0), Some(Standing::DoesNotHold));
+}
+
+#[test]
+fn a_twin_that_is_right_is_noticed() {
+    let standing = |wrong: f64| {
+        let mut run = MadeUpRun::default();
+        let conditions = [("question", "rows"), ("counting", "8 bits, wrapping")];
+        let case = run.case(case_id(crate::STUDY, "rows/256", &conditions));
+        case.figure("shadow_false_lit_px", wrong);
+        case.figure("shadow_false_dark_px", 0.0);
+        finding(&run, "Twins that must be wrong")
+    };
+    assert_eq!(standing(40.0), Some(Standing::Holds));
+    assert_eq!(standing(0.0), Some(Standing::DoesNotHold));
 }
 
 #[test]

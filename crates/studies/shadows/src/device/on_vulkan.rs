@@ -31,8 +31,8 @@ enum Feed {
 enum Part {
     /// The volume, or what a geometry shader makes of it.
     Volume,
-    /// Caps beside it, as a geometry shader may begin a triangle with another corner than the surface does: on
-    /// llvmpipe 106 pixels of lit casters were in their own shadow, by depths that differed in the last bit.
+    /// Caps beside it, as a geometry shader may begin a triangle with another corner than the surface does. Depths
+    /// then differ in the last bit: on llvmpipe 106 pixels of lit casters were in their own shadow.
     Caps,
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Cases that a device answers.
 
-use super::{Answering, Figures, MAX_DIFFERS, percent, verdict_of};
+use super::answers::{Figures, percent, verdict_of};
+use super::{Answering, MAX_DIFFERS};
 use crate::count::Wrong;
 use crate::device_map::{DeviceMap, differing};
 use crate::drawing::DeviceDrawn;
@@ -99,12 +100,14 @@ impl Answering<'_> {
     pub(super) fn device(&mut self, case: usize, job: Job) -> Result<Verdict, DrawError> {
         let (context, question, size) = (self.context, self.question.name, self.question.size);
         let (scene, way) = match job {
-            Job::Device(sun, way) | Job::Origin(sun, Eyes::Bridge, way) => (self.under(sun)?, way),
+            Job::Device(sun, way) | Job::Origin(sun, Eyes::Bridge, way) => {
+                (self.of_end(sun, way.end)?, way)
+            }
             Job::Origin(sun, Eyes::At(place), way) => {
                 let make = || Scene::of_place(place, sun, size);
                 (self.scene(place.name(), make)?, way)
             }
-            Job::Rung(sun, rung) => (self.under(sun)?, rung.way),
+            Job::Rung(sun, rung) => (self.of_end(sun, rung.way.end)?, rung.way),
             Job::Facing(sun, is_edge_on, way) => {
                 let make = || Scene::of_boxes(sun, is_edge_on, size);
                 (self.scene(&format!("{sun:?} {is_edge_on}"), make)?, way)
@@ -185,11 +188,15 @@ impl Answering<'_> {
         if rung.is_kept {
             return Ok(None);
         }
-        let table = self.edges.take();
-        let scene = self.under(sun)?;
-        let table = table.unwrap_or_else(|| EdgeTable::of(scene.mesh()));
+        let known = self.edges.take();
+        let scene = self.of_end(sun, rung.way.end)?;
+        let name = format!("{sun:?} {:?}", rung.way.end.feet_m());
+        let table = match known {
+            Some((own, table)) if own == name => table,
+            _ => EdgeTable::of(scene.mesh()),
+        };
         let cpu_ms = scene.time_volumes(rung.way, &table);
-        self.edges = Some(table);
+        self.edges = Some((name, table));
         cpu_ms.map(Some).map_err(|error| error.to_string())
     }
 }

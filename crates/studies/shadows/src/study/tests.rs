@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Each question's answers, and twins that must be wrong.
 
+use super::answers::percent;
 use super::*;
 use crate::device_map::differing;
 use crate::maps::Bias;
 use terrafill_fill::Devices;
+use terrafill_results::Status;
 
 /// Verdicts of the cases of a question that `keep` names.
 fn verdicts(question: &str, keep: impl Fn(&str) -> bool) -> Vec<(String, Verdict)> {
@@ -138,6 +140,7 @@ fn devices_draw_the_reference_s_shadows_and_the_same_by_both_interfaces() {
     let all = verdicts("devices", |_| true);
     assert_eq!(all.len(), 58);
     let mut hashes: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    let mut at_rims = 0.0;
     for (name, verdict) in all {
         let has_bounds = name.contains("/native");
         if !is_drawn(&name, &verdict, has_bounds) {
@@ -153,6 +156,7 @@ fn devices_draw_the_reference_s_shadows_and_the_same_by_both_interfaces() {
         assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
         assert!(figure(&verdict, "shadow_px") > 1_000.0, "{name}");
         assert!(figure(&verdict, "shadow_band_px") < 200.0, "{name}");
+        at_rims += figure(&verdict, "shadow_rim_px");
         let is_cut = name.contains("caster-rect");
         let left_out = figure(&verdict, "shadow_casters_left_out");
         assert_eq!(left_out > 0.0, is_cut, "{name}: {left_out}");
@@ -174,6 +178,7 @@ fn devices_draw_the_reference_s_shadows_and_the_same_by_both_interfaces() {
             .or_default()
             .push(mask_hash(&verdict).to_owned());
     }
+    assert!(at_rims < 20.0, "{at_rims}");
     for (name, hashes) in hashes {
         assert!(hashes.len() >= 2, "{name}");
         assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{name}");
@@ -373,8 +378,13 @@ fn an_origin_far_away_is_wrong_in_f32_and_from_the_eye_right() {
         let band_px = figure(&verdict, "shadow_band_px");
         eprintln!("{name}: {} {band_px} px in the band", verdict.reason);
         assert!(!name.contains("the eye") || is_right, "{name}");
+        let is_local = name.contains("the eye");
+        if name.contains("rail-shadow") {
+            let wrong_px =
+                figure(&verdict, "shadow_false_dark_px") + figure(&verdict, "shadow_false_lit_px");
+            assert_eq!(wrong_px > 100.0, !is_local, "{name}: {wrong_px}");
+        }
         if name.contains("quay-edge") {
-            let is_local = name.contains("the eye");
             let wrong_px = band_px + figure(&verdict, "shadow_false_dark_px");
             assert_eq!(wrong_px < 4.0, is_local, "{name}: {wrong_px}");
         }

@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Cases that the CPU answers.
+
+use super::Answering;
+use super::meshes::{Ready, SILHOUETTE_SUN, ready};
+use crate::count::{Rule, Wrong};
+use crate::eyes::EyeTable;
+use crate::images;
+use crate::job::{Job, Method};
+use crate::metrics::MOSTLY;
+use crate::near::EyeTest;
+use crate::outline::{Way, outlines};
+use crate::view::sun;
+use crate::views::Chooser;
+use crate::work::{BOUNDS_SHARE, Drawn, End, NEARS, Pixels, Scene, Scissor};
+use terrafill_casters::{Extent, Policy, Volume};
+use terrafill_results::{Status, Verdict};
+
+pub(super) type Figures = Vec<(&'static str, f64)>;
+
+fn verdict(is_right: bool, reason: String, figures: Figures) -> Verdict {
+    Verdict {
+        status: if is_right { Status::Ok } else { Status::Wrong },
+        reason: if is_right { String::new() } else { reason },
+        figures,
+        notes: Vec::new(),
+    }
+}
+
+/// A share in per cent.
+pub(super) fn percent(part: f64, whole: usize) -> f64 {
+    100.0 * part / whole.max(1) as f64
+}
+
+fn drawn_figures(drawn: &Drawn, pixels: Pixels) -> Figures {
+    vec![
+        ("shadow_receiver_px", pixels.receivers as f64),
+        ("shadow_px", pixels.shadow as f64),
+        ("shadow_edge_on_px", pixels.edge_on as f64),
+        ("shadow_undecided_px", pixels.undecided as f64),
+        ("shadow_false_lit_px", drawn.wrong.false_lit as f64),
+        ("shadow_false_dark_px", drawn.wrong.false_dark as f64),
+        ("shadow_band_px", drawn.wrong.in_band as f64),
+        (
+            "shadow_lost_share",
+            percent(drawn.lost as f64, pixels.shadow),
+        ),
+        ("shadow_updates", drawn.updates as f64 / pixels.all as f64),
+        ("shadow_volume_triangles", drawn.volume_triangles as f64),
+        ("shadow_max_overlap", f64::from(drawn.max_overlap)),
+    ]
+}
+
+fn drawn_verdict(drawn: &Drawn, pixels: Pixels) -> Verdict {
+    verdict_of(drawn.wrong, drawn_figures(drawn, pixels))
+}
+
+pub(super) fn verdict_of(wrong: Wrong, figures: Figures) -> Verdict {
+    let reason = format!(
+        "{} pixels lit in shadow, {} in shadow in the light, outside the band",
+        wrong.false_lit, wrong.false_dark
+    );
+    verdict(wrong.outside() == 0, reason, figures)
+}
+
+impl Answering<'_> {
+    pub(super) fn answer(&mut self, job: Job) -> Result<Verdict, String> {
+        let folder = self.context.folder;
+        match job {
+            Job::Eye(sun, near, test) => self.eye(sun, near, test),
+            Job::Updates(sun, end, rule) => {
+                let scene = self.of_end(sun, end)?;
+                let drawn = scene.drawn(end, rule, Scissor::Off)?;
+                let mut verdict = drawn_verdict(&drawn, scene.pixels());
+                if end == End::Sea && rule == Rule::Fail {
+                    let channel = scene.darkest().ok_or("no channel")?;
+                    let name = format!("sun-{}-{}", sun[0], sun[1]);
+                    let path = images::write(folder, &name, &channel.1, None)?;
+                    verdict.notes.push(("reference_image", path));
+                }
+                Ok(verdict)
+            }
+            Job::Scissor(sun, scissor) => {
+                let scene = self.of_end(sun, End::Infinite)?;
+                let drawn = scene.drawn(End::Infinite, Rule::Fail, scissor)?;
+                let mut verdict = drawn_verdict(&drawn, scene.pixels());
+                if scissor == Scissor::ReceiverRectangle {
+                    // What is meant to be left out is the sea's shadow; a caster's must not be.
+                    let text = format!(
+                        "{} of the lost pixels lie on casters",
+                        drawn.lost_on_casters
+                    );
+                    verdict.reason = text;
+                }
+                let channel = scene.darkest().ok_or("no channel")?;
+                let mask = scene.mask(channel, End::Infinite, Rule::Fail, scissor)?;
+                let path = images::write(folder, scissor.name(), &channel.1, Some(&mask))?;
+                verdict.notes.push(("image", path));
+                Ok(verdict)
+            }
+            Job::Bounds(sun, rule) => {
+                let scene = self.under(sun)?;
+                let drawn = scene.drawn_within(rule, BOUNDS_SHARE)?;
+                Ok(drawn_verdict(&drawn, scene.pixels()))
+            }
+            Job::View(sun, place, chooser) => {
+                let size = self.question.size;
+                let make = || Scene::of_place(place, sun, size);
+                let scene = self.scene(place.name(), make)?;
+                let drawn = scene.drawn_chosen(chooser)?;
+                let mut verdict = drawn_verdict(&drawn, scene.pixels());
+                if chooser == Chooser::ALL[0] {
+                    let (_, truth) = scene.darkest().ok_or("no channel")?;
+                    let path = images::write(folder, place.name(), truth, None)?;
+                    verdict.notes.push(("reference_image", path));
+                }
+                Ok(verdict)
+            }
+            Job::Finite(sun, length) => {
+                let scene = self.of_end(sun, End::Finite(length))?;
+                let drawn = scene.drawn(End::Finite(length), Rule::Fail, Scissor::Off)?;
+                Ok(drawn_verdict(&drawn, scene.pixels()))
+            }
+            Job::Row(count, guard) => {
+                let size = self.question.size;
+                let scene = self.scene(&count.to_string(), || Scene::of_row(count, size))?;
+                let drawn = match guard {
+                    true => scene.drawn_guarded(Rule::Pass)?,
+                    false => scene.drawn(End::Infinite, Rule::Pass, Scissor::Off)?,
+                };
+                Ok(drawn_verdict(&drawn, scene.pixels()))
+            }
+            Job::Casters(policy) => {
+                let size = self.question.size;
+                let scene = self.scene("hull", || Scene::of_hull(size))?;
+                match scene.drawn_open(policy) {
+                    Ok((drawn, triangles)) => {
+                        let mut verdict = drawn_verdict(&drawn, scene.pixels());
+                        verdict
+                            .figures
+                            .push(("shadow_mesh_triangles", triangles as f64));
+                        Ok(verdict)
+                    }
+                    // As it should be: the mesh is not closed.
+                    Err(error) if policy == Policy::Refuse => Ok(Verdict {
+                        status: Status::Ok,
+                        reason: error.to_string(),
+                        ..Verdict::default()
+                    }),
+                    Err(error) => Err(error.to_string()),
+                }
+            }
+            Job::Outline(models, way) => {
+                let (clears, wrong) = outlines(models, way);
+                let expected = match way {
+                    Way::Clear => u64::from(models),
+                    Way::Value | Way::ValueAsPrinted => 1 + u64::from(models / 255),
+                    Way::ValueNeverCleared => 1,
+                };
+                let reason = format!("{wrong} contour pixels wrong, {clears} clears of {expected}");
+                let figures = vec![
+                    ("shadow_clears", clears as f64),
+                    ("shadow_contour_px", wrong as f64),
+                ];
+                Ok(verdict(wrong == 0 && clears == expected, reason, figures))
+            }
+            Job::Silhouette(mesh, method) => self.silhouette(mesh, method),
+            Job::Model => {
+                let own = self.question.brought.as_deref().ok_or("no model")?;
+                let mesh = &own.prepared.mesh;
+                Ok(Verdict {
+                    status: Status::Ok,
+                    reason: format!("policy {}: {}", own.policy.name(), own.verdict),
+                    figures: vec![
+                        ("shadow_mesh_triangles", mesh.triangles.len() as f64),
+                        ("shadow_mesh_models", mesh.casters.len() as f64),
+                        ("shadow_mesh_parts", mesh.parts.len() as f64),
+                    ],
+                    notes: Vec::new(),
+                })
+            }
+            Job::Map(sun, texel_m, bias) => {
+                let scene = self.under(sun)?;
+                let mapped = match scene.mapped(texel_m, bias) {
+                    Ok(mapped) => mapped,
+                    Err(error) => return Ok(Verdict::skipped(error.to_string())),
+                };
+                let wrong = mapped.wrong;
+                let all = wrong.outside() + wrong.in_band;
+                let share = |count: usize| percent(count as f64, mapped.judged);
+                let figures = vec![
+                    ("shadow_map_wrong", share(all)),
+                    ("shadow_map_wrong_in_three", 100.0 * mapped.wrong_in_three),
+                    ("shadow_map_wrong_unbiased", share(mapped.unbiased)),
+                    ("shadow_map_bias_m", mapped.bias_m),
+                    ("shadow_bytes", mapped.bytes as f64),
+                    ("shadow_false_lit_px", wrong.false_lit as f64),
+                    ("shadow_false_dark_px", wrong.false_dark as f64),
+                    ("shadow_band_px", wrong.in_band as f64),
+                ];
+                let mut verdict = verdict_of(wrong, figures);
+                let darkest = scene.darkest_channel().ok_or("no channel")?;
+                let name = format!("map-{}-{texel_m}-{}", sun[0], bias.name());
+                let (truth, mask) = (&scene.channels[darkest].1, &mapped.masks[darkest]);
+                let path = images::write(folder, &name, truth, Some(mask))?;
+                verdict.notes.push(("image", path));
+                Ok(verdict)
+            }
+            Job::Device(..)
+            | Job::Origin(..)
+            | Job::Facing(..)
+            | Job::Near(..)
+            | Job::DeviceRow(..)
+            | Job::DeviceMap(..)
+            | Job::Rival(..)
+            | Job::Rung(..) => Err("devices answer by case".to_owned()),
+        }
+    }
+
+    fn eye(&mut self, sun: [f64; 2], near: f64, test: EyeTest) -> Result<Verdict, String> {
+        if self.eyes.as_ref().is_none_or(|table| table.at != sun) {
+            self.eyes = Some(EyeTable::new(sun)?);
+        }
+        let table = self.eyes.as_ref().ok_or("no eyes")?;
+        let result = table.result(test, near).ok_or("no such near plane")?;
+        let mut figures = vec![
+            (
+                "shadow_eyes_missed",
+                percent(result.missed as f64, result.eyes),
+            ),
+            (
+                "shadow_eyes_missed_at_corners",
+                percent(result.missed_at_corners as f64, result.eyes),
+            ),
+            (MOSTLY, percent(result.missed_mostly as f64, result.eyes)),
+            (
+                "shadow_eyes_needless",
+                percent(result.needless as f64, result.eyes),
+            ),
+            (
+                "shadow_fail_triangles",
+                percent(result.fail_share, result.eyes),
+            ),
+        ];
+        if result.missed > 0 {
+            figures.push((
+                "shadow_near_dark",
+                percent(result.missed_share, result.missed),
+            ));
+        }
+        let reason = format!("{} of {} eyes missed", result.missed, result.eyes);
+        let mut verdict = verdict(result.missed == 0, reason, figures);
+        let is_last_near = NEARS.last().is_some_and(|last| *last <= near);
+        if test == EyeTest::Eye
+            && is_last_near
+            && let Some((truth, [missed, exact])) = table.missed()?
+        {
+            let folder = self.context.folder;
+            for (key, what, mask) in [
+                ("reference_image", "reference", None),
+                ("image", "eye", Some(&missed)),
+                ("exact_image", "exact", Some(&exact)),
+            ] {
+                let name = format!("eye-{}-{what}", sun[0]);
+                let path = images::write(folder, &name, &truth, mask.map(Vec::as_slice))?;
+                verdict.notes.push((key, path));
+            }
+        }
+        Ok(verdict)
+    }
+
+    pub(super) fn ready(&mut self, name: &'static str) -> Result<&Ready, String> {
+        let place = match self.meshes.iter().position(|own| own.name == name) {
+            Some(place) => place,
+            None => {
+                let brought = self.question.brought.as_deref();
+                self.meshes.push(ready(name, brought)?);
+                self.meshes.len() - 1
+            }
+        };
+        Ok(&self.meshes[place])
+    }
+
+    fn silhouette(&mut self, name: &'static str, method: Method) -> Result<Verdict, String> {
+        let mesh = self.ready(name)?;
+        let sides = mesh.sides(method);
+        let to_light = sun(SILHOUETTE_SUN);
+        let volume = Volume::of(
+            &mesh.prepared,
+            &mesh.facing,
+            &sides,
+            to_light,
+            &Extent::Infinite,
+        );
+        let open = volume
+            .map_err(|error| error.to_string())?
+            .open_edges()
+            .len();
+        let figures = vec![
+            ("shadow_sides", sides.len() as f64),
+            (
+                "shadow_mesh_triangles",
+                mesh.prepared.mesh.triangles.len() as f64,
+            ),
+            ("shadow_open_edges", open as f64),
+        ];
+        Ok(verdict(
+            open == 0,
+            format!("{open} edges of the volumes are open"),
+            figures,
+        ))
+    }
+}
