@@ -23,7 +23,7 @@ pub(crate) use shader_sources;
 pub(crate) const MODULES: &[ShaderSource] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 
 /// Files that others import.
-pub(crate) const SHARED: [ShaderSource; 11] = shader_sources![
+pub(crate) const SHARED: [ShaderSource; 12] = shader_sources![
     "shared/view.wgsl",
     "shared/footprint.wgsl",
     "shared/region.wgsl",
@@ -33,6 +33,7 @@ pub(crate) const SHARED: [ShaderSource; 11] = shader_sources![
     "shared/relief.wgsl",
     "shared/srgb.wgsl",
     "shared/ground.wgsl",
+    "shared/map.wgsl",
     "shared/cache.wgsl",
     "shared/receiver.wgsl",
 ];

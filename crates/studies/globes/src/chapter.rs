@@ -2,7 +2,9 @@
 //! The chapter on surfaces of a globe: error against time and against triangles, a plot for each view.
 
 use crate::clock::{draw, whole};
-use crate::{controllers, counts, forms, made, projection, published, shading, tiled};
+use crate::{
+    controllers, counts, forms, grid_facts, made, projection, published, shading, tiled, zones,
+};
 use terrafill_plot::number::{measured_bytes, significant};
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
@@ -93,10 +95,13 @@ impl Chapter for GlobesChapter {
         }
         blocks.extend(tiled::blocks(run, clock));
         blocks.extend(tiled::stage::blocks(run, clock));
+        blocks.extend(tiled::picture::blocks(run, clock));
+        blocks.extend(grid_facts::blocks(run));
         blocks.extend(forms::blocks(run));
         blocks.extend(made::blocks(run, clock));
         blocks.extend(counts::blocks(run)?);
-        blocks.extend(shading::blocks(run, clock));
+        blocks.extend(zones::blocks(run)?);
+        blocks.extend(shading::blocks(run, clock)?);
         blocks.extend(projection::blocks());
         blocks.extend(published::blocks(&tiled::frame_times_by_cells(run, clock)));
         blocks.extend(controllers::blocks()?);
