@@ -82,8 +82,8 @@ pub fn changes_to_the_end(course: &[u32]) -> bool {
     end.windows(2).any(|pair| pair[0] != pair[1])
 }
 
-/// Of numbers of pixels that lie evenly on a logarithm, from far too few to far too many, how many let a zone cycle
-/// whose finest level shows a spike that hides all but `1 / hides` of them.
+/// How many numbers of pixels let a zone cycle whose finest level shows a spike that hides all but `1 / hides` of them.
+/// The numbers lie evenly on a logarithm, from far too few to far too many.
 ///
 /// - `hysteresis`: as [`ZoneRule::new`]
 /// - `count`: of numbers of pixels

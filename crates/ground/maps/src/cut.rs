@@ -105,6 +105,11 @@ pub fn cut_cap(levels: &[PictureLevel<'_>], is_south: bool) -> Vec<u8> {
 }
 
 #[cfg(test)]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "places on small pictures"
+)]
 mod tests {
     use super::*;
     use crate::{MapPoint, cap_point, max_latitude_rad};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Level of detail by counted pixels: a quadtree over a large picture splits and merges by counts that are some
-//! frames old (Gebbie and Bailey, occlusion queries), drawn and counted on devices.
+//! Level of detail by counted pixels (Gebbie and Bailey, occlusion queries), drawn and counted on devices. A quadtree
+//! over a large picture splits and merges by counts that are some frames old.
 
 pub(crate) mod device;
 pub(crate) mod scene;

@@ -292,8 +292,8 @@ fn worst_sag_px(frame: &SurfaceFrame, eye: &Eye) -> f64 {
     worst
 }
 
-/// The same from the law's own formula, on a sphere: a ring from `r` to `r + Δ` sags by `R Δ² / 8`, seen from `h` as
-/// `f s g / (h² + g²)`, `g = R r`.
+/// The same from the law's own formula, on a sphere. A ring from `r` to `r + Δ` sags by `s = R Δ² / 8`. From `h` it is
+/// seen as `f s g / (h² + g²)`, `g = R r`.
 fn rings_by_formula(law: &str, height_m: f64) -> u32 {
     let eye = eye(height_m);
     let focal_px = focal_px(&eye);

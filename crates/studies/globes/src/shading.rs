@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Five layers over the spiral (Gebbie and Bailey, Tables 1 and 3): features taken away one after the other, cube maps
-//! against pictures by angles, the faults of the printed shader, every projection, and triangles against pixels.
+//! Five layers over the spiral (Gebbie and Bailey, Tables 1 and 3): features taken away one after the other, the faults
+//! of the printed shader, every projection. Cube maps stand against pictures by angles, triangles against pixels.
 
 mod device;
 mod judge;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Tiles of a map over the grid on the screen (StuCoSReC 2018, sections 2.4 and 2.5): each texel holds its own
+//! Tiles of a map over the grid on the screen (StuCoSReC 2018, sections 2.4 and 2.5). Each texel holds its own
 //! address, so a picture says exactly which texel every pixel shows.
 
 mod device;

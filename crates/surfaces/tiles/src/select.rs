@@ -71,8 +71,8 @@ impl Chosen {
     }
 }
 
-/// How far a tile's flat triangles hang below a level ground, metres: a circle's arc over an edge `c` long
-/// is `c² / 8R` high, and over a triangle with edges of that length 4/3 as much.
+/// How far a tile's flat triangles hang below a level ground, metres. A circle's arc over an edge `c` long is
+/// `c² / 8R` high, and over a triangle with edges of that length 4/3 as much.
 pub(crate) fn bend_m(body: &Ellipsoid, id: TileId) -> f64 {
     let extent = id.extent();
     // The longest parallel of the tile is the nearest to the equator.

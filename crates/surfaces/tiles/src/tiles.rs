@@ -22,8 +22,8 @@ const KIND: &str = "tiles";
 
 /// Error on the screen where a scene names none, pixels: what CesiumJS draws terrain with.
 const DEFAULT_ERROR_PX: f64 = 2.0;
-/// Side of a cell over its distance where a scene takes that rule and names no share: on a smooth Earth seen from
-/// 2 km a quarter of a pixel at the horizon.
+/// Side of a cell over its distance where a scene takes that rule and names no share. On a smooth Earth seen from 2 km
+/// it is a quarter of a pixel at the horizon.
 const DEFAULT_CELL_PER_DISTANCE: f64 = 0.2;
 /// Triangles of a view where a scene names no limit: 12 MB of indices and vertices.
 const DEFAULT_MAX_TRIANGLES: u32 = 600_000;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Pixels of nodes, counted by devices: on Vulkan by precise occlusion queries, on wgpu, whose queries say no more
-//! than zero or not, by a target of node numbers and a histogram.
+//! Pixels of nodes, counted by devices: on Vulkan by precise occlusion queries, on wgpu by a target of node numbers
+//! and a histogram. WebGPU's queries say no more than zero or not.
 
 use super::scene::Drawn;
 use crate::canvas::{Canvas, view_constants, written};

@@ -10,7 +10,7 @@ use terrafill_results::{Block, Case, ChapterError, Finding, Plot, Run, Standing,
 /// What is measured.
 const WHAT_IS_COMPARED: &str = "A picture of 40° × 40° below the eye is drawn by the leaves of a quadtree, each with 64² texels and 10 × 10 \
      sub-quads, the nearest first. A leaf splits where it has more pixels than the upper threshold and four merge \
-     where all have fewer than the lower one; hysteresis is the one over the other, delay the frames from drawing \
+     where all have fewer than the lower one. Hysteresis is the one over the other, delay the frames from drawing \
      to using a count. On Vulkan counts are precise occlusion queries, one a node. WebGPU's queries say no more \
      than zero or not, so on wgpu a compute pass counts a target of node numbers. Counts of the first and the last \
      frame are held against rays in f64: a node may be off by the pixels at its edge.";

@@ -17,8 +17,8 @@ pub(crate) fn blocks(run: &Run) -> Vec<Block> {
         Block::section("Vertices of the spiral"),
         Block::Text(
             "Each form of a vertex's position in single precision is compared with itself in double precision, both from \
-             angles and radii as a buffer of f32 holds them, and each Taylor series of sine and cosine with the functions, vertex by vertex, up to the horizon. \
-             Pixels are of a picture of 1,080 rows and 60°. Single precision is emulated; sines are rounded from \
+             angles and radii as a buffer of f32 holds them. Each Taylor series of sine and cosine is compared with the \
+             functions. Both are compared vertex by vertex, up to the horizon. Pixels are of a picture of 1,080 rows and 60°. Single precision is emulated; sines are rounded from \
              f64, and a device's are worse. Rings are the fewest with which no edge between two of them sags by \
              more than ¼ px."
                 .to_owned(),

@@ -23,8 +23,8 @@ pub(crate) fn blocks(run: &Run) -> Vec<Block> {
         Block::Text(
             "An eye that looks straight down: how far the place that a map shows on a facet is from the place behind it, \
              largest, on the ground. The fit (1.3 + 2 tan φ) s²/8R has one constant where the closed form has \
-             2√2 tan(fov/2) (1 − 1/N), which is 1.31 for 5 cells, 1.47 for 10 and 1.55 for 20; it takes φ and the cell below \
-             the eye, where the worst facet lies in a corner of the picture. Triangles across ±180° are counted over many \
+             2√2 tan(fov/2) (1 − 1/N): 1.31 for 5 cells, 1.47 for 10 and 1.55 for 20. The fit takes φ and the cell below the \
+             eye, the worst facet lies in a corner of the picture. Triangles across ±180° are counted over many \
              views straight down, from 1 km to 100,000 km, of 1 to 20 cells."
                 .to_owned(),
         ),
@@ -207,7 +207,7 @@ fn seam_finding(cases: &[&Case]) -> Finding {
         // By other views than those of the facts: some 40 triangles, so a half more or less.
         standing: Standing::holds_if(half == 0.0 && (0.5..2.0).contains(&(untouched / UNTOUCHED))),
         because: format!(
-            "0.7 inserts nothing into {:.2} % (1.7 % in the facts, which count these), and not both vertices into {:.2} %: where \
+            "0.7 inserts nothing into {:.2} % (1.7 % in the facts, which count these), and not both vertices into {:.2} %. Where \
              one edge alone differs by more than 0.7, a part still runs back over the map. 0.5 misses {:.2} %.",
             100.0 * untouched,
             100.0 * missed,

@@ -11,7 +11,7 @@ const WHAT_IS_COMPARED: &str = "A Web Mercator map in tiles of 256 × 256 texels
      “Texels” is how far outside it the pixel's place lies: by the triangles as drawn, with longitude in one \
      piece, which leaves seam and f32 as causes; and by the body itself. Triangles that hold a pole are left out \
      of the first: longitude is no function on them. A case of the base is a grid of 10 × 10 cells, split by the \
-     CPU at ½, V' by the vertex, one draw from an array, a level for each pixel; others differ in what is named.";
+     CPU at ½, V' by the vertex, one draw from an array, a level for each pixel. Others differ in what is named.";
 
 /// What differs from the base.
 fn name(case: &Case) -> String {

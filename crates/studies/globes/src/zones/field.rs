@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A height field in zones, each at a level of its own: hills, and between two rows of zones a row of spikes that
-//! stand on every second vertex, so that all levels but the finest drop them.
+//! A height field of hills in zones, each at a level of its own. Between two rows of zones a row of spikes stands on
+//! every second vertex, so that all levels but the finest drop them.
 //!
 //! Zones share the vertices of their edges: those that the coarser of two zones does not have lie on its edges.
 
