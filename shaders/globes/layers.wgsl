@@ -1,5 +1,5 @@
 // The five layers of a globe (Gebbie and Bailey, appendix): one vertex invocation places a vertex whose clip position
-// the CPU made, by whatever projection; one fragment adds colour, highlight, clouds and lights of night. Directions
+// the CPU made, by whatever projection. One fragment adds colour, highlight, clouds and lights of night. Directions
 // are of the ECEF axes. Layers come from four cube maps, or from four pictures by longitude and latitude.
 
 struct LayerConstants {

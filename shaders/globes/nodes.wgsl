@@ -1,5 +1,5 @@
-// Pixels of each node of a quadtree, exactly: a vertex invocation places a corner of a node's mesh, a fragment writes
-// the node's number, and one compute invocation adds a pixel to its node's count. Workgroups of 8 × 8 pixels: most of
+// Pixels of each node of a quadtree, exactly. A vertex invocation places a corner of a node's mesh and a fragment writes
+// the node's number. One compute invocation adds a pixel to its node's count. Workgroups of 8 × 8 pixels: most of
 // one is of one node.
 #import shared/view.wgsl
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a surface promises, what it draws in a view, and what may fail.
 
+use glam::DVec3;
 use std::fmt::Debug;
 use std::sync::Arc;
 use terrafill_core::Extent;
@@ -31,6 +32,19 @@ pub trait Surface: Debug + Send + Sync {
     /// # Errors
     /// [`SurfaceError::EyeBelow`], or whatever the surface cannot provide for this view.
     fn frame(&self, camera: &Camera, size: ImageSize) -> Result<SurfaceFrame, SurfaceError>;
+
+    /// Vertices of [`Surface::frame`] before they are rounded to `f32`, metres relative to the eye, ECEF axes: what
+    /// the rounding of a frame is measured from. `None` where the surface does not say.
+    ///
+    /// # Errors
+    /// As [`Surface::frame`].
+    fn exact_vertices(
+        &self,
+        _camera: &Camera,
+        _size: ImageSize,
+    ) -> Result<Option<Vec<DVec3>>, SurfaceError> {
+        Ok(None)
+    }
 
     /// The same surface as one whose pieces are made while frames are drawn; `None` where there are no pieces.
     fn refining(&self) -> Option<&dyn Refining> {

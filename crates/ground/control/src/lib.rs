@@ -7,8 +7,10 @@
 
 mod quadtree;
 mod radius;
+mod zones;
 
 pub use quadtree::{Node, Quadtree, QuadtreeView, Settling, Thresholds, settle};
 pub use radius::{
     Cycle, constant_step, cycle, gain_without_overshoot, logarithmic, proportional, stable_gain,
 };
+pub use zones::{ZoneRule, changes_to_the_end, cycling_zones};

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Maps in tiles over a body: Web Mercator's coordinates, tiles and levels, polar caps where it ends, and the
+//! Maps in tiles over a body: Web Mercator's coordinates, tiles and levels, polar caps where it ends, pictures cut into both, and the
 //! ways to keep a triangle across ±180° in one piece (A. Jeromel, StuCoSReC 2018, pp. 39–42).
 
 mod cap;
+mod cut;
 mod seam;
 mod tile;
 
 pub use cap::{CAP_SPAN, cap_point};
+pub use cut::{PictureLevel, cut_cap, cut_tile};
 pub use seam::{Seam, SeamCorner, fragment_u, half_plane_crossings, split};
 pub use tile::{MapPoint, MapTile, TILE_TEXELS, level_of, max_latitude_rad, mercator_v, place};

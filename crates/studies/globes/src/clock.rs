@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Which times are compared, by the clock that a device is read by.
+//! The watch of a frame's steps, and which times are compared, by the clock that a device is read by.
 
+use crate::session::Figures;
+use terrafill_fill::CpuStopwatch;
 use terrafill_results::Clock;
 
 /// Of a whole frame.
@@ -11,4 +13,75 @@ pub(crate) fn whole(clock: Clock) -> &'static str {
 /// Of drawing it.
 pub(crate) fn draw(clock: Clock) -> &'static str {
     clock.pick("globe_draw_gpu_ms", "globe_draw_cpu_ms")
+}
+
+/// Times the steps of a frame, one after the other.
+pub(crate) struct FrameWatch {
+    watch: CpuStopwatch,
+    steps: Figures,
+    /// CPU time at the end of the last step.
+    ended_ms: f64,
+}
+
+impl FrameWatch {
+    pub(crate) fn start() -> Self {
+        Self {
+            watch: CpuStopwatch::start(),
+            steps: Vec::new(),
+            ended_ms: 0.0,
+        }
+    }
+
+    /// Ends a step that is not drawing.
+    pub(crate) fn ends(&mut self, metric: &'static str) {
+        let now_ms = self.watch.cpu_ms();
+        self.steps.push((metric, now_ms - self.ended_ms));
+        self.ended_ms = now_ms;
+    }
+
+    /// Ends drawing and with it the frame.
+    pub(crate) fn drawn(self, gpu_ms: Option<f64>) -> Figures {
+        let (cpu_ms, wall_ms) = (self.watch.cpu_ms(), self.watch.wall_ms());
+        let mut values = vec![
+            ("globe_whole_cpu_ms", cpu_ms),
+            ("globe_whole_wall_ms", wall_ms),
+        ];
+        values.extend(self.steps);
+        values.push(("globe_draw_cpu_ms", cpu_ms - self.ended_ms));
+        if let Some(gpu_ms) = gpu_ms {
+            values.push(("globe_draw_gpu_ms", gpu_ms));
+            values.push(("globe_whole_gpu_ms", self.ended_ms + gpu_ms));
+        }
+        values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_add_up_to_the_whole() {
+        let mut watch = FrameWatch::start();
+        let work: f64 = (0..100_000_u32).map(|i| f64::from(i).sqrt()).sum();
+        watch.ends("globe_make_cpu_ms");
+        watch.ends("globe_upload_cpu_ms");
+        let values = watch.drawn(Some(2.0));
+        let of = |name: &str| {
+            let mut values = values.iter();
+            let found = values.find(|(known, _)| *known == name);
+            found.map_or(f64::NAN, |(_, value)| *value)
+        };
+        let [make, upload, draw] = [
+            "globe_make_cpu_ms",
+            "globe_upload_cpu_ms",
+            "globe_draw_cpu_ms",
+        ]
+        .map(of);
+        assert!(work > 0.0 && (make + upload + draw - of("globe_whole_cpu_ms")).abs() < 1e-9);
+        assert!((of("globe_whole_gpu_ms") - 2.0 - make - upload).abs() < 1e-9);
+        // Twin: without the GPU's clock nothing is of it.
+        let none = FrameWatch::start().drawn(None);
+        assert!(none.iter().all(|(name, _)| !name.contains("gpu")));
+    }
 }

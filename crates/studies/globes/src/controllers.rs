@@ -3,7 +3,8 @@
 
 use crate::published::{cells, headed};
 use terrafill_control::{
-    QuadtreeView, constant_step, cycle, gain_without_overshoot, logarithmic, settle, stable_gain,
+    QuadtreeView, ZoneRule, constant_step, cycle, cycling_zones, gain_without_overshoot,
+    logarithmic, settle, stable_gain,
 };
 use terrafill_plot::{Course, Courses};
 use terrafill_results::{Block, Cell, ChapterError, Plot, Table};
@@ -35,12 +36,14 @@ pub(crate) fn blocks() -> Result<Vec<Block>, ChapterError> {
         ),
         Block::Table(radius()),
         Block::Table(quadtree()),
+        Block::Table(zones()),
     ];
     let svg = step_responses().draw()?;
     blocks.extend(svg.map(|svg| {
         Block::Plot(Plot {
             caption: "Answers to a step: constant steps and the logarithmic loop, radius less the wanted one; leaves \
-                      of a quadtree in the first view that does not settle without hysteresis."
+                      of a quadtree in the first view that does not settle without hysteresis; levels of a height zone \
+                      whose spike hides three quarters of it."
                 .to_owned(),
             svg,
         })
@@ -101,6 +104,21 @@ fn step_responses() -> Courses<'static> {
                 None,
             ));
         }
+    }
+    for hysteresis in [8.0, 16.0] {
+        // As many pixels as the finest level wants, of which the spike there leaves a quarter.
+        let rule = ZoneRule::new(8.0, 3, 1.0, hysteresis);
+        let pixels = |level| match level {
+            3 => 512.0 / 4.0,
+            _ => 512.0,
+        };
+        let levels = rule.course(pixels, 1, SHOWN);
+        let values = levels.into_iter().map(f64::from).collect();
+        panels.push(course(
+            format!("zone, m = 4, hysteresis {hysteresis}"),
+            values,
+            None,
+        ));
     }
     Courses {
         title: "answers of controllers to a step".to_owned(),
@@ -184,6 +202,28 @@ fn quadtree() -> Table {
     )
 }
 
+/// Shares of the hysteresis at which no zone cycles.
+const ZONE_SHARES: [f64; 3] = [0.5, 0.9, 1.0];
+/// Numbers of pixels of a zone.
+const ZONE_VIEWS: u32 = 400;
+
+fn zones() -> Table {
+    let rows = [1.0, 2.0, 4.0].map(|hides| {
+        let mut row = cells([hides, 4.0 * hides]);
+        row.extend(ZONE_SHARES.map(|share| {
+            let cycling = cycling_zones(share * 4.0 * hides, hides, 1, ZONE_VIEWS);
+            Cell::plain(format!("{cycling} of {ZONE_VIEWS}"))
+        }));
+        row
+    });
+    headed(
+        "Height zones whose finest level hides all but 1/m of their pixels, by the share of the hysteresis 4 m: numbers of \
+         pixels with which a zone never rests",
+        &["m", "4 m", "at 0.5 of it", "at 0.9", "at 4 m"],
+        rows.into_iter(),
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -213,13 +253,22 @@ mod tests {
         assert_eq!(text(&quadtree, 5, 1), "0 of 300");
         // Twin: with less than 4 some never settle.
         assert_ne!(text(&quadtree, 4, 1), "0 of 300");
+        let zones = zones();
+        for row in 0..3 {
+            assert_eq!(text(&zones, row, 4), "0 of 400");
+            assert_ne!(text(&zones, row, 3), "0 of 400");
+        }
     }
 
     #[test]
     fn answers_are_drawn_for_every_loop() {
         let plot = step_responses();
-        assert_eq!(plot.panels.len(), 12);
+        assert_eq!(plot.panels.len(), 14);
         let last = |at: usize| plot.panels[at].values.last().copied().expect("values");
+        // A zone whose spike hides more than its hysteresis bears.
+        let end = |at: usize| plot.panels[at].values[SHOWN - 8..].to_vec();
+        assert!(end(12).windows(2).any(|pair| pair[0] != pair[1]));
+        assert!(end(13).windows(2).all(|pair| pair[0] == pair[1]));
         // The logarithmic loops come to rest, the constant steps do not.
         assert!(last(5).abs() < 1e-3 && last(1).abs() > 0.2);
         assert!(plot.draw().expect("a plot").is_some());

@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Level of detail by counted pixels: a quadtree over a large picture splits and merges by counts that are some
-//! frames old (Gebbie and Bailey, occlusion queries), drawn and counted on devices.
+//! Level of detail by counted pixels (Gebbie and Bailey, occlusion queries), drawn and counted on devices. A quadtree
+//! over a large picture splits and merges by counts that are some frames old.
 
-mod device;
-mod scene;
+pub(crate) mod device;
+pub(crate) mod scene;
 mod section;
 
 pub(crate) use section::blocks;
 
 use crate::STUDY;
 use crate::list::{Eye, List};
-use device::{Counter, NODE_TEXELS, Way};
+use crate::session::{Failure, Figures, Part, PartSession, judged};
+use device::{Counters, NODE_TEXELS, Way};
 use scene::{ByRays, Drawn, Picture};
 use std::collections::BTreeMap;
 use terrafill_control::{Node, Quadtree, Thresholds};
-use terrafill_fill::{CpuStopwatch, DeviceError};
-use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
+use terrafill_fill::CpuStopwatch;
+use terrafill_results::{CaseId, PlannedCase, Verdict};
+use terrafill_scene::ImageSize;
 use terrafill_study::{Context, Group, Session, StudyError};
 
 /// Name of this part in cases.
@@ -155,20 +157,13 @@ impl Group for Counts {
     }
 
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(CountSession {
-            group: self,
-            context,
-            counters: BTreeMap::new(),
-            last: BTreeMap::new(),
-        }))
+        Ok(Box::new(PartSession(CountPart::new(self, context))))
     }
 }
 
-struct CountSession<'a> {
+struct CountPart<'a> {
     group: &'a Counts,
-    context: Context<'a>,
-    /// By name.
-    counters: BTreeMap<&'static str, Box<dyn Counter>>,
+    counters: Counters<'a>,
     /// The last frame of each case.
     last: BTreeMap<usize, (Eye, Drawn)>,
 }
@@ -188,36 +183,26 @@ struct Course {
     against_rays: (u64, usize, usize),
 }
 
-/// Why a loop broke off.
-enum Broken {
-    Device(DeviceError),
-    Input(String),
-}
-
-impl From<DeviceError> for Broken {
-    fn from(error: DeviceError) -> Self {
-        Self::Device(error)
-    }
-}
-
-impl CountSession<'_> {
-    fn counter(&mut self, way: Way, eye: &Eye) -> Result<&mut Box<dyn Counter>, DeviceError> {
-        let name = way.names()[0];
-        if !self.counters.contains_key(name) {
-            let counter = way.open(self.context.devices, eye.size)?;
-            self.counters.insert(name, counter);
+impl<'a> CountPart<'a> {
+    fn new(group: &'a Counts, context: Context<'a>) -> Self {
+        let size = ImageSize {
+            width: SIDE_PX,
+            height: SIDE_PX,
+        };
+        Self {
+            group,
+            counters: Counters::new(context.devices, size),
+            last: BTreeMap::new(),
         }
-        let counter = self.counters.get_mut(name);
-        counter.ok_or(DeviceError::Missing("a counter of pixels"))
     }
 
-    fn run(&mut self, case: usize) -> Result<Course, Broken> {
+    fn run(&mut self, case: usize) -> Result<Course, Failure> {
         let work = self.group.work[case].clone();
         let frames = match work.path {
             Path::Still(_) => FRAMES,
             Path::Zoom => ZOOM_FRAMES,
         };
-        let first = self.group.eye(&work, 0).map_err(Broken::Input)?;
+        let first = self.group.eye(&work, 0)?;
         let mut picture = Picture::below(&first);
         let texels = f64::from(NODE_TEXELS * NODE_TEXELS);
         let thresholds = Thresholds::new(texels, work.hysteresis);
@@ -228,9 +213,9 @@ impl CountSession<'_> {
         let mut course = Course::default();
         let mut last = None;
         for frame in 0..frames {
-            let eye = self.group.eye(&work, frame).map_err(Broken::Input)?;
+            let eye = self.group.eye(&work, frame)?;
             let drawn = picture.drawn(&eye, tree.leaves());
-            let counts = self.counter(work.way, &eye)?.count(&eye, &drawn)?;
+            let counts = self.counters.get(work.way)?.count(&eye, &drawn)?;
             let counts: BTreeMap<Node, u64> = drawn.nodes.iter().copied().zip(counts).collect();
             since = drawn
                 .nodes
@@ -261,7 +246,7 @@ impl CountSession<'_> {
             let watch = CpuStopwatch::start();
             if !new.is_empty() {
                 course.last_change = Some(frame);
-                self.counter(work.way, &eye)?.page(new.len())?;
+                self.counters.get(work.way)?.page(new.len())?;
             }
             course.paging_ms.push(watch.cpu_ms());
             course.leaves.push(tree.count());
@@ -307,52 +292,27 @@ fn verdict(work: &Work, course: &Course) -> Verdict {
         figures.push(("globe_count_cycles", f64::from(u8::from(settled.is_none()))));
         figures.extend(settled.map(|frames| ("globe_count_settle_frames", frames as f64)));
     }
-    Verdict {
-        status: if reason.is_empty() {
-            Status::Ok
-        } else {
-            Status::Wrong
-        },
-        reason,
-        figures,
-        notes: vec![(
-            "leaves",
-            course
-                .leaves
-                .iter()
-                .map(usize::to_string)
-                .collect::<Vec<_>>()
-                .join(" "),
-        )],
-    }
+    let leaves: Vec<String> = course.leaves.iter().map(usize::to_string).collect();
+    judged(reason, figures, vec![("leaves", leaves.join(" "))])
 }
 
-impl Session for CountSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        Ok(match self.run(case) {
-            Ok(course) => verdict(&self.group.work[case], &course),
-            Err(Broken::Device(
-                error @ (DeviceError::Unsupported { .. } | DeviceError::OverCapacity { .. }),
-            )) => Verdict::skipped(error.to_string()),
-            Err(Broken::Device(error)) => Verdict::failed(error.to_string()),
-            Err(Broken::Input(error)) => Verdict::failed(error),
-        })
+impl Part for CountPart<'_> {
+    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let course = self.run(case)?;
+        Ok(verdict(&self.group.work[case], &course))
     }
 
     /// The last frame with its counts read at once, and without counts.
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
         let way = self.group.work[case].way;
-        let (eye, drawn) = self.last.remove(&case).ok_or("it was not verified")?;
-        let counter = self.counter(way, &eye).map_err(|error| error.to_string())?;
+        let last = self.last.remove(&case);
+        let (eye, drawn) = last.ok_or("it was not verified".to_owned())?;
+        let counter = self.counters.get(way)?;
         let watch = CpuStopwatch::start();
-        counter
-            .count(&eye, &drawn)
-            .map_err(|error| error.to_string())?;
+        counter.count(&eye, &drawn)?;
         let counted_ms = watch.cpu_ms();
         let watch = CpuStopwatch::start();
-        counter
-            .draw(&eye, &drawn)
-            .map_err(|error| error.to_string())?;
+        counter.draw(&eye, &drawn)?;
         let plain_ms = watch.cpu_ms();
         self.last.insert(case, (eye, drawn));
         Ok(vec![
@@ -398,12 +358,7 @@ mod tests {
             devices: &devices,
             folder: folder.path(),
         };
-        let mut session = CountSession {
-            group: &counts,
-            context,
-            counters: BTreeMap::new(),
-            last: BTreeMap::new(),
-        };
+        let mut session = CountPart::new(&counts, context);
         let mut ends = Vec::new();
         for way in Way::ALL {
             let is_it = |work: &Work| {
@@ -432,10 +387,9 @@ mod tests {
                     *most /= 2;
                     assert_eq!(rays.against(&fewer).1, 1);
                 }
-                Err(Broken::Device(error)) => {
-                    assert!(matches!(error, DeviceError::Unsupported { .. }), "{error}");
-                }
-                Err(Broken::Input(error)) => unreachable!("{error}"),
+                // A device without such queries.
+                Err(Failure::Unable(_)) => {}
+                Err(Failure::Broken(error)) => unreachable!("{error}"),
             }
         }
         // The same loop from either count.

@@ -221,7 +221,7 @@ pub(crate) fn shift_px(eye: &Eye, ecef: DVec3, centre: [f64; 2]) -> f64 {
 
 /// The place that longitude and Mercator's latitude, interpolated from a triangle's corners, give for a
 /// point of it.
-fn on_map(eye: &Eye, facet: [DVec3; 3], point: DVec3) -> Geodetic {
+pub(crate) fn on_map(eye: &Eye, facet: [DVec3; 3], point: DVec3) -> Geodetic {
     let corners = facet.map(|corner| eye.body.ecef_to_geodetic(corner + eye.camera.eye_ecef));
     let [a, b, c] = facet;
     let normal = (b - a).cross(c - a);

@@ -44,6 +44,20 @@ pub(crate) fn expected(formula: Formula, knob: f64, eye: &Eye) -> Expected {
             by: "the surface's own promise, for heights seen side-on",
             ..Expected::default()
         },
+        Formula::CellShare => {
+            // A tile's cells are as its nearest place allows, so this is the most.
+            let (px_max, lowest_m) = hanging(eye, |place, radius_m| {
+                let there = eye.body.geodetic_to_ecef(place);
+                let side_m = knob * there.distance(eye.camera.eye_ecef);
+                side_m * side_m * (1.0 + place.latitude_rad.cos().powi(2)) / (8.0 * radius_m)
+            });
+            Expected {
+                px_max,
+                lowest_m,
+                by: "κ² d² (1 + cos² φ) / 8R at most, κ = cell / distance",
+                ..Expected::default()
+            }
+        }
         Formula::Uniform => {
             let step = PI / knob;
             // Half the diagonal of a cell is the radius of the circle around its triangles.

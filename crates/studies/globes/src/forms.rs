@@ -9,12 +9,14 @@ pub(crate) use section::blocks;
 use crate::STUDY;
 use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
+use crate::session::{Failure, Figures, Part, PartSession, judged};
 use glam::DVec3;
 use std::rc::Rc;
+use std::sync::Arc;
 use terrafill_core::Geodetic;
-use terrafill_results::{CaseId, PlannedCase, Status, Verdict, quantile};
+use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
 use terrafill_study::{Context, Group, Session, StudyError};
-use terrafill_surface::SurfaceFrame;
+use terrafill_surface::{Surface, SurfaceFrame};
 use toml::{Table as Parameters, Value};
 
 /// Name of this part in cases.
@@ -110,24 +112,33 @@ impl Forms {
         }
     }
 
+    fn surface(&self, set: &[(&str, Value)]) -> Result<Arc<dyn Surface>, String> {
+        let set = set.iter();
+        let set = set.map(|(key, value)| ((*key).to_owned(), value.clone()));
+        self.opened.get(KIND, &Parameters::from_iter(set))
+    }
+
     fn frame(&self, eye: &Eye, set: &[(&str, Value)]) -> Result<SurfaceFrame, String> {
-        let set = set
-            .iter()
-            .map(|(key, value)| ((*key).to_owned(), value.clone()));
-        let surface = self.opened.get(KIND, &Parameters::from_iter(set))?;
-        let frame = surface.frame(&eye.camera, eye.size);
+        let frame = self.surface(set)?.frame(&eye.camera, eye.size);
         frame.map_err(|error| error.to_string())
     }
 
-    fn figures(&self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+    /// Before a frame rounds them, which would be an error of both sides.
+    fn vertices(&self, eye: &Eye, set: &[(&str, Value)]) -> Result<Vec<DVec3>, String> {
+        let vertices = self.surface(set)?.exact_vertices(&eye.camera, eye.size);
+        let vertices = vertices.map_err(|error| error.to_string())?;
+        vertices.ok_or_else(|| format!("surface {KIND} does not say its vertices in f64"))
+    }
+
+    fn figures(&self, case: usize) -> Result<Figures, String> {
         let (what, height_m) = self.work[case];
         let eye = eye(height_m);
         let word = |text: &str| Value::String(text.to_owned());
         match what {
             What::Form(form) => {
                 let form = ("frame", word(form));
-                let [exact, single] = ["f64", "f32"].map(|precision| {
-                    self.frame(&eye, &[form.clone(), ("precision", word(precision))])
+                let [exact, single] = ["buffer", "f32"].map(|precision| {
+                    self.vertices(&eye, &[form.clone(), ("precision", word(precision))])
                 });
                 moved(&exact?, &single?, &eye)
             }
@@ -135,7 +146,7 @@ impl Forms {
                 // On the horizon, so that both meshes end where the series is asked for.
                 let rim = ("rim", word("horizon"));
                 let [exact, short] = ["native", series]
-                    .map(|trig| self.frame(&eye, &[rim.clone(), ("trig", word(trig))]));
+                    .map(|trig| self.vertices(&eye, &[rim.clone(), ("trig", word(trig))]));
                 moved(&exact?, &short?, &eye)
             }
             What::Rings(law) => {
@@ -231,13 +242,8 @@ fn angle(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
 }
 
-/// How far one frame's vertices are from another's.
-fn moved(
-    exact: &SurfaceFrame,
-    other: &SurfaceFrame,
-    eye: &Eye,
-) -> Result<Vec<(&'static str, f64)>, String> {
-    let (exact, other) = (places(exact), places(other));
+/// How far a view's vertices are from others.
+fn moved(exact: &[DVec3], other: &[DVec3], eye: &Eye) -> Result<Figures, String> {
     if exact.len() != other.len() {
         return Err(format!(
             "{} and {} vertices, allowed: as many",
@@ -245,7 +251,7 @@ fn moved(
             other.len()
         ));
     }
-    let pairs = || exact.iter().zip(&other);
+    let pairs = || exact.iter().zip(other);
     let metres: Vec<f64> = pairs().map(|(a, b)| a.distance(*b)).collect();
     let pixels: Vec<f64> = pairs()
         .map(|(a, b)| angle(*a, *b) * focal_px(eye))
@@ -286,8 +292,8 @@ fn worst_sag_px(frame: &SurfaceFrame, eye: &Eye) -> f64 {
     worst
 }
 
-/// The same from the law's own formula, on a sphere: a ring from `r` to `r + Δ` sags by `R Δ² / 8`, seen from `h` as
-/// `f s g / (h² + g²)`, `g = R r`.
+/// The same from the law's own formula, on a sphere. A ring from `r` to `r + Δ` sags by `s = R Δ² / 8`. From `h` it is
+/// seen as `f s g / (h² + g²)`, `g = R r`.
 fn rings_by_formula(law: &str, height_m: f64) -> u32 {
     let eye = eye(height_m);
     let focal_px = focal_px(&eye);
@@ -329,25 +335,18 @@ impl Group for Forms {
     }
 
     fn open<'a>(&'a self, _context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(FormSession(self)))
+        Ok(Box::new(PartSession(FormPart(self))))
     }
 }
 
-struct FormSession<'a>(&'a Forms);
+struct FormPart<'a>(&'a Forms);
 
-impl Session for FormSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        Ok(match self.0.figures(case) {
-            Ok(figures) => Verdict {
-                status: Status::Ok,
-                figures,
-                ..Verdict::default()
-            },
-            Err(reason) => Verdict::failed(reason),
-        })
+impl Part for FormPart<'_> {
+    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
+        Ok(judged(String::new(), self.0.figures(case)?, Vec::new()))
     }
 
-    fn sample(&mut self, _case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+    fn time(&mut self, _case: usize) -> Result<Figures, Failure> {
         Ok(Vec::new())
     }
 }

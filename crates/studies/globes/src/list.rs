@@ -70,6 +70,7 @@ pub(crate) enum Formula {
     Spiral,
     ScreenGrid,
     ScreenError,
+    CellShare,
 }
 
 impl List {

@@ -9,14 +9,16 @@ mod spiral;
 pub(crate) use section::blocks;
 
 use crate::STUDY;
+use crate::clock::FrameWatch;
 use crate::list::{Eye, List};
+use crate::session::{Failure, Figures, Part, PartSession, judged};
 use device::{MadeScene, MadeTargets};
 use glam::DVec3;
 use spiral::{Source, Spiral};
 use std::collections::BTreeMap;
-use terrafill_fill::{CpuStopwatch, DeviceError};
+use terrafill_fill::DeviceError;
 use terrafill_plot::number::significant;
-use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
+use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_study::{Context, Group, Session, StudyError};
 
 /// Name of this part in cases.
@@ -120,16 +122,16 @@ impl Group for Made {
     }
 
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(MadeSession {
+        Ok(Box::new(PartSession(MadePart {
             group: self,
             context,
             targets: None,
             ready: BTreeMap::new(),
-        }))
+        })))
     }
 }
 
-struct MadeSession<'a> {
+struct MadePart<'a> {
     group: &'a Made,
     context: Context<'a>,
     targets: Option<MadeTargets>,
@@ -153,13 +155,10 @@ fn against(eye: &Eye, spiral: &Spiral, made: &[[f32; 3]]) -> (f64, f64, usize) {
     (px, metres, lost)
 }
 
-impl MadeSession<'_> {
-    fn make(&mut self, case: usize) -> Result<Result<Verdict, String>, DeviceError> {
+impl Part for MadePart<'_> {
+    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
         let work = self.group.work[case];
-        let eye = match self.group.eye(&work) {
-            Ok(eye) => eye,
-            Err(error) => return Ok(Err(error)),
-        };
+        let eye = self.group.eye(&work)?;
         if self.targets.is_none() {
             let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
             self.targets = Some(MadeTargets::new(&gpu, eye.size));
@@ -200,65 +199,31 @@ impl MadeSession<'_> {
             ));
         }
         self.ready.insert(case, scene);
-        Ok(Ok(Verdict {
-            status: if reasons.is_empty() {
-                Status::Ok
-            } else {
-                Status::Wrong
-            },
-            reason: reasons.join(", "),
-            figures: vec![
-                ("globe_made_px_max", px),
-                ("globe_made_m_max", metres),
-                ("globe_made_differs_px", differs as f64),
-                ("globe_non_finite", lost as f64),
-                ("globe_triangles", spiral.triangles().len() as f64),
-                ("globe_vertices", f64::from(spiral.count())),
-                ("globe_upload_bytes", sent as f64),
-            ],
-            notes: Vec::new(),
-        }))
+        let figures = vec![
+            ("globe_made_px_max", px),
+            ("globe_made_m_max", metres),
+            ("globe_made_differs_px", differs as f64),
+            ("globe_non_finite", lost as f64),
+            ("globe_triangles", spiral.triangles().len() as f64),
+            ("globe_vertices", f64::from(spiral.count())),
+            ("globe_upload_bytes", sent as f64),
+        ];
+        Ok(judged(reasons.join(", "), figures, Vec::new()))
     }
 
-    fn time(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
         let work = self.group.work[case];
         let eye = self.group.eye(&work)?;
-        let targets = self.targets.as_ref().ok_or("it has no targets")?;
-        let scene = self.ready.get_mut(&case).ok_or("it was not verified")?;
-        let watch = CpuStopwatch::start();
+        let targets = self.targets.as_ref();
+        let targets = targets.ok_or("it has no targets".to_owned())?;
+        let scene = self.ready.get_mut(&case);
+        let scene = scene.ok_or("it was not verified".to_owned())?;
+        let mut watch = FrameWatch::start();
         let spiral = Spiral::new(&eye, N, work.is_quadratic);
         targets.send(scene, &eye, &spiral);
-        let upload_ms = watch.cpu_ms();
-        let gpu_ms = targets.draw(scene).map_err(|error| error.to_string())?;
-        let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
-        let mut values = vec![
-            ("globe_whole_cpu_ms", cpu_ms),
-            ("globe_whole_wall_ms", wall_ms),
-            ("globe_upload_cpu_ms", upload_ms),
-            ("globe_draw_cpu_ms", cpu_ms - upload_ms),
-        ];
-        if let Some(gpu_ms) = gpu_ms {
-            values.push(("globe_draw_gpu_ms", gpu_ms));
-            values.push(("globe_whole_gpu_ms", upload_ms + gpu_ms));
-        }
-        Ok(values)
-    }
-}
-
-impl Session for MadeSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        Ok(match self.make(case) {
-            Ok(Ok(verdict)) => verdict,
-            Ok(Err(error)) => Verdict::failed(error),
-            Err(error @ (DeviceError::Unsupported { .. } | DeviceError::OverCapacity { .. })) => {
-                Verdict::skipped(error.to_string())
-            }
-            Err(error) => Verdict::failed(error.to_string()),
-        })
-    }
-
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        self.time(case)
+        watch.ends("globe_upload_cpu_ms");
+        let gpu_ms = targets.draw(scene)?;
+        Ok(watch.drawn(gpu_ms))
     }
 }
 

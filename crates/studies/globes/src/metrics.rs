@@ -3,7 +3,7 @@
 
 use terrafill_results::{Kind, Metric};
 
-pub(crate) const METRICS: [Metric; 69] = [
+pub(crate) const METRICS: [Metric; 76] = [
     Metric::less(
         "globe_whole_cpu_ms",
         "ms",
@@ -174,6 +174,12 @@ pub(crate) const METRICS: [Metric; 69] = [
         "What a formula says of `globe_lowest_m`.",
     ),
     Metric::neither(
+        "globe_closed_map_m_max",
+        "m",
+        Kind::Error,
+        "What the closed form says of `globe_map_m_max` over a grid on the screen seen straight down.",
+    ),
+    Metric::neither(
         "globe_tile_px",
         "px",
         Kind::Counter,
@@ -252,6 +258,18 @@ pub(crate) const METRICS: [Metric; 69] = [
         "Of them, those that the seam's rule leaves whole.",
     ),
     Metric::less(
+        "globe_tile_untouched",
+        "",
+        Kind::Error,
+        "Of them, those into which the seam's rule inserts nothing.",
+    ),
+    Metric::neither(
+        "globe_tile_with_pole",
+        "",
+        Kind::Counter,
+        "Triangles that hold a pole.",
+    ),
+    Metric::less(
         "globe_tile_count",
         "",
         Kind::Counter,
@@ -263,6 +281,24 @@ pub(crate) const METRICS: [Metric; 69] = [
         "bytes",
         Kind::Bytes,
         "Bytes of the texels of a view's tiles.",
+    ),
+    Metric::less(
+        "globe_tile_colour_wrong_px",
+        "px",
+        Kind::Error,
+        "Pixels that have another colour than the texel that they show.",
+    ),
+    Metric::less(
+        "globe_tile_colour_off_median",
+        "",
+        Kind::Error,
+        "Difference of a pixel's colour from the whole picture at its place on the body: the largest channel's, of 255, median.",
+    ),
+    Metric::less(
+        "globe_tile_colour_off_p99",
+        "",
+        Kind::Error,
+        "The same, 99 % of the pixels.",
     ),
     Metric::less(
         "globe_form_px_max",
@@ -347,6 +383,12 @@ pub(crate) const METRICS: [Metric; 69] = [
         "ms",
         Kind::Time,
         "The same, largest.",
+    ),
+    Metric::less(
+        "globe_zone_hides",
+        "",
+        Kind::Counter,
+        "Pixels of a zone a level below the finest over those that it has at the finest, largest of all zones: what spikes hide.",
     ),
     Metric::less(
         "globe_counted_cpu_ms",

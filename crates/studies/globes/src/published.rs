@@ -313,7 +313,7 @@ fn idle_finding() -> Finding {
         claim: "Gebbie & Bailey: “Note the very high percentage of CPU idle time.”".to_owned(),
         standing: Standing::CannotTell,
         because: format!(
-            "1 − CPU/GPU reproduces the 18 printed figures to {} points: what is called idle is the \
+            "1 − CPU/GPU reproduces the 18 printed figures to {} points. What is called idle is the \
              share of the GPU's time in which the CPU did not draw, and no load that was measured.",
             significant(worst)
         ),

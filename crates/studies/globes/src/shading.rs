@@ -1,29 +1,31 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Five layers over the spiral (Gebbie and Bailey, Tables 1 and 3): features taken away one after the other, cube maps
-//! against pictures by angles, the faults of the printed shader, every projection, and triangles against pixels.
+//! Five layers over the spiral (Gebbie and Bailey, Tables 1 and 3): features taken away one after the other, the faults
+//! of the printed shader, every projection. Cube maps stand against pictures by angles, triangles against pixels.
 
 mod device;
+mod judge;
 mod layers;
 mod section;
+mod tessellation;
 
 pub(crate) use section::blocks;
 
 use crate::STUDY;
+use crate::clock::FrameWatch;
+use crate::image::write_png;
 use crate::list::{Eye, List};
 use crate::opened::Opened;
 use crate::projection::Projection;
+use crate::session::{Failure, Figures, Part, PartSession, judged};
 use device::{LayerScene, LayerTargets, LayerVertex, Pictures, Shading};
 use glam::{DMat3, DVec3};
-use layers::{Lights, colour};
-use rayon::prelude::*;
+use judge::{bytes, is_lost, judge, normal};
+use layers::Lights;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
-use std::path::Path;
 use std::rc::Rc;
 use terrafill_core::Geodetic;
-use terrafill_fill::{CpuStopwatch, DeviceError};
-use terrafill_reference::SurfaceTriangles;
-use terrafill_results::{CaseId, PlannedCase, Status, Verdict, quantile};
+use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
 use terrafill_study::{Context, Group, Session, StudyError};
 use terrafill_surface::SurfaceFrame;
 use toml::{Table, Value};
@@ -115,20 +117,19 @@ fn work(side_px: u32, is_quick: bool) -> Vec<Work> {
         what: "projections",
         ..base
     }));
-    if !is_quick {
-        for size_px in WINDOWS_PX {
-            for n in TABLE_1_N {
-                all.extend([0, REMOVED].map(|removed| Work {
-                    size_px,
-                    n,
-                    shading: Shading {
-                        removed,
-                        ..Shading::default()
-                    },
-                    what: "tessellation",
-                    ..base
-                }));
-            }
+    let windows = if is_quick { 1 } else { WINDOWS_PX.len() };
+    for &size_px in &WINDOWS_PX[..windows] {
+        for n in TABLE_1_N {
+            all.extend([0, REMOVED].map(|removed| Work {
+                size_px,
+                n,
+                shading: Shading {
+                    removed,
+                    ..Shading::default()
+                },
+                what: "tessellation",
+                ..base
+            }));
         }
     }
     all
@@ -219,103 +220,23 @@ impl Group for Shadings {
     }
 
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(ShadingSession {
+        Ok(Box::new(PartSession(ShadingPart {
             group: self,
             context,
             pictures: None,
             targets: BTreeMap::new(),
             ready: BTreeMap::new(),
-        }))
+        })))
     }
 }
 
-struct ShadingSession<'a> {
+struct ShadingPart<'a> {
     group: &'a Shadings,
     context: Context<'a>,
     pictures: Option<Pictures>,
     /// By size and view.
     targets: BTreeMap<(u32, &'static str), LayerTargets>,
     ready: BTreeMap<usize, LayerScene>,
-}
-
-/// What a picture's colours are.
-#[derive(Debug, Clone, PartialEq, Default)]
-struct Found {
-    /// Of each compared pixel, the largest channel's difference from the functions.
-    all: Vec<f64>,
-    /// Within 5° of a pole.
-    polar: Vec<f64>,
-    non_finite: usize,
-    shown: usize,
-}
-
-/// Sine of 85°.
-const POLAR_SINE: f64 = 0.996_194_698_091_745_5;
-
-/// Compares a picture with the functions, by the place that each pixel's ray meets.
-fn judge(eye: &Eye, frame: &SurfaceFrame, shading: Shading, picture: &[[f32; 4]]) -> Found {
-    let triangles = SurfaceTriangles::new(frame);
-    let lights = lights(eye);
-    let width = eye.size.width as usize;
-    let judged: Vec<Option<(f64, bool)>> = (0..picture.len())
-        .into_par_iter()
-        .map(|pixel| {
-            let centre = [pixel % width, pixel / width].map(|at| at as f64 + 0.5);
-            let direction = eye.camera.direction_ecef(eye.size, centre);
-            let (depth, facet) = triangles.hit_facet(direction, eye.camera.near_m)?;
-            let shown = picture[pixel];
-            if shown[3] == 0.0 {
-                return None;
-            }
-            // Normal and direction to the eye are interpolated as the device does: from the triangle's corners.
-            let corners = facet.map(|corner| (normal(eye, corner), -corner));
-            let shares = shares(facet, direction * depth);
-            let mixed = |of: &dyn Fn(usize) -> DVec3| {
-                (0..3).fold(DVec3::ZERO, |sum, i| sum + of(i) * shares[i])
-            };
-            let n = mixed(&|i| corners[i].0).normalize();
-            let expected = colour(&lights, shading.removed, n, mixed(&|i| corners[i].1));
-            let off = (0..3).map(|i| (f64::from(shown[i]) - expected[i]).abs());
-            // What is no number must not be lost in a maximum.
-            let worst = off.fold(
-                0.0,
-                |worst: f64, off| if off <= worst { worst } else { off },
-            );
-            Some((worst, n.z.abs() > POLAR_SINE))
-        })
-        .collect();
-    let is_lost = |colour: &&[f32; 4]| colour.iter().any(|channel| !channel.is_finite());
-    let mut found = Found {
-        non_finite: picture.iter().filter(is_lost).count(),
-        shown: picture.iter().filter(|colour| colour[3] != 0.0).count(),
-        ..Found::default()
-    };
-    for (off, is_polar) in judged
-        .into_iter()
-        .flatten()
-        .filter(|(off, _)| off.is_finite())
-    {
-        found.all.push(off);
-        if is_polar {
-            found.polar.push(off);
-        }
-    }
-    found
-}
-
-/// Shares of a triangle's corners at a point of it.
-fn shares([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 3] {
-    let normal = (b - a).cross(c - a);
-    let share = |from: DVec3, to: DVec3| {
-        (from - point).cross(to - point).dot(normal) / normal.length_squared()
-    };
-    [share(b, c), share(c, a), share(a, b)]
-}
-
-/// Geodetic normal of a place relative to the eye.
-fn normal(eye: &Eye, relative_m: DVec3) -> DVec3 {
-    let radii = eye.body.radii_m();
-    ((eye.camera.eye_ecef + relative_m) / (radii * radii)).normalize()
 }
 
 fn vertices(eye: &Eye, frame: &SurfaceFrame, projection: Projection) -> Vec<LayerVertex> {
@@ -334,20 +255,19 @@ fn vertices(eye: &Eye, frame: &SurfaceFrame, projection: Projection) -> Vec<Laye
         .collect()
 }
 
-impl ShadingSession<'_> {
+impl ShadingPart<'_> {
     fn frame(&self, work: &Work, eye: &Eye) -> Result<SurfaceFrame, String> {
         let parameters = Table::from_iter([("n".to_owned(), Value::Integer(work.n.into()))]);
         let surface = self.group.opened.get(KIND, &parameters)?;
         let frame = surface.frame(&eye.camera, eye.size);
         frame.map_err(|error| error.to_string())
     }
+}
 
-    fn make(&mut self, case: usize) -> Result<Result<Verdict, String>, DeviceError> {
+impl Part for ShadingPart<'_> {
+    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
         let work = self.group.work[case];
-        let eye = match self.group.eye(&work) {
-            Ok(eye) => eye,
-            Err(error) => return Ok(Err(error)),
-        };
+        let eye = self.group.eye(&work)?;
         let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
         let pictures = self
             .pictures
@@ -356,151 +276,96 @@ impl ShadingSession<'_> {
         if let Entry::Vacant(entry) = self.targets.entry(key) {
             entry.insert(LayerTargets::new(&gpu, eye.size, pictures, &lights(&eye))?);
         }
-        let frame = match self.frame(&work, &eye) {
-            Ok(frame) => frame,
-            Err(error) => return Ok(Err(error)),
-        };
+        let frame = self.frame(&work, &eye)?;
         let vertices = vertices(&eye, &frame, work.projection);
-        let lost = vertices
-            .iter()
-            .flat_map(|vertex| vertex.clip)
-            .filter(|at| !at.is_finite());
-        let lost = lost.count();
+        let places = vertices.iter().flat_map(|vertex| vertex.clip);
+        let lost = places.filter(|at| !at.is_finite()).count();
         let targets = &self.targets[&key];
         let scene = targets.scene(work.shading, &vertices, &frame.triangles)?;
         targets.draw(&scene)?;
         let picture = targets.read()?;
-        let mut figures = vec![
-            ("globe_triangles", frame.triangles.len() as f64),
-            (
-                "globe_upload_bytes",
-                std::mem::size_of_val(vertices.as_slice()) as f64,
-            ),
-        ];
-        let mut reason = String::new();
-        let non_finite;
-        if work.projection == Projection::Globe {
-            let found = judge(&eye, &frame, work.shading, &picture);
-            non_finite = found.non_finite + lost;
-            let worst = quantile(&found.all, 0.99).unwrap_or(f64::INFINITY);
-            if worst > ALLOWED {
-                reason = format!(
-                    "99 % of the pixels are within {worst:.3} of the functions, allowed {ALLOWED}"
-                );
-            }
-            figures.push(("globe_shade_px", found.shown as f64));
-            let mut add = |name, of: &[f64], share| {
-                figures.extend(quantile(of, share).map(|value| (name, value)));
-            };
-            add("globe_shade_max", &found.all, 1.0);
-            add("globe_shade_p99", &found.all, 0.99);
-            add("globe_shade_polar_max", &found.polar, 1.0);
-            add("globe_shade_polar_p99", &found.polar, 0.99);
-        } else {
-            let is_lost = |colour: &&[f32; 4]| colour.iter().any(|channel| !channel.is_finite());
-            non_finite = picture.iter().filter(is_lost).count() + lost;
-            let shown = picture.iter().filter(|colour| colour[3] != 0.0).count();
-            figures.push(("globe_shade_px", shown as f64));
-            if shown == 0 {
-                reason = "it shows nothing".to_owned();
-            }
-        }
-        figures.push(("globe_non_finite", non_finite as f64));
-        if non_finite > 0 {
-            reason = format!("{non_finite} pixels or vertices are not finite, allowed 0");
-        }
+        let (reason, mut figures) = match work.projection {
+            Projection::Globe => of_globe(&eye, &frame, &work, (lost, &picture)),
+            _ => of_other(lost, &picture),
+        };
+        let sent = std::mem::size_of_val(vertices.as_slice());
+        figures.push(("globe_triangles", frame.triangles.len() as f64));
+        figures.push(("globe_upload_bytes", sent as f64));
         let mut notes = Vec::new();
         if work.what != "tessellation" {
             let name = self.group.cases[case].id.key().replace(['/', '='], "-");
-            match write(self.context.folder, &name, work.size_px, &picture) {
-                Ok(path) => notes.push(("picture", path)),
-                Err(error) => return Ok(Err(error)),
-            }
+            let size = [work.size_px; 2];
+            let pixels = picture.iter().map(|colour| bytes(*colour));
+            let path = write_png(self.context.folder, &name, size, pixels)?;
+            notes.push(("picture", path));
         }
         self.ready.insert(case, scene);
-        Ok(Ok(Verdict {
-            status: if reason.is_empty() {
-                Status::Ok
-            } else {
-                Status::Wrong
-            },
-            reason,
-            figures,
-            notes,
-        }))
+        Ok(judged(reason, figures, notes))
     }
 
     /// A frame as the paper's: the mesh is sent anew.
-    fn time(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
         let work = self.group.work[case];
         let eye = self.group.eye(&work)?;
-        let watch = CpuStopwatch::start();
+        let mut watch = FrameWatch::start();
         let frame = self.frame(&work, &eye)?;
         let vertices = vertices(&eye, &frame, work.projection);
-        let make_ms = watch.cpu_ms();
-        let targets = self
-            .targets
-            .get(&(work.size_px, work.view))
-            .ok_or("it has no targets")?;
-        let scene = self.ready.get(&case).ok_or("it was not verified")?;
+        watch.ends("globe_make_cpu_ms");
+        let targets = self.targets.get(&(work.size_px, work.view));
+        let targets = targets.ok_or("it has no targets".to_owned())?;
+        let scene = self.ready.get(&case);
+        let scene = scene.ok_or("it was not verified".to_owned())?;
         targets.send(scene, &vertices);
-        let upload_ms = watch.cpu_ms() - make_ms;
-        let gpu_ms = targets.draw(scene).map_err(|error| error.to_string())?;
-        let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
-        let mut values = vec![
-            ("globe_whole_cpu_ms", cpu_ms),
-            ("globe_whole_wall_ms", wall_ms),
-            ("globe_make_cpu_ms", make_ms),
-            ("globe_upload_cpu_ms", upload_ms),
-            ("globe_draw_cpu_ms", cpu_ms - make_ms - upload_ms),
-        ];
-        if let Some(gpu_ms) = gpu_ms {
-            values.push(("globe_draw_gpu_ms", gpu_ms));
-            values.push(("globe_whole_gpu_ms", make_ms + upload_ms + gpu_ms));
-        }
-        Ok(values)
+        watch.ends("globe_upload_cpu_ms");
+        let gpu_ms = targets.draw(scene)?;
+        Ok(watch.drawn(gpu_ms))
     }
 }
 
-/// Writes a picture under `folder/images/` and returns its path relative to `folder`: what is not finite is magenta.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a share of 255 after clamping"
-)]
-fn write(folder: &Path, name: &str, side_px: u32, picture: &[[f32; 4]]) -> Result<String, String> {
-    let relative = format!("images/{name}.png");
-    let path = folder.join(&relative);
-    let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let pixels = picture.iter().flat_map(|colour| {
-        if colour.iter().any(|channel| !channel.is_finite()) {
-            return [255, 0, 255];
+/// Why a globe's picture is wrong, and its figures.
+fn of_globe(
+    eye: &Eye,
+    frame: &SurfaceFrame,
+    work: &Work,
+    (lost, picture): (usize, &[[f32; 4]]),
+) -> (String, Figures) {
+    let found = judge(eye, frame, work.shading, picture);
+    let mut figures = vec![
+        ("globe_shade_px", found.shown as f64),
+        ("globe_non_finite", (found.non_finite + lost) as f64),
+    ];
+    let mut add = |name, of: &[f64], share| {
+        figures.extend(quantile(of, share).map(|value| (name, value)));
+    };
+    add("globe_shade_max", &found.all, 1.0);
+    add("globe_shade_p99", &found.all, 0.99);
+    add("globe_shade_polar_max", &found.polar, 1.0);
+    add("globe_shade_polar_p99", &found.polar, 0.99);
+    let worst = quantile(&found.all, 0.99).unwrap_or(f64::INFINITY);
+    let reason = match (found.non_finite + lost, worst > ALLOWED) {
+        (0, false) => String::new(),
+        (0, true) => {
+            format!("99 % of the pixels are within {worst:.3} of the functions, allowed {ALLOWED}")
         }
-        [0, 1, 2].map(|i| (255.0 * colour[i].clamp(0.0, 1.0)).round() as u8)
-    });
-    let image = image::RgbImage::from_raw(side_px, side_px, pixels.collect());
-    let image = image.ok_or_else(|| failed(&"wrong size"))?;
-    std::fs::create_dir_all(folder.join("images")).map_err(|error| failed(&error))?;
-    let saved = image.save_with_format(&path, image::ImageFormat::Png);
-    saved.map_err(|error| failed(&error))?;
-    Ok(relative)
+        (lost, _) => format!("{lost} pixels or vertices are not finite, allowed 0"),
+    };
+    (reason, figures)
 }
 
-impl Session for ShadingSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        Ok(match self.make(case) {
-            Ok(Ok(verdict)) => verdict,
-            Ok(Err(error)) => Verdict::failed(error),
-            Err(error @ (DeviceError::Unsupported { .. } | DeviceError::OverCapacity { .. })) => {
-                Verdict::skipped(error.to_string())
-            }
-            Err(error) => Verdict::failed(error.to_string()),
-        })
-    }
-
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        self.time(case)
-    }
+/// The same of another projection, whose colours no ray says.
+fn of_other(lost: usize, picture: &[[f32; 4]]) -> (String, Figures) {
+    let non_finite = lost + picture.iter().filter(|colour| is_lost(colour)).count();
+    let shown = picture.iter().filter(|colour| colour[3] != 0.0).count();
+    let figures = vec![
+        ("globe_shade_px", shown as f64),
+        ("globe_non_finite", non_finite as f64),
+    ];
+    let reason = match (non_finite, shown) {
+        (0, 0) => "it shows nothing".to_owned(),
+        (0, _) => String::new(),
+        (lost, _) => format!("{lost} pixels or vertices are not finite, allowed 0"),
+    };
+    (reason, figures)
 }
 
 #[cfg(test)]

@@ -1,29 +1,34 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Tiles of a map over the grid on the screen (StuCoSReC 2018, sections 2.4 and 2.5): each texel holds its own
+//! Tiles of a map over the grid on the screen (StuCoSReC 2018, sections 2.4 and 2.5). Each texel holds its own
 //! address, so a picture says exactly which texel every pixel shows.
 
 mod device;
 mod mesh;
 mod options;
+pub(crate) mod picture;
 mod section;
 pub(crate) mod stage;
+mod tile_set;
 mod truth;
 
 pub(crate) use section::{blocks, frame_times_by_cells};
 
 use crate::STUDY;
+use crate::clock::FrameWatch;
 use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
-use device::{MapScene, MapTargets, Shown, TileSet};
+use crate::session::{Failure, Figures, Part, PartSession, judged};
+use device::{MapScene, MapTargets};
 use mesh::{MapMesh, map_mesh};
 use options::Options;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError};
-use terrafill_results::{CaseId, PlannedCase, Status, Verdict, quantile};
+use terrafill_fill::DeviceError;
+use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
 use terrafill_study::{Context, Group, Session, StudyError};
 use terrafill_surface::{Surface, SurfaceFrame};
+use tile_set::{Content, Shown, TileSet};
 use toml::{Table, Value};
 use truth::{Truth, off_texels, tiles, truths};
 
@@ -103,13 +108,13 @@ impl Group for Tiled {
     }
 
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(TiledSession {
+        Ok(Box::new(PartSession(TiledPart {
             group: self,
             context,
             targets: None,
             truths: BTreeMap::new(),
             ready: BTreeMap::new(),
-        }))
+        })))
     }
 }
 
@@ -119,7 +124,7 @@ struct Ready {
     fingerprint: u64,
 }
 
-struct TiledSession<'a> {
+struct TiledPart<'a> {
     group: &'a Tiled,
     context: Context<'a>,
     targets: Option<MapTargets>,
@@ -182,7 +187,7 @@ fn fingerprint(mesh: &MapMesh) -> u64 {
     hasher.finish()
 }
 
-impl TiledSession<'_> {
+impl TiledPart<'_> {
     fn mesh(
         &self,
         surface: &Arc<dyn Surface>,
@@ -194,31 +199,26 @@ impl TiledSession<'_> {
         let mesh = map_mesh(&eye.body, &eye.camera, &frame, options);
         Ok((frame, mesh))
     }
+}
 
-    fn make(&mut self, case: usize) -> Result<Verdict, DeviceError> {
+impl Part for TiledPart<'_> {
+    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
         let (eye, options) = (&self.group.eye, self.group.options[case]);
         if self.targets.is_none() {
             let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
-            self.targets = Some(MapTargets::new(&gpu, eye.size)?);
+            self.targets = Some(MapTargets::new(&gpu, eye.size));
         }
-        let parameters = Table::from_iter([("n".to_owned(), Value::Integer(options.n.into()))]);
-        let surface = match self.group.opened.get(KIND, &parameters) {
-            Ok(surface) => surface,
-            Err(error) => return Ok(Verdict::failed(error)),
-        };
-        let (frame, mesh) = match self.mesh(&surface, &options) {
-            Ok(made) => made,
-            Err(error) => return Ok(Verdict::failed(error)),
-        };
+        let surface = grid(&self.group.opened, options.n)?;
+        let (frame, mesh) = self.mesh(&surface, &options)?;
         let known = self.truths.entry(options.n);
         let truths = Rc::clone(known.or_insert_with(|| Rc::new(truths(eye, &frame))));
-        let targets = self.targets.as_ref();
+        let targets = self.targets.as_mut();
         let targets = targets.ok_or(DeviceError::Missing("targets of the map"))?;
         let all = tiles(&truths, &options);
-        let mut scene = targets.scene(&options, &truths, all)?;
+        let mut scene = targets.scene(&options, &truths, (all, Content::Addresses))?;
         let sent = targets.send(&mut scene, eye, &options, &mesh);
         targets.draw(&scene)?;
-        let shown = targets.read(&scene)?;
+        let shown = targets.shown(&scene)?;
         let found = judge(&truths, &shown, options.by_fragment);
         let verdict = verdict(&found, &mesh, &scene, sent);
         let ready = Ready {
@@ -230,37 +230,33 @@ impl TiledSession<'_> {
         Ok(verdict)
     }
 
-    fn time(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
         let (eye, options) = (&self.group.eye, self.group.options[case]);
-        let mut ready = self.ready.remove(&case).ok_or("it was not verified")?;
-        let watch = CpuStopwatch::start();
+        let ready = self.ready.remove(&case);
+        let mut ready = ready.ok_or("it was not verified".to_owned())?;
+        let mut watch = FrameWatch::start();
         let (_, mesh) = self.mesh(&ready.surface, &options)?;
-        let make_ms = watch.cpu_ms();
-        let targets = self.targets.as_ref().ok_or("it has no targets")?;
+        watch.ends("globe_make_cpu_ms");
+        let targets = self.targets.as_ref();
+        let targets = targets.ok_or("it has no targets".to_owned())?;
         targets.send(&mut ready.scene, eye, &options, &mesh);
-        let upload_ms = watch.cpu_ms() - make_ms;
-        let gpu_ms = targets
-            .draw(&ready.scene)
-            .map_err(|error| error.to_string())?;
-        let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
+        watch.ends("globe_upload_cpu_ms");
+        let gpu_ms = targets.draw(&ready.scene)?;
+        let values = watch.drawn(gpu_ms);
         let is_same = fingerprint(&mesh) == ready.fingerprint;
         self.ready.insert(case, ready);
         if !is_same {
-            return Err("it made other triangles than when it was verified".to_owned());
-        }
-        let mut values = vec![
-            ("globe_whole_cpu_ms", cpu_ms),
-            ("globe_whole_wall_ms", wall_ms),
-            ("globe_make_cpu_ms", make_ms),
-            ("globe_upload_cpu_ms", upload_ms),
-            ("globe_draw_cpu_ms", cpu_ms - make_ms - upload_ms),
-        ];
-        if let Some(gpu_ms) = gpu_ms {
-            values.push(("globe_draw_gpu_ms", gpu_ms));
-            values.push(("globe_whole_gpu_ms", make_ms + upload_ms + gpu_ms));
+            let reason = "it made other triangles than when it was verified";
+            return Err(reason.to_owned().into());
         }
         Ok(values)
     }
+}
+
+/// A grid on the screen of `n` × `n` cells.
+fn grid(opened: &Opened, n: u32) -> Result<Arc<dyn Surface>, String> {
+    let parameters = Table::from_iter([("n".to_owned(), Value::Integer(n.into()))]);
+    opened.get(KIND, &parameters)
 }
 
 fn verdict(found: &Found, mesh: &MapMesh, scene: &MapScene, sent: u64) -> Verdict {
@@ -298,32 +294,8 @@ fn verdict(found: &Found, mesh: &MapMesh, scene: &MapScene, sent: u64) -> Verdic
             found.seam_px
         ),
     };
-    Verdict {
-        status: if reason.is_empty() {
-            Status::Ok
-        } else {
-            Status::Wrong
-        },
-        reason,
-        figures,
-        notes: vec![("triangles", format!("{:016x}", fingerprint(mesh)))],
-    }
-}
-
-impl Session for TiledSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        Ok(match self.make(case) {
-            Ok(verdict) => verdict,
-            Err(error @ (DeviceError::Unsupported { .. } | DeviceError::OverCapacity { .. })) => {
-                Verdict::skipped(error.to_string())
-            }
-            Err(error) => Verdict::failed(error.to_string()),
-        })
-    }
-
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        self.time(case)
-    }
+    let notes = vec![("triangles", format!("{:016x}", fingerprint(mesh)))];
+    judged(reason, figures, notes)
 }
 
 #[cfg(test)]

@@ -78,6 +78,16 @@ impl ScreenGrid {
     }
 }
 
+impl ScreenGrid {
+    fn mesh(&self, camera: &Camera, size: ImageSize) -> Result<ScreenMesh, SurfaceError> {
+        let mesh = ScreenMesh::new(&self.body, camera, size, self.options);
+        mesh.ok_or_else(|| SurfaceError::EyeBelow {
+            kind: KIND,
+            eye_height_m: self.body.ecef_to_geodetic(camera.eye_ecef).height_m,
+        })
+    }
+}
+
 impl Surface for ScreenGrid {
     fn kind(&self) -> &'static str {
         KIND
@@ -97,13 +107,17 @@ impl Surface for ScreenGrid {
         Some(0.0)
     }
 
+    fn exact_vertices(
+        &self,
+        camera: &Camera,
+        size: ImageSize,
+    ) -> Result<Option<Vec<DVec3>>, SurfaceError> {
+        Ok(Some(self.mesh(camera, size)?.vertices_rte))
+    }
+
     fn frame(&self, camera: &Camera, size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
         let body = &self.body;
-        let mesh = ScreenMesh::new(body, camera, size, self.options);
-        let mesh = mesh.ok_or_else(|| SurfaceError::EyeBelow {
-            kind: KIND,
-            eye_height_m: body.ecef_to_geodetic(camera.eye_ecef).height_m,
-        })?;
+        let mesh = self.mesh(camera, size)?;
         let vertices_rte = mesh.rounded();
         let corner =
             |index: u32| DVec3::from(vertices_rte[index as usize].map(f64::from)) + camera.eye_ecef;

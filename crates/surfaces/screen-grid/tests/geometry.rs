@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! How far a pixel's texture is off over a grid of N × N cells, how deep the grid hangs and how much of the
-//! disc it leaves out, against figures that were computed elsewhere.
+//! Figures of a grid of N × N cells against those that were computed elsewhere: how far a pixel's texture is off, how
+//! deep the grid hangs, and how much of the disc it leaves out.
 
 mod view;
 

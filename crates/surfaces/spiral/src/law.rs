@@ -64,7 +64,7 @@ impl Law {
     /// - `doubling`: turns in which the exponential radius doubles
     ///
     /// With `x` the inner radius over the outer one there are `doubling · log₂(1/x)` turns. Since
-    /// `1 − x ≤ ln(1/x)`, a linear turn is at most `ln 2 / doubling` wide, and so is a quadratic one, whose
+    /// `1 − x ≤ ln(1/x)`, a linear turn is at most `ln 2 / doubling` wide. So is a quadratic one: its
     /// last turn is at most `2 (1 − √x)` over their number. An equal-area turn is at most the root of the
     /// difference of squares, and a published one the root of the exponential turn.
     pub(crate) fn widest_turn(self, doubling: f64) -> f64 {

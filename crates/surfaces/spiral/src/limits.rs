@@ -135,8 +135,8 @@ fn angle_to(ratio: f64) -> Option<f64> {
 /// The largest angle at which rays through the picture's corners meet the sphere of the radius `lowest`; `None`
 /// where one misses it.
 ///
-/// Rays that meet it at no larger angle form a convex cone around the way straight down, so that no ray
-/// through the picture meets it farther away than one through a corner.
+/// Rays that meet it at no larger angle form a convex cone around the way straight down. So no ray through the
+/// picture meets it farther away than one through a corner.
 fn corner_angle(body: &Ellipsoid, camera: &Camera, size: ImageSize, lowest: f64) -> Option<f64> {
     let tan_y = camera.tan_half_fov();
     let tan_x = tan_y * size.aspect();

@@ -81,16 +81,31 @@ impl Trig {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Arithmetic {
     F64,
+    /// In `f64`, from what a buffer of `f32` holds of angle and radius: what [`Arithmetic::F32`] would give without
+    /// rounding.
+    Buffer,
     F32,
 }
 
 impl Arithmetic {
-    pub(crate) const ALL: [(&'static str, Self); 2] = [("f64", Self::F64), ("f32", Self::F32)];
+    pub(crate) const ALL: [(&'static str, Self); 3] = [
+        ("f64", Self::F64),
+        ("buffer", Self::Buffer),
+        ("f32", Self::F32),
+    ];
+
+    /// What a buffer keeps of an attribute.
+    fn stored(self, value: f64) -> f64 {
+        match self {
+            Self::F64 => value,
+            Self::Buffer | Self::F32 => Self::F32.round(value),
+        }
+    }
 
     fn round(self, value: f64) -> f64 {
         #[allow(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
         match self {
-            Self::F64 => value,
+            Self::F64 | Self::Buffer => value,
             Self::F32 => f64::from(value as f32),
         }
     }
@@ -140,9 +155,9 @@ impl Attributes {
     pub(crate) fn new(f: Arithmetic, angle_rad: f64, radius: f64) -> Self {
         let (sine, cosine) = angle_rad.sin_cos();
         Self {
-            sine: f.round(sine),
-            cosine: f.round(cosine),
-            radius: f.round(radius),
+            sine: f.stored(sine),
+            cosine: f.stored(cosine),
+            radius: f.stored(radius),
         }
     }
 }

@@ -249,7 +249,7 @@ impl Surface for Spiral {
     fn heights(&self, _extent: &Extent) -> HeightRange {
         let mut off = match self.arithmetic {
             Arithmetic::F64 => 0.0,
-            Arithmetic::F32 => F32_ERROR,
+            Arithmetic::Buffer | Arithmetic::F32 => F32_ERROR,
         };
         if self.form != Form::LonLat {
             off += self.trig.worst_length_error();
@@ -276,6 +276,16 @@ impl Surface for Spiral {
             parts: parts(&mesh, fan, per_turn, camera.eye_ecef).into(),
             ..mesh.frame(KIND, camera)?
         })
+    }
+
+    fn exact_vertices(
+        &self,
+        camera: &Camera,
+        size: ImageSize,
+    ) -> Result<Option<Vec<DVec3>>, SurfaceError> {
+        let (mesh, _) = self.mesh(camera, self.limits(camera, size)?);
+        let vertices = mesh.vertices_ecef.iter();
+        Ok(Some(vertices.map(|v| *v - camera.eye_ecef).collect()))
     }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What of a tile a view can see. ECEF metres.
 
+use crate::tile::TileId;
 use glam::DVec3;
 use terrafill_core::{Ellipsoid, Extent, Geodetic};
 use terrafill_elevation::Heights;
@@ -58,6 +59,8 @@ pub(crate) struct Sight {
     planes: [DVec3; 5],
     horizon: Option<Horizon>,
     near_m: f64,
+    /// Of the body at its equator, metres.
+    radius_m: f64,
     /// Height of a pixel at distance 1.
     pixel_per_distance: f64,
 }
@@ -80,6 +83,7 @@ impl Sight {
             planes: normals.map(|normal| ecef_from_view * normal.normalize()),
             horizon: Horizon::new(body, camera.eye_ecef, lowest_m),
             near_m: camera.near_m,
+            radius_m: body.equatorial_radius_m(),
             pixel_per_distance: camera.pixel_size_m(size, 1.0),
         }
     }
@@ -112,9 +116,18 @@ impl Sight {
 
     /// Pixels that `error_m` spans where `ball` is nearest.
     pub(crate) fn pixels(&self, ball: &Ball, error_m: f64) -> f64 {
-        // What is nearer than the near plane is not drawn.
+        error_m / (self.distance_m(ball) * self.pixel_per_distance)
+    }
+
+    /// From the eye to where `ball` is nearest, metres. What is nearer than the near plane is not drawn.
+    pub(crate) fn distance_m(&self, ball: &Ball) -> f64 {
         let distance_m = (ball.center_ecef - self.eye_ecef).length() - ball.radius_m;
-        error_m / (distance_m.max(self.near_m) * self.pixel_per_distance)
+        distance_m.max(self.near_m)
+    }
+
+    /// Side of a tile's cells along a meridian, metres.
+    pub(crate) fn cell_m(&self, id: TileId) -> f64 {
+        id.step_deg().to_radians() * self.radius_m
     }
 }
 

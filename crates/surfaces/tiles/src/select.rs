@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Which tiles a view draws: the one with the largest error on the screen is split first, until none
-//! is above what is allowed or the triangles are used up.
+//! Which tiles a view draws: the one that its rule finds farthest above what is allowed is split first, until none
+//! is above it or the triangles are used up.
 
 use crate::bounds::{Ball, Sight};
 use crate::tile::{CELLS, MAX_LEVEL, TileId};
@@ -10,6 +10,25 @@ use std::collections::BinaryHeap;
 use terrafill_core::Ellipsoid;
 use terrafill_surface::Refinement;
 
+/// What makes a tile too coarse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Rule {
+    /// Its distance from the full resolution on the screen, pixels.
+    Error { allowed_px: f64 },
+    /// The side of its cells over its distance from the eye, whatever its ground is like.
+    Size { allowed: f64 },
+}
+
+impl Rule {
+    /// Times what is allowed; more than 1 is too coarse.
+    fn excess(self, sight: &Sight, ball: &Ball, id: TileId, error_px: f64) -> f64 {
+        match self {
+            Self::Error { allowed_px } => error_px / allowed_px,
+            Self::Size { allowed } => sight.cell_m(id) / (sight.distance_m(ball) * allowed),
+        }
+    }
+}
+
 /// A tile that is drawn unless it turns out to be out of sight.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Chosen {
@@ -18,31 +37,42 @@ pub(crate) struct Chosen {
     pub(crate) error_m: f64,
     /// The same on the screen where it is nearest, pixels; 0 out of sight.
     pub(crate) error_px: f64,
+    /// How often its rule's limit it is; 0 out of sight.
+    excess: f64,
     root: usize,
     node: Node,
 }
 
 impl Chosen {
-    fn new(body: &Ellipsoid, sight: &Sight, id: TileId, root: usize, node: Node) -> Self {
+    fn new(
+        body: &Ellipsoid,
+        (sight, rule): (&Sight, Rule),
+        id: TileId,
+        root: usize,
+        node: Node,
+    ) -> Self {
         let error_m = node.error_m + bend_m(body, id);
         let ball = Ball::around(body, &id.extent(), node.heights);
-        let is_seen = sight.may_see(&ball);
+        let (error_px, excess) = match sight.may_see(&ball) {
+            true => {
+                let error_px = sight.pixels(&ball, error_m);
+                (error_px, rule.excess(sight, &ball, id, error_px))
+            }
+            false => (0.0, 0.0),
+        };
         Self {
             id,
             error_m,
-            error_px: if is_seen {
-                sight.pixels(&ball, error_m)
-            } else {
-                0.0
-            },
+            error_px,
+            excess,
             root,
             node,
         }
     }
 }
 
-/// How far a tile's flat triangles hang below a level ground, metres: a circle's arc over an edge `c` long
-/// is `c² / 8R` high, and over a triangle with edges of that length 4/3 as much.
+/// How far a tile's flat triangles hang below a level ground, metres. A circle's arc over an edge `c` long is
+/// `c² / 8R` high, and over a triangle with edges of that length 4/3 as much.
 pub(crate) fn bend_m(body: &Ellipsoid, id: TileId) -> f64 {
     let extent = id.extent();
     // The longest parallel of the tile is the nearest to the equator.
@@ -55,14 +85,14 @@ pub(crate) fn bend_m(body: &Ellipsoid, id: TileId) -> f64 {
     (step_m * step_m + east_m * east_m) / (6.0 * body.smallest_curvature_radius_m())
 }
 
-/// In a heap: the largest error on the screen first, then the first tile.
+/// In a heap: the tile farthest above what is allowed first, then the first one.
 #[derive(Debug, Clone, Copy)]
 struct Candidate(Chosen);
 
 impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> Ordering {
-        let by_error = self.0.error_px.total_cmp(&other.0.error_px);
-        by_error.then_with(|| other.0.id.cmp(&self.0.id))
+        let by_excess = self.0.excess.total_cmp(&other.0.excess);
+        by_excess.then_with(|| other.0.id.cmp(&self.0.id))
     }
 }
 
@@ -98,27 +128,27 @@ impl Choice {
     }
 }
 
-/// - `allowed_px`: error on the screen
+/// - `rule`: what makes a tile too coarse
 /// - `max_triangles`: of tiles that may be seen, skirts not counted
 /// - `is_there`: whether a tile that may be seen can be drawn; roots always can
 pub(crate) fn choose(
     body: &Ellipsoid,
     tree: &Tree,
     sight: &Sight,
-    allowed_px: f64,
+    rule: Rule,
     max_triangles: u32,
     is_there: &mut dyn FnMut(TileId) -> bool,
 ) -> Choice {
     let roots = TileId::roots().enumerate();
     let mut heap: BinaryHeap<Candidate> = roots
-        .map(|(root, id)| Candidate(Chosen::new(body, sight, id, root, tree.root(root))))
+        .map(|(root, id)| Candidate(Chosen::new(body, (sight, rule), id, root, tree.root(root))))
         .collect();
     let mut seen = heap.iter().filter(|c| c.0.error_px > 0.0).count();
     let most = (max_triangles / (2 * CELLS * CELLS)) as usize;
     let mut done = Vec::new();
     let mut missing = Vec::new();
     while let Some(Candidate(tile)) = heap.pop() {
-        let is_good = tile.error_px <= allowed_px || seen + 3 > most;
+        let is_good = tile.excess <= 1.0 || seen + 3 > most;
         if is_good || tile.id.level >= MAX_LEVEL {
             done.push(tile);
             continue;
@@ -132,7 +162,7 @@ pub(crate) fn choose(
         let nodes = nodes.unwrap_or([halved; 4]);
         let children = tile.id.children().into_iter().zip(nodes);
         let children: Vec<Chosen> = children
-            .map(|(id, node)| Chosen::new(body, sight, id, tile.root, node))
+            .map(|(id, node)| Chosen::new(body, (sight, rule), id, tile.root, node))
             .collect();
         let before = missing.len();
         let drawn = children.iter().filter(|child| child.error_px > 0.0);

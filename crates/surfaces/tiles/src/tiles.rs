@@ -4,7 +4,7 @@
 
 use crate::bounds::Sight;
 use crate::mesh::{TileVertices, draw, skirts};
-use crate::select::{Choice, bend_m, choose};
+use crate::select::{Choice, Rule, bend_m, choose};
 use crate::store::Store;
 use crate::tile::TileId;
 use crate::tree::Tree;
@@ -22,6 +22,9 @@ const KIND: &str = "tiles";
 
 /// Error on the screen where a scene names none, pixels: what CesiumJS draws terrain with.
 const DEFAULT_ERROR_PX: f64 = 2.0;
+/// Side of a cell over its distance where a scene takes that rule and names no share. On a smooth Earth seen from 2 km
+/// it is a quarter of a pixel at the horizon.
+const DEFAULT_CELL_PER_DISTANCE: f64 = 0.2;
 /// Triangles of a view where a scene names no limit: 12 MB of indices and vertices.
 const DEFAULT_MAX_TRIANGLES: u32 = 600_000;
 /// Memory for tiles where a scene names none: six times what the largest view draws.
@@ -30,7 +33,9 @@ const MEGABYTE: u64 = 1_000_000;
 
 /// Scenes over height tiles: `kind = "tiles"`, the elevation as [`read_elevation`] knows it, and
 ///
-/// - `error_px`: how far from the full resolution the surface may be on the screen
+/// - `rule`: what makes a tile too coarse: `error`, its error on the screen, or `size`, that of its cells alone
+/// - `error_px`: how far from the full resolution the surface may be on the screen, by rule `error`
+/// - `cell_per_distance`: side of a cell over its distance from the eye, by rule `size`
 /// - `max_triangles`: of a view, skirts not counted; beyond it the error grows
 /// - `skirts`: whether gaps between tiles of different sizes are closed; without them there are cracks
 /// - `memory_mb`: of tiles kept for further views
@@ -47,7 +52,10 @@ impl SurfaceKind for TilesKind {
         body: &Ellipsoid,
         parameters: &mut Parameters<'_>,
     ) -> Result<Arc<dyn Surface>, SurfaceError> {
+        let by_size = parameters.word("rule", "error", &["error", "size"])? == "size";
         let error_px = parameters.number("error_px", DEFAULT_ERROR_PX, 0.1..=1000.0)?;
+        let share = DEFAULT_CELL_PER_DISTANCE;
+        let share = parameters.number("cell_per_distance", share, 1e-3..=10.0)?;
         // The roots alone are 16,384.
         let limit = 32_768..=8_000_000;
         let max_triangles = parameters.count("max_triangles", DEFAULT_MAX_TRIANGLES, limit)?;
@@ -56,6 +64,7 @@ impl SurfaceKind for TilesKind {
         let elevation = read_elevation(body, parameters)?;
         Ok(Arc::new(Tiles {
             error_px,
+            cell_per_distance: by_size.then_some(share),
             max_triangles,
             skirts,
             store: Mutex::new(Store::new(u64::from(memory_mb) * MEGABYTE)),
@@ -71,6 +80,8 @@ pub(crate) struct Tiles {
     /// Measured when it is first asked for: a plan of what to measure opens surfaces that nothing looks at.
     tree: OnceLock<Tree>,
     error_px: f64,
+    /// Where tiles are split by their size alone.
+    cell_per_distance: Option<f64>,
     max_triangles: u32,
     skirts: bool,
     store: Mutex<Store>,
@@ -83,6 +94,7 @@ impl Tiles {
             elevation,
             body: *body,
             error_px: DEFAULT_ERROR_PX,
+            cell_per_distance: None,
             max_triangles: DEFAULT_MAX_TRIANGLES,
             skirts: true,
             store: Mutex::new(Store::new(u64::from(DEFAULT_MEMORY_MB) * MEGABYTE)),
@@ -107,12 +119,21 @@ impl Tiles {
         Sight::new(&self.body, camera, size, lowest_m)
     }
 
+    fn rule(&self) -> Rule {
+        match self.cell_per_distance {
+            Some(allowed) => Rule::Size { allowed },
+            None => Rule::Error {
+                allowed_px: self.error_px,
+            },
+        }
+    }
+
     fn choice(&self, sight: &Sight, is_there: &mut dyn FnMut(TileId) -> bool) -> Choice {
         choose(
             &self.body,
             self.tree(),
             sight,
-            self.error_px,
+            self.rule(),
             self.max_triangles,
             is_there,
         )

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Pixels of nodes, counted by devices: on Vulkan by precise occlusion queries, on wgpu, whose queries say no more
-//! than zero or not, by a target of node numbers and a histogram.
+//! Pixels of nodes, counted by devices: on Vulkan by precise occlusion queries, on wgpu by a target of node numbers
+//! and a histogram. WebGPU's queries say no more than zero or not.
 
-use super::scene::{Drawn, NODE_VERTICES};
+use super::scene::Drawn;
 use crate::canvas::{Canvas, view_constants, written};
 use crate::list::Eye;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_fill::{DeviceError, Devices, ViewConstants};
@@ -48,15 +50,39 @@ impl Way {
         }
     }
 
-    pub(crate) fn open(
-        self,
-        devices: &Devices,
-        size: ImageSize,
-    ) -> Result<Box<dyn Counter>, DeviceError> {
+    fn open(self, devices: &Devices, size: ImageSize) -> Result<Box<dyn Counter>, DeviceError> {
         Ok(match self {
             Self::Histogram => Box::new(ByHistogram::new(devices, size)?),
             Self::Queries => Box::new(ByQueries::new(devices, size)?),
         })
+    }
+}
+
+/// Counters of one size, opened when they are first wanted.
+pub(crate) struct Counters<'a> {
+    devices: &'a Devices,
+    size: ImageSize,
+    /// By interface.
+    open: BTreeMap<&'static str, Box<dyn Counter>>,
+}
+
+impl<'a> Counters<'a> {
+    pub(crate) fn new(devices: &'a Devices, size: ImageSize) -> Self {
+        Self {
+            devices,
+            size,
+            open: BTreeMap::new(),
+        }
+    }
+
+    pub(crate) fn get(&mut self, way: Way) -> Result<&mut dyn Counter, DeviceError> {
+        let [name, _] = way.names();
+        if let Entry::Vacant(entry) = self.open.entry(name) {
+            entry.insert(way.open(self.devices, self.size)?);
+        }
+        let counter = self.open.get_mut(name);
+        let counter = counter.ok_or(DeviceError::Missing("a counter of pixels"))?;
+        Ok(counter.as_mut())
     }
 }
 
@@ -171,7 +197,7 @@ impl ByHistogram {
         gpu.write_buffer(&self.view, 0, bytemuck::bytes_of(&view_constants(eye)));
         let count = u32::try_from(drawn.vertices_rte.len()).unwrap_or(u32::MAX);
         let numbers: Vec<u32> = (0..count)
-            .map(|vertex| vertex / NODE_VERTICES + 1)
+            .map(|vertex| vertex / drawn.per_node + 1)
             .collect();
         let usage = wgpu::BufferUsages::VERTEX;
         let places = gpu.upload("nodes", bytemuck::cast_slice(&drawn.vertices_rte), usage)?;
@@ -300,7 +326,7 @@ impl ByQueries {
         self.vertices.stream(bytes)?;
         let count = u32::try_from(drawn.nodes.len()).unwrap_or(u32::MAX);
         let ranges: Vec<Range<u32>> = (0..count)
-            .map(|node| node * NODE_VERTICES..(node + 1) * NODE_VERTICES)
+            .map(|node| node * drawn.per_node..(node + 1) * drawn.per_node)
             .collect();
         let draw = DirectDraw {
             pipeline: &self.pipeline,

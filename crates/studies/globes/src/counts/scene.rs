@@ -17,7 +17,7 @@ use terrafill_surface::SurfaceFrame;
 /// Sub-quads along a side of a node.
 const SUB_QUADS: u32 = 10;
 /// Vertices of a node: two triangles a sub-quad, three vertices each.
-pub(crate) const NODE_VERTICES: u32 = 6 * SUB_QUADS * SUB_QUADS;
+const NODE_VERTICES: u32 = 6 * SUB_QUADS * SUB_QUADS;
 /// Side of the picture, degrees.
 const SIDE_DEG: f64 = 40.0;
 
@@ -68,34 +68,48 @@ impl Picture {
         Arc::clone(made)
     }
 
-    /// Nodes as the device draws them, the nearest first, so that a depth test passes for what is seen alone.
+    /// Nodes as the device draws them.
     pub(crate) fn drawn(&mut self, eye: &Eye, leaves: impl Iterator<Item = Node>) -> Drawn {
+        let nodes = leaves.map(|node| (node, self.node(eye, node))).collect();
+        Drawn::sorted(eye, NODE_VERTICES, nodes)
+    }
+}
+
+/// Vertices of nodes in their order.
+#[derive(Debug, Clone)]
+pub(crate) struct Drawn {
+    /// Metres from the eye, ECEF axes.
+    pub(crate) vertices_rte: Vec<[f32; 3]>,
+    pub(crate) nodes: Vec<Node>,
+    /// Vertices of each node, three a triangle.
+    pub(crate) per_node: u32,
+}
+
+impl Drawn {
+    /// The nearest first, so that a depth test passes for what is seen alone.
+    ///
+    /// - `nodes`: with their vertices, ECEF
+    pub(crate) fn sorted(eye: &Eye, per_node: u32, nodes: Vec<(Node, Arc<Vec<DVec3>>)>) -> Self {
         let eye_ecef = eye.camera.eye_ecef;
-        let mut nodes: Vec<(f64, Node, Arc<Vec<DVec3>>)> = leaves
-            .map(|node| {
-                let vertices = self.node(eye, node);
-                let distances = vertices.iter().map(|vertex| vertex.distance(eye_ecef));
-                (distances.fold(f64::INFINITY, f64::min), node, vertices)
-            })
+        let nearest = |vertices: &Arc<Vec<DVec3>>| {
+            let distances = vertices.iter().map(|vertex| vertex.distance(eye_ecef));
+            distances.fold(f64::INFINITY, f64::min)
+        };
+        let mut nodes: Vec<(f64, Node, Arc<Vec<DVec3>>)> = nodes
+            .into_iter()
+            .map(|(node, vertices)| (nearest(&vertices), node, vertices))
             .collect();
         nodes.sort_by(|a, b| a.0.total_cmp(&b.0));
         let vertices = nodes.iter().flat_map(|(_, _, vertices)| {
             let places = vertices.iter();
             places.map(|place| (*place - eye_ecef).as_vec3().to_array())
         });
-        Drawn {
+        Self {
             vertices_rte: vertices.collect(),
             nodes: nodes.into_iter().map(|(_, node, _)| node).collect(),
+            per_node,
         }
     }
-}
-
-/// Vertices of nodes in their order, [`NODE_VERTICES`] each.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Drawn {
-    /// Metres from the eye, ECEF axes.
-    pub(crate) vertices_rte: Vec<[f32; 3]>,
-    pub(crate) nodes: Vec<Node>,
 }
 
 /// Pixels of nodes by rays: how many, and how many of them lie beside another node, where a device's rounding of
@@ -179,7 +193,7 @@ fn numbers(eye: &Eye, drawn: &Drawn) -> Vec<u32> {
         parts: Arc::default(),
     };
     let key = |corners: [DVec3; 3]| corners.map(|corner| corner.to_array().map(f64::to_bits));
-    let per_node = NODE_VERTICES as usize;
+    let per_node = drawn.per_node as usize;
     let of: HashMap<_, u32> = drawn
         .vertices_rte
         .chunks_exact(3)

@@ -2,29 +2,22 @@
 //! The section on level of detail by counted pixels.
 
 use super::{ENOUGH, PART};
+use crate::table::{by_case, cases, conditions, with};
 use terrafill_plot::number::significant;
 use terrafill_plot::{Course, Courses};
-use terrafill_results::{
-    Block, Case, Cell, ChapterError, Finding, Heading, Plot, Row, Run, Standing, Table,
-};
+use terrafill_results::{Block, Case, ChapterError, Finding, Plot, Run, Standing, Table};
 
 /// What is measured.
 const WHAT_IS_COMPARED: &str = "A picture of 40° × 40° below the eye is drawn by the leaves of a quadtree, each with 64² texels and 10 × 10 \
      sub-quads, the nearest first. A leaf splits where it has more pixels than the upper threshold and four merge \
-     where all have fewer than the lower one; hysteresis is the one over the other, delay the frames from drawing \
+     where all have fewer than the lower one. Hysteresis is the one over the other, delay the frames from drawing \
      to using a count. On Vulkan counts are precise occlusion queries, one a node. WebGPU's queries say no more \
      than zero or not, so on wgpu a compute pass counts a target of node numbers. Counts of the first and the last \
      frame are held against rays in f64: a node may be off by the pixels at its edge.";
 
-fn cases(run: &Run) -> Vec<&Case> {
-    let own = run.of_study(crate::STUDY);
-    own.filter(|case| !case.is_twin() && case.condition("part") == PART)
-        .collect()
-}
-
 /// The section; nothing where no case was planned.
 pub(crate) fn blocks(run: &Run) -> Result<Vec<Block>, ChapterError> {
-    let cases = cases(run);
+    let cases = cases(run, PART);
     if cases.is_empty() {
         return Ok(Vec::new());
     }
@@ -61,26 +54,6 @@ fn table(cases: &[&Case]) -> Table {
         ("paging, CPU ms", "globe_count_page_cpu_ms"),
         ("largest", "globe_count_page_max_cpu_ms"),
     ];
-    let rows = cases.iter().map(|case| {
-        let why = match case.reason.as_str() {
-            "" if case.value("globe_count_cycles") == Some(1.0) => "it does not settle",
-            "" => "the eye moves, or it was not measured",
-            reason => reason,
-        };
-        let mut cells = ["path", "counted_by", "hysteresis", "delay", "transfers"]
-            .map(|key| Cell::name(case.condition(key)))
-            .to_vec();
-        cells.extend(
-            columns
-                .iter()
-                .map(|(_, metric)| Cell::or_absent(case.value(metric).map(significant), why)),
-        );
-        Row {
-            cells,
-            status: case.outcome.name().to_owned(),
-            remark: case.reason.clone(),
-        }
-    });
     let names = [
         "path",
         "counted by",
@@ -88,18 +61,17 @@ fn table(cases: &[&Case]) -> Table {
         "delay",
         "transfers a frame",
     ];
-    let mut headings = names.map(Heading::plain).to_vec();
-    headings.extend(
-        columns
-            .iter()
-            .map(|(text, metric)| Heading::metric(*text, *metric)),
-    );
-    Table {
-        caption: "Quadtrees by counted pixels".to_owned(),
-        headings,
-        rows: rows.collect(),
-        ..Table::default()
-    }
+    let keys = ["path", "counted_by", "hysteresis", "delay", "transfers"];
+    by_case(
+        "Quadtrees by counted pixels",
+        cases,
+        (&names, &conditions(&keys)),
+        &columns,
+        &|case| match case.value("globe_count_cycles") {
+            Some(1.0) => "it does not settle",
+            _ => "the eye moves, or it was not measured",
+        },
+    )
 }
 
 fn courses(cases: &[&Case]) -> Courses<'static> {
@@ -137,11 +109,7 @@ fn sum(cases: &[&Case], metric: &str) -> (f64, usize) {
 }
 
 fn exact_finding(cases: &[&Case]) -> Finding {
-    let of = |way: &str| -> Vec<&Case> {
-        let own = cases.iter().copied();
-        own.filter(|case| case.condition("counted_by") == way)
-            .collect()
-    };
+    let of = |way: &str| with(cases, "counted_by", way);
     let words: Vec<String> = ["histogram", "queries"]
         .iter()
         .map(|way| {

@@ -2,29 +2,23 @@
 //! The section on the spiral's vertices.
 
 use super::{FINE_PX, PART, SERIES};
-use crate::STUDY;
+use crate::table::{cases, with};
 use terrafill_plot::number::significant;
 use terrafill_results::{Block, Case, Cell, Finding, Heading, Row, Run, Standing, Table};
 
 /// The section; nothing where no case was planned.
 pub(crate) fn blocks(run: &Run) -> Vec<Block> {
-    let own = run.of_study(STUDY);
-    let cases: Vec<&Case> = own
-        .filter(|case| !case.is_twin() && case.condition("part") == PART)
-        .collect();
+    let cases = cases(run, PART);
     if cases.is_empty() {
         return Vec::new();
     }
-    let of = |what: &str| -> Vec<&Case> {
-        let with = cases.iter().copied();
-        with.filter(|case| case.condition("what") == what).collect()
-    };
+    let of = |what: &str| with(&cases, "what", what);
     vec![
         Block::section("Vertices of the spiral"),
         Block::Text(
-            "Each form of a vertex's position in single precision is compared with itself in double precision, \
-             and each Taylor series of sine and cosine with the functions, vertex by vertex, up to the horizon. \
-             Pixels are of a picture of 1,080 rows and 60°. Single precision is emulated; sines are rounded from \
+            "Each form of a vertex's position in single precision is compared with itself in double precision, both from \
+             angles and radii as a buffer of f32 holds them. Each Taylor series of sine and cosine is compared with the \
+             functions. Both are compared vertex by vertex, up to the horizon. Pixels are of a picture of 1,080 rows and 60°. Single precision is emulated; sines are rounded from \
              f64, and a device's are worse. Rings are the fewest with which no edge between two of them sags by \
              more than ¼ px."
                 .to_owned(),
@@ -32,7 +26,9 @@ pub(crate) fn blocks(run: &Run) -> Vec<Block> {
         Block::Table(grid("f32 against f64, largest, px", &of("f32"), "globe_form_px_max")),
         Block::Table(grid("Series against sine and cosine, largest, px", &of("series"), "globe_form_px_max")),
         Block::Table(rings(&of("rings"))),
+        Block::Finding(local_finding(&of("f32"))),
         Block::Finding(series_finding(&of("series"))),
+        Block::Finding(ring_finding(&of("rings"))),
     ]
 }
 
@@ -112,6 +108,58 @@ fn rings(cases: &[&Case]) -> Table {
         headings,
         rows: rows.collect(),
         ..Table::default()
+    }
+}
+
+/// The fixed eye height of the target: a standing person's.
+const GROUND_M: &str = "1.7";
+/// What single precision may cost there, pixels (facts on globes, 7.3).
+const LOCAL_PX: f64 = 1e-4;
+
+fn local_finding(cases: &[&Case]) -> Finding {
+    let px = |form: &str| value(cases, form, GROUND_M, "globe_form_px_max");
+    let words: Vec<String> = names(cases)
+        .into_iter()
+        .filter_map(|form| Some(format!("{form}: {} px", significant(px(form)?))))
+        .collect();
+    Finding {
+        claim: "At 1.7 m single precision costs hundreds of pixels in absolute forms, and at most 1e-4 px in the focus-local \
+                form with −2 sin²(r/2)"
+            .to_owned(),
+        standing: match (px("lonlat"), px("hemisphere"), px("local-sin2")) {
+            (Some(lonlat), Some(hemisphere), Some(local)) => {
+                Standing::holds_if(lonlat > 100.0 && hemisphere > 100.0 && local <= LOCAL_PX)
+            }
+            _ => Standing::CannotTell,
+        },
+        because: format!("Largest at 1.7 m: {}.", words.join(", ")),
+    }
+}
+
+fn ring_finding(cases: &[&Case]) -> Finding {
+    let targets = [
+        ("exponential", 24.0),
+        ("published", 12.0),
+        ("quadratic", 7.0),
+    ];
+    let rings = |law: &str| value(cases, law, "2000", "globe_form_rings");
+    let words: Vec<String> = targets
+        .iter()
+        .filter_map(|(law, target)| {
+            Some(format!("{law}: {} rings, by formula {target}", rings(law)?))
+        })
+        .collect();
+    let is_met =
+        |(law, target): &(&str, f64)| rings(law).map(|found| (found - target).abs() <= 1.0);
+    let met: Option<Vec<bool>> = targets.iter().map(is_met).collect();
+    Finding {
+        claim: "From 2 km a quarter of a pixel takes 24 exponential, 12 published and 7 quadratic rings, one more or less"
+            .to_owned(),
+        standing: match met {
+            Some(met) => Standing::holds_if(met.into_iter().all(|met| met)),
+            None => Standing::CannotTell,
+        },
+        because: format!("Found: {}.", words.join("; ")),
     }
 }
 

@@ -2,16 +2,13 @@
 //! The section on vertices made on the GPU.
 
 use super::PART;
-use crate::STUDY;
-use terrafill_plot::number::{measured_bytes, significant};
-use terrafill_results::{Block, Case, Cell, Clock, Finding, Heading, Row, Run, Standing, Table};
+use crate::table::{by_case, cases, conditions};
+use terrafill_plot::number::significant;
+use terrafill_results::{Block, Case, Clock, Finding, Run, Standing, Table};
 
 /// The section; nothing where no case was planned.
 pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
-    let own = run.of_study(STUDY);
-    let cases: Vec<&Case> = own
-        .filter(|case| !case.is_twin() && case.condition("part") == PART)
-        .collect();
+    let cases = cases(run, PART);
     if cases.is_empty() {
         return Vec::new();
     }
@@ -32,6 +29,7 @@ pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
 
 fn table(cases: &[&Case], clock: Clock) -> Table {
     let columns = [
+        ("sent a frame", "globe_upload_bytes"),
         ("px off f64, largest", "globe_made_px_max"),
         ("m off f64, largest", "globe_made_m_max"),
         ("px that differ from compute's", "globe_made_differs_px"),
@@ -40,41 +38,16 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
         ("make and send, CPU ms", "globe_upload_cpu_ms"),
         ("draw, ms", crate::clock::draw(clock)),
     ];
-    let rows = cases.iter().map(|case| {
-        let why = match case.reason.as_str() {
-            "" => "not measured",
-            reason => reason,
-        };
-        let names = ["view", "vertices", "trig", "law"];
-        let mut cells = names.map(|key| Cell::name(case.condition(key))).to_vec();
-        let sent = case.value("globe_upload_bytes").map(measured_bytes);
-        cells.push(Cell::or_absent(sent, why));
-        cells.extend(
-            columns
-                .iter()
-                .map(|(_, metric)| Cell::or_absent(case.value(metric).map(significant), why)),
-        );
-        Row {
-            cells,
-            status: case.outcome.name().to_owned(),
-            remark: case.reason.clone(),
-        }
-    });
-    let mut headings = ["view", "vertices", "trigonometry", "law"]
-        .map(Heading::plain)
-        .to_vec();
-    headings.push(Heading::metric("sent a frame", "globe_upload_bytes"));
-    headings.extend(
-        columns
-            .iter()
-            .map(|(text, metric)| Heading::metric(*text, *metric)),
-    );
-    Table {
-        caption: "Vertices sent and made".to_owned(),
-        headings,
-        rows: rows.collect(),
-        ..Table::default()
-    }
+    by_case(
+        "Vertices sent and made",
+        cases,
+        (
+            &["view", "vertices", "trigonometry", "law"],
+            &conditions(&["view", "vertices", "trig", "law"]),
+        ),
+        &columns,
+        &|_| "not measured",
+    )
 }
 
 fn finding(cases: &[&Case]) -> Finding {

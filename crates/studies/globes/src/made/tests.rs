@@ -4,6 +4,7 @@
 use super::*;
 use std::rc::Rc;
 use terrafill_fill::{Devices, device_for_test};
+use terrafill_results::Status;
 
 fn eye(name: &str) -> Eye {
     let list = List::shipped().expect("a list");

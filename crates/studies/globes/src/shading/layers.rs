@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! An Earth's five layers as functions of direction, in `f64`: what a shader shows of their pictures is held against
+//! An Earth's five layers as functions of direction, in `f64`. What a shader shows of their pictures is held against
 //! them, so that error is that of pictures, normals and arithmetic.
 //!
 //! Waves of few lengths stand for land: their slopes are known exactly, which bumps need.

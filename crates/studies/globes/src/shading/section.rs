@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The sections on layers: the ladder of features, pictures, faults, projections, and triangles against pixels.
 
-use super::{FAULTS, PART};
-use crate::published::{TABLE_3, tessellation_published};
+use super::{FAULTS, PART, tessellation};
+use crate::published::TABLE_3;
+use crate::table::{self, by_case, with};
 use terrafill_plot::number::significant;
 use terrafill_results::{
-    Block, Case, Cell, Clock, Finding, Heading, Picture, PictureFigure, Pictures, Row, Run,
-    Standing, Table,
+    Block, Case, Cell, ChapterError, Clock, Finding, Heading, Picture, PictureFigure, Pictures,
+    Row, Run, Standing, Table,
 };
 
 /// What is measured.
@@ -14,26 +15,20 @@ const WHAT_IS_COMPARED: &str = "Colour with water, bumps, clouds and lights of n
      picture by longitude and latitude, as dense along the equator. They are baked from smooth functions of \
      direction, and each pixel is held against these functions in f64, at the place that its ray meets: the \
      largest channel's difference, 1 being white. A frame makes the mesh, sends it and draws it.";
-/// Share of the time above which time is not independent of the number of triangles.
-const INDEPENDENT: f64 = 0.03;
 
-fn cases<'a>(run: &'a Run, what: &str) -> Vec<&'a Case> {
-    let own = run.of_study(crate::STUDY);
-    own.filter(|case| {
-        !case.is_twin() && case.condition("part") == PART && case.condition("what") == what
-    })
-    .collect()
+pub(super) fn cases<'a>(run: &'a Run, what: &str) -> Vec<&'a Case> {
+    with(&table::cases(run, PART), "what", what)
 }
 
-fn value(case: &Case, metric: &str) -> Option<f64> {
+pub(super) fn value(case: &Case, metric: &str) -> Option<f64> {
     case.value(metric).filter(|_| case.counts())
 }
 
 /// The sections; nothing where no case was planned.
-pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
+pub(crate) fn blocks(run: &Run, clock: Clock) -> Result<Vec<Block>, ChapterError> {
     let ladder = cases(run, "ladder");
     if ladder.is_empty() {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let mut blocks = vec![
         Block::section("Five layers"),
@@ -53,16 +48,11 @@ pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
         )),
         Block::Finding(fault_finding(&cases(run, "faults"))),
     ];
-    let tessellation = cases(run, "tessellation");
-    if !tessellation.is_empty() {
-        blocks.push(Block::section("Triangles against pixels"));
-        blocks.push(Block::Table(tessellation_table(&tessellation, clock)));
-        blocks.push(Block::Finding(tessellation_finding(&tessellation, clock)));
-    }
+    blocks.extend(tessellation::blocks(run, clock)?);
     let shown = ["ladder", "pictures", "faults", "projections"];
     let all: Vec<&Case> = shown.iter().flat_map(|what| cases(run, what)).collect();
     blocks.extend(pictures(&all));
-    blocks
+    Ok(blocks)
 }
 
 fn ladder_table(cases: &[&Case], clock: Clock) -> Table {
@@ -158,32 +148,13 @@ fn errors(caption: &str, cases: &[&Case], key: &str) -> Table {
         ("99 %", "globe_shade_polar_p99"),
         ("not finite", "globe_non_finite"),
     ];
-    let rows = cases.iter().map(|case| {
-        let mut cells = vec![
-            Cell::name(case.condition("view")),
-            Cell::name(case.condition(key)),
-        ];
-        cells.extend(columns.iter().map(|(_, metric)| {
-            Cell::or_absent(case.value(metric).map(significant), "no pixel is there")
-        }));
-        Row {
-            cells,
-            status: case.outcome.name().to_owned(),
-            remark: case.reason.clone(),
-        }
-    });
-    let mut headings = vec![Heading::plain("view"), Heading::plain(key)];
-    headings.extend(
-        columns
-            .iter()
-            .map(|(text, metric)| Heading::metric(*text, *metric)),
-    );
-    Table {
-        caption: caption.to_owned(),
-        headings,
-        rows: rows.collect(),
-        ..Table::default()
-    }
+    by_case(
+        caption,
+        cases,
+        (&["view", key], &table::conditions(&["view", key])),
+        &columns,
+        &|_| "no pixel is there",
+    )
 }
 
 fn pole_finding(cases: &[&Case]) -> Finding {
@@ -252,113 +223,6 @@ fn fault_finding(cases: &[&Case]) -> Finding {
             false => Standing::holds_if(shows),
         },
         because: format!("The first does not compile. {}.", words.join("; ")),
-    }
-}
-
-fn tessellation_table(cases: &[&Case], clock: Clock) -> Table {
-    let drawing = crate::clock::draw(clock);
-    let of = |removed: &str| -> Vec<&Case> {
-        let own = cases.iter().copied();
-        own.filter(|case| case.condition("removed") == removed)
-            .collect()
-    };
-    let (full, white) = (of("0"), of("7"));
-    let firsts = [&full, &white].map(|cases| {
-        let first = cases
-            .iter()
-            .rev()
-            .find(|case| case.condition("size_px") == "1000");
-        first.and_then(|case| value(case, drawing))
-    });
-    let rows = full.iter().rev().map(|case| {
-        let key = |case: &Case| {
-            [
-                case.condition("size_px").to_owned(),
-                case.condition("n").to_owned(),
-            ]
-        };
-        let plain = white.iter().find(|other| key(other) == key(case));
-        let times =
-            [Some(*case), plain.copied()].map(|case| case.and_then(|case| value(case, drawing)));
-        let mut cells = vec![
-            Cell::plain(format!("{}²", case.condition("size_px"))),
-            Cell::or_absent(
-                value(case, "globe_triangles").map(significant),
-                "not measured",
-            ),
-        ];
-        for (ms, first) in times.into_iter().zip(firsts) {
-            let ratio = ms.zip(first).map(|(ms, first)| ms / first);
-            cells.push(Cell::or_absent(ratio.map(significant), "not measured"));
-            cells.push(Cell::or_absent(ms.map(significant), "not measured"));
-        }
-        Row::new(cells)
-    });
-    Table {
-        caption: "Windows and triangles as in Gebbie & Bailey's Table 1, with the full shader and a white one; ratios to \
-                  the first row"
-            .to_owned(),
-        headings: vec![
-            Heading::plain("window"),
-            Heading::metric("triangles", "globe_triangles"),
-            Heading::plain("full, ratio"),
-            Heading::metric("full, draw ms", drawing),
-            Heading::plain("white, ratio"),
-            Heading::metric("white, draw ms", drawing),
-        ],
-        rows: rows.collect(),
-        ..Table::default()
-    }
-}
-
-/// Time with the most triangles over that with the fewest less 1, by window.
-fn growth(cases: &[&Case], removed: &str, clock: Clock) -> Vec<(String, f64)> {
-    let mut windows: Vec<&str> = cases.iter().map(|case| case.condition("size_px")).collect();
-    windows.dedup();
-    let of = |window: &&str| {
-        let own = cases.iter().filter(|case| {
-            case.condition("removed") == removed && case.condition("size_px") == *window
-        });
-        let mut times: Vec<(f64, f64)> = own
-            .filter_map(|case| {
-                let triangles = value(case, "globe_triangles")?;
-                Some((triangles, value(case, crate::clock::draw(clock))?))
-            })
-            .collect();
-        times.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (fewest, most) = (times.first()?, times.last()?);
-        (times.len() > 1).then(|| ((*window).to_owned(), most.1 / fewest.1 - 1.0))
-    };
-    windows.iter().filter_map(of).collect()
-}
-
-fn tessellation_finding(cases: &[&Case], clock: Clock) -> Finding {
-    let words = |growth: &[(String, f64)]| {
-        let shares = growth
-            .iter()
-            .map(|(window, share)| format!("{window}²: {:+.1} %", 100.0 * share));
-        shares.collect::<Vec<_>>().join(", ")
-    };
-    let (full, white) = (growth(cases, "0", clock), growth(cases, "7", clock));
-    let [published, _] = tessellation_published();
-    let published: Vec<String> = published
-        .iter()
-        .map(|share| format!("{:+.1} %", 100.0 * share))
-        .collect();
-    Finding {
-        claim: "Gebbie & Bailey: with the full shader GPU time does not depend on the number of triangles".to_owned(),
-        standing: match full.is_empty() {
-            true => Standing::CannotTell,
-            false => Standing::holds_if(full.iter().all(|(_, share)| *share <= INDEPENDENT)),
-        },
-        because: format!(
-            "From the fewest triangles to the most, full shader: {}; white: {}. Published, full: {}. More than {} % counts \
-             as dependent.",
-            words(&full),
-            words(&white),
-            published.join(", "),
-            100.0 * INDEPENDENT
-        ),
     }
 }
 

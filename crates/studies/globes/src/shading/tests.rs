@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Layers on a device, and the judge without one.
 
+use super::judge::Found;
+use super::layers::colour;
 use super::*;
 use terrafill_fill::{Devices, device_for_test};
+use terrafill_reference::SurfaceTriangles;
+use terrafill_results::Status;
 use terrafill_spiral::SpiralKind;
 use terrafill_surface::SurfaceKind;
 

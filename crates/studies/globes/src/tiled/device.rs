@@ -1,26 +1,25 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Tiles and grid on wgpu. A texel's value is the number of its tile, from 1, times 65,536, plus its row times
-//! 256, plus its column.
+//! Tiles over a grid on wgpu.
 
 use super::mesh::{MapMesh, MapVertex, origin};
 use super::options::{Drawing, Options, Seam};
-use super::truth::{MAX_LEVEL, Texel, Tile, Truth, finest, focal_px};
+use super::tile_set::{Content, Shown, TileSet};
+use super::truth::{MAX_LEVEL, Tile, Truth, finest, focal_px};
 use crate::canvas::{Canvas, view_constants, written};
 use crate::list::Eye;
 use bytemuck::{Pod, Zeroable};
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
+use std::num::NonZeroU32;
 use std::sync::Arc;
 use terrafill_fill::{DeviceError, ViewConstants};
 use terrafill_gpu::Gpu;
 use terrafill_maps::{CAP_SPAN, TILE_TEXELS, max_latitude_rad};
 use terrafill_scene::ImageSize;
 
-const SIDE: u32 = 256;
+const MAP: &str = "globes/map.wgsl";
+const BINDLESS: &str = "globes/map_bindless.wgsl";
 const TARGET: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
-/// What the shader writes where there is no tile.
-const MISSING: u32 = u32::MAX;
-/// Numbers of tiles, which 16 bits hold with 0 and all ones left out.
-const MAX_TILES: usize = 65_534;
 
 /// Twin of `MapConstants` in `globes/map.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -78,121 +77,27 @@ impl MapConstants {
     }
 }
 
-/// What a pixel shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Shown {
-    /// No surface, or, where tiles are drawn one by one, none that has a tile.
-    Nothing,
-    /// A surface without a tile.
-    Missing,
-    Texel(Texel),
-}
-
-/// Tiles in one array.
-pub(crate) struct TileSet {
-    pub(crate) tiles: Vec<Tile>,
-    texture: wgpu::Texture,
-}
-
-impl TileSet {
-    pub(crate) const BYTES_PER_TILE: u64 = 4 * (SIDE * SIDE) as u64;
-
-    /// # Errors
-    /// [`DeviceError::OverCapacity`] for more tiles than the device has layers.
-    pub(crate) fn new(gpu: &Gpu, tiles: Vec<Tile>) -> Result<Self, DeviceError> {
-        let allowed = gpu.device.limits().max_texture_array_layers;
-        let allowed = (allowed as usize).min(MAX_TILES);
-        if tiles.len() > allowed {
-            return Err(DeviceError::OverCapacity {
-                what: "tiles of the map in one array".to_owned(),
-                found: tiles.len() as u64,
-                allowed: allowed as u64,
-            });
-        }
-        let layers = u32::try_from(tiles.len()).unwrap_or(u32::MAX);
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("tiles of the map"),
-            size: wgpu::Extent3d {
-                width: SIDE,
-                height: SIDE,
-                depth_or_array_layers: layers,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::R32Uint,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
-        for layer in 0..layers {
-            let texels: Vec<u32> = (0..SIDE * SIDE)
-                .map(|texel| (layer + 1) << 16 | texel)
-                .collect();
-            gpu.queue.write_texture(
-                wgpu::TexelCopyTextureInfo {
-                    texture: &texture,
-                    mip_level: 0,
-                    origin: wgpu::Origin3d {
-                        x: 0,
-                        y: 0,
-                        z: layer,
-                    },
-                    aspect: wgpu::TextureAspect::All,
-                },
-                bytemuck::cast_slice(&texels),
-                wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(4 * SIDE),
-                    rows_per_image: None,
-                },
-                wgpu::Extent3d {
-                    width: SIDE,
-                    height: SIDE,
-                    depth_or_array_layers: 1,
-                },
-            );
-        }
-        Ok(Self { tiles, texture })
-    }
-
-    /// What a value says.
-    fn shown(&self, value: u32) -> Shown {
-        match value {
-            0 => Shown::Nothing,
-            MISSING => Shown::Missing,
-            value => {
-                let tile = self.tiles.get((value >> 16) as usize - 1);
-                tile.map_or(Shown::Missing, |&tile| {
-                    Shown::Texel(Texel {
-                        tile,
-                        x: value & 255,
-                        y: value >> 8 & 255,
-                    })
-                })
-            }
-        }
-    }
-}
-
-/// Targets and pipelines.
+/// Targets, and pipelines that were made for them.
 pub(crate) struct MapTargets {
     canvas: Canvas,
-    layouts: [wgpu::BindGroupLayout; 4],
-    whole_map: wgpu::RenderPipeline,
-    one_tile: wgpu::RenderPipeline,
+    /// Of a view, of the map, and of all texels or of one tile's.
+    layouts: [wgpu::BindGroupLayout; 2],
+    pipelines: BTreeMap<(Drawing, bool), wgpu::RenderPipeline>,
 }
 
 /// One way, ready to draw.
 pub(crate) struct MapScene {
+    pipeline: wgpu::RenderPipeline,
     bind_groups: [wgpu::BindGroup; 2],
     view: wgpu::Buffer,
     map: wgpu::Buffer,
     vertices: wgpu::Buffer,
     capacity: u64,
     count: u32,
+    /// Where the texels are bound.
+    group: u32,
     /// Of all tiles, or one a draw.
     texels: Vec<wgpu::BindGroup>,
-    drawing: Drawing,
     pub(crate) set: TileSet,
     level: Option<u32>,
 }
@@ -210,137 +115,144 @@ fn buffer_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLay
     }
 }
 
-fn texture_entry(view_dimension: wgpu::TextureViewDimension) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry {
-        binding: 0,
+/// What the shader reads texels by.
+///
+/// - `count`: of tiles
+fn texel_entries(
+    drawing: Drawing,
+    content: &Content,
+    count: usize,
+) -> Vec<wgpu::BindGroupLayoutEntry> {
+    let is_picture = matches!(content, Content::Colours(_));
+    let sample_type = match is_picture {
+        false => wgpu::TextureSampleType::Uint,
+        true => wgpu::TextureSampleType::Float { filterable: false },
+    };
+    let view_dimension = match drawing {
+        Drawing::Array => wgpu::TextureViewDimension::D2Array,
+        Drawing::DrawEach | Drawing::Bindless => wgpu::TextureViewDimension::D2,
+    };
+    let count = match drawing {
+        Drawing::Bindless => NonZeroU32::new(u32::try_from(count).unwrap_or(u32::MAX)),
+        Drawing::Array | Drawing::DrawEach => None,
+    };
+    let mut entries = vec![wgpu::BindGroupLayoutEntry {
+        binding: u32::from(is_picture),
         visibility: wgpu::ShaderStages::FRAGMENT,
         ty: wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Uint,
+            sample_type,
             view_dimension,
             multisampled: false,
         },
-        count: None,
+        count,
+    }];
+    if drawing == Drawing::DrawEach {
+        entries.push(buffer_entry(1, wgpu::BufferBindingType::Uniform));
     }
+    entries
 }
 
 impl MapTargets {
-    pub(crate) fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, DeviceError> {
+    /// For texels that hold their address.
+    pub(crate) fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Self {
+        Self::with_format(gpu, size, TARGET)
+    }
+
+    /// For texels that hold colours.
+    pub(crate) fn of_colours(gpu: &Arc<Gpu>, size: ImageSize) -> Self {
+        Self::with_format(gpu, size, wgpu::TextureFormat::Rgba8Unorm)
+    }
+
+    fn with_format(gpu: &Arc<Gpu>, size: ImageSize, format: wgpu::TextureFormat) -> Self {
         let uniform = wgpu::BufferBindingType::Uniform;
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
-        let layouts = [
-            vec![buffer_entry(0, uniform)],
-            vec![buffer_entry(0, uniform), buffer_entry(1, storage)],
-            vec![texture_entry(wgpu::TextureViewDimension::D2Array)],
-            vec![
-                texture_entry(wgpu::TextureViewDimension::D2),
-                buffer_entry(1, uniform),
+        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        Self {
+            canvas: Canvas::new(gpu, size, format),
+            layouts: [
+                gpu.buffer_layout("view", stages, &[uniform]),
+                gpu.buffer_layout("map", stages, &[uniform, storage]),
             ],
-        ]
-        .map(|entries| {
-            gpu.device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                    label: Some("map"),
-                    entries: &entries,
-                })
-        });
-        let [view, map, array, tile] = &layouts;
-        let whole = gpu.pipeline_layout("whole map", &[Some(view), Some(map), Some(array)]);
-        let one = gpu.pipeline_layout("one tile", &[Some(view), Some(map), None, Some(tile)]);
-        let canvas = Canvas::new(gpu, size, TARGET);
-        Ok(Self {
-            whole_map: pipeline(&canvas, &whole, "whole_map")?,
-            one_tile: pipeline(&canvas, &one, "one_tile")?,
-            canvas,
-            layouts,
-        })
+            pipelines: BTreeMap::new(),
+        }
+    }
+
+    /// Kept, but for arrays of textures, whose layouts say how many there are.
+    fn pipeline(
+        &mut self,
+        drawing: Drawing,
+        content: &Content,
+        texels: &wgpu::BindGroupLayout,
+    ) -> Result<wgpu::RenderPipeline, DeviceError> {
+        let is_picture = matches!(content, Content::Colours(_));
+        let key = (drawing, is_picture);
+        if let Some(known) = self.pipelines.get(&key) {
+            return Ok(known.clone());
+        }
+        let gpu = &self.canvas.gpu;
+        let [view, map] = &self.layouts;
+        let (path, entry_point, layouts) = match (drawing, is_picture) {
+            (Drawing::Array, false) => (MAP, "whole_map", vec![Some(texels)]),
+            (Drawing::Array, true) => (MAP, "whole_picture", vec![Some(texels)]),
+            (Drawing::DrawEach, _) => (MAP, "one_tile", vec![None, Some(texels)]),
+            (Drawing::Bindless, _) => (BINDLESS, "every_tile", vec![Some(texels)]),
+        };
+        let mut all = vec![Some(view), Some(map)];
+        all.extend(layouts);
+        let layout = gpu.pipeline_layout(entry_point, &all);
+        let pipeline = pipeline(&self.canvas, &layout, (path, entry_point))?;
+        if drawing != Drawing::Bindless {
+            self.pipelines.insert(key, pipeline.clone());
+        }
+        Ok(pipeline)
     }
 
     /// Makes tiles and constants; vertices follow by [`MapTargets::send`].
+    ///
+    /// # Errors
+    /// As [`TileSet::new`].
     pub(crate) fn scene(
-        &self,
+        &mut self,
         options: &Options,
         truths: &[Option<Truth>],
-        tiles: Vec<Tile>,
+        (tiles, content): (Vec<Tile>, Content),
     ) -> Result<MapScene, DeviceError> {
-        let gpu = &self.canvas.gpu;
+        let gpu = Arc::clone(&self.canvas.gpu);
         let keys: Vec<[u32; 4]> = tiles.iter().map(|tile| tile.key()).collect();
-        let set = TileSet::new(gpu, tiles)?;
+        let set = TileSet::new(&gpu, tiles, &content, options.drawing)?;
+        let entries = texel_entries(options.drawing, &content, keys.len());
+        let layout = gpu
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("texels"),
+                entries: &entries,
+            });
+        let pipeline = self.pipeline(options.drawing, &content, &layout)?;
         let uniform = wgpu::BufferUsages::UNIFORM;
-        let view = written(
-            gpu,
-            "view constants",
-            size_of::<ViewConstants>() as u64,
-            uniform,
-        );
-        let map = written(
-            gpu,
-            "map constants",
-            size_of::<MapConstants>() as u64,
-            uniform,
-        );
+        let bytes = size_of::<ViewConstants>() as u64;
+        let view = written(&gpu, "view constants", bytes, uniform);
+        let bytes = size_of::<MapConstants>() as u64;
+        let map = written(&gpu, "map constants", bytes, uniform);
         let bytes = bytemuck::cast_slice(&keys);
         let list = gpu.upload("tiles", bytes, wgpu::BufferUsages::STORAGE)?;
-        let [view_layout, map_layout, array_layout, tile_layout] = &self.layouts;
+        let [view_layout, map_layout] = &self.layouts;
         let bind_groups = [
             gpu.bind_buffers("view", view_layout, &[&view]),
             gpu.bind_buffers("map", map_layout, &[&map, &list]),
         ];
-        let bind = |layout, entries: &[wgpu::BindGroupEntry<'_>]| {
-            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("texels"),
-                layout,
-                entries,
-            })
-        };
-        let mut texels = Vec::new();
-        match options.drawing {
-            Drawing::Array => {
-                let all = set.texture.create_view(&wgpu::TextureViewDescriptor {
-                    dimension: Some(wgpu::TextureViewDimension::D2Array),
-                    ..Default::default()
-                });
-                let resource = wgpu::BindingResource::TextureView(&all);
-                texels.push(bind(
-                    array_layout,
-                    &[wgpu::BindGroupEntry {
-                        binding: 0,
-                        resource,
-                    }],
-                ));
-            }
-            Drawing::DrawEach => {
-                for (layer, key) in (0..).zip(&keys) {
-                    let one = set.texture.create_view(&wgpu::TextureViewDescriptor {
-                        dimension: Some(wgpu::TextureViewDimension::D2),
-                        base_array_layer: layer,
-                        array_layer_count: Some(1),
-                        ..Default::default()
-                    });
-                    let bytes = bytemuck::bytes_of(key);
-                    let key = gpu.upload("tile", bytes, wgpu::BufferUsages::UNIFORM)?;
-                    let entries = [
-                        wgpu::BindGroupEntry {
-                            binding: 0,
-                            resource: wgpu::BindingResource::TextureView(&one),
-                        },
-                        wgpu::BindGroupEntry {
-                            binding: 1,
-                            resource: key.as_entire_binding(),
-                        },
-                    ];
-                    texels.push(bind(tile_layout, &entries));
-                }
-            }
-        }
         Ok(MapScene {
+            pipeline,
             bind_groups,
             view,
             map,
-            vertices: vertex_buffer(gpu, 4),
+            vertices: vertex_buffer(&gpu, 4),
             capacity: 4,
             count: 0,
-            texels,
-            drawing: options.drawing,
+            group: match options.drawing {
+                Drawing::DrawEach => 3,
+                Drawing::Array | Drawing::Bindless => 2,
+            },
+            texels: texels(&gpu, &layout, &set, (options.drawing, entries[0].binding))?,
             set,
             level: options.one_level.then(|| finest(truths)),
         })
@@ -379,18 +291,14 @@ impl MapTargets {
     pub(crate) fn draw(&self, scene: &MapScene) -> Result<Option<f64>, DeviceError> {
         let gpu = &self.canvas.gpu;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let (pipeline, group) = match scene.drawing {
-            Drawing::Array => (&self.whole_map, 2),
-            Drawing::DrawEach => (&self.one_tile, 3),
-        };
         self.canvas.record(&mut encoder, |pass| {
-            pass.set_pipeline(pipeline);
+            pass.set_pipeline(&scene.pipeline);
             for (at, bound) in (0..).zip(&scene.bind_groups) {
                 pass.set_bind_group(at, bound, &[]);
             }
             pass.set_vertex_buffer(0, scene.vertices.slice(..));
             for texels in &scene.texels {
-                pass.set_bind_group(group, texels, &[]);
+                pass.set_bind_group(scene.group, texels, &[]);
                 pass.draw(0..scene.count, 0..1);
             }
         });
@@ -402,13 +310,65 @@ impl MapTargets {
         scene.texels.len()
     }
 
-    /// What each pixel shows.
-    pub(crate) fn read(&self, scene: &MapScene) -> Result<Vec<Shown>, DeviceError> {
+    /// What each pixel shows of tiles that hold addresses.
+    pub(crate) fn shown(&self, scene: &MapScene) -> Result<Vec<Shown>, DeviceError> {
         let values: Vec<u32> = self.canvas.read()?;
-        Ok(values
-            .into_iter()
-            .map(|value| scene.set.shown(value))
-            .collect())
+        let values = values.into_iter();
+        Ok(values.map(|value| scene.set.shown(value)).collect())
+    }
+
+    /// Colours in rows; 0 where no surface is.
+    pub(crate) fn colours(&self) -> Result<Vec<[u8; 4]>, DeviceError> {
+        self.canvas.read()
+    }
+}
+
+fn entry(binding: u32, resource: wgpu::BindingResource<'_>) -> wgpu::BindGroupEntry<'_> {
+    wgpu::BindGroupEntry { binding, resource }
+}
+
+/// Bind groups of a draw's texels, one or one for each tile.
+fn texels(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    set: &TileSet,
+    (drawing, binding): (Drawing, u32),
+) -> Result<Vec<wgpu::BindGroup>, DeviceError> {
+    let bind = |entries: &[wgpu::BindGroupEntry<'_>]| {
+        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("texels"),
+            layout,
+            entries,
+        })
+    };
+    match drawing {
+        Drawing::Array => {
+            let all = set.view(0, None);
+            let resource = wgpu::BindingResource::TextureView(&all);
+            Ok(vec![bind(&[entry(binding, resource)])])
+        }
+        Drawing::Bindless => {
+            let views: Vec<wgpu::TextureView> = (0..set.textures.len())
+                .map(|number| set.view(number, Some(0)))
+                .collect();
+            let views: Vec<&wgpu::TextureView> = views.iter().collect();
+            let resource = wgpu::BindingResource::TextureViewArray(&views);
+            Ok(vec![bind(&[entry(binding, resource)])])
+        }
+        Drawing::DrawEach => {
+            let one = |(layer, tile): (u32, &Tile)| {
+                let view = set.view(0, Some(layer));
+                let key = tile.key();
+                let bytes = bytemuck::bytes_of(&key);
+                let key = gpu.upload("tile", bytes, wgpu::BufferUsages::UNIFORM)?;
+                let resource = wgpu::BindingResource::TextureView(&view);
+                Ok(bind(&[
+                    entry(binding, resource),
+                    entry(1, key.as_entire_binding()),
+                ]))
+            };
+            (0..).zip(&set.tiles).map(one).collect()
+        }
     }
 }
 
@@ -419,9 +379,9 @@ fn vertex_buffer(gpu: &Gpu, size: u64) -> wgpu::Buffer {
 fn pipeline(
     canvas: &Canvas,
     layout: &wgpu::PipelineLayout,
-    entry_point: &str,
+    (path, entry_point): (&str, &str),
 ) -> Result<wgpu::RenderPipeline, DeviceError> {
-    let module = canvas.gpu.shader("globes/map.wgsl")?;
+    let module = canvas.gpu.shader(path)?;
     let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x2, 2 => Float32];
     let vertex = wgpu::VertexState {
         module: &module,

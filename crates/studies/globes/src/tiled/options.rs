@@ -39,12 +39,14 @@ impl Seam {
 }
 
 /// How fragments come to their tile.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Drawing {
     /// As published: the whole grid is drawn once for each tile, and fragments of other tiles are discarded.
     DrawEach,
     /// In one draw, from an array of all tiles.
     Array,
+    /// In one draw, from as many textures as there are tiles, chosen by each fragment.
+    Bindless,
 }
 
 impl Drawing {
@@ -52,6 +54,7 @@ impl Drawing {
         match self {
             Self::DrawEach => "draw-each",
             Self::Array => "array",
+            Self::Bindless => "bindless",
         }
     }
 }
@@ -114,10 +117,7 @@ impl Options {
             by_fragment: true,
             ..base
         });
-        all.push(Self {
-            drawing: Drawing::DrawEach,
-            ..base
-        });
+        all.extend([Drawing::DrawEach, Drawing::Bindless].map(|drawing| Self { drawing, ..base }));
         all.push(Self {
             one_level: true,
             ..base

@@ -2,8 +2,8 @@
 //! The section on tiles of a map over the grid on the screen.
 
 use super::PART;
-use terrafill_plot::number::{measured_bytes, significant};
-use terrafill_results::{Block, Case, Cell, Clock, Finding, Heading, Row, Run, Standing, Table};
+use crate::table::{by_case, cases, with};
+use terrafill_results::{Block, Case, Clock, Finding, Run, Standing, Table};
 
 /// What is measured.
 const WHAT_IS_COMPARED: &str = "A Web Mercator map in tiles of 256 × 256 texels lies over the grid on the screen, with a stereographic \
@@ -11,13 +11,7 @@ const WHAT_IS_COMPARED: &str = "A Web Mercator map in tiles of 256 × 256 texels
      “Texels” is how far outside it the pixel's place lies: by the triangles as drawn, with longitude in one \
      piece, which leaves seam and f32 as causes; and by the body itself. Triangles that hold a pole are left out \
      of the first: longitude is no function on them. A case of the base is a grid of 10 × 10 cells, split by the \
-     CPU at ½, V' by the vertex, one draw from an array, a level for each pixel; others differ in what is named.";
-
-fn cases(run: &Run) -> Vec<&Case> {
-    let own = run.of_study(crate::STUDY);
-    own.filter(|case| !case.is_twin() && case.condition("part") == PART)
-        .collect()
-}
+     CPU at ½, V' by the vertex, one draw from an array, a level for each pixel. Others differ in what is named.";
 
 /// What differs from the base.
 fn name(case: &Case) -> String {
@@ -52,7 +46,7 @@ fn views<'a>(cases: &[&'a Case]) -> Vec<&'a str> {
 
 /// The section; nothing where no case was planned.
 pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
-    let cases = cases(run);
+    let cases = cases(run, PART);
     if cases.is_empty() {
         return Vec::new();
     }
@@ -62,11 +56,7 @@ pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
         Block::Finding(seam_finding(&cases)),
     ];
     for view in views(&cases) {
-        let own: Vec<&Case> = cases
-            .iter()
-            .copied()
-            .filter(|case| case.condition("view") == view)
-            .collect();
+        let own = with(&cases, "view", view);
         blocks.push(Block::Table(table(view, &own, clock)));
     }
     blocks
@@ -89,39 +79,15 @@ fn table(view: &str, cases: &[&Case], clock: Clock) -> Table {
         ("draws", "globe_tile_draws"),
         ("frame, ms", crate::clock::whole(clock)),
         ("draw, ms", crate::clock::draw(clock)),
+        ("tiles, bytes", "globe_tile_bytes"),
     ];
-    let rows = cases.iter().map(|case| {
-        let why = match case.reason.as_str() {
-            "" => "not measured",
-            reason => reason,
-        };
-        let mut cells = vec![Cell::name(name(case))];
-        cells.extend(
-            columns
-                .iter()
-                .map(|(_, metric)| Cell::or_absent(case.value(metric).map(significant), why)),
-        );
-        let bytes = case.value("globe_tile_bytes").map(measured_bytes);
-        cells.push(Cell::or_absent(bytes, why));
-        Row {
-            cells,
-            status: case.outcome.name().to_owned(),
-            remark: case.reason.clone(),
-        }
-    });
-    let mut headings = vec![Heading::plain("way")];
-    headings.extend(
-        columns
-            .iter()
-            .map(|(text, metric)| Heading::metric(*text, *metric)),
-    );
-    headings.push(Heading::metric("tiles, bytes", "globe_tile_bytes"));
-    Table {
-        caption: format!("Tiles in view {view}"),
-        headings,
-        rows: rows.collect(),
-        ..Table::default()
-    }
+    by_case(
+        &format!("Tiles in view {view}"),
+        cases,
+        (&["way"], &|case| vec![name(case)]),
+        &columns,
+        &|_| "not measured",
+    )
 }
 
 /// Triangles across the seam and those that a rule misses, and pixels beside it and those that are wrong.
@@ -132,10 +98,7 @@ fn seam_sums(cases: &[&Case], seam: &str) -> [f64; 4] {
         "globe_tile_seam_px",
         "globe_tile_seam_wrong_px",
     ];
-    let of_rule: Vec<&&Case> = cases
-        .iter()
-        .filter(|case| case.condition("seam") == seam)
-        .collect();
+    let of_rule = with(cases, "seam", seam);
     metrics.map(|metric| of_rule.iter().filter_map(|case| case.value(metric)).sum())
 }
 
@@ -167,7 +130,7 @@ fn seam_finding(cases: &[&Case]) -> Finding {
 /// Cells a side and time of a frame drawn as published, by view, for views that go through the published numbers of
 /// cells.
 pub(crate) fn frame_times_by_cells(run: &Run, clock: Clock) -> Vec<(String, Vec<[f64; 2]>)> {
-    let cases = cases(run);
+    let cases = cases(run, PART);
     let times = |view: &&str| {
         let own = cases.iter().filter(|case| {
             case.condition("view") == *view

@@ -2,30 +2,31 @@
 //! Triangles across ±180° split by a geometry shader, as published, and by the CPU, on Vulkan. Each pixel shows its U in
 //! 24 bits, which is held against U in one piece over the triangle, in `f64`.
 
+mod section;
+
+pub(crate) use section::blocks;
+
 use super::mesh::{MapMesh, MapVertex, map_mesh};
 use super::options::{Options, Seam};
 use super::truth::{Truth, truths};
-use super::{ALLOWED_TEXELS, KIND};
+use super::{ALLOWED_TEXELS, grid};
 use crate::STUDY;
 use crate::canvas::view_constants;
+use crate::clock::FrameWatch;
 use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
+use crate::session::{Failure, Figures, Part, PartSession, judged};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError, Picture, ViewConstants};
+use terrafill_fill::{DeviceError, Picture, ViewConstants};
 use terrafill_maps::TILE_TEXELS;
-use terrafill_plot::number::significant;
-use terrafill_results::{
-    Block, Case, CaseId, Cell, Clock, Finding, Heading, PlannedCase, Row, Run, Standing, Status,
-    Table, Verdict,
-};
+use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_study::{Context, Group, Session, StudyError};
 use terrafill_vulkan::{
     Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, GeometryOutput, Gpu, Measured,
     PrimitiveStages, RenderTargets, Resource, Resources, Shader, Topology, VertexFormat,
 };
-use toml::Value;
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "seams";
@@ -137,13 +138,13 @@ impl Group for Stages {
     }
 
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(StageSession {
+        Ok(Box::new(PartSession(StagePart {
             group: self,
             context,
             targets: None,
             truths: None,
             ready: BTreeMap::new(),
-        }))
+        })))
     }
 }
 
@@ -153,7 +154,7 @@ struct Ready {
     vertices: Arc<Buffer>,
 }
 
-struct StageSession<'a> {
+struct StagePart<'a> {
     group: &'a Stages,
     context: Context<'a>,
     targets: Option<RenderTargets>,
@@ -190,13 +191,11 @@ fn judge(truths: &[Option<Truth>], picture: &Picture) -> [f64; 3] {
     [beside, wrong, worst]
 }
 
-impl StageSession<'_> {
+impl StagePart<'_> {
     fn mesh(&self, splitter: Splitter) -> Result<(MapMesh, Vec<Option<Truth>>), String> {
         let eye = &self.group.eye;
         let options = Stages::options(splitter);
-        let parameters =
-            toml::Table::from_iter([("n".to_owned(), Value::Integer(options.n.into()))]);
-        let surface = self.group.opened.get(KIND, &parameters)?;
+        let surface = grid(&self.group.opened, options.n)?;
         let frame = surface.frame(&eye.camera, eye.size);
         let frame = frame.map_err(|error| error.to_string())?;
         let mesh = map_mesh(&eye.body, &eye.camera, &frame, &options);
@@ -269,13 +268,12 @@ impl StageSession<'_> {
         let targets = targets.ok_or(DeviceError::Missing("targets of the seam"))?;
         Ok(targets.draw_directly(None, &draw, measured)?.gpu_ms)
     }
+}
 
-    fn make(&mut self, case: usize) -> Result<Result<Verdict, String>, DeviceError> {
+impl Part for StagePart<'_> {
+    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
         let splitter = Splitter::ALL[case];
-        let (mesh, truths) = match self.mesh(splitter) {
-            Ok(made) => made,
-            Err(error) => return Ok(Err(error)),
-        };
+        let (mesh, truths) = self.mesh(splitter)?;
         let truths = Rc::clone(self.truths.get_or_insert_with(|| Rc::new(truths)));
         let gpu = terrafill_vulkan::shared_gpu(self.context.devices)?;
         let ready = self.open(&gpu, splitter, mesh.vertices.len())?;
@@ -286,16 +284,14 @@ impl StageSession<'_> {
             .read()?;
         let [beside, wrong, worst] = judge(&truths, &picture);
         self.ready.insert(case, ready);
+        let sent = std::mem::size_of_val(mesh.vertices.as_slice());
         let mut figures = vec![
             ("globe_tile_seam_px", beside),
             ("globe_tile_seam_wrong_px", wrong),
             ("globe_tile_texels_max", worst),
             ("globe_tile_crossing", mesh.crossing as f64),
             ("globe_triangles", (mesh.vertices.len() / 3) as f64),
-            (
-                "globe_upload_bytes",
-                std::mem::size_of_val(mesh.vertices.as_slice()) as f64,
-            ),
+            ("globe_upload_bytes", sent as f64),
         ];
         // What a geometry shader leaves whole nobody counts but it.
         if splitter.shader().is_none() {
@@ -307,151 +303,18 @@ impl StageSession<'_> {
             ),
             false => String::new(),
         };
-        Ok(Ok(Verdict {
-            status: if reason.is_empty() {
-                Status::Ok
-            } else {
-                Status::Wrong
-            },
-            reason,
-            figures,
-            notes: Vec::new(),
-        }))
+        Ok(judged(reason, figures, Vec::new()))
     }
 
-    fn time(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        let ready = self.ready.remove(&case).ok_or("it was not verified")?;
-        let watch = CpuStopwatch::start();
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        let ready = self.ready.remove(&case);
+        let ready = ready.ok_or("it was not verified".to_owned())?;
+        let mut watch = FrameWatch::start();
         let (mesh, _) = self.mesh(Splitter::ALL[case])?;
-        let make_ms = watch.cpu_ms();
+        watch.ends("globe_make_cpu_ms");
         let gpu_ms = self.draw(&ready, &mesh.vertices, Measured::Times);
-        let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
         self.ready.insert(case, ready);
-        let gpu_ms = gpu_ms.map_err(|error| error.to_string())?;
-        let mut values = vec![
-            ("globe_whole_cpu_ms", cpu_ms),
-            ("globe_whole_wall_ms", wall_ms),
-            ("globe_make_cpu_ms", make_ms),
-            ("globe_draw_cpu_ms", cpu_ms - make_ms),
-        ];
-        if let Some(gpu_ms) = gpu_ms {
-            values.push(("globe_draw_gpu_ms", gpu_ms));
-            values.push(("globe_whole_gpu_ms", make_ms + gpu_ms));
-        }
-        Ok(values)
-    }
-}
-
-impl Session for StageSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        Ok(match self.make(case) {
-            Ok(Ok(verdict)) => verdict,
-            Ok(Err(error)) => Verdict::failed(error),
-            Err(error @ (DeviceError::Unsupported { .. } | DeviceError::OverCapacity { .. })) => {
-                Verdict::skipped(error.to_string())
-            }
-            Err(error) => Verdict::failed(error.to_string()),
-        })
-    }
-
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        self.time(case)
-    }
-}
-
-/// The section; nothing where no case was planned.
-pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
-    let own = run.of_study(STUDY);
-    let cases: Vec<&Case> = own
-        .filter(|case| !case.is_twin() && case.condition("part") == PART)
-        .collect();
-    if cases.is_empty() {
-        return Vec::new();
-    }
-    let columns = [
-        ("triangles sent", "globe_triangles"),
-        ("crossing", "globe_tile_crossing"),
-        ("missed", "globe_tile_missed"),
-        ("px at the seam", "globe_tile_seam_px"),
-        ("off by > ½ texel", "globe_tile_seam_wrong_px"),
-        ("texels, largest", "globe_tile_texels_max"),
-        ("frame, ms", crate::clock::whole(clock)),
-        ("make, CPU ms", "globe_make_cpu_ms"),
-        ("draw, ms", crate::clock::draw(clock)),
-    ];
-    let rows = cases.iter().map(|case| {
-        let why = match case.reason.as_str() {
-            "" => "only the shader knows",
-            reason => reason,
-        };
-        let mut cells = ["view", "split_by", "limit"]
-            .map(|key| Cell::name(case.condition(key)))
-            .to_vec();
-        cells.extend(
-            columns
-                .iter()
-                .map(|(_, metric)| Cell::or_absent(case.value(metric).map(significant), why)),
-        );
-        Row {
-            cells,
-            status: case.outcome.name().to_owned(),
-            remark: case.reason.clone(),
-        }
-    });
-    let mut headings = ["view", "split by", "where U differs by"]
-        .map(Heading::plain)
-        .to_vec();
-    headings.extend(
-        columns
-            .iter()
-            .map(|(text, metric)| Heading::metric(*text, *metric)),
-    );
-    vec![
-        Block::section("The seam split by a geometry shader and by the CPU"),
-        Block::Text(
-            "On Vulkan, 10 × 10 cells; a pixel shows its U in 24 bits. The geometry shader is the published one; the CPU \
-             splits by the same rule before vertices are sent."
-                .to_owned(),
-        ),
-        Block::Table(Table {
-            caption: "Who splits triangles across ±180°".to_owned(),
-            headings,
-            rows: rows.collect(),
-            ..Table::default()
-        }),
-        Block::Finding(finding(&cases)),
-    ]
-}
-
-fn finding(cases: &[&Case]) -> Finding {
-    let wrong = |by: &str, limit: &str| {
-        let own = cases
-            .iter()
-            .filter(|case| case.condition("split_by") == by && case.condition("limit") == limit);
-        let values: Vec<f64> = own
-            .filter_map(|case| case.value("globe_tile_seam_wrong_px"))
-            .collect();
-        (!values.is_empty()).then(|| values.iter().sum::<f64>())
-    };
-    let all = [
-        ("geometry-shader", "0.7"),
-        ("geometry-shader", "0.5"),
-        ("cpu", "0.7"),
-        ("cpu", "0.5"),
-    ];
-    let words: Vec<String> = all
-        .iter()
-        .filter_map(|(by, limit)| Some(format!("{by} at {limit}: {} px wrong", wrong(by, limit)?)))
-        .collect();
-    let pairs =
-        ["0.7", "0.5"].map(|limit| wrong("geometry-shader", limit).zip(wrong("cpu", limit)));
-    Finding {
-        claim: "The CPU's split is the geometry shader's: the same pixels are right".to_owned(),
-        standing: match pairs {
-            [Some((a, b)), Some((c, d))] => Standing::holds_if(a == b && c == d),
-            _ => Standing::CannotTell,
-        },
-        because: format!("{}.", words.join("; ")),
+        Ok(watch.drawn(gpu_ms?))
     }
 }
 
@@ -460,6 +323,7 @@ mod tests {
     use super::*;
     use crate::list::List;
     use terrafill_fill::{Devices, device_for_test};
+    use terrafill_results::Status;
     use terrafill_screen_grid::ScreenGridKind;
     use terrafill_surface::SurfaceKind;
 

@@ -6,6 +6,7 @@ use super::truth::{Place, Texel, Tile};
 use super::*;
 use crate::list::List;
 use terrafill_fill::{Devices, device_for_test};
+use terrafill_results::Status;
 use terrafill_screen_grid::ScreenGridKind;
 use terrafill_surface::SurfaceKind;
 
@@ -67,6 +68,10 @@ fn every_pixel_of_a_globe_shows_its_texel_and_the_seam_is_kept() {
             ..base
         },
         Options {
+            drawing: Drawing::Bindless,
+            ..base
+        },
+        Options {
             seam: Seam::Rotated,
             ..base
         },
@@ -90,7 +95,12 @@ fn every_pixel_of_a_globe_shows_its_texel_and_the_seam_is_kept() {
     let Some(all) = verdicts("globe-antimeridian", 200, options) else {
         return;
     };
-    for verdict in &all[..6] {
+    for (at, verdict) in all[..7].iter().enumerate() {
+        // A device without freely indexed arrays of textures says so.
+        if at == 2 && verdict.status == Status::Skipped {
+            assert!(verdict.reason.contains("arrays of textures"));
+            continue;
+        }
         assert_eq!(verdict.status, Status::Ok, "{}", verdict.reason);
         assert!(figure(verdict, "globe_tile_seam_px") > 100.0);
         assert_eq!(figure(verdict, "globe_tile_missing_px"), 0.0);
@@ -101,13 +111,13 @@ fn every_pixel_of_a_globe_shows_its_texel_and_the_seam_is_kept() {
     assert!(figure(&all[0], "globe_tile_true_texels_max") > 1.0);
     // Finer texels at the limb, where the grid is farthest off.
     let worst = |at: usize| figure(&all[at], "globe_tile_true_texels_max");
-    assert!(worst(5) > 2.0 * worst(0));
+    assert!(worst(6) > 2.0 * worst(0));
     assert_eq!(
         figure(&all[1], "globe_tile_draws"),
         figure(&all[1], "globe_tile_count")
     );
     // Twin: with nothing done about the seam, pixels beside it are wrong.
-    let never = &all[6];
+    let never = &all[7];
     assert_eq!(never.status, Status::Wrong, "{}", never.reason);
     assert_eq!(
         figure(never, "globe_tile_missed"),

@@ -21,7 +21,7 @@ pub(crate) const MAX_LEVEL: u32 = 22;
 /// Texels about a pixel's own within which `f32` may ask for another tile.
 const ROUNDING_TEXELS: f64 = 1.5;
 
-/// Share of the distance by which a device's level may round otherwise: the logarithm has an error of 3 ulp
+/// Share of the distance by which a device's level may round otherwise. The logarithm has an error of 3 ulp
 /// (WGSL, 15.7.4.2), so of some 1e-6 of a level; with a margin of a hundred.
 const LEVEL_ROUNDING: f64 = 1e-4;
 

@@ -244,6 +244,54 @@ fn triangles_are_limited_and_what_is_out_of_sight_is_left_out() {
     assert!(tiles.tree().node_count() > 500);
 }
 
+/// Largest side of a cell over its distance from the eye, of the tiles that a view may see, by their own vertices.
+fn worst_cell_share(tiles: &Tiles, camera: &Camera) -> (f64, usize) {
+    let choice = tiles.choice(&tiles.sight(camera, SIZE), &mut |_| true);
+    let seen = choice.tiles.iter().filter(|tile| tile.error_px > 0.0);
+    let shares = seen.map(|tile| {
+        let side_m = tile.id.step_deg().to_radians() * tiles.body.equatorial_radius_m();
+        let distances = (0..=16_u32).flat_map(|row| (0..=16_u32).map(move |column| [column, row]));
+        let nearest = distances
+            .map(|at| {
+                let [longitude, latitude] = tile.id.place(at, 16);
+                let place = Geodetic::from_degrees(longitude, latitude, 0.0);
+                (tiles.body.geodetic_to_ecef(place) - camera.eye_ecef).length()
+            })
+            .fold(f64::INFINITY, f64::min);
+        side_m / nearest
+    });
+    let shares: Vec<f64> = shares.collect();
+    (shares.iter().copied().fold(0.0, f64::max), shares.len())
+}
+
+#[test]
+fn by_size_no_cell_is_larger_than_its_share_of_the_distance() {
+    let bare = Elevation::new(Vec::new(), Base::Flat, 0.0, 1.0);
+    let mut tiles = Tiles::new(&Ellipsoid::WGS84, bare);
+    let mut counts = Vec::new();
+    for camera in [
+        camera([10.5, 46.5, 2e3], 30.0, -2.0),
+        camera([10.5, 46.5, 1e5], 120.0, -30.0),
+        camera([10.5, 46.5, 8e6], 0.0, -90.0),
+    ] {
+        for share in [0.04, 0.02] {
+            tiles.cell_per_distance = Some(share);
+            let (worst, count) = worst_cell_share(&tiles, &camera);
+            eprintln!("{share}: {count} tiles seen, cells up to {worst:.4} of their distance");
+            // Nearest vertices stand for a tile's nearest place, which a ball around it is nearer than.
+            assert!(worst <= share, "{worst}");
+            counts.push(count);
+        }
+    }
+    // Cells half as large are four times as many, but for whole tiles at the edges.
+    let ratio = counts[1] as f64 / counts[0] as f64;
+    assert!((2.0..5.0).contains(&ratio), "{counts:?}");
+    // Twin: by the error on the screen, cells of smooth ground are larger.
+    tiles.cell_per_distance = None;
+    let (worst, _) = worst_cell_share(&tiles, &camera([10.5, 46.5, 2e3], 30.0, -2.0));
+    assert!(worst > 0.04, "{worst}");
+}
+
 #[test]
 fn every_point_drawn_lies_within_the_heights_of_its_view_and_of_all_views() {
     let (mut elsewhere, mut points) = (0, 0);
@@ -322,6 +370,14 @@ fn a_scene_names_its_tiles_and_what_is_wrong_is_named() {
         (
             "error_px = 0",
             "t.toml: surface.error_px: found 0, allowed: 0.1 to 1000",
+        ),
+        (
+            "rule = \"distance\"",
+            "t.toml: surface.rule: found \"distance\", allowed: error, size",
+        ),
+        (
+            "cell_per_distance = 0",
+            "t.toml: surface.cell_per_distance: found 0, allowed: 0.001 to 10",
         ),
         (
             "skirts = 1",

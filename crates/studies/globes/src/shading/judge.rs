@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A picture's colours against the layers' functions, in `f64`.
+
+use super::device::Shading;
+use super::layers::colour;
+use super::lights;
+use crate::list::Eye;
+use glam::DVec3;
+use rayon::prelude::*;
+use terrafill_reference::SurfaceTriangles;
+use terrafill_surface::SurfaceFrame;
+
+/// What a picture's colours are.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Found {
+    /// Of each compared pixel, the largest channel's difference from the functions.
+    pub(super) all: Vec<f64>,
+    /// Within 5° of a pole.
+    pub(super) polar: Vec<f64>,
+    pub(super) non_finite: usize,
+    pub(super) shown: usize,
+}
+
+/// Sine of 85°.
+const POLAR_SINE: f64 = 0.996_194_698_091_745_5;
+
+/// Compares a picture with the functions, by the place that each pixel's ray meets.
+pub(super) fn judge(
+    eye: &Eye,
+    frame: &SurfaceFrame,
+    shading: Shading,
+    picture: &[[f32; 4]],
+) -> Found {
+    let triangles = SurfaceTriangles::new(frame);
+    let lights = lights(eye);
+    let width = eye.size.width as usize;
+    let judged: Vec<Option<(f64, bool)>> = (0..picture.len())
+        .into_par_iter()
+        .map(|pixel| {
+            let centre = [pixel % width, pixel / width].map(|at| at as f64 + 0.5);
+            let direction = eye.camera.direction_ecef(eye.size, centre);
+            let (depth, facet) = triangles.hit_facet(direction, eye.camera.near_m)?;
+            let shown = picture[pixel];
+            if shown[3] == 0.0 {
+                return None;
+            }
+            // Normal and direction to the eye are interpolated as the device does: from the triangle's corners.
+            let corners = facet.map(|corner| (normal(eye, corner), -corner));
+            let shares = shares(facet, direction * depth);
+            let mixed = |of: &dyn Fn(usize) -> DVec3| {
+                (0..3).fold(DVec3::ZERO, |sum, i| sum + of(i) * shares[i])
+            };
+            let n = mixed(&|i| corners[i].0).normalize();
+            let expected = colour(&lights, shading.removed, n, mixed(&|i| corners[i].1));
+            let off = (0..3).map(|i| (f64::from(shown[i]) - expected[i]).abs());
+            // What is no number must not be lost in a maximum.
+            let worst = off.fold(
+                0.0,
+                |worst: f64, off| if off <= worst { worst } else { off },
+            );
+            Some((worst, n.z.abs() > POLAR_SINE))
+        })
+        .collect();
+    let mut found = Found {
+        non_finite: picture.iter().filter(|colour| is_lost(colour)).count(),
+        shown: picture.iter().filter(|colour| colour[3] != 0.0).count(),
+        ..Found::default()
+    };
+    for (off, is_polar) in judged
+        .into_iter()
+        .flatten()
+        .filter(|(off, _)| off.is_finite())
+    {
+        found.all.push(off);
+        if is_polar {
+            found.polar.push(off);
+        }
+    }
+    found
+}
+
+/// Shares of a triangle's corners at a point of it.
+fn shares([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 3] {
+    let normal = (b - a).cross(c - a);
+    let share = |from: DVec3, to: DVec3| {
+        (from - point).cross(to - point).dot(normal) / normal.length_squared()
+    };
+    [share(b, c), share(c, a), share(a, b)]
+}
+
+/// Geodetic normal of a place relative to the eye.
+pub(super) fn normal(eye: &Eye, relative_m: DVec3) -> DVec3 {
+    let radii = eye.body.radii_m();
+    ((eye.camera.eye_ecef + relative_m) / (radii * radii)).normalize()
+}
+
+/// Whether a colour is no number.
+pub(super) fn is_lost(colour: &[f32; 4]) -> bool {
+    colour.iter().any(|channel| !channel.is_finite())
+}
+
+/// As pictures show it: what is not finite is magenta.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a share of 255 after clamping"
+)]
+pub(super) fn bytes(colour: [f32; 4]) -> [u8; 3] {
+    match is_lost(&colour) {
+        true => [255, 0, 255],
+        false => [0, 1, 2].map(|i| (255.0 * colour[i].clamp(0.0, 1.0)).round() as u8),
+    }
+}

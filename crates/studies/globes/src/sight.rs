@@ -1,0 +1,436 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Surfaces through their knobs in one view: each is made, judged against rays at the body, and timed.
+
+use crate::STUDY;
+use crate::api::{Drawing, Interface, RAYS, VULKAN, WGPU};
+use crate::canvas::no_triangles;
+use crate::clock::FrameWatch;
+use crate::error::{Errors, of_depth, of_frame};
+use crate::expected::{Expected, expected};
+use crate::list::{Eye, Formula, SurfaceRow, ViewRow, number};
+use crate::opened::Opened;
+use crate::session::{self, Failure, Figures, Part, PartSession};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::hash::{DefaultHasher, Hasher as _};
+use std::rc::Rc;
+use std::sync::Arc;
+use terrafill_fill::{DeviceError, SurfaceView, ViewConstants, ViewId};
+use terrafill_gpu::RayCast;
+use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
+use terrafill_study::{Context, Depth, Group, Session, StudyError};
+use terrafill_surface::{Surface, SurfaceError, SurfaceFrame};
+use toml::Value;
+
+/// The case without triangles.
+pub(crate) const RAY_CAST: &str = "ray-cast";
+
+/// Bytes of a vertex, and of a triangle's indices.
+const VERTEX_BYTES: u64 = 12;
+
+/// A surface with its knob set, on an interface.
+#[derive(Clone)]
+pub(crate) struct Work {
+    /// As in reports.
+    name: String,
+    /// `None` for the body itself, a ray for each pixel.
+    pub(crate) surface: Option<Chosen>,
+    interface: Interface,
+    has_cracks: bool,
+}
+
+/// What a surface is opened by.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Chosen {
+    kind: String,
+    pub(crate) knob: String,
+    value: Value,
+    formula: Formula,
+    with: toml::Table,
+}
+
+impl Chosen {
+    /// What tells it from others.
+    fn key(&self) -> String {
+        format!("{} {}={} {}", self.kind, self.knob, self.value, self.with)
+    }
+
+    fn parameters(&self) -> toml::Table {
+        let mut parameters = self.with.clone();
+        parameters.insert(self.knob.clone(), self.value.clone());
+        parameters
+    }
+}
+
+pub(crate) fn works(rows: &[SurfaceRow], depth: Depth) -> Vec<Work> {
+    let mut works = Vec::new();
+    for row in rows {
+        let values = match depth {
+            Depth::Quick => &row.quick,
+            Depth::Main | Depth::Full => &row.values,
+        };
+        // Vulkan itself draws the same triangles: as many as all wgpu cases only where all is measured.
+        let interfaces: &[Interface] = match depth {
+            Depth::Full => &[WGPU, VULKAN],
+            Depth::Quick | Depth::Main => &[WGPU],
+        };
+        for value in values {
+            works.extend(interfaces.iter().map(|&interface| Work {
+                name: row.name.clone(),
+                surface: Some(Chosen {
+                    kind: row.kind.clone(),
+                    knob: row.knob.clone(),
+                    value: value.clone(),
+                    formula: row.expected,
+                    with: row.with.clone(),
+                }),
+                interface,
+                has_cracks: row.cracks,
+            }));
+        }
+    }
+    works.push(Work {
+        name: RAY_CAST.to_owned(),
+        surface: None,
+        interface: RAYS,
+        has_cracks: false,
+    });
+    works
+}
+
+/// All surfaces in one view.
+pub(crate) struct Sight {
+    view: ViewRow,
+    eye: Eye,
+    works: Vec<Work>,
+    cases: Vec<PlannedCase>,
+    opened: Rc<Opened>,
+}
+
+impl Sight {
+    pub(crate) fn new(
+        view: ViewRow,
+        works: &[Work],
+        opened: &Rc<Opened>,
+        (side_px, samples): (u32, u32),
+    ) -> Self {
+        let eye = view.eye(side_px);
+        let cases = works.iter().map(|work| {
+            let (knob, value) = work
+                .surface
+                .as_ref()
+                .map_or_else(Default::default, |chosen| {
+                    let number = number(&chosen.value).map(|value| value.to_string());
+                    (chosen.knob.clone(), number.unwrap_or_default())
+                });
+            let set = match knob.as_str() {
+                "" => String::new(),
+                knob => format!("/{knob}={value}"),
+            };
+            let api = work.interface.api.name;
+            PlannedCase {
+                id: CaseId::new(
+                    STUDY,
+                    format!("{}/{}{set}/{api}", view.name, work.name),
+                    [
+                        ("view", view.name.clone()),
+                        ("surface", work.name.clone()),
+                        ("knob", knob),
+                        ("value", value),
+                        ("api", api.to_owned()),
+                        ("size_px", eye.size.width.to_string()),
+                    ],
+                ),
+                samples,
+                may_be_wrong: work.has_cracks,
+            }
+        });
+        Self {
+            cases: cases.collect(),
+            view,
+            eye,
+            works: works.to_vec(),
+            opened: Rc::clone(opened),
+        }
+    }
+}
+
+impl Group for Sight {
+    fn name(&self) -> String {
+        format!("{STUDY}/{}", self.view.name)
+    }
+
+    fn cases(&self) -> &[PlannedCase] {
+        &self.cases
+    }
+
+    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
+        Ok(Box::new(PartSession(SightPart {
+            sight: self,
+            context,
+            targets: BTreeMap::new(),
+            judged: BTreeMap::new(),
+            ready: BTreeMap::new(),
+        })))
+    }
+}
+
+/// A surface's triangles in the view, judged.
+struct Judged {
+    errors: Errors,
+    expected: Expected,
+}
+
+/// What draws a case.
+struct Ready {
+    surface: Option<Arc<dyn Surface>>,
+    targets: &'static str,
+    /// Of the triangles that were verified.
+    fingerprint: u64,
+}
+
+struct SightPart<'a> {
+    sight: &'a Sight,
+    context: Context<'a>,
+    /// By interface, [`RAY_CAST`] one of them.
+    targets: BTreeMap<&'static str, Box<dyn Drawing>>,
+    /// By [`Chosen::key`].
+    judged: BTreeMap<String, Rc<Judged>>,
+    /// By case.
+    ready: BTreeMap<usize, Ready>,
+}
+
+impl SightPart<'_> {
+    fn frame(&self, surface: &Arc<dyn Surface>) -> Result<SurfaceFrame, SurfaceError> {
+        surface.frame(&self.sight.eye.camera, self.sight.eye.size)
+    }
+
+    /// Opens what a case is drawn by, and makes its triangles.
+    fn make_ready(&mut self, case: usize) -> Result<Option<SurfaceFrame>, Failure> {
+        let work = &self.sight.works[case];
+        let surface = match &work.surface {
+            Some(chosen) => {
+                let opened = self.sight.opened.get(&chosen.kind, &chosen.parameters());
+                Some(opened.map_err(Failure::Broken)?)
+            }
+            None => None,
+        };
+        let name = match &work.surface {
+            Some(_) => work.interface.api.name,
+            None => RAY_CAST,
+        };
+        if let Entry::Vacant(entry) = self.targets.entry(name) {
+            entry.insert((work.interface.open)(
+                self.context.devices,
+                self.sight.eye.size,
+            )?);
+        }
+        let frame = match &surface {
+            Some(surface) => Some(self.frame(surface)?),
+            None => None,
+        };
+        let ready = Ready {
+            surface,
+            targets: name,
+            fingerprint: frame.as_ref().map_or(0, fingerprint),
+        };
+        self.ready.insert(case, ready);
+        Ok(frame)
+    }
+
+    /// Draws a frame, or the body itself; gives the GPU's time.
+    fn draw(
+        &mut self,
+        targets: &'static str,
+        frame: &SurfaceFrame,
+        watch: &mut FrameWatch,
+    ) -> Result<Option<f64>, DeviceError> {
+        let eye = &self.sight.eye;
+        let view = SurfaceView {
+            id: ViewId::unique(),
+            body: &eye.body,
+            camera: &eye.camera,
+            size: eye.size,
+            surface: frame,
+            picture: None,
+            draws_back_faces: false,
+        };
+        let targets = self.targets.get_mut(targets);
+        let targets = targets.ok_or(DeviceError::Missing("targets of the interface"))?;
+        targets.upload(view)?;
+        watch.ends("globe_upload_cpu_ms");
+        targets.draw()
+    }
+}
+
+impl Part for SightPart<'_> {
+    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let frame = self.make_ready(case)?;
+        let ready = &self.ready[&case];
+        let (targets, hash) = (ready.targets, ready.fingerprint);
+        let nothing = no_triangles();
+        let drawn = frame.as_ref().unwrap_or(&nothing);
+        self.draw(targets, drawn, &mut FrameWatch::start())?;
+        let picture = self.targets[targets].read()?;
+        let eye = self.sight.eye;
+        let work = &self.sight.works[case];
+        let of_device = of_depth(&eye, &picture);
+        let (judged, otherwise) = match (&work.surface, &frame) {
+            (Some(chosen), Some(frame)) => {
+                let judged = self.judged.entry(chosen.key()).or_insert_with(|| {
+                    let knob = number(&chosen.value).unwrap_or(f64::NAN);
+                    Rc::new(Judged {
+                        errors: of_frame(&eye, frame),
+                        expected: expected(chosen.formula, knob, &eye),
+                    })
+                });
+                let width = eye.size.width as usize;
+                let otherwise = drawn_otherwise(width, &judged.errors.shown, &of_device.shown);
+                (Rc::clone(judged), Some(otherwise))
+            }
+            _ => {
+                let by_construction = Expected {
+                    px_max: Some(0.0),
+                    map_max_m: None,
+                    lowest_m: Some(0.0),
+                    by: "0 by construction",
+                };
+                let judged = Judged {
+                    errors: of_device,
+                    expected: by_construction,
+                };
+                (Rc::new(judged), None)
+            }
+        };
+        let mut figures = figures(&judged);
+        figures.push(("globe_upload_bytes", upload_bytes(frame.as_ref()) as f64));
+        if let Some(frame) = &frame {
+            figures.push(("globe_triangles", frame.triangles.len() as f64));
+            figures.push(("globe_vertices", frame.vertices_rte.len() as f64));
+            figures.push(("globe_stated_lowest_m", frame.heights.lowest_m));
+        }
+        figures.extend(otherwise.map(|px| ("globe_drawn_otherwise_px", px as f64)));
+        let notes = vec![
+            ("triangles", format!("{hash:016x}")),
+            ("expected-by", judged.expected.by.to_owned()),
+        ];
+        Ok(session::judged(
+            standing(&judged.errors, otherwise),
+            figures,
+            notes,
+        ))
+    }
+
+    fn make_again(
+        &mut self,
+        case: usize,
+        status: Status,
+        notes: &BTreeMap<String, String>,
+    ) -> Result<Verdict, Failure> {
+        self.make_ready(case)?;
+        let hash = format!("{:016x}", self.ready[&case].fingerprint);
+        if notes.get("triangles") != Some(&hash) {
+            let reason = "it makes other triangles than in the process that verified it";
+            return Err(reason.to_owned().into());
+        }
+        Ok(Verdict {
+            status,
+            ..Verdict::default()
+        })
+    }
+
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        let ready = self
+            .ready
+            .get(&case)
+            .ok_or("it was not verified".to_owned())?;
+        let (surface, targets) = (ready.surface.clone(), ready.targets);
+        let hash = ready.fingerprint;
+        let mut watch = FrameWatch::start();
+        let frame = match &surface {
+            Some(surface) => self.frame(surface)?,
+            None => no_triangles(),
+        };
+        watch.ends("globe_make_cpu_ms");
+        let gpu_ms = self.draw(targets, &frame, &mut watch)?;
+        let values = watch.drawn(gpu_ms);
+        if surface.is_some() && fingerprint(&frame) != hash {
+            let reason = "it made other triangles than when it was verified";
+            return Err(reason.to_owned().into());
+        }
+        Ok(values)
+    }
+}
+
+/// Of vertices and triangles.
+fn fingerprint(frame: &SurfaceFrame) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    hasher.write(bytemuck::cast_slice(&frame.vertices_rte));
+    hasher.write(bytemuck::cast_slice(&frame.triangles));
+    hasher.finish()
+}
+
+fn upload_bytes(frame: Option<&SurfaceFrame>) -> u64 {
+    let Some(frame) = frame else {
+        return RayCast::CONSTANT_BYTES;
+    };
+    let counts = frame.vertices_rte.len() + frame.triangles.len();
+    VERTEX_BYTES * counts as u64 + size_of::<ViewConstants>() as u64
+}
+
+/// Pixels that one of two pictures shows and the other does not, but for those beside the outline of the
+/// first.
+pub(crate) fn drawn_otherwise(width: usize, rays: &[bool], device: &[bool]) -> usize {
+    let height = rays.len() / width.max(1);
+    let is_plain = |pixel: usize| {
+        let (row, column) = (pixel / width, pixel % width);
+        let rows = row.saturating_sub(1)..(row + 2).min(height);
+        rows.flat_map(|row| {
+            let columns = column.saturating_sub(1)..(column + 2).min(width);
+            columns.map(move |column| row * width + column)
+        })
+        .all(|beside| rays[beside] == rays[pixel])
+    };
+    (0..rays.len())
+        .filter(|&pixel| rays[pixel] != device[pixel] && is_plain(pixel))
+        .count()
+}
+
+/// Why a surface is wrong; empty where it is not.
+pub(crate) fn standing(errors: &Errors, otherwise: Option<usize>) -> String {
+    let mut reasons = Vec::new();
+    if errors.non_finite > 0 {
+        reasons.push(format!("{} figures that are not finite", errors.non_finite));
+    }
+    if let Some(px) = otherwise.filter(|&px| px > 0) {
+        reasons.push(format!(
+            "{px} pixels that the device draws otherwise than rays meet the triangles"
+        ));
+    }
+    reasons.join(", ")
+}
+
+fn figures(judged: &Judged) -> Figures {
+    let (errors, expected) = (&judged.errors, &judged.expected);
+    let mut figures = vec![
+        ("globe_compared_px", errors.compared_px as f64),
+        ("globe_uncovered_px", errors.uncovered_px as f64),
+        ("globe_extra_px", errors.extra_px as f64),
+        ("globe_non_finite", errors.non_finite as f64),
+    ];
+    let mut add = |name, value: Option<f64>| figures.extend(value.map(|value| (name, value)));
+    add("globe_px_max", errors.px.map(|px| px.max));
+    add("globe_px_p99", errors.px.map(|px| px.p99));
+    add("globe_px_median", errors.px.map(|px| px.median));
+    add("globe_m_max", errors.max_m);
+    add("globe_map_px_max", errors.map_px.map(|px| px.max));
+    add("globe_map_px_p99", errors.map_px.map(|px| px.p99));
+    add("globe_map_px_median", errors.map_px.map(|px| px.median));
+    add("globe_map_m_max", errors.map_max_m);
+    add("globe_depth_m_max", errors.depth_m);
+    add("globe_lowest_m", errors.lowest_m);
+    add("globe_expected_px_max", expected.px_max);
+    add("globe_expected_map_m_max", expected.map_max_m);
+    add("globe_expected_lowest_m", expected.lowest_m);
+    figures
+}

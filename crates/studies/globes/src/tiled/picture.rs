@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A picture of the Earth cut into tiles of the map, laid over the grid on the screen: where there is data, NASA's Blue
+//! Marble.
+//!
+//! Two pictures of each view are drawn, one by tiles that hold their address and one by tiles that hold colours. A pixel
+//! must have the colour of the texel that it says it shows, to the byte.
+
+mod section;
+
+pub(crate) use section::blocks;
+
+use super::device::{MapScene, MapTargets};
+use super::grid;
+use super::mesh::map_mesh;
+use super::options::Options;
+use super::tile_set::{Content, SIDE, Shown};
+use super::truth::{Texel, Tile, Truth, tiles, truths};
+use crate::STUDY;
+use crate::clock::FrameWatch;
+use crate::image::write_png;
+use crate::list::{Eye, ViewRow};
+use crate::opened::Opened;
+use crate::session::{Failure, Figures, Part, PartSession, judged};
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::Arc;
+use terrafill_fill::DeviceError;
+use terrafill_maps::{CAP_SPAN, MapTile, PictureLevel, cut_cap, cut_tile};
+use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
+use terrafill_scene::{MipChain, Scene};
+use terrafill_study::{Context, Group, Session, StudyError};
+
+/// Name of this part in cases.
+pub(crate) const PART: &str = "picture";
+/// Whose picture it is: the scene names file and hash.
+const SCENE: &str = "blue-marble";
+/// Views of a quick run, and of others.
+const QUICK_VIEWS: [&str; 2] = ["globe", "globe-antimeridian"];
+const VIEWS: [&str; 5] = [
+    "globe",
+    "globe-antimeridian",
+    "globe-pole",
+    "nadir-1161km-32.5",
+    "oblique-100km",
+];
+/// Cells along each side of the screen: what the map shows is within a few pixels there.
+const CELLS: u32 = 40;
+
+/// The picture of the shipped scene.
+///
+/// # Errors
+/// What is missing, with how to get it.
+pub(crate) fn blue_marble(data_dir: Option<&Path>) -> Result<Arc<MipChain>, String> {
+    let scene = Scene::shipped(SCENE, data_dir).map_err(|error| error.to_string())?;
+    let texture = scene.texture.as_ref();
+    let texture = texture.ok_or_else(|| format!("scene {SCENE} has no picture"))?;
+    Ok(Arc::new(texture.image.clone()))
+}
+
+/// Views of the map under a picture.
+pub(crate) struct Pictured {
+    views: Vec<ViewRow>,
+    cases: Vec<PlannedCase>,
+    side_px: u32,
+    picture: Arc<MipChain>,
+    opened: Rc<Opened>,
+}
+
+impl Pictured {
+    pub(crate) fn new(
+        views: &[ViewRow],
+        (side_px, samples): (u32, u32),
+        is_quick: bool,
+        picture: Arc<MipChain>,
+        opened: &Rc<Opened>,
+    ) -> Self {
+        let names: &[&str] = if is_quick { &QUICK_VIEWS } else { &VIEWS };
+        let views: Vec<ViewRow> = views
+            .iter()
+            .filter(|view| names.contains(&view.name.as_str()))
+            .cloned()
+            .collect();
+        let cases = views.iter().map(|view| {
+            let conditions = [
+                ("part", PART.to_owned()),
+                ("view", view.name.clone()),
+                ("n", CELLS.to_string()),
+                ("size_px", side_px.to_string()),
+            ];
+            PlannedCase {
+                id: CaseId::new(STUDY, format!("{PART}/{}", view.name), conditions),
+                samples,
+                may_be_wrong: false,
+            }
+        });
+        Self {
+            cases: cases.collect(),
+            views,
+            side_px,
+            picture,
+            opened: Rc::clone(opened),
+        }
+    }
+}
+
+impl Group for Pictured {
+    fn name(&self) -> String {
+        format!("{STUDY}/{PART}")
+    }
+
+    fn cases(&self) -> &[PlannedCase] {
+        &self.cases
+    }
+
+    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
+        Ok(Box::new(PartSession(PicturePart {
+            group: self,
+            context,
+            targets: None,
+            ready: BTreeMap::new(),
+        })))
+    }
+}
+
+struct PicturePart<'a> {
+    group: &'a Pictured,
+    context: Context<'a>,
+    /// Of addresses, and of colours.
+    targets: Option<[MapTargets; 2]>,
+    ready: BTreeMap<usize, MapScene>,
+}
+
+/// Colours of a tile, cut from a picture.
+fn cut(picture: &MipChain, tile: Tile) -> Vec<u8> {
+    let levels: Vec<PictureLevel<'_>> = levels(picture);
+    match tile {
+        Tile::Map { level, row, column } => {
+            let tile = MapTile {
+                level,
+                column: column.into(),
+                row: row.into(),
+            };
+            cut_tile(&levels, tile)
+        }
+        Tile::Cap { is_south } => cut_cap(&levels, is_south),
+    }
+}
+
+fn levels(picture: &MipChain) -> Vec<PictureLevel<'_>> {
+    let levels = picture.levels().iter();
+    levels
+        .map(|level| PictureLevel {
+            width: level.width,
+            height: level.height,
+            rgba: &level.rgba,
+        })
+        .collect()
+}
+
+/// What colours of a picture are.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Found {
+    /// Pixels that show a texel.
+    texels: usize,
+    /// Of them, those that have another colour than the texel.
+    wrong: usize,
+    /// Difference from the whole picture at each pixel's place on the body, the largest channel's, bytes.
+    off: Vec<f64>,
+}
+
+fn colour_of(tiles: &BTreeMap<Tile, Vec<u8>>, texel: Texel) -> Option<[u8; 4]> {
+    let texels = tiles.get(&texel.tile)?;
+    let at = 4 * (texel.y * SIDE + texel.x) as usize;
+    texels.get(at..at + 4)?.try_into().ok()
+}
+
+fn judge(
+    truths: &[Option<Truth>],
+    (shown, colours): (&[Shown], &[[u8; 4]]),
+    tiles: &BTreeMap<Tile, Vec<u8>>,
+    whole: &PictureLevel<'_>,
+) -> Found {
+    let mut found = Found::default();
+    for ((truth, shown), colour) in truths.iter().zip(shown).zip(colours) {
+        let Shown::Texel(texel) = shown else { continue };
+        found.texels += 1;
+        found.wrong += usize::from(colour_of(tiles, *texel) != Some(*colour));
+        let Some(body) = truth.as_ref().and_then(|truth| truth.body) else {
+            continue;
+        };
+        let place = match body.cap {
+            Some(cap) => {
+                let [x, y] = cap.map(|at| (2.0 * at - 1.0) * CAP_SPAN);
+                let latitude = std::f64::consts::FRAC_PI_2 - 2.0 * x.hypot(y).atan();
+                // V' runs from north to south.
+                [y.atan2(x), latitude.copysign(0.5 - body.mercator_vs[0])]
+            }
+            None => [
+                (body.u - 0.5) * TAU,
+                (TAU * (0.5 - body.mercator_vs[0])).sinh().atan(),
+            ],
+        };
+        let expected = whole.colour(place[0], place[1]);
+        let channels = (0..3).map(|i| f64::from(colour[i].abs_diff(expected[i])));
+        found.off.push(channels.fold(0.0, f64::max));
+    }
+    found
+}
+
+impl PicturePart<'_> {
+    fn eye(&self, case: usize) -> Eye {
+        self.group.views[case].eye(self.group.side_px)
+    }
+}
+
+impl Part for PicturePart<'_> {
+    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let eye = self.eye(case);
+        if self.targets.is_none() {
+            let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
+            let of = [MapTargets::new, MapTargets::of_colours];
+            self.targets = Some(of.map(|make| make(&gpu, eye.size)));
+        }
+        let targets = self.targets.as_mut();
+        let [of_addresses, of_colours] =
+            targets.ok_or(DeviceError::Missing("targets of the map"))?;
+        let options = Options {
+            n: CELLS,
+            ..Options::BASE
+        };
+        let surface = grid(&self.group.opened, options.n)?;
+        let frame = surface.frame(&eye.camera, eye.size)?;
+        let mesh = map_mesh(&eye.body, &eye.camera, &frame, &options);
+        let truths = truths(&eye, &frame);
+        let all = tiles(&truths, &options);
+        let picture = &self.group.picture;
+        let cut: Vec<Vec<u8>> = all.iter().map(|tile| cut(picture, *tile)).collect();
+        let by_tile = all.iter().copied().zip(cut.iter().cloned()).collect();
+        let content = (all.clone(), Content::Addresses);
+        let mut scene = of_addresses.scene(&options, &truths, content)?;
+        of_addresses.send(&mut scene, &eye, &options, &mesh);
+        of_addresses.draw(&scene)?;
+        let shown = of_addresses.shown(&scene)?;
+        let content = (all, Content::Colours(cut));
+        let mut scene = of_colours.scene(&options, &truths, content)?;
+        let sent = of_colours.send(&mut scene, &eye, &options, &mesh);
+        of_colours.draw(&scene)?;
+        let colours = of_colours.colours()?;
+        let whole = levels(picture)[0];
+        let found = judge(&truths, (&shown, &colours), &by_tile, &whole);
+        let mut figures = vec![
+            ("globe_tile_px", found.texels as f64),
+            ("globe_tile_colour_wrong_px", found.wrong as f64),
+            ("globe_tile_count", scene.set.tiles.len() as f64),
+            ("globe_triangles", (mesh.vertices.len() / 3) as f64),
+            ("globe_upload_bytes", sent as f64),
+        ];
+        for (metric, share) in [
+            ("globe_tile_colour_off_median", 0.5),
+            ("globe_tile_colour_off_p99", 0.99),
+        ] {
+            figures.extend(quantile(&found.off, share).map(|value| (metric, value)));
+        }
+        let reason = match (found.texels, found.wrong) {
+            (0, _) => "no pixel shows a texel".to_owned(),
+            (_, 0) => String::new(),
+            (of, wrong) => format!(
+                "{wrong} of {of} pixels have another colour than the texel that they show, allowed 0"
+            ),
+        };
+        let name = format!("{PART}-{}", self.group.views[case].name);
+        let size = [eye.size.width, eye.size.height];
+        let pixels = colours.iter().map(|[r, g, b, _]| [*r, *g, *b]);
+        let path = write_png(self.context.folder, &name, size, pixels)?;
+        self.ready.insert(case, scene);
+        Ok(judged(reason, figures, vec![("picture", path)]))
+    }
+
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        let scene = self.ready.get(&case);
+        let scene = scene.ok_or("it was not verified".to_owned())?;
+        let targets = self.targets.as_ref();
+        let [_, targets] = targets.ok_or("it has no targets".to_owned())?;
+        let watch = FrameWatch::start();
+        let gpu_ms = targets.draw(scene)?;
+        Ok(watch.drawn(gpu_ms))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Texels of tiles on wgpu. One that holds its address has the number of its tile, from 1, times 65,536, plus its row
+//! times 256, plus its column.
+
+use super::options::Drawing;
+use super::truth::{Texel, Tile};
+use std::ops::Range;
+use terrafill_fill::DeviceError;
+use terrafill_gpu::Gpu;
+
+/// Texels along a side of a tile.
+pub(crate) const SIDE: u32 = 256;
+/// What the shader writes where there is no tile.
+const MISSING: u32 = u32::MAX;
+/// Numbers of tiles, which 16 bits hold with 0 and all ones left out.
+const MAX_TILES: usize = 65_534;
+
+/// What a pixel shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Shown {
+    /// No surface, or, where tiles are drawn one by one, none that has a tile.
+    Nothing,
+    /// A surface without a tile.
+    Missing,
+    Texel(Texel),
+}
+
+/// What tiles show.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Content {
+    /// Their texels' own addresses.
+    Addresses,
+    /// Colours in sRGB bytes with alpha, 256 × 256 of each tile.
+    Colours(Vec<Vec<u8>>),
+}
+
+/// Tiles, and their texels: in layers of one texture, or each in its own.
+pub(crate) struct TileSet {
+    pub(crate) tiles: Vec<Tile>,
+    pub(crate) textures: Vec<wgpu::Texture>,
+}
+
+/// Refuses more tiles than the device has room for.
+fn check_capacity(gpu: &Gpu, drawing: Drawing, found: usize) -> Result<(), DeviceError> {
+    let limits = gpu.device.limits();
+    let (what, allowed) = match drawing {
+        Drawing::Array | Drawing::DrawEach => (
+            "tiles of the map in one array",
+            limits.max_texture_array_layers,
+        ),
+        Drawing::Bindless => {
+            let needed = wgpu::Features::TEXTURE_BINDING_ARRAY
+                | wgpu::Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING;
+            if !gpu.device.features().contains(needed) {
+                let what = "freely indexed arrays of textures";
+                return Err(DeviceError::unsupported(what, &gpu.facts.name));
+            }
+            (
+                "tiles of the map in an array of textures",
+                limits
+                    .max_binding_array_elements_per_shader_stage
+                    .min(limits.max_sampled_textures_per_shader_stage),
+            )
+        }
+    };
+    let allowed = (allowed as usize).min(MAX_TILES);
+    if found <= allowed {
+        return Ok(());
+    }
+    Err(DeviceError::OverCapacity {
+        what: what.to_owned(),
+        found: found as u64,
+        allowed: allowed as u64,
+    })
+}
+
+/// - `layers`: whose number each tile has
+fn texture(gpu: &Gpu, content: &Content, layers: Range<u32>) -> wgpu::Texture {
+    let format = match content {
+        Content::Addresses => wgpu::TextureFormat::R32Uint,
+        Content::Colours(_) => wgpu::TextureFormat::Rgba8Unorm,
+    };
+    let size = wgpu::Extent3d {
+        width: SIDE,
+        height: SIDE,
+        depth_or_array_layers: layers.end - layers.start,
+    };
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("tiles of the map"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    for (z, layer) in (0..).zip(layers) {
+        let addresses: Vec<u32>;
+        let texels: &[u8] = match content {
+            Content::Addresses => {
+                addresses = (0..SIDE * SIDE)
+                    .map(|texel| (layer + 1) << 16 | texel)
+                    .collect();
+                bytemuck::cast_slice(&addresses)
+            }
+            Content::Colours(tiles) => &tiles[layer as usize],
+        };
+        gpu.queue.write_texture(
+            wgpu::TexelCopyTextureInfo {
+                texture: &texture,
+                mip_level: 0,
+                origin: wgpu::Origin3d { x: 0, y: 0, z },
+                aspect: wgpu::TextureAspect::All,
+            },
+            texels,
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * SIDE),
+                rows_per_image: None,
+            },
+            wgpu::Extent3d {
+                depth_or_array_layers: 1,
+                ..size
+            },
+        );
+    }
+    texture
+}
+
+impl TileSet {
+    pub(crate) const BYTES_PER_TILE: u64 = 4 * (SIDE * SIDE) as u64;
+
+    /// # Errors
+    /// [`DeviceError::OverCapacity`] for more tiles than the device has room for, and
+    /// [`DeviceError::Unsupported`] where it has no arrays of textures.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        tiles: Vec<Tile>,
+        content: &Content,
+        drawing: Drawing,
+    ) -> Result<Self, DeviceError> {
+        check_capacity(gpu, drawing, tiles.len())?;
+        let count = u32::try_from(tiles.len()).unwrap_or(u32::MAX);
+        let textures = match drawing {
+            Drawing::Array | Drawing::DrawEach => vec![texture(gpu, content, 0..count)],
+            Drawing::Bindless => (0..count)
+                .map(|tile| texture(gpu, content, tile..tile + 1))
+                .collect(),
+        };
+        Ok(Self { tiles, textures })
+    }
+
+    /// A view of one texture's layers, of all or of a single one.
+    pub(crate) fn view(&self, number: usize, layer: Option<u32>) -> wgpu::TextureView {
+        self.textures[number].create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(match layer {
+                None => wgpu::TextureViewDimension::D2Array,
+                Some(_) => wgpu::TextureViewDimension::D2,
+            }),
+            base_array_layer: layer.unwrap_or(0),
+            array_layer_count: layer.map(|_| 1),
+            ..Default::default()
+        })
+    }
+
+    /// What a value says.
+    pub(crate) fn shown(&self, value: u32) -> Shown {
+        match value {
+            0 => Shown::Nothing,
+            MISSING => Shown::Missing,
+            value => {
+                let tile = self.tiles.get((value >> 16) as usize - 1);
+                tile.map_or(Shown::Missing, |&tile| {
+                    Shown::Texel(Texel {
+                        tile,
+                        x: value & 255,
+                        y: value >> 8 & 255,
+                    })
+                })
+            }
+        }
+    }
+}
