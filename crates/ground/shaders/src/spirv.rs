@@ -275,6 +275,12 @@ const COMPILED_SHADERS: &[CompiledShader] = compiled_shaders![
     "native/lights.geom", "native/lights.copied.spv", Geometry, [];
     "native/lights.geom", "native/lights.invoked4.spv", Geometry, ["INVOCATIONS=4"];
     "native/lights.geom", "native/lights.invoked16.spv", Geometry, ["INVOCATIONS=16"];
+    "native/lights.vert", "native/listed.pass.spv", Vertex, ["LISTED"];
+    "native/lights.vert", "native/listed.layer.spv", Vertex, ["LISTED", "LAYER"];
+    "native/lights.vert", "native/listed.view.spv", Vertex, ["LISTED", "VIEW"];
+    "native/lights.vert", "native/listed.place.spv", Vertex, ["LISTED", "PLACE"];
+    "native/lights.geom", "native/listed.copied.spv", Geometry, ["LISTED", "COPIES=64"];
+    "native/lights.geom", "native/listed.invoked32.spv", Geometry, ["LISTED", "INVOCATIONS=32"];
     "native/balls.vert", "native/balls.spv", Capture, [];
     "native/balls.vert", "native/balls.terrain.spv", Capture, ["TERRAIN"];
     "globes/seam.geom", "globes/seam.half.spv", Geometry, ["LIMIT=0.5"];
@@ -420,7 +426,7 @@ mod tests {
             .iter()
             .map(|shader| compiled_spirv(shader.spirv).expect("SPIR-V"))
             .collect();
-        assert_eq!(all.len(), 23);
+        assert_eq!(all.len(), 29);
         for (index, one) in all.iter().enumerate() {
             assert!(all[..index].iter().all(|other| other != one), "{index}");
         }

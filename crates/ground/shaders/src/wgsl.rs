@@ -23,7 +23,7 @@ pub(crate) use shader_sources;
 pub(crate) const MODULES: &[ShaderSource] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 
 /// Files that others import.
-pub(crate) const SHARED: [ShaderSource; 11] = shader_sources![
+pub(crate) const SHARED: [ShaderSource; 13] = shader_sources![
     "shared/view.wgsl",
     "shared/footprint.wgsl",
     "shared/region.wgsl",
@@ -34,6 +34,8 @@ pub(crate) const SHARED: [ShaderSource; 11] = shader_sources![
     "shared/srgb.wgsl",
     "shared/ground.wgsl",
     "shared/cache.wgsl",
+    "shared/layers.wgsl",
+    "shared/lookup.wgsl",
     "shared/receiver.wgsl",
 ];
 
