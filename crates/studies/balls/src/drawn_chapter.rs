@@ -18,7 +18,7 @@ const WHAT_IS_COMPARED: &str = "Balls fall from 0.1 to 0.3 m onto bilinear terra
      normal, and are drawn as points from the buffer that the step wrote: not at all, by one draw for all, or \
      by a draw each. A frame is one step and its draws. Each step is held against the same integrator in f64, \
      pictures against the places that the device has. Slopes jump from cell to cell: a ball that touches the \
-     ground within rounding of a border may be pushed from either side and ends elsewhere, so its end is \
+     ground within rounding of a border may be pushed from either side and ends elsewhere. So its end is \
      compared with f64 that takes the device's cell there.";
 const WHAT_FIGURE_12_CANNOT_SHOW: &str = "Published is a figure of seconds a step up to 5,000 balls, and one number: 4,000 balls at 21 frames per second, \
      11.9 µs a ball. It does not separate physics from drawing, and the published text draws one point by a call. \
@@ -62,6 +62,27 @@ pub(crate) fn blocks(run: &Run) -> Vec<Block> {
 fn slowdown(cases: &[&Case], way: Way, balls: u32) -> Option<Estimate> {
     let of = |drawn| one(cases, way, drawn, balls).filter(|case| case.counts());
     ratio(of(Drawn::Each)?, of(Drawn::All)?, FRAME_CPU)
+}
+
+/// How to draw balls, by the number that was published.
+pub(crate) fn recommended(run: &Run) -> Vec<String> {
+    let cases = cases(run);
+    let of_way = |way: Way| {
+        let (interface, name) = way.names();
+        let slowdown = slowdown(&cases, way, PUBLISHED_BALLS)?;
+        let draws = |drawn| one(&cases, way, drawn, PUBLISHED_BALLS)?.value("ball_draws");
+        let (each, all) = (draws(Drawn::Each)?, draws(Drawn::All)?);
+        let how = match slowdown.middle > 1.0 {
+            true => "by one draw for all",
+            false => "by a draw each",
+        };
+        Some(format!(
+            "{PUBLISHED_BALLS} balls stepped by {interface} {name} are best drawn {how}: {each} draws take {} times a \
+             frame with {all}.",
+            times(&slowdown)
+        ))
+    };
+    Way::ALL.into_iter().filter_map(of_way).collect()
 }
 
 fn each_is_slower(cases: &[&Case], way: Way) -> Finding {

@@ -13,11 +13,11 @@ use crate::terrain::{State, Terrain};
 use glam::DVec3;
 use terrafill_fill::DeviceError;
 
-/// What a place may differ by in one step, metres along an axis: half a last place of what lies below 64 m, the velocity's
-/// rounding times the step, and half as much again.
+/// What a place may differ by in one step, metres along an axis: half a last place of what lies below 64 m, and half as
+/// much again for the velocity's rounding.
 const ALLOWED_STEP_M: f64 = 3e-6;
-/// What a velocity may, metres a second: heights up to 2 m are rounded by 1.2e-7 a few times, which the spring makes
-/// 1e-6, and velocities below 4 m/s by 2.4e-7 thrice; with a margin of about 2.
+/// What a velocity may, metres a second. Heights up to 2 m are rounded by 1.2e-7 a few times, which the spring makes
+/// 1e-6. Velocities below 4 m/s are rounded by 2.4e-7 thrice. The margin is about 2.
 const ALLOWED_STEP_SPEED: f64 = 4e-6;
 /// What `f32` may differ from `f64` after all steps, metres. A place between 32 and 64 m is rounded by up to 1.9 µm a
 /// step, and in flight at even speed by the same each time: up to 0.46 mm in 240 steps along either axis.

@@ -299,6 +299,7 @@ mod tests {
                 vertex_layer: false,
                 transform_feedback: true,
                 ray_query: true,
+                image_arrays: true,
             },
             lacks: Vec::new(),
         }

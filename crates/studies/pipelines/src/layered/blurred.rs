@@ -24,7 +24,7 @@ use terrafill_study::{Context, Group, Session, StudyError};
 /// A side of the picture, pixels.
 const SIDE: u32 = 64;
 /// Where the first pixel of the trail lies, so that nothing is clipped.
-const FIRST_PX: f64 = 2.0;
+const FIRST: u32 = 2;
 /// Layers of an exposure, and of the published resolve.
 const LAYERS: [u32; 6] = [4, 8, 16, 32, 64, 128];
 const QUICK_LAYERS: [u32; 3] = [32, 64, 128];
@@ -186,7 +186,7 @@ impl BlurCase {
         let of_side = |px: f64| px / f64::from(SIDE);
         let bar = |(row, start): (u32, f64)| {
             let quad = |from: f64, to: f64, depths| {
-                let [from, to] = [from, to].map(|px| of_side(FIRST_PX + start + px));
+                let [from, to] = [from, to].map(|px| of_side(f64::from(FIRST) + start + px));
                 let [top, bottom] = [row, row + 1].map(|row| of_side(f64::from(row)));
                 rectangle([from, top], [to, bottom], depths)
             };
@@ -239,7 +239,9 @@ impl BlurCase {
                 width: SIDE,
                 height: SIDE,
             },
-            values: starts().map(|start| near(FIRST_PX + start)).collect(),
+            values: starts()
+                .map(|start| near(f64::from(FIRST) + start))
+                .collect(),
             picture: "pipelines/blurred.wgsl",
             constants: bytemuck::bytes_of(&constants).to_vec(),
         }
@@ -287,7 +289,7 @@ impl BlurCase {
         let (mut wrong, mut pairs) = (0, Vec::new());
         for (row, start) in (0..).zip(starts()) {
             for pixel in 0..PIXELS {
-                let at = row * SIDE + pixel + FIRST_PX as u32;
+                let at = row * SIDE + pixel + FIRST;
                 let shown = numbers.get(at as usize).copied().unwrap_or(f32::NAN);
                 let shown = f64::from(shown);
                 let [low, high] = self.allowed(row, pixel, start, &moments);
@@ -317,8 +319,7 @@ fn scattered(number: u32) -> u32 {
 
 /// A pixel of moments of its own.
 fn own(filter: Filter, row: u32, pixel: u32, start: f64, count: u32) -> f64 {
-    #[allow(clippy::cast_possible_truncation, reason = "whole pixels")]
-    let column = pixel + FIRST_PX as u32;
+    let column = pixel + FIRST;
     let moment = |sample: u32| {
         let number = (row * SIDE + column) * count + sample;
         f64::from(scattered(number) >> 8) / f64::from(1 << 24)
@@ -326,7 +327,7 @@ fn own(filter: Filter, row: u32, pixel: u32, start: f64, count: u32) -> f64 {
     let shown = (0..count).map(|sample| {
         // The device's place is rounded to f32, which decides of edges.
         #[allow(clippy::cast_possible_truncation, reason = "rounding is meant")]
-        let at = (FIRST_PX + start + MOTION_PX * moment(sample)) as f32;
+        let at = (f64::from(FIRST) + start + MOTION_PX * moment(sample)) as f32;
         filter.layer(column, f64::from(at))
     });
     shown.sum::<f64>() / f64::from(count)
@@ -431,96 +432,4 @@ impl Session for BlurSession<'_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use std::rc::Rc;
-    use terrafill_fill::Devices;
-    use terrafill_shaders::struct_layout;
-
-    #[test]
-    fn constants_lie_as_the_shader_reads_them() {
-        use std::mem::offset_of;
-        let layout = struct_layout("pipelines/blurred.wgsl", "Blurred").expect("a struct");
-        let offset = |name: &str| {
-            let member = layout.members.iter().find(|member| member.0 == name);
-            member.expect("a member").1 as usize
-        };
-        assert_eq!(offset("resolve"), offset_of!(BlurredConstants, resolve));
-        assert_eq!(offset("motion"), offset_of!(BlurredConstants, motion));
-        assert_eq!(offset("bar"), offset_of!(BlurredConstants, bar));
-        assert_eq!(offset("pixels"), offset_of!(BlurredConstants, pixels));
-        assert_ne!(offset("motion"), offset_of!(BlurredConstants, bar));
-    }
-
-    #[test]
-    fn devices_blur_as_defined_and_another_exposure_is_noticed() {
-        let devices = Rc::new(Devices::default());
-        let wgpu = terrafill_gpu::shared_gpu(&devices).map(drop);
-        let vulkan = terrafill_vulkan::shared_gpu(&devices).map(drop);
-        if terrafill_fill::device_for_test(wgpu).is_none()
-            || terrafill_fill::device_for_test(vulkan).is_none()
-        {
-            return;
-        }
-        let group = Blurs::new(true, 1);
-        let folder = tempfile::tempdir().expect("a folder");
-        let context = Context {
-            devices: &devices,
-            folder: folder.path(),
-        };
-        let mut session = group.open(context).expect("opens");
-        let (mut right, mut rms) = (0, BTreeMap::new());
-        for (at, (planned, case)) in group.planned.iter().zip(&group.cases).enumerate() {
-            let verdict = session.verify(at).expect("a verdict");
-            let name = &planned.id.name;
-            eprintln!("{name}: {} {:?}", verdict.reason, verdict.figures);
-            if verdict.status == Status::Skipped {
-                continue;
-            }
-            assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
-            right += 1;
-            if case.way == BlurWay::Layers(Interface::Vulkan, LightWay::Passes) {
-                rms.insert((case.made, case.layers), verdict.figures[0].1);
-            }
-        }
-        assert!(right >= 60, "{right}");
-        let slope = |filter| {
-            let made = Made::Mean(MeanOf {
-                filter,
-                moments: Moments::Middle,
-            });
-            (rms[&(made, 128)] / rms[&(made, 32)]).ln() / 4_f64.ln()
-        };
-        let (point, boxes) = (slope(Filter::Point), slope(Filter::Box));
-        assert!(
-            (point + 1.0).abs() < 0.15 && (boxes + 2.0).abs() < 0.15,
-            "{point} {boxes}"
-        );
-        // Twins: ends instead of middles, a layer left out, and the published resolve for the right one.
-        let at = |moments, layers| BlurCase {
-            way: BlurWay::Layers(Interface::Vulkan, LightWay::Passes),
-            made: Made::Mean(MeanOf {
-                filter: Filter::Box,
-                moments,
-            }),
-            layers,
-        };
-        let drawn = |scene: Listed| {
-            let opened = scene.open(&devices, Interface::Vulkan, LightWay::Passes);
-            opened.expect("opens").draw().expect("draws").numbers
-        };
-        let middle = at(Moments::Middle, 16);
-        assert_eq!(middle.judge(&drawn(middle.scene())).0, 0);
-        assert!(middle.judge(&drawn(at(Moments::End, 16).scene())).0 > 100);
-        let mut fewer = middle.scene();
-        fewer.layers.pop();
-        fewer.layers.push(fewer.layers[0]);
-        assert!(middle.judge(&drawn(fewer)).0 > 100);
-        let resolved = |resolve| BlurCase {
-            made: Made::Resolved(resolve),
-            ..middle
-        };
-        let published = drawn(resolved(Resolve::Published).scene());
-        assert!(resolved(Resolve::OverBackground).judge(&published).0 > 100);
-    }
-}
+mod tests;

@@ -312,8 +312,9 @@ impl Shade {
             };
             let steps = [-BAND_TEXELS, 0.0, BAND_TEXELS];
             let ring = steps.iter().flat_map(|x| steps.map(|y| [*x, y]));
-            let is_disc = **depth == DISC;
-            let is_known = is_disc || **depth == PLANE;
+            let is = |of: f32| depth.to_bits() == of.to_bits();
+            let is_disc = is(DISC);
+            let is_known = is_disc || is(PLANE);
             !is_known || !ring.into_iter().any(|off| covers(off) == is_disc)
         });
         wrong.count() + missing
@@ -322,15 +323,18 @@ impl Shade {
     /// Depths of a window around a texel of a map, borders repeated.
     fn window(self, depths: &[f32], layer: usize, middle: [u32; 2]) -> [f32; TAPS] {
         let side = self.sides()[0];
+        let depths = depths
+            .get(layer * (side * side) as usize..)
+            .unwrap_or_default();
         std::array::from_fn(|tap| {
-            let off = [tap as u32 % 5, tap as u32 / 5];
+            let off = [tap % 5, tap / 5].map(|off| u32::try_from(off).unwrap_or(0));
             let [x, y] = [0, 1].map(|axis| {
                 (middle[axis] + off[axis])
                     .saturating_sub(REACH)
                     .min(side - 1)
             });
-            let number = (layer as u32 * side + y) * side + x;
-            depths.get(number as usize).copied().unwrap_or(f32::NAN)
+            let number = (y * side + x) as usize;
+            depths.get(number).copied().unwrap_or(f32::NAN)
         })
     }
 
@@ -425,12 +429,12 @@ impl Shade {
                 continue;
             }
             let middle = self.texel_of(pixel);
-            let shares = (0..SHEARS.len()).map(|layer| {
+            let mut shares = (0..SHEARS.len()).map(|layer| {
                 let taps = self.window(&looked.depths, layer, middle);
                 light(&taps, PLANE, self.moments(), least)
             });
-            let product = shares.fold(Some([1.0; 2]), |product, share| {
-                let ([low, high], share) = (product?, share?);
+            let product = shares.try_fold([1.0; 2], |[low, high], share| {
+                let share = share?;
                 Some([low * share[0], high * share[1]])
             });
             // Four products are rounded.
@@ -454,12 +458,12 @@ impl Shade {
             let at = |along: u32| (f64::from(along) + 0.5) / f64::from(pixels);
             let place = [at(pixel % pixels), at(pixel / pixels)];
             let mut mask = 0_u32;
-            for (number, shear) in SHEARS.iter().enumerate() {
-                let layer = number as u32 * texels + middle[1];
+            for (number, shear) in (0_u32..).zip(SHEARS) {
+                let layer = number * texels + middle[1];
                 let depth = looked.depths.get((layer * texels + middle[0]) as usize);
                 let is_lit = depth.is_some_and(|depth| *depth < DISC);
                 mask |= u32::from(is_lit) << number;
-                let on_disc = above(*shear, place);
+                let on_disc = above(shear, place);
                 if is_under(on_disc) == is_lit {
                     differing += 1;
                     let away = (on_disc[0] - 0.5).hypot(on_disc[1] - 0.5) - RADIUS;
@@ -490,34 +494,4 @@ impl Found {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use terrafill_shaders::struct_layout;
-
-    #[test]
-    fn constants_lie_as_the_shader_reads_them() {
-        let layout = struct_layout("pipelines/shaded.wgsl", "Shaded").expect("a struct");
-        let offset = |name: &str| {
-            let member = layout.members.iter().find(|member| member.0 == name);
-            member.expect("a member").1 as usize
-        };
-        use std::mem::offset_of;
-        assert_eq!(offset("texels"), offset_of!(ShadedConstants, texels));
-        assert_eq!(offset("moments"), offset_of!(ShadedConstants, moments));
-        assert_eq!(offset("least"), offset_of!(ShadedConstants, least));
-        assert_eq!(offset("bias"), offset_of!(ShadedConstants, bias));
-        assert_ne!(offset("shows"), offset_of!(ShadedConstants, moments));
-    }
-
-    #[test]
-    fn the_disc_hides_its_middle_and_nothing_beyond_its_rim() {
-        assert!(is_under([0.5, 0.5]) && is_under([0.79, 0.5]) && is_under([0.5, 0.21]));
-        assert!(!is_under([0.81, 0.5]) && !is_under([0.5, 0.19]) && !is_under([0.72, 0.72]));
-        let area = (0..1_000_000).filter(|number| {
-            let at = |along: u32| (f64::from(along) + 0.5) / 1_000.0;
-            is_under([at(number % 1_000), at(number / 1_000)])
-        });
-        let expected = TAU / 2.0 * RADIUS * RADIUS;
-        assert!((area.count() as f64 / 1e6 - expected).abs() < 5e-4);
-    }
-}
+mod tests;
