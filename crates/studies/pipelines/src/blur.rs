@@ -18,7 +18,7 @@ const GOLDEN: f64 = 0.618_033_988_749_894_8;
 pub(crate) const PIXELS: u32 = 54;
 
 /// What a layer shows of a pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Filter {
     /// Its middle, covered or not.
     Point,
@@ -84,7 +84,7 @@ fn covered_until(place: f64, start: f64) -> f64 {
 }
 
 /// Which moments layers show.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Moments {
     /// The middle of each part of the exposure.
     Middle,
@@ -168,7 +168,7 @@ pub(crate) fn blur_error(filter: Filter, moments: Moments, layers: u32) -> BlurE
 }
 
 /// How layers become a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Resolve {
     /// As published: weights N − i for i from 1, 1 for the current pose, divided by the summed alpha.
     Published,

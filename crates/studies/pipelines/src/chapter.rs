@@ -205,6 +205,14 @@ mod tests {
         }
         let blocks = PipelinesChapter.blocks(&run).expect("a chapter");
         let answers = PipelinesChapter.answers(&run).expect("answers");
+        for finding in &answers.requirements {
+            let Finding {
+                claim,
+                standing,
+                because,
+            } = finding;
+            eprintln!("{standing:?}: {claim} {because}");
+        }
         let does_not_hold = answers
             .requirements
             .iter()

@@ -6,6 +6,7 @@
 mod blurred;
 mod listed;
 mod on_wgpu;
+mod opened;
 mod shaded;
 mod shaded_study;
 mod variance_bounds;

@@ -21,7 +21,7 @@ use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
 use terrafill_study::{Context, Group, Session, StudyError};
 
 /// Cells a side of a tile: the published 256, whose lists are counted and whose frames are not timed, and a quarter of
-/// it for frames; a quick run has small tiles, and counts those of a quarter.
+/// it for frames; a quick run has small tiles.
 const COUNTED_TILE_CELLS: u32 = 256;
 const TILE_CELLS: u32 = 64;
 const QUICK_TILE_CELLS: u32 = 32;
@@ -74,7 +74,7 @@ impl Culling {
             })
         });
         let counted = if is_quick {
-            TILE_CELLS
+            QUICK_TILE_CELLS
         } else {
             COUNTED_TILE_CELLS
         };

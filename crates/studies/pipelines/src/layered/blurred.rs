@@ -49,14 +49,14 @@ struct BlurredConstants {
 }
 
 /// What is made of layers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Made {
     /// Their mean, at middles or ends.
     Mean(MeanOf),
     Resolved(Resolve),
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct MeanOf {
     filter: Filter,
     moments: Moments,
@@ -161,6 +161,11 @@ impl BlurCase {
             samples,
             may_be_wrong: false,
         }
+    }
+
+    /// Of the same layers, however they come.
+    fn layers_name(&self) -> String {
+        format!("{:?} of {}", self.made, self.layers)
     }
 
     fn filter(&self) -> Filter {
@@ -356,7 +361,7 @@ struct BlurSession<'a> {
     group: &'a Blurs,
     context: Context<'a>,
     /// Depths of the first way to the same layers on Vulkan.
-    first: BTreeMap<(Made, u32), Vec<f32>>,
+    first: BTreeMap<String, Vec<f32>>,
     /// By case.
     opened: BTreeMap<usize, Box<dyn LooksUp>>,
 }
@@ -385,7 +390,7 @@ impl Session for BlurSession<'_> {
         let (wrong, judged, error) = blurred.judge(&looked.numbers);
         let texels = match blurred.way {
             BlurWay::Layers(Interface::Vulkan, _) => {
-                let key = (blurred.made, blurred.layers);
+                let key = blurred.layers_name();
                 let first = self
                     .first
                     .entry(key)

@@ -19,7 +19,7 @@ pub(crate) enum Into {
 }
 
 /// What layers are added up in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Accumulator {
     F32,
     F16,

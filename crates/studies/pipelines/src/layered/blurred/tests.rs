@@ -38,7 +38,7 @@ fn devices_blur_as_defined_and_another_exposure_is_noticed() {
         folder: folder.path(),
     };
     let mut session = group.open(context).expect("opens");
-    let (mut right, mut rms) = (0, BTreeMap::new());
+    let (mut right, mut rms): (_, BTreeMap<String, f64>) = (0, BTreeMap::new());
     for (at, (planned, case)) in group.planned.iter().zip(&group.cases).enumerate() {
         let verdict = session.verify(at).expect("a verdict");
         let name = &planned.id.name;
@@ -49,7 +49,7 @@ fn devices_blur_as_defined_and_another_exposure_is_noticed() {
         assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
         right += 1;
         if case.way == BlurWay::Layers(Interface::Vulkan, LightWay::Passes) {
-            rms.insert((case.made, case.layers), verdict.figures[0].1);
+            rms.insert(case.layers_name(), verdict.figures[0].1);
         }
     }
     assert!(right >= 60, "{right}");
@@ -58,7 +58,11 @@ fn devices_blur_as_defined_and_another_exposure_is_noticed() {
             filter,
             moments: Moments::Middle,
         });
-        (rms[&(made, 128)] / rms[&(made, 32)]).ln() / 4_f64.ln()
+        let error = |layers| {
+            let way = BlurWay::Layers(Interface::Vulkan, LightWay::Passes);
+            rms[&BlurCase { way, made, layers }.layers_name()]
+        };
+        (error(128) / error(32)).ln() / 4_f64.ln()
     };
     let (point, boxes) = (slope(Filter::Point), slope(Filter::Box));
     assert!(
