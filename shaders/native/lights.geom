@@ -1,14 +1,17 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// Study `pipelines`: one invocation copies a triangle into the layers of all lights, as published in 2007, or with
-// INVOCATIONS into the layer of its own number.
+// Study `pipelines`: one invocation copies a triangle into the layers of all lights, as published in 2007, at most
+// COPIES of them; or with INVOCATIONS into the layer of its own number.
 #ifdef INVOCATIONS
 layout(triangles, invocations = INVOCATIONS) in;
 layout(triangle_strip, max_vertices = 3) out;
 #else
 layout(triangles) in;
-layout(triangle_strip, max_vertices = 48) out;
+#ifndef COPIES
+#define COPIES 16
+#endif
+layout(triangle_strip, max_vertices = 3 * COPIES) out;
 #endif
 
 #include "lights.glsl"

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// Lights over a grid of heights, as `pipelines/lit.wgsl` has them.
+// Lights over a grid of heights, as `pipelines/lit.wgsl` has them; with LISTED layers of listed triangles, as
+// `shared/layers.wgsl`.
 
+#ifdef LISTED
+const uint MOST_LIGHTS = 128u;
+#else
 const uint MOST_LIGHTS = 16u;
+#endif
 
 struct Light {
     vec4 column;

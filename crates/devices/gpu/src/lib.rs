@@ -11,6 +11,7 @@ mod bindings;
 mod constants;
 mod covers;
 mod deliberate_error;
+mod direct;
 mod evaluate;
 mod fill;
 mod picture;
@@ -35,6 +36,7 @@ pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, list_adapters, open_fo
 pub use attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT};
 pub use baseline::{Baseline, BaselineKind};
 pub use deliberate_error::make_deliberate_error;
+pub use direct::DirectPipeline;
 pub use evaluate::{
     EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, EvaluationTime, Evaluator, Kernel,
     KernelTable, TableFormat,

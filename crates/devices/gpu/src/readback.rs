@@ -4,7 +4,7 @@
 use crate::Gpu;
 use terrafill_fill::DeviceError;
 
-/// Copies one aspect of a texture with `COPY_SRC` usage into tightly packed rows.
+/// Copies one aspect of a texture with `COPY_SRC` usage into tightly packed rows, layer by layer.
 ///
 /// # Errors
 /// [`DeviceError::DeviceLost`].
@@ -19,7 +19,9 @@ pub fn read_texture(
     let padded_row_bytes = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("texture read-back"),
-        size: u64::from(padded_row_bytes) * u64::from(size.height),
+        size: u64::from(padded_row_bytes)
+            * u64::from(size.height)
+            * u64::from(size.depth_or_array_layers),
         usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
         mapped_at_creation: false,
     });
@@ -36,7 +38,7 @@ pub fn read_texture(
             layout: wgpu::TexelCopyBufferLayout {
                 offset: 0,
                 bytes_per_row: Some(padded_row_bytes),
-                rows_per_image: None,
+                rows_per_image: Some(size.height),
             },
         },
         size,

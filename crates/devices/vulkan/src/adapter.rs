@@ -62,6 +62,8 @@ pub struct Features {
     pub ray_query: bool,
     /// One call draws by many commands in a buffer, each with an instance number of its own.
     pub draws_listed: bool,
+    /// Shaders can index arrays of sampled images by any number.
+    pub image_arrays: bool,
 }
 
 /// What a device is, for reports.
@@ -316,6 +318,7 @@ impl Adapter {
                     ray_query: has_rays,
                     draws_listed: is(features.multi_draw_indirect)
                         && is(features.draw_indirect_first_instance),
+                    image_arrays: has_image_arrays(instance, raw, plain.api_version),
                     blends_float: numbers.optimal_tiling_features.contains(blends_and_reads),
                     samples_depth: format
                         .optimal_tiling_features
@@ -348,6 +351,19 @@ fn has_feedback(instance: &ash::Instance, raw: vk::PhysicalDevice, api_version: 
     // SAFETY: of Vulkan 1.1, and what is chained is of an extension that is there.
     unsafe { instance.get_physical_device_features2(raw, &mut features) };
     feedback.transform_feedback == vk::TRUE
+}
+
+/// Whether arrays of sampled images are of any length and freely indexed.
+fn has_image_arrays(instance: &ash::Instance, raw: vk::PhysicalDevice, api_version: u32) -> bool {
+    if api_version < vk::API_VERSION_1_2 {
+        return false;
+    }
+    let mut indexing = vk::PhysicalDeviceDescriptorIndexingFeatures::default();
+    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut indexing);
+    // SAFETY: of Vulkan 1.2.
+    unsafe { instance.get_physical_device_features2(raw, &mut features) };
+    indexing.runtime_descriptor_array == vk::TRUE
+        && indexing.shader_sampled_image_array_non_uniform_indexing == vk::TRUE
 }
 
 /// Views of a multiview pass; 0 without the feature.
@@ -516,6 +532,12 @@ impl Gpu {
         let mut multiview_features = vk::PhysicalDeviceMultiviewFeatures::default().multiview(true);
         if adapter.facts.features.max_views > 0 {
             info = info.push_next(&mut multiview_features);
+        }
+        let mut indexing_features = vk::PhysicalDeviceDescriptorIndexingFeatures::default()
+            .runtime_descriptor_array(true)
+            .shader_sampled_image_array_non_uniform_indexing(true);
+        if adapter.facts.features.image_arrays {
+            info = info.push_next(&mut indexing_features);
         }
         if has_feedback {
             info = info.push_next(&mut feedback_features);

@@ -221,7 +221,7 @@ pub(crate) unsafe fn record_dispatch(
     // SAFETY: the caller's promise.
     unsafe {
         device.cmd_bind_pipeline(commands, compute, pipeline.raw);
-        let sets = [resources.set()];
+        let sets = resources.sets();
         device.cmd_bind_descriptor_sets(commands, compute, resources.layout, 0, &sets, &[]);
         let [x, y, z] = groups;
         device.cmd_dispatch(commands, x, y, z);

@@ -244,6 +244,22 @@ pub struct ComputePipeline {
     gpu: Arc<Gpu>,
     pub(crate) raw: vk::Pipeline,
     pub(crate) resources: Arc<Resources>,
+    /// Others may have the same with other resources.
+    _owned: Arc<OwnedPipeline>,
+}
+
+/// Destroyed when the last pipeline that has it goes.
+#[derive(Debug)]
+struct OwnedPipeline {
+    gpu: Arc<Gpu>,
+    raw: vk::Pipeline,
+}
+
+impl Drop for OwnedPipeline {
+    fn drop(&mut self) {
+        // SAFETY: every submission that used it has been waited for.
+        unsafe { self.gpu.device.destroy_pipeline(self.raw, None) };
+    }
 }
 
 impl ComputePipeline {
@@ -278,21 +294,36 @@ impl ComputePipeline {
         };
         let pipelines = made.map_err(|(_, error)| failure(error, "compute pipeline", 0))?;
         gpu.work.count_pipeline();
+        let raw = pipelines.first().copied().unwrap_or_default();
         Ok(Self {
             gpu: Arc::clone(gpu),
-            raw: pipelines.first().copied().unwrap_or_default(),
+            raw,
             resources: Arc::clone(resources),
+            _owned: Arc::new(OwnedPipeline {
+                gpu: Arc::clone(gpu),
+                raw,
+            }),
+        })
+    }
+
+    /// The same pipeline with other resources of the same kinds.
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`] for resources of other kinds or of another device.
+    pub fn rebound(&self, resources: &Arc<Resources>) -> Result<Self, DeviceError> {
+        if !self.resources.is_like(resources) {
+            let what = "binding resources of other kinds";
+            return Err(DeviceError::unsupported(what, &self.gpu.facts.name));
+        }
+        Ok(Self {
+            gpu: Arc::clone(&self.gpu),
+            raw: self.raw,
+            resources: Arc::clone(resources),
+            _owned: Arc::clone(&self._owned),
         })
     }
 
     pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
         Arc::ptr_eq(&self.gpu, gpu)
-    }
-}
-
-impl Drop for ComputePipeline {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for.
-        unsafe { self.gpu.device.destroy_pipeline(self.raw, None) };
     }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Depth maps in the layers of one image: drawn one after the other, all at once by a stage that chooses the
-//! layer, or some at once as views of one draw.
+//! Depth maps in the layers of one image. They are drawn one after the other, all at once by a stage that chooses
+//! the layer, or some at once as views of one draw.
 
 use crate::failure::failure;
 use crate::memory::{Image, ImageKind, ImageShape};

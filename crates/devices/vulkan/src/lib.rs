@@ -20,6 +20,7 @@
 
 mod adapter;
 mod bindings;
+mod block_image;
 mod capture;
 mod covers;
 mod deliberate_error;
@@ -29,6 +30,7 @@ mod draw_pipeline;
 mod failure;
 mod fill;
 mod fixtures;
+mod image_array;
 mod layer_pipeline;
 mod layered;
 mod memory;
@@ -51,6 +53,7 @@ mod volume_pass;
 
 pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, list_adapters, open_for_test};
 pub use bindings::BindGroup;
+pub use block_image::{BlockImage, BlockShape};
 pub use terrafill_shaders::{HandsOn, RouteText, TexturedParts, TexturedPlacement};
 
 pub use capture::{CapturePipeline, StateStep, StepReport, advance};

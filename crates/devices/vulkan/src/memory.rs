@@ -545,14 +545,23 @@ pub(crate) enum ImageShape {
     Cube,
     /// Pictures, numbered.
     Array(u32),
+    /// Slices of one volume.
+    Volume(u32),
 }
 
 impl ImageKind {
     pub(crate) fn layers(&self) -> u32 {
         match self.shape {
-            ImageShape::Flat => 1,
+            ImageShape::Flat | ImageShape::Volume(_) => 1,
             ImageShape::Cube => 6,
             ImageShape::Array(layers) => layers,
+        }
+    }
+
+    fn depth(&self) -> u32 {
+        match self.shape {
+            ImageShape::Volume(slices) => slices,
+            ImageShape::Flat | ImageShape::Cube | ImageShape::Array(_) => 1,
         }
     }
 
@@ -594,9 +603,16 @@ impl Image {
             } else {
                 vk::ImageCreateFlags::empty()
             })
-            .image_type(vk::ImageType::TYPE_2D)
+            .image_type(match kind.shape {
+                ImageShape::Volume(_) => vk::ImageType::TYPE_3D,
+                _ => vk::ImageType::TYPE_2D,
+            })
             .format(kind.format)
-            .extent(kind.extent.into())
+            .extent(vk::Extent3D {
+                width: kind.extent.width,
+                height: kind.extent.height,
+                depth: kind.depth(),
+            })
             .mip_levels(kind.levels)
             .array_layers(kind.layers())
             .samples(vk::SampleCountFlags::TYPE_1)
@@ -617,6 +633,7 @@ impl Image {
                     ImageShape::Flat => vk::ImageViewType::TYPE_2D,
                     ImageShape::Cube => vk::ImageViewType::CUBE,
                     ImageShape::Array(_) => vk::ImageViewType::TYPE_2D_ARRAY,
+                    ImageShape::Volume(_) => vk::ImageViewType::TYPE_3D,
                 })
                 .format(kind.format)
                 .subresource_range(kind.whole());

@@ -3,7 +3,8 @@
 
 use crate::bindings::SetPool;
 use crate::failure::failure;
-use crate::{Buffer, BufferUse, Gpu, LayeredDepth, SampledImage, TriangleTree};
+use crate::image_array::ImageArray;
+use crate::{BlockImage, Buffer, BufferUse, Gpu, LayeredDepth, SampledImage, TriangleTree};
 use ash::vk;
 use std::sync::Arc;
 use terrafill_fill::DeviceError;
@@ -21,6 +22,8 @@ pub enum Resource {
     Depths(Arc<LayeredDepth>),
     /// Triangles that rays may meet.
     Triangles(Arc<TriangleTree>),
+    /// An image that is written in parts, whose texels are loaded by their number.
+    Blocks(Arc<BlockImage>),
 }
 
 impl Resource {
@@ -28,7 +31,7 @@ impl Resource {
         match self {
             Self::Uniform(_) => vk::DescriptorType::UNIFORM_BUFFER,
             Self::Storage(_) => vk::DescriptorType::STORAGE_BUFFER,
-            Self::Image(_) | Self::Depths(_) => vk::DescriptorType::SAMPLED_IMAGE,
+            Self::Image(_) | Self::Depths(_) | Self::Blocks(_) => vk::DescriptorType::SAMPLED_IMAGE,
             Self::Triangles(_) => vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
         }
     }
@@ -39,6 +42,7 @@ impl Resource {
             Self::Uniform(_) | Self::Storage(_) | Self::Triangles(_) => vk::ImageView::null(),
             Self::Image(image) => image.view(),
             Self::Depths(depths) => depths.view(),
+            Self::Blocks(blocks) => blocks.view(),
         }
     }
 
@@ -54,17 +58,20 @@ impl Resource {
             Self::Image(image) => image.is_on(gpu),
             Self::Depths(depths) => depths.is_on(gpu),
             Self::Triangles(tree) => tree.is_on(gpu),
+            Self::Blocks(blocks) => blocks.is_on(gpu),
         }
     }
 }
 
-/// Resources at the bindings 0, 1 … of set 0, visible to every stage.
+/// Resources at the bindings 0, 1 … of set 0, visible to every stage, and an array of images where there is one.
 #[derive(Debug)]
 pub struct Resources {
     gpu: Arc<Gpu>,
     set_layout: vk::DescriptorSetLayout,
     pub(crate) layout: vk::PipelineLayout,
     pool: Option<SetPool>,
+    kinds: Vec<vk::DescriptorType>,
+    array: Option<ImageArray>,
     /// The set points at them.
     _held: Vec<Resource>,
 }
@@ -76,6 +83,28 @@ impl Resources {
     /// [`DeviceError::Unsupported`] when one is of another device or a buffer for another use;
     /// [`DeviceError::OutOfMemory`].
     pub fn new(gpu: &Arc<Gpu>, resources: Vec<Resource>) -> Result<Arc<Self>, DeviceError> {
+        Self::make(gpu, resources, None)
+    }
+
+    /// As [`Resources::new`], with an array of images, indexed freely, at binding 0 of set 1.
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`] also when the device does not index arrays of images freely,
+    /// [`DeviceError::OverCapacity`] when it binds fewer images.
+    pub fn with_array(
+        gpu: &Arc<Gpu>,
+        resources: Vec<Resource>,
+        images: Vec<Arc<BlockImage>>,
+    ) -> Result<Arc<Self>, DeviceError> {
+        let array = ImageArray::new(gpu, images)?;
+        Self::make(gpu, resources, Some(array))
+    }
+
+    fn make(
+        gpu: &Arc<Gpu>,
+        resources: Vec<Resource>,
+        array: Option<ImageArray>,
+    ) -> Result<Arc<Self>, DeviceError> {
         if !resources.iter().all(|resource| resource.fits(gpu)) {
             return Err(DeviceError::unsupported(
                 "binding a resource of another device or made for another use",
@@ -98,6 +127,8 @@ impl Resources {
             set_layout: vk::DescriptorSetLayout::null(),
             layout: vk::PipelineLayout::null(),
             pool: None,
+            kinds,
+            array,
             _held: resources.clone(),
         };
         let broken = |error| failure(error, "resources", 0);
@@ -108,11 +139,12 @@ impl Resources {
             made.set_layout = device
                 .create_descriptor_set_layout(&set_info, None)
                 .map_err(broken)?;
-            let set_layouts = [made.set_layout];
+            let mut set_layouts = vec![made.set_layout];
+            set_layouts.extend(made.array.as_ref().map(ImageArray::layout));
             let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts);
             made.layout = device.create_pipeline_layout(&info, None).map_err(broken)?;
         }
-        let pool = SetPool::new(gpu, made.set_layout, &kinds)?;
+        let pool = SetPool::new(gpu, made.set_layout, &made.kinds)?;
         for (binding, resource) in (0..).zip(&resources) {
             let write = vk::WriteDescriptorSet::default()
                 .dst_set(pool.set)
@@ -129,7 +161,7 @@ impl Resources {
                     // SAFETY: of the kind that the layout has there; it lives as long as the set.
                     unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };
                 }
-                Resource::Image(_) | Resource::Depths(_) => {
+                Resource::Image(_) | Resource::Depths(_) | Resource::Blocks(_) => {
                     let images = [vk::DescriptorImageInfo {
                         sampler: vk::Sampler::null(),
                         image_view: resource.view(),
@@ -155,6 +187,18 @@ impl Resources {
 
     pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
         Arc::ptr_eq(&self.gpu, gpu)
+    }
+
+    /// Whether pipelines made for one find the other's just as well.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        let counts = [self, other].map(|of| of.array.as_ref().map(ImageArray::count));
+        Arc::ptr_eq(&self.gpu, &other.gpu) && self.kinds == other.kinds && counts[0] == counts[1]
+    }
+
+    /// All sets, from 0.
+    pub(crate) fn sets(&self) -> Vec<vk::DescriptorSet> {
+        let array = self.array.as_ref().map(ImageArray::set);
+        [self.set()].into_iter().chain(array).collect()
     }
 
     pub(crate) fn set(&self) -> vk::DescriptorSet {

@@ -16,6 +16,13 @@ const RAY_LANGUAGE_VERSION: (u8, u8) = (1, 4);
 /// What such a module begins with.
 const RAYS: &str = "enable wgpu_ray_query;";
 
+/// What a module with arrays of resources begins with.
+const ARRAYS: &str = "enable wgpu_binding_array;";
+/// Instruction and number of the capability of arrays whose length the shader does not say, which naga leaves out.
+const OF_ANY_LENGTH: [u32; 2] = [2 << 16 | 17, 5302];
+/// Words before the first instruction.
+const HEADER: usize = 5;
+
 /// A stage that WGSL knows and a pipeline here has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SpirvStage {
@@ -96,8 +103,13 @@ pub fn composed_to_spirv(
         shader_stage,
         entry_point: entry_point.to_owned(),
     };
-    spv::write_vec(&module, &info, &options, Some(&pipeline_options))
-        .map_err(|error| invalid(error.to_string()))
+    let mut words = spv::write_vec(&module, &info, &options, Some(&pipeline_options))
+        .map_err(|error| invalid(error.to_string()))?;
+    let has_it = words.windows(2).any(|pair| pair == OF_ANY_LENGTH);
+    if composed.contains(ARRAYS) && !has_it {
+        words.splice(HEADER..HEADER, OF_ANY_LENGTH);
+    }
+    Ok(words)
 }
 
 /// A geometry shader: its GLSL source and what became of it.
@@ -272,9 +284,15 @@ const COMPILED_SHADERS: &[CompiledShader] = compiled_shaders![
     "native/lights.vert", "native/lights.layer.spv", Vertex, ["LAYER"];
     "native/lights.vert", "native/lights.view.spv", Vertex, ["VIEW"];
     "native/lights.vert", "native/lights.place.spv", Vertex, ["PLACE"];
+    "native/lights.vert", "native/listed.pass.spv", Vertex, ["LISTED"];
+    "native/lights.vert", "native/listed.layer.spv", Vertex, ["LISTED", "LAYER"];
+    "native/lights.vert", "native/listed.view.spv", Vertex, ["LISTED", "VIEW"];
+    "native/lights.vert", "native/listed.place.spv", Vertex, ["LISTED", "PLACE"];
     "native/lights.geom", "native/lights.copied.spv", Geometry, [];
     "native/lights.geom", "native/lights.invoked4.spv", Geometry, ["INVOCATIONS=4"];
     "native/lights.geom", "native/lights.invoked16.spv", Geometry, ["INVOCATIONS=16"];
+    "native/lights.geom", "native/listed.copied.spv", Geometry, ["LISTED", "COPIES=64"];
+    "native/lights.geom", "native/listed.invoked32.spv", Geometry, ["LISTED", "INVOCATIONS=32"];
     "native/balls.vert", "native/balls.spv", Capture, [];
     "native/balls.vert", "native/balls.terrain.spv", Capture, ["TERRAIN"];
     "globes/seam.geom", "globes/seam.half.spv", Geometry, ["LIMIT=0.5"];
@@ -420,7 +438,7 @@ mod tests {
             .iter()
             .map(|shader| compiled_spirv(shader.spirv).expect("SPIR-V"))
             .collect();
-        assert_eq!(all.len(), 23);
+        assert_eq!(all.len(), 29);
         for (index, one) in all.iter().enumerate() {
             assert!(all[..index].iter().all(|other| other != one), "{index}");
         }
@@ -439,6 +457,17 @@ mod tests {
             &[],
         );
         assert_eq!(compute.expect("valid")[0], MAGIC);
+    }
+
+    #[test]
+    fn arrays_of_any_length_are_declared_where_there_are_any() {
+        let of = |path| {
+            let words = wgsl_to_spirv(path, SpirvStage::Compute, "loaded", &[]).expect("valid");
+            let declared = words.windows(2).filter(|pair| *pair == OF_ANY_LENGTH);
+            declared.count()
+        };
+        assert_eq!(of("pipelines/cache_bindless.wgsl"), 1);
+        assert_eq!(of("pipelines/cache_array.wgsl"), 0);
     }
 
     #[test]

@@ -21,6 +21,8 @@ const BLOWN: &str = "ball_blown_share";
 const RESOLVED: f64 = 0.1;
 /// What compensated exact events are held to, metres.
 const EVENT_M: f64 = 2e-6;
+/// To what the least work is named, metres.
+const NEAR_M: f64 = 0.01;
 /// By how much a fitted order may differ: few contacts are averaged over.
 const ORDER_TOLERANCE: f64 = 0.25;
 /// Balls that literal reflection under symplectic Euler sinks, as computed apart from this program, percent …
@@ -53,6 +55,7 @@ impl Chapter for BallsChapter {
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
         Ok(Answers {
+            blocks: recommended(run).into_iter().collect(),
             requirements: all_findings(run),
             ..Answers::default()
         })
@@ -64,6 +67,7 @@ impl Chapter for BallsChapter {
             return Ok(Vec::new());
         }
         let mut blocks = vec![Block::Text(WHAT_IS_COMPARED.to_owned())];
+        blocks.extend(recommended(run));
         blocks.extend(all_findings(run).into_iter().map(Block::Finding));
         for stiffness in ["1e3", "1e5", "1e7", "hard"] {
             blocks.push(Block::section(format!("Contact {stiffness}")));
@@ -355,6 +359,39 @@ fn table(
     }
 }
 
+/// The least work to 1 cm by stiffness, how to step many balls, and how to draw them, with the figures behind it.
+fn recommended(run: &Run) -> Option<Block> {
+    let cases = cases(run);
+    let cheapest = |stiffness: &str| {
+        let own = of(
+            &cases,
+            &[("part", "drop"), ("stiffness", stiffness), ("state", "gap")],
+        );
+        let near = own
+            .into_iter()
+            .filter(|case| case.counts() && case.value(RMS).is_some_and(|rms| rms <= NEAR_M));
+        let timed = near.filter_map(|case| Some((case.value(TIME)?, case)));
+        let (us, best) = timed.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let error = best.value(RMS).map(significant).unwrap_or_default();
+        Some(format!(
+            "Contact {stiffness} is taken to {} cm with least work by {} in {} at {} steps a second: {} µs a second \
+             of a ball, {error} m off.",
+            significant(100.0 * NEAR_M),
+            best.condition("integrator"),
+            best.condition("arithmetic"),
+            best.condition("steps_per_second"),
+            significant(us),
+        ))
+    };
+    let mut sentences: Vec<String> = ["1e3", "1e5", "1e7", "hard"]
+        .into_iter()
+        .filter_map(cheapest)
+        .collect();
+    sentences.extend(crate::device_chapter::recommended(run));
+    sentences.extend(crate::drawn_chapter::recommended(run));
+    (!sentences.is_empty()).then_some(Block::List(sentences))
+}
+
 fn all_findings(run: &Run) -> Vec<Finding> {
     let mut all = findings(&cases(run));
     all.extend(crate::device_chapter::findings(run));
@@ -377,6 +414,25 @@ fn findings(cases: &[&Case]) -> Vec<Finding> {
             ),
             holds,
             order.map(significant).unwrap_or_default(),
+        ));
+    }
+    for name in ["velocity-verlet", "rk4", "split-verlet"] {
+        let single = errors(cases, &drop_of(name, "1e3", "f32"));
+        let turn = bottom(&single).zip(single.last().copied());
+        findings.push(finding(
+            format!(
+                "In f32 the error of {name} has a bottom, below which smaller steps make it worse"
+            ),
+            turn.map(|(least, finest)| finest.0 < least.0),
+            turn.map_or_else(String::new, |(least, finest)| {
+                format!(
+                    "bottom at 1/{:.0} s with {} m, {} m at 1/{:.0} s",
+                    1.0 / least.0,
+                    significant(least.1),
+                    significant(finest.1),
+                    1.0 / finest.0
+                )
+            }),
         ));
     }
     let gains = of(

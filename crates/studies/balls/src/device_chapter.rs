@@ -114,6 +114,26 @@ fn slope_of(cases: &[&Case], way: Way) -> Option<f64> {
     Some(slope(point(SLOPE[0])?, point(SLOPE[1])?))
 }
 
+/// The way that steps the most balls fastest, with what explains it.
+pub(crate) fn recommended(run: &Run) -> Option<String> {
+    let cases = cases(run);
+    let timed = cases
+        .iter()
+        .filter(|case| case.counts())
+        .filter_map(|case| Some((balls(case), case.value(CPU)?, *case)));
+    let timed: Vec<(f64, f64, &Case)> = timed.collect();
+    let most = timed.iter().map(|of| of.0).max_by(f64::total_cmp)?;
+    let of_most = timed.iter().filter(|of| of.0 >= most);
+    let (_, us, best) = of_most.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let uploaded = best.value(UPLOADED).map(significant).unwrap_or_default();
+    Some(format!(
+        "{most} balls are stepped fastest by {} {}: {} CPU ns a ball and step, {uploaded} bytes uploaded.",
+        best.condition("interface"),
+        best.condition("way"),
+        significant(1e3 * us / most),
+    ))
+}
+
 pub(crate) fn findings(run: &Run) -> Vec<Finding> {
     let cases = cases(run);
     let mut findings = Vec::new();

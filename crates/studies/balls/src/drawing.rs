@@ -4,8 +4,8 @@
 use crate::terrain::{BallView, PointConstants};
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, Picture, SKY};
-use terrafill_gpu::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, TimedPass};
+use terrafill_fill::{DeviceError, Picture};
+use terrafill_gpu::DirectPipeline;
 use terrafill_scene::ImageSize;
 use terrafill_vulkan::{
     Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, Measured, PrimitiveStages, Resource,
@@ -148,37 +148,13 @@ impl WgpuPoints {
         let bound = states
             .each_ref()
             .map(|state| gpu.bind_buffers("points", &layout, &[&constants, state]));
-        let module = gpu.shader(POINTS)?;
-        let pipeline = gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("points"),
-            layout: Some(&gpu.pipeline_layout("points", &[Some(&layout)])),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vertex_main"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState {
-                topology: wgpu::PrimitiveTopology::PointList,
-                ..Default::default()
-            },
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: DEPTH_STENCIL_FORMAT,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Greater),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fragment_main"),
-                compilation_options: Default::default(),
-                targets: &[Some(COLOUR_FORMAT.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+        let pipeline = gpu.direct_pipeline(&DirectPipeline {
+            path: POINTS,
+            entry_point: "vertex_main",
+            topology: wgpu::PrimitiveTopology::PointList,
+            format: None,
+            layout: &layout,
+        })?;
         Ok(Self {
             gpu: Arc::clone(gpu),
             targets: terrafill_gpu::RenderTargets::new(gpu, PICTURE)?,
@@ -191,37 +167,7 @@ impl WgpuPoints {
 impl DrawsBalls for WgpuPoints {
     fn draw(&mut self, state: usize, ranges: &[Range<u32>]) -> Result<Option<f64>, DeviceError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let (colour, depth_stencil) = (
-            self.targets.colour_view(),
-            self.targets.depth_stencil_view(),
-        );
-        let [r, g, b, a] = SKY.map(f64::from);
-        let store = wgpu::StoreOp::Store;
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("points"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &colour,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
-                    store,
-                },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &depth_stencil,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store,
-                }),
-                stencil_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0),
-                    store,
-                }),
-            }),
-            timestamp_writes: self.targets.timer().map(|t| t.around(TimedPass::Surface)),
-            ..Default::default()
-        });
+        let mut pass = self.targets.cleared_pass(&mut encoder);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.bound[state], &[]);
         for range in ranges {
@@ -230,13 +176,7 @@ impl DrawsBalls for WgpuPoints {
         drop(pass);
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait()?;
-        match self.targets.timer() {
-            Some(timer) => {
-                let stamps = timer.read(&self.gpu, TimedPass::Surface, TimedPass::Surface)?;
-                Ok(stamps.pass_ms(TimedPass::Surface))
-            }
-            None => Ok(None),
-        }
+        self.targets.direct_ms()
     }
 
     fn read(&self) -> Result<Picture, DeviceError> {

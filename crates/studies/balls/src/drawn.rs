@@ -3,24 +3,16 @@
 
 use crate::STUDY;
 use crate::drawing::{Drawn, DrawsBalls, PICTURE};
-use crate::on_devices::{STEPS, STEPS_PER_SECOND, STIFFNESS, constants, take_all};
+use crate::on_devices::{TIMED, constants, take_all};
 use crate::stepping::{Steps, Way};
 use crate::terrain::{BallView, JudgedBalls, State, Terrain, judge};
-use glam::DVec3;
+use crate::walk::{Walk, walk};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use terrafill_fill::{CpuStopwatch, DeviceError, ids_of};
 use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
 use terrafill_study::{Context, Group, Session, StudyError};
 
-/// What `f32` may differ from `f64`, metres. A place between 32 and 64 m is rounded by up to 1.9 µm a step, and in flight
-/// at even speed by the same each time: up to 0.46 mm in 240 steps along either axis.
-const ALLOWED_M: f64 = 1e-3;
-/// Share of the balls that may be farther: slopes jump from cell to cell, so a ball that touches the ground within
-/// rounding of a border may leave it otherwise. One of 1,000 did.
-const ALLOWED_SHARE: f64 = 0.01;
-/// Balls compared with `f64` at most: evenly spread over all.
-const JUDGED: usize = 2_000;
 /// Balls that are drawn one by one at most: the published figure ends at 5,000.
 const MOST_EACH: u32 = 10_000;
 
@@ -83,6 +75,7 @@ impl Group for DrawnBalls {
             group: self,
             context,
             terrain: Terrain::new(),
+            walked: BTreeMap::new(),
             first: BTreeMap::new(),
             opened: BTreeMap::new(),
         }))
@@ -99,56 +92,20 @@ struct DrawnSession<'a> {
     group: &'a DrawnBalls,
     context: Context<'a>,
     terrain: Terrain,
+    /// By way and number of balls: how they went, and where they ended.
+    walked: BTreeMap<(Way, u32), (Walk, Vec<State>)>,
     /// Of the first picture of a way and number of balls, by which others are held.
     first: BTreeMap<(Way, u32), Vec<u32>>,
     /// By case.
     opened: BTreeMap<usize, Opened>,
 }
 
-/// Distances from where `f64` takes the same balls, metres.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Errors {
-    max_m: f64,
-    rms_m: f64,
-    p95_m: f64,
-    /// Share of the balls beyond what is allowed.
-    beyond: f64,
-}
-
-fn errors(terrain: &Terrain, first: &[State], last: &[State]) -> Errors {
-    let stride = first.len().div_ceil(JUDGED).max(1);
-    let place = |ball: &State| DVec3::from_slice(&ball[0].map(f64::from));
-    let of_ball = |(first, last): (&State, &State)| {
-        let mut ball = [place(first), DVec3::ZERO];
-        for _ in 0..STEPS {
-            terrain.step(&mut ball, 1.0 / f64::from(STEPS_PER_SECOND), STIFFNESS);
-        }
-        ball[0].distance(place(last))
-    };
-    let pairs = first.iter().zip(last).step_by(stride);
-    let mut all: Vec<f64> = pairs.map(of_ball).collect();
-    // What is no number comes last.
-    all.sort_by(f64::total_cmp);
-    let count = all.len().max(1) as f64;
-    let far = all.iter().filter(|error| **error > ALLOWED_M).count();
-    Errors {
-        max_m: match first.len() == last.len() {
-            true => all.last().copied().unwrap_or(f64::INFINITY),
-            false => f64::INFINITY,
-        },
-        rms_m: (all.iter().map(|error| error * error).sum::<f64>() / count).sqrt(),
-        p95_m: all
-            .get(all.len() * 19 / 20)
-            .copied()
-            .unwrap_or(f64::INFINITY),
-        beyond: far as f64 / count,
-    }
-}
-
 /// What a case showed.
 #[derive(Debug, Default)]
 struct Found {
-    errors: Errors,
+    walk: Walk,
+    /// Balls that ended elsewhere than when they were followed.
+    strayed: usize,
     uploaded: u64,
     judged: JudgedBalls,
     differing: usize,
@@ -162,11 +119,27 @@ impl DrawnSession<'_> {
         let devices = self.context.devices;
         let mut steps = way.open(devices, &constants(count), &balls, Some(&self.terrain))?;
         let mut points = steps.points()?;
-        let mut uploaded = take_all(steps.as_mut())?;
-        let last = steps.read()?;
+        let (mut uploaded, mut strayed) = (0, 0);
+        let (walk, last) = match self.walked.get(&(way, count)) {
+            // Followed before: the same steps, in frames of a few.
+            Some((walk, there)) => {
+                uploaded = take_all(steps.as_mut())?;
+                let last = steps.read()?;
+                strayed = last.iter().zip(there).filter(|(a, b)| a != b).count();
+                strayed += last.len().abs_diff(there.len());
+                (*walk, last)
+            }
+            None => {
+                let walk = walk(steps.as_mut(), &self.terrain, &balls)?;
+                let last = steps.read()?;
+                self.walked.insert((way, count), (walk, last.clone()));
+                (walk, last)
+            }
+        };
         let ranges = drawn.ranges(count);
         let mut found = Found {
-            errors: errors(&self.terrain, &balls, &last),
+            walk,
+            strayed,
             draws: ranges.len(),
             ..Found::default()
         };
@@ -195,20 +168,18 @@ impl DrawnSession<'_> {
 impl Found {
     fn reason(&self) -> String {
         let Self {
-            errors,
+            walk,
+            strayed,
             uploaded,
             judged,
             differing,
             ..
         } = self;
-        let is_near =
-            errors.p95_m <= ALLOWED_M && errors.beyond <= ALLOWED_SHARE && errors.max_m.is_finite();
-        if !is_near {
-            format!(
-                "the 95th percentile is {} m from f64, allowed {ALLOWED_M} m; {} of the balls are farther, \
-                 allowed {ALLOWED_SHARE}; the farthest is {} m",
-                errors.p95_m, errors.beyond, errors.max_m
-            )
+        let reason = walk.reason();
+        if !reason.is_empty() {
+            reason
+        } else if *strayed > 0 {
+            format!("{strayed} balls end elsewhere when steps are taken in frames of {TIMED}")
         } else if *uploaded > 0 {
             format!("{uploaded} bytes were uploaded while stepping and drawing, allowed 0")
         } else if judged.mismatched > 0 {
@@ -237,9 +208,15 @@ impl Session for DrawnSession<'_> {
         };
         let reason = found.reason();
         let mut figures = vec![
-            ("ball_terrain_max_m", found.errors.max_m),
-            ("ball_terrain_p95_m", found.errors.p95_m),
-            ("ball_terrain_rms_m", found.errors.rms_m),
+            ("ball_terrain_max_m", found.walk.max_m),
+            ("ball_terrain_p95_m", found.walk.p95_m),
+            ("ball_terrain_rms_m", found.walk.rms_m),
+            ("ball_terrain_beyond", found.walk.beyond as f64),
+            ("ball_terrain_unexplained", found.walk.unexplained as f64),
+            ("ball_terrain_guided_m", found.walk.guided_max_m),
+            ("ball_terrain_step_m", found.walk.step_m),
+            ("ball_terrain_step_speed", found.walk.step_speed),
+            ("ball_terrain_followed", found.walk.followed as f64),
             ("ball_upload_bytes", found.uploaded as f64),
             ("ball_draws", found.draws as f64),
         ];
@@ -314,30 +291,19 @@ mod tests {
             let times = session.sample(at).expect("a time");
             assert!(times.iter().all(|(_, time)| *time >= 0.0), "{times:?}");
         }
-        // Twins: other ground, a step fewer, and a picture of balls that moved on.
+        // Twins: other ground, and a picture of balls that moved on.
         let terrain = Terrain::new();
         let first = terrain.balls(500);
         for way in Way::ALL {
-            let opened = way.open(&devices, &constants(500), &first, Some(&terrain));
-            let Ok(mut steps) = opened else {
+            let open = || way.open(&devices, &constants(500), &first, Some(&terrain));
+            let (Ok(mut steps), Ok(mut other)) = (open(), open()) else {
                 continue;
             };
-            steps.step(STEPS - 1).expect("steps");
-            let short = steps.read().expect("reads");
-            assert!(
-                errors(&terrain, &first, &short).p95_m > ALLOWED_M,
-                "{way:?}"
-            );
-            steps.step(1).expect("steps");
+            let right = walk(steps.as_mut(), &terrain, &first).expect("steps");
+            assert_eq!(right.reason(), "", "{way:?}");
+            let wrong = walk(other.as_mut(), &Terrain::flat(), &first).expect("steps");
+            assert!(wrong.reason().contains("from f64"), "{way:?}: {wrong:?}");
             let last = steps.read().expect("reads");
-            assert!(
-                errors(&terrain, &first, &last).p95_m <= ALLOWED_M,
-                "{way:?}"
-            );
-            assert!(
-                errors(&Terrain::flat(), &first, &last).p95_m > 0.1,
-                "{way:?}"
-            );
             let mut points = steps.points().expect("points");
             let drawn = points.draw(steps.current(), &Drawn::All.ranges(500));
             drawn.expect("draws");
@@ -360,26 +326,19 @@ mod tests {
             ..Found::default()
         };
         assert_eq!(right.reason(), "");
-        for errors in [
-            Errors {
-                max_m: f64::NAN,
-                ..Errors::default()
+        let far = Found {
+            walk: Walk {
+                step_m: 1.0,
+                ..Walk::default()
             },
-            Errors {
-                p95_m: 2.0 * ALLOWED_M,
-                ..Errors::default()
-            },
-            Errors {
-                beyond: 2.0 * ALLOWED_SHARE,
-                ..Errors::default()
-            },
-        ] {
-            let far = Found {
-                errors,
-                ..Found::default()
-            };
-            assert!(far.reason().contains("from f64"));
-        }
+            ..Found::default()
+        };
+        assert!(far.reason().contains("from f64"));
+        let strayed = Found {
+            strayed: 2,
+            ..Found::default()
+        };
+        assert!(strayed.reason().contains("2 balls end elsewhere"));
         let sent = Found {
             uploaded: 4,
             ..Found::default()

@@ -4,6 +4,7 @@
 use crate::drawing::Drawn;
 use crate::finding::finding;
 use crate::stepping::Way;
+use crate::walk::ALLOWED_M;
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
     Block, Case, Cell, Claim, Estimate, Finding, Heading, Outcome, Row, Run, Standing, Table, ratio,
@@ -15,8 +16,10 @@ const DRAW_CPU: &str = "ball_draw_cpu_us";
 const PUBLISHED_BALLS: u32 = 4_000;
 const WHAT_IS_COMPARED: &str = "Balls fall from 0.1 to 0.3 m onto bilinear terrain of 64 × 64 m, whose spring of k/m = 1e3 1/s² pushes along the \
      normal, and are drawn as points from the buffer that the step wrote: not at all, by one draw for all, or \
-     by a draw each. A frame is one step and its draws. Places are held against the same integrator in f64, \
-     pictures against the places that the device has.";
+     by a draw each. A frame is one step and its draws. Each step is held against the same integrator in f64, \
+     pictures against the places that the device has. Slopes jump from cell to cell: a ball that touches the \
+     ground within rounding of a border may be pushed from either side and ends elsewhere. So its end is \
+     compared with f64 that takes the device's cell there.";
 const WHAT_FIGURE_12_CANNOT_SHOW: &str = "Published is a figure of seconds a step up to 5,000 balls, and one number: 4,000 balls at 21 frames per second, \
      11.9 µs a ball. It does not separate physics from drawing, and the published text draws one point by a call. \
      Beside it stands here how many times as long a frame takes by a draw each.";
@@ -59,6 +62,27 @@ pub(crate) fn blocks(run: &Run) -> Vec<Block> {
 fn slowdown(cases: &[&Case], way: Way, balls: u32) -> Option<Estimate> {
     let of = |drawn| one(cases, way, drawn, balls).filter(|case| case.counts());
     ratio(of(Drawn::Each)?, of(Drawn::All)?, FRAME_CPU)
+}
+
+/// How to draw balls, by the number that was published.
+pub(crate) fn recommended(run: &Run) -> Vec<String> {
+    let cases = cases(run);
+    let of_way = |way: Way| {
+        let (interface, name) = way.names();
+        let slowdown = slowdown(&cases, way, PUBLISHED_BALLS)?;
+        let draws = |drawn| one(&cases, way, drawn, PUBLISHED_BALLS)?.value("ball_draws");
+        let (each, all) = (draws(Drawn::Each)?, draws(Drawn::All)?);
+        let how = match slowdown.middle > 1.0 {
+            true => "by one draw for all",
+            false => "by a draw each",
+        };
+        Some(format!(
+            "{PUBLISHED_BALLS} balls stepped by {interface} {name} are best drawn {how}: {each} draws take {} times a \
+             frame with {all}.",
+            times(&slowdown)
+        ))
+    };
+    Way::ALL.into_iter().filter_map(of_way).collect()
 }
 
 fn each_is_slower(cases: &[&Case], way: Way) -> Finding {
@@ -105,6 +129,8 @@ fn table(cases: &[&Case]) -> Table {
                 of_drawn(case.value("ball_draw_gpu_us")),
                 shown(case.value("ball_draws")),
                 shown(case.value("ball_upload_bytes")),
+                shown(case.value("ball_terrain_step_m")),
+                shown(case.value("ball_terrain_guided_m")),
                 shown(case.value("ball_terrain_p95_m")),
                 shown(case.value("ball_terrain_max_m")),
                 of_drawn(case.value("ball_mismatched_px")),
@@ -126,6 +152,11 @@ fn table(cases: &[&Case]) -> Table {
             measured("GPU µs of the draws", "ball_draw_gpu_us"),
             measured("draws", "ball_draws"),
             measured("uploaded, B", "ball_upload_bytes"),
+            measured("a step's error, m", "ball_terrain_step_m"),
+            measured(
+                "largest error in the same cells, m",
+                "ball_terrain_guided_m",
+            ),
             measured("95 % within, m", "ball_terrain_p95_m"),
             measured("largest error, m", "ball_terrain_max_m"),
             measured("wrong pixels", "ball_mismatched_px"),
@@ -154,12 +185,28 @@ pub(crate) fn findings(run: &Run) -> Vec<Finding> {
         .count();
     let pixels = [most("ball_mismatched_px"), most("ball_differing_px")];
     let sent = most("ball_upload_bytes");
-    let far = most("ball_terrain_p95_m");
+    let (step, guided) = (most("ball_terrain_step_m"), most("ball_terrain_guided_m"));
+    let (beyond, unexplained) = (
+        most("ball_terrain_beyond"),
+        most("ball_terrain_unexplained"),
+    );
     vec![
         finding(
-            "Balls over terrain are where f64 has them, 95 % of them within 1 mm".to_owned(),
-            far.map(|_| wrong == 0),
-            far.map_or_else(String::new, |far| format!("at most {} m", significant(far))),
+            "Every step of a ball over terrain is that of f64 from the same state, to the last places".to_owned(),
+            step.map(|_| wrong == 0),
+            step.map_or_else(String::new, |far| format!("at most {} m apart", significant(far))),
+        ),
+        finding(
+            "Balls over terrain are within 1 mm of f64 that takes the device's cell at borders".to_owned(),
+            guided.map(|guided| guided <= ALLOWED_M),
+            guided.map_or_else(String::new, |far| format!("at most {} m", significant(far))),
+        ),
+        finding(
+            "Balls farther from f64 of its own have all touched ground in another cell".to_owned(),
+            unexplained.map(|unexplained| unexplained <= 0.0),
+            beyond.zip(most("ball_terrain_max_m")).map_or_else(String::new, |(beyond, far)| {
+                format!("at most {beyond} such balls in a case, up to {} m", significant(far))
+            }),
         ),
         finding(
             "One draw for all and a draw each show the same balls, those of the reference"

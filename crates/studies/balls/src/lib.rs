@@ -22,6 +22,7 @@ mod on_devices;
 mod stepping;
 mod study;
 mod terrain;
+mod walk;
 
 pub use chapter::BallsChapter;
 pub use study::BallsStudy;

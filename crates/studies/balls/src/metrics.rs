@@ -3,7 +3,7 @@
 
 use terrafill_results::{Kind, Metric};
 
-pub(crate) const METRICS: [Metric; 29] = [
+pub(crate) const METRICS: [Metric; 35] = [
     Metric::less(
         "ball_cpu_us",
         "µs",
@@ -129,6 +129,42 @@ pub(crate) const METRICS: [Metric; 29] = [
         "m",
         Kind::Error,
         "95th percentile of that distance: at a border of cells slopes jump, and a ball there may leave otherwise.",
+    ),
+    Metric::less(
+        "ball_terrain_beyond",
+        "",
+        Kind::Error,
+        "Balls over terrain that end more than 1 mm from the same integrator in f64.",
+    ),
+    Metric::less(
+        "ball_terrain_unexplained",
+        "",
+        Kind::Error,
+        "Those of them that never touched the ground in another cell than f64 had them in.",
+    ),
+    Metric::less(
+        "ball_terrain_guided_m",
+        "m",
+        Kind::Error,
+        "Largest distance from f64 that takes the device's cell within 0.5 mm of a border, after 240 steps.",
+    ),
+    Metric::less(
+        "ball_terrain_step_m",
+        "m",
+        Kind::Error,
+        "Largest difference of a ball's place after one step from that of f64 from the same state, along an axis.",
+    ),
+    Metric::less(
+        "ball_terrain_step_speed",
+        "m/s",
+        Kind::Error,
+        "The same of its velocity.",
+    ),
+    Metric::neither(
+        "ball_terrain_followed",
+        "",
+        Kind::Counter,
+        "Balls that were followed step by step.",
     ),
     Metric::less(
         "ball_terrain_rms_m",

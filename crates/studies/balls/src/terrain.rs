@@ -52,12 +52,21 @@ impl Terrain {
         }
     }
 
+    /// The cell that a place lies in, or the nearest one.
+    pub(crate) fn cell_of(place: DVec2) -> DVec2 {
+        let last = f64::from(CELLS - 1);
+        (place / CELL_M)
+            .floor()
+            .clamp(DVec2::ZERO, DVec2::splat(last))
+    }
+
     /// Height of the ground at a place, and its slopes along x and y.
     pub(crate) fn at(&self, place: DVec2) -> (f64, DVec2) {
-        let last = f64::from(CELLS - 1);
-        let cell = (place / CELL_M)
-            .floor()
-            .clamp(DVec2::ZERO, DVec2::splat(last));
+        self.at_in(Self::cell_of(place), place)
+    }
+
+    /// The same of a cell's own surface, which goes on beyond its borders.
+    fn at_in(&self, cell: DVec2, place: DVec2) -> (f64, DVec2) {
         let share = place / CELL_M - cell;
         #[allow(
             clippy::cast_possible_truncation,
@@ -75,10 +84,21 @@ impl Terrain {
         (height, slopes)
     }
 
+    /// Whether a ball at a place pushes the ground of a cell in.
+    pub(crate) fn touches(&self, cell: DVec2, place: DVec3) -> bool {
+        self.at_in(cell, place.truncate()).0 > place.z
+    }
+
     /// Takes a step of symplectic Euler: a spring pushes along the normal.
     pub(crate) fn step(&self, ball: &mut [DVec3; 2], step_s: f64, stiffness: f64) {
+        let cell = Self::cell_of(ball[0].truncate());
+        self.step_in(cell, ball, step_s, stiffness);
+    }
+
+    /// The same over a cell's own surface.
+    pub(crate) fn step_in(&self, cell: DVec2, ball: &mut [DVec3; 2], step_s: f64, stiffness: f64) {
         let [place, velocity] = ball;
-        let (height, slopes) = self.at(place.truncate());
+        let (height, slopes) = self.at_in(cell, place.truncate());
         let mut acceleration = DVec3::new(0.0, 0.0, -GRAVITY);
         let under = height - place.z;
         if under > 0.0 {

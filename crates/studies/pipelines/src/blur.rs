@@ -7,15 +7,15 @@
 
 use terrafill_results::SplitMix64;
 
-const BAR_PX: f64 = 20.0;
+pub(crate) const BAR_PX: f64 = 20.0;
 /// How far the bar moves, pixels.
 pub(crate) const MOTION_PX: f64 = 32.0;
 /// Places of the bar between pixels that are averaged over, apart by the golden ratio, which meets no
 /// grid.
-const PHASES: u32 = 64;
+pub(crate) const PHASES: u32 = 64;
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 /// Pixels that the trail may touch.
-const PIXELS: u32 = 54;
+pub(crate) const PIXELS: u32 = 54;
 
 /// What a layer shows of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,7 +37,7 @@ impl Filter {
     }
 
     /// Of a pixel, the bar beginning at `start`.
-    fn layer(self, pixel: u32, start: f64) -> f64 {
+    pub(crate) fn layer(self, pixel: u32, start: f64) -> f64 {
         let left = f64::from(pixel);
         match self {
             Self::Point => {
@@ -49,7 +49,7 @@ impl Filter {
     }
 
     /// Mean of the layers of all moments.
-    fn exact(self, pixel: u32, start: f64) -> f64 {
+    pub(crate) fn exact(self, pixel: u32, start: f64) -> f64 {
         let left = f64::from(pixel);
         match self {
             Self::Point => covered(left + 0.5, start),
@@ -108,7 +108,7 @@ impl Moments {
         }
     }
 
-    fn all(self, layers: u32, random: &mut SplitMix64) -> Vec<f64> {
+    pub(crate) fn all(self, layers: u32, random: &mut SplitMix64) -> Vec<f64> {
         let count = f64::from(layers);
         let moment = |layer: u32| match self {
             Self::Middle => (f64::from(layer) + 0.5) / count,
@@ -127,11 +127,13 @@ pub(crate) struct BlurError {
     pub(crate) max: f64,
 }
 
-fn starts() -> impl Iterator<Item = f64> {
-    (0..PHASES).map(|phase| (f64::from(phase) * GOLDEN).fract())
+/// Odd multiples of 1/256 pixel, which devices' grids of places have, so that no edge meets a pixel's middle.
+pub(crate) fn starts() -> impl Iterator<Item = f64> {
+    (0..PHASES)
+        .map(|phase| ((f64::from(phase) * GOLDEN).fract() * 128.0).floor() / 128.0 + 1.0 / 256.0)
 }
 
-fn error_of(pairs: impl Iterator<Item = (f64, f64)>) -> BlurError {
+pub(crate) fn error_of(pairs: impl Iterator<Item = (f64, f64)>) -> BlurError {
     let (mut squares, mut count, mut max) = (0.0, 0.0, 0.0_f64);
     for (shown, exact) in pairs {
         let error = (shown - exact).abs();
@@ -186,6 +188,43 @@ impl Resolve {
             Self::CurrentFirst => "current pose first",
         }
     }
+
+    /// Of a layer, the current pose first.
+    pub(crate) fn weight(self, layer: u32, layers: u32) -> f64 {
+        match (layer, self) {
+            (0, Self::CurrentFirst) => f64::from(layers),
+            (0, _) => 1.0,
+            _ => f64::from(layers - layer),
+        }
+    }
+
+    /// Of a pixel, from layers that show whether its middle is covered.
+    pub(crate) fn shown(self, layers: u32, pixel: u32, start: f64) -> f64 {
+        // Layers are white, so light is the sum of alpha.
+        let (mut light, mut all) = (0.0, 0.0);
+        for layer in 0..layers {
+            let weight = self.weight(layer, layers);
+            let moment = moment_of(layer, layers);
+            light += weight * Filter::Point.layer(pixel, start + MOTION_PX * moment);
+            all += weight;
+        }
+        match self {
+            // What no layer covers is left as it was.
+            Self::Published => f64::from(u8::from(light > 0.0)),
+            _ => light / all,
+        }
+    }
+}
+
+/// Light of a trail that fades linearly with age: age is what is left of the time, its weight 2 (1 − age), of integral 1.
+pub(crate) fn fading(place: f64, start: f64) -> f64 {
+    let [from, to] = times(place, start);
+    to * to - from * from
+}
+
+/// Moment of a layer of a resolve, the current pose first.
+pub(crate) fn moment_of(layer: u32, layers: u32) -> f64 {
+    1.0 - f64::from(layer) / f64::from(layers)
 }
 
 /// Error of a resolve of so many layers against a trail that fades linearly with age.
@@ -194,32 +233,11 @@ pub(crate) fn resolve_error(resolve: Resolve, layers: u32) -> BlurError {
     for start in starts() {
         for pixel in 0..PIXELS {
             let place = f64::from(pixel) + 0.5;
-            // Age is what is left of the time; its weight is 2 (1 − age), of integral 1.
-            let [from, to] = times(place, start);
-            let exact = to * to - from * from;
+            let exact = fading(place, start);
             if exact <= 0.0 {
                 continue;
             }
-            let (mut light, mut all, mut alpha) = (0.0, 0.0, 0.0);
-            for layer in 0..layers {
-                let weight = match (layer, resolve) {
-                    (0, Resolve::CurrentFirst) => f64::from(layers),
-                    (0, _) => 1.0,
-                    _ => f64::from(layers - layer),
-                };
-                let moment = 1.0 - f64::from(layer) / f64::from(layers);
-                let shown = Filter::Point.layer(pixel, start + MOTION_PX * moment);
-                light += weight * shown;
-                alpha += weight * shown;
-                all += weight;
-            }
-            let shown = match resolve {
-                // What no layer covers is left as it was.
-                Resolve::Published if alpha > 0.0 => light / alpha,
-                Resolve::Published => 0.0,
-                _ => light / all,
-            };
-            pairs.push((shown, exact));
+            pairs.push((resolve.shown(layers, pixel, start), exact));
         }
     }
     error_of(pairs.into_iter())

@@ -6,9 +6,11 @@ mod cache;
 mod cells;
 mod culling;
 mod grids;
+mod layered;
 mod lights;
 mod numbers;
 mod published;
+mod series;
 
 use crate::cache::Keep;
 use cells::time;
@@ -62,6 +64,7 @@ impl Chapter for PipelinesChapter {
         blocks.extend(culling::section(&cases, clock)?);
         blocks.extend(cache::section(&cases, clock));
         blocks.extend(lights::section(&cases, clock));
+        blocks.extend(layered::sections(&cases, clock)?);
         blocks.extend(numbers::sections(&cases)?);
         Ok(blocks)
     }
@@ -74,6 +77,7 @@ fn recommended(cases: &[&Case], clock: Clock) -> Option<Block> {
     sentences.extend(culling::recommended(cases, clock));
     sentences.extend(cache::recommended(cases, clock));
     sentences.extend(lights::recommended(cases, clock));
+    sentences.extend(layered::recommended(cases, clock));
     (!sentences.is_empty()).then_some(Block::List(sentences))
 }
 
@@ -134,6 +138,7 @@ fn requirements(cases: &[&Case]) -> Vec<Finding> {
     findings.extend(culling::findings(cases));
     findings.extend(cache::findings(cases));
     findings.extend(lights::findings(cases));
+    findings.extend(layered::findings(cases));
     findings.extend(numbers::findings(cases));
     findings
 }
@@ -200,6 +205,14 @@ mod tests {
         }
         let blocks = PipelinesChapter.blocks(&run).expect("a chapter");
         let answers = PipelinesChapter.answers(&run).expect("answers");
+        for finding in &answers.requirements {
+            let Finding {
+                claim,
+                standing,
+                because,
+            } = finding;
+            eprintln!("{standing:?}: {claim} {because}");
+        }
         let does_not_hold = answers
             .requirements
             .iter()

@@ -87,6 +87,31 @@ pub(crate) fn write_lit(
     save(folder, name, size, pixels.collect())
 }
 
+/// As [`write`], of shares of light; what is no number is red.
+///
+/// # Errors
+/// A message with the file's name.
+pub(crate) fn write_shares(
+    folder: &Path,
+    name: &str,
+    size: [u32; 2],
+    shares: &[f32],
+) -> Result<String, String> {
+    let pixels = shares.iter().flat_map(|share| match share.is_finite() {
+        true => {
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "held between 0 and 255"
+            )]
+            let grey = (255.0 * share.clamp(0.0, 1.0)) as u8;
+            [grey; 3]
+        }
+        false => WRONG,
+    });
+    save(folder, name, size, pixels.collect())
+}
+
 fn save(
     folder: &Path,
     name: &str,

@@ -5,8 +5,8 @@
 //! Height grids are drawn by every way in which vertices may come, and points are amplified to cells by
 //! geometry shaders. Ground in tiles is culled patch by patch in every place that can, blocks of it are kept
 //! in all that can keep them, and depth maps of several lights are drawn by every way to layers. Pictures
-//! show numbers of triangles or of lights, which `f64` rays verify. On the CPU in `f64` stand the errors of
-//! geometry images, variance shadows and motion blur. Set-ups and figures published: Patidar, Bhattacharjee,
+//! show numbers of triangles or of lights, which `f64` rays verify. Variance shadows and motion blur are drawn into
+//! layers too, and held against definitions on the CPU. There also stand the errors of geometry images. Set-ups and figures published: Patidar, Bhattacharjee,
 //! Singh and Narayanan, "Exploiting the Shader Model 4.0 Architecture" (2007).
 
 mod blur;
@@ -17,6 +17,7 @@ mod draws;
 mod geometry_image;
 mod grid;
 mod images;
+mod layered;
 mod lights;
 mod metrics;
 mod numbers;

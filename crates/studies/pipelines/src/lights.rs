@@ -10,5 +10,7 @@ mod scene;
 mod study;
 mod way;
 
-pub(crate) use study::Lights;
+pub(crate) use on_vulkan::{FrameTimes, LayerParts, OnVulkan, known, uniform};
+pub(crate) use scene::LightColumns;
+pub(crate) use study::{Lights, differing};
 pub(crate) use way::LightWay;

@@ -3,7 +3,7 @@
 
 use terrafill_results::{Kind, Metric};
 
-pub(crate) const METRICS: [Metric; 51] = [
+pub(crate) const METRICS: [Metric; 56] = [
     Metric::less(
         "pipeline_cpu_ms",
         "ms",
@@ -190,6 +190,36 @@ pub(crate) const METRICS: [Metric; 51] = [
         "ms",
         Kind::Time,
         "GPU time of the depth maps alone.",
+    ),
+    Metric::less(
+        "layered_wrong_texels",
+        "",
+        Kind::Error,
+        "Texels of shadows' maps that are not what an f64 ray along the light meets, outside of 1/32 texel of an edge.",
+    ),
+    Metric::less(
+        "layered_wrong_px",
+        "px",
+        Kind::Error,
+        "Pixels of shadows or blur outside of what the CPU's definition allows, its rounding bounded.",
+    ),
+    Metric::neither(
+        "layered_open_px",
+        "px",
+        Kind::Error,
+        "Pixels whose light may be anything, since rounding may turn their variance to 0.",
+    ),
+    Metric::neither(
+        "layered_judged_px",
+        "px",
+        Kind::Counter,
+        "Pixels of shadows or blur that were held against the definition.",
+    ),
+    Metric::less(
+        "variance_black_px",
+        "px",
+        Kind::Error,
+        "Pixels of a lit plane with less than 0.01 of the light.",
     ),
     Metric::less(
         "image_max_m",

@@ -6,8 +6,8 @@ use crate::grid::{Grid, GridConstants, View};
 use crate::way::{ARGUMENT_BYTES, PATCH_CELLS, Way, patch_indices, points, strip_ranges, strips};
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError, Picture, SKY};
-use terrafill_gpu::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, Gpu, RenderTargets, TimedPass};
+use terrafill_fill::{CpuStopwatch, DeviceError, Picture};
+use terrafill_gpu::{DirectPipeline, Gpu, RenderTargets};
 use terrafill_scene::ImageSize;
 
 /// What is drawn.
@@ -159,7 +159,13 @@ impl OnWgpu {
             });
         }
         let (layout, bound) = bind(gpu, &entries, &resources);
-        let pipeline = pipeline(gpu, &stages, &layout)?;
+        let pipeline = gpu.direct_pipeline(&DirectPipeline {
+            path: stages.path,
+            entry_point: stages.entry_point,
+            topology: stages.topology,
+            format: stages.format,
+            layout: &layout,
+        })?;
         let cells = grid.cells * grid.cells;
         let numbers: Vec<u32> = (0..cells).collect();
         let source: Option<Vec<u8>> = match way {
@@ -249,7 +255,7 @@ impl OnWgpu {
             pass.set_bind_group(0, bound, &[]);
             pass.dispatch_workgroups(*groups, *groups, 1);
         }
-        let mut pass = cleared_pass(&mut encoder, &self.targets);
+        let mut pass = self.targets.cleared_pass(&mut encoder);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.bound, &[]);
         if let Some(vertices) = &self.vertices {
@@ -271,41 +277,6 @@ impl OnWgpu {
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait()
     }
-}
-
-/// A pass over cleared targets, timed where the device keeps time.
-pub(crate) fn cleared_pass<'a>(
-    encoder: &'a mut wgpu::CommandEncoder,
-    targets: &RenderTargets,
-) -> wgpu::RenderPass<'a> {
-    let (colour, depth_stencil) = (targets.colour_view(), targets.depth_stencil_view());
-    let [r, g, b, a] = SKY.map(f64::from);
-    let store = wgpu::StoreOp::Store;
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("grid"),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: &colour,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
-                store,
-            },
-        })],
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: &depth_stencil,
-            depth_ops: Some(wgpu::Operations {
-                load: wgpu::LoadOp::Clear(0.0),
-                store,
-            }),
-            stencil_ops: Some(wgpu::Operations {
-                load: wgpu::LoadOp::Clear(0),
-                store,
-            }),
-        }),
-        timestamp_writes: targets.timer().map(|t| t.around(TimedPass::Surface)),
-        ..Default::default()
-    })
 }
 
 fn whole(vertices: u32) -> Call {
@@ -372,69 +343,13 @@ pub(crate) fn draw_pipeline(
     entry_point: &'static str,
     layout: &wgpu::BindGroupLayout,
 ) -> Result<wgpu::RenderPipeline, DeviceError> {
-    let stages = Stages {
+    gpu.direct_pipeline(&DirectPipeline {
         path,
         entry_point,
         topology: wgpu::PrimitiveTopology::TriangleList,
         format: None,
-    };
-    pipeline(gpu, &stages, layout)
-}
-
-fn pipeline(
-    gpu: &Gpu,
-    stages: &Stages,
-    layout: &wgpu::BindGroupLayout,
-) -> Result<wgpu::RenderPipeline, DeviceError> {
-    let module = gpu.shader(stages.path)?;
-    let layout = gpu.pipeline_layout("grid", &[Some(layout)]);
-    let attributes = stages.format.map(|format| {
-        [wgpu::VertexAttribute {
-            format,
-            offset: 0,
-            shader_location: 0,
-        }]
-    });
-    let buffers: Vec<_> = attributes
-        .iter()
-        .map(|attributes| {
-            Some(wgpu::VertexBufferLayout {
-                array_stride: attributes[0].format.size(),
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes,
-            })
-        })
-        .collect();
-    Ok(gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("grid"),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some(stages.entry_point),
-            compilation_options: Default::default(),
-            buffers: &buffers,
-        },
-        primitive: wgpu::PrimitiveState {
-            topology: stages.topology,
-            ..Default::default()
-        },
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_STENCIL_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Greater),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fragment_main"),
-            compilation_options: Default::default(),
-            targets: &[Some(COLOUR_FORMAT.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    }))
+        layout,
+    })
 }
 
 impl Draws for OnWgpu {
@@ -447,13 +362,7 @@ impl Draws for OnWgpu {
         let watch = CpuStopwatch::start();
         self.frame()?;
         let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
-        let gpu_ms = match self.targets.timer() {
-            Some(timer) => {
-                let stamps = timer.read(&self.gpu, TimedPass::Surface, TimedPass::Surface)?;
-                stamps.pass_ms(TimedPass::Surface)
-            }
-            None => None,
-        };
+        let gpu_ms = self.targets.direct_ms()?;
         Ok(Times {
             cpu_ms,
             wall_ms,

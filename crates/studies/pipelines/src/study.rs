@@ -7,6 +7,7 @@ use crate::culling::Culling;
 use crate::draws::{Counted, Draws, verdict_of};
 use crate::grid::{Grid, View};
 use crate::images::{PICTURE, write};
+use crate::layered::{Blurs, Shades};
 use crate::lights::Lights;
 use crate::metrics::METRICS;
 use crate::numbers::Numbers;
@@ -91,6 +92,8 @@ impl Study for PipelinesStudy {
         for lights in Lights::all(is_quick, samples) {
             groups.push(Box::new(lights));
         }
+        groups.push(Box::new(Shades::new(is_quick, samples)));
+        groups.push(Box::new(Blurs::new(is_quick, samples)));
         for numbers in Numbers::all(is_quick) {
             groups.push(Box::new(numbers));
         }

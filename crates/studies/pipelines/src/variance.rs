@@ -124,7 +124,7 @@ pub(crate) fn noise(way: Moments, sigma: f64) -> Noise {
 }
 
 /// By Box and Muller, mean 0 and spread 1.
-fn gaussian(random: &mut SplitMix64) -> f64 {
+pub(crate) fn gaussian(random: &mut SplitMix64) -> f64 {
     let (a, b) = (1.0 - random.unit(), random.unit());
     (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }
@@ -151,7 +151,7 @@ impl DepthFormat {
         clippy::cast_possible_truncation,
         reason = "rounding to what shaders read is the purpose"
     )]
-    fn stored(self, depth: f64) -> f32 {
+    pub(crate) fn stored(self, depth: f64) -> f32 {
         match self {
             Self::Bits(bits) => {
                 let steps = f64::from(bits).exp2() - 1.0;

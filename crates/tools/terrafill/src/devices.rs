@@ -300,6 +300,7 @@ mod tests {
                 transform_feedback: true,
                 ray_query: true,
                 draws_listed: true,
+                image_arrays: true,
             },
             lacks: Vec::new(),
         }

@@ -2,6 +2,7 @@
 //! Blocks on wgpu, which has all that may keep them; bindless arrays where the device indexes them freely.
 
 use super::keep::Keep;
+use super::keeps::Keeps;
 use super::queries::{Blocks, CacheConstants, SIDE, TexelQuery};
 use crate::draws::Times;
 use crate::on_wgpu::{buffer_type, entry};
@@ -23,7 +24,7 @@ enum Texels {
 }
 
 /// Blocks kept in one way, and what is looked up in them.
-pub(crate) struct Cache {
+pub(super) struct Cache {
     gpu: Arc<Gpu>,
     keep: Keep,
     blocks: Blocks,
@@ -85,7 +86,7 @@ fn check(gpu: &Gpu, keep: Keep, blocks: Blocks) -> Result<(), DeviceError> {
 impl Cache {
     /// - `queries`: sorted by block where blocks are bound in turn
     /// - `ranges`: of each block its queries
-    pub(crate) fn new(
+    pub(super) fn new(
         gpu: &Arc<Gpu>,
         keep: Keep,
         blocks: Blocks,
@@ -212,7 +213,7 @@ impl Cache {
     }
 
     /// Writes a block; done when the device next is.
-    pub(crate) fn write(&self, block: u32, texels: &[f32]) {
+    fn write(&self, block: u32, texels: &[f32]) {
         let bytes: &[u8] = bytemuck::cast_slice(texels);
         let (texture, origin) = match &self.texels {
             Texels::Buffer(buffer) => {
@@ -257,9 +258,10 @@ impl Cache {
         };
         self.gpu.queue.write_texture(place, bytes, layout, size);
     }
+}
 
-    /// Looks everything up and waits.
-    pub(crate) fn look_up(&self) -> Result<Times, DeviceError> {
+impl Keeps for Cache {
+    fn look_up(&self) -> Result<Times, DeviceError> {
         let watch = CpuStopwatch::start();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let writes = self.timer.as_ref().map(|timer| {
@@ -300,8 +302,7 @@ impl Cache {
         })
     }
 
-    /// Writes a block and waits until the device has it.
-    pub(crate) fn update(&self, block: u32, texels: &[f32]) -> Result<Times, DeviceError> {
+    fn update(&self, block: u32, texels: &[f32]) -> Result<Times, DeviceError> {
         let watch = CpuStopwatch::start();
         self.write(block, texels);
         self.gpu.queue.submit([]);
@@ -313,13 +314,12 @@ impl Cache {
         })
     }
 
-    pub(crate) fn read(&self) -> Result<Vec<f32>, DeviceError> {
+    fn read(&self) -> Result<Vec<f32>, DeviceError> {
         let bytes = read_buffer(&self.gpu, &self.answers)?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 
-    /// Bind groups of a frame.
-    pub(crate) fn binds(&self) -> usize {
+    fn binds(&self) -> usize {
         self.bound.len()
     }
 }

@@ -11,21 +11,30 @@ const LEAST_CLAIMED: u32 = 64;
 
 const WHAT_IS_COMPARED: &str = "Blocks of 64 × 64 texels of 32-bit floats are kept in the layers of one array texture, as published, or in \
      what else there is. Places are given as a block and a share of it, a quarter of them on a border \
-     of texels or blocks or one last place beside it. A frame looks up 262,144 of them by compute on wgpu, block \
-     by block or anywhere; then a block is written anew and everything is looked up again. Texels \
+     of texels or blocks or one last place beside it. A frame looks up 262,144 of them by compute, on Vulkan with a \
+     barrier between the dispatches of blocks that are bound in turn, block by block or anywhere; then a block is written anew and everything is looked up again. Texels \
      are numbers of 24 bits, which must be those that arithmetic of integers finds. No time was published.";
 const WHAT_ROUNDS: &str = "Loading a texel by its number is exact everywhere. The ways named \"sampled\" give a share of the whole \
      to a sampler of nearest texels, as published for the array, and a device may round it at a border; \
      \"by world\" computes layer and share from one number for the whole ground, as if the \
-     layer were found in the shader. These are asked how often they differ, and are not timed.";
+     layer were found in the shader. These are asked how often they differ, on wgpu, and are not timed.";
 
 fn own<'a>(cases: &[&'a Case]) -> Vec<&'a Case> {
     of(cases, &[("experiment", "cache")])
 }
 
-fn one<'a>(cases: &[&'a Case], keep: Keep, access: &str, blocks: u32) -> Option<&'a Case> {
+const INTERFACES: [&str; 2] = ["wgpu", "vulkan"];
+
+fn one<'a>(
+    cases: &[&'a Case],
+    api: &str,
+    keep: Keep,
+    access: &str,
+    blocks: u32,
+) -> Option<&'a Case> {
     let blocks = blocks.to_string();
     let conditions = [
+        ("api", api),
         ("kept_in", keep.name()),
         ("access", access),
         ("blocks", blocks.as_str()),
@@ -72,29 +81,38 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
 }
 
 fn claims(cases: &[&Case], clock: Clock) -> Vec<Finding> {
-    let mut gains: Vec<Estimate> = Vec::new();
-    for blocks in values(cases, "blocks")
-        .into_iter()
-        .filter(|blocks| *blocks >= LEAST_CLAIMED)
-    {
-        for access in ["coherent", "random"] {
-            let case = |keep| one(cases, keep, access, blocks);
-            gains.extend(gain(case(Keep::Rebound), case(Keep::Array), time(clock)));
+    let on = |api: &str| {
+        let mut gains: Vec<Estimate> = Vec::new();
+        for blocks in values(cases, "blocks")
+            .into_iter()
+            .filter(|blocks| *blocks >= LEAST_CLAIMED)
+        {
+            for access in ["coherent", "random"] {
+                let case = |keep| one(cases, api, keep, access, blocks);
+                gains.extend(gain(case(Keep::Rebound), case(Keep::Array), time(clock)));
+            }
         }
-    }
-    let ranges: Vec<String> = gains.iter().map(times).collect();
-    vec![Finding {
-        claim: "One array texture bound once is faster than a texture bound for each block, from 64 blocks on \
-                (published in words):"
-            .to_owned(),
-        standing: standing(Claim::Faster, &gains),
-        because: ranges.join("; "),
-    }]
+        let ranges: Vec<String> = gains.iter().map(times).collect();
+        Finding {
+            claim: format!(
+                "On {api} one array texture bound once is faster than a texture bound for each block, from 64 blocks \
+                 on (published in words):"
+            ),
+            standing: standing(Claim::Faster, &gains),
+            because: ranges.join("; "),
+        }
+    };
+    INTERFACES.map(on).into()
 }
 
 /// What keeps the most blocks best for random access, with the counters behind it.
-pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Option<String> {
-    let own = own(cases);
+pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
+    let on = |api| recommended_on(cases, api, clock);
+    INTERFACES.into_iter().filter_map(on).collect()
+}
+
+fn recommended_on(cases: &[&Case], api: &str, clock: Clock) -> Option<String> {
+    let own = of(&own(cases), &[("api", api)]);
     let timed = own
         .into_iter()
         .filter(|case| case.counts() && case.value(time(clock)).is_some());
@@ -129,7 +147,7 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Option<String> {
         .map(significant)
         .unwrap_or_default();
     Some(format!(
-        "{blocks} blocks of ground are read fastest anywhere from: {} ({} ms, {binds} bind groups{}); writing \
+        "On {api} {blocks} blocks of ground are read fastest anywhere from: {} ({} ms, {binds} bind groups{}); writing \
          one anew takes {update} µs.",
         best.condition("kept_in"),
         significant(ms(&best)),
@@ -140,18 +158,23 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Option<String> {
 fn table(cases: &[&Case], clock: Clock) -> Table {
     let mut rows = Vec::new();
     for blocks in values(cases, "blocks") {
-        for access in ["coherent", "random"] {
+        let accesses = ["coherent", "random"];
+        let asked = INTERFACES
+            .iter()
+            .flat_map(|api| accesses.map(|access| (*api, access)));
+        for (api, access) in asked {
             for keep in Keep::ALL {
-                let Some(case) = one(cases, keep, access, blocks) else {
+                let Some(case) = one(cases, api, keep, access, blocks) else {
                     continue;
                 };
                 let figure =
                     |metric| Cell::or_absent(case.value(metric).map(significant), why(case));
-                let array = one(cases, Keep::Array, access, blocks);
+                let array = one(cases, api, Keep::Array, access, blocks);
                 let ratio = gain(Some(case), array, time(clock));
                 rows.push(Row {
                     cells: vec![
                         Cell::plain(blocks.to_string()),
+                        Cell::name(api),
                         Cell::name(access),
                         Cell::name(keep.name()),
                         figure("cache_differing"),
@@ -172,6 +195,7 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
         caption: "What keeps blocks of 64 × 64 texels".to_owned(),
         headings: headings(&[
             ("blocks", None),
+            ("interface", None),
             ("read", None),
             ("kept in", None),
             ("texels that differ", Some("cache_differing")),

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Sections that need no device: error against resolution and against layers, and what holds of them.
 
-use super::cells::{headings, of};
+use super::cells::of;
+use super::series::{curve, draw, finding, plot, range, series, slope, table};
 use crate::blur::MOTION_PX;
 use crate::variance::worst_bleeding;
 use terrafill_plot::number::significant;
-use terrafill_plot::{
-    Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
-};
-use terrafill_results::{
-    Block, Case, Cell, ChapterError, Finding, Heading, Plot, Row, Standing, Table,
-};
+use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Heading, Table};
 
 /// Fewest texels from which errors of images fall as they should.
 const RESOLVED_TEXELS: u32 = 65;
@@ -21,12 +17,12 @@ const BETTER_CUT: f64 = 2.5;
 /// Of a factor known to two digits.
 const CUT_TOLERANCE: f64 = 0.1;
 /// What is asked of the variance with the receiver subtracted.
-const RELATIVE_NOISE: f64 = 2e-6;
+pub(super) const RELATIVE_NOISE: f64 = 2e-6;
 /// Of a straight edge at all angles, mean area between it and the texels whose middles it covers.
-const EDGE_SHARE: f64 = 0.244;
-const EDGE_TOLERANCE: f64 = 0.01;
+pub(super) const EDGE_SHARE: f64 = 0.244;
+pub(super) const EDGE_TOLERANCE: f64 = 0.01;
 /// By how much a slope over several doublings may be off.
-const SLOPE_TOLERANCE: f64 = 0.15;
+pub(super) const SLOPE_TOLERANCE: f64 = 0.15;
 
 const IMAGES: &str = "A geometry image keeps positions of a closed shape in a square; each cell is cut into two triangles. The \
      shape is an analytic bumpy ball, 2.2 m across, on an octahedral square: no image of the published \
@@ -90,28 +86,6 @@ pub(super) fn sections(cases: &[&Case]) -> Result<Vec<Block>, ChapterError> {
         blocks.push(Block::Table(resolve_table(cases)));
     }
     Ok(blocks)
-}
-
-fn finding(claim: &str, holds: Option<bool>, because: String) -> Finding {
-    Finding {
-        claim: format!("{claim}:"),
-        standing: holds.map_or(Standing::NotMeasured, Standing::holds_if),
-        because,
-    }
-}
-
-/// Figure by a condition that is a number, in rising order.
-fn series(
-    cases: &[&Case],
-    conditions: &[(&str, &str)],
-    key: &str,
-    metric: &str,
-) -> Vec<(f64, f64)> {
-    let own = of(cases, conditions);
-    let pair = |case: &&Case| Some((case.condition(key).parse().ok()?, case.value(metric)?));
-    let mut pairs: Vec<(f64, f64)> = own.iter().filter_map(pair).collect();
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    pairs
 }
 
 fn images(cases: &[&Case], cut: &str, metric: &str) -> Vec<(f64, f64)> {
@@ -242,7 +216,7 @@ fn finite(cases: &[&Case]) -> Finding {
     finding(
         "No variance and no light is NaN or infinite",
         most.map(|most| most <= 0.0),
-        most.map(|most| format!("at most {most} of 20 000 windows"))
+        most.map(|most| format!("at most {most} in {} cases", counts.len()))
             .unwrap_or_default(),
     )
 }
@@ -283,75 +257,6 @@ fn blur_slope(cases: &[&Case], filter: &str, expected: f64) -> Finding {
         slope.map(|slope| (slope - expected).abs() <= SLOPE_TOLERANCE),
         slope.map(significant).unwrap_or_default(),
     )
-}
-
-/// Least squares of log error over log number; `None` below three points.
-fn slope(errors: &[(f64, f64)]) -> Option<f64> {
-    let usable = errors.iter().filter(|pair| pair.1 > 0.0);
-    let logs: Vec<(f64, f64)> = usable.map(|pair| (pair.0.ln(), pair.1.ln())).collect();
-    if logs.len() < 3 {
-        return None;
-    }
-    let count = logs.len() as f64;
-    let mean_x = logs.iter().map(|log| log.0).sum::<f64>() / count;
-    let mean_y = logs.iter().map(|log| log.1).sum::<f64>() / count;
-    let products = logs.iter().map(|log| (log.0 - mean_x) * (log.1 - mean_y));
-    let squares = logs.iter().map(|log| (log.0 - mean_x).powi(2));
-    Some(products.sum::<f64>() / squares.sum::<f64>())
-}
-
-/// `3.95 to 4.02`.
-fn range(values: &[f64]) -> Option<String> {
-    let least = values.iter().copied().min_by(f64::total_cmp)?;
-    let most = values.iter().copied().max_by(f64::total_cmp)?;
-    Some(format!("{} to {}", significant(least), significant(most)))
-}
-
-fn curve(name: &str, pairs: &[(f64, f64)]) -> Curve {
-    let point = |&(x, y): &(f64, f64)| Point {
-        knob: x,
-        label: String::new(),
-        x: Some(Reading::exact(x)),
-        y: Some(Reading::exact(y)),
-        y_rms: None,
-        standing: PointStanding::Right,
-        command: String::new(),
-    };
-    Curve {
-        name: name.to_owned(),
-        points: pairs.iter().map(point).collect(),
-    }
-}
-
-fn draw(
-    title: &str,
-    caption: &str,
-    plots: &[WorkPrecision<'_>],
-) -> Result<Option<Block>, ChapterError> {
-    let mut names: Vec<String> = Vec::new();
-    for curve in plots.iter().flat_map(|plot| &plot.curves) {
-        if !names.contains(&curve.name) {
-            names.push(curve.name.clone());
-        }
-    }
-    let svg = panels(title, plots, Arrangement::SideBySide, &Palette::new(names))?;
-    Ok(svg.map(|svg| {
-        Block::Plot(Plot {
-            caption: caption.to_owned(),
-            svg,
-        })
-    }))
-}
-
-fn plot<'a>(title: &'a str, across: &'a str, up: &'a str, curves: Vec<Curve>) -> WorkPrecision<'a> {
-    WorkPrecision {
-        title,
-        across,
-        up,
-        upwards: Upwards::Error,
-        curves,
-        lines: Vec::new(),
-    }
 }
 
 fn image_plot(cases: &[&Case]) -> Result<Option<Block>, ChapterError> {
@@ -410,33 +315,6 @@ fn blur_plot(cases: &[&Case]) -> Result<Option<Block>, ChapterError> {
             plot("a pixel's covered share", across, up, of_filter("box")),
         ],
     )
-}
-
-/// Figures of an experiment, a row for each case.
-fn table(
-    cases: &[&Case],
-    caption: &str,
-    experiment: &str,
-    keys: &[(&str, &str)],
-    metrics: &[(&str, &'static str)],
-) -> Table {
-    let rows = of(cases, &[("experiment", experiment)])
-        .into_iter()
-        .map(|case| {
-            let mut cells: Vec<Cell> = Vec::new();
-            cells.extend(keys.iter().map(|(_, key)| Cell::name(case.condition(key))));
-            let values = metrics.iter().map(|(_, metric)| case.value(metric));
-            cells.extend(values.map(|value| Cell::or_absent(value.map(significant), "not finite")));
-            Row::new(cells)
-        });
-    let plain = keys.iter().map(|(text, _)| (*text, None));
-    let measured = metrics.iter().map(|(text, metric)| (*text, Some(*metric)));
-    Table {
-        caption: caption.to_owned(),
-        headings: headings(&plain.chain(measured).collect::<Vec<_>>()),
-        rows: rows.collect(),
-        ..Table::default()
-    }
 }
 
 fn image_table(cases: &[&Case]) -> Table {

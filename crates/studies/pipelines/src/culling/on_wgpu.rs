@@ -7,11 +7,11 @@ use super::ground::{Ground, GroundConstants, PATCH_TRIANGLES};
 use super::way::{CullWay, Place};
 use crate::draws::{Counted, Times};
 use crate::grid::View;
-use crate::on_wgpu::{bind, buffer_type, cleared_pass, draw_pipeline, entry, heights};
+use crate::on_wgpu::{bind, buffer_type, draw_pipeline, entry, heights};
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_fill::{CpuStopwatch, DeviceError};
-use terrafill_gpu::{Gpu, RenderTargets, TimedPass, read_buffer};
+use terrafill_gpu::{Gpu, RenderTargets, read_buffer};
 use terrafill_scene::ImageSize;
 
 const PATCH_VERTICES: u32 = 3 * PATCH_TRIANGLES;
@@ -184,7 +184,7 @@ impl OnWgpu {
             pass.set_bind_group(0, bound, &[]);
             pass.dispatch_workgroups(in_tiles.div_ceil(GROUP), 1, 1);
         }
-        let mut pass = cleared_pass(&mut encoder, &self.targets);
+        let mut pass = self.targets.cleared_pass(&mut encoder);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.bound, &[]);
         pass.draw_indirect(&self.arguments, 0);
@@ -231,14 +231,7 @@ impl Culls for OnWgpu {
         let watch = CpuStopwatch::start();
         self.frame()?;
         let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
-        let gpu_ms = match self.targets.timer() {
-            Some(timer) => {
-                let gpu = &self.shared.gpu;
-                let stamps = timer.read(gpu, TimedPass::Surface, TimedPass::Surface)?;
-                stamps.pass_ms(TimedPass::Surface)
-            }
-            None => None,
-        };
+        let gpu_ms = self.targets.direct_ms()?;
         Ok(Times {
             cpu_ms,
             wall_ms,

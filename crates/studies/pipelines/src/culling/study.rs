@@ -48,7 +48,8 @@ pub(crate) struct Culling {
 }
 
 impl Culling {
-    /// The five views, the flight and, unless it is quick, the published size.
+    /// The five views, the flight, and the five views whose patches are counted, at the published size unless it is
+    /// quick.
     pub(crate) fn all(is_quick: bool, samples: u32) -> Vec<Self> {
         let views = |ways: &[CullWay]| -> Vec<CullCase> {
             let of = |view| {
@@ -72,15 +73,17 @@ impl Culling {
                 second,
             })
         });
-        let mut all = vec![
+        let counted = if is_quick {
+            QUICK_TILE_CELLS
+        } else {
+            COUNTED_TILE_CELLS
+        };
+        let counted_ways = views(&CullWay::counted());
+        vec![
             Self::new("culling", tile_cells, views(&ways), samples),
             Self::new("culling-flight", tile_cells, flown.collect(), samples),
-        ];
-        if !is_quick {
-            let counted = views(&CullWay::counted());
-            all.push(Self::new("culling-count", COUNTED_TILE_CELLS, counted, 0));
-        }
-        all
+            Self::new("culling-count", counted, counted_ways, 0),
+        ]
     }
 
     fn new(experiment: &'static str, tile_cells: u32, cases: Vec<CullCase>, samples: u32) -> Self {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Maps of all lights by one way, and the picture, on Vulkan itself, which has every stage.
+//! Layers by one way, those of lights or others, and the picture, on Vulkan itself, which has every stage.
 
 use super::scene::{DistantLight, LightConstants};
 use super::way::LightWay;
@@ -9,22 +9,42 @@ use std::sync::Arc;
 use terrafill_fill::{CpuStopwatch, DeviceError, Picture, RouteTexelFormat, RouteTexels};
 use terrafill_scene::ImageSize;
 use terrafill_vulkan::{
-    Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, Gpu, LayerPipeline, LayeredDepth,
-    Measured, PrimitiveStages, RenderTargets, Resource, Resources, SampledImage, Shader, Topology,
-    VertexFormat,
+    Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, GeometryOutput, Gpu, LayerPipeline,
+    LayeredDepth, Measured, PrimitiveStages, RenderTargets, Resource, Resources, SampledImage,
+    Shader, Topology, VertexFormat,
 };
 
 const LIT: &str = "pipelines/lit.wgsl";
 
-/// Lights over a grid by one way.
+/// Layers by one way, and the picture that looks them up.
 pub(crate) struct OnVulkan {
     way: LightWay,
-    lights: u32,
-    vertices: u32,
+    layers: u32,
+    /// Of the layers, and of the picture.
+    vertices: [u32; 2],
     maps: Arc<LayeredDepth>,
     maps_pipeline: LayerPipeline,
     targets: RenderTargets,
     pipeline: DrawPipeline,
+}
+
+/// What layers and picture are made of.
+pub(crate) struct LayerParts {
+    pub(crate) way: LightWay,
+    pub(crate) layers: u32,
+    /// Of a layer, texels.
+    pub(crate) side: u32,
+    pub(crate) vertex: &'static str,
+    pub(crate) geometry: Option<GeometryOutput>,
+    /// Of the layers, and of the picture.
+    pub(crate) vertices: [u32; 2],
+    /// At bindings 0 to 2; the layers come behind them.
+    pub(crate) resources: Vec<Resource>,
+    /// At binding 4, where the picture needs it.
+    pub(crate) behind: Option<Resource>,
+    /// WGSL of the picture.
+    pub(crate) picture: &'static str,
+    pub(crate) size: ImageSize,
 }
 
 /// What a frame showed.
@@ -41,7 +61,36 @@ pub(crate) struct FrameTimes {
     pub(crate) maps: Times,
 }
 
+/// A geometry shader for so many layers, where the way has one.
+pub(crate) fn known(
+    gpu: &Gpu,
+    geometry: Option<Option<GeometryOutput>>,
+    layers: u32,
+) -> Result<Option<GeometryOutput>, DeviceError> {
+    geometry.ok_or_else(|| {
+        let what = format!("a geometry shader compiled for {layers} layers");
+        DeviceError::unsupported(&what, &gpu.facts.name)
+    })
+}
+
+/// A uniform block.
+pub(crate) fn uniform(gpu: &Arc<Gpu>, label: &str, bytes: &[u8]) -> Result<Resource, DeviceError> {
+    let buffer = Buffer::upload(gpu, label, bytes, BufferUse::Uniform)?;
+    Ok(Resource::Uniform(Arc::new(buffer)))
+}
+
+impl FrameTimes {
+    pub(crate) fn figures(&self) -> Vec<(&'static str, f64)> {
+        let mut figures = self.all.figures();
+        figures.push(("lights_maps_cpu_ms", self.maps.cpu_ms));
+        figures.extend(self.maps.gpu_ms.map(|ms| ("lights_maps_gpu_ms", ms)));
+        figures
+    }
+}
+
 impl OnVulkan {
+    /// Lights over a grid.
+    ///
     /// - `side`: of a map, texels
     pub(crate) fn new(
         gpu: &Arc<Gpu>,
@@ -51,15 +100,7 @@ impl OnVulkan {
         side: u32,
         size: ImageSize,
     ) -> Result<Self, DeviceError> {
-        let count = u32::try_from(lights.len()).unwrap_or(u32::MAX);
-        let geometry = way.geometry(count).ok_or_else(|| {
-            let what = format!("a geometry shader compiled for {count} invocations");
-            DeviceError::unsupported(&what, &gpu.facts.name)
-        })?;
-        let uniform = |label, bytes: &[u8]| -> Result<Resource, DeviceError> {
-            let buffer = Buffer::upload(gpu, label, bytes, BufferUse::Uniform)?;
-            Ok(Resource::Uniform(Arc::new(buffer)))
-        };
+        let layers = u32::try_from(lights.len()).unwrap_or(u32::MAX);
         let constants = GridConstants::new(grid, &View::new());
         let of_lights = LightConstants::new(grid, lights, side);
         let texels = RouteTexels {
@@ -69,20 +110,47 @@ impl OnVulkan {
             is_cube: false,
             bytes: bytemuck::cast_slice(&grid.heights).to_vec(),
         };
-        let mut resources = vec![
-            uniform("grid constants", bytemuck::bytes_of(&constants))?,
-            Resource::Image(Arc::new(SampledImage::route(gpu, &texels)?)),
-            uniform("lights", bytemuck::bytes_of(&of_lights))?,
-        ];
+        let parts = LayerParts {
+            way,
+            layers,
+            side,
+            vertex: way.vertex(),
+            geometry: known(gpu, way.geometry(layers), layers)?,
+            vertices: [6 * grid.cells * grid.cells; 2],
+            resources: vec![
+                uniform(gpu, "grid constants", bytemuck::bytes_of(&constants))?,
+                Resource::Image(Arc::new(SampledImage::route(gpu, &texels)?)),
+                uniform(gpu, "lights", bytemuck::bytes_of(&of_lights))?,
+            ],
+            behind: None,
+            picture: LIT,
+            size,
+        };
+        Self::with(gpu, parts)
+    }
+
+    pub(crate) fn with(gpu: &Arc<Gpu>, parts: LayerParts) -> Result<Self, DeviceError> {
+        let LayerParts {
+            way,
+            layers,
+            side,
+            vertex,
+            geometry,
+            vertices,
+            mut resources,
+            behind,
+            picture,
+            size,
+        } = parts;
         let of_maps = Resources::new(gpu, resources.clone())?;
-        let maps = LayeredDepth::new(gpu, side, count, way.layers_by())?;
+        let maps = LayeredDepth::new(gpu, side, layers, way.layers_by())?;
         let chooses = way == LightWay::Instanced;
-        let maps_pipeline =
-            LayerPipeline::new(gpu, &maps, &of_maps, way.vertex(), geometry, chooses)?;
+        let maps_pipeline = LayerPipeline::new(gpu, &maps, &of_maps, vertex, geometry, chooses)?;
         resources.push(Resource::Depths(Arc::clone(&maps)));
+        resources.extend(behind);
         let resources = Resources::new(gpu, resources)?;
         let wgsl = |entry_point| Shader::Wgsl {
-            path: LIT,
+            path: picture,
             entry_point,
         };
         let stages = PrimitiveStages::Vertices {
@@ -93,8 +161,8 @@ impl OnVulkan {
         };
         Ok(Self {
             way,
-            lights: count,
-            vertices: 6 * grid.cells * grid.cells,
+            layers,
+            vertices,
             maps,
             maps_pipeline,
             targets: RenderTargets::new(gpu, size)?,
@@ -112,12 +180,12 @@ impl OnVulkan {
     }
 
     pub(crate) fn draw(&mut self) -> Result<Shown, DeviceError> {
-        let instances = self.way.instances(self.lights);
+        let instances = self.way.instances(self.layers);
         let pipeline = &self.maps_pipeline;
         let measured = Measured::Statistics;
         let report = self
             .maps
-            .draw(pipeline, self.vertices, instances, measured)?;
+            .draw(pipeline, self.vertices[0], instances, measured)?;
         self.picture(Measured::Nothing)?;
         Ok(Shown {
             picture: self.targets.read()?,
@@ -129,7 +197,7 @@ impl OnVulkan {
     }
 
     fn picture(&mut self, measured: Measured) -> Result<Option<f64>, DeviceError> {
-        let ranges: Vec<_> = std::iter::once(0..self.vertices).collect();
+        let ranges: Vec<_> = std::iter::once(0..self.vertices[1]).collect();
         let draw = DirectDraw {
             pipeline: &self.pipeline,
             vertices: None,
@@ -140,12 +208,12 @@ impl OnVulkan {
 
     pub(crate) fn time(&mut self) -> Result<FrameTimes, DeviceError> {
         let watch = CpuStopwatch::start();
-        let instances = self.way.instances(self.lights);
+        let instances = self.way.instances(self.layers);
         let pipeline = &self.maps_pipeline;
         let measured = Measured::Times;
         let report = self
             .maps
-            .draw(pipeline, self.vertices, instances, measured)?;
+            .draw(pipeline, self.vertices[0], instances, measured)?;
         let maps = Times {
             cpu_ms: watch.cpu_ms(),
             wall_ms: watch.wall_ms(),

@@ -61,6 +61,22 @@ pub(crate) struct LightColumns {
 }
 
 impl LightColumns {
+    /// Of a layer whose places are moved across and along the rows by what their depth is above `level`, and then by
+    /// `by`; from 0 to 1 across and along.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "rounding to what the GPU reads is the purpose"
+    )]
+    pub(crate) fn sheared(by: [f64; 2], shear: [f64; 2], level: f64) -> Self {
+        let [x, y] = [0, 1].map(|axis| 2.0 * (by[axis] - shear[axis] * level) - 1.0);
+        Self {
+            column: [2.0, 0.0, 0.0, 0.0],
+            row: [0.0, 2.0, 0.0, 0.0],
+            height: [2.0 * shear[0] as f32, 2.0 * shear[1] as f32, 1.0, 0.0],
+            origin: [x as f32, y as f32, 0.0, 1.0],
+        }
+    }
+
     fn new(light: &DistantLight, step_m: f64) -> Self {
         let DistantLight { right, up, toward } = *light;
         let scale = RADIUS_M.recip();

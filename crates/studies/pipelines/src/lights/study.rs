@@ -100,7 +100,7 @@ struct LightSession<'a> {
 }
 
 /// How often two lists differ, bit by bit; places that one of them lacks differ.
-fn differing<T: Copy>(one: &[T], other: &[T], bits: impl Fn(T) -> u32) -> usize {
+pub(crate) fn differing<T: Copy>(one: &[T], other: &[T], bits: impl Fn(T) -> u32) -> usize {
     let pairs = one.iter().zip(other);
     let differ = pairs.filter(|(a, b)| bits(**a) != bits(**b)).count();
     differ + one.len().abs_diff(other.len())
@@ -192,11 +192,7 @@ impl Session for LightSession<'_> {
 
     fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
         let opened = self.opened.get_mut(&case).ok_or("it was not verified")?;
-        let times = opened.time().map_err(|error| error.to_string())?;
-        let mut figures = times.all.figures();
-        figures.push(("lights_maps_cpu_ms", times.maps.cpu_ms));
-        figures.extend(times.maps.gpu_ms.map(|ms| ("lights_maps_gpu_ms", ms)));
-        Ok(figures)
+        Ok(opened.time().map_err(|error| error.to_string())?.figures())
     }
 }
 

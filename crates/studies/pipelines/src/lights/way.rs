@@ -3,6 +3,9 @@
 
 use terrafill_vulkan::{GeometryOutput, LayersBy};
 
+/// Most layers into which a triangle of a list is copied by one invocation: 960 components of usually 1,024.
+const LISTED_COPIES: u32 = 64;
+
 /// A way to all maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum LightWay {
@@ -68,6 +71,35 @@ impl LightWay {
             (Self::Invoked, 16) => Some(Some(output("native/lights.invoked16.spv", 3))),
             (Self::Invoked, _) => None,
             _ => Some(None),
+        }
+    }
+
+    /// As [`LightWay::vertex`], of a list's vertices.
+    pub(crate) fn listed_vertex(self) -> &'static str {
+        match self {
+            Self::Passes => "native/listed.pass.spv",
+            Self::Copied | Self::Invoked => "native/listed.place.spv",
+            Self::Instanced => "native/listed.layer.spv",
+            Self::Views => "native/listed.view.spv",
+        }
+    }
+
+    /// As [`LightWay::geometry`], of a list's triangles.
+    pub(crate) fn listed_geometry(self, layers: u32) -> Option<Option<GeometryOutput>> {
+        let output = |name, vertices| GeometryOutput {
+            name,
+            vertices,
+            components: 5,
+        };
+        match (self, layers) {
+            (Self::Copied, ..=LISTED_COPIES) => {
+                let vertices = 3 * LISTED_COPIES;
+                Some(Some(output("native/listed.copied.spv", vertices)))
+            }
+            (Self::Copied, _) => None,
+            (Self::Invoked, 32) => Some(Some(output("native/listed.invoked32.spv", 3))),
+            // Those of lights read nothing that a list has otherwise.
+            _ => self.geometry(layers),
         }
     }
 

@@ -1,0 +1,502 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Variance and hard shadows, and motion blur, as devices draw them: what of their definitions holds, and what ways
+//! to layers cost.
+
+use super::cells::{byte_cell, gain, headings, of, standing, time, time_cell, values, why};
+use super::numbers::{EDGE_SHARE, EDGE_TOLERANCE, RELATIVE_NOISE, SLOPE_TOLERANCE};
+use super::series::{curve, draw, finding, plot, range, series, slope, table};
+use crate::blur::MOTION_PX;
+use terrafill_plot::number::{significant, times};
+use terrafill_results::{
+    Block, Case, Cell, ChapterError, Claim, Clock, Estimate, Finding, Picture, PictureFigure,
+    Pictures, Row, Table,
+};
+
+const SHADOWS: &str = "A level plane is seen from straight above, and looked up in the depth maps of distant lights: 25 depths a light \
+     as published, their moments summed in the shader, or one texel. Terraces of 8 × 8 pixels that nothing \
+     shadows show what the published formula makes of a lit plane; rough ground shows the noise of its variance; \
+     a disc above the plane, under four lights, has edges at all angles. Each pixel is held against the \
+     same formula in f64 on the maps that the device drew, whose rounding is bounded; the maps against rays along \
+     the lights.";
+const WHAT_THE_PRODUCT_DOES: &str = "As published, lights multiply, so that a shadow of one dims what the others give, and rounding makes a lit plane \
+     black where its variance comes out as 0 or below.";
+const BLUR: &str = "The bar of the next section's figures is drawn into layers, in a pass each or all in one pass, and a second pass \
+     makes the picture of them. Beside it the same bars are added up by blending, without layers, or each pixel \
+     looks at moments of its own. 64 rows have 64 places between pixels. Layers of covered shares carry the share as \
+     their depth. Each pixel is held against the definition in f64, edges within 1/32 pixel of a middle left open.";
+/// What the published resolve is beyond, and what the right one falls to, rms.
+const OPAQUE: f64 = 0.4;
+const FADED: f64 = 0.1;
+
+fn shaded<'a>(cases: &[&'a Case]) -> Vec<&'a Case> {
+    let own = [
+        "shaded-plane",
+        "shaded-variance",
+        "shaded-disc",
+        "shaded-hard",
+    ];
+    own.into_iter()
+        .flat_map(|experiment| of(cases, &[("experiment", experiment)]))
+        .collect()
+}
+
+fn blurred<'a>(cases: &[&'a Case]) -> Vec<&'a Case> {
+    let own = ["blurred", "blurred-resolve"];
+    own.into_iter()
+        .flat_map(|experiment| of(cases, &[("experiment", experiment)]))
+        .collect()
+}
+
+fn most(cases: &[&Case], metric: &str) -> Option<f64> {
+    let all = cases.iter().filter_map(|case| case.value(metric));
+    all.max_by(f64::total_cmp)
+}
+
+fn all(cases: &[&Case], conditions: &[(&str, &str)], metric: &str) -> Vec<f64> {
+    let own = of(cases, conditions);
+    own.into_iter()
+        .filter_map(|case| case.value(metric))
+        .collect()
+}
+
+pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
+    let (shaded, blurred) = (shaded(cases), blurred(cases));
+    let mut findings = Vec::new();
+    if !shaded.is_empty() {
+        findings.extend(shadow_findings(&shaded));
+    }
+    if !blurred.is_empty() {
+        findings.extend(blur_findings(&blurred));
+    }
+    findings
+}
+
+fn shadow_findings(cases: &[&Case]) -> Vec<Finding> {
+    let wrong = most(cases, "layered_wrong_px").zip(most(cases, "layered_wrong_texels"));
+    let subtracted = [
+        ("experiment", "shaded-variance"),
+        ("moments", "receiver subtracted"),
+    ];
+    let subtracted = all(cases, &subtracted, "variance_relative_rms");
+    let published = [
+        ("experiment", "shaded-variance"),
+        ("moments", "published"),
+        ("sigma", "1e-4"),
+    ];
+    let noise = all(cases, &published, "variance_absolute_rms");
+    let plane = |floor| {
+        let conditions = [
+            ("experiment", "shaded-plane"),
+            ("moments", "published"),
+            ("depth", "f32"),
+            ("floor", floor),
+        ];
+        all(cases, &conditions, "variance_black_px")
+    };
+    let (bare, floored) = (plane("none"), plane("1e-7"));
+    let shares = all(cases, &[("experiment", "shaded-hard")], "hard_area_share");
+    let is_edge = |share: &f64| (share - EDGE_SHARE).abs() <= EDGE_TOLERANCE;
+    let list = |counts: &[f64]| {
+        counts
+            .iter()
+            .map(f64::to_string)
+            .collect::<Vec<_>>()
+            .join(" and ")
+    };
+    vec![
+        finding(
+            "No pixel of a shadow on devices is outside of what its formula allows, and no texel of what rays along \
+             the lights meet",
+            wrong.map(|(pixels, texels)| pixels + texels <= 0.0),
+            wrong.map_or_else(String::new, |(pixels, texels)| {
+                format!(
+                    "at most {pixels} pixels and {texels} texels in {} cases",
+                    cases.len()
+                )
+            }),
+        ),
+        finding(
+            "On devices, too, the variance with the receiver subtracted is right to 2·10⁻⁶ of itself",
+            (!subtracted.is_empty())
+                .then(|| subtracted.iter().all(|error| *error <= RELATIVE_NOISE)),
+            range(&subtracted).unwrap_or_default(),
+        ),
+        finding(
+            "On devices the published sums carry noise of about 2·10⁻⁷ of the range squared",
+            (!noise.is_empty()).then(|| noise.iter().all(|noise| (1e-7..=4e-7).contains(noise))),
+            range(&noise).unwrap_or_default(),
+        ),
+        finding(
+            "A lit plane drawn as published has black pixels, and none with a floor of 10⁻⁷",
+            (!bare.is_empty() && !floored.is_empty()).then(|| {
+                bare.iter().all(|count| *count > 0.0) && floored.iter().all(|count| *count <= 0.0)
+            }),
+            format!(
+                "{} pixels of 16 384 on the interfaces, with the floor {}",
+                list(&bare),
+                list(&floored)
+            ),
+        ),
+        finding(
+            "On devices a hard shadow's map shows about 0.244 of its perimeter times a texel wrongly",
+            (!shares.is_empty()).then(|| shares.iter().all(is_edge)),
+            range(&shares).unwrap_or_default(),
+        ),
+    ]
+}
+
+/// Slopes of error over layers, from a layer a pixel of motion on, of every way that has three.
+fn slopes(cases: &[&Case], filter: &str) -> Vec<f64> {
+    let own = of(
+        cases,
+        &[
+            ("experiment", "blurred"),
+            ("filter", filter),
+            ("moments", "middle"),
+        ],
+    );
+    let mut ways: Vec<(&str, &str)> = own
+        .iter()
+        .map(|case| (case.condition("api"), case.condition("layers_by")))
+        // Those of 8 and 16 bits have errors of their own.
+        .filter(|(_, by)| !matches!(*by, "blended-f16" | "blended-8-bit"))
+        .collect();
+    ways.sort_unstable();
+    ways.dedup();
+    let of_way = |(api, by): (&str, &str)| {
+        let errors = series(
+            &own,
+            &[("api", api), ("layers_by", by)],
+            "layers",
+            "blur_rms",
+        );
+        let fine: Vec<(f64, f64)> = errors
+            .into_iter()
+            .filter(|pair| pair.0 >= MOTION_PX)
+            .collect();
+        slope(&fine)
+    };
+    ways.into_iter().filter_map(of_way).collect()
+}
+
+fn blur_findings(cases: &[&Case]) -> Vec<Finding> {
+    let wrong = most(cases, "layered_wrong_px").zip(most(cases, "lights_depths_differing"));
+    let mut findings = vec![finding(
+        "No pixel of blur on devices is outside of what its definition allows, and all ways to layers leave the same \
+         bits",
+        wrong.map(|(pixels, texels)| pixels + texels <= 0.0),
+        wrong.map_or_else(String::new, |(pixels, texels)| {
+            format!(
+                "at most {pixels} pixels and {texels} texels in {} cases",
+                cases.len()
+            )
+        }),
+    )];
+    for (filter, expected) in [("point", -1.0), ("box", -2.0)] {
+        let slopes = slopes(cases, filter);
+        let is_right = |slope: &f64| (slope - expected).abs() <= SLOPE_TOLERANCE;
+        findings.push(finding(
+            &format!(
+                "On devices, from a layer a pixel of motion on, blur of {filter} layers at middles falls with slope \
+                 {expected} by every way"
+            ),
+            (!slopes.is_empty()).then(|| slopes.iter().all(is_right)),
+            range(&slopes).map_or_else(String::new, |range| format!("{range}, {} ways", slopes.len())),
+        ));
+    }
+    let resolved = |resolve| {
+        let conditions = [
+            ("experiment", "blurred-resolve"),
+            ("resolve", resolve),
+            ("layers", "32"),
+        ];
+        all(cases, &conditions, "blur_rms")
+    };
+    let (published, first) = (resolved("published"), resolved("current pose first"));
+    findings.push(finding(
+        "On devices the published resolve of 32 layers is far from a trail that fades, and one with the current pose \
+         first is near",
+        (!published.is_empty() && !first.is_empty()).then(|| {
+            published.iter().all(|rms| *rms > OPAQUE) && first.iter().all(|rms| *rms < FADED)
+        }),
+        range(&published)
+            .zip(range(&first))
+            .map_or_else(String::new, |(published, first)| format!("rms {published} against {first}")),
+    ));
+    findings
+}
+
+fn blur<'a>(cases: &[&'a Case], api: &str, by: &str, layers: u32) -> Option<&'a Case> {
+    let layers = layers.to_string();
+    let conditions = [
+        ("experiment", "blurred"),
+        ("filter", "box"),
+        ("api", api),
+        ("layers_by", by),
+        ("layers", &layers),
+    ];
+    of(cases, &conditions).first().copied()
+}
+
+/// Published in words: blur in two passes beats a pass a layer.
+fn claim(cases: &[&Case], clock: Clock) -> Finding {
+    let several = values(cases, "layers")
+        .into_iter()
+        .filter(|layers| *layers >= 4);
+    let gains = several.filter_map(|layers| {
+        let case = |by| blur(cases, "vulkan", by, layers);
+        gain(case("passes"), case("geometry-copies"), time(clock))
+    });
+    let gains: Vec<Estimate> = gains.collect();
+    let ranges: Vec<String> = gains.iter().map(times).collect();
+    Finding {
+        claim: "Blur of layers that a geometry shader copies in one pass is faster than a pass a layer (published in \
+                words):"
+            .to_owned(),
+        standing: standing(Claim::Faster, &gains),
+        because: ranges.join("; "),
+    }
+}
+
+/// The fastest ways to blur, with what explains them.
+pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
+    let mut sentences = Vec::new();
+    let plane = [
+        ("experiment", "shaded-plane"),
+        ("moments", "receiver subtracted"),
+        ("depth", "f32"),
+        ("floor", "1e-7"),
+    ];
+    let own = shaded(cases);
+    let variance = [
+        ("experiment", "shaded-variance"),
+        ("moments", "receiver subtracted"),
+    ];
+    let noise = most(&of(&own, &variance), "variance_relative_rms");
+    if let Some((dark, noise)) = most(&of(&own, &plane), "variance_dark_share").zip(noise) {
+        sentences.push(format!(
+            "Variance shadows are best summed from depths less the receiver's, over a floor of 1e-7: the variance \
+             errs by {} of itself, and {} % of a lit plane's pixels are dark.",
+            significant(noise),
+            significant(100.0 * dark)
+        ));
+    }
+    let own = of(cases, &[("experiment", "blurred"), ("filter", "box")]);
+    for api in ["vulkan", "wgpu"] {
+        let timed = of(&own, &[("api", api)]).into_iter();
+        let timed = timed.filter(|case| case.counts() && case.value(time(clock)).is_some());
+        let timed: Vec<&Case> = timed.collect();
+        let Some(layers) = values(&timed, "layers").last().copied() else {
+            continue;
+        };
+        let of_most = of(&timed, &[("layers", &layers.to_string())]);
+        let ms = |case: &&Case| case.value(time(clock)).unwrap_or(f64::INFINITY);
+        let Some(best) = of_most.into_iter().min_by(|a, b| ms(a).total_cmp(&ms(b))) else {
+            continue;
+        };
+        let figure = |metric| best.value(metric).map(significant).unwrap_or_default();
+        sentences.push(format!(
+            "On {api} blur by {layers} moments is fastest by {}: {} ms in {} passes, {} bytes of layers, rms {}.",
+            best.condition("layers_by"),
+            significant(ms(&best)),
+            figure("lights_passes"),
+            figure("pipeline_held_bytes"),
+            figure("blur_rms"),
+        ));
+    }
+    sentences
+}
+
+pub(super) fn sections(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, ChapterError> {
+    let mut blocks = Vec::new();
+    let own = shaded(cases);
+    if !own.is_empty() {
+        blocks.push(Block::section("Variance and hard shadows on devices"));
+        blocks.push(Block::Text(SHADOWS.to_owned()));
+        blocks.extend(pictures(&own));
+        blocks.extend(shadow_tables(&own).map(Block::Table));
+        blocks.push(Block::Remark(WHAT_THE_PRODUCT_DOES.to_owned()));
+    }
+    let own = blurred(cases);
+    if !own.is_empty() {
+        blocks.push(Block::section("Motion blur on devices"));
+        blocks.push(Block::Text(BLUR.to_owned()));
+        blocks.push(Block::Finding(claim(&own, clock)));
+        blocks.extend(blur_plot(&own)?);
+        blocks.push(Block::Table(blur_table(&own, clock)));
+    }
+    Ok(blocks)
+}
+
+fn pictures(cases: &[&Case]) -> Option<Block> {
+    let with_pictures = cases.iter().filter(|case| !case.note("picture").is_empty());
+    let figures: Vec<PictureFigure> = with_pictures
+        .map(|case| PictureFigure {
+            pictures: vec![Picture {
+                path: case.note("picture").to_owned(),
+                caption: match case.condition("experiment") {
+                    "shaded-hard" => format!("hard, {} texels", case.condition("texels")),
+                    _ => format!(
+                        "{}, floor {}",
+                        case.condition("moments"),
+                        case.condition("floor")
+                    ),
+                },
+            }],
+            notes: Vec::new(),
+        })
+        .collect();
+    (!figures.is_empty()).then(|| {
+        Block::Pictures(Pictures {
+            caption: "The plane under the disc and four lights: the published product of variance shadows, and how \
+                      many lights a texel each lets through."
+                .to_owned(),
+            reference: String::new(),
+            figures,
+        })
+    })
+}
+
+fn shadow_tables(cases: &[&Case]) -> [Table; 4] {
+    let judged = [
+        ("wrong texels", "layered_wrong_texels"),
+        ("wrong pixels", "layered_wrong_px"),
+        ("left open", "layered_open_px"),
+        ("of", "layered_judged_px"),
+        ("not finite", "variance_non_finite"),
+    ];
+    let way = [("interface", "api"), ("layers by", "layers_by")];
+    let make = |caption,
+                experiment,
+                keys: &[(&'static str, &'static str)],
+                metrics: &[(&'static str, &'static str)]| {
+        let keys = [keys, &way[..]].concat();
+        let metrics = [metrics, &judged[..]].concat();
+        table(cases, caption, experiment, &keys, &metrics)
+    };
+    [
+        make(
+            "Terraces that nothing shadows, on devices",
+            "shaded-plane",
+            &[
+                ("moments", "moments"),
+                ("depth", "depth"),
+                ("floor", "floor"),
+            ],
+            &[
+                ("below 0.99 of the light", "variance_dark_share"),
+                ("black pixels", "variance_black_px"),
+                ("outside of 0 to 1", "variance_outside_share"),
+            ],
+        ),
+        make(
+            "Variance of rough ground near depth 1, on devices",
+            "shaded-variance",
+            &[("moments", "moments"), ("spread of depths", "sigma")],
+            &[
+                ("relative, rms", "variance_relative_rms"),
+                ("absolute, rms", "variance_absolute_rms"),
+                ("absolute, largest", "variance_absolute_max"),
+            ],
+        ),
+        make(
+            "A plane under a disc and four lights: the product of their variance shadows",
+            "shaded-disc",
+            &[("moments", "moments"), ("floor", "floor")],
+            &[("passes", "lights_passes")],
+        ),
+        make(
+            "The same by one texel a light",
+            "shaded-hard",
+            &[("texels", "texels")],
+            &[
+                ("wrong area", "hard_wrong_area"),
+                ("over perimeter · texel", "hard_area_share"),
+                ("largest deviation, texels", "hard_deviation_texels"),
+            ],
+        ),
+    ]
+}
+
+fn blur_plot(cases: &[&Case]) -> Result<Option<Block>, ChapterError> {
+    let shown = [
+        ("layers on vulkan", "vulkan", "passes", "middle"),
+        ("layers on wgpu", "wgpu", "passes", "middle"),
+        ("blended in f32", "wgpu", "blended-f32", "middle"),
+        ("blended in f16", "wgpu", "blended-f16", "middle"),
+        ("blended in 8 bits", "wgpu", "blended-8-bit", "middle"),
+        ("ends of parts", "vulkan", "passes", "end"),
+        ("stochastic", "vulkan", "stochastic", "random"),
+    ];
+    let of_filter = |filter| {
+        let of_way = |(name, api, by, moments)| {
+            let conditions = [
+                ("experiment", "blurred"),
+                ("filter", filter),
+                ("api", api),
+                ("layers_by", by),
+                ("moments", moments),
+            ];
+            curve(name, &series(cases, &conditions, "layers", "blur_rms"))
+        };
+        shown.map(of_way).into()
+    };
+    let (across, up) = ("layers", "rms error of the trail");
+    draw(
+        "error of motion blur on devices",
+        "Error against the integral over time of what devices drew, by the way to layers or without them.",
+        &[
+            plot("a pixel's middle", across, up, of_filter("point")),
+            plot("a pixel's covered share", across, up, of_filter("box")),
+        ],
+    )
+}
+
+fn blur_table(cases: &[&Case], clock: Clock) -> Table {
+    let rows = cases.iter().map(|case| {
+        let figure = |metric| Cell::or_absent(case.value(metric).map(significant), why(case));
+        let made = match case.condition("resolve") {
+            "" => format!(
+                "{} at {}",
+                case.condition("filter"),
+                case.condition("moments")
+            ),
+            resolve => format!("resolve: {resolve}"),
+        };
+        Row {
+            cells: vec![
+                Cell::name(made),
+                Cell::name(case.condition("api")),
+                Cell::name(case.condition("layers_by")),
+                Cell::name(case.condition("layers")),
+                figure("blur_rms"),
+                figure("blur_max"),
+                time_cell(case, time(clock)),
+                figure("lights_passes"),
+                byte_cell(case, "pipeline_held_bytes"),
+                figure("lights_depths_differing"),
+                figure("layered_wrong_px"),
+            ],
+            status: case.outcome.name().to_owned(),
+            remark: case.reason.clone(),
+        }
+    });
+    Table {
+        caption: "Motion blur on devices, by way and number of layers".to_owned(),
+        headings: headings(&[
+            ("made of", None),
+            ("interface", None),
+            ("layers by", None),
+            ("layers", None),
+            ("rms", Some("blur_rms")),
+            ("largest", Some("blur_max")),
+            ("time, ms", Some(time(clock))),
+            ("passes", Some("lights_passes")),
+            ("layers hold", Some("pipeline_held_bytes")),
+            ("texels that differ", Some("lights_depths_differing")),
+            ("wrong pixels", Some("layered_wrong_px")),
+        ]),
+        rows: rows.collect(),
+        ..Table::default()
+    }
+}

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Blur on devices against its definition, and what must be noticed.
+
+use super::*;
+use std::rc::Rc;
+use terrafill_fill::Devices;
+use terrafill_shaders::struct_layout;
+
+#[test]
+fn constants_lie_as_the_shader_reads_them() {
+    use std::mem::offset_of;
+    let layout = struct_layout("pipelines/blurred.wgsl", "Blurred").expect("a struct");
+    let offset = |name: &str| {
+        let member = layout.members.iter().find(|member| member.0 == name);
+        member.expect("a member").1 as usize
+    };
+    assert_eq!(offset("resolve"), offset_of!(BlurredConstants, resolve));
+    assert_eq!(offset("motion"), offset_of!(BlurredConstants, motion));
+    assert_eq!(offset("bar"), offset_of!(BlurredConstants, bar));
+    assert_eq!(offset("pixels"), offset_of!(BlurredConstants, pixels));
+    assert_ne!(offset("motion"), offset_of!(BlurredConstants, bar));
+}
+
+#[test]
+fn devices_blur_as_defined_and_another_exposure_is_noticed() {
+    let devices = Rc::new(Devices::default());
+    let wgpu = terrafill_gpu::shared_gpu(&devices).map(drop);
+    let vulkan = terrafill_vulkan::shared_gpu(&devices).map(drop);
+    if terrafill_fill::device_for_test(wgpu).is_none()
+        || terrafill_fill::device_for_test(vulkan).is_none()
+    {
+        return;
+    }
+    let group = Blurs::new(true, 1);
+    let folder = tempfile::tempdir().expect("a folder");
+    let context = Context {
+        devices: &devices,
+        folder: folder.path(),
+    };
+    let mut session = group.open(context).expect("opens");
+    let (mut right, mut rms): (_, BTreeMap<String, f64>) = (0, BTreeMap::new());
+    for (at, (planned, case)) in group.planned.iter().zip(&group.cases).enumerate() {
+        let verdict = session.verify(at).expect("a verdict");
+        let name = &planned.id.name;
+        eprintln!("{name}: {} {:?}", verdict.reason, verdict.figures);
+        if verdict.status == Status::Skipped {
+            continue;
+        }
+        assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+        right += 1;
+        if case.way == BlurWay::Layers(Interface::Vulkan, LightWay::Passes) {
+            rms.insert(case.layers_name(), verdict.figures[0].1);
+        }
+    }
+    assert!(right >= 60, "{right}");
+    let slope = |filter| {
+        let made = Made::Mean(MeanOf {
+            filter,
+            moments: Moments::Middle,
+        });
+        let error = |layers| {
+            let way = BlurWay::Layers(Interface::Vulkan, LightWay::Passes);
+            rms[&BlurCase { way, made, layers }.layers_name()]
+        };
+        (error(128) / error(32)).ln() / 4_f64.ln()
+    };
+    let (point, boxes) = (slope(Filter::Point), slope(Filter::Box));
+    assert!(
+        (point + 1.0).abs() < 0.15 && (boxes + 2.0).abs() < 0.15,
+        "{point} {boxes}"
+    );
+    // Twins: ends instead of middles, a layer left out, and the published resolve for the right one.
+    let at = |moments, layers| BlurCase {
+        way: BlurWay::Layers(Interface::Vulkan, LightWay::Passes),
+        made: Made::Mean(MeanOf {
+            filter: Filter::Box,
+            moments,
+        }),
+        layers,
+    };
+    let drawn = |scene: Listed| {
+        let opened = scene.open(&devices, Interface::Vulkan, LightWay::Passes);
+        opened.expect("opens").draw().expect("draws").numbers
+    };
+    let middle = at(Moments::Middle, 16);
+    assert_eq!(middle.judge(&drawn(middle.scene())).0, 0);
+    assert!(middle.judge(&drawn(at(Moments::End, 16).scene())).0 > 100);
+    let mut fewer = middle.scene();
+    fewer.layers.pop();
+    fewer.layers.push(fewer.layers[0]);
+    assert!(middle.judge(&drawn(fewer)).0 > 100);
+    let resolved = |resolve| BlurCase {
+        made: Made::Resolved(resolve),
+        ..middle
+    };
+    let published = drawn(resolved(Resolve::Published).scene());
+    assert!(resolved(Resolve::OverBackground).judge(&published).0 > 100);
+}

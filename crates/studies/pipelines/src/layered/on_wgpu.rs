@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Layers on wgpu: a pass each, or all of them added up in one.
+
+use super::listed::{Listed, Looked, LooksUp, numbers_of};
+use crate::draws::{Counted, Times};
+use crate::lights::FrameTimes;
+use crate::on_wgpu::{bind, buffer_type, draw_pipeline, entry};
+use std::sync::Arc;
+use terrafill_fill::{CpuStopwatch, DeviceError};
+use terrafill_gpu::{Gpu, RenderTargets, read_texture};
+
+/// Where layers are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Into {
+    /// A layer each of one image of depths, by a pass each.
+    Maps,
+    /// One image, by blending.
+    Sum(Accumulator),
+}
+
+/// What layers are added up in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Accumulator {
+    F32,
+    F16,
+    Eight,
+}
+
+impl Accumulator {
+    pub(crate) const ALL: [Self; 3] = [Self::F32, Self::F16, Self::Eight];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "blended-f32",
+            Self::F16 => "blended-f16",
+            Self::Eight => "blended-8-bit",
+        }
+    }
+
+    fn format(self) -> wgpu::TextureFormat {
+        match self {
+            Self::F32 => wgpu::TextureFormat::R32Float,
+            Self::F16 => wgpu::TextureFormat::R16Float,
+            Self::Eight => wgpu::TextureFormat::R8Unorm,
+        }
+    }
+
+    /// Largest rounding of a sum of so many layers that is at most 1.
+    pub(crate) fn rounding(self, layers: u32) -> f64 {
+        let step = match self {
+            Self::F32 => f64::from(f32::EPSILON),
+            Self::F16 => (-10_f64).exp2(),
+            Self::Eight => 1.0 / 255.0,
+        };
+        // Half a step of what is added, half a step of the sum, for every layer.
+        (f64::from(layers) + 2.0) * step
+    }
+}
+
+/// Layers and their picture.
+pub(super) struct OnWgpu {
+    gpu: Arc<Gpu>,
+    layers: wgpu::Texture,
+    /// Of each pass.
+    views: Vec<wgpu::TextureView>,
+    /// Vertices and layers.
+    counts: [u32; 2],
+    is_sum: bool,
+    pipeline: wgpu::RenderPipeline,
+    bound: wgpu::BindGroup,
+    picture: wgpu::RenderPipeline,
+    looked_up: wgpu::BindGroup,
+    targets: RenderTargets,
+    bytes: u64,
+}
+
+impl OnWgpu {
+    pub(super) fn new(gpu: &Arc<Gpu>, listed: &Listed, into: Into) -> Result<Self, DeviceError> {
+        let count = listed.layer_count();
+        let (format, kept) = match into {
+            Into::Maps => (wgpu::TextureFormat::Depth32Float, count),
+            Into::Sum(accumulator) => (accumulator.format(), 1),
+        };
+        check(gpu, format, kept)?;
+        let uniform = wgpu::BufferUsages::UNIFORM;
+        let storage = wgpu::BufferUsages::STORAGE;
+        let places = gpu.upload("places", bytemuck::cast_slice(&listed.places), storage)?;
+        let constants = gpu.upload("layers", &listed.layer_bytes(), uniform)?;
+        let of_picture = gpu.upload("picture", &listed.constants, uniform)?;
+        let values = gpu.upload("values", bytemuck::cast_slice(&listed.values), storage)?;
+        let layers = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("layers"),
+            size: wgpu::Extent3d {
+                width: listed.side,
+                height: listed.side,
+                depth_or_array_layers: kept,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let view = |first: u32, count: u32, dimension| {
+            layers.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(dimension),
+                base_array_layer: first,
+                array_layer_count: Some(count),
+                ..Default::default()
+            })
+        };
+        let all = view(0, kept, wgpu::TextureViewDimension::D2Array);
+        let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let read = buffer_type(wgpu::BufferBindingType::Storage { read_only: true });
+        let block = buffer_type(wgpu::BufferBindingType::Uniform);
+        let entries = [
+            entry(1, wgpu::ShaderStages::VERTEX, read),
+            entry(2, both, block),
+        ];
+        let (layout, bound) = bind(gpu, &entries, &[at(1, &places), at(2, &constants)]);
+        let pipeline = layer_pipeline(gpu, &layout, into)?;
+        let fragment = wgpu::ShaderStages::FRAGMENT;
+        let texels = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2Array,
+            multisampled: false,
+        };
+        let entries = [
+            entry(0, fragment, block),
+            entry(2, fragment, block),
+            entry(3, fragment, texels),
+            entry(4, fragment, read),
+        ];
+        let resources = [
+            at(0, &of_picture),
+            at(2, &constants),
+            wgpu::BindGroupEntry {
+                binding: 3,
+                resource: wgpu::BindingResource::TextureView(&all),
+            },
+            at(4, &values),
+        ];
+        let (layout, looked_up) = bind(gpu, &entries, &resources);
+        let texel_bytes = format.block_copy_size(None).unwrap_or(4);
+        let views = (0..kept).map(|layer| view(layer, 1, wgpu::TextureViewDimension::D2));
+        let views = views.collect();
+        Ok(Self {
+            picture: draw_pipeline(gpu, listed.picture, "vertex_main", &layout)?,
+            looked_up,
+            targets: RenderTargets::new(gpu, listed.size)?,
+            gpu: Arc::clone(gpu),
+            views,
+            layers,
+            counts: [listed.vertices(), count],
+            is_sum: into != Into::Maps,
+            pipeline,
+            bound,
+            bytes: u64::from(listed.side).pow(2) * u64::from(kept * texel_bytes),
+        })
+    }
+
+    fn draw_layers(&self) -> Result<(), DeviceError> {
+        let [vertices, layers] = self.counts;
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        for (layer, view) in (0..).zip(&self.views) {
+            let store = wgpu::StoreOp::Store;
+            let colours = [Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store,
+                },
+            })];
+            let depth = wgpu::RenderPassDepthStencilAttachment {
+                view,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store,
+                }),
+                stencil_ops: None,
+            };
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("layer"),
+                color_attachments: if self.is_sum { &colours } else { &[] },
+                depth_stencil_attachment: (!self.is_sum).then_some(depth),
+                ..Default::default()
+            });
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, &self.bound, &[]);
+            let drawn = if self.is_sum {
+                0..layers
+            } else {
+                layer..layer + 1
+            };
+            pass.draw(0..vertices, drawn);
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait()
+    }
+
+    fn draw_picture(&self) -> Result<(), DeviceError> {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let mut pass = self.targets.cleared_pass(&mut encoder);
+        pass.set_pipeline(&self.picture);
+        pass.set_bind_group(0, &self.looked_up, &[]);
+        pass.draw(0..3, 0..1);
+        drop(pass);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait()
+    }
+}
+
+fn at(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
+    let resource = buffer.as_entire_binding();
+    wgpu::BindGroupEntry { binding, resource }
+}
+
+/// Refuses what the device cannot hold or add up.
+fn check(gpu: &Gpu, format: wgpu::TextureFormat, layers: u32) -> Result<(), DeviceError> {
+    let allowed = gpu.device.limits().max_texture_array_layers;
+    if layers > allowed {
+        return Err(DeviceError::OverCapacity {
+            what: "layers of an array texture".to_owned(),
+            found: layers.into(),
+            allowed: allowed.into(),
+        });
+    }
+    let features = gpu.device.features();
+    let needed = wgpu::Features::FLOAT32_BLENDABLE;
+    if format == wgpu::TextureFormat::R32Float && !features.contains(needed) {
+        let what = "blending of 32-bit floats";
+        return Err(DeviceError::unsupported(what, &gpu.facts.name));
+    }
+    Ok(())
+}
+
+fn layer_pipeline(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    into: Into,
+) -> Result<wgpu::RenderPipeline, DeviceError> {
+    let path = "pipelines/listed.wgsl";
+    let module = gpu.shader(path)?;
+    let layout = gpu.pipeline_layout(path, &[Some(layout)]);
+    let one = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    let targets = match into {
+        Into::Maps => [None],
+        Into::Sum(accumulator) => [Some(wgpu::ColorTargetState {
+            format: accumulator.format(),
+            blend: Some(wgpu::BlendState {
+                color: one,
+                alpha: one,
+            }),
+            write_mask: wgpu::ColorWrites::ALL,
+        })],
+    };
+    let depth_stencil = (into == Into::Maps).then(|| wgpu::DepthStencilState {
+        format: wgpu::TextureFormat::Depth32Float,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(wgpu::CompareFunction::Greater),
+        stencil: Default::default(),
+        bias: Default::default(),
+    });
+    let fragment = wgpu::FragmentState {
+        module: &module,
+        entry_point: Some("added"),
+        compilation_options: Default::default(),
+        targets: &targets,
+    };
+    Ok(gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(path),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("listed"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: Default::default(),
+        depth_stencil,
+        multisample: Default::default(),
+        fragment: (into != Into::Maps).then_some(fragment),
+        multiview_mask: None,
+        cache: None,
+    }))
+}
+
+impl LooksUp for OnWgpu {
+    fn draw(&mut self) -> Result<Looked, DeviceError> {
+        self.draw_layers()?;
+        self.draw_picture()?;
+        let depths = match self.is_sum {
+            true => Vec::new(),
+            false => {
+                let aspect = wgpu::TextureAspect::DepthOnly;
+                bytemuck::pod_collect_to_vec(&read_texture(&self.gpu, &self.layers, aspect)?)
+            }
+        };
+        Ok(Looked {
+            numbers: numbers_of(&self.targets.read()?.rgba),
+            depths,
+            counted: Counted::default(),
+        })
+    }
+
+    fn time(&mut self) -> Result<FrameTimes, DeviceError> {
+        let watch = CpuStopwatch::start();
+        let times = |watch: &CpuStopwatch| Times {
+            cpu_ms: watch.cpu_ms(),
+            wall_ms: watch.wall_ms(),
+            // The passes of the layers keep no time.
+            gpu_ms: None,
+        };
+        self.draw_layers()?;
+        let maps = times(&watch);
+        self.draw_picture()?;
+        Ok(FrameTimes {
+            all: times(&watch),
+            maps,
+        })
+    }
+
+    fn passes(&self) -> usize {
+        self.views.len() + 1
+    }
+
+    fn bytes(&self) -> u64 {
+        self.bytes
+    }
+}

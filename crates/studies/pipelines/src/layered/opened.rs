@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Opening layers and their picture on an interface.
+
+use super::listed::{Listed, Looked, LooksUp, numbers_of};
+use super::on_wgpu::{Into, OnWgpu};
+use crate::lights::{FrameTimes, LayerParts, LightWay, OnVulkan, known, uniform};
+use crate::way::Interface;
+use std::sync::Arc;
+use terrafill_fill::{DeviceError, Devices};
+use terrafill_vulkan::{Buffer, BufferUse, Resource};
+
+impl Listed {
+    /// Everything that one interface and way need.
+    pub(crate) fn open(
+        &self,
+        devices: &Devices,
+        interface: Interface,
+        way: LightWay,
+    ) -> Result<Box<dyn LooksUp>, DeviceError> {
+        match interface {
+            Interface::Vulkan => {
+                let gpu = terrafill_vulkan::shared_gpu(devices)?;
+                let layers = self.layer_count();
+                let storage = |label, bytes| -> Result<Resource, DeviceError> {
+                    let buffer = Buffer::upload(&gpu, label, bytes, BufferUse::Storage)?;
+                    Ok(Resource::Storage(Arc::new(buffer)))
+                };
+                let parts = LayerParts {
+                    way,
+                    layers,
+                    side: self.side,
+                    vertex: way.listed_vertex(),
+                    geometry: known(&gpu, way.listed_geometry(layers), layers)?,
+                    vertices: [self.vertices(), 3],
+                    resources: vec![
+                        uniform(&gpu, "picture", &self.constants)?,
+                        storage("places", bytemuck::cast_slice(&self.places))?,
+                        uniform(&gpu, "layers", &self.layer_bytes())?,
+                    ],
+                    behind: Some(storage("values", bytemuck::cast_slice(&self.values))?),
+                    picture: self.picture,
+                    size: self.size,
+                };
+                Ok(Box::new(OnVulkan::with(&gpu, parts)?))
+            }
+            Interface::Wgpu => self.open_wgpu(devices, Into::Maps),
+        }
+    }
+
+    /// On wgpu, layers kept or added up.
+    pub(crate) fn open_wgpu(
+        &self,
+        devices: &Devices,
+        into: Into,
+    ) -> Result<Box<dyn LooksUp>, DeviceError> {
+        let gpu = terrafill_gpu::shared_gpu(devices)?;
+        Ok(Box::new(OnWgpu::new(&gpu, self, into)?))
+    }
+}
+
+impl LooksUp for OnVulkan {
+    fn draw(&mut self) -> Result<Looked, DeviceError> {
+        let shown = OnVulkan::draw(self)?;
+        Ok(Looked {
+            numbers: numbers_of(&shown.picture.rgba),
+            depths: shown.depths,
+            counted: shown.counted,
+        })
+    }
+
+    fn time(&mut self) -> Result<FrameTimes, DeviceError> {
+        OnVulkan::time(self)
+    }
+
+    fn passes(&self) -> usize {
+        OnVulkan::passes(self)
+    }
+
+    fn bytes(&self) -> u64 {
+        self.map_bytes()
+    }
+}
