@@ -56,7 +56,8 @@ pub struct DrawCommand {
 
 impl DrawCommand {
     /// Bytes from one to the next.
-    pub const STRIDE: u64 = size_of::<Self>() as u64;
+    #[allow(clippy::cast_possible_truncation, reason = "20 bytes")]
+    pub const STRIDE: u32 = size_of::<Self>() as u32;
 
     /// One instance of nothing.
     pub const ONE: Self = Self {
@@ -450,7 +451,7 @@ impl<'a> PassRecorder<'a, '_> {
             self.refuse("listed draws without indices, or on a device that has none");
             return;
         }
-        let end = u64::from(numbers.end) * DrawCommand::STRIDE;
+        let end = u64::from(numbers.end) * u64::from(DrawCommand::STRIDE);
         if end > list.size() {
             self.fill.refused.get_or_insert(DeviceError::OverCapacity {
                 what: "bytes of commands that a draw reads".to_owned(),
@@ -467,7 +468,7 @@ impl<'a> PassRecorder<'a, '_> {
         let mut first = numbers.start;
         while first < numbers.end {
             let count = (numbers.end - first).min(most);
-            let offset = u64::from(first) * DrawCommand::STRIDE;
+            let offset = u64::from(first) * u64::from(DrawCommand::STRIDE);
             // SAFETY: all state is bound and fits, the device has the feature and the commands are there; what
             // their indices point at is checked by the device (`robustBufferAccess`).
             unsafe {
@@ -476,7 +477,7 @@ impl<'a> PassRecorder<'a, '_> {
                     list.raw,
                     offset,
                     count,
-                    DrawCommand::STRIDE as u32,
+                    DrawCommand::STRIDE,
                 );
             }
             first += count;

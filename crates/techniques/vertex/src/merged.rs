@@ -75,17 +75,17 @@ impl MergedLists {
             let has_bottom = !draw.without_bottom && slice.has_bottom;
             debug_assert!(slice.has_bottom || draw.without_bottom, "no bottom is held");
             let before = self.indices.len();
-            let drawn = match held.drawn_parts.get(&mesh) {
-                Some(parts) => parts.both_caps(cap, has_bottom),
-                None => vec![0..if has_bottom { 2 * cap } else { cap }],
-            };
-            for range in drawn {
-                held.copy(
-                    slice,
-                    slice.place.first_triangle_index,
-                    range,
-                    &mut self.indices,
-                );
+            let first = slice.place.first_triangle_index;
+            match held.drawn_parts.get(&mesh) {
+                Some(parts) => {
+                    for range in parts.both_caps(cap, has_bottom) {
+                        held.copy(slice, first, range, &mut self.indices);
+                    }
+                }
+                None => {
+                    let both = if has_bottom { 2 * cap } else { cap };
+                    held.copy(slice, first, 0..both, &mut self.indices);
+                }
             }
             let both = self.indices.len() - before;
             let bottom = if has_bottom { both / 2 } else { 0 };

@@ -523,49 +523,33 @@ impl VertexVolumes {
         draw: &VolumeDraw<'_>,
     ) {
         let slice = scene.slice(pass.list, volume);
-        let with_bottom = !draw.without_bottom && slice.has_bottom;
-        debug_assert!(slice.has_bottom || draw.without_bottom, "no bottom is held");
+        let VolumeDraw {
+            state,
+            without_bottom,
+            ..
+        } = *draw;
+        let with_bottom = !without_bottom && slice.has_bottom;
+        debug_assert!(slice.has_bottom || without_bottom, "no bottom is held");
         let cap = 3 * slice.place.triangle_count;
         let caps = if with_bottom { 2 * cap } else { cap };
         let parts = self.drawn_parts.get(&pass.list.volumes[volume].geometry);
         if scene.pulled.is_some() {
-            let ranges = match (part, parts) {
-                (Part::Caps, Some(parts)) => parts.both_caps(cap, with_bottom),
-                (_, Some(parts)) => parts.walls.clone(),
-                (Part::Caps, None) => vec![0..caps],
+            let mut draw = |range| pass.draw(range, volume);
+            match (part, parts) {
+                (Part::Caps, Some(parts)) => {
+                    parts.both_caps(cap, with_bottom).into_iter().for_each(draw);
+                }
+                (_, Some(parts)) => parts.walls.iter().cloned().for_each(draw),
+                (Part::Caps, None) => draw(0..caps),
                 // Entry e needs entry e + 1; the last one is a separator.
-                (_, None) => vec![0..6 * slice.loop_index_count.saturating_sub(1)],
-            };
-            for range in ranges {
-                pass.draw(range, volume);
+                (_, None) => draw(0..6 * slice.loop_index_count.saturating_sub(1)),
             }
             return;
         }
         let (walls, turned) = (slice.loop_index_count, slice.turned_index_count);
+        let first_cap = slice.place.first_triangle_index;
         let first_wall = slice.place.first_loop_index;
         let inner_wall = first_wall + walls - 2 * turned;
-        let ranges = match (part, parts) {
-            (Part::Caps, Some(parts)) => moved_by(
-                slice.place.first_triangle_index,
-                &parts.both_caps(cap, with_bottom),
-            ),
-            (Part::Walls { .. }, Some(parts)) => moved_by(first_wall, &parts.walls),
-            (Part::Caps, None) => {
-                let first = slice.place.first_triangle_index;
-                vec![first..first + caps]
-            }
-            (Part::Walls { .. }, None) if self.variant.layout == Layout::PerTriangle => {
-                match draw.state.faces() {
-                    FaceSet::Both | FaceSet::FrontCaps => vec![first_wall..inner_wall + turned],
-                    // See `push_inner_walls`.
-                    FaceSet::Front | FaceSet::Back => {
-                        vec![first_wall..inner_wall, inner_wall..inner_wall + turned]
-                    }
-                }
-            }
-            (Part::Walls { .. }, None) => vec![first_wall..first_wall + walls],
-            (Part::TurnedWalls, _) => vec![inner_wall..inner_wall + turned],
-        };
         let base_vertex = if scene.flags.is_some() {
             // Every region starts at the first flag, so its positions must start there too.
             let stride = 4 * self.variant.vertex_words() as u64;
@@ -576,8 +560,34 @@ impl VertexVolumes {
         } else {
             i32::try_from(slice.place.first_vertex).unwrap_or(i32::MAX)
         };
-        for range in ranges.into_iter().filter(|range| !range.is_empty()) {
-            pass.draw_indexed(range, base_vertex, volume);
+        let mut draw = |range: Range<u32>| {
+            if !range.is_empty() {
+                pass.draw_indexed(range, base_vertex, volume);
+            }
+        };
+        match (part, parts) {
+            (Part::Caps, Some(parts)) => {
+                let caps = parts.both_caps(cap, with_bottom);
+                moved_by(first_cap, &caps).into_iter().for_each(draw);
+            }
+            (Part::Walls { .. }, Some(parts)) => {
+                moved_by(first_wall, &parts.walls)
+                    .into_iter()
+                    .for_each(draw);
+            }
+            (Part::Caps, None) => draw(first_cap..first_cap + caps),
+            (Part::Walls { .. }, None) if self.variant.layout == Layout::PerTriangle => {
+                match state.faces() {
+                    FaceSet::Both | FaceSet::FrontCaps => draw(first_wall..inner_wall + turned),
+                    // See `push_inner_walls`.
+                    FaceSet::Front | FaceSet::Back => {
+                        draw(first_wall..inner_wall);
+                        draw(inner_wall..inner_wall + turned);
+                    }
+                }
+            }
+            (Part::Walls { .. }, None) => draw(first_wall..first_wall + walls),
+            (Part::TurnedWalls, _) => draw(inner_wall..inner_wall + turned),
         }
     }
 }
