@@ -4,6 +4,7 @@
 use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pipeline::{Part, Pipelines, VERTICES, WALL_CORNERS, WALLS};
 use std::collections::BTreeMap;
+use std::slice::from_ref;
 use terrafill_fill::{
     BottomCaps, DeviceError, Feature, FillInput, GeometryBytes, Holding, MemoryUse, RegionVolumes,
     Switches, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
@@ -186,9 +187,9 @@ impl SceneBuffers {
             let first = place.first_triangle_index;
             let base_vertex = i32::try_from(place.first_vertex).unwrap_or(i32::MAX);
             pass.cut(volume, draw.scissor);
-            let whole = [0..place.triangle_count];
+            let whole = 0..place.triangle_count;
             let parts = seen.get(&pass.list.volumes[volume].geometry);
-            for range in parts.map_or(&whole[..], |seen| &seen.caps) {
+            for range in parts.map_or(from_ref(&whole), |seen| &seen.caps) {
                 let indices = first + 3 * range.start..first + 3 * range.end;
                 pass.draw_indexed(indices, base_vertex, volume);
             }
@@ -203,9 +204,9 @@ impl SceneBuffers {
                 continue;
             }
             pass.cut(volume, draw.scissor);
-            let whole = [0..walls.end - walls.start];
+            let whole = 0..walls.end - walls.start;
             let parts = seen.get(&pass.list.volumes[volume].geometry);
-            for range in parts.map_or(&whole[..], |seen| &seen.walls) {
+            for range in parts.map_or(from_ref(&whole), |seen| &seen.walls) {
                 let edges = walls.start + range.start..walls.start + range.end;
                 pass.draw_instances(WALL_CORNERS, edges, volume);
             }
