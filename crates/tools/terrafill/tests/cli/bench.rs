@@ -53,8 +53,9 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
     let desk = Desk::new();
     let options = [&["--samples", "2"][..], &NAMED].concat();
     let text = desk.run(&quick("run", &options)).succeeded();
-    // Nine full-screen passes and fills in each view, what it needs, two textured ones, bytes of seven layouts.
-    let all = 3 * (9 + 1) + 2 + 7 * REGION_COUNTS;
+    // In each view nine full-screen passes and fills, six full plans and what it needs; two textured ones, bytes of
+    // seven layouts.
+    let all = 3 * (9 + 6 + 1) + 2 + 7 * REGION_COUNTS;
     let counts = format!("{all} right, 0 wrong, 0 failed, 0 skipped");
     assert!(text.starts_with(&counts), "{text}");
     assert!(text.ends_with("report: run/index.html\n"), "{text}");
@@ -89,13 +90,13 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
     // The desk is in no repository: a run names the commit of its program, not of its folder.
     assert_eq!(run.environment.commit, env!("TERRAFILL_COMMIT"));
     let timed = run.cases.iter().filter(|case| case.planned.samples > 0);
-    let drawn: BTreeSet<String> = timed
-        .clone()
-        .filter(|case| !case.is_twin())
-        .map(|case| case.id().key())
-        .collect();
-    // No full plans: those belong to a run that is not quick.
-    assert_eq!(drawn, expected);
+    let drawn = timed.clone().filter(|case| !case.is_twin());
+    let (full_plans, plain): (Vec<&Case>, Vec<&Case>) =
+        drawn.partition(|case| case.condition("role") == "main+full-plan");
+    let plain: BTreeSet<String> = plain.into_iter().map(|case| case.id().key()).collect();
+    assert_eq!(plain, expected);
+    // Of three techniques, with and without levels of detail.
+    assert_eq!(full_plans.len(), 3 * 6);
     assert!(timed.clone().any(Case::is_twin), "identical work twice");
     for case in timed {
         assert_eq!(case.timed_samples(0).len(), 2, "{}", case.id());
@@ -156,20 +157,20 @@ fn a_wrong_picture_ends_with_1() {
         let arguments = [&bench[..], &options, &NAMED].concat();
         desk.run(&arguments)
     };
-    // Two full-screen passes, and the bytes of seven layouts.
+    // Two full-screen passes, and the bytes of seven layouts; eight fills and six full plans are not right.
     let other = 2 + 7 * REGION_COUNTS;
     // Disjoint is what the scene says; XOR colouring relies on it.
     let ran = bench("wrong");
     assert_eq!(ran.code, 1, "{}", ran.stdout);
     assert!(
-        ran.stdout.starts_with(&format!("{other} right, 8 wrong")),
+        ran.stdout.starts_with(&format!("{other} right, 14 wrong")),
         "{}",
         ran.stdout
     );
     let truth = format!("overlap = \"ordered\"\n{}", desk.read_text("overlap.toml"));
     desk.write("overlap.toml", truth);
     let right = bench("right").succeeded();
-    let all = other + 8;
+    let all = other + 14;
     assert!(
         right.starts_with(&format!("{all} right, 0 wrong")),
         "{right}"

@@ -172,7 +172,7 @@ fn filling_that_is_killed_is_reported_and_resumed() {
         assert_eq!(whole_lines(&desk, "measurements.csv"), before, "{phrase}");
     }
     let text = check_resumed(&desk, &filling(&["--resume"]));
-    assert!(text.starts_with("116 right, 0 wrong"), "{text}");
+    assert!(text.starts_with("134 right, 0 wrong"), "{text}");
     let report = desk.run(&["report", "run"]).succeeded();
     assert_eq!(report, "report: run/index.html\n");
 }
