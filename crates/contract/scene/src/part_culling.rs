@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Plans that leave out parts of large regions.
 
+use crate::left_out::LeftOutReason;
 use crate::parts::{MeshParts, SeenParts};
-use crate::plan::{FramePlan, HeightRange, LeftOutReason, PartCulling, Planner};
+use crate::plan::{FramePlan, HeightRange, PartCulling, Planner};
 use crate::{Camera, ImageSize};
 use glam::DVec3;
 use std::collections::BTreeMap;

@@ -11,8 +11,8 @@
 //! A pixel of the region shows a point below a facet that is not left out. So the region's rectangle
 //! shrinks to those of its facets' parts.
 
-use crate::PixelRect;
-use crate::plan::LeftOutReason;
+use crate::left_out::LeftOutReason;
+use crate::pixel_rect::PixelRect;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -20,9 +20,11 @@
 //!
 //! Boundary levels of detail are no cull: they move boundaries, by no more than the stated pixels.
 
+use crate::left_out::LeftOutReason;
 use crate::level::DrawnRegion;
 use crate::near_plane::{NearPlane, ViewVolume};
 use crate::parts::SeenParts;
+use crate::pixel_rect::PixelRect;
 use crate::{Camera, ImageSize, LevelTable};
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -93,76 +95,6 @@ impl Default for PlanOptions {
     }
 }
 
-/// Pixels `left..right` × `top..bottom`, row 0 at the top.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct PixelRect {
-    /// First column.
-    pub left: u32,
-    /// First row.
-    pub top: u32,
-    /// One past the last column.
-    pub right: u32,
-    /// One past the last row.
-    pub bottom: u32,
-}
-
-impl PixelRect {
-    /// The whole image.
-    #[must_use]
-    pub fn full(size: ImageSize) -> Self {
-        Self {
-            left: 0,
-            top: 0,
-            right: size.width,
-            bottom: size.height,
-        }
-    }
-
-    /// Columns.
-    #[must_use]
-    pub fn width(self) -> u32 {
-        self.right.saturating_sub(self.left)
-    }
-
-    /// Rows.
-    #[must_use]
-    pub fn height(self) -> u32 {
-        self.bottom.saturating_sub(self.top)
-    }
-
-    /// The smallest rectangle that holds both.
-    #[must_use]
-    pub fn around(self, other: Self) -> Self {
-        Self {
-            left: self.left.min(other.left),
-            top: self.top.min(other.top),
-            right: self.right.max(other.right),
-            bottom: self.bottom.max(other.bottom),
-        }
-    }
-
-    /// What lies in both; empty where they share no pixel.
-    #[must_use]
-    pub fn within(self, other: Self) -> Self {
-        let (left, top) = (self.left.max(other.left), self.top.max(other.top));
-        Self {
-            left,
-            top,
-            right: self.right.min(other.right).max(left),
-            bottom: self.bottom.min(other.bottom).max(top),
-        }
-    }
-
-    /// Whether the two share a pixel.
-    #[must_use]
-    pub fn overlaps(self, other: Self) -> bool {
-        self.left < other.right
-            && other.left < self.right
-            && self.top < other.bottom
-            && other.top < self.bottom
-    }
-}
-
 /// A region that is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlannedRegion {
@@ -179,34 +111,6 @@ pub struct PlannedRegion {
     pub near_plane_meets_volume: bool,
     /// Its volume is lower than [`PlanOptions::far_level_px`]: its top cap and walls stand for it.
     pub is_flat: bool,
-}
-
-/// Why a region is not drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum LeftOutReason {
-    /// Wholly outside the view frustum.
-    OutsideFrustum,
-    /// Wholly hidden by the body.
-    BeyondHorizon,
-    /// Reaches the centre of no pixel.
-    TooSmall,
-}
-
-impl LeftOutReason {
-    /// Every reason.
-    pub const ALL: [Self; 3] = [Self::OutsideFrustum, Self::BeyondHorizon, Self::TooSmall];
-}
-
-impl LeftOutReason {
-    /// Name in reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::OutsideFrustum => "outside-frustum",
-            Self::BeyondHorizon => "beyond-horizon",
-            Self::TooSmall => "too-small",
-        }
-    }
 }
 
 /// A region that is not drawn.

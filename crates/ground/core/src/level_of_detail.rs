@@ -182,7 +182,8 @@ impl<'a> SharedBoundaries<'a> {
             let mut regions = self.rebuild(&kept);
             let restore = self.to_restore(&regions, &kept);
             if restore.is_empty() {
-                let left_out = self.leave_out_small(tolerance_m, &mut regions);
+                let left_out =
+                    small_rings::leave_out(&self.ring_sizes_m, tolerance_m, &mut regions);
                 let mut reports = self.reports(&regions, &kept);
                 for (report, left_out) in reports.iter_mut().zip(&left_out) {
                     report.deviation_m = report.deviation_m.max(left_out.size_m);

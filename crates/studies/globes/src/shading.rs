@@ -5,6 +5,7 @@
 mod device;
 mod judge;
 mod layers;
+mod rows;
 mod section;
 mod tessellation;
 
@@ -18,9 +19,9 @@ use crate::opened::Opened;
 use crate::projection::Projection;
 use crate::session::{Failure, Figures, Part, PartSession, judged};
 use device::{LayerScene, LayerTargets, LayerVertex, Pictures, Shading};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use judge::{bytes, is_lost, judge, normal};
-use layers::Lights;
+use layers::lights;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::rc::Rc;
@@ -197,16 +198,6 @@ impl Shadings {
         let row = views.find(|row| row.name == work.view);
         let row = row.ok_or_else(|| format!("no view is called {:?}", work.view))?;
         Ok(row.eye(work.size_px))
-    }
-}
-
-/// Low in the west, so that day, night and highlight are in every view of a globe.
-fn lights(eye: &Eye) -> Lights {
-    let up = eye.camera.eye_ecef.normalize();
-    let west = up.cross(DVec3::Z).try_normalize().unwrap_or(DVec3::NEG_Y);
-    Lights {
-        sun: (0.25 * up + 0.9 * west + 0.2 * DVec3::Z).normalize(),
-        clouds: DMat3::from_rotation_z(0.3),
     }
 }
 

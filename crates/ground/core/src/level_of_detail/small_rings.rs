@@ -6,7 +6,6 @@
 //! boundary by less than its own size, which is within the tolerance. A ring that has a vertex in common
 //! with another stays, or a border would have one side; and so does the largest of a region's shells.
 
-use super::SharedBoundaries;
 use super::arcs::{Arcs, RingVertices};
 use crate::{Ellipsoid, Polygon, Region};
 
@@ -52,44 +51,44 @@ pub(super) fn sizes_m(arcs: &Arcs<'_>, body: &Ellipsoid) -> Vec<f64> {
     arcs.rings.iter().map(size_m).collect()
 }
 
-impl SharedBoundaries<'_> {
-    /// Takes the rings out of `regions`, which have all of them, that are too small for a level.
-    pub(super) fn leave_out_small(
-        &self,
-        tolerance_m: f64,
-        regions: &mut [Region],
-    ) -> Vec<LeftOutRings> {
-        let smallest_m = DROPPED_SHARE * tolerance_m;
-        let mut sizes = self.ring_sizes_m.iter().copied();
-        let mut next = move || sizes.next().unwrap_or(f64::INFINITY);
-        let of_region = |region: &mut Region| {
-            let mut left_out = LeftOutRings::default();
-            let mut shells = Vec::with_capacity(region.polygons.len());
-            for polygon in &mut region.polygons {
-                shells.push(next());
-                polygon.holes.retain(|_| {
-                    let size_m = next();
-                    if size_m < smallest_m {
-                        left_out.add(size_m);
-                    }
-                    size_m >= smallest_m
-                });
-            }
-            let largest = shells.iter().copied().fold(0.0, f64::max);
-            let mut has_largest = false;
-            let polygons: Vec<Polygon> = std::mem::take(&mut region.polygons);
-            for (polygon, size_m) in polygons.into_iter().zip(shells) {
-                let is_first_largest = !has_largest && size_m >= largest;
-                has_largest |= is_first_largest;
-                // In a hole that stays lies something else.
-                if size_m >= smallest_m || is_first_largest || !polygon.holes.is_empty() {
-                    region.polygons.push(polygon);
-                } else {
+/// Takes the rings out of `regions`, which have all of them, that are too small for a level.
+///
+/// - `sizes_m`: of each ring, by [`sizes_m`]
+pub(super) fn leave_out(
+    sizes_m: &[f64],
+    tolerance_m: f64,
+    regions: &mut [Region],
+) -> Vec<LeftOutRings> {
+    let smallest_m = DROPPED_SHARE * tolerance_m;
+    let mut sizes = sizes_m.iter().copied();
+    let mut next = move || sizes.next().unwrap_or(f64::INFINITY);
+    let of_region = |region: &mut Region| {
+        let mut left_out = LeftOutRings::default();
+        let mut shells = Vec::with_capacity(region.polygons.len());
+        for polygon in &mut region.polygons {
+            shells.push(next());
+            polygon.holes.retain(|_| {
+                let size_m = next();
+                if size_m < smallest_m {
                     left_out.add(size_m);
                 }
+                size_m >= smallest_m
+            });
+        }
+        let largest = shells.iter().copied().fold(0.0, f64::max);
+        let mut has_largest = false;
+        let polygons: Vec<Polygon> = std::mem::take(&mut region.polygons);
+        for (polygon, size_m) in polygons.into_iter().zip(shells) {
+            let is_first_largest = !has_largest && size_m >= largest;
+            has_largest |= is_first_largest;
+            // In a hole that stays lies something else.
+            if size_m >= smallest_m || is_first_largest || !polygon.holes.is_empty() {
+                region.polygons.push(polygon);
+            } else {
+                left_out.add(size_m);
             }
-            left_out
-        };
-        regions.iter_mut().map(of_region).collect()
-    }
+        }
+        left_out
+    };
+    regions.iter_mut().map(of_region).collect()
 }

@@ -2,8 +2,7 @@
 //! A picture's colours against the layers' functions, in `f64`.
 
 use super::device::Shading;
-use super::layers::colour;
-use super::lights;
+use super::layers::{colour, lights};
 use crate::list::Eye;
 use glam::DVec3;
 use rayon::prelude::*;

@@ -4,6 +4,7 @@
 //!
 //! Waves of few lengths stand for land: their slopes are known exactly, which bumps need.
 
+use crate::list::Eye;
 use glam::{DMat3, DVec3};
 
 /// Directions, lengths and phases of the waves: a golden-angle spiral of directions.
@@ -104,6 +105,16 @@ pub(crate) struct Lights {
     pub(crate) sun: DVec3,
     /// By which clouds are looked up.
     pub(crate) clouds: DMat3,
+}
+
+/// Low in the west, so that day, night and highlight are in every view of a globe.
+pub(crate) fn lights(eye: &Eye) -> Lights {
+    let up = eye.camera.eye_ecef.normalize();
+    let west = up.cross(DVec3::Z).try_normalize().unwrap_or(DVec3::NEG_Y);
+    Lights {
+        sun: (0.25 * up + 0.9 * west + 0.2 * DVec3::Z).normalize(),
+        clouds: DMat3::from_rotation_z(0.3),
+    }
 }
 
 /// A fragment's colour.

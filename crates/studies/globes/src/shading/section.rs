@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The sections on layers: the ladder of features, pictures, faults, projections, and triangles against pixels.
 
-use super::{FAULTS, PART, tessellation};
+use super::rows::{cases, value};
+use super::{FAULTS, tessellation};
 use crate::published::TABLE_3;
-use crate::table::{self, by_case, with};
+use crate::table::{by_case, conditions};
 use terrafill_plot::number::significant;
 use terrafill_results::{
     Block, Case, Cell, ChapterError, Clock, Finding, Heading, Picture, PictureFigure, Pictures,
@@ -15,14 +16,6 @@ const WHAT_IS_COMPARED: &str = "Colour with water, bumps, clouds and lights of n
      picture by longitude and latitude, as dense along the equator. They are baked from smooth functions of \
      direction, and each pixel is held against these functions in f64, at the place that its ray meets: the \
      largest channel's difference, 1 being white. A frame makes the mesh, sends it and draws it.";
-
-pub(super) fn cases<'a>(run: &'a Run, what: &str) -> Vec<&'a Case> {
-    with(&table::cases(run, PART), "what", what)
-}
-
-pub(super) fn value(case: &Case, metric: &str) -> Option<f64> {
-    case.value(metric).filter(|_| case.counts())
-}
 
 /// The sections; nothing where no case was planned.
 pub(crate) fn blocks(run: &Run, clock: Clock) -> Result<Vec<Block>, ChapterError> {
@@ -151,7 +144,7 @@ fn errors(caption: &str, cases: &[&Case], key: &str) -> Table {
     by_case(
         caption,
         cases,
-        (&["view", key], &table::conditions(&["view", key])),
+        (&["view", key], &conditions(&["view", key])),
         &columns,
         &|_| "no pixel is there",
     )

@@ -2,7 +2,7 @@
 //! Time against the number of triangles, with the full shader and with a white one: the windows and triangles of Gebbie
 //! and Bailey's Table 1.
 
-use super::section::{cases, value};
+use super::rows::{cases, value};
 use super::{PART, REMOVED};
 use crate::STUDY;
 use crate::clock::draw;
