@@ -144,9 +144,9 @@ fn a_small_run_is_right_and_resumes_without_measuring_twice() {
     let whole = measured(place.path(), &wanted);
     let own = |case: &&Case| !case.is_twin();
     let counted = whole.cases.iter().filter(own);
-    // Three views of two baselines, seven techniques and what the view needs, two textured fills from above,
-    // and the bytes of seven layouts for twelve numbers of regions.
-    assert_eq!(counted.count(), 3 * 10 + 2 + 7 * 12);
+    // Three views of two baselines, seven layouts, six full plans and what the view needs, two textured fills
+    // from above, and the bytes of seven layouts for twelve numbers of regions.
+    assert_eq!(counted.count(), 3 * 16 + 2 + 7 * 12);
     for case in &whole.cases {
         assert_eq!(case.outcome, Outcome::Ok, "{}: {}", case.id(), case.reason);
         let is_untimed = ["memory", "needs"].contains(&case.condition("role"));
