@@ -63,9 +63,9 @@ const MUTATIONS: [Mutation; 11] = [
     Mutation {
         name: "draws-of-nothing",
         file: "crates/techniques/instanced/src/volumes.rs",
-        from: "pass.draw_indexed(first..first + 3 * place.triangle_count, base_vertex, volume);",
+        from: "pass.draw_indexed(indices, base_vertex, volume);",
         to: "pass.draw_indexed(first..first, base_vertex, volume);
-            pass.draw_indexed(first..first + 3 * place.triangle_count, base_vertex, volume);",
+                pass.draw_indexed(indices, base_vertex, volume);",
         counter: "draws",
     },
     Mutation {

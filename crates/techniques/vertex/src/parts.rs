@@ -222,10 +222,18 @@ mod tests {
         // Twin: in the mesh's own order the same ranges hold other facets.
         let plain = VertexVariant::default();
         let geometry = SceneGeometry::build(&plain, std::slice::from_ref(&mesh), |_| true);
-        let range = 3 * order.caps[1].start as usize..3 * order.caps[1].end as usize;
-        let first = order.triangles[order.caps[1].start as usize];
-        let corner = u32::from(geometry.indices.short[range.start]) / 2;
-        assert!(!mesh.triangles[first as usize].contains(&corner) || first == order.caps[1].start);
+        let range = order.caps[1].start as usize..order.caps[1].end as usize;
+        let facet = |corners: [u32; 3]| BTreeSet::from(corners);
+        let plain: BTreeSet<BTreeSet<u32>> = geometry.indices.short[3 * range.start..3 * range.end]
+            .chunks(3)
+            .map(|corners| facet([0, 1, 2].map(|i| u32::from(corners[i]) / 2)))
+            .collect();
+        let own = order.triangles[range].iter();
+        let own: BTreeSet<BTreeSet<u32>> = own
+            .map(|&place| facet(mesh.triangles[place as usize]))
+            .collect();
+        assert_eq!(plain.len(), own.len());
+        assert_ne!(plain, own);
         assert!(mesh.triangles.len() > PART_FACETS);
     }
 
