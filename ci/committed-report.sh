@@ -16,27 +16,52 @@ case "${1:-} $#" in
         ;;
 esac
 to=$2
+# What a clone should carry of a report; a test refuses more.
+max_bytes=2000000
 cargo build --release --locked --package terrafill
 program=${CARGO_TARGET_DIR:-target}/release/terrafill
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 mkdir -p "$to" "$scratch/run/images"
 
+# The report from the tables in $scratch/run. Fills have a summary for programs as well.
+report() {
+    "$program" report "$scratch/run" --single-file
+    for file in index.html result.json summary.csv summary.md; do
+        [ ! -e "$scratch/run/$file" ] || cp "$scratch/run/$file" "$to"
+    done
+}
+
+# Tables of $measured and its pictures, all or few, as $to/run.tar.gz; the same run gives the same archive.
+pack() {
+    rm -rf "$scratch/run"
+    mkdir -p "$scratch/run/images"
+    cp "$measured"/{cases,measurements,metrics}.csv "$measured"/{environment,plan,schema}.json "$scratch/run"
+    if [ "$1" = all ]; then
+        cp "$measured/notes.csv" "$scratch/run"
+        find "$measured" -path '*/images/*.png' -exec cp {} "$scratch/run/images" \;
+    else
+        # Shaded pictures are the largest part of a run and show what the reference's do.
+        grep -vE ',(image|difference_image),' "$measured/notes.csv" >"$scratch/run/notes.csv"
+        find "$measured" \( -path '*/images/*_reference.png' -o -path '*/images/*_worst.png' \) \
+            -exec cp {} "$scratch/run/images" \;
+    fi
+    tar --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner -C "$scratch/run" -c . |
+        gzip -9n >"$to/run.tar.gz"
+}
+
 if [ "$1" = measure ]; then
     measured=${3:-$scratch/measured}
     [ $# -eq 3 ] ||
         "$program" bench planet-134 california square-10m square-200km hills --quick --out "$measured"
-    cp "$measured"/{cases,measurements,metrics}.csv "$measured"/{environment,plan,schema}.json "$scratch/run"
-    # Shaded pictures are the largest part of a run and show what the reference's do.
-    grep -vE ',(image|difference_image),' "$measured/notes.csv" >"$scratch/run/notes.csv"
-    find "$measured/images" \( -name '*_reference.png' -o -name '*_worst.png' \) \
-        -exec cp {} "$scratch/run/images" \;
-    # The same run gives the same archive.
-    tar --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner -C "$scratch/run" -c . |
-        gzip -9n >"$to/run.tar.gz"
+    pack all
+    report
+    if [ "$(cat "$to"/* | wc -c)" -gt "$max_bytes" ]; then
+        pack few
+        report
+    fi
 else
     tar -xzf "$to/run.tar.gz" -C "$scratch/run"
+    report
 fi
-"$program" report "$scratch/run" --single-file
-cp "$scratch/run"/{index.html,result.json,summary.csv,summary.md} "$to"
 du -sh --apparent-size "$to"
