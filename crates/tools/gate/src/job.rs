@@ -239,12 +239,18 @@ impl Sides for Job<'_> {
     fn run_together(&mut self, trio: Trio, cases: &BTreeSet<String>) -> Result<(), GateError> {
         let sides = trio.processes();
         let start = |(side, process): (Side, u32)| -> Result<Stepped, GateError> {
-            let mut command = self.timing(side, process, trio.base / 3, cases)?;
+            let mut command = self.timing(side, process, trio.block(), cases)?;
             command.arg("--stepped");
             Stepped::start(command).map_err(|error| self.failed(side, error.to_string()))
         };
-        let [base, null, new] = sides;
-        let mut processes = [start(base)?, start(null)?, start(new)?];
+        let mut started = [None, None, None];
+        for place in trio.start_order() {
+            started[place] = Some(start(sides[place])?);
+        }
+        let [Some(base), Some(null), Some(new)] = started else {
+            return Err(self.failed(Side::Base, "a process was not started".to_owned()));
+        };
+        let mut processes = [base, null, new];
         let seed = u64::from(trio.base);
         let stepped = step(&mut processes, self.workload.frames.max(1), seed);
         let failed = stepped.err();

@@ -109,6 +109,15 @@ impl Rates {
         }
     }
 
+    /// Case-runs in which the same work was called slower or faster; with an injection, those called the wrong way.
+    #[must_use]
+    pub fn false_alarms(&self, injection: Option<Injection>) -> u32 {
+        match injection {
+            None => self.slower + self.faster,
+            Some(_) => self.faster + self.swapped_slower,
+        }
+    }
+
     /// The rates with their 95 % bounds, a line each.
     ///
     /// - `injection`: what was added; `None` where both sides did the same
@@ -263,6 +272,10 @@ mod tests {
             rates.swapped_case_runs,
         ];
         assert_eq!(swapped, [2, 1, 1, 4]);
+        // One slower where the base had more; of the same work all calls are wrong.
+        assert_eq!(rates.false_alarms(Injection::percent(5)), 1);
+        assert_eq!(rates.false_alarms(None), 2);
+        assert_eq!(Rates::default().false_alarms(None), 0);
         let lines = rates.sentences(Injection::percent(5));
         assert!(lines[0].starts_with("5 % more work"), "{lines:?}");
         assert!(

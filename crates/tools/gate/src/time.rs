@@ -76,7 +76,31 @@ pub struct Trio {
     pub new: u32,
 }
 
+/// Orders in which the three of a block start, by turns. A process that starts later is faster on a loaded core:
+/// of 5,380 blocks of the same work the second was 0.5 % and the third 1.6 % faster than the first. Each is first,
+/// second and last equally often, also in every second block alone, where blocks take two cores by turns.
+const START_ORDERS: [[usize; 3]; 6] = [
+    [0, 1, 2],
+    [0, 2, 1],
+    [1, 2, 0],
+    [2, 1, 0],
+    [2, 0, 1],
+    [1, 0, 2],
+];
+
 impl Trio {
+    /// Number of the block, from 0.
+    #[must_use]
+    pub fn block(self) -> u32 {
+        self.base / 3
+    }
+
+    /// Places in [`Trio::processes`] in the order in which they start.
+    #[must_use]
+    pub fn start_order(self) -> [usize; 3] {
+        START_ORDERS[self.block() as usize % START_ORDERS.len()]
+    }
+
     /// The processes with their sides.
     #[must_use]
     pub fn processes(self) -> [(Side, u32); 3] {

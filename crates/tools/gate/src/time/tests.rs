@@ -36,6 +36,10 @@ struct MadeUp {
     /// Time of a process that is to be lost: absent, or this value.
     broken: Option<(u32, Option<f64>)>,
     seconds_per_process: u64,
+    /// In lock-step, by how much a process is faster than the one that started before it.
+    later_is_faster: f64,
+    /// The three of a block always start in the order of their roles.
+    keeps_order: bool,
     ran: Vec<(Side, u32)>,
     times: [Times; 2],
 }
@@ -50,6 +54,8 @@ impl MadeUp {
             way: by_turns(),
             broken: None,
             seconds_per_process: 1,
+            later_is_faster: 0.0,
+            keeps_order: false,
             ran: Vec::new(),
             times: [Times::new(), Times::new()],
         }
@@ -106,7 +112,15 @@ impl Sides for MadeUp {
 
     fn run_together(&mut self, trio: Trio, cases: &BTreeSet<String>) -> Result<(), GateError> {
         for case in cases {
-            let levels = trio.processes().map(|_| self.spread * self.random.normal());
+            let order = match self.keeps_order {
+                true => [0, 1, 2],
+                false => trio.start_order(),
+            };
+            let mut levels = [0.0; 3];
+            for (before, place) in (0..).zip(order) {
+                levels[place] =
+                    self.spread * self.random.normal() - self.later_is_faster * f64::from(before);
+            }
             for burst in 0..BURSTS {
                 let slowed = if self.random.uniform() < 0.5 {
                     0.22
@@ -191,6 +205,50 @@ fn identical_programs_raise_no_alarm_and_five_percent_is_caught_either_way() {
         }
         assert!(share(&paces(&way, 4, 1.10, 300), Pace::Slower) > 0.99);
     }
+}
+
+#[test]
+fn processes_that_are_faster_the_later_they_start_raise_no_alarm() {
+    let called = |keeps_order| {
+        let mut sides = MadeUp {
+            later_is_faster: 0.015,
+            keeps_order,
+            ..MadeUp::in_lock_step(21, 1.0)
+        };
+        let gate = compare_times(&mut sides, &cases(400), &options()).expect("measured");
+        let paces: Vec<Pace> = gate.cases.iter().map(|case| case.pace).collect();
+        [Pace::Slower, Pace::Faster].map(|pace| share(&paces, pace))
+    };
+    assert_eq!(called(false), [0.0, 0.0]);
+    // Twin: started in the order of their roles, the new program is the last and called faster.
+    let [slower, faster] = called(true);
+    assert!(slower == 0.0 && faster > 0.02, "{slower} {faster}");
+}
+
+#[test]
+fn each_of_a_block_starts_first_second_and_last_equally_often() {
+    let orders = |blocks: &mut dyn Iterator<Item = u32>| {
+        let mut counts = [[0; 3]; 3];
+        for block in blocks {
+            let trio = Trio {
+                base: 3 * block + 1,
+                null: 3 * block + 2,
+                new: 3 * block + 3,
+            };
+            assert_eq!(trio.block(), block);
+            for (before, place) in trio.start_order().into_iter().enumerate() {
+                counts[place][before] += 1;
+            }
+        }
+        counts
+    };
+    assert_eq!(orders(&mut (0..6)), [[2; 3]; 3]);
+    // Blocks take two cores by turns.
+    for first in [0, 1] {
+        assert_eq!(orders(&mut (first..6).step_by(2)), [[1; 3]; 3]);
+    }
+    // Twin: a block alone favours somebody.
+    assert_ne!(orders(&mut (0..1)), [[1; 3]; 3]);
 }
 
 #[test]
