@@ -140,7 +140,8 @@ fn a_run_has_errors_times_and_a_chapter() {
             "globe_draw_cpu_ms",
         ]
         .map(|metric| case.value(metric).expect("measured"));
-        assert!(parts.iter().sum::<f64>() <= cpu, "{}", case.id());
+        // Differences of the same readings add up to the last but the rounding of their sum.
+        assert!(parts.iter().sum::<f64>() <= cpu + 1e-9, "{}", case.id());
     }
     // The body itself is met where it is: rays and depths of 24 bits move it by some 1e-5 of a pixel,
     // and the more the closer to the limb.
