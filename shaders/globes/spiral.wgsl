@@ -1,5 +1,6 @@
 // The spiral made on the GPU (Gebbie and Bailey, with the focus-local form of position): one compute invocation makes a
-// vertex into a buffer, from nothing but its number; one vertex invocation reads it there, or makes it itself. One
+// vertex into a buffer, from nothing but its number; one vertex invocation reads it there, or makes it itself. Over
+// terrain it is moved up by a height that it looks up, which the paper leaves to the future. One
 // fragment writes the bits of its distance, so that two pictures can be held to each other exactly. Metres from the
 // eye, ECEF axes. Workgroups of 64, the least that all devices have.
 #import shared/view.wgsl
@@ -27,7 +28,7 @@ override SERIES: u32 = 0u;
 @group(1) @binding(0) var<uniform> spiral: SpiralConstants;
 // Sine and cosine of each vertex of a turn.
 @group(1) @binding(1) var<storage, read> directions: array<vec2<f32>>;
-@group(1) @binding(2) var<storage, read_write> made: array<f32>;
+@group(1) @binding(4) var<storage, read_write> made: array<f32>;
 
 const TAU: f32 = 6.2831853;
 
@@ -39,10 +40,10 @@ fn sine(x: f32) -> f32 {
     return x * (1.0 - s / 6.0 * (1.0 - s / 20.0 * (1.0 - s / 42.0 * (1.0 - s / 72.0))));
 }
 
-// Vertex 0 is the centre of the fan.
-fn place(number: u32) -> vec3<f32> {
+// From the focus to a vertex on the body.
+fn way(number: u32) -> vec3<f32> {
     if number == 0u {
-        return spiral.focus;
+        return vec3<f32>(0.0);
     }
     let k = number - 1u;
     let share = min(f32(k) / f32(spiral.per_turn) / spiral.turns, 1.0);
@@ -62,7 +63,130 @@ fn place(number: u32) -> vec3<f32> {
     }
     let half_sine = sine(0.5 * radius);
     let level = spiral.east * direction.x + spiral.north * direction.y;
-    return (level * sine(radius) - spiral.up * (2.0 * half_sine * half_sine)) + spiral.focus;
+    return level * sine(radius) - spiral.up * (2.0 * half_sine * half_sine);
+}
+
+// Vertex 0 is the centre of the fan.
+fn place(number: u32) -> vec3<f32> {
+    return way(number) + spiral.focus;
+}
+
+// Terrain: heights on the faces of a cube, whose neighbours share the samples of their edges.
+struct Relief {
+    // 1 / radii, per metre.
+    per_metre: vec3<f32>,
+    // Height of the ground below the eye, metres.
+    base_m: f32,
+    // The focus from the centre, in scaled space, where the body is the unit sphere.
+    up: vec3<f32>,
+    // Equatorial radius, metres.
+    radius_m: f32,
+    // Geodetic normal at the focus.
+    normal: vec3<f32>,
+    // Cells along a side of a face.
+    side: u32,
+    // The ground below the eye, from the eye.
+    ground: vec3<f32>,
+    // Face of the focus; where on it, -1 to 1; its cell, and where in that, 0 to 1.
+    face: u32,
+    on_face: vec2<f32>,
+    within: vec2<f32>,
+    cell: vec2<u32>,
+};
+
+@group(1) @binding(2) var<uniform> relief: Relief;
+@group(1) @binding(3) var<storage, read> heights: array<f32>;
+
+// 1: heights and normals as differences from those below the eye.
+override LOCAL: u32 = 0u;
+
+fn height_at(face: u32, column: u32, row: u32) -> f32 {
+    let across = relief.side + 1u;
+    return heights[(face * across + row) * across + column];
+}
+
+// Parts of a direction along a face's sides and out of it; faces in WebGPU's order.
+fn along_face(face: u32, d: vec3<f32>) -> vec3<f32> {
+    switch face {
+        case 0u: { return vec3<f32>(-d.z, -d.y, d.x); }
+        case 1u: { return vec3<f32>(d.z, -d.y, -d.x); }
+        case 2u: { return vec3<f32>(d.x, d.z, d.y); }
+        case 3u: { return vec3<f32>(d.x, -d.z, -d.y); }
+        case 4u: { return vec3<f32>(d.x, -d.y, d.z); }
+        default: { return vec3<f32>(-d.x, -d.y, -d.z); }
+    }
+}
+
+fn face_of(d: vec3<f32>) -> u32 {
+    let size = abs(d);
+    if size.x >= size.y && size.x >= size.z {
+        return select(0u, 1u, d.x < 0.0);
+    }
+    if size.y >= size.z {
+        return select(2u, 3u, d.y < 0.0);
+    }
+    return select(4u, 5u, d.z < 0.0);
+}
+
+// Between the four samples of a cell, above `base_m`.
+fn bilinear(face: u32, cell: vec2<u32>, t: vec2<f32>, base_m: f32) -> f32 {
+    let a = height_at(face, cell.x, cell.y) - base_m;
+    let b = height_at(face, cell.x + 1u, cell.y) - base_m;
+    let c = height_at(face, cell.x, cell.y + 1u) - base_m;
+    let d = height_at(face, cell.x + 1u, cell.y + 1u) - base_m;
+    let south = a + t.x * (b - a);
+    return south + t.y * (c + t.x * (d - c) - south);
+}
+
+// In a direction from the body's centre.
+fn height_absolute(d: vec3<f32>, base_m: f32) -> f32 {
+    let face = face_of(d);
+    let q = along_face(face, d);
+    let at = (q.xy / q.z + 1.0) * (0.5 * f32(relief.side));
+    let cell = min(vec2<u32>(max(at, vec2<f32>(0.0))), vec2<u32>(relief.side - 1u));
+    return bilinear(face, cell, at - vec2<f32>(cell), base_m);
+}
+
+// By the way from the focus: above the ground below the eye. `d` is that way in scaled space.
+fn height_local(d: vec3<f32>) -> f32 {
+    let out = along_face(relief.face, relief.up).z;
+    let q = along_face(relief.face, d);
+    if out + q.z > 0.25 {
+        // (s + ds) / (m + dm) - s / m, without their difference.
+        let moved = (q.xy - relief.on_face * q.z) / (out + q.z) * (0.5 * f32(relief.side));
+        let at = relief.within + moved;
+        let whole = floor(at);
+        let cell = vec2<i32>(relief.cell) + vec2<i32>(whole);
+        if all(whole == vec2<f32>(0.0)) {
+            // In the cell of the focus, without the difference of two heights.
+            let a = height_at(relief.face, relief.cell.x, relief.cell.y);
+            let b = height_at(relief.face, relief.cell.x + 1u, relief.cell.y);
+            let c = height_at(relief.face, relief.cell.x, relief.cell.y + 1u);
+            let twist = height_at(relief.face, relief.cell.x + 1u, relief.cell.y + 1u) - c - (b - a);
+            return moved.x * (b - a + at.y * twist) + moved.y * (c - a + relief.within.x * twist);
+        }
+        if all(cell >= vec2<i32>(0)) && all(cell < vec2<i32>(i32(relief.side))) {
+            return bilinear(relief.face, vec2<u32>(cell), at - whole, relief.base_m);
+        }
+    }
+    return height_absolute(relief.up + d, relief.base_m);
+}
+
+fn displaced(number: u32) -> vec3<f32> {
+    let on_body = way(number);
+    let d = on_body * relief.per_metre;
+    if LOCAL == 0u {
+        let direction = relief.up + d;
+        let normal = normalize(direction * relief.per_metre * relief.radius_m);
+        return (on_body + spiral.focus) + normal * height_absolute(direction, 0.0);
+    }
+    // How the normal differs from that below the eye: w/|w| - v/|v| for w = v + dw.
+    let v = relief.up * relief.per_metre * relief.radius_m;
+    let dw = d * relief.per_metre * relief.radius_m;
+    let longer = (2.0 * dot(v, dw) + dot(dw, dw)) / (length(v) + length(v + dw));
+    let turned = (dw - relief.normal * longer) / length(v + dw);
+    let rise = height_local(d);
+    return (on_body + relief.ground) + (turned * relief.base_m + (relief.normal + turned) * rise);
 }
 
 struct Varying {
@@ -70,15 +194,24 @@ struct Varying {
     @location(0) relative_m: vec3<f32>,
 };
 
+fn keep(number: u32, at: vec3<f32>) {
+    made[3u * number] = at.x;
+    made[3u * number + 1u] = at.y;
+    made[3u * number + 2u] = at.z;
+}
+
 @compute @workgroup_size(64)
 fn make_main(@builtin(global_invocation_id) vertex: vec3<u32>) {
-    if vertex.x >= spiral.count {
-        return;
+    if vertex.x < spiral.count {
+        keep(vertex.x, place(vertex.x));
     }
-    let at = place(vertex.x);
-    made[3u * vertex.x] = at.x;
-    made[3u * vertex.x + 1u] = at.y;
-    made[3u * vertex.x + 2u] = at.z;
+}
+
+@compute @workgroup_size(64)
+fn make_displaced_main(@builtin(global_invocation_id) vertex: vec3<u32>) {
+    if vertex.x < spiral.count {
+        keep(vertex.x, displaced(vertex.x));
+    }
 }
 
 @vertex
@@ -89,6 +222,12 @@ fn read_main(@location(0) relative_m: vec3<f32>) -> Varying {
 @vertex
 fn making_main(@builtin(vertex_index) number: u32) -> Varying {
     let relative_m = place(number);
+    return Varying(clip_from_eye_relative(relative_m), relative_m);
+}
+
+@vertex
+fn making_displaced_main(@builtin(vertex_index) number: u32) -> Varying {
+    let relative_m = displaced(number);
     return Varying(clip_from_eye_relative(relative_m), relative_m);
 }
 

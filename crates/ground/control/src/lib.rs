@@ -5,10 +5,12 @@
 //!
 //! No device and no clock: what a loop does follows from its numbers alone.
 
+mod probe;
 mod quadtree;
 mod radius;
 mod zones;
 
+pub use probe::OuterProbe;
 pub use quadtree::{Node, Quadtree, QuadtreeView, Settling, Thresholds, settle};
 pub use radius::{
     Cycle, constant_step, cycle, gain_without_overshoot, logarithmic, proportional, stable_gain,

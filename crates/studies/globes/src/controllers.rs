@@ -3,8 +3,8 @@
 
 use crate::published::{cells, headed};
 use terrafill_control::{
-    QuadtreeView, ZoneRule, constant_step, cycle, cycling_zones, gain_without_overshoot,
-    logarithmic, settle, stable_gain,
+    OuterProbe, QuadtreeView, ZoneRule, constant_step, cycle, cycling_zones,
+    gain_without_overshoot, logarithmic, settle, stable_gain,
 };
 use terrafill_plot::{Course, Courses};
 use terrafill_results::{Block, Cell, ChapterError, Plot, Table};
@@ -30,11 +30,14 @@ pub(crate) fn blocks() -> Result<Vec<Block>, ChapterError> {
     let mut blocks = vec![
         Block::section("Controllers of level of detail"),
         Block::Text(
-            "Gebbie & Bailey hold a fan of triangles at a number of pixels, and split a picture's quadtree by \
-             counted pixels. A count is some frames old when it is used. These are computed, not measured."
+            "Gebbie & Bailey hold a fan of triangles at a number of pixels, let the mesh shrink until pixels are missing \
+             at the edge of the screen, and split a picture's quadtree by counted pixels. A count is some frames old when \
+             it is used. These are computed, not measured. In closed form a view gives both radii without a count: \
+             nothing swings and no corner goes bare."
                 .to_owned(),
         ),
         Block::Table(radius()),
+        Block::Table(outer_radius()),
         Block::Table(quadtree()),
         Block::Table(zones()),
     ];
@@ -176,6 +179,52 @@ fn radius() -> Table {
     )
 }
 
+/// The picture of the facts' figure, and the share of the radius that a mesh gives up in a frame.
+const PROBED: OuterProbe = OuterProbe {
+    half_px: [960.0, 540.0],
+    delay: 1,
+    step: 0.01,
+    rising: 0.0,
+};
+/// Heights that double each second at 60 frames a second.
+const DOUBLING: f64 = 0.011_486;
+
+fn outer_radius() -> Table {
+    let corner_px = PROBED.corner_px();
+    let rows = DELAYS.map(|delay| {
+        let still = OuterProbe { delay, ..PROBED };
+        let rising = OuterProbe {
+            rising: DOUBLING,
+            ..still
+        };
+        let swing = cycle(&still.course(FRAMES), 1e-9);
+        let mut row = vec![Cell::plain(delay.to_string())];
+        row.push(Cell::or_absent(
+            swing.map(|swing| swing.period.to_string()),
+            "it does not repeat",
+        ));
+        row.extend(cells([
+            still.bare_px(FRAMES),
+            still.step * (delay as f64 + 1.0) * corner_px,
+            rising.bare_px(FRAMES),
+            0.0,
+        ]));
+        row
+    });
+    headed(
+        "Outer radius by trying, 1 % a frame, at 1920 × 1080: pixels of a corner's diagonal that go bare",
+        &[
+            "delay, frames",
+            "period, frames",
+            "eye at rest",
+            "p (d + 1) of the corner's distance",
+            "height doubles each second",
+            "closed form",
+        ],
+        rows.into_iter(),
+    )
+}
+
 fn quadtree() -> Table {
     let views: Vec<QuadtreeView> = (0..VIEWS).map(QuadtreeView::numbered).collect();
     let rows = HYSTERESES.map(|hysteresis| {
@@ -248,6 +297,16 @@ mod tests {
             assert_eq!(text(&radius, row, 4), "settles");
             // Twin: a hundredth more.
             assert_eq!(text(&radius, row, 5), "does not");
+        }
+        let outer = outer_radius();
+        for (row, delay) in (0..4).zip(DELAYS) {
+            let [bare, computed, rising] =
+                [2, 3, 4].map(|at| text(&outer, row, at).parse::<f64>().expect("a number"));
+            assert!(
+                bare <= computed + 2.0 && bare > 0.5 * computed,
+                "{delay}: {bare}"
+            );
+            assert!(rising > 2.0 * bare, "{delay}: {rising}");
         }
         let quadtree = quadtree();
         assert_eq!(text(&quadtree, 5, 1), "0 of 300");

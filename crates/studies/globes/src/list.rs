@@ -99,9 +99,15 @@ pub(crate) struct Eye {
 impl ViewRow {
     /// The eye over the Earth, in a square image.
     pub(crate) fn eye(&self, side_px: u32) -> Eye {
+        self.eye_above(0.0, side_px)
+    }
+
+    /// The same over ground of that height.
+    pub(crate) fn eye_above(&self, ground_m: f64, side_px: u32) -> Eye {
         let body = Ellipsoid::WGS84;
+        let height_m = ground_m + self.height_m;
         let pose = CameraPose {
-            eye: Geodetic::from_degrees(self.longitude_deg, self.latitude_deg, self.height_m),
+            eye: Geodetic::from_degrees(self.longitude_deg, self.latitude_deg, height_m),
             heading_rad: 0.0,
             pitch_rad: self.pitch_deg.to_radians(),
             fov_y_rad: FOV_DEG.to_radians(),

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The spiral's vertices made on the GPU: by a compute shader into a buffer that is drawn and read back, or by the
-//! vertex stage from the vertex's number, with no buffer at all; beside them those that the CPU makes and sends.
+//! vertex stage from the vertex's number, with no buffer at all; beside them those that the CPU makes and sends. Over
+//! terrain each vertex is moved up by the height that it finds where it is, which the paper leaves to the future.
 
 mod device;
+mod heights;
 mod section;
 mod spiral;
 
@@ -10,15 +12,22 @@ pub(crate) use section::blocks;
 
 use crate::STUDY;
 use crate::clock::FrameWatch;
+use crate::forms;
 use crate::list::{Eye, List};
+use crate::opened::Opened;
 use crate::session::{Failure, Figures, Part, PartSession, judged};
 use device::{MadeScene, MadeTargets};
 use glam::DVec3;
-use spiral::{Source, Spiral};
+use heights::HeightCube;
+use spiral::{Lookup, Source, Spiral};
 use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_fill::DeviceError;
 use terrafill_plot::number::significant;
-use terrafill_results::{CaseId, PlannedCase, Verdict};
+use terrafill_results::{CaseId, PlannedCase, Skipped, Verdict};
+use terrafill_scene::Scene;
 use terrafill_study::{Context, Group, Session, StudyError};
 
 /// Name of this part in cases.
@@ -38,12 +47,56 @@ const VIEWS: [&str; 5] = [
     "ground-1.7m",
 ];
 
+/// Heights of the whole Earth, read where there is data.
+const ETOPO: &str = include_str!("../etopo.toml");
+/// Cells along a side of a cube's face of heights: 39 km on the Earth, about as far apart as the samples of [`ETOPO`].
+const HEIGHT_CELLS: u32 = 256;
+
+/// Of the relief: a slope of 1.5 % under the eyes that are low.
+const SEED: i64 = 7;
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Work {
     view: &'static str,
     source: Source,
     has_series: bool,
     is_quadratic: bool,
+    /// Which of the height fields, and how it is read.
+    terrain: Option<(usize, Lookup)>,
+}
+
+/// Height fields to move vertices by: relief from a seed, and where there is data the Earth's.
+///
+/// - returns: also what is left out
+pub(crate) fn height_fields(
+    opened: &Opened,
+    data_dir: Option<&Path>,
+) -> (Vec<Arc<HeightCube>>, Vec<Skipped>) {
+    let body = Ellipsoid::WGS84;
+    let relief = || {
+        let parameters = [
+            ("base".to_owned(), "relief".into()),
+            ("seed".to_owned(), SEED.into()),
+        ];
+        let surface = opened.get(forms::KIND, &parameters.into_iter().collect())?;
+        HeightCube::of("relief", &body, &surface, HEIGHT_CELLS)
+    };
+    let earth = || {
+        let scene = Scene::from_toml(ETOPO, "etopo.toml of study globes", data_dir);
+        let scene = scene.map_err(|error| error.to_string())?;
+        HeightCube::of("etopo", &body, &opened.of_scene(&scene)?, HEIGHT_CELLS)
+    };
+    let (mut fields, mut skipped) = (Vec::new(), Vec::new());
+    for (name, field) in [("relief", relief()), ("etopo", earth())] {
+        match field {
+            Ok(field) => fields.push(Arc::new(field)),
+            Err(reason) => skipped.push(Skipped {
+                what: format!("{STUDY}/{PART} over {name}"),
+                reason,
+            }),
+        }
+    }
+    (fields, skipped)
 }
 
 /// All of it.
@@ -52,10 +105,16 @@ pub(crate) struct Made {
     cases: Vec<PlannedCase>,
     list: List,
     side_px: u32,
+    fields: Vec<Arc<HeightCube>>,
 }
 
 impl Made {
-    pub(crate) fn new(list: &List, (side_px, samples): (u32, u32)) -> Self {
+    /// - `fields`: [`height_fields`]
+    pub(crate) fn new(
+        list: &List,
+        (side_px, samples): (u32, u32),
+        fields: Vec<Arc<HeightCube>>,
+    ) -> Self {
         let mut work = Vec::new();
         for view in VIEWS {
             for source in Source::ALL {
@@ -69,6 +128,21 @@ impl Made {
                         source,
                         has_series,
                         is_quadratic,
+                        terrain: None,
+                    }));
+                }
+                for field in 0..fields.len() {
+                    // The CPU has f64 for both.
+                    let lookups: &[Lookup] = match source {
+                        Source::Sent => &[Lookup::Local],
+                        Source::Compute | Source::Number => &[Lookup::Absolute, Lookup::Local],
+                    };
+                    work.extend(lookups.iter().map(|&lookup| Work {
+                        view,
+                        source,
+                        has_series: source != Source::Sent,
+                        is_quadratic: false,
+                        terrain: Some((field, lookup)),
                     }));
                 }
             }
@@ -80,20 +154,35 @@ impl Made {
             } else {
                 "exponential"
             };
+            let terrain = work.terrain.map(|(field, lookup)| {
+                let lookup = match work.source {
+                    Source::Sent => "f64",
+                    Source::Compute | Source::Number => lookup.name(),
+                };
+                (fields[field].name, lookup)
+            });
+            let (field, lookup) = terrain.unwrap_or(("none", ""));
             let conditions = [
                 ("part", PART.to_owned()),
                 ("view", work.view.to_owned()),
                 ("vertices", work.source.name().to_owned()),
                 ("trig", trig.to_owned()),
                 ("law", law.to_owned()),
+                ("heights", field.to_owned()),
+                ("lookup", lookup.to_owned()),
                 ("size_px", side_px.to_string()),
             ];
-            let name = format!("{PART}/{}/{}/{trig}/{law}", work.view, work.source.name());
+            let mut name = format!("{PART}/{}/{}/{trig}/{law}", work.view, work.source.name());
+            if let Some((field, lookup)) = terrain {
+                name = format!("{name}/{field}/{lookup}");
+            }
             PlannedCase {
                 id: CaseId::new(STUDY, name, conditions),
                 samples,
-                // Native sines have no bound that helps.
-                may_be_wrong: !work.has_series && work.source != Source::Sent,
+                // Native sines have no bound that helps, and f32 is half a metre at the Earth's radius.
+                may_be_wrong: work.source != Source::Sent
+                    && (!work.has_series
+                        || work.terrain.is_some_and(|(_, how)| how == Lookup::Absolute)),
             }
         });
         Self {
@@ -101,14 +190,31 @@ impl Made {
             work,
             list: list.clone(),
             side_px,
+            fields,
         }
+    }
+
+    fn heights(&self, work: &Work) -> Option<&Arc<HeightCube>> {
+        work.terrain.map(|(field, _)| &self.fields[field])
+    }
+
+    fn spiral(&self, eye: &Eye, work: &Work) -> Spiral {
+        Spiral::new(eye, N, work.is_quadratic, self.heights(work))
     }
 
     fn eye(&self, work: &Work) -> Result<Eye, String> {
         let mut views = self.list.view.iter();
         let row = views.find(|row| row.name == work.view);
         let row = row.ok_or_else(|| format!("no view is called {:?}", work.view))?;
-        Ok(row.eye(self.side_px))
+        let eye = row.eye(self.side_px);
+        Ok(self.heights(work).map_or(eye, |heights| {
+            let foot = Geodetic {
+                height_m: 0.0,
+                ..eye.pose.eye
+            };
+            let foot = eye.body.geodetic_to_ecef(foot) / eye.body.radii_m();
+            row.eye_above(heights.height_m(foot), self.side_px)
+        }))
     }
 }
 
@@ -165,13 +271,15 @@ impl Part for MadePart<'_> {
         }
         let targets = self.targets.as_ref();
         let targets = targets.ok_or(DeviceError::Missing("targets of the spiral"))?;
-        let spiral = Spiral::new(&eye, N, work.is_quadratic);
-        let mut scene = targets.scene(&spiral, work.source, work.has_series)?;
+        let spiral = self.group.spiral(&eye, &work);
+        let lookup = work.terrain.map(|(_, lookup)| lookup);
+        let mut scene = targets.scene(&spiral, (work.source, lookup), work.has_series)?;
         let sent = targets.send(&mut scene, &eye, &spiral);
         targets.draw(&scene)?;
         let picture = targets.read()?;
         // What the compute shader made of the same view: the vertex stage is held to it.
-        let mut twin = targets.scene(&spiral, Source::Compute, work.has_series)?;
+        let compute = (Source::Compute, lookup);
+        let mut twin = targets.scene(&spiral, compute, work.has_series)?;
         targets.send(&mut twin, &eye, &spiral);
         targets.draw(&twin)?;
         let other = targets.read()?;
@@ -199,7 +307,7 @@ impl Part for MadePart<'_> {
             ));
         }
         self.ready.insert(case, scene);
-        let figures = vec![
+        let mut figures = vec![
             ("globe_made_px_max", px),
             ("globe_made_m_max", metres),
             ("globe_made_differs_px", differs as f64),
@@ -208,6 +316,8 @@ impl Part for MadePart<'_> {
             ("globe_vertices", f64::from(spiral.count())),
             ("globe_upload_bytes", sent as f64),
         ];
+        let heights = self.group.heights(&work);
+        figures.extend(heights.map(|field| ("globe_height_bytes", field.bytes() as f64)));
         Ok(judged(reasons.join(", "), figures, Vec::new()))
     }
 
@@ -219,7 +329,7 @@ impl Part for MadePart<'_> {
         let scene = self.ready.get_mut(&case);
         let scene = scene.ok_or("it was not verified".to_owned())?;
         let mut watch = FrameWatch::start();
-        let spiral = Spiral::new(&eye, N, work.is_quadratic);
+        let spiral = self.group.spiral(&eye, &work);
         targets.send(scene, &eye, &spiral);
         watch.ends("globe_upload_cpu_ms");
         let gpu_ms = targets.draw(scene)?;

@@ -3,7 +3,7 @@
 
 use terrafill_results::{Kind, Metric};
 
-pub(crate) const METRICS: [Metric; 76] = [
+pub(crate) const METRICS: [Metric; 77] = [
     Metric::less(
         "globe_whole_cpu_ms",
         "ms",
@@ -444,5 +444,11 @@ pub(crate) const METRICS: [Metric; 76] = [
         "px",
         Kind::Error,
         "Pixels whose distance differs in any bit from the picture of the vertices that a compute shader made.",
+    ),
+    Metric::less(
+        "globe_height_bytes",
+        "bytes",
+        Kind::Bytes,
+        "Bytes of the heights that vertices are moved up by.",
     ),
 ];

@@ -47,9 +47,17 @@ impl Opened {
             picture: None,
             parameters: parameters.clone(),
         };
-        let surface = open_surface(self.kinds, &scene).map_err(|error| error.to_string())?;
+        let surface = self.of_scene(&scene)?;
         let mut surfaces = self.surfaces.borrow_mut();
         surfaces.insert(key, Arc::clone(&surface));
         Ok(surface)
+    }
+
+    /// The surface of a scene, opened anew.
+    ///
+    /// # Errors
+    /// As [`Opened::get`].
+    pub(crate) fn of_scene(&self, scene: &Scene) -> Result<Arc<dyn Surface>, String> {
+        open_surface(self.kinds, scene).map_err(|error| error.to_string())
     }
 }

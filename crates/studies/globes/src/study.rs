@@ -5,7 +5,7 @@ use crate::counts::Counts;
 use crate::forms::{self, Forms};
 use crate::grid_facts::GridFacts;
 use crate::list::List;
-use crate::made::Made;
+use crate::made::{Made, height_fields};
 use crate::metrics::METRICS;
 use crate::opened::Opened;
 use crate::shading::{self, Shadings};
@@ -114,7 +114,9 @@ impl Study for GlobesStudy {
                 reason: format!("there is no surface of the kind {:?}", forms::KIND),
             });
         }
-        groups.push(Box::new(Made::new(&list, sizes)));
+        let (fields, without) = height_fields(&opened, request.data_dir.as_deref());
+        skipped.extend(without);
+        groups.push(Box::new(Made::new(&list, sizes, fields)));
         groups.push(Box::new(Counts::new(&list, is_quick, sizes.1)));
         groups.push(Box::new(Zones::new(is_quick, sizes.1)));
         Ok(Planned { groups, skipped })

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The spiral on wgpu, its vertices from wherever they come.
 
-use super::spiral::{Source, Spiral};
+use super::spiral::{Lookup, Relief, Source, Spiral};
 use crate::canvas::{Canvas, view_constants, written};
 use crate::list::Eye;
 use bytemuck::{Pod, Zeroable};
@@ -55,11 +55,54 @@ impl SpiralConstants {
     }
 }
 
+/// Twin of `Relief` in `globes/spiral.wgsl`.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct ReliefConstants {
+    per_metre: [f32; 3],
+    base_m: f32,
+    up: [f32; 3],
+    radius_m: f32,
+    normal: [f32; 3],
+    side: u32,
+    ground: [f32; 3],
+    face: u32,
+    on_face: [f32; 2],
+    within: [f32; 2],
+    cell: [u32; 2],
+    padding: [u32; 2],
+}
+
+impl ReliefConstants {
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "rounding to what the GPU reads is the purpose"
+    )]
+    fn new(spiral: &Spiral, relief: &Relief) -> Self {
+        let up = spiral.axes[2] / spiral.radii;
+        let below = relief.heights.on_face(up);
+        Self {
+            per_metre: spiral.radii.recip().as_vec3().to_array(),
+            base_m: relief.base_m as f32,
+            up: up.as_vec3().to_array(),
+            radius_m: spiral.radii.x as f32,
+            normal: relief.normal.as_vec3().to_array(),
+            side: relief.heights.side,
+            ground: relief.ground.as_vec3().to_array(),
+            face: below.face,
+            on_face: below.place.map(|at| at as f32),
+            within: below.within.map(|at| at as f32),
+            cell: below.cell,
+            padding: [0; 2],
+        }
+    }
+}
+
 /// Targets, and layouts of what shaders read.
 pub(crate) struct MadeTargets {
     canvas: Canvas,
     view_layout: wgpu::BindGroupLayout,
-    /// Constants and directions, and for the compute shader the buffer that it writes.
+    /// Constants, directions and terrain, and for the compute shader the buffer that it writes.
     layouts: [wgpu::BindGroupLayout; 2],
 }
 
@@ -71,6 +114,7 @@ pub(crate) struct MadeScene {
     view: wgpu::Buffer,
     bound_view: wgpu::BindGroup,
     constants: wgpu::Buffer,
+    relief: wgpu::Buffer,
     bound: [wgpu::BindGroup; 2],
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
@@ -83,11 +127,12 @@ impl MadeTargets {
         let uniform = wgpu::BufferBindingType::Uniform;
         let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
         let (vertex, compute) = (wgpu::ShaderStages::VERTEX, wgpu::ShaderStages::COMPUTE);
+        let read = [uniform, storage(true), uniform, storage(true)];
         Self {
             view_layout: gpu.buffer_layout("view", vertex, &[uniform]),
             layouts: [
-                gpu.buffer_layout("spiral", vertex, &[uniform, storage(true)]),
-                gpu.buffer_layout("spiral", compute, &[uniform, storage(true), storage(false)]),
+                gpu.buffer_layout("spiral", vertex, &read),
+                gpu.buffer_layout("spiral", compute, &[&read[..], &[storage(false)]].concat()),
             ],
             canvas: Canvas::new(gpu, size, TARGET),
         }
@@ -96,7 +141,7 @@ impl MadeTargets {
     pub(crate) fn scene(
         &self,
         spiral: &Spiral,
-        source: Source,
+        (source, lookup): (Source, Option<Lookup>),
         has_series: bool,
     ) -> Result<MadeScene, DeviceError> {
         let gpu = &self.canvas.gpu;
@@ -122,13 +167,23 @@ impl MadeTargets {
         let bytes = bytemuck::cast_slice(indices);
         let index_buffer =
             gpu.upload("triangles of the spiral", bytes, wgpu::BufferUsages::INDEX)?;
+        let relief = written(gpu, "relief", size_of::<ReliefConstants>() as u64, uniform);
+        let samples = spiral.relief.as_ref();
+        let samples = samples.map_or(&[0.0][..], |relief| &relief.heights.samples);
+        let samples = bytemuck::cast_slice(samples);
+        let heights = gpu.upload("heights", samples, wgpu::BufferUsages::STORAGE)?;
         let [read, made] = &self.layouts;
+        let buffers = [&constants, &directions, &relief, &heights, &vertices];
         let bound = [
-            gpu.bind_buffers("spiral", read, &[&constants, &directions]),
-            gpu.bind_buffers("spiral", made, &[&constants, &directions, &vertices]),
+            gpu.bind_buffers("spiral", read, &buffers[..4]),
+            gpu.bind_buffers("spiral", made, &buffers),
         ];
         let module = gpu.shader("globes/spiral.wgsl")?;
-        let overrides = [("SERIES", f64::from(u8::from(has_series)))];
+        let flag = |is_set| f64::from(u8::from(is_set));
+        let overrides = [
+            ("SERIES", flag(has_series)),
+            ("LOCAL", flag(lookup == Some(Lookup::Local))),
+        ];
         let options = || wgpu::PipelineCompilationOptions {
             constants: &overrides,
             ..Default::default()
@@ -138,7 +193,10 @@ impl MadeTargets {
                 label: Some("spiral"),
                 layout: Some(&gpu.pipeline_layout("spiral", &[None, Some(made)])),
                 module: &module,
-                entry_point: Some("make_main"),
+                entry_point: Some(match lookup {
+                    Some(_) => "make_displaced_main",
+                    None => "make_main",
+                }),
                 compilation_options: options(),
                 cache: None,
             })
@@ -156,6 +214,7 @@ impl MadeTargets {
             }
         };
         let (entry_point, buffers) = match source {
+            Source::Number if lookup.is_some() => ("making_displaced_main", &buffer[..0]),
             Source::Number => ("making_main", &buffer[..0]),
             Source::Sent | Source::Compute => ("read_main", &buffer[..]),
         };
@@ -179,6 +238,7 @@ impl MadeTargets {
             bound_view: gpu.bind_buffers("view", &self.view_layout, &[&view]),
             view,
             constants,
+            relief,
             bound,
             vertices,
             index_count: u32::try_from(indices.len()).unwrap_or(u32::MAX),
@@ -197,9 +257,13 @@ impl MadeTargets {
                 .collect(),
             Source::Compute | Source::Number => Vec::new(),
         };
-        let all: [(&wgpu::Buffer, &[u8]); 3] = [
+        let relief = spiral.relief.as_ref();
+        let relief = relief.filter(|_| scene.source != Source::Sent);
+        let relief = relief.map(|relief| ReliefConstants::new(spiral, relief));
+        let all: [(&wgpu::Buffer, &[u8]); 4] = [
             (&scene.view, bytemuck::bytes_of(&view)),
             (&scene.constants, bytemuck::bytes_of(&constants)),
+            (&scene.relief, bytemuck::cast_slice(relief.as_slice())),
             (&scene.vertices, bytemuck::cast_slice(&vertices)),
         ];
         for (buffer, bytes) in all.iter().filter(|(_, bytes)| !bytes.is_empty()) {
@@ -264,5 +328,10 @@ mod tests {
         let offsets: Vec<u32> = layout.members.iter().map(|member| member.1).collect();
         assert_eq!(offsets, [0, 12, 16, 28, 32, 44, 48, 60, 64, 68]);
         assert_eq!(layout.stride as usize, size_of::<SpiralConstants>());
+        let layout = terrafill_shaders::struct_layout("globes/spiral.wgsl", "Relief");
+        let layout = layout.expect("a struct");
+        let offsets: Vec<u32> = layout.members.iter().map(|member| member.1).collect();
+        assert_eq!(offsets, [0, 12, 16, 28, 32, 44, 48, 60, 64, 72, 80]);
+        assert_eq!(layout.stride as usize, size_of::<ReliefConstants>());
     }
 }

@@ -6,13 +6,16 @@ use crate::table::{by_case, cases, conditions};
 use terrafill_plot::number::significant;
 use terrafill_results::{Block, Case, Clock, Finding, Run, Standing, Table};
 
+/// Views by whose pixels a height that is looked up in f32 is judged.
+const NEAR: &str = "ground-1.7m";
+
 /// The section; nothing where no case was planned.
 pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
     let cases = cases(run, PART);
     if cases.is_empty() {
         return Vec::new();
     }
-    vec![
+    [
         Block::section("Vertices made on the GPU"),
         Block::Text(
             "A spiral of 72 vertices a turn by the focus-local form, from the fan to the horizon: sent by the CPU, made \
@@ -22,9 +25,42 @@ pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
              tenth order have one of their own."
                 .to_owned(),
         ),
+        Block::Text(
+            "Over terrain each vertex is moved up by a height that it looks up where it is, on the faces of a cube; the \
+             paper had no hardware for that and leaves it to the future. By its direction from the body's centre, in \
+             f32, a vertex is half a metre off and its height with it. Locally it goes by its way from the ground below \
+             the eye: heights and normals are differences from those there."
+                .to_owned(),
+        ),
         Block::Table(table(&cases, clock)),
         Block::Finding(finding(&cases)),
     ]
+    .into_iter()
+    .chain(displaced(&cases).map(Block::Finding))
+    .collect()
+}
+
+/// What looking heights up in f32 costs on the ground; nothing where no vertex was displaced.
+fn displaced(cases: &[&Case]) -> Option<Finding> {
+    let worst = |lookup: &str, view: Option<&str>| {
+        let own = cases.iter().filter(|case| {
+            case.condition("lookup") == lookup
+                && view.is_none_or(|view| case.condition("view") == view)
+        });
+        own.filter_map(|case| case.value("globe_made_px_max"))
+            .max_by(f64::total_cmp)
+    };
+    let (absolute, local) = (worst("absolute", Some(NEAR))?, worst("local", None)?);
+    Some(Finding {
+        claim: "Vertices displaced in the vertex stage stay where f64 puts them if heights are looked up locally"
+            .to_owned(),
+        standing: Standing::holds_if(local <= super::ALLOWED_PX),
+        because: format!(
+            "Locally they are {} px off at most in all views. By directions from the centre they are {} px off at 1.7 m.",
+            significant(local),
+            significant(absolute)
+        ),
+    })
 }
 
 fn table(cases: &[&Case], clock: Clock) -> Table {
@@ -42,8 +78,15 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
         "Vertices sent and made",
         cases,
         (
-            &["view", "vertices", "trigonometry", "law"],
-            &conditions(&["view", "vertices", "trig", "law"]),
+            &[
+                "view",
+                "vertices",
+                "trigonometry",
+                "law",
+                "heights",
+                "looked up",
+            ],
+            &conditions(&["view", "vertices", "trig", "law", "heights", "lookup"]),
         ),
         &columns,
         &|_| "not measured",
@@ -53,7 +96,9 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
 fn finding(cases: &[&Case]) -> Finding {
     let worst = |trig: &str| {
         let own = cases.iter().filter(|case| {
-            case.condition("trig") == trig && case.condition("vertices") == "compute"
+            case.condition("trig") == trig
+                && case.condition("vertices") == "compute"
+                && case.condition("heights") == "none"
         });
         own.filter_map(|case| case.value("globe_made_px_max"))
             .max_by(f64::total_cmp)

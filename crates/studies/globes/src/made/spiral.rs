@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The spiral in `f64`, which `globes/spiral.wgsl` follows in `f32`.
 
+use super::heights::HeightCube;
 use crate::list::Eye;
 use glam::DVec3;
-use std::f64::consts::{LN_2, TAU};
+use std::f64::consts::{FRAC_PI_2, LN_2, TAU};
+use std::sync::Arc;
+use terrafill_core::Geodetic;
 
 /// Radius of the fan, pixels, and of the inner circle at most.
 const FAN_PX: f64 = 50.0;
@@ -32,8 +35,38 @@ impl Source {
     }
 }
 
+/// How vertices find their heights in f32.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Lookup {
+    /// By their direction from the body's centre; the height is added to a place relative to the eye.
+    Absolute,
+    /// By their way from the ground below the eye, whose own height and normal are differences' other side.
+    Local,
+}
+
+impl Lookup {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Absolute => "absolute",
+            Self::Local => "local",
+        }
+    }
+}
+
+/// Terrain under a spiral, and the ground below the eye.
+#[derive(Debug, Clone)]
+pub(crate) struct Relief {
+    pub(crate) heights: Arc<HeightCube>,
+    /// Height of the ground below the eye, metres.
+    pub(crate) base_m: f64,
+    /// That ground from the eye.
+    pub(crate) ground: DVec3,
+    /// Geodetic normal there.
+    pub(crate) normal: DVec3,
+}
+
 /// A spiral in f64, which the shader follows.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct Spiral {
     /// East, north and up of the focus in scaled space, in metres.
     pub(crate) axes: [DVec3; 3],
@@ -44,34 +77,71 @@ pub(crate) struct Spiral {
     pub(crate) turns: f64,
     pub(crate) per_turn: u32,
     pub(crate) is_quadratic: bool,
+    pub(crate) radii: DVec3,
+    pub(crate) relief: Option<Relief>,
+}
+
+/// acos(1/ratio) without its cancellation near 1: tan² = ratio² − 1.
+fn angle_to(ratio: f64) -> f64 {
+    ((ratio - 1.0) * (ratio + 1.0)).max(0.0).sqrt().atan()
 }
 
 impl Spiral {
-    /// In closed form from a view: from the fan's rim to the horizon, in square cells.
-    pub(super) fn new(eye: &Eye, per_turn: u32, is_quadratic: bool) -> Self {
+    /// In closed form from a view: from the fan's rim to the horizon, in square cells. Over terrain the focus is the
+    /// foot of the eye's height, since the line to the centre leaves the ground below the eye by some metres, and the
+    /// horizon is that of the highest summit.
+    pub(super) fn new(
+        eye: &Eye,
+        per_turn: u32,
+        is_quadratic: bool,
+        heights: Option<&Arc<HeightCube>>,
+    ) -> Self {
         let radii = eye.body.radii_m();
         let scaled = eye.camera.eye_ecef / radii;
         let distance = scaled.length();
-        let up = scaled / distance;
+        let mut up = scaled / distance;
+        // acos(1/d), and the eye's height in radii.
+        let (mut outer, mut height) = (angle_to(distance), distance - 1.0);
+        let mut focus = eye.camera.eye_ecef * ((1.0 - distance) / distance);
+        let relief = heights.map(|heights| {
+            let foot = Geodetic {
+                height_m: 0.0,
+                ..eye.pose.eye
+            };
+            let foot = eye.body.geodetic_to_ecef(foot) / radii;
+            let normal = (foot / radii).normalize();
+            let base_m = heights.height_m(foot);
+            let above_m = eye.pose.eye.height_m - base_m;
+            let leaning = up.cross(foot).length().atan2(up.dot(foot));
+            let summits = angle_to(1.0 + heights.highest_m / eye.body.polar_radius_m());
+            outer = (outer + leaning + summits).min(FRAC_PI_2);
+            height = above_m / eye.body.polar_radius_m();
+            up = foot;
+            focus = normal * -eye.pose.eye.height_m;
+            Relief {
+                heights: Arc::clone(heights),
+                base_m,
+                ground: normal * -above_m,
+                normal,
+            }
+        });
         let across = up.x.hypot(up.y);
         let east = match across > 0.0 {
             true => DVec3::new(-up.y / across, up.x / across, 0.0),
             false => DVec3::Y,
         };
-        // acos(1/d) without its cancellation near 1: tan² = d² − 1.
-        let outer = ((distance - 1.0) * (distance + 1.0)).sqrt().atan();
         let focal_px = 0.5 * f64::from(eye.size.height) / eye.camera.tan_half_fov();
-        let inner = (FAN_PX * (distance - 1.0) / focal_px)
-            .min(MAX_INNER)
-            .min(0.5 * outer);
+        let inner = (FAN_PX * height / focal_px).min(MAX_INNER).min(0.5 * outer);
         Self {
             axes: [east * radii, up.cross(east) * radii, up * radii],
-            focus: eye.camera.eye_ecef * ((1.0 - distance) / distance),
+            focus,
             inner,
             outer,
             turns: f64::from(per_turn) * LN_2 / TAU * (outer / inner).log2(),
             per_turn,
             is_quadratic,
+            radii,
+            relief,
         }
     }
 
@@ -107,8 +177,19 @@ impl Spiral {
 
     /// A vertex from the eye, metres.
     pub(crate) fn place(&self, number: u32) -> DVec3 {
+        let way = self.way(number);
+        let Some(relief) = &self.relief else {
+            return way + self.focus;
+        };
+        let direction = (self.axes[2] + way) / self.radii;
+        let normal = (direction / self.radii).normalize();
+        way + self.focus + normal * relief.heights.height_m(direction)
+    }
+
+    /// From the focus to a vertex on the body, metres.
+    fn way(&self, number: u32) -> DVec3 {
         let Some(k) = number.checked_sub(1) else {
-            return self.focus;
+            return DVec3::ZERO;
         };
         let share = (f64::from(k) / f64::from(self.per_turn) / self.turns).min(1.0);
         let radius = match self.is_quadratic {
@@ -118,6 +199,6 @@ impl Spiral {
         let angle = TAU * f64::from(k % self.per_turn) / f64::from(self.per_turn);
         let [east, north, up] = self.axes;
         let level = east * angle.sin() + north * angle.cos();
-        level * radius.sin() - up * (2.0 * (0.5 * radius).sin().powi(2)) + self.focus
+        level * radius.sin() - up * (2.0 * (0.5 * radius).sin().powi(2))
     }
 }

@@ -5,6 +5,20 @@ use super::*;
 use std::rc::Rc;
 use terrafill_fill::{Devices, device_for_test};
 use terrafill_results::Status;
+use terrafill_spiral::SpiralKind;
+
+/// Relief from a seed; without data no other.
+fn fields() -> Vec<Arc<HeightCube>> {
+    let (fields, skipped) = height_fields(&Opened::new(&[&SpiralKind]), None);
+    assert_eq!(fields.len(), 1);
+    assert!(skipped.len() == 1 && skipped[0].what.ends_with("etopo"));
+    assert!(
+        skipped[0].reason.contains("etopo20"),
+        "{}",
+        skipped[0].reason
+    );
+    fields
+}
 
 fn eye(name: &str) -> Eye {
     let list = List::shipped().expect("a list");
@@ -17,7 +31,7 @@ fn every_vertex_lies_on_the_body_and_every_edge_is_shared() {
     for view in VIEWS {
         let eye = eye(view);
         for is_quadratic in [false, true] {
-            let spiral = Spiral::new(&eye, 36, is_quadratic);
+            let spiral = Spiral::new(&eye, 36, is_quadratic, None);
             let mut edges: BTreeMap<[u32; 2], u32> = BTreeMap::new();
             for [a, b, c] in spiral.triangles() {
                 for [p, q] in [[a, b], [b, c], [c, a]] {
@@ -36,13 +50,40 @@ fn every_vertex_lies_on_the_body_and_every_edge_is_shared() {
 }
 
 #[test]
+fn over_terrain_every_vertex_is_as_high_as_the_field_says() {
+    let made = Made::new(&List::shipped().expect("a list"), (160, 1), fields());
+    let field = &made.fields[0];
+    assert!(field.highest_m > 3000.0 && field.bytes() == 4 * 6 * 257 * 257);
+    for work in made.work.iter().filter(|work| work.terrain.is_some()) {
+        let eye = made.eye(work).expect("the view");
+        let spiral = made.spiral(&eye, work);
+        let mut highest_m: f64 = 0.0;
+        for number in 0..spiral.count() {
+            let place = eye
+                .body
+                .ecef_to_geodetic(eye.camera.eye_ecef + spiral.place(number));
+            let foot = Geodetic {
+                height_m: 0.0,
+                ..place
+            };
+            let foot = eye.body.geodetic_to_ecef(foot) / eye.body.radii_m();
+            let off_m = place.height_m - field.height_m(foot);
+            assert!(off_m.abs() < 1e-4, "{work:?} {number}: {off_m}");
+            highest_m = highest_m.max(place.height_m);
+        }
+        // Twin: it is no bare body.
+        assert!(highest_m > 50.0, "{work:?}: {highest_m}");
+    }
+}
+
+#[test]
 fn devices_make_the_vertices_of_f64_and_both_stages_the_same() {
     let devices = Rc::new(Devices::default());
     if device_for_test(terrafill_gpu::shared_gpu(&devices)).is_none() {
         return;
     }
     let list = List::shipped().expect("a list");
-    let made = Made::new(&list, (160, 1));
+    let made = Made::new(&list, (160, 1), fields());
     let folder = tempfile::tempdir().expect("a folder");
     let context = Context {
         devices: &devices,
@@ -62,7 +103,12 @@ fn devices_make_the_vertices_of_f64_and_both_stages_the_same() {
             verdict.reason,
             figures.join(", ")
         );
-        if work.has_series || work.source == Source::Sent {
+        let looked_up = work.terrain.map(|(_, lookup)| lookup);
+        if looked_up == Some(Lookup::Absolute) {
+            // Half a metre at the Earth's radius is seen from 1.7 m.
+            let is_near = work.view == "ground-1.7m";
+            assert_eq!(verdict.status == Status::Wrong, is_near, "{work:?}");
+        } else if work.has_series || work.source == Source::Sent {
             assert_eq!(verdict.status, Status::Ok, "{work:?}: {}", verdict.reason);
             assert!(session.sample(case).is_ok());
         }
@@ -72,7 +118,7 @@ fn devices_make_the_vertices_of_f64_and_both_stages_the_same() {
 #[test]
 fn a_vertex_that_was_moved_is_found() {
     let eye = eye("globe");
-    let spiral = Spiral::new(&eye, 36, false);
+    let spiral = Spiral::new(&eye, 36, false, None);
     let mut vertices: Vec<[f32; 3]> = (0..spiral.count())
         .map(|k| spiral.place(k).as_vec3().to_array())
         .collect();
