@@ -91,6 +91,7 @@ mod tests {
             view_id: ViewId::unique(),
             size,
             volumes: (10..13).map(volume).collect(),
+            cover_tiles: Default::default(),
         }
     }
 

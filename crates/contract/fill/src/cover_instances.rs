@@ -44,7 +44,7 @@ impl CoverInstance {
 }
 
 impl FillProgram {
-    /// An instance for each cover that is a triangle over the screen, in the order of the steps.
+    /// An instance for each rectangle of a cover that is a triangle over the screen, in the order of the steps.
     #[must_use]
     pub fn cover_instances(&self, list: &VolumeList) -> Vec<CoverInstance> {
         let mut instances = Vec::new();
@@ -53,11 +53,11 @@ impl FillProgram {
                 scissor, volumes, ..
             } = step
             {
-                let instance = |&volume: &usize| {
+                for &volume in volumes {
                     let number = u32::try_from(volume).unwrap_or(u32::MAX);
-                    CoverInstance::new(list.rect(volume, scissor), list.size, number)
-                };
-                instances.extend(volumes.iter().map(instance));
+                    let rects = list.cover_rects(volume, scissor);
+                    instances.extend(rects.map(|rect| CoverInstance::new(rect, list.size, number)));
+                }
             }
         }
         instances

@@ -11,7 +11,9 @@
 //! All rungs before the last two fill every region in one colour, as the document's did. A technique puts
 //! its own rungs between those that all techniques share.
 
-use crate::{BottomCap, ColourWay, DepthRuleChoice, FacePasses, FirstPass, Switches, Variant};
+use crate::{
+    BottomCap, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass, Switches, Variant,
+};
 use terrafill_scene::{Overlap, PartCulling, PlanOptions, WallHeights};
 
 /// Deviation that boundaries may be drawn with where levels of detail are on: half a pixel stays
@@ -261,6 +263,11 @@ impl Climb {
                 switches.merges_draws = true;
                 switches.scissor = false;
             },
+        )
+        .aside(
+            "cover-tiles",
+            "covers are cut to tiles that the facets of the region's cap touch, where those are fewer pixels",
+            |variant| variant.switches.cover_area = CoverArea::Tiles,
         )
     }
 

@@ -13,6 +13,7 @@ mod bottom_caps;
 mod clock;
 mod constants;
 mod cover_instances;
+mod cover_tiles;
 mod depth_range;
 mod devices;
 mod error;
@@ -86,8 +87,8 @@ pub use route_choice::RouteChoice;
 pub use steps::{FillStep, NUMBER_BYTES, VolumeDraw, VolumeState};
 pub use surface_view::{SurfaceLook, SurfaceView};
 pub use switches::{
-    BottomCap, ColourWay, DepthRuleChoice, FacePasses, FirstPass, StencilClear, SwitchError,
-    Switches, pick,
+    BottomCap, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass, StencilClear,
+    SwitchError, Switches, pick,
 };
 pub use targets::{Api, Targets};
 pub use technique::{Role, Technique, layouts};

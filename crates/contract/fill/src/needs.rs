@@ -380,7 +380,16 @@ impl Told<'_> {
                 uses.covers > 0,
                 match uses.covers {
                     0 => "nothing is coloured plainly".to_owned(),
-                    some => format!("colour={}: {some} covers", switches.colour.name()),
+                    some => format!(
+                        "colour={}: {some} covers{}",
+                        switches.colour.name(),
+                        uses.tiled_covers
+                            .map_or(String::new(), |[covers, rects, px, whole]| {
+                                format!(
+                                    ", {covers} of them {rects} tiles of {px} px instead of {whole}"
+                                )
+                            })
+                    ),
                 },
             ),
             Feature::FlatMeshes => (

@@ -3,7 +3,7 @@
 //!
 //! Every rung shows the same picture. What comes last decides by itself what each view needs.
 
-use crate::{BottomCap, ColourWay, DepthRuleChoice, Rung, Switches, Technique, Variant};
+use crate::{BottomCap, ColourWay, CoverArea, DepthRuleChoice, Rung, Switches, Technique, Variant};
 use terrafill_scene::{Overlap, PlanOptions};
 
 /// The rungs that `technique` can draw on scenes of this kind; none for a technique without these switches.
@@ -41,7 +41,7 @@ fn everything(mut variant: Variant, has_picture: bool) -> Variant {
     };
     variant.switches = Switches {
         colour: ColourWay::Rectangle,
-        covers_screen: true,
+        cover_area: CoverArea::Screen,
         copies_depth: true,
         loads_texture: has_picture,
         ..Switches::default()
@@ -86,7 +86,7 @@ const STEPS: [Step; 11] = [
         "rectangles",
         "covers and volumes are cut to their region's screen rectangle",
         |variant, _| {
-            variant.switches.covers_screen = false;
+            variant.switches.cover_area = CoverArea::Rectangle;
             variant.switches.scissor = true;
         },
     ),

@@ -7,8 +7,8 @@
 
 use crate::batches::{VolumeClasses, XorBatches, overlap_depth};
 use crate::{
-    BottomCap, ColourWay, DepthRuleChoice, DeviceError, FacePasses, FirstPass, StencilClear,
-    SwitchError, Switches, Volume,
+    BottomCap, ColourWay, CoverArea, DepthRuleChoice, DeviceError, FacePasses, FirstPass,
+    StencilClear, SwitchError, Switches, Volume,
 };
 use terrafill_scene::Overlap;
 
@@ -572,7 +572,7 @@ impl Builder<'_> {
                 test: MARKED,
                 shape: match self.switches.colour {
                     ColourWay::Volume => self.cover_shape(volume),
-                    _ if self.switches.covers_screen => CoverShape::Screen,
+                    _ if self.switches.cover_area == CoverArea::Screen => CoverShape::Screen,
                     _ => CoverShape::Rectangle,
                 },
                 volumes: vec![volume],

@@ -149,6 +149,38 @@ impl FirstPass {
     }
 }
 
+/// What covers by triangles over the screen are cut to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum CoverArea {
+    /// Their region's screen rectangle.
+    #[default]
+    Rectangle,
+    /// Nothing: what a rectangle saves.
+    Screen,
+    /// Tiles that the facets of the region's cap touch, where those are fewer pixels than the rectangle is. For covers
+    /// that are one draw.
+    Tiles,
+}
+
+impl CoverArea {
+    /// Every area, with its name in variants and reports.
+    pub const ALL: [(&str, Self); 3] = [
+        ("rectangle", Self::Rectangle),
+        ("screen", Self::Screen),
+        ("tiles", Self::Tiles),
+    ];
+
+    /// Name in variants and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rectangle => "rectangle",
+            Self::Screen => "screen",
+            Self::Tiles => "tiles",
+        }
+    }
+}
+
 /// What takes the stencil back to 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum StencilClear {
@@ -174,8 +206,8 @@ pub struct Switches {
     pub first_pass: FirstPass,
     /// Volumes are cut to their region's screen rectangle as well, not only covers.
     pub scissor: bool,
-    /// Covers by triangles over the screen are not cut to their region's rectangle: what a rectangle saves.
-    pub covers_screen: bool,
+    /// What covers by triangles over the screen are cut to.
+    pub cover_area: CoverArea,
     /// Top caps leave out the facets that face away from the eye, and covers the sky, for regions of
     /// which that is known to be right.
     pub front_caps: bool,
@@ -219,7 +251,7 @@ impl Switches {
     /// Every key with its values.
     pub const KEYS: &str = "bottom-cap=always|first-pass|where-needed, cap-faces=both|front, \
         colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
-        cover-area=rectangle|screen, cover-faces=both|culled, depth-bounds=off|on, depth-copy=none|made, \
+        cover-area=rectangle|screen|tiles, cover-faces=both|culled, depth-bounds=off|on, depth-copy=none|made, \
         depth-rule=zfail|zpass|automatic, draws=each|merged, faces=two-sided|two-pass, \
         first-pass=stencil|colour|program|program-colour, normalize=needed|superfluous, position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
         stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3, \
@@ -260,10 +292,7 @@ impl Switches {
             ("bottom-cap", bottom_cap.to_owned()),
             ("cap-faces", either(self.front_caps, ["both", "front"])),
             ("colour", self.colour.name().to_owned()),
-            (
-                "cover-area",
-                either(self.covers_screen, ["rectangle", "screen"]),
-            ),
+            ("cover-area", self.cover_area.name().to_owned()),
             (
                 "cover-faces",
                 either(self.cover_culls_faces, ["both", "culled"]),
@@ -345,8 +374,7 @@ impl Switches {
                 self.colour = pick("colour", value, &ways)?;
             }
             "cover-area" => {
-                let choices = [("rectangle", false), ("screen", true)];
-                self.covers_screen = pick("cover-area", value, &choices)?;
+                self.cover_area = pick("cover-area", value, &CoverArea::ALL)?;
             }
             "cover-faces" => {
                 let choices = [("both", false), ("culled", true)];
@@ -502,7 +530,7 @@ impl Switches {
             });
         }
         let shares_numbers = covers_apart || self.colour == ColourWay::IdAccumulation;
-        if self.covers_screen && shares_numbers {
+        if self.cover_area == CoverArea::Screen && shares_numbers {
             return Err(SwitchError {
                 switch: "cover-area",
                 found: format!(
@@ -510,6 +538,20 @@ impl Switches {
                     self.colour.name()
                 ),
                 allowed: "rectangle, or colour=rectangle, volume or one colour".to_owned(),
+            });
+        }
+        let has_merged_covers = self.merges_draws && covers_apart && self.texture.is_none();
+        if self.cover_area == CoverArea::Tiles && !has_merged_covers {
+            return Err(SwitchError {
+                switch: "cover-area",
+                found: format!(
+                    "tiles with colour={}, draws={}, texture={}",
+                    self.colour.name(),
+                    self.setting("draws"),
+                    self.setting("texture")
+                ),
+                allowed: "rectangle, or colour=xor or bit-planes, draws=merged and texture=plain"
+                    .to_owned(),
             });
         }
         self.check_caps()?;
@@ -611,7 +653,7 @@ mod tests {
             scissor: true,
             front_caps: true,
             merges_draws: true,
-            covers_screen: true,
+            cover_area: CoverArea::Screen,
             cover_culls_faces: true,
             stencil_clear: StencilClear::ByColour,
             depth_bounds: true,
@@ -675,7 +717,7 @@ mod tests {
         for colour in ColourWay::ALL {
             let everywhere = Switches {
                 colour,
-                covers_screen: true,
+                cover_area: CoverArea::Screen,
                 ..Switches::default()
             };
             let shares = [
@@ -763,6 +805,34 @@ mod tests {
             );
             // Twin: with both kinds of facets it is allowed.
             wrong.front_caps = false;
+            assert_eq!(wrong.check(Overlap::Disjoint), Ok(()));
+        }
+    }
+
+    #[test]
+    fn covers_are_tiles_only_where_they_are_one_draw_of_rectangles() {
+        let tiles = Switches {
+            merges_draws: true,
+            cover_area: CoverArea::Tiles,
+            ..Switches::default()
+        };
+        assert_eq!(tiles.check(Overlap::Disjoint), Ok(()));
+        for (key, value) in [
+            ("draws", "each"),
+            ("colour", "rectangle"),
+            ("colour", "id-accumulation"),
+            ("texture", "chosen"),
+        ] {
+            let mut wrong = tiles;
+            assert_eq!(wrong.set(key, value), Ok(true));
+            let error = wrong.check(Overlap::Disjoint).expect_err(value);
+            assert_eq!(error.switch, "cover-area");
+            assert!(
+                error.to_string().contains(&format!("{key}={value}")),
+                "{error}"
+            );
+            // Twin: cut to rectangles it is allowed.
+            wrong.cover_area = CoverArea::Rectangle;
             assert_eq!(wrong.check(Overlap::Disjoint), Ok(()));
         }
     }

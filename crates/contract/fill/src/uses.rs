@@ -7,6 +7,7 @@ use crate::{
     CoverShape, DepthRule, FaceEffect, FillCommand, FillInput, FillProgram, Switches, VolumeList,
 };
 use std::collections::{BTreeMap, BTreeSet};
+use terrafill_scene::PixelRect;
 
 /// Counts over a program.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -36,6 +37,8 @@ pub(crate) struct Uses {
     pub(crate) accumulates: bool,
     /// Covers and volumes that are cut to their region's rectangle.
     pub(crate) cut_covers: usize,
+    /// Covers cut to tiles, rectangles of these, their pixels, and those of the screen rectangles in their place.
+    pub(crate) tiled_covers: Option<[u64; 4]>,
     pub(crate) cut_volumes: usize,
 }
 
@@ -56,6 +59,7 @@ impl Uses {
             met_by_near_plane: met.filter(|volume| volume.near_plane_meets_volume).count(),
             nearest_m: nearest.reduce(f64::min),
             accumulates: program.accumulates(),
+            tiled_covers: tiled_covers(list),
             ..Self::default()
         };
         if switches.front_caps {
@@ -127,6 +131,19 @@ impl Uses {
             self.covers += covers;
         }
     }
+}
+
+/// See [`Uses::tiled_covers`].
+fn tiled_covers(list: &VolumeList) -> Option<[u64; 4]> {
+    let area = |rect: &PixelRect| u64::from(rect.width()) * u64::from(rect.height());
+    let mut found = [0; 4];
+    for (&volume, tiles) in &list.cover_tiles {
+        found[0] += 1;
+        found[1] += tiles.len() as u64;
+        found[2] += tiles.iter().map(area).sum::<u64>();
+        found[3] += area(&list.volumes[volume].screen_rect);
+    }
+    (found[0] > 0).then_some(found)
 }
 
 /// A length in the unit that it is read in.

@@ -5,9 +5,11 @@
 //! its list from a [`FillInput`], one volume for each planned region; shadows of objects make theirs
 //! from whatever casts them.
 
+use crate::cover_tiles::cover_tiles;
 use crate::depth_range::depth_range;
 use crate::front_caps::caps_kept;
-use crate::{DepthRange, FillInput, Switches, ViewId};
+use crate::{CoverArea, DepthRange, FillInput, Switches, ViewId};
+use std::collections::BTreeMap;
 use terrafill_scene::{ImageSize, PixelRect};
 
 /// A closed solid. A stencil program marks the part of the surface that lies inside it.
@@ -39,12 +41,15 @@ pub struct VolumeList {
     pub size: ImageSize,
     /// Later ones cover earlier ones.
     pub volumes: Vec<Volume>,
+    /// Of some volumes, rectangles that hold all of their pixels and none twice: what merged covers draw instead
+    /// of the screen rectangle.
+    pub cover_tiles: BTreeMap<usize, Vec<PixelRect>>,
 }
 
 impl VolumeList {
     /// One volume for each planned region, in the order of the plan, as `switches` need it.
     ///
-    /// - cost: with `cap-faces=front`, O(triangles of all planned regions)
+    /// - cost: with `cap-faces=front` or `cover-area=tiles`, O(triangles of all planned regions)
     #[must_use]
     pub fn of(input: &FillInput, switches: &Switches) -> Self {
         let mut list = Self::from(input);
@@ -53,7 +58,28 @@ impl VolumeList {
                 volume.front_caps_suffice = caps_kept(input, planned).is_none();
             }
         }
+        if switches.cover_area == CoverArea::Tiles {
+            let planned = input.plan.regions.iter().enumerate();
+            let tiles =
+                planned.filter_map(|(at, planned)| Some((at, cover_tiles(input, planned)?)));
+            list.cover_tiles = tiles.collect();
+        }
         list
+    }
+
+    /// Rectangles of a volume's cover.
+    pub fn cover_rects(&self, volume: usize, scissor: bool) -> impl Iterator<Item = PixelRect> {
+        let tiles = self.cover_tiles.get(&volume).filter(|_| scissor);
+        let whole = tiles.is_none().then(|| self.rect(volume, scissor));
+        tiles.into_iter().flatten().copied().chain(whole)
+    }
+
+    /// How many rectangles merged covers of these volumes are.
+    #[must_use]
+    pub fn cover_count(&self, volumes: &[usize], scissor: bool) -> u32 {
+        let counts = volumes.iter();
+        let counts = counts.map(|&volume| self.cover_rects(volume, scissor).count());
+        u32::try_from(counts.sum::<usize>()).unwrap_or(u32::MAX)
     }
 
     /// Where a volume may be drawn: its screen rectangle with `scissor`, else everywhere.
@@ -85,6 +111,7 @@ impl From<&FillInput> for VolumeList {
                     geometry: planned.mesh,
                 })
                 .collect(),
+            cover_tiles: BTreeMap::new(),
         }
     }
 }

@@ -619,8 +619,13 @@ impl VolumeFill {
                 pass.at_sky(false);
                 volumes.draw(pass, draw, blends && is_coloured(draw));
             }
-            FillStep::Cover { test, volumes, .. } if loaded.covers.is_some() => {
-                let range = merged_covers.next(volumes.len());
+            FillStep::Cover {
+                test,
+                scissor,
+                volumes,
+            } if loaded.covers.is_some() => {
+                let rectangles = loaded.work.list.cover_count(volumes, *scissor);
+                let range = merged_covers.next(rectangles);
                 self.covers.draw_merged(pass, *test, blends, range);
             }
             FillStep::Cover {
@@ -647,9 +652,9 @@ struct MergedCovers {
 
 impl MergedCovers {
     /// The instances of the next step.
-    fn next(&mut self, count: usize) -> Range<u32> {
+    fn next(&mut self, count: u32) -> Range<u32> {
         let first = self.drawn;
-        self.drawn = first.saturating_add(u32::try_from(count).unwrap_or(u32::MAX));
+        self.drawn = first.saturating_add(count);
         first..self.drawn
     }
 }

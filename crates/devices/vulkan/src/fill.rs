@@ -448,9 +448,17 @@ impl<'a> Recording<'a> {
                 };
                 textured.draw_covers(pass, *test, purpose, *scissor, volumes);
             }
-            (FillStep::Cover { test, volumes, .. }, None) if self.loaded.covers.is_some() => {
+            (
+                FillStep::Cover {
+                    test,
+                    scissor,
+                    volumes,
+                },
+                None,
+            ) if self.loaded.covers.is_some() => {
                 let first = *covered;
-                *covered = first.saturating_add(u32::try_from(volumes.len()).unwrap_or(u32::MAX));
+                let rectangles = self.loaded.work.list.cover_count(volumes, *scissor);
+                *covered = first.saturating_add(rectangles);
                 if let Some(list) = &self.loaded.covers {
                     let covers = &self.fill.covers;
                     covers.draw_merged(pass, *test, list, first..*covered);

@@ -155,6 +155,7 @@ impl Scene {
                         view_id: id,
                         size,
                         volumes: list,
+                        cover_tiles: Default::default(),
                     },
                     constants,
                     blends: false,

@@ -383,6 +383,7 @@ mod tests {
                 height: 64,
             },
             volumes: vec![volume(2, 0), volume(0, 5), volume(1, 20)],
+            cover_tiles: Default::default(),
         }
     }
 

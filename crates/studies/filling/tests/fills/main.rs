@@ -5,6 +5,7 @@
 
 mod camera_path;
 mod compute_against_reference;
+mod cover_tiles;
 mod depth_rule;
 mod drawing;
 mod extreme_suite;

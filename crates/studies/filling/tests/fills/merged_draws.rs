@@ -19,13 +19,13 @@ use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::{Layout, LevelVertices, VertexVariant, VertexVolumes, Walls};
 
-const SIZE: ImageSize = ImageSize {
+pub(crate) const SIZE: ImageSize = ImageSize {
     width: 256,
     height: 256,
 };
 
 /// The full plan, and each of its draws alone or merged.
-fn switches(merges_draws: bool) -> Switches {
+pub(crate) fn switches(merges_draws: bool) -> Switches {
     Switches {
         merges_draws,
         depth_rule: DepthRuleChoice::Automatic,
@@ -34,7 +34,7 @@ fn switches(merges_draws: bool) -> Switches {
     }
 }
 
-fn techniques() -> Vec<Technique> {
+pub(crate) fn techniques() -> Vec<Technique> {
     let vertex = Layout::ALL.map(|layout| {
         Technique::Vertex(VertexVariant {
             layout,
@@ -59,7 +59,7 @@ fn techniques() -> Vec<Technique> {
         .collect()
 }
 
-fn seen(scene: &PreparedScene, view: &View) -> FillInput {
+pub(crate) fn seen(scene: &PreparedScene, view: &View) -> FillInput {
     FillInput::new(scene, view, SIZE, PlanOptions::default()).expect("a surface")
 }
 
@@ -243,12 +243,12 @@ fn levels_share_draws_as_full_boundaries_do() {
 }
 
 /// Pixels that change where the program of the merged draws is changed.
-fn differing_when(
+pub(crate) fn differing_when(
     targets: &AllTargets<'_>,
     input: &FillInput,
+    switches: Switches,
     change: impl Fn(&mut FillProgram, &mut VolumeList),
 ) -> usize {
-    let switches = switches(true);
     let variant = VertexVariant {
         switches,
         ..VertexVariant::default()
@@ -291,15 +291,18 @@ fn draws_that_share_what_they_may_not_are_wrong() {
     };
     let targets = AllTargets::new(&devices, SIZE);
     let input = seen(&scene, &views[0]);
-    assert_eq!(differing_when(&targets, &input, |_, _| ()), 0);
+    let differing_when = |change: &dyn Fn(&mut FillProgram, &mut VolumeList)| {
+        differing_when(&targets, &input, switches(true), change)
+    };
+    assert_eq!(differing_when(&|_, _| ()), 0);
     // Covers of one number reach over the volumes of that number that they are merged with.
-    let wide = differing_when(&targets, &input, |_, list| {
+    let wide = differing_when(&|_, list| {
         for volume in &mut list.volumes {
             volume.screen_rect.right = (volume.screen_rect.right + 40).min(SIZE.width);
         }
     });
     // A step loses its last volume to no other.
-    let lost = differing_when(&targets, &input, |program, _| {
+    let lost = differing_when(&|program, _| {
         for command in program
             .passes
             .iter_mut()
@@ -311,7 +314,7 @@ fn draws_that_share_what_they_may_not_are_wrong() {
         }
     });
     // Constants of another volume: the table says whose they are.
-    let swapped = differing_when(&targets, &input, |_, list| {
+    let swapped = differing_when(&|_, list| {
         let last = list.volumes.len() - 1;
         let geometry = list.volumes[0].geometry;
         list.volumes[0].geometry = list.volumes[last].geometry;

@@ -12,7 +12,7 @@ use drawing::{
 use terrafill_compute::{ComputeVariant, Expansion, GpuCulling};
 use terrafill_core::Ellipsoid;
 use terrafill_fill::{
-    BottomCap, ColourWay, DepthRuleChoice, Feature, FillBackend, FillInput, Need, Needs,
+    BottomCap, ColourWay, CoverArea, DepthRuleChoice, Feature, FillBackend, FillInput, Need, Needs,
     PreparedScene, Switches, WorkDone, needs_ladder,
 };
 use terrafill_native::{Extrusion, NativeVariant};
@@ -138,7 +138,7 @@ fn every_byte_and_every_pipeline_belongs_to_a_feature() {
     let targets = AllTargets::new(&devices, SIZE);
     let all_at_once = Switches {
         colour: ColourWay::Rectangle,
-        covers_screen: true,
+        cover_area: CoverArea::Screen,
         copies_depth: true,
         ..Switches::default()
     };
