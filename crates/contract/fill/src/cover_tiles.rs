@@ -11,8 +11,8 @@ use terrafill_scene::{PixelRect, PlannedRegion};
 
 /// Side of a tile, pixels.
 const TILE_PX: u32 = 16;
-/// What one rectangle more costs in pixels whose stencil is tested: on lavapipe four vertices take 0.5 µs, as 400 pixels
-/// do. On hardware both are next to nothing.
+/// What one rectangle more costs in pixels whose stencil is tested. From figures of a prototype on lavapipe, not measured
+/// here: 0.13 µs a vertex, of which it has four, and 1.4 ns a pixel.
 const RECTANGLE_PX: u64 = 400;
 /// Pixels around a facet: what rounding may move a corner by, and more.
 const MARGIN_PX: f64 = 1.0;
@@ -111,8 +111,8 @@ fn area(rect: &PixelRect) -> u64 {
     u64::from(rect.width()) * u64::from(rect.height())
 }
 
-/// Rectangles that hold every pixel of a planned region's volume and no pixel twice; `None` where its one rectangle is
-/// about as cheap, where the near plane may meet the volume, or where the vertex stage bends it.
+/// Rectangles that hold every pixel of a planned region's volume and no pixel twice. `None` where its one rectangle is
+/// about as cheap. `None` also where the near plane may meet the volume, or the vertex stage bends it.
 ///
 /// - cost: O(vertices and triangles of the mesh), and the tiles that they touch
 pub(crate) fn cover_tiles(input: &FillInput, planned: &PlannedRegion) -> Option<Vec<PixelRect>> {

@@ -88,8 +88,8 @@ fn angle_to(ratio: f64) -> f64 {
 
 impl Spiral {
     /// In closed form from a view: from the fan's rim to the horizon, in square cells. Over terrain the focus is the
-    /// foot of the eye's height, since the line to the centre leaves the ground below the eye by some metres, and the
-    /// horizon is that of the highest summit.
+    /// foot of the eye's height: the line to the centre misses the ground below the eye by some metres. The horizon is
+    /// that of the highest summit.
     pub(super) fn new(
         eye: &Eye,
         per_turn: u32,
