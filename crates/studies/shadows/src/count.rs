@@ -245,30 +245,36 @@ pub(crate) fn draw_within(
     }
 }
 
-/// Whether a pixel's centre lies in a triangle of the volumes that is so thin there that it lies in none of four
-/// places beside it.
+/// Of each pixel, whether its centre lies in a triangle of the volumes that is so thin there that it lies in none of
+/// four places beside it.
 ///
 /// Corners are rounded to 1/256 of a pixel: such a triangle may be seen from either side, or from neither. Two passes
 /// that each leave out one side then leave it out twice, as llvmpipe does.
 ///
 /// - `beside_px`: how far to the right or left, and up or down
-pub(crate) fn is_in_sliver(view: &View, volume: &Volume, at: usize, beside_px: f64) -> bool {
-    let width = view.size[0] as usize;
-    let [column, row] = [at % width, at / width].map(|at| u32::try_from(at).unwrap_or(0));
-    let middle = view.ray(column, row);
-    let around = [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]];
-    let around = around.map(|way| view.ray_beside(column, row, way.map(|steps| steps * beside_px)));
-    volume.triangles.iter().any(|triangle| {
-        let corners = triangle.corners;
-        let places = corners.map(|corner| volume.vertices[corner as usize]);
-        let spanned = Spanned::new(view.eye, places, corners);
+pub(crate) fn slivers(view: &View, volume: &Volume, beside_px: f64) -> Vec<bool> {
+    let [width, height] = view.size.map(|side| side as usize);
+    let mut held = vec![false; width * height];
+    for triangle in &volume.triangles {
+        let places = triangle
+            .corners
+            .map(|corner| volume.vertices[corner as usize]);
+        let spanned = Spanned::new(view.eye, places, triangle.corners);
+        if spanned.volume == 0.0 {
+            continue;
+        }
         let is_positive = spanned.volume > 0.0;
-        let holds = |ray: &DVec3| spanned.is_inside(*ray, is_positive);
-        spanned.volume != 0.0
-            && holds(&middle)
-            && spanned.depth(middle) >= view.near
-            && !around.iter().any(holds)
-    })
+        let seen = Rectangle::around(view, &spanned.corners);
+        fill(view, &spanned, seen, |at, _, _| {
+            let [column, row] = [at % width, at / width].map(|at| u32::try_from(at).unwrap_or(0));
+            let around = [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]];
+            held[at] |= !around.into_iter().any(|way| {
+                let beside = way.map(|steps: f64| steps * beside_px);
+                spanned.is_inside(view.ray_beside(column, row, beside), is_positive)
+            });
+        });
+    }
+    held
 }
 
 /// Depths of what is seen, by the expression that volumes use.

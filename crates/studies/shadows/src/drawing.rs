@@ -5,7 +5,7 @@
 //! triangles are drawn twice, as surface and as light cap. Both take the same `f32` numbers with the corners
 //! in the same order, so that their depths are equal: equal depth fails.
 
-use crate::count::{Wrong, is_in_sliver};
+use crate::count::{Wrong, slivers};
 use crate::device::{Draws, Retile};
 use crate::loading::{Loadable, listed, program};
 use crate::reference::{Light, Reference, SEA_RADIUS_M, Truth};
@@ -94,9 +94,9 @@ impl Scene {
             let mut channel = self.open(devices, way, view, loadable)?;
             let (counters, picture) = channel.draw()?;
             let mask = mask(&picture);
-            let is_rim = |at, light| {
-                self.is_within_rounding(&reference, view, at, light)
-                    || is_in_sliver(view, &volume, at, ROUNDING_PX)
+            let slivers = LazyCell::new(|| slivers(view, &volume, ROUNDING_PX));
+            let is_rim = |at: usize, light| {
+                slivers[at] || self.is_within_rounding(&reference, view, at, light)
             };
             let wrong = Wrong::but_at_rims(&mask, truth, is_rim);
             drawn.wrong = drawn.wrong.plus(wrong);

@@ -149,12 +149,10 @@ fn a_sliver_is_one_where_it_is_thin() {
             triangles,
         }
     };
-    assert!(is_in_sliver(&view, &volume(0.01), at, 1.0 / 32.0));
-    assert!(!is_in_sliver(&view, &volume(0.3), at, 1.0 / 32.0), "thick");
-    assert!(
-        !is_in_sliver(&view, &volume(0.01), at + 64, 1.0 / 32.0),
-        "beside"
-    );
+    let holds = |px, at: usize| slivers(&view, &volume(px), 1.0 / 32.0)[at];
+    assert!(holds(0.01, at));
+    assert!(!holds(0.3, at), "thick");
+    assert!(!holds(0.01, at + 64), "beside");
 }
 
 #[test]
