@@ -107,16 +107,12 @@ impl Tiles {
     }
 }
 
-fn area(rect: &PixelRect) -> u64 {
-    u64::from(rect.width()) * u64::from(rect.height())
-}
-
 /// Rectangles that hold every pixel of a planned region's volume and no pixel twice. `None` where its one rectangle is
 /// about as cheap. `None` also where the near plane may meet the volume, or the vertex stage bends it.
 ///
 /// - cost: O(vertices and triangles of the mesh), and the tiles that they touch
 pub(crate) fn cover_tiles(input: &FillInput, planned: &PlannedRegion) -> Option<Vec<PixelRect>> {
-    let whole = area(&planned.screen_rect);
+    let whole = planned.screen_rect.area();
     let is_bent = input.scene.footprints.contains_key(&planned.mesh);
     if planned.near_plane_meets_volume || is_bent || whole < 2 * RECTANGLE_PX {
         return None;
@@ -155,7 +151,7 @@ pub(crate) fn cover_tiles(input: &FillInput, planned: &PlannedRegion) -> Option<
         tiles.touch([least(0), least(1)], [most(0), most(1)]);
     }
     let rects = tiles.rects();
-    let covered: u64 = rects.iter().map(area).sum();
+    let covered: u64 = rects.iter().map(|rect| rect.area()).sum();
     let dearer = RECTANGLE_PX * (rects.len() as u64).saturating_sub(1);
     (covered + dearer < whole).then_some(rects)
 }
@@ -200,13 +196,13 @@ mod tests {
                 assert!(count <= 1 && (count == 1 || !is_in), "{x} {y}: {count}");
             }
         }
-        let covered: u64 = rects.iter().map(area).sum();
-        assert!(covered < area(&RECT) / 2, "{covered} of {}", area(&RECT));
+        let covered: u64 = rects.iter().map(|rect| rect.area()).sum();
+        assert!(covered < RECT.area() / 2, "{covered} of {}", RECT.area());
         assert!(rects.len() < 8, "{rects:?}");
         // Twin: one tile less, and what was touched is no longer held.
         let first = tiles.is_touched.iter().position(|touched| *touched);
         tiles.is_touched[first.expect("some")] = false;
-        let fewer: u64 = tiles.rects().iter().map(area).sum();
+        let fewer: u64 = tiles.rects().iter().map(|rect| rect.area()).sum();
         assert!(fewer < covered);
     }
 

@@ -40,6 +40,12 @@ impl PixelRect {
         self.bottom.saturating_sub(self.top)
     }
 
+    /// Pixels.
+    #[must_use]
+    pub fn area(self) -> u64 {
+        u64::from(self.width()) * u64::from(self.height())
+    }
+
     /// The smallest rectangle that holds both.
     #[must_use]
     pub fn around(self, other: Self) -> Self {

@@ -20,10 +20,6 @@ fn tiled() -> Switches {
     }
 }
 
-fn area(rect: &PixelRect) -> u64 {
-    u64::from(rect.width()) * u64::from(rect.height())
-}
-
 #[test]
 fn shipped_scenes_look_the_same_from_fewer_pixels() {
     let Some(devices) = Devices::open_both() else {
@@ -40,10 +36,10 @@ fn shipped_scenes_look_the_same_from_fewer_pixels() {
             let large = FillInput::new(&scene, view, LARGE, PlanOptions::default());
             let list = VolumeList::of(&large.expect("a surface"), &tiled());
             for volume in 0..list.volumes.len() {
-                whole += area(&list.rect(volume, true));
+                whole += list.rect(volume, true).area();
                 covered += list
                     .cover_rects(volume, true)
-                    .map(|rect| area(&rect))
+                    .map(PixelRect::area)
                     .sum::<u64>();
             }
             let input = seen(&scene, view);
