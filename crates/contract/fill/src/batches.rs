@@ -32,6 +32,12 @@ impl XorBatches {
     /// Greedy colouring of the rectangles' overlap graph, in their order.
     #[must_use]
     pub fn new(volumes: &[Volume]) -> Self {
+        Self::of_numbers(volumes, XOR_NUMBERS)
+    }
+
+    /// As [`XorBatches::new`], at most so many numbers a pass.
+    #[must_use]
+    pub(crate) fn of_numbers(volumes: &[Volume], numbers: usize) -> Self {
         let mut classes: Vec<Vec<usize>> = Vec::new();
         for (index, volume) in volumes.iter().enumerate() {
             let free = classes
@@ -44,7 +50,7 @@ impl XorBatches {
         }
         Self {
             passes: classes
-                .chunks(XOR_NUMBERS)
+                .chunks(numbers)
                 .map(<[Vec<usize>]>::to_vec)
                 .collect(),
         }

@@ -89,6 +89,19 @@ impl RegionSet {
         })
     }
 
+    /// A set of which some meshes have no geometry: for those who need the others only, at their places.
+    ///
+    /// - cost: O(bytes of the meshes that keep theirs), which are copied
+    #[must_use]
+    pub fn with_geometry_of(&self, keeps: impl Fn(usize) -> bool) -> Self {
+        let meshes = self.meshes.iter().enumerate();
+        let meshes = meshes.map(|(place, mesh)| match keeps(place) {
+            true => mesh.clone(),
+            false => mesh.without_geometry(),
+        });
+        Self::from(meshes.collect::<Vec<_>>())
+    }
+
     /// Where this set differs from the one of `revision` that it was made from, ascending; `None` for
     /// any other set.
     #[must_use]

@@ -247,6 +247,11 @@ impl Climb {
             "boundaries at the coarsest level that moves none by more than half a pixel",
             |variant| variant.plan.boundary_lod_px = Some(LOD_PX),
         )
+        .switch(
+            "held-meshes",
+            "on the device are the meshes that views draw, each region's at the level it was last drawn at",
+            |switches| switches.holds_drawn_meshes = true,
+        )
         .far_level(overlap)
     }
 
@@ -268,6 +273,20 @@ impl Climb {
             "cover-tiles",
             "covers are cut to tiles that the facets of the region's cap touch, where those are fewer pixels",
             |variant| variant.switches.cover_area = CoverArea::Tiles,
+        )
+        .wall_band()
+    }
+
+    /// An experiment for hardware, where a stencil test costs bandwidth: more is drawn, and less of it tested.
+    fn wall_band(self) -> Self {
+        self.aside(
+            "wall-band",
+            "top caps bring the colour where no wall is in front of the surface; volumes are counted elsewhere only",
+            |variant| {
+                variant.switches.counts_in_band = true;
+                variant.switches.depth_rule = DepthRuleChoice::Automatic;
+                variant.switches.bottom_cap = BottomCap::WhereNeeded;
+            },
         )
     }
 

@@ -24,6 +24,7 @@ mod footprint;
 mod frame;
 mod front_caps;
 mod geometry;
+mod held_meshes;
 mod identity;
 mod input;
 mod ladder;
@@ -80,7 +81,7 @@ pub use needs_ladder::needs_ladder;
 pub use palette::{Colours, paint, region_colour};
 pub use picture::{MAX_REGIONS, NO_REGION, Picture, ids_of};
 pub use program::{
-    CoverShape, DepthRule, FaceEffect, FaceSet, FillCommand, FillPass, FillProgram,
+    BAND, CoverShape, DepthRule, FaceEffect, FaceSet, FillCommand, FillPass, FillProgram,
     StencilOperation, StencilRule, StencilTest,
 };
 pub use route_choice::RouteChoice;

@@ -4,9 +4,10 @@
 //! Bytes and pipelines are those that the backend's parts hold ([`Holding`]); nothing here assumes them. So
 //! their sums can be held against what the device was asked to make ([`Needs::undeclared`]).
 
+use crate::held_meshes::HeldMeshes;
 use crate::uses::{Uses, length};
 use crate::{
-    BottomCaps, DepthRule, DepthRuleChoice, FillInput, MemoryUse, NUMBER_BYTES, Switches,
+    BAND, BottomCaps, DepthRule, DepthRuleChoice, FillInput, MemoryUse, NUMBER_BYTES, Switches,
     VolumeState, WorkDone,
 };
 use terrafill_scene::{LeftOutReason, Overlap, TextureShare};
@@ -258,19 +259,20 @@ pub struct Needs {
 impl Needs {
     /// What of `input` a backend holds.
     ///
-    /// - `bottoms`: of which meshes bottom caps are held
+    /// - `meshes`: which are held, and of which bottom caps
     /// - `holdings`: of all parts of the backend
     pub(crate) fn new(
         input: &FillInput,
         switches: &Switches,
         uses: &Uses,
-        bottoms: &BottomCaps,
+        (meshes, bottoms): (&HeldMeshes, &BottomCaps),
         (holdings, made): (&[Holding], WorkDone),
     ) -> Self {
         let told = Told {
             input,
             switches,
             uses,
+            meshes,
             bottoms,
         };
         let need = |&(feature, _): &(Feature, &str)| {
@@ -335,6 +337,7 @@ struct Told<'a> {
     input: &'a FillInput,
     switches: &'a Switches,
     uses: &'a Uses,
+    meshes: &'a HeldMeshes,
     bottoms: &'a BottomCaps,
 }
 
@@ -360,7 +363,15 @@ impl Told<'_> {
         let (uses, switches) = (self.uses, self.switches);
         let regions = self.input.scene.meshes.len();
         let drawn = uses.volumes;
-        let of_scene = format!("of all {regions} meshes of the scene; the view draws {drawn}");
+        let held = (0..regions).filter(|mesh| self.meshes.has(*mesh)).count();
+        let of_scene = match self.meshes {
+            HeldMeshes::All => {
+                format!("of all {regions} meshes of the scene; the view draws {drawn}")
+            }
+            HeldMeshes::Drawn(_) => format!(
+                "held-meshes=drawn: of {held} of {regions} meshes of the scene; the view draws {drawn}"
+            ),
+        };
         match feature {
             Feature::Positions | Feature::Walls => (drawn > 0, of_scene),
             Feature::TopCaps => (drawn > 0, format!("{of_scene}{}", self.front_caps())),
@@ -383,7 +394,8 @@ impl Told<'_> {
                     some => format!(
                         "colour={}: {some} covers{}",
                         switches.colour.name(),
-                        uses.tiled_covers
+                        self.banded() +
+                        &uses.tiled_covers
                             .map_or(String::new(), |[covers, rects, px, whole]| {
                                 format!(
                                     ", {covers} of them {rects} tiles of {px} px instead of {whole}"
@@ -499,6 +511,16 @@ impl Told<'_> {
         told
     }
 
+    /// How many volumes are counted where walls are only.
+    fn banded(&self) -> String {
+        match self.uses.banded {
+            0 => String::new(),
+            some => format!(
+                ", and {some} caps outside the band of walls, in which alone they are counted"
+            ),
+        }
+    }
+
     fn count_behind(&self) -> String {
         match self.switches.depth_rule {
             DepthRuleChoice::Fail => "depth-rule=zfail, whatever the view".to_owned(),
@@ -546,6 +568,10 @@ impl Told<'_> {
         let why = match (bits, uses.counts_in_stencil) {
             (0, _) => "no step writes the stencil".to_owned(),
             (_, true) => "volumes are counted modulo 256".to_owned(),
+            (_, false) if uses.banded > 0 => format!(
+                "numbers up to {}, and one for the band of walls",
+                uses.stencil_bits & !BAND
+            ),
             (_, false) => format!("numbers up to {}", uses.stencil_bits),
         };
         (

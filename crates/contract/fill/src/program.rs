@@ -5,7 +5,7 @@
 //! shader on wgpu and a geometry shader on ash, and two rows that differ in one switch differ in
 //! nothing else.
 
-use crate::batches::{VolumeClasses, XorBatches, overlap_depth};
+use crate::batches::{VolumeClasses, XOR_NUMBERS, XorBatches, overlap_depth};
 use crate::{
     BottomCap, ColourWay, CoverArea, DepthRuleChoice, DeviceError, FacePasses, FirstPass,
     StencilClear, SwitchError, Switches, Volume,
@@ -34,6 +34,8 @@ pub enum FaceSet {
     Back,
     /// All of walls, and of caps those that look at the eye. Pipelines of both draw all, which is right too.
     FrontCaps,
+    /// All of walls, and of caps those that look away. Pipelines of both draw all, which is right too.
+    BackCaps,
 }
 
 impl FaceSet {
@@ -42,6 +44,7 @@ impl FaceSet {
     pub fn of_caps(self) -> Self {
         match self {
             Self::FrontCaps => Self::Front,
+            Self::BackCaps => Self::Back,
             other => other,
         }
     }
@@ -50,7 +53,7 @@ impl FaceSet {
     #[must_use]
     pub fn of_walls(self) -> Self {
         match self {
-            Self::FrontCaps => Self::Both,
+            Self::FrontCaps | Self::BackCaps => Self::Both,
             other => other,
         }
     }
@@ -65,10 +68,23 @@ pub enum StencilOperation {
         /// Bits that are flipped; the stencil's write mask.
         mask: u8,
     },
+    /// Flips the bits of `mask`, as [`StencilOperation::Invert`], where [`BAND`] is set.
+    InvertInBand {
+        /// Bits that are flipped.
+        mask: u8,
+    },
+    /// Sets [`BAND`].
+    SetBand,
     /// Adds or takes away one, modulo 256: with [`DepthRule::Fail`] and [`DepthRule::Always`] back faces
     /// add and front faces take away, with [`DepthRule::Pass`] the other way round.
     Count,
 }
+
+/// Bit of the stencil that says where a volume must be counted: where a wall, or a cap that looks away, lies in
+/// front of the surface. Anywhere else a ray that passes a top cap on its way ends inside.
+pub const BAND: u8 = 0x80;
+/// Numbers that the other bits tell apart.
+const BAND_NUMBERS: usize = 0x7f;
 
 /// State of a draw that marks the inside of volumes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -90,16 +106,31 @@ pub enum FaceEffect {
     Add,
     /// Takes one away, modulo 256.
     Take,
+    /// Sets them: replaces them by those of [`StencilRule::REFERENCE`].
+    Set,
 }
 
 impl StencilRule {
+    /// What a stencil is compared with or replaced by: all bits, of which masks take what they need.
+    pub const REFERENCE: u8 = 0xff;
+
+    /// Bits that must be set where anything happens.
+    #[must_use]
+    pub fn required_bits(self) -> u8 {
+        match self.operation {
+            StencilOperation::InvertInBand { .. } => BAND,
+            _ => 0,
+        }
+    }
+
     /// What front and back faces do, and the bits that are written.
     #[must_use]
     pub fn effects(self) -> (FaceEffect, FaceEffect, u8) {
         match (self.operation, self.depth) {
-            (StencilOperation::Invert { mask }, _) => {
+            (StencilOperation::Invert { mask } | StencilOperation::InvertInBand { mask }, _) => {
                 (FaceEffect::Invert, FaceEffect::Invert, mask)
             }
+            (StencilOperation::SetBand, _) => (FaceEffect::Set, FaceEffect::Set, BAND),
             (StencilOperation::Count, DepthRule::Fail | DepthRule::Always) => {
                 (FaceEffect::Take, FaceEffect::Add, 0xff)
             }
@@ -141,6 +172,9 @@ pub enum CoverShape {
     /// close what opens between neighbours whose caps differ in height: without them 87 pixels of 512² of
     /// `countries-110m`, view `globe`, belonged to nobody.
     Flat,
+    /// The same of a volume that is counted in the band of walls only: outside the band no wall is nearer than the
+    /// surface, so the cap alone is seen.
+    Cap,
 }
 
 /// One step. Volumes are indices into a [`crate::VolumeList`].
@@ -458,6 +492,11 @@ impl Builder<'_> {
         self.switches.front_caps && self.volumes[volume].front_caps_suffice
     }
 
+    /// It is counted in the band of walls only, and its cap coloured outside.
+    fn has_band(&self, volume: usize) -> bool {
+        self.switches.counts_in_band && self.depth_rule(volume) == DepthRule::Pass
+    }
+
     /// Front faces suffice to cover a volume, except where the near plane cuts it; with an infinite
     /// far plane no back face is ever clipped.
     fn cover_faces(&self, volume: usize) -> FaceSet {
@@ -482,27 +521,55 @@ impl Builder<'_> {
 
     fn xor(&self) -> Vec<FillPass> {
         let mut passes = Vec::new();
-        for classes in XorBatches::new(self.volumes).passes {
+        let numbers = match self.switches.counts_in_band {
+            true => BAND_NUMBERS,
+            false => XOR_NUMBERS,
+        };
+        for classes in XorBatches::of_numbers(self.volumes, numbers).passes {
             let numbered = || (1..=u8::MAX).zip(&classes);
             // Bits that no number has stay 0 and are not looked at.
             let largest = u8::try_from(classes.len()).unwrap_or(u8::MAX);
             let bits = u8::MAX.checked_shr(largest.leading_zeros()).unwrap_or(0);
+            let caps: Vec<usize> = classes.iter().flatten().copied().collect();
+            let caps = caps.into_iter().filter(|&volume| self.has_band(volume));
+            let caps: Vec<usize> = caps.collect();
+            let band = (!caps.is_empty()).then(|| FillCommand::Volumes {
+                rule: StencilRule {
+                    depth: DepthRule::Pass,
+                    operation: StencilOperation::SetBand,
+                    faces: FaceSet::BackCaps,
+                },
+                without_bottom: self.switches.bottom_cap == BottomCap::WhereNeeded,
+                scissor: self.switches.scissor,
+                volumes: caps.clone(),
+            });
+            let marks = numbered().flat_map(|(mask, volumes)| {
+                let (banded, others): (Vec<usize>, Vec<usize>) = volumes
+                    .iter()
+                    .copied()
+                    .partition(|&volume| self.has_band(volume));
+                let mut marks = self.mark(&others, StencilOperation::Invert { mask });
+                marks.extend(self.mark(&banded, StencilOperation::InvertInBand { mask }));
+                marks
+            });
+            let cap_covers = (!caps.is_empty()).then(|| FillCommand::Cover {
+                test: OUTSIDE_BAND,
+                shape: CoverShape::Cap,
+                volumes: caps.clone(),
+            });
             passes.push(FillPass {
                 clears_stencil: true,
                 has_colour: false,
                 first_pass: FirstPass::Stencil,
-                commands: numbered()
-                    .flat_map(|(mask, volumes)| {
-                        self.mark(volumes, StencilOperation::Invert { mask })
-                    })
-                    .collect(),
+                commands: band.into_iter().chain(marks).collect(),
             });
             passes.push(FillPass {
                 clears_stencil: false,
                 has_colour: true,
                 first_pass: FirstPass::Stencil,
-                commands: numbered()
-                    .map(|(reference, volumes)| FillCommand::Cover {
+                commands: cap_covers
+                    .into_iter()
+                    .chain(numbered().map(|(reference, volumes)| FillCommand::Cover {
                         test: StencilTest {
                             is_equal: true,
                             reference,
@@ -512,7 +579,7 @@ impl Builder<'_> {
                         },
                         shape: CoverShape::Rectangle,
                         volumes: volumes.clone(),
-                    })
+                    }))
                     .collect(),
             });
         }
@@ -667,6 +734,12 @@ const MARKED: StencilTest = StencilTest {
     skips_sky: false,
 };
 
+/// Where no wall and no cap that looks away is nearer than the surface.
+const OUTSIDE_BAND: StencilTest = StencilTest {
+    read_mask: BAND,
+    ..ANYWHERE
+};
+
 /// Whatever the stencil says.
 const ANYWHERE: StencilTest = StencilTest {
     is_equal: true,
@@ -705,6 +778,63 @@ mod tests {
             volume(1, 20, true),
             volume(2, 25, false),
         ]
+    }
+
+    #[test]
+    fn volumes_that_no_near_plane_cuts_are_counted_in_the_band_of_walls() {
+        let switches = Switches {
+            colour: ColourWay::Xor,
+            depth_rule: DepthRuleChoice::Automatic,
+            bottom_cap: BottomCap::WhereNeeded,
+            counts_in_band: true,
+            ..Switches::default()
+        };
+        let program = FillProgram::new(&three(), &switches, Overlap::Disjoint).expect("allowed");
+        let [marks, covers] = &program.passes[..] else {
+            panic!("{program:?}");
+        };
+        let operations: Vec<(StencilOperation, u8, &[usize])> = marks
+            .commands
+            .iter()
+            .map(|command| match command {
+                FillCommand::Volumes { rule, volumes, .. } => {
+                    (rule.operation, rule.required_bits(), volumes.as_slice())
+                }
+                other => panic!("{other:?}"),
+            })
+            .collect();
+        assert_eq!(
+            operations,
+            [
+                (StencilOperation::SetBand, 0, &[0, 2][..]),
+                // The near plane cuts this one: it is counted everywhere.
+                (StencilOperation::Invert { mask: 1 }, 0, &[1]),
+                (StencilOperation::InvertInBand { mask: 1 }, BAND, &[0]),
+                (StencilOperation::InvertInBand { mask: 2 }, BAND, &[2]),
+            ]
+        );
+        let first = &covers.commands[0];
+        let FillCommand::Cover {
+            test,
+            shape,
+            volumes,
+        } = first
+        else {
+            panic!("{first:?}");
+        };
+        assert_eq!((*shape, volumes.as_slice()), (CoverShape::Cap, &[0, 2][..]));
+        assert_eq!((test.reference, test.read_mask), (0, BAND));
+        // 255 numbers would leave no bit for the band: it takes more passes.
+        let many: Vec<Volume> = (0..200).map(|index| volume(index, 0, false)).collect();
+        let passes = |counts_in_band| {
+            let switches = Switches {
+                counts_in_band,
+                ..switches
+            };
+            let program = FillProgram::new(&many, &switches, Overlap::Disjoint);
+            program.expect("allowed").passes.len()
+        };
+        assert_eq!((passes(true), passes(false)), (4, 2));
     }
 
     /// How often each volume is marked by front and by back faces, and covered.
@@ -928,6 +1058,7 @@ mod tests {
                     FaceEffect::Add => stencil.wrapping_add(1),
                     FaceEffect::Take => stencil.wrapping_sub(1),
                     FaceEffect::Invert => !stencil,
+                    FaceEffect::Set => StencilRule::REFERENCE,
                 };
             }
             stencil

@@ -198,7 +198,7 @@ fn step_of<'a>(command: &'a FillCommand, pass: &FillPass) -> FillStep<'a> {
         }),
         FillCommand::Cover {
             test,
-            shape: CoverShape::Flat,
+            shape: CoverShape::Flat | CoverShape::Cap,
             volumes,
         } => FillStep::Volumes(VolumeDraw {
             state: VolumeState::Colour {

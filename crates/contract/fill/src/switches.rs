@@ -216,6 +216,12 @@ pub struct Switches {
     pub merges_draws: bool,
     /// Covers by volume draw one kind of face only.
     pub cover_culls_faces: bool,
+    /// Volumes are counted where walls lie in front of the surface only; anywhere else their top caps bring the
+    /// colour.
+    pub counts_in_band: bool,
+    /// On the device are the meshes that views drew, each region's at the level it was last drawn at; otherwise
+    /// those of all regions at all levels.
+    pub holds_drawn_meshes: bool,
     /// What takes the stencil back to 0.
     pub stencil_clear: StencilClear,
     /// Fragments over surface outside the region's depth range are dropped before the stencil.
@@ -251,9 +257,9 @@ impl Switches {
     /// Every key with its values.
     pub const KEYS: &str = "bottom-cap=always|first-pass|where-needed, cap-faces=both|front, \
         colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
-        cover-area=rectangle|screen|tiles, cover-faces=both|culled, depth-bounds=off|on, depth-copy=none|made, \
+        counted=everywhere|wall-band, cover-area=rectangle|screen|tiles, cover-faces=both|culled, depth-bounds=off|on, depth-copy=none|made, \
         depth-rule=zfail|zpass|automatic, draws=each|merged, faces=two-sided|two-pass, \
-        first-pass=stencil|colour|program|program-colour, normalize=needed|superfluous, position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
+        first-pass=stencil|colour|program|program-colour, held-meshes=all|drawn, normalize=needed|superfluous, position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
         stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3, \
         texture-code=needed|loaded, vertices=stored|bent";
 
@@ -271,7 +277,7 @@ impl Switches {
 
     /// Every switch with its value, in alphabetical order.
     #[must_use]
-    pub fn settings(&self) -> [(&'static str, String); 18] {
+    pub fn settings(&self) -> [(&'static str, String); 20] {
         let either = |is_second: bool, [first, second]: [&str; 2]| {
             if is_second { second } else { first }.to_owned()
         };
@@ -292,6 +298,10 @@ impl Switches {
             ("bottom-cap", bottom_cap.to_owned()),
             ("cap-faces", either(self.front_caps, ["both", "front"])),
             ("colour", self.colour.name().to_owned()),
+            (
+                "counted",
+                either(self.counts_in_band, ["everywhere", "wall-band"]),
+            ),
             ("cover-area", self.cover_area.name().to_owned()),
             (
                 "cover-faces",
@@ -306,6 +316,10 @@ impl Switches {
                 either(self.faces == FacePasses::TwoPass, ["two-sided", "two-pass"]),
             ),
             ("first-pass", self.first_pass.name().to_owned()),
+            (
+                "held-meshes",
+                either(self.holds_drawn_meshes, ["all", "drawn"]),
+            ),
             (
                 "normalize",
                 either(self.superfluous_normalize, ["needed", "superfluous"]),
@@ -373,6 +387,10 @@ impl Switches {
                 let ways = ColourWay::ALL.map(|way| (way.name(), way));
                 self.colour = pick("colour", value, &ways)?;
             }
+            "counted" => {
+                let choices = [("everywhere", false), ("wall-band", true)];
+                self.counts_in_band = pick("counted", value, &choices)?;
+            }
             "cover-area" => {
                 self.cover_area = pick("cover-area", value, &CoverArea::ALL)?;
             }
@@ -412,6 +430,10 @@ impl Switches {
                 )?;
             }
             "first-pass" => self.first_pass = pick("first-pass", value, &FirstPass::ALL)?,
+            "held-meshes" => {
+                let choices = [("all", false), ("drawn", true)];
+                self.holds_drawn_meshes = pick("held-meshes", value, &choices)?;
+            }
             "normalize" => {
                 let choices = [("needed", false), ("superfluous", true)];
                 self.superfluous_normalize = pick("normalize", value, &choices)?;
@@ -457,11 +479,15 @@ impl Switches {
         Ok(true)
     }
 
-    /// Whether facets may be left out: faces are told apart by nothing but a flip, and covers can see the sky.
+    /// Whether facets may be left out, or volumes counted in the band of walls: faces are told apart by nothing but
+    /// a flip, and covers can see the sky.
     fn check_caps(&self) -> Result<(), SwitchError> {
-        let what_else = if !self.front_caps {
-            return Ok(());
-        } else if self.colour != ColourWay::Xor {
+        let switch = match (self.front_caps, self.counts_in_band) {
+            (true, _) => "cap-faces",
+            (false, true) => "counted",
+            (false, false) => return Ok(()),
+        };
+        let what_else = if self.colour != ColourWay::Xor {
             ("colour", self.colour.name().to_owned(), "colour=xor")
         } else if self.depth_rule != DepthRuleChoice::Automatic {
             (
@@ -473,14 +499,16 @@ impl Switches {
             ("faces", self.setting("faces"), "faces=two-sided")
         } else if self.texture.is_some() {
             ("texture", self.setting("texture"), "texture=plain")
+        } else if self.counts_in_band && self.depth_bounds {
+            ("depth-bounds", "on".to_owned(), "depth-bounds=off")
         } else {
             return Ok(());
         };
         let (key, value, allowed) = what_else;
         Err(SwitchError {
-            switch: "cap-faces",
-            found: format!("front with {key}={value}"),
-            allowed: format!("both, or {allowed}"),
+            switch,
+            found: format!("{} with {key}={value}", self.setting(switch)),
+            allowed: format!("{}, or {allowed}", Self::default().setting(switch)),
         })
     }
 
@@ -653,6 +681,8 @@ mod tests {
             scissor: true,
             front_caps: true,
             merges_draws: true,
+            counts_in_band: true,
+            holds_drawn_meshes: true,
             cover_area: CoverArea::Screen,
             cover_culls_faces: true,
             stencil_clear: StencilClear::ByColour,
@@ -671,7 +701,7 @@ mod tests {
         assert_eq!(Switches::default().names(), Vec::<String>::new());
         let changed = all_changed();
         let names = changed.names();
-        assert_eq!(names.len(), 18);
+        assert_eq!(names.len(), 20);
         assert!(names.is_sorted());
         let mut read = Switches::default();
         for name in &names {
@@ -702,6 +732,7 @@ mod tests {
             position: None,
             superfluous_normalize: false,
             front_caps: false,
+            counts_in_band: false,
             merges_draws: false,
             ..all_changed()
         };
@@ -805,6 +836,31 @@ mod tests {
             );
             // Twin: with both kinds of facets it is allowed.
             wrong.front_caps = false;
+            assert_eq!(wrong.check(Overlap::Disjoint), Ok(()));
+        }
+    }
+
+    #[test]
+    fn volumes_are_counted_in_a_band_only_where_caps_can_bring_the_colour() {
+        let band = Switches {
+            counts_in_band: true,
+            depth_rule: DepthRuleChoice::Automatic,
+            ..Switches::default()
+        };
+        assert_eq!(band.check(Overlap::Disjoint), Ok(()));
+        for (key, value) in [
+            ("colour", "bit-planes"),
+            ("depth-rule", "zfail"),
+            ("faces", "two-pass"),
+            ("texture", "chosen"),
+            ("depth-bounds", "on"),
+        ] {
+            let mut wrong = band;
+            assert_eq!(wrong.set(key, value), Ok(true));
+            let error = wrong.check(Overlap::Disjoint).expect_err(value);
+            assert_eq!(error.switch, "counted");
+            // Twin: counted everywhere it is allowed.
+            wrong.counts_in_band = false;
             assert_eq!(wrong.check(Overlap::Disjoint), Ok(()));
         }
     }

@@ -7,7 +7,6 @@ use crate::{
     CoverShape, DepthRule, FaceEffect, FillCommand, FillInput, FillProgram, Switches, VolumeList,
 };
 use std::collections::{BTreeMap, BTreeSet};
-use terrafill_scene::PixelRect;
 
 /// Counts over a program.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -33,6 +32,8 @@ pub(crate) struct Uses {
     pub(crate) stencil_bits: u8,
     /// Volumes are counted in it.
     pub(crate) counts_in_stencil: bool,
+    /// Volumes that are counted where walls are, and their caps coloured elsewhere.
+    pub(crate) banded: usize,
     /// Numbers add up in a target.
     pub(crate) accumulates: bool,
     /// Covers and volumes that are cut to their region's rectangle.
@@ -96,7 +97,7 @@ impl Uses {
                     mark(rule.depth, *without_bottom, *scissor, volumes);
                     let (front, _, mask) = rule.effects();
                     uses.stencil_bits |= mask;
-                    uses.counts_in_stencil |= front != FaceEffect::Invert;
+                    uses.counts_in_stencil |= matches!(front, FaceEffect::Add | FaceEffect::Take);
                 }
                 FillCommand::Accumulate {
                     depth,
@@ -107,6 +108,7 @@ impl Uses {
                 } => mark(*depth, *without_bottom, *scissor, volumes),
                 FillCommand::Cover { shape, volumes, .. } => match shape {
                     CoverShape::Flat => uses.flat += volumes.len(),
+                    CoverShape::Cap => uses.banded += volumes.len(),
                     // Of textured ones, other features speak.
                     CoverShape::Rectangle => {
                         uses.cut_covers += volumes.len();
@@ -135,13 +137,12 @@ impl Uses {
 
 /// See [`Uses::tiled_covers`].
 fn tiled_covers(list: &VolumeList) -> Option<[u64; 4]> {
-    let area = |rect: &PixelRect| u64::from(rect.width()) * u64::from(rect.height());
     let mut found = [0; 4];
     for (&volume, tiles) in &list.cover_tiles {
         found[0] += 1;
         found[1] += tiles.len() as u64;
-        found[2] += tiles.iter().map(area).sum::<u64>();
-        found[3] += area(&list.volumes[volume].screen_rect);
+        found[2] += tiles.iter().map(|tile| tile.area()).sum::<u64>();
+        found[3] += list.volumes[volume].screen_rect.area();
     }
     (found[0] > 0).then_some(found)
 }

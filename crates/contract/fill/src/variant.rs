@@ -419,7 +419,7 @@ mod tests {
     fn every_setting_has_a_value_and_can_be_set_to_it() {
         let changed = plain().with("indices", "strip").with("colour", "volume");
         let settings = changed.settings();
-        assert_eq!(settings.len(), 3 + 18 + 7);
+        assert_eq!(settings.len(), 3 + 20 + 7);
         let mut read = plain().with("opacity", "7");
         for (key, value) in &settings {
             assert_eq!(read.set(key, value), Ok(true), "{key}={value}");

@@ -5,6 +5,7 @@
 //! programs ([`StencilExecutor`]); this keeps both up to date with the input, and counts and measures
 //! alike for all.
 
+use crate::held_meshes::HeldMeshes;
 use crate::textured_work::TexturedWork;
 use crate::uses::Uses;
 use crate::{
@@ -118,6 +119,8 @@ pub struct VolumeBackend<V: RegionVolumes> {
     textured: TexturedWork,
     /// Revision of the meshes that the volumes hold.
     meshes: Option<u64>,
+    /// Which of them.
+    held: HeldMeshes,
     /// Of which of them they hold bottom caps.
     bottoms: BottomCaps,
     /// View of the program that the executor holds.
@@ -151,6 +154,7 @@ impl<V: RegionVolumes> VolumeBackend<V> {
             executor,
             textured: TexturedWork::default(),
             meshes: None,
+            held: HeldMeshes::All,
             bottoms: BottomCaps::default(),
             view: None,
             work: WorkDone::default(),
@@ -231,7 +235,7 @@ impl<V: RegionVolumes> VolumeBackend<V> {
     }
 
     /// Uploads what is not there yet, and gives the bytes handed over since `before`, and whether all meshes
-    /// were among them.
+    /// that are held were among them.
     fn bring_up_to_date(
         &mut self,
         input: &FillInput,
@@ -241,15 +245,18 @@ impl<V: RegionVolumes> VolumeBackend<V> {
         let revision = Some(input.scene.meshes.revision());
         let mut bottoms = BottomCaps::drawn_by(&program, &list, &self.switches);
         let is_new = self.meshes != revision;
-        let lacks = self.volumes.stores_bottom_caps() && !self.bottoms.hold(&bottoms);
+        let mut held = HeldMeshes::needed_by(&list, &self.switches);
+        let lacks_bottoms = self.volumes.stores_bottom_caps() && !self.bottoms.hold(&bottoms);
+        let lacks = lacks_bottoms || !self.held.hold(&held);
         if is_new || lacks {
             if !is_new {
                 // What an earlier view needed, the next one may need again.
                 bottoms = bottoms.joined(&self.bottoms);
+                let meshes = input.scene.meshes.len();
+                held = self.held.followed_by(&held, &input.scene.levels, meshes);
             }
-            self.volumes.upload(&self.executor, input, &bottoms)?;
-            self.meshes = revision;
-            self.bottoms = bottoms;
+            self.upload(input, &held, &bottoms)?;
+            (self.meshes, self.held, self.bottoms) = (revision, held, bottoms);
         }
         self.load(input, (list, program), Colours::Ids, false)?;
         self.executor.ensure(&mut self.volumes)?;
@@ -257,6 +264,21 @@ impl<V: RegionVolumes> VolumeBackend<V> {
         self.work = self.work + done;
         self.made = self.made + done;
         Ok((done.upload_bytes, is_new || lacks))
+    }
+
+    /// Uploads the meshes that are to be held; the others keep their places, empty.
+    fn upload(
+        &mut self,
+        input: &FillInput,
+        held: &HeldMeshes,
+        bottoms: &BottomCaps,
+    ) -> Result<(), DeviceError> {
+        if *held == HeldMeshes::All {
+            return self.volumes.upload(&self.executor, input, bottoms);
+        }
+        let mut of_held = input.clone();
+        of_held.scene.meshes = input.scene.meshes.with_geometry_of(|mesh| held.has(mesh));
+        self.volumes.upload(&self.executor, &of_held, bottoms)
     }
 
     /// What all parts of the backend hold.
@@ -312,7 +334,7 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
             true => &self.bottoms,
             false => &drawn,
         };
-        let needs = Needs::new(input, &self.switches, &uses, bottoms, found);
+        let needs = Needs::new(input, &self.switches, &uses, (&self.held, bottoms), found);
         Ok(Some(needs))
     }
 
@@ -322,14 +344,22 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
         self.executor.set_view(input.into())?;
         let before = self.executor.work_done();
         self.meshes = None;
-        let is_rewritten = self.volumes.rewrite(&self.executor, input, changed)?;
+        // What is not held is handed over when a view draws it.
+        let on_device: Vec<usize> = changed
+            .iter()
+            .copied()
+            .filter(|mesh| self.held.has(*mesh))
+            .collect();
+        let is_rewritten = self.volumes.rewrite(&self.executor, input, &on_device)?;
         if is_rewritten {
             self.meshes = Some(input.scene.meshes.revision());
         }
         let (bytes, has_all) = self.bring_up_to_date(input, before)?;
         let regions = match has_all {
-            true => (0..input.scene.meshes.len()).collect(),
-            false => changed.to_vec(),
+            true => (0..input.scene.meshes.len())
+                .filter(|mesh| self.held.has(*mesh))
+                .collect(),
+            false => on_device,
         };
         Ok(Uploaded { bytes, regions })
     }

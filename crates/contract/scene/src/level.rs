@@ -33,7 +33,7 @@ const COARSEST_LEVEL_SHARE: f64 = 1.0 / 64.0;
 pub struct Level {
     /// Deviation that simplifying was allowed, metres.
     pub tolerance_m: f64,
-    /// Of each region, the index of its mesh.
+    /// Of each region, the index of its mesh; ascending.
     pub meshes: Vec<usize>,
     /// Of each region, how far its boundary as drawn is from the region's own, metres: what
     /// simplifying moved it, and what the mesh's chords do beyond that.
@@ -185,6 +185,19 @@ impl LevelTable {
         (0..self.region_count(meshes)).map(of_region).collect()
     }
 
+    /// Of which region a mesh is.
+    ///
+    /// - `meshes`: how many there are of all levels
+    #[must_use]
+    pub fn region_of(&self, mesh: usize, meshes: usize) -> usize {
+        if mesh < self.region_count(meshes) {
+            return mesh;
+        }
+        let mut places = self.coarser.iter();
+        let place = places.find_map(|level| level.meshes.binary_search(&mesh).ok());
+        place.unwrap_or(mesh)
+    }
+
     /// - `meshes`: how many there are of all levels
     pub(crate) fn region_count(&self, meshes: usize) -> usize {
         let coarser = self.coarser.first();
@@ -285,6 +298,8 @@ mod tests {
     fn every_mesh_is_one_of_one_region() {
         let of_regions = table().meshes_of_regions(12);
         assert_eq!(of_regions, [[8, 4, 0], [9, 5, 1], [10, 6, 2], [11, 7, 3]]);
+        let regions: Vec<usize> = (0..12).map(|mesh| table().region_of(mesh, 12)).collect();
+        assert_eq!(regions, [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3]);
         // Twin: without levels each region has its one.
         assert_eq!(LevelTable::default().meshes_of_regions(2), [[0], [1]]);
     }

@@ -17,8 +17,8 @@ use std::sync::Arc;
 use terrafill_fill::{
     COLOUR_BYTES, Capabilities, Counters, CpuStopwatch, DEPTH_STENCIL_BYTES, DeviceError, Feature,
     FillPass, FillProgram, FillStep, FirstPass, FrameTimes, Holding, Picture, Probed,
-    StencilExecutor, StencilTest, StencilWork, SurfaceView, Switches, TexturedPlan, ViewId,
-    VolumeDraw, VolumeList, VolumeState, WorkDone,
+    StencilExecutor, StencilRule, StencilTest, StencilWork, SurfaceView, Switches, TexturedPlan,
+    ViewId, VolumeDraw, VolumeList, VolumeState, WorkDone,
 };
 use terrafill_scene::{ImageSize, MipChain};
 
@@ -613,8 +613,13 @@ impl VolumeFill {
         let blends = loaded.work.blends;
         match step {
             FillStep::Volumes(draw) => {
-                if let VolumeState::Colour { test, .. } = draw.state {
-                    pass.raw.set_stencil_reference(u32::from(test.reference));
+                let reference = match draw.state {
+                    VolumeState::Colour { test, .. } => Some(test.reference),
+                    VolumeState::Mark { .. } => Some(StencilRule::REFERENCE),
+                    VolumeState::Accumulate { .. } | VolumeState::Count { .. } => None,
+                };
+                if let Some(reference) = reference {
+                    pass.raw.set_stencil_reference(u32::from(reference));
                 }
                 pass.at_sky(false);
                 volumes.draw(pass, draw, blends && is_coloured(draw));

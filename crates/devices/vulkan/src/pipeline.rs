@@ -403,7 +403,7 @@ impl Assembly<'_> {
         let rasterization = vk::PipelineRasterizationStateCreateInfo::default()
             .polygon_mode(vk::PolygonMode::FILL)
             .cull_mode(match self.faces {
-                FaceSet::Both | FaceSet::FrontCaps => vk::CullModeFlags::NONE,
+                FaceSet::Both | FaceSet::FrontCaps | FaceSet::BackCaps => vk::CullModeFlags::NONE,
                 FaceSet::Front => vk::CullModeFlags::BACK,
                 FaceSet::Back => vk::CullModeFlags::FRONT,
             })
@@ -526,8 +526,8 @@ pub(crate) fn depth_stencil(
             base.depth_test_enable(true)
                 .depth_compare_op(vk::CompareOp::GREATER)
                 .stencil_test_enable(true)
-                .front(mark_face(rule.depth, front, mask))
-                .back(mark_face(rule.depth, back, mask))
+                .front(mark_face(rule, front, mask))
+                .back(mark_face(rule, back, mask))
         }
         PipelineState::Count { .. } | PipelineState::Resolve => base,
         PipelineState::Accumulate { depth, .. } => {
@@ -583,14 +583,15 @@ pub(crate) fn stencil_test(test: StencilTest) -> vk::PipelineDepthStencilStateCr
         .back(face)
 }
 
-fn mark_face(depth: DepthRule, effect: FaceEffect, mask: u8) -> vk::StencilOpState {
+fn mark_face(rule: StencilRule, effect: FaceEffect, mask: u8) -> vk::StencilOpState {
     let operation = match effect {
         FaceEffect::Invert => vk::StencilOp::INVERT,
         FaceEffect::Add => vk::StencilOp::INCREMENT_AND_WRAP,
         FaceEffect::Take => vk::StencilOp::DECREMENT_AND_WRAP,
+        FaceEffect::Set => vk::StencilOp::REPLACE,
     };
     let keep = vk::StencilOp::KEEP;
-    let (pass_op, depth_fail_op) = match depth {
+    let (pass_op, depth_fail_op) = match rule.depth {
         DepthRule::Fail => (keep, operation),
         DepthRule::Pass => (operation, keep),
         DepthRule::Always => (operation, operation),
@@ -599,9 +600,12 @@ fn mark_face(depth: DepthRule, effect: FaceEffect, mask: u8) -> vk::StencilOpSta
         fail_op: keep,
         pass_op,
         depth_fail_op,
-        compare_op: vk::CompareOp::ALWAYS,
-        compare_mask: 0xff,
+        compare_op: match rule.required_bits() {
+            0 => vk::CompareOp::ALWAYS,
+            _ => vk::CompareOp::EQUAL,
+        },
+        compare_mask: u32::from(rule.required_bits()),
         write_mask: u32::from(mask),
-        reference: 0,
+        reference: u32::from(StencilRule::REFERENCE),
     }
 }

@@ -173,6 +173,25 @@ pub struct RegionMesh {
 }
 
 impl RegionMesh {
+    /// What is known of it but for its vertices, triangles, loops and warnings.
+    #[must_use]
+    pub fn without_geometry(&self) -> Self {
+        Self {
+            region_index: self.region_index,
+            name: self.name.clone(),
+            vertices_ecef: Vec::new(),
+            vertices_deg: Vec::new(),
+            triangles: Vec::new(),
+            boundary_loops: Vec::new(),
+            holes: self.holes,
+            area_m2: self.area_m2,
+            extent: self.extent,
+            boundary_deviation_m: self.boundary_deviation_m,
+            cap_sagitta_m: self.cap_sagitta_m,
+            warnings: Vec::new(),
+        }
+    }
+
     /// Vertices, those inside included.
     #[must_use]
     pub fn vertex_count(&self) -> usize {

@@ -29,7 +29,7 @@ pub(crate) struct PooledLevel {
 impl Pool {
     /// - `levels`: coarsest first; at least one
     pub(crate) fn new(levels: &[&RegionMesh]) -> Self {
-        let mut vertices = empty(levels[0]);
+        let mut vertices = levels[0].without_geometry();
         let mut places: HashMap<[u64; 3], u32> = HashMap::new();
         let mut pooled = Vec::with_capacity(levels.len());
         for level in levels {
@@ -53,7 +53,7 @@ impl Pool {
                     boundary_loops: loops
                         .map(|ring| ring.iter().map(|&vertex| at(vertex)).collect())
                         .collect(),
-                    ..empty(level)
+                    ..level.without_geometry()
                 },
             });
         }
@@ -66,24 +66,6 @@ impl Pool {
     /// Origin and unit that hold all levels.
     pub(crate) fn fixed(&self) -> FixedPoint {
         FixedPoint::for_mesh(&self.vertices)
-    }
-}
-
-/// What `mesh` is but for vertices, triangles and loops.
-fn empty(mesh: &RegionMesh) -> RegionMesh {
-    RegionMesh {
-        region_index: mesh.region_index,
-        name: mesh.name.clone(),
-        vertices_ecef: Vec::new(),
-        vertices_deg: Vec::new(),
-        triangles: Vec::new(),
-        boundary_loops: Vec::new(),
-        holes: mesh.holes,
-        area_m2: mesh.area_m2,
-        extent: mesh.extent,
-        boundary_deviation_m: mesh.boundary_deviation_m,
-        cap_sagitta_m: mesh.cap_sagitta_m,
-        warnings: Vec::new(),
     }
 }
 

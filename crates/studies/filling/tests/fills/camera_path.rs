@@ -16,14 +16,14 @@ use terrafill_scene::{CameraPose, ImageSize, LeveledMeshes, PlanOptions, Scene, 
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::{LevelVertices, VertexVariant};
 
-const SIZE: ImageSize = ImageSize {
+pub(crate) const SIZE: ImageSize = ImageSize {
     width: 96,
     height: 96,
 };
 
 const FRAMES: u32 = 300;
 
-fn leveled() -> PreparedScene {
+pub(crate) fn leveled() -> PreparedScene {
     let scene = Scene::shipped("planet-134", None).expect("ships");
     let meshes = LeveledMeshes::build(&scene, &scene.mesh).expect("meshes");
     assert!(meshes.meshes.len() > scene.regions.len(), "one level");
@@ -32,7 +32,7 @@ fn leveled() -> PreparedScene {
 }
 
 /// From 20,000 km above a coast down to 50 m, at first straight down, at last along the ground.
-fn path(scene: &PreparedScene) -> Vec<FillInput> {
+pub(crate) fn path(scene: &PreparedScene) -> Vec<FillInput> {
     let [longitude_deg, latitude_deg] = scene.meshes[0].vertices_deg[0];
     let plan = PlanOptions {
         boundary_lod_px: Some(0.5),

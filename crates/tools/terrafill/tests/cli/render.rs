@@ -549,7 +549,7 @@ fn switches_of_another_backend_are_refused_with_the_backends_own() {
     // Every list ends with the switches of fill and plan.
     for backend in &techniques() {
         let more = ["--technique", backend, "--set", "speed=fast"];
-        let ends = "faces=two-sided|two-pass, first-pass=stencil|colour|program|program-colour, normalize=needed|superfluous, \
+        let ends = "faces=two-sided|two-pass, first-pass=stencil|colour|program|program-colour, held-meshes=all|drawn, normalize=needed|superfluous, \
             position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
             stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3, \
             texture-code=needed|loaded, vertices=stored|bent, \
