@@ -51,7 +51,7 @@ fn everything(mut variant: Variant, has_picture: bool) -> Variant {
 
 type Step = (&'static str, &'static str, fn(&mut Variant, Overlap));
 
-const STEPS: [Step; 11] = [
+const STEPS: [Step; 12] = [
     (
         "everything",
         "all regions of the scene, one at a time, each with its bottom cap and counted behind the surface; \
@@ -110,5 +110,10 @@ const STEPS: [Step; 11] = [
         "facets of top caps that face away are left out where the sky is behind them, and covers leave out \
          the sky",
         |variant, _| variant.switches.front_caps = true,
+    ),
+    (
+        "held-meshes",
+        "on the device are the meshes that the view draws",
+        |variant, _| variant.switches.holds_drawn_meshes = true,
     ),
 ];
