@@ -39,7 +39,7 @@ const MUTATIONS: [Mutation; 11] = [
         name: "rectangle-too-large",
         file: "crates/contract/scene/src/plan.rs",
         from: "                screen_rect,\n                near_plane",
-        to: "                screen_rect: PixelRect::full(size),\n                near_plane",
+        to: "                screen_rect: PixelRect::full(self.size),\n                near_plane",
         // Regions whose rectangles overlap share no pass, and each pass has pipelines of its own.
         counter: "pipeline_creations",
     },
