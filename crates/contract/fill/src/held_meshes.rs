@@ -32,8 +32,8 @@ impl HeldMeshes {
         }
     }
 
-    /// What is held after a view that needs `needed`: of a region that it draws that level alone, and of any
-    /// other the level that was held, so that a region that leaves the view and comes back is uploaded once.
+    /// What is held after a view that needs `needed`. Of a region that it draws that is the level drawn, and of any
+    /// other the level that was held. So a region that leaves the view and comes back is uploaded once.
     ///
     /// - `meshes`: how many the scene has
     pub(crate) fn followed_by(&self, needed: &Self, levels: &LevelTable, meshes: usize) -> Self {

@@ -479,7 +479,7 @@ impl Switches {
         Ok(true)
     }
 
-    /// Whether facets may be left out, or volumes counted in the band of walls: faces are told apart by nothing but
+    /// Whether facets may be left out, or volumes counted in the wall band. Faces are then told apart by nothing but
     /// a flip, and covers can see the sky.
     fn check_caps(&self) -> Result<(), SwitchError> {
         let switch = match (self.front_caps, self.counts_in_band) {

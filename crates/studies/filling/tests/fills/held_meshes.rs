@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Meshes that are on the device because a view drew them: the same pictures as with all of the scene's, from
-//! fewer bytes, and nothing is handed over before a view needs it.
+//! Meshes that are on the device because a view drew them. Pictures are the same as with all of the scene's, from
+//! fewer bytes. Nothing is handed over before a view needs it.
 
 use crate::{camera_path, drawing, merged_draws};
 
@@ -114,7 +114,7 @@ fn a_mesh_that_is_not_there_is_seen() {
     let targets = AllTargets::new(&devices, camera_path::SIZE);
     let largest = input.plan.regions.iter().max_by_key(|planned| {
         let rect = planned.screen_rect;
-        rect.width() * rect.height()
+        rect.area()
     });
     let largest = largest.expect("something is drawn").mesh;
     for technique in techniques() {
