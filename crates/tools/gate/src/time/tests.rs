@@ -455,11 +455,11 @@ fn a_budget_that_ends_early_is_no_pass() {
 #[test]
 fn differences_below_the_clock_do_not_count() {
     let mut sides = MadeUp::new(12, 1.2);
-    sides.base_ms = 0.05;
+    sides.base_ms = 0.02;
     let gate = compare_times(&mut sides, &cases(1), &options()).expect("measured");
     assert_eq!(gate.cases[0].pace, Pace::Same);
     assert!(
-        gate.cases[0].words.contains("below 0.02 ms"),
+        gate.cases[0].words.contains("below 0.01 ms"),
         "{}",
         gate.cases[0].words
     );
