@@ -124,16 +124,22 @@ fn scope(report: &GateReport) -> Vec<String> {
                 line += ", each on one core";
             }
             if !time.confirm.is_empty() {
-                let again = time
+                let decided: Vec<usize> = time
                     .cases
                     .iter()
                     .filter(|c| c.interval_percent.is_some())
-                    .count();
+                    .map(|c| c.blocks)
+                    .collect();
+                let least = decided.iter().min().copied().unwrap_or(0);
                 let _ = write!(
                     line,
-                    ", {again} of them again in {} fresh ones",
-                    time.confirm.len()
+                    ", {} of them again in {least} fresh ones",
+                    decided.len()
                 );
+                let on = decided.iter().filter(|blocks| **blocks > least).count();
+                if on > 0 {
+                    let _ = write!(line, ", {on} in up to {}", time.confirm.len());
+                }
             }
             if let Some(null) = report.null_percent() {
                 let _ = write!(line, "; base against base differed by up to {null:.1} %");

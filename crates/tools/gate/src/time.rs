@@ -15,10 +15,11 @@
 //!
 //! [`SCREEN_BLOCKS`] look at every case. What moved by [`SCREEN_RATIO`], or spread too much to tell, is
 //! measured again in [`CONFIRM_BLOCKS`] *fresh* blocks, which alone decide. Choosing cases by their first
-//! blocks biases these. Where the null moves, the machine did.
+//! blocks biases these. Where the null moves, the machine did. What these blocks leave undecided is measured
+//! on, for up to [`CONFIRM_ROUNDS`] such rounds, as the time budget allows.
 
 use crate::threshold::{
-    CONFIRM_BLOCKS, COVERAGE, FLOOR_PERCENT, MIN_AGREEMENT, MIN_CONFIRM_BLOCKS,
+    CONFIRM_BLOCKS, CONFIRM_ROUNDS, COVERAGE, FLOOR_PERCENT, MIN_AGREEMENT, MIN_CONFIRM_BLOCKS,
     MIN_PLAUSIBLE_RATIO, NULL_COVERAGE, SCREEN_BLOCKS, SCREEN_RATIO, floor_ms,
 };
 use crate::{Finding, Gate, GateError, Severity};
@@ -351,26 +352,38 @@ pub fn compare_times(
         .iter()
         .map(|case| first_look(case, &screen, &times, options))
         .collect();
-    let again: BTreeSet<String> = looked_at
-        .iter()
-        .filter(|case| case.pace != Pace::Same && case.percent.is_some())
-        .map(|case| case.case.clone())
-        .collect();
     let mut confirm = Vec::new();
-    if !again.is_empty() {
-        let what = format!("{} cases again", again.len());
-        confirm = blocks(
+    for round in 1..=CONFIRM_ROUNDS {
+        let undecided: BTreeSet<String> = looked_at
+            .iter()
+            .filter(|case| case.pace == Pace::Unknown && case.percent.is_some())
+            .map(|case| case.case.clone())
+            .collect();
+        if undecided.is_empty() {
+            break;
+        }
+        let again = if round == 1 {
+            "again"
+        } else {
+            "still undecided"
+        };
+        let what = format!("{} cases {again}", undecided.len());
+        let more = blocks(
             sides,
-            &again,
+            &undecided,
             options,
             CONFIRM_BLOCKS,
             &mut next_process,
             &what,
         )?;
+        if more.is_empty() && round > 1 {
+            break;
+        }
+        confirm.extend(more);
         let times = both(sides)?;
         for case in looked_at
             .iter_mut()
-            .filter(|case| again.contains(&case.case))
+            .filter(|case| undecided.contains(&case.case))
         {
             *case = decide(&case.case, &confirm, &times, options);
         }

@@ -427,6 +427,41 @@ fn where_base_against_base_moves_the_answer_is_unknown() {
 }
 
 #[test]
+fn what_one_round_leaves_undecided_is_measured_on_while_the_budget_lasts() {
+    let gate = |budget_s| {
+        let mut sides = MadeUp {
+            spread: 0.045,
+            ..MadeUp::in_lock_step(23, 1.0)
+        };
+        let options = TimeOptions {
+            budget: Duration::from_secs(budget_s),
+            ..options()
+        };
+        compare_times(&mut sides, &cases(200), &options).expect("measured")
+    };
+    let unknown = |gate: &TimeGate| {
+        gate.cases
+            .iter()
+            .filter(|c| c.pace == Pace::Unknown)
+            .count()
+    };
+    let called = |gate: &TimeGate| {
+        let is_called = |c: &&CaseTime| matches!(c.pace, Pace::Slower | Pace::Faster);
+        gate.cases.iter().filter(is_called).count()
+    };
+    let long = gate(600);
+    assert_eq!(long.confirm.len(), 60);
+    assert!(unknown(&long) < 40, "{}", unknown(&long));
+    // Twin: 25 blocks of three seconds, and time for one more.
+    let short = gate(75);
+    assert_eq!(short.confirm.len(), 21);
+    assert!(unknown(&short) > 60, "{}", unknown(&short));
+    // The same work, and further rounds call none of it slower or faster.
+    assert_eq!(called(&long), called(&short));
+    assert!(called(&short) <= 2, "1 % of the first round's");
+}
+
+#[test]
 fn a_budget_that_ends_early_is_no_pass() {
     let mut sides = MadeUp::new(11, 1.2);
     let short = TimeOptions {
