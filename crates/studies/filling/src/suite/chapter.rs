@@ -54,6 +54,18 @@ struct View<'a> {
 }
 
 impl View<'_> {
+    /// Why its scene is in the suite.
+    fn scene_reason(&self) -> &str {
+        let first = self.cases.first();
+        first.map_or("", |case| case.condition("scene-reason"))
+    }
+
+    /// Wall clock of all its techniques, seconds.
+    fn seconds(&self) -> f64 {
+        let cases = self.cases.iter();
+        cases.filter_map(|case| case.value("suite_case_s")).sum()
+    }
+
     /// The worst of its techniques.
     fn came(&self) -> Came {
         let came = self.cases.iter().map(|case| Came::of(case));
@@ -78,6 +90,15 @@ fn views(run: &Run) -> Vec<View<'_>> {
     views
 }
 
+/// Views of one scene after the other.
+fn by_scene<'v, 'a>(views: &'v [View<'a>]) -> impl Iterator<Item = &'v [View<'a>]> {
+    views.chunk_by(|a, b| a.scene == b.scene)
+}
+
+fn count(views: &[View<'_>], came: Came) -> usize {
+    views.iter().filter(|view| view.came() == came).count()
+}
+
 /// How many scenes and views there are and how they ended; `None` for a run without the suite.
 #[must_use]
 pub fn extreme_sentence(run: &Run) -> Option<String> {
@@ -85,12 +106,10 @@ pub fn extreme_sentence(run: &Run) -> Option<String> {
     if views.is_empty() {
         return None;
     }
-    let mut scenes: Vec<&str> = views.iter().map(|view| view.scene).collect();
-    scenes.dedup();
-    let ended = |came: Came| views.iter().filter(|view| view.came() == came).count();
+    let ended = |came: Came| count(&views, came);
     let mut text = format!(
         "Extreme suite: {} scenes, {} views: {} passed, {} refused rightly, {} failed",
-        scenes.len(),
+        by_scene(&views).count(),
         views.len(),
         ended(Came::Passed),
         ended(Came::Refused),
@@ -122,10 +141,7 @@ impl Chapter for ExtremeChapter {
         let Some(sentence) = extreme_sentence(run) else {
             return Ok(Answers::default());
         };
-        let failed = views(run)
-            .iter()
-            .filter(|view| view.came() == Came::Failed)
-            .count();
+        let failed = count(&views(run), Came::Failed);
         Ok(Answers {
             blocks: vec![Block::Text(sentence.clone())],
             requirements: vec![Finding {
@@ -156,9 +172,10 @@ impl Chapter for ExtremeChapter {
             blocks.push(Block::Alarm(summary));
             blocks.push(Block::List(failed));
         }
-        let headings = |first: &str| {
+        blocks.push(Block::Table(summary(&views)));
+        let headings = || {
             vec![
-                Heading::plain(first),
+                Heading::plain("view"),
                 Heading::plain("expected"),
                 Heading::explained("result", "the worst of the techniques"),
                 Heading::explained(
@@ -179,22 +196,14 @@ impl Chapter for ExtremeChapter {
                 Heading::plain("picture"),
             ]
         };
-        let mut rest = &views[..];
-        while let Some(first) = rest.first() {
-            let count = rest
-                .iter()
-                .take_while(|view| view.scene == first.scene)
-                .count();
-            let (scene, others) = rest.split_at(count);
-            rest = others;
+        for scene in by_scene(&views) {
+            let Some(first) = scene.first() else {
+                continue;
+            };
             blocks.push(Block::section(first.scene));
-            let reason = first
-                .cases
-                .first()
-                .map_or("", |case| case.condition("scene-reason"));
-            blocks.push(Block::Text(format!("{reason}.")));
+            blocks.push(Block::Text(format!("{}.", first.scene_reason())));
             blocks.push(Block::Table(Table {
-                headings: headings("view"),
+                headings: headings(),
                 rows: scene.iter().map(|view| row(view, metric)).collect(),
                 ..Table::default()
             }));
@@ -243,6 +252,49 @@ fn failures(view: &View<'_>) -> Vec<String> {
         .collect()
 }
 
+/// A row for each scene: why it is here and how its views ended.
+fn summary(views: &[View<'_>]) -> Table {
+    let ends = [Came::Passed, Came::Refused, Came::Failed];
+    let mut headings = ["scene", "why it is here", "views"]
+        .map(Heading::plain)
+        .to_vec();
+    headings.extend(ends.map(|came| Heading::plain(came.name())));
+    headings.push(Heading::explained("all, s", "wall clock of all its views"));
+    headings.push(Heading::plain("first view"));
+    let row = |scene: &[View<'_>]| {
+        let first = scene.first();
+        let mut name = Cell::name(first.map_or("", |view| view.scene));
+        name.section.clone_from(&name.text);
+        let reason = first.map_or("", View::scene_reason);
+        let mut cells = vec![
+            name,
+            Cell::name(reason),
+            Cell::plain(scene.len().to_string()),
+        ];
+        cells.extend(ends.map(|came| Cell::plain(count(scene, came).to_string())));
+        cells.push(Cell::plain(significant(
+            scene.iter().map(View::seconds).sum(),
+        )));
+        let picture = first.and_then(|view| view.cases.first());
+        cells.push(Cell {
+            picture: picture.map_or("", |case| case.note("image")).to_owned(),
+            ..Cell::default()
+        });
+        let worst = scene.iter().map(View::came).max();
+        Row {
+            cells,
+            status: worst.unwrap_or(Came::Missing).name().to_owned(),
+            ..Row::default()
+        }
+    };
+    Table {
+        headings,
+        rows: by_scene(views).map(row).collect(),
+        is_main: true,
+        ..Table::default()
+    }
+}
+
 fn row(view: &View<'_>, metric: &str) -> Row {
     let came = view.came();
     let first = view.cases.first().copied();
@@ -261,11 +313,6 @@ fn row(view: &View<'_>, metric: &str) -> Row {
         let replicates: Vec<f64> = process_medians(case, metric).into_values().collect();
         median(&replicates)
     });
-    let seconds: f64 = view
-        .cases
-        .iter()
-        .filter_map(|case| case.value("suite_case_s"))
-        .sum();
     let expected = first.map_or("", |case| case.condition("expected"));
     let left_out = first.map_or("", |case| case.note("left_out"));
     let drawn = first.and_then(|case| case.value("regions_drawn"));
@@ -296,7 +343,7 @@ fn row(view: &View<'_>, metric: &str) -> Row {
             figure(most("mismatched_px")),
             figure(most("mismatched_px_outside_band")),
             Cell::or_absent(time.map(significant), "no frame was timed"),
-            Cell::plain(significant(seconds)),
+            Cell::plain(significant(view.seconds())),
             figure(drawn),
             match (left_out, drawn) {
                 ("", Some(_)) => Cell::name("nothing"),

@@ -13,7 +13,7 @@ use terrafill_fill::Devices;
 use terrafill_filling::{EXTREME, ExtremeStudy, FillingStudy, Techniques, extreme_sentence};
 use terrafill_instanced::InstancedTechnique;
 use terrafill_native::NativeTechnique;
-use terrafill_results::{Outcome, Run, RunEnvironment, RunFolder, SCHEMA};
+use terrafill_results::{Block, Outcome, Row, Run, RunEnvironment, RunFolder, SCHEMA};
 use terrafill_scene::{Expectation, Scene, SuiteScene, suite_names, suite_scenes};
 use terrafill_study::{Depth, Request, RunOptions, Silent, Study, plan, run};
 use terrafill_surface::EllipsoidKind;
@@ -131,7 +131,29 @@ fn the_fast_half_is_right_or_refused_as_it_should_be() {
     assert_eq!(faults, Vec::<String>::new());
     let chapter = SUITE.chapter();
     assert_eq!(chapter.contradictions(&run), Vec::<String>::new());
-    assert!(!chapter.blocks(&run).expect("blocks").is_empty());
+    let scenes = summary_rows(&run);
+    assert_eq!(scenes.len(), FAST_HALF.len());
+    for row in &scenes {
+        let [views, passed, refused, failed] = ends(row);
+        assert_eq!((passed + refused, failed), (views, 0), "{}", row[0]);
+    }
+}
+
+/// Views of a scene's row, and how many of them passed, were refused rightly, and failed.
+fn ends(row: &[String]) -> [u32; 4] {
+    [2, 3, 4, 5].map(|column| row[column].parse().expect("a count"))
+}
+
+/// Cells of the table with a row for each scene.
+fn summary_rows(run: &Run) -> Vec<Vec<String>> {
+    let blocks = SUITE.chapter().blocks(run).expect("blocks");
+    let tables = blocks.into_iter().filter_map(|block| match block {
+        Block::Table(table) => Some(table),
+        _ => None,
+    });
+    let summary = tables.into_iter().next().expect("a table");
+    let texts = |row: Row| row.cells.into_iter().map(|cell| cell.text).collect();
+    summary.rows.into_iter().map(texts).collect()
 }
 
 /// The twin: the same scenes with what they expect turned round.
@@ -207,6 +229,12 @@ fn an_expectation_turned_round_fails_whichever_way() {
         sentence.contains("1 passed, 0 refused rightly"),
         "{sentence}"
     );
+    let rows = summary_rows(&run);
+    let all = rows.iter().map(|row| ends(row));
+    let [passed, failed] = all.fold([0, 0], |sum, [_, passed, _, failed]| {
+        [sum[0] + passed, sum[1] + failed]
+    });
+    assert!(passed == 1 && failed > 1, "{rows:?}");
 }
 
 /// Every scene says why it is there and what must come of it, and those that must fill load as far as
