@@ -268,7 +268,7 @@ pub(crate) struct GateArguments {
     /// All main variants, not the quick ones alone
     #[arg(long)]
     pub(crate) main: bool,
-    /// Image size, WIDTHxHEIGHT or one number for both; on a CPU, what fits its cache is steadiest
+    /// Image size, WIDTHxHEIGHT or one number for both
     #[arg(long, default_value = "256", value_parser = parse_size)]
     pub(crate) size: (u32, u32),
     /// Compare counters, bytes and errors alone
