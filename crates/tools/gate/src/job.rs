@@ -34,6 +34,27 @@ pub struct Workload {
     pub extra: [u32; 2],
 }
 
+/// A program's file that one process alone runs; gone with it.
+///
+/// Processes of one file share the pages of its text, and which pages of memory these are decides by percents
+/// how fast they run. Were base and its null one file and new another, the two of one file would win.
+struct OwnCopy(PathBuf);
+
+impl OwnCopy {
+    fn of(program: &Path, to: PathBuf) -> Result<Self, GateError> {
+        let copy = Self(to);
+        std::fs::copy(program, &copy.0).map_err(GateError::io(&copy.0))?;
+        Ok(copy)
+    }
+}
+
+impl Drop for OwnCopy {
+    fn drop(&mut self) {
+        // One that stays takes room and changes no verdict.
+        drop(std::fs::remove_file(&self.0));
+    }
+}
+
 /// Two programs and their run folders.
 pub struct Job<'a> {
     programs: [Program; 2],
@@ -201,21 +222,25 @@ impl Job<'_> {
     /// A process of a side that times these cases alone.
     ///
     /// - `block`: number of its block, all of whose processes run on one core
+    ///
+    /// The copy that it runs has to live until it has ended.
     fn timing(
         &self,
         side: Side,
         process: u32,
         block: u32,
         cases: &BTreeSet<String>,
-    ) -> Result<Command, GateError> {
+    ) -> Result<(OwnCopy, Command), GateError> {
         let list = self.out.join("cases.txt");
         let text: Vec<&str> = cases.iter().map(String::as_str).collect();
         std::fs::write(&list, text.join("\n")).map_err(GateError::io(&list))?;
-        let command = self.cores.command(&self.program(side).path, block);
+        let copy = self.out.join(format!("{}-{process}", side.name()));
+        let copy = OwnCopy::of(&self.program(side).path, copy)?;
+        let command = self.cores.command(&copy.0, block);
         let mut command = self.with_options(command, side);
         command.arg(format!("--process={process}"));
         command.arg("--time-only").arg(&list);
-        Ok(command)
+        Ok((copy, command))
     }
 
     /// Why a process in lock-step failed: as it says itself, or as its pipe did.
@@ -238,8 +263,10 @@ impl Sides for Job<'_> {
 
     fn run_together(&mut self, trio: Trio, cases: &BTreeSet<String>) -> Result<(), GateError> {
         let sides = trio.processes();
-        let start = |(side, process): (Side, u32)| -> Result<Stepped, GateError> {
-            let mut command = self.timing(side, process, trio.block(), cases)?;
+        let mut copies = Vec::with_capacity(sides.len());
+        let mut start = |(side, process): (Side, u32)| -> Result<Stepped, GateError> {
+            let (copy, mut command) = self.timing(side, process, trio.block(), cases)?;
+            copies.push(copy);
             command.arg("--stepped");
             Stepped::start(command).map_err(|error| self.failed(side, error.to_string()))
         };
@@ -273,7 +300,7 @@ impl Sides for Job<'_> {
     }
 
     fn run(&mut self, side: Side, process: u32, cases: &BTreeSet<String>) -> Result<(), GateError> {
-        let command = self.timing(side, process, (process - 1) / 4, cases)?;
+        let (_copy, command) = self.timing(side, process, (process - 1) / 4, cases)?;
         let ended = self.run_to_end(side, command)?;
         if ended.status.success() {
             Ok(())

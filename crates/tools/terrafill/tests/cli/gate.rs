@@ -2,6 +2,7 @@
 //! `gate`, `bless` and `compare`: what passes, what does not, and that nothing passes unmeasured.
 
 use crate::harness::{Desk, Ran, collection, has_device, polygon, rectangle};
+use std::collections::BTreeSet;
 use std::io::Write as _;
 
 /// A run of one technique that takes a moment, into `out`.
@@ -308,9 +309,10 @@ fn times_are_taken_in_lock_step_and_by_turns_of_a_program_that_cannot() {
         return;
     }
     let desk = Desk::new();
-    twin(&desk);
     let this = env!("CARGO_BIN_EXE_terrafill");
-    let ran = timed(&desk, "twin", this, "together", "20");
+    let before = "case \" $* \" in *' --time-only '*) echo \"$0\" >>files; esac";
+    altered(&desk, "listed", before, "");
+    let ran = timed(&desk, "./listed", this, "together", "20");
     let said = format!("{}{}", ran.stdout, ran.stderr);
     // A busy machine may leave it inconclusive, and a slow one end before the first look does; nothing is
     // slower and nothing is an error.
@@ -320,6 +322,19 @@ fn times_are_taken_in_lock_step_and_by_turns_of_a_program_that_cannot() {
     assert!(options.contains("samples=1\""), "{options}");
     let rows = desk.read_text("together/base/measurements.csv");
     assert!(rows.contains(",2,12,"), "the second process has samples");
+
+    // Processes of one file share its pages, which makes them as fast as each other and no others.
+    let text = desk.read_text("files");
+    let files: BTreeSet<&str> = text.lines().collect();
+    assert!(files.len() >= 2, "{text}");
+    assert_eq!(
+        files.len(),
+        text.lines().count(),
+        "each has its own: {text}"
+    );
+    for file in files {
+        assert!(!desk.path(file).exists(), "{file} is left");
+    }
 
     // Twin: one that was built before.
     let before = "case \" $* \" in *' --stepped '*) echo unexpected >&2; exit 2;; esac";
