@@ -9,7 +9,8 @@ const RELIEF_PER_SLOPE: f32 = 8.0;
 const MOST_RELIEF: f32 = 0.6;
 
 struct SurfaceVertex {
-    @builtin(position) clip: vec4<f32>,
+    // Light caps of shadow volumes are drawn over the triangles that they are, and equal depth must fail.
+    @builtin(position) @invariant clip: vec4<f32>,
     @location(0) relative_m: vec3<f32>,
     // Height above the eye's, measured along the radius; of facets it is interpolated, so that those of a
     // smooth body have no slope, however coarse they are.

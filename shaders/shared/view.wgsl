@@ -18,7 +18,10 @@ struct ViewConstants {
 
 @group(0) @binding(0) var<uniform> view: ViewConstants;
 
+// By fused steps: what is drawn twice, as surface and as part of a volume, then has the same depth, whichever
+// shader's compiler would else choose to fuse.
 fn clip_from_eye_relative(relative_m: vec3<f32>) -> vec4<f32> {
-    let p = view.view_from_ecef * relative_m;
+    let axes = view.view_from_ecef;
+    let p = fma(axes[0], vec3<f32>(relative_m.x), fma(axes[1], vec3<f32>(relative_m.y), axes[2] * relative_m.z));
     return vec4<f32>(p.x * view.clip_scale_x, p.y * view.clip_scale_y, view.near_m, -p.z);
 }
