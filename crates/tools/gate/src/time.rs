@@ -590,10 +590,10 @@ fn decide(case: &str, blocks: &[Block], times: &[Times; 2], options: &TimeOption
     found.null_percent = null.map(|null| percent(null.estimate));
     found.spread_percent = deviation(&differences).map(percent);
     found.slower_blocks = differences.iter().filter(|gap| **gap > 0.0).count();
+    // Not the two medians' difference: these are not of the same moments, and drift as the machine does.
     let gap_ms = found
         .base_ms
-        .zip(found.new_ms)
-        .map(|(base, new)| (new - base).abs());
+        .map(|base| base * shift.estimate.exp_m1().abs());
     let (pace, words) = pace(&shift, null.as_ref(), &differences, gap_ms, options);
     found.pace = pace;
     found.words = words;

@@ -499,3 +499,22 @@ fn differences_below_the_clock_do_not_count() {
         gate.cases[0].words
     );
 }
+
+/// The machine is slow in half of the bursts, so that the median of either side lies in one of its two states.
+/// The absolute floor must judge what the blocks say, in which both were measured at the same moments.
+#[test]
+fn a_real_difference_counts_where_the_machine_is_slow_half_of_the_time() {
+    let below_floor = |base_ms: f64, factor: f64| {
+        let mut sides = MadeUp::in_lock_step(31, factor);
+        sides.base_ms = base_ms;
+        let gate = compare_times(&mut sides, &cases(500), &options()).expect("measured");
+        let of = gate.cases.iter();
+        of.filter(|case| case.words.contains("below 0.01 ms"))
+            .count()
+    };
+    // 0.027–0.029 ms, near three times the floor.
+    assert_eq!(below_floor(0.42, 1.07), 0);
+    assert_eq!(below_floor(0.42, 1.0 / 1.07), 0);
+    // 0.007 ms.
+    assert!(below_floor(0.1, 1.07) > 450);
+}
