@@ -5,6 +5,7 @@
 //! Struct layouts that Rust mirrors are read back from the compiled shader with [`struct_layout`],
 //! so that a test can hold them against `offset_of!`.
 
+mod invariance;
 mod spirv;
 mod textured;
 mod wgsl;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The WGSL sources: embedded, composed by `#import`, validated and reflected by naga.
 
+use crate::invariance::variant_positions;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
 /// A shader file, path relative to `shaders/`.
@@ -40,12 +41,12 @@ pub enum ShaderError {
         /// What it names.
         import: String,
     },
-    /// naga rejects it.
+    /// naga rejects it, or a position may vary between shaders.
     #[error("{path}: {message}")]
     Invalid {
         /// File.
         path: String,
-        /// naga's words.
+        /// naga's words, or which position.
         message: String,
     },
     /// The struct is not in the shader.
@@ -119,10 +120,14 @@ pub fn with_footprints(composed: &str) -> String {
 /// Parses and validates one composed source.
 ///
 /// # Errors
-/// [`ShaderError::Invalid`] with naga's message and place.
+/// [`ShaderError::Invalid`] with naga's message and place, or the entry point whose position may vary.
 pub fn validate(path: &str, composed: &str) -> Result<naga::Module, ShaderError> {
     parse_and_validate(path, composed).map(|(module, _)| module)
 }
+
+/// Globes of a study, on which nothing else is drawn. There a vertex stage that makes its places must round as
+/// a compute shader does, which has no invariant results.
+const DRAWN_ALONE: &str = "globes/";
 
 /// What not every device has: a module that numbers primitives or indexes arrays of textures says so, and its device
 /// is asked first.
@@ -146,6 +151,16 @@ pub(crate) fn parse_and_validate(
     let info = Validator::new(ValidationFlags::all(), capabilities())
         .validate(&module)
         .map_err(|error| invalid(error.emit_to_string_with_path(composed, path)))?;
+    let may_vary = match path.starts_with(DRAWN_ALONE) {
+        true => Vec::new(),
+        false => variant_positions(&module),
+    };
+    if let Some(entry) = may_vary.first() {
+        return Err(invalid(format!(
+            "entry point {entry} places vertices by clip_from_eye_relative; its position must be @invariant, or \
+             what another shader draws in the same place has another depth"
+        )));
+    }
     Ok((module, info))
 }
 
