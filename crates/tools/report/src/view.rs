@@ -58,15 +58,24 @@ enum View<'a> {
     },
 }
 
+/// Class of cells of words.
+const WORDS: &str = "name";
+
 struct TableView<'a> {
     id: String,
     caption: &'a str,
     class: &'static str,
     has_upright_headings: bool,
-    /// Text and meaning.
-    headings: Vec<(&'a str, String)>,
+    headings: Vec<HeadingView<'a>>,
     rows: Vec<RowView<'a>>,
     footnotes: Vec<&'a str>,
+}
+
+struct HeadingView<'a> {
+    text: &'a str,
+    meaning: String,
+    /// Over words, which begin where it begins; figures end where it ends.
+    is_over_words: bool,
 }
 
 struct RowView<'a> {
@@ -281,7 +290,17 @@ impl<'a> Renderer<'a> {
             }
             view
         });
-        let rows = rows.collect();
+        let rows: Vec<RowView<'b>> = rows.collect();
+        let is_words = |row: &RowView<'_>, column: usize| {
+            let cell = row.cells.get(column);
+            cell.is_some_and(|cell| cell.class == WORDS)
+        };
+        let headings = table.headings.iter().enumerate();
+        let headings = headings.map(|(column, heading)| HeadingView {
+            text: &heading.text,
+            meaning: meaning(self.run, heading),
+            is_over_words: !rows.is_empty() && rows.iter().all(|row| is_words(row, column)),
+        });
         TableView {
             id: self.id("table"),
             caption: &table.caption,
@@ -291,12 +310,8 @@ impl<'a> Renderer<'a> {
                 TableLayout::Cards => "cards",
             },
             has_upright_headings: table.layout == TableLayout::UprightHeadings,
+            headings: headings.collect(),
             rows,
-            headings: table
-                .headings
-                .iter()
-                .map(|heading| (heading.text.as_str(), meaning(self.run, heading)))
-                .collect(),
             footnotes,
         }
     }
@@ -324,7 +339,7 @@ impl<'a> Renderer<'a> {
             _ if is_status => "status",
             CellClass::Plain => "",
             CellClass::Name if is_first => "",
-            CellClass::Name => "name",
+            CellClass::Name => WORDS,
             CellClass::Absent => "absent",
             CellClass::Void => "void",
             CellClass::Good => "good",

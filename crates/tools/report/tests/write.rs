@@ -50,6 +50,7 @@ impl Chapter for TimesChapter {
                     Cell::name(&case.id().name),
                     Cell::plain(case.outcome.name()),
                     cell,
+                    Cell::name("as asked"),
                 ],
                 status: case.outcome.name().to_owned(),
                 remark: case.reason.clone(),
@@ -79,6 +80,7 @@ impl Chapter for TimesChapter {
                     Heading::plain("case"),
                     Heading::plain("status"),
                     Heading::metric("ms", TIME),
+                    Heading::plain("why"),
                 ],
                 rows: run.cases.iter().map(row).collect(),
                 is_main: true,
@@ -293,6 +295,14 @@ fn a_known_driver_fault_is_counted_apart_and_neither_right_nor_a_defect() {
     assert_eq!(report(&run).written.verdict, Verdict::Nothing);
     run.cases[0].row = Some((Status::Wrong, "2 px".to_owned()));
     assert_eq!(report(&run).written.verdict, Verdict::Bad);
+}
+
+/// Words begin at the left of their column, and so does what is over them.
+#[test]
+fn a_heading_over_words_begins_where_they_do_and_one_over_figures_ends_where_they_do() {
+    let html = report(&mixed_run()).html;
+    assert!(html.contains("<th scope=\"col\" class=\"name\">why</th>"));
+    assert!(html.contains("<th scope=\"col\">status</th>"));
 }
 
 #[test]
