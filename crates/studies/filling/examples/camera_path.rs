@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What each frame costs on a way of 300 frames from orbit to the ground, with levels of detail that change.
+//!
+//! `cargo run --release -p terrafill-filling --example camera_path -- [ROUNDS] SCENE…`
+//!
+//! By each technique's full plan with levels. A frame is plan, what it uploads, surface and fill; process CPU time,
+//! median over the rounds. A round flies twice: the first flight makes what it draws, the other finds it made.
+
+#![allow(clippy::print_stdout, reason = "printing is what an example is for")]
+
+use std::collections::BTreeSet;
+use std::rc::Rc;
+use terrafill_compute::ComputeTechnique;
+use terrafill_core::Geodetic;
+use terrafill_fill::{CpuStopwatch, Devices, FillInput, PreparedScene, Targets, Technique};
+use terrafill_instanced::InstancedTechnique;
+use terrafill_native::NativeTechnique;
+use terrafill_results::median;
+use terrafill_scene::{CameraPose, ImageSize, LeveledMeshes, Scene, View, data_dir_from_env};
+use terrafill_surface::{EllipsoidKind, open_surface};
+use terrafill_vertex::VertexTechnique;
+
+const SIZE: ImageSize = ImageSize {
+    width: 1024,
+    height: 1024,
+};
+const FRAMES: u32 = 300;
+const ROUNDS: u32 = 3;
+const TECHNIQUES: [&dyn Technique; 4] = [
+    &VertexTechnique,
+    &ComputeTechnique,
+    &InstancedTechnique,
+    &NativeTechnique,
+];
+
+fn main() -> anyhow::Result<()> {
+    let mut arguments = std::env::args().skip(1).peekable();
+    let rounds = arguments.peek().and_then(|first| first.parse::<u32>().ok());
+    if rounds.is_some() {
+        arguments.next();
+    }
+    let targets = Targets::new(&Rc::new(Devices::new(None)), SIZE);
+    for name in arguments {
+        let scene = Scene::shipped(&name, data_dir_from_env().as_deref())?;
+        let leveled = LeveledMeshes::build(&scene, &scene.mesh)
+            .map_err(|errors| anyhow::anyhow!("{name}: {errors:?}"))?;
+        let surface = open_surface(&[&EllipsoidKind], &scene)?;
+        let prepared = PreparedScene::leveled(&scene, leveled, surface);
+        let views = path(prepared.meshes[0].vertices_deg[0]);
+        for technique in TECHNIQUES {
+            let rounds = rounds.unwrap_or(ROUNDS);
+            measure(technique, &targets, (&scene, &prepared), &views, rounds)?;
+        }
+    }
+    Ok(())
+}
+
+/// From 20,000 km above a place down to 50 m, at first straight down, at last along the ground.
+fn path([longitude_deg, latitude_deg]: [f64; 2]) -> Vec<View> {
+    let seen = |frame: u32| {
+        let share = f64::from(frame) / f64::from(FRAMES - 1);
+        let height_m = 2e7 * (50.0_f64 / 2e7).powf(share);
+        View {
+            name: format!("frame {frame}"),
+            pose: CameraPose {
+                eye: Geodetic::from_degrees(longitude_deg, latitude_deg, height_m),
+                heading_rad: (40.0 * share).to_radians(),
+                pitch_rad: (-90.0 + 80.0 * share * share).to_radians(),
+                fov_y_rad: 45_f64.to_radians(),
+                near_m: height_m * 1e-3,
+            },
+            note: None,
+        }
+    };
+    (0..FRAMES).map(seen).collect()
+}
+
+fn measure(
+    technique: &dyn Technique,
+    targets: &Targets,
+    (scene, prepared): (&Scene, &PreparedScene),
+    views: &[View],
+    rounds: u32,
+) -> anyhow::Result<()> {
+    let Some(variant) = technique.full_plans(scene.overlap).pop() else {
+        return Ok(());
+    };
+    let input = |view: &View| FillInput::new(prepared, view, SIZE, variant.plan);
+    // Of each flight and frame, a time a round.
+    let mut times = vec![vec![Vec::new(); views.len()]; 2];
+    for _ in 0..rounds {
+        let mut backend = technique.open(targets, &variant)?;
+        for flight in &mut times {
+            for (view, of_frame) in views.iter().zip(flight) {
+                let watch = CpuStopwatch::start();
+                let input = input(view)?;
+                backend.prepare(&input)?;
+                backend.draw_surface(&input)?;
+                backend.time_frame(&input)?;
+                of_frame.push(watch.cpu_ms());
+            }
+        }
+    }
+    let mut backend = technique.open(targets, &variant)?;
+    let (mut levels, mut changes, mut making) = (BTreeSet::new(), 0, 0);
+    let mut made = vec![Vec::new(); 2];
+    for made in &mut made {
+        for view in views {
+            let input = input(view)?;
+            let meshes: BTreeSet<usize> = input.plan.regions.iter().map(|of| of.mesh).collect();
+            changes += usize::from(meshes != levels);
+            levels = meshes;
+            backend.prepare(&input)?;
+            let counted = backend.render(&input)?.counters.unwrap_or_default();
+            making += usize::from(counted.buffer_creations > 0);
+            made.push(counted);
+        }
+    }
+    println!(
+        "{}, {}: of {} frames of two flights {changes} draw other meshes than the one before, {making} make \
+         buffers",
+        scene.name,
+        technique.name(),
+        2 * views.len()
+    );
+    for ((flight, frames), made) in ["first flight", "once more"].iter().zip(&times).zip(&made) {
+        let frames: Vec<f64> = frames.iter().filter_map(|of| median(of)).collect();
+        let Some(middle) = median(&frames) else {
+            continue;
+        };
+        let slow = (0..frames.len()).filter(|&frame| frames[frame] > 2.0 * middle);
+        let worst = (0..frames.len()).max_by(|&a, &b| frames[a].total_cmp(&frames[b]));
+        let Some(worst) = worst else {
+            continue;
+        };
+        println!(
+            "  {flight}: median frame {middle:.2} ms; worst {:.2} ms = {:.2} ×, frame {worst} at {:.0} m, which made {} \
+             buffers and {} pipelines and uploaded {} times; over 2 ×: {:?}",
+            frames[worst],
+            frames[worst] / middle,
+            views[worst].pose.eye.height_m,
+            made[worst].buffer_creations,
+            made[worst].pipeline_creations,
+            made[worst].uploads,
+            slow.collect::<Vec<_>>()
+        );
+    }
+    Ok(())
+}
