@@ -31,7 +31,7 @@ use crate::edge::Degrees;
 use crate::mesh::index_u32;
 use crate::pieces::pieces_as_compared;
 use crate::{EdgeRule, Ellipsoid, Polygon, Region, Ring};
-use arcs::{Arcs, Entry, RingVertices, in_order};
+use arcs::{Arcs, BorderArc, Entry, RingVertices, in_order};
 use deviation::{Judge, LONGEST_EDGE_DEG};
 use glam::DVec3;
 use grid::VertexGrid;
@@ -383,6 +383,7 @@ struct Candidate {
     deviation_m: f64,
     /// Decides between equals, so that the order of rings in their file does not.
     position: Degrees,
+    /// Of its arc's entries.
     entry: u32,
     version: u32,
 }
@@ -412,12 +413,7 @@ impl PartialOrd for Candidate {
 /// Arcs on their way down.
 struct Thinning<'a> {
     shared: &'a SharedBoundaries<'a>,
-    /// Of each entry, the one before and after it that is still there.
-    before: Vec<u32>,
-    after: Vec<u32>,
-    /// Of each entry; grows when its neighbours change, and what was queued before is stale.
-    version: Vec<u32>,
-    is_there: Vec<bool>,
+    chains: Vec<Chain<'a>>,
     /// Vertices that each ring still has.
     ring_size: Vec<u32>,
     node_edges: HashSet<[u32; 2]>,
@@ -425,21 +421,13 @@ struct Thinning<'a> {
 
 impl<'a> Thinning<'a> {
     fn new(shared: &'a SharedBoundaries<'a>) -> Self {
-        let count = shared.arcs.entries.len();
+        let arcs = &shared.arcs;
+        let sizes = arcs.rings.iter().map(|ring| index_u32(ring.vertices.len()));
         Self {
             shared,
-            // Never read at the ends of arcs.
-            before: (0..count).map(|k| index_u32(k.saturating_sub(1))).collect(),
-            after: (1..=count).map(index_u32).collect(),
-            version: vec![0; count],
-            is_there: vec![true; count],
-            ring_size: shared
-                .arcs
-                .rings
-                .iter()
-                .map(|ring| index_u32(ring.vertices.len()))
-                .collect(),
-            node_edges: shared.arcs.node_edges.clone(),
+            chains: arcs.arcs.iter().map(|arc| Chain::new(arc, arcs)).collect(),
+            ring_size: sizes.collect(),
+            node_edges: arcs.node_edges.clone(),
         }
     }
 
@@ -451,110 +439,213 @@ impl<'a> Thinning<'a> {
     /// Of each vertex, whether it is still there.
     fn kept(&self) -> Vec<bool> {
         let mut kept = vec![true; self.shared.arcs.vertices.len()];
-        for (entry, is_there) in self.shared.arcs.entries.iter().zip(&self.is_there) {
-            kept[entry.vertex as usize] &= is_there;
+        for chain in &self.chains {
+            for (entry, link) in chain.entries.iter().zip(&chain.links) {
+                kept[entry.vertex as usize] &= link.is_there;
+            }
         }
         kept
     }
 
     /// Takes out what the tolerance allows.
+    ///
+    /// Each arc for itself: to it the others stay as they are now. They can only lose vertices, so a
+    /// triangle that holds none of theirs now holds none in whatever order the arcs come, and what is
+    /// left does not depend on the number of threads.
     fn run(&mut self, tolerance_m: f64) {
-        let candidates: Vec<Reverse<Candidate>> = (0..self.is_there.len())
-            .into_par_iter()
-            .filter_map(|entry| self.candidate(entry, tolerance_m).map(Reverse))
-            .collect();
-        let mut queue: BinaryHeap<Reverse<Candidate>> = candidates.into();
         let all = &self.shared.arcs.vertices;
         let kept = self.kept();
         let members: Vec<u32> = (0..all.len())
             .filter(|&vertex| kept[vertex])
             .map(index_u32)
             .collect();
-        let grid = VertexGrid::new(all, &members);
-        let mut gone = vec![false; all.len()];
-        while let Some(Reverse(candidate)) = queue.pop() {
-            let entry = candidate.entry as usize;
-            let is_stale = candidate.version != self.version[entry] || !self.is_there[entry];
-            if is_stale || !self.may_go(entry, &grid, &gone) {
-                continue;
+        let around = Surroundings {
+            shared: self.shared,
+            grid: VertexGrid::new(all, &members),
+        };
+        let thinned = self.chains.par_iter_mut();
+        let lost: Vec<u32> = thinned
+            .map(|chain| chain.thin(&around, tolerance_m))
+            .collect();
+        for (chain, lost) in self.chains.iter().zip(lost) {
+            for &ring in &chain.arc.rings {
+                self.ring_size[ring as usize] -= lost;
             }
-            gone[self.shared.arcs.entries[entry].vertex as usize] = true;
-            for side in self.take_out(entry) {
-                self.version[side] += 1;
-                queue.extend(self.candidate(side, tolerance_m).map(Reverse));
+        }
+        self.straighten(&around, tolerance_m);
+    }
+
+    /// Arcs with one vertex left between their ends become edges where they may; one after the other,
+    /// since two between the same nodes cannot both, nor all arcs of a ring.
+    fn straighten(&mut self, around: &Surroundings<'_>, tolerance_m: f64) {
+        let chains = self.chains.iter().enumerate();
+        let mut last: Vec<(Candidate, usize)> = chains
+            .filter(|(_, chain)| chain.inside == 1)
+            .filter_map(|(k, chain)| {
+                let entry = chain.links[0].after as usize;
+                Some((chain.candidate(around, entry, tolerance_m)?, k))
+            })
+            .collect();
+        last.sort_unstable();
+        for (candidate, k) in last {
+            let chain = &mut self.chains[k];
+            let ends = chain.end_vertices();
+            let rings = &chain.arc.rings;
+            let leaves_enough = rings
+                .iter()
+                .all(|&ring| self.ring_size[ring as usize] > FEWEST_VERTICES);
+            let entry = candidate.entry as usize;
+            if leaves_enough
+                && ends[0] != ends[1]
+                && !self.node_edges.contains(&ends)
+                && !chain.is_in_the_way(around, entry)
+            {
+                chain.take_out(entry);
+                for &ring in rings {
+                    self.ring_size[ring as usize] -= 1;
+                }
+                self.node_edges.insert(ends);
             }
         }
     }
+}
 
-    fn candidate(&self, entry: usize, tolerance_m: f64) -> Option<Candidate> {
-        let Arcs {
+/// What an arc must not come to cross.
+struct Surroundings<'a> {
+    shared: &'a SharedBoundaries<'a>,
+    /// Vertices that were there when the step began.
+    grid: VertexGrid,
+}
+
+/// What is left of an arc.
+struct Chain<'a> {
+    arc: &'a BorderArc,
+    entries: &'a [Entry],
+    /// Of each entry.
+    links: Vec<Link>,
+    /// Entries between the ends that are still there.
+    inside: u32,
+}
+
+/// An entry of a chain.
+#[derive(Debug, Clone, Copy)]
+struct Link {
+    /// Entries before and after it that are still there; never read beyond the ends.
+    before: u32,
+    after: u32,
+    /// Grows when its neighbours change, and what was queued before is stale.
+    version: u32,
+    is_there: bool,
+}
+
+impl<'a> Chain<'a> {
+    fn new(arc: &'a BorderArc, arcs: &'a Arcs<'_>) -> Self {
+        let entries = &arcs.entries[arc.first..arc.past];
+        let link = |k: usize| Link {
+            before: index_u32(k.saturating_sub(1)),
+            after: index_u32(k + 1),
+            version: 0,
+            is_there: true,
+        };
+        Self {
+            arc,
             entries,
-            vertices,
-            arcs,
-            ..
-        } = &self.shared.arcs;
-        let arc = &arcs[entries[entry].arc as usize];
-        let is_small = tolerance_m > arc.largest_tolerance_m;
-        if entries[entry].is_end || !self.is_there[entry] || is_small {
+            links: (0..entries.len()).map(link).collect(),
+            inside: index_u32(entries.len() - 2),
+        }
+    }
+
+    /// The vertices of its ends, the lower first.
+    fn end_vertices(&self) -> [u32; 2] {
+        in_order([0, self.entries.len() - 1].map(|k| self.entries[k].vertex))
+    }
+
+    /// Takes out what the tolerance allows, but for the last entry; returns how many.
+    fn thin(&mut self, around: &Surroundings<'_>, tolerance_m: f64) -> u32 {
+        let before = self.inside;
+        let candidates: Vec<Reverse<Candidate>> = (1..self.entries.len() - 1)
+            .filter_map(|entry| self.candidate(around, entry, tolerance_m).map(Reverse))
+            .collect();
+        let mut queue: BinaryHeap<Reverse<Candidate>> = candidates.into();
+        while self.inside > 1
+            && let Some(Reverse(candidate)) = queue.pop()
+        {
+            let entry = candidate.entry as usize;
+            let link = self.links[entry];
+            let is_stale = candidate.version != link.version || !link.is_there;
+            if is_stale || self.is_edge(entry) || self.is_in_the_way(around, entry) {
+                continue;
+            }
+            for side in self.take_out(entry) {
+                self.links[side].version += 1;
+                queue.extend(self.candidate(around, side, tolerance_m).map(Reverse));
+            }
+        }
+        before - self.inside
+    }
+
+    fn candidate(
+        &self,
+        around: &Surroundings<'_>,
+        entry: usize,
+        tolerance_m: f64,
+    ) -> Option<Candidate> {
+        if self.entries[entry].is_end
+            || !self.links[entry].is_there
+            || tolerance_m > self.arc.largest_tolerance_m
+        {
             return None;
         }
         let [from, to] = self.beside(entry);
-        let judge = &self.shared.judge;
-        let deviation_m = judge.deviation_m(vertices, &entries[from..=to], tolerance_m)?;
+        let vertices = &around.shared.arcs.vertices;
+        let judge = &around.shared.judge;
+        let deviation_m = judge.deviation_m(vertices, &self.entries[from..=to], tolerance_m)?;
         Some(Candidate {
             deviation_m,
-            position: vertices[entries[entry].vertex as usize].position,
+            position: vertices[self.entries[entry].vertex as usize].position,
             entry: index_u32(entry),
-            version: self.version[entry],
+            version: self.links[entry].version,
         })
     }
 
     fn beside(&self, entry: usize) -> [usize; 2] {
-        [self.before[entry] as usize, self.after[entry] as usize]
+        let link = self.links[entry];
+        [link.before as usize, link.after as usize]
     }
 
-    fn may_go(&self, entry: usize, grid: &VertexGrid, gone: &[bool]) -> bool {
-        let Arcs { entries, arcs, .. } = &self.shared.arcs;
+    /// Whether the chain has an edge already between the entries beside this one: a ring of three
+    /// vertices.
+    fn is_edge(&self, entry: usize) -> bool {
         let [from, to] = self.beside(entry);
-        let (a, b, c) = (&entries[from], &entries[entry], &entries[to]);
-        let rings = &arcs[b.arc as usize].rings;
-        let leaves_enough = rings
-            .iter()
-            .all(|&ring| self.ring_size[ring as usize] > FEWEST_VERTICES);
-        leaves_enough
-            && !self.is_edge(from, to)
-            && !holds_vertex(&self.shared.arcs, self.shared.rule, [a, b, c], grid, gone)
-    }
-
-    /// Whether there is an edge already between the vertices of two entries of one arc, other than
-    /// over the entry between them.
-    fn is_edge(&self, from: usize, to: usize) -> bool {
-        let entries = &self.shared.arcs.entries;
-        let (a, c) = (&entries[from], &entries[to]);
+        let (a, c) = (&self.entries[from], &self.entries[to]);
         match (a.is_end, c.is_end) {
-            (true, true) => {
-                a.vertex == c.vertex || self.node_edges.contains(&in_order([a.vertex, c.vertex]))
-            }
-            (true, false) => entries[self.after[to] as usize].vertex == a.vertex,
-            (false, true) => entries[self.before[from] as usize].vertex == c.vertex,
+            (true, true) => a.vertex == c.vertex,
+            (true, false) => self.entries[self.links[to].after as usize].vertex == a.vertex,
+            (false, true) => self.entries[self.links[from].before as usize].vertex == c.vertex,
             (false, false) => false,
         }
     }
 
+    /// Whether another vertex lies in the triangle that would be cut off.
+    fn is_in_the_way(&self, around: &Surroundings<'_>, entry: usize) -> bool {
+        let [from, to] = self.beside(entry);
+        let corners = [from, entry, to].map(|k| &self.entries[k]);
+        let arcs = &around.shared.arcs;
+        let is_gone = |vertex: u32| {
+            let own = (arcs.entry_of[vertex as usize] as usize).checked_sub(self.arc.first);
+            let own = own.and_then(|entry| self.links.get(entry));
+            own.is_some_and(|link| !link.is_there)
+        };
+        holds_vertex(arcs, around.shared.rule, corners, &around.grid, is_gone)
+    }
+
     /// Returns the entries whose candidates this changes.
     fn take_out(&mut self, entry: usize) -> [usize; 2] {
-        let Arcs { entries, arcs, .. } = &self.shared.arcs;
         let [from, to] = self.beside(entry);
-        self.is_there[entry] = false;
-        self.after[from] = index_u32(to);
-        self.before[to] = index_u32(from);
-        for &ring in &arcs[entries[entry].arc as usize].rings {
-            self.ring_size[ring as usize] -= 1;
-        }
-        if entries[from].is_end && entries[to].is_end {
-            let ends = [entries[from].vertex, entries[to].vertex];
-            self.node_edges.insert(in_order(ends));
-        }
+        self.links[entry].is_there = false;
+        self.links[from].after = index_u32(to);
+        self.links[to].before = index_u32(from);
+        self.inside -= 1;
         [from, to]
     }
 }
@@ -566,7 +657,7 @@ fn holds_vertex(
     rule: EdgeRule,
     corners: [&Entry; 3],
     grid: &VertexGrid,
-    gone: &[bool],
+    is_gone: impl Fn(u32) -> bool,
 ) -> bool {
     let at = corners.map(|entry| arcs.vertices[entry.vertex as usize]);
     if at.iter().any(|vertex| vertex.position[1].abs() == 90.0) {
@@ -603,7 +694,7 @@ fn holds_vertex(
     let ids = corners.map(|entry| entry.vertex);
     let normals = at.map(|vertex| vertex.normal);
     grid.any_in_box(&arcs.vertices, low, high, &mut |vertex, position| {
-        let is_other = !gone[vertex as usize] && !ids.contains(&vertex);
+        let is_other = !ids.contains(&vertex) && !is_gone(vertex);
         is_other
             && match rule {
                 EdgeRule::Planar => in_triangle(positions, position),

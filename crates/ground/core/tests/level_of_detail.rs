@@ -424,6 +424,49 @@ fn real_countries_and_states_keep_their_shared_borders_and_bounds() {
 }
 
 #[test]
+fn of_arcs_between_the_same_places_one_becomes_the_edge() {
+    let (west, east) = ([0.0, 0.0], [20.0, 0.0]);
+    let ring = |north: [f64; 2], south: [f64; 2]| vec![vec![west, south, east, north]];
+    let (north, border, south) = ([10.0, 0.03], [10.0, 0.01], [10.0, -0.02]);
+    let regions = parse(&collection(&[ring(north, border), ring(border, south)]));
+    let body = Ellipsoid::WGS84;
+    let shared = SharedBoundaries::new(&regions, &body, EdgeRule::Planar);
+    let mut levels = shared.simplify(&[2e3, 1e4]).expect("growing");
+    // What costs least goes; then neither ring can spare another, nor may two edges be the same.
+    for level in levels.drain(..) {
+        assert_eq!(level.vertex_count(), 6, "{:?}", level.regions);
+        let vertices = level.regions.iter().flat_map(Region::rings);
+        assert!(
+            vertices
+                .flat_map(Ring::vertices_deg)
+                .all(|at| *at != border)
+        );
+    }
+    // Twin: with more between them, the arcs beside it can be thinned as well, but not to edges.
+    let longer = vec![vec![west, border, east, [12.0, 0.03], [8.0, 0.031]]];
+    let regions = parse(&collection(&[longer, ring(border, south)]));
+    let shared = SharedBoundaries::new(&regions, &body, EdgeRule::Planar);
+    let level = shared.simplify(&[1e4]).expect("growing").remove(0);
+    assert_eq!(level.vertex_count(), 6, "{:?}", level.regions);
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let original = tiles(-20.0, -12.0, 5.0, 6, 4);
+    let thinned = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let run = || {
+            let shared = SharedBoundaries::new(&original, &Ellipsoid::WGS84, EdgeRule::Planar);
+            shared.simplify(&[5e3, 1.2e4, 3e4]).expect("growing")
+        };
+        let levels = pool.build().expect("threads").install(run);
+        let regions = levels.into_iter().map(|level| level.regions);
+        regions.collect::<Vec<_>>()
+    };
+    assert_eq!(thinned(1), thinned(3));
+}
+
+#[test]
 fn a_border_simplified_differently_on_each_side_is_noticed() {
     let body = Ellipsoid::WGS84;
     let original = tiles(0.0, 40.0, 5.0, 2, 1);

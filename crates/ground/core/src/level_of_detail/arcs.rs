@@ -42,7 +42,6 @@ pub(super) struct Vertex {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Entry {
     pub(super) vertex: u32,
-    pub(super) arc: u32,
     pub(super) is_end: bool,
     /// Longitude as the ring writes it, going on past ±180.
     pub(super) position: Degrees,
@@ -80,6 +79,8 @@ pub(super) struct Arcs<'a> {
     pub(super) arcs: Vec<BorderArc>,
     /// Arc by arc.
     pub(super) entries: Vec<Entry>,
+    /// Of each vertex between the ends of an arc, its entry; of others, no entry's number.
+    pub(super) entry_of: Vec<u32>,
     /// Edges from node to node, lower vertex first.
     pub(super) node_edges: HashSet<[u32; 2]>,
 }
@@ -108,6 +109,7 @@ impl<'a> Arcs<'a> {
             rings,
             arcs: Vec::new(),
             entries: Vec::new(),
+            entry_of: Vec::new(),
             node_edges: HashSet::new(),
         };
         arcs.collect(body);
@@ -137,7 +139,7 @@ impl<'a> Arcs<'a> {
                         for k in from + 1..to {
                             arc_of_vertex[ring.vertices[k % count] as usize] = arc;
                         }
-                        let entries = entries_of(body, &self.vertices, ring, from..=to, arc);
+                        let entries = entries_of(body, &self.vertices, ring, from..=to);
                         self.arcs.push(BorderArc {
                             first: self.entries.len(),
                             past: self.entries.len() + entries.len(),
@@ -157,6 +159,10 @@ impl<'a> Arcs<'a> {
             }
         }
         self.rings = rings;
+        self.entry_of = vec![NONE; self.vertices.len()];
+        for (k, entry) in self.entries.iter().enumerate().filter(|(_, of)| !of.is_end) {
+            self.entry_of[entry.vertex as usize] = index_u32(k);
+        }
     }
 
     /// Diagonal of a box around the ring's normals, in metres where the body is most curved.
@@ -294,7 +300,6 @@ fn entries_of(
     vertices: &[Vertex],
     ring: &RingVertices<'_>,
     range: std::ops::RangeInclusive<usize>,
-    arc: u32,
 ) -> Vec<Entry> {
     let written = ring.ring.vertices_deg();
     let (first, last) = (*range.start(), *range.end());
@@ -308,7 +313,6 @@ fn entries_of(
             };
             Entry {
                 vertex: ring.vertices[k % written.len()],
-                arc,
                 is_end: k == first || k == last,
                 position: [longitude + turn, latitude],
                 metres_per_deg: metres_per_deg(body, latitude),
