@@ -3,7 +3,7 @@
 
 use terrafill_results::{Kind, Metric};
 
-pub(crate) const METRICS: [Metric; 77] = [
+pub(crate) const METRICS: [Metric; 79] = [
     Metric::less(
         "globe_whole_cpu_ms",
         "ms",
@@ -268,6 +268,18 @@ pub(crate) const METRICS: [Metric; 77] = [
         "",
         Kind::Counter,
         "Triangles that hold a pole.",
+    ),
+    Metric::neither(
+        "globe_tile_crossing_met",
+        "",
+        Kind::Counter,
+        "Triangles across ±180° that hold no pole and have a corner whose ray met the body.",
+    ),
+    Metric::less(
+        "globe_tile_untouched_met",
+        "",
+        Kind::Error,
+        "Of them, those into which the seam's rule inserts nothing.",
     ),
     Metric::less(
         "globe_tile_count",

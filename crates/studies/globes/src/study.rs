@@ -79,7 +79,7 @@ impl Study for GlobesStudy {
             .map(|view| -> Box<dyn Group> { Box::new(Sight::new(view, &works, &opened, sizes)) })
             .collect();
         if opened.has(tiled::KIND) {
-            groups.push(Box::new(GridFacts::new(is_quick, &opened)));
+            groups.push(Box::new(GridFacts::new(&opened)));
             let views = list
                 .tiled_view
                 .iter()

@@ -43,7 +43,7 @@ impl Draws {
 
 #[test]
 fn the_published_limit_misses_triangles_beside_poles_and_half_a_turn_misses_none() {
-    // Computed elsewhere, over views that are not known: 45 of 2,713, 1.7 %.
+    // Not all three parts. Untouched, with a corner on the body: 1.7 % in the facts; the study of globes counts them.
     for (name, shallowest_deg) in [("straight down", -90.0), ("down to 10° below level", -10.0)] {
         let share = missed(name, shallowest_deg);
         assert!((0.01..0.1).contains(&share), "{name}: {share}");
