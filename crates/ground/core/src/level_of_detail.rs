@@ -3,7 +3,7 @@
 //! border still share it, vertex by vertex.
 //!
 //! Degrees in and out, deviations in metres on the body. Rings are taken apart into arcs (see
-//! [`arcs`]), and vertices are taken out of arcs one at a time, always the one whose loss leaves
+//! [`arcs`]), and vertices are taken out of each arc one at a time, always the one whose loss leaves
 //! the smallest deviation (the order of Visvalingam & Whyatt, 1993, "Line generalisation by
 //! repeated elimination of points", with a bound on distance in place of their area). Vertex `b`
 //! between `a` and `c` may go if
