@@ -220,7 +220,11 @@ fn seam_finding(cases: &[&Case]) -> Finding {
         claim: SEAM_CLAIM.to_owned(),
         standing: Standing::holds_if(half == 0.0 && is_same_share(met, UNTOUCHED)),
         because: format!(
-            "0.7 inserts nothing into {untouched_met} of {crossing_met} = {:.2} % of those with a corner whose ray met the body;              the facts count 45 of 2,713 = 1.66 %, and two counts so small may differ by {COUNT_SIGMAS} standard deviations.              With triangles at the limb, all of whose corners were moved there, it is {:.2} %. Into {:.2} % of all it does not              insert both vertices: where one edge alone differs by more than 0.7, a part still runs back over the map. 0.5              misses {:.2} %.",
+            "0.7 inserts nothing into {untouched_met} of {crossing_met} = {:.2} % of those with a corner whose ray met the body; \
+             the facts count 45 of 2,713 = 1.66 %, and two counts so small may differ by {COUNT_SIGMAS} standard deviations. \
+             With triangles at the limb, all of whose corners were moved there, it is {:.2} %. Into {:.2} % of all it does \
+             not insert both vertices: where one edge alone differs by more than 0.7, a part still runs back over the map. \
+             0.5 misses {:.2} %.",
             100.0 * untouched_met / crossing_met,
             100.0 * untouched,
             100.0 * missed,
