@@ -449,8 +449,8 @@ impl<'a> Thinning<'a> {
 
     /// Takes out what the tolerance allows.
     ///
-    /// Each arc for itself: to it the others stay as they are now. They can only lose vertices, so a
-    /// triangle that holds none of theirs now holds none in whatever order the arcs come, and what is
+    /// Each arc for itself: to it the others stay as they are now. They can only lose vertices: a
+    /// triangle that holds none of theirs now holds none in whatever order the arcs come. So what is
     /// left does not depend on the number of threads.
     fn run(&mut self, tolerance_m: f64) {
         let all = &self.shared.arcs.vertices;
