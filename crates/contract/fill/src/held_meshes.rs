@@ -75,6 +75,7 @@ mod tests {
                 left_out: vec![Default::default(); 3],
             }],
             neighbours: Vec::new(),
+            boundaries: Vec::new(),
         }
     }
 

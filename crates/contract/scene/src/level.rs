@@ -5,10 +5,12 @@
 //! Regions that share a border always take the same level, or their borders would part. Level 0 is
 //! every region as written; its meshes come first, in the order of the regions.
 
+use crate::boundary_pieces::{SeenPiece, boundary_pieces};
 use crate::{LevelChoice, Scene};
+use std::cell::OnceCell;
 use terrafill_core::{
-    Ellipsoid, LeftOutRings, MeshError, MeshOptions, Region, RegionMesh, SharedBoundaries,
-    SimplifiedRegions,
+    Ellipsoid, LeftOutRings, MeshError, MeshOptions, OrientedBox, Region, RegionMesh,
+    SharedBoundaries, SimplifiedRegions,
 };
 
 /// Scenes of fewer vertices than this have one level unless they ask for more: below it a fill
@@ -49,6 +51,8 @@ pub struct LevelTable {
     pub coarser: Vec<Level>,
     /// Regions that must have the same level, the lower index first.
     pub neighbours: Vec<[usize; 2]>,
+    /// Of each region, boxes that together hold its boundary on the ellipsoid.
+    pub boundaries: Vec<Vec<OrientedBox>>,
 }
 
 /// A scene's regions meshed at every level.
@@ -79,6 +83,8 @@ impl LeveledMeshes {
         }
         let shared = SharedBoundaries::new(&scene.regions, body, rule);
         leveled.table.neighbours = shared.neighbours();
+        let meshes = leveled.meshes.iter();
+        leveled.table.boundaries = meshes.map(|mesh| boundary_pieces(body, mesh)).collect();
         let share = match scene.levels {
             LevelChoice::Automatic => LEVEL_VERTEX_SHARE,
             LevelChoice::Given(_) => f64::INFINITY,
@@ -162,13 +168,51 @@ fn vertex_count(regions: &[Region]) -> usize {
     regions.iter().map(Region::vertex_count).sum()
 }
 
-/// A region that a view draws, and what a pixel is worth there.
-#[derive(Debug, Clone, Copy)]
+/// A region that a view draws, and how it sees its boundary.
+#[derive(Debug, Clone)]
 pub(crate) struct DrawnRegion {
     pub(crate) region: usize,
-    /// Nothing of the region that moves by this much on the body moves by more than a pixel on the
-    /// screen, metres; 0 where the eye may be in the region's volume.
-    pub(crate) pixel_m: f64,
+    /// All of it as one.
+    pub(crate) whole: SeenPiece,
+    /// Asked for where that is not enough to decide.
+    pub(crate) pieces: OnceCell<Vec<SeenPiece>>,
+}
+
+impl DrawnRegion {
+    pub(crate) fn new(region: usize, whole: SeenPiece) -> Self {
+        Self {
+            region,
+            whole,
+            pieces: OnceCell::new(),
+        }
+    }
+
+    /// What a pixel is worth, metres, where it is worth least of all places of the boundary that the image may
+    /// show when it moves by `deviation_m`; infinite where it shows none. Never more than it is.
+    fn pixel_m(&self, deviation_m: f64) -> f64 {
+        let of = |pieces: &[SeenPiece]| {
+            let shown = pieces.iter().filter(|piece| piece.outside_m <= deviation_m);
+            shown.fold(f64::INFINITY, |least, piece| least.min(piece.pixel_m))
+        };
+        let pieces = self.pieces.get().map_or(0.0, |pieces| of(pieces));
+        pieces.max(of(&[self.whole]))
+    }
+
+    /// Whether its boundary may be `deviation_m` off and no more than `pixels` on the screen.
+    ///
+    /// - `look`: at the pieces of a region
+    fn may_move(
+        &self,
+        deviation_m: f64,
+        pixels: f64,
+        look: impl FnOnce(usize) -> Vec<SeenPiece>,
+    ) -> bool {
+        let is_enough = || deviation_m <= pixels * self.pixel_m(deviation_m);
+        is_enough() || {
+            self.pieces.get_or_init(|| look(self.region));
+            is_enough()
+        }
+    }
 }
 
 impl LevelTable {
@@ -204,16 +248,29 @@ impl LevelTable {
         coarser.map_or(meshes, |level| level.meshes.len())
     }
 
-    /// What the mesh of a region leaves out; nothing at level 0.
-    pub(crate) fn left_out(&self, region: usize, mesh: usize) -> LeftOutRings {
+    /// What the mesh of a drawn region leaves out, and how many pixels of it the image may show at most;
+    /// nothing at level 0.
+    pub(crate) fn left_out(&self, drawn: &DrawnRegion, mesh: usize) -> (LeftOutRings, f64) {
+        let region = drawn.region;
         let mut own = self.coarser.iter();
         let own = own.find(|level| level.meshes[region] == mesh);
-        own.map_or_else(LeftOutRings::default, |level| level.left_out[region])
+        own.map_or_else(Default::default, |level| {
+            let left_out = level.left_out[region];
+            let pixel_m = drawn.pixel_m(level.deviation_m[region]);
+            (left_out, left_out.area_m2 / pixel_m.powi(2))
+        })
     }
 
     /// Of each drawn region, the mesh of the coarsest level whose deviation stays within `pixels`
     /// on the screen for it and for everything it is connected to by borders that are drawn too.
-    pub(crate) fn pick(&self, drawn: &[DrawnRegion], pixels: f64) -> Vec<usize> {
+    ///
+    /// - `look`: at the pieces of a region's boundary
+    pub(crate) fn pick(
+        &self,
+        drawn: &[DrawnRegion],
+        pixels: f64,
+        look: impl Fn(usize) -> Vec<SeenPiece>,
+    ) -> Vec<usize> {
         let groups = self.groups(drawn);
         let mut meshes: Vec<usize> = drawn.iter().map(|drawn| drawn.region).collect();
         let mut is_open = vec![true; drawn.len()];
@@ -221,7 +278,7 @@ impl LevelTable {
             let mut fits = is_open.clone();
             for (drawn, &group) in drawn.iter().zip(&groups) {
                 let deviation_m = level.deviation_m[drawn.region];
-                fits[group] &= deviation_m <= pixels * drawn.pixel_m;
+                fits[group] = fits[group] && drawn.may_move(deviation_m, pixels, &look);
             }
             for (k, (drawn, &group)) in drawn.iter().zip(&groups).enumerate() {
                 if fits[group] {
@@ -273,25 +330,51 @@ mod tests {
         LevelTable {
             coarser: vec![level(4, 10.0), level(8, 40.0)],
             neighbours: vec![[0, 1], [1, 2]],
+            boundaries: Vec::new(),
         }
     }
 
     fn drawn(regions: &[(usize, f64)]) -> Vec<DrawnRegion> {
-        let of = |&(region, pixel_m)| DrawnRegion { region, pixel_m };
+        let of = |&(region, pixel_m)| DrawnRegion::new(region, piece(pixel_m, 0.0));
         regions.iter().map(of).collect()
+    }
+
+    fn piece(pixel_m: f64, outside_m: f64) -> SeenPiece {
+        SeenPiece { pixel_m, outside_m }
+    }
+
+    /// As if regions had no pieces but the whole.
+    fn pick(table: &LevelTable, drawn: &[DrawnRegion], pixels: f64) -> Vec<usize> {
+        table.pick(drawn, pixels, |_| Vec::from([piece(0.0, 0.0)]))
+    }
+
+    #[test]
+    fn what_the_image_does_not_show_may_move_unless_it_moves_into_it() {
+        // 10 m and 40 m are the deviations.
+        for (outside_m, mesh) in [(0.0, 3), (10.0, 3), (20.0, 7), (50.0, 11)] {
+            let pieces = vec![piece(100.0, 0.0), piece(1.0, outside_m)];
+            let drawn = drawn(&[(3, 1.0)]);
+            let picked = table().pick(&drawn, 0.5, |_| pieces.clone());
+            assert_eq!(picked, [mesh], "{outside_m}");
+        }
+        // Twin: where the whole is enough nobody looks.
+        let looked = |_| -> Vec<SeenPiece> { panic!("looked") };
+        assert_eq!(table().pick(&drawn(&[(3, 80.0)]), 0.5, looked), [11]);
+        let out_of_view = [DrawnRegion::new(3, piece(1.0, 50.0))];
+        assert_eq!(table().pick(&out_of_view, 0.5, looked), [11]);
     }
 
     #[test]
     fn neighbours_take_the_level_of_the_nearest_of_them() {
         let near_0 = drawn(&[(0, 20.0), (1, 100.0), (2, 100.0), (3, 100.0)]);
-        assert_eq!(table().pick(&near_0, 0.5), [4, 5, 6, 11]);
-        assert_eq!(table().pick(&near_0, 0.4), [0, 1, 2, 11]);
+        assert_eq!(pick(&table(), &near_0, 0.5), [4, 5, 6, 11]);
+        assert_eq!(pick(&table(), &near_0, 0.4), [0, 1, 2, 11]);
         // Twin: without their borders each goes its own way.
         let apart = LevelTable {
             neighbours: Vec::new(),
             ..table()
         };
-        assert_eq!(apart.pick(&near_0, 0.5), [4, 9, 10, 11]);
+        assert_eq!(pick(&apart, &near_0, 0.5), [4, 9, 10, 11]);
     }
 
     #[test]
@@ -307,7 +390,7 @@ mod tests {
     #[test]
     fn only_borders_that_are_drawn_connect() {
         let without_1 = drawn(&[(0, 0.0), (2, 100.0)]);
-        assert_eq!(table().pick(&without_1, 1.0), [0, 10]);
+        assert_eq!(pick(&table(), &without_1, 1.0), [0, 10]);
     }
 
     #[test]
@@ -315,6 +398,6 @@ mod tests {
         let mut table = table();
         table.coarser[1].deviation_m[2] = 60.0;
         let all = drawn(&[(0, 100.0), (1, 100.0), (2, 100.0)]);
-        assert_eq!(table.pick(&all, 0.5), [4, 5, 6]);
+        assert_eq!(pick(&table, &all, 0.5), [4, 5, 6]);
     }
 }

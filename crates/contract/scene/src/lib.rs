@@ -2,6 +2,7 @@
 //! Scenes: body, regions, surface and cameras, read from TOML and checked once; and the plan of
 //! what a frame of a scene draws and leaves out.
 
+mod boundary_pieces;
 mod camera;
 mod data;
 mod error;

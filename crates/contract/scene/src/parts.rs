@@ -273,11 +273,11 @@ impl SeenParts {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// A strip of `count` squares along the equator, a twentieth of a degree each, and a triangle apart.
-    fn strip(count: u32) -> RegionMesh {
+    pub(crate) fn strip(count: u32) -> RegionMesh {
         let body = Ellipsoid::WGS84;
         let mut vertices_deg = Vec::new();
         for column in 0..=count {

@@ -20,6 +20,7 @@
 //!
 //! Boundary levels of detail are no cull: they move boundaries, by no more than the stated pixels.
 
+use crate::boundary_pieces::{SeenPiece, grown};
 use crate::left_out::LeftOutReason;
 use crate::level::DrawnRegion;
 use crate::near_plane::{NearPlane, ViewVolume};
@@ -271,21 +272,28 @@ impl FramePlan {
         levels: &LevelTable,
         pixels: f64,
     ) {
-        let drawn: Vec<DrawnRegion> = self
-            .regions
-            .iter()
-            .map(|planned| DrawnRegion {
-                region: planned.region,
-                pixel_m: planner.pixel_m(&meshes[planned.mesh]),
-            })
-            .collect();
-        let picked = levels.pick(&drawn, pixels);
+        let whole = |planned: &PlannedRegion| {
+            let around = planner.with_clearance(&meshes[planned.mesh]);
+            DrawnRegion::new(planned.region, planner.see(&around))
+        };
+        let drawn: Vec<DrawnRegion> = self.regions.iter().map(whole).collect();
+        let look = |region: usize| {
+            let VolumeHeights { top_m, bottom_m } = meshes[region].heights;
+            // No vertex moves farther from the ellipsoid than that.
+            let reach_m = top_m.abs().max(bottom_m.abs()) + planner.clearance_m;
+            let Some(pieces) = levels.boundaries.get(region) else {
+                return vec![planner.see(&planner.with_clearance(&meshes[region]))];
+            };
+            let pieces = pieces.iter();
+            pieces
+                .map(|piece| planner.see(&grown(piece, reach_m)))
+                .collect()
+        };
+        let picked = levels.pick(&drawn, pixels, look);
         for (drawn, &mesh) in drawn.iter().zip(&picked) {
-            let left_out = levels.left_out(drawn.region, mesh);
-            if left_out.rings > 0 {
-                self.small_rings.rings += left_out.rings;
-                self.small_rings.area_px += left_out.area_m2 / drawn.pixel_m.powi(2);
-            }
+            let (left_out, area_px) = levels.left_out(drawn, mesh);
+            self.small_rings.rings += left_out.rings;
+            self.small_rings.area_px += area_px;
         }
         for (planned, mesh) in std::mem::take(&mut self.regions).into_iter().zip(picked) {
             let region = planned.region;
@@ -359,7 +367,8 @@ impl FramePlan {
         let SmallRings { rings, area_px } = self.small_rings;
         if rings > 0 {
             phrases.push(format!(
-                "{rings} islands and lakes below a quarter pixel, of {area_px:.2} px in all at most"
+                "{rings} islands and lakes below a quarter pixel or out of view, of {area_px:.2} px in \
+                 all at most"
             ));
         }
         phrases.extend(self.parts_left_out());
@@ -505,26 +514,60 @@ impl<'a> Planner<'a> {
         let [up_m, down_m] = self.beyond_m.map(|beyond_m| beyond_m + self.clearance_m);
         let corners = bounds.grown(up_m, down_m).bounds.corners_ecef();
         !planned.near_plane_meets_volume
-            && height_m <= pixels * self.pixel_m(bounds)
+            && height_m <= pixels * self.pixel_m(&self.with_clearance(bounds))
             && self.horizon.has_all_before(&corners)
     }
 
+    fn see(&self, around: &OrientedBox) -> SeenPiece {
+        SeenPiece {
+            pixel_m: self.pixel_m(around),
+            outside_m: self.outside_m(around),
+        }
+    }
+
+    /// The box around a volume whose caps are as far from the terrain as the view's rounding asks.
+    fn with_clearance(&self, bounds: &RegionBounds) -> OrientedBox {
+        bounds.grown(self.clearance_m, self.clearance_m).bounds
+    }
+
+    /// How far a box is from what the image shows, metres: at least that far, and 0 where it may reach it.
+    fn outside_m(&self, around: &OrientedBox) -> f64 {
+        let tan_y = self.camera.tan_half_fov();
+        let [x, y] = [tan_y * self.size.aspect(), tan_y].map(|tan| {
+            // Of (1, tan) and of (−1, tan), unit normals of two opposite sides.
+            let length = tan.hypot(1.0);
+            [length.recip(), tan / length]
+        });
+        let normals = [
+            DVec3::new(x[0], 0.0, x[1]),
+            DVec3::new(-x[0], 0.0, x[1]),
+            DVec3::new(0.0, y[0], y[1]),
+            DVec3::new(0.0, -y[0], y[1]),
+            DVec3::Z,
+        ];
+        let corners = around.corners_ecef();
+        let view = corners.map(|at| self.camera.view_from_ecef * (at - self.camera.eye_ecef));
+        let beyond = |normal: &DVec3| {
+            let distances = view.iter().map(|corner| corner.dot(*normal));
+            distances.fold(f64::INFINITY, f64::min)
+        };
+        normals.iter().map(beyond).fold(0.0, f64::max)
+    }
+
     /// What a pixel is worth where it is worth least, metres: a displacement of this length of
-    /// anything of the region moves its picture by no more than a pixel. 0 where the region's box
-    /// reaches the eye.
+    /// anything in the box moves its picture by no more than a pixel. 0 where the box reaches the eye.
     ///
     /// At distance r, depth z along the viewing axis, and an angle off it with tangent t, a
     /// displacement δ across the ray moves the picture on the image plane at distance 1 by up to
     /// `(1 + t²) δ / r = √(1 + t²) δ / z`. Both forms are held against the box: its nearest point
     /// or its nearest depth, and the corner of its footprint farthest from the image's centre.
     /// Across the ray is where a displacement shows most, so nothing is gained from its direction.
-    fn pixel_m(&self, bounds: &RegionBounds) -> f64 {
+    fn pixel_m(&self, around: &OrientedBox) -> f64 {
         let (camera, size) = (self.camera, self.size);
-        let grown = bounds.grown(self.clearance_m, self.clearance_m);
-        let corners = grown.bounds.corners_ecef();
+        let corners = around.corners_ecef();
         let depth = |corner: &DVec3| -(camera.view_from_ecef * (*corner - camera.eye_ecef)).z;
         let depth_m = corners.iter().map(depth).fold(f64::INFINITY, f64::min);
-        let distance_m = distance_to_box_m(&grown.bounds, camera.eye_ecef);
+        let distance_m = distance_to_box_m(around, camera.eye_ecef);
         let footprint = Footprint::new(camera, size, &corners);
         let seen = footprint.map_or(PixelRect::full(size), |f| f.rect(size));
         let farthest = |low: u32, high: u32, count: u32| {
