@@ -16,6 +16,7 @@ mod cover_instances;
 mod cover_tiles;
 mod depth_range;
 mod devices;
+mod drawn_parts;
 mod error;
 mod executor;
 mod fingerprint;
@@ -64,6 +65,7 @@ pub use constants::{
 pub use cover_instances::CoverInstance;
 pub use depth_range::DepthRange;
 pub use devices::{DeviceLoss, Devices};
+pub use drawn_parts::{DrawnOfMeshes, DrawnParts, WallIndices};
 pub use error::DeviceError;
 pub use executor::{StencilExecutor, StencilWork};
 pub use fingerprint::{ids_hash, mask_hash};

@@ -14,7 +14,7 @@
 //!   simplification with the Douglas-Peucker algorithm");
 //! - every ring keeps at least three vertices and no edge comes to lie on another.
 //!
-//! Rings of less than sixteen tolerances in size stay as they are: moving what is hardly to be seen makes it
+//! Rings of less than eight tolerances in size stay as they are: moving what is hardly to be seen makes it
 //! seen. Those of less than half a tolerance are left out ([`small_rings`]).
 //!
 //! Regions that cross one another as they are written, and rounding at the antimeridian, escape the

@@ -27,6 +27,8 @@ const SIZE: ImageSize = ImageSize {
 };
 const FRAMES: u32 = 300;
 const ROUNDS: u32 = 3;
+/// Frames before and after one that show nearly the same.
+const NEIGHBOURS: usize = 10;
 const TECHNIQUES: [&dyn Technique; 4] = [
     &VertexTechnique,
     &ComputeTechnique,
@@ -165,6 +167,19 @@ fn measure(
             )
         };
         println!("    worst: {}; a median one: {}", work(worst), work(near));
+        // A change of level is a step between frames that show nearly the same.
+        let around = |frame: usize| {
+            let past = (frame + NEIGHBOURS + 1).min(frames.len());
+            median(&frames[frame.saturating_sub(NEIGHBOURS)..past]).map(|own| frames[frame] / own)
+        };
+        let steps = (0..frames.len()).filter_map(|frame| Some((frame, around(frame)?)));
+        let above = steps.clone().filter(|(_, ratio)| *ratio > 2.0).count();
+        if let Some((frame, ratio)) = steps.max_by(|a, b| a.1.total_cmp(&b.1)) {
+            println!(
+                "    against the {} frames around it: worst {ratio:.2} ×, frame {frame}; over 2 ×: {above}",
+                2 * NEIGHBOURS
+            );
+        }
     }
     Ok(())
 }

@@ -3,8 +3,9 @@
 
 use crate::layout::MeshSlice;
 use bytemuck::{Pod, Zeroable};
+use std::ops::Range;
 use terrafill_core::RegionMesh;
-use terrafill_fill::DeviceError;
+use terrafill_fill::{DeviceError, DrawnParts};
 
 /// Invocations of a workgroup of `compute/expand.wgsl`.
 pub(crate) const WORKGROUP_SIZE: usize = 64;
@@ -82,6 +83,37 @@ pub(crate) struct OutputSlice {
     pub(crate) top_count: u32,
     /// Top cap and walls.
     pub(crate) upper_count: u32,
+}
+
+impl OutputSlice {
+    /// What a draw of it reads, with its bottom cap or without.
+    ///
+    /// - `parts`: what is drawn of it, where that is not all
+    pub(crate) fn drawn(
+        &self,
+        parts: Option<&DrawnParts>,
+        without_bottom: bool,
+    ) -> Vec<Range<u32>> {
+        let first_top = self.first_index + self.bottom_count;
+        let Some(parts) = parts else {
+            let first = match without_bottom {
+                true => first_top,
+                false => self.first_index,
+            };
+            return vec![first..first_top + self.upper_count];
+        };
+        let moved = |ranges: &[Range<u32>], by: u32| -> Vec<Range<u32>> {
+            let ranges = ranges.iter();
+            ranges
+                .map(|range| by + range.start..by + range.end)
+                .collect()
+        };
+        let has_bottom = !without_bottom && self.bottom_count > 0;
+        let bottom = has_bottom.then(|| moved(&parts.caps, self.first_index));
+        let walls = moved(&parts.walls, first_top + self.top_count);
+        let tops = moved(&parts.caps, first_top);
+        [bottom.unwrap_or_default(), tops, walls].concat()
+    }
 }
 
 /// How volumes are made from meshes.

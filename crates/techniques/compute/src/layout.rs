@@ -6,6 +6,7 @@
 
 use terrafill_core::RegionMesh;
 use terrafill_fill::{FixedPoint, VolumePlace};
+use terrafill_scene::PartOrder;
 
 /// Bytes of one or more regions, what is stored and what is made from it apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -132,10 +133,18 @@ pub(crate) struct SceneGeometry {
 
 impl SceneGeometry {
     /// Lays out every mesh.
+    #[cfg(test)]
     pub(crate) fn build(meshes: &[RegionMesh]) -> Self {
+        Self::in_parts(meshes, false)
+    }
+
+    /// Lays out every mesh, the triangles of large ones part by part where that is asked for.
+    pub(crate) fn in_parts(meshes: &[RegionMesh], by_part: bool) -> Self {
         let mut geometry = Self::default();
         for mesh in meshes {
-            geometry.push(mesh);
+            let order = PartOrder::of(mesh).filter(|_| by_part);
+            let ordered = order.map(|order| order.ordered(mesh));
+            geometry.push(mesh, ordered.as_deref().unwrap_or(&mesh.triangles));
         }
         geometry
     }
@@ -144,14 +153,14 @@ impl SceneGeometry {
         clippy::cast_possible_truncation,
         reason = "buffers are refused by the device long before 2^32 elements"
     )]
-    fn push(&mut self, mesh: &RegionMesh) {
+    fn push(&mut self, mesh: &RegionMesh, triangles: &[[u32; 3]]) {
         let fixed = FixedPoint::for_mesh(mesh);
         let first_vertex = (self.positions.len() / 3) as u32;
         for vertex in &mesh.vertices_ecef {
             self.positions.extend(fixed.quantize(*vertex).to_array());
         }
         let has_short_indices = mesh.vertices_ecef.len() <= MAX_SHORT_VERTICES;
-        let corners = mesh.triangles.as_flattened().iter().copied();
+        let corners = triangles.as_flattened().iter().copied();
         let closed = mesh
             .boundary_loops
             .iter()

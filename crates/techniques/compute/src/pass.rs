@@ -81,7 +81,7 @@ impl Volumes for ComputeVolumes {
 }
 
 impl ComputeVolumes {
-    /// One draw a volume: its triangles lie in one piece. Where the device decided what is drawn,
+    /// One draw a volume, whose triangles lie in one piece, or one for each run of its parts. Where the device decided what is drawn,
     /// it is asked how much that is.
     fn draw_volume(&mut self, pass: &mut VolumePass<'_>, volume: usize, without_bottom: bool) {
         if let Some(culling) = &self.view.culling {
@@ -94,12 +94,8 @@ impl ComputeVolumes {
         let Some(output) = self.output(volume, mesh) else {
             return;
         };
-        let end = output.first_index + output.bottom_count + output.upper_count;
-        let first = if without_bottom {
-            output.first_index + output.bottom_count
-        } else {
-            output.first_index
-        };
-        pass.draw_indexed(first..end, self.base_vertex(volume), volume);
+        for indices in output.drawn(self.drawn_parts.get(&mesh), without_bottom) {
+            pass.draw_indexed(indices, self.base_vertex(volume), volume);
+        }
     }
 }

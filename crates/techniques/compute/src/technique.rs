@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The technique as the contract knows it.
 
-use crate::{ComputeBackend, ComputeVariant, Expansion, compute_bytes, placed_bytes};
+use crate::{ComputeBackend, ComputeVariant, Expansion, GpuCulling, compute_bytes, placed_bytes};
 use terrafill_core::RegionMesh;
 use terrafill_fill::{
     Api, Climb, DeviceError, FillBackend, GeometryBytes, Parameter, Role, Rung, SwitchError,
@@ -62,6 +62,7 @@ impl Technique for ComputeTechnique {
         .caps()
         .mesh_lod()
         .rest_of_the_way(overlap)
+        .parts()
         .rungs()
     }
 
@@ -76,8 +77,10 @@ impl Technique for ComputeTechnique {
     }
 
     fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
-        ComputeVariant::of(variant)?.check()?;
-        variant.check_parts(false)?;
+        let compute = ComputeVariant::of(variant)?;
+        compute.check()?;
+        // What the device leaves out, it leaves out of whole volumes.
+        variant.check_parts(compute.culling == GpuCulling::Off)?;
         if variant.switches.front_caps {
             return Err(SwitchError {
                 switch: "cap-faces",
@@ -152,6 +155,7 @@ mod tests {
             expansion: Expansion::Cached,
             culling: GpuCulling::Regions,
             transform: Transform::ComputeStage,
+            parts: false,
             switches: changed.switches,
         };
         assert_eq!(ComputeVariant::of(&changed), Ok(expected));

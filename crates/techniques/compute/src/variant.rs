@@ -2,6 +2,7 @@
 //! The switches of this backend.
 
 use terrafill_fill::{SwitchError, Switches, Variant};
+use terrafill_scene::PartCulling;
 
 /// When volumes are made from meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
@@ -74,6 +75,8 @@ pub struct ComputeVariant {
     pub culling: GpuCulling,
     /// What puts corners where they are seen.
     pub transform: Transform,
+    /// Triangles of large meshes lie part by part, so that plans may leave parts out.
+    pub parts: bool,
     /// What the fill does.
     pub switches: Switches,
 }
@@ -94,6 +97,7 @@ impl ComputeVariant {
             expansion: variant.choice("expansion", &expansions.map(|e| (e.name(), e)))?,
             culling: variant.choice("gpu-culling", &cullings.map(|c| (c.name(), c)))?,
             transform: variant.choice("transform", &transforms)?,
+            parts: variant.plan.part_culling != PartCulling::Off,
             switches: variant.switches,
         })
     }

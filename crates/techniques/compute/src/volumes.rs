@@ -7,8 +7,8 @@ use crate::layout::{MeshSlice, SceneGeometry};
 use crate::pipeline::Pipelines;
 use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling, Transform};
 use terrafill_fill::{
-    BottomCaps, DeviceError, Feature, FillInput, Holding, MemoryUse, RegionVolumes, Switches,
-    VolumeBackend, VolumeConstants, VolumePlace,
+    BottomCaps, DeviceError, DrawnOfMeshes, DrawnParts, Feature, FillInput, Holding, MemoryUse,
+    RegionVolumes, Switches, VolumeBackend, VolumeConstants, VolumePlace, WallIndices,
 };
 use terrafill_gpu::{Gpu, VolumeFill, read_buffer};
 use terrafill_scene::PlannedRegion;
@@ -26,6 +26,8 @@ pub struct ComputeVolumes {
     pub(crate) view: ViewBuffers,
     /// Draws of this frame whose size the device decided: indices into the list of their arguments.
     pub(crate) decided_draws: Vec<usize>,
+    /// What the view draws of meshes of which it leaves parts out.
+    pub(crate) drawn_parts: DrawnOfMeshes,
 }
 
 /// Meshes of every region of a scene, in view or not.
@@ -47,11 +49,11 @@ pub(crate) struct SceneBuffers {
 
 impl SceneBuffers {
     /// Writes the changed meshes, unless one of them does not fit.
-    fn rewrite(&mut self, gpu: &Gpu, input: &FillInput, changed: &[usize]) -> bool {
+    fn rewrite(&mut self, gpu: &Gpu, input: &FillInput, changed: &[usize], by_part: bool) -> bool {
         let mut rewritten = Vec::with_capacity(changed.len());
         for &mesh in changed {
             let mesh_alone = std::slice::from_ref(&input.scene.meshes[mesh]);
-            let geometry = SceneGeometry::build(mesh_alone);
+            let geometry = SceneGeometry::in_parts(mesh_alone, by_part);
             let Some(slice) = self.meshes[mesh].replaced_by(&geometry.meshes[0]) else {
                 return false;
             };
@@ -227,6 +229,7 @@ impl RegionVolumes for ComputeVolumes {
             scene: None,
             view: ViewBuffers::default(),
             decided_draws: Vec::new(),
+            drawn_parts: DrawnOfMeshes::new(),
         })
     }
 
@@ -302,7 +305,7 @@ impl RegionVolumes for ComputeVolumes {
         bottoms: &BottomCaps,
     ) -> Result<(), DeviceError> {
         let gpu = fill.gpu();
-        let geometry = SceneGeometry::build(&input.scene.meshes);
+        let geometry = SceneGeometry::in_parts(&input.scene.meshes, self.variant.parts);
         let bytes = geometry.bytes();
         let capacity = self.capacity;
         capacity.check_bytes("positions", bytes.input_vertex_bytes)?;
@@ -340,7 +343,7 @@ impl RegionVolumes for ComputeVolumes {
             return Ok(false);
         };
         let gpu = fill.gpu();
-        let is_rewritten = scene.rewrite(&gpu, input, changed);
+        let is_rewritten = scene.rewrite(&gpu, input, changed, self.variant.parts);
         if is_rewritten {
             let work = (scene.meshes.as_slice(), &scene.bottoms);
             scene.expanded = self.expand_scene(&gpu, input, work, &scene.bind_group)?;
@@ -358,6 +361,10 @@ impl RegionVolumes for ComputeVolumes {
         self.view = ViewBuffers::default();
         // Of a view that draws nothing, no compute pass would clear them.
         self.decided_draws.clear();
+        self.drawn_parts = match self.variant.parts {
+            true => DrawnParts::of_view(input, WallIndices::LIST),
+            false => DrawnOfMeshes::new(),
+        };
         let Some(scene) = &self.scene else {
             return Ok(());
         };

@@ -129,6 +129,7 @@ fn variants(switches: Switches) -> Vec<NativeVariant> {
         technique,
         indices: Some(indices),
         switches,
+        ..NativeVariant::default()
     };
     let lists = Extrusion::ALL.map(|technique| of(technique, Indices::List));
     let own = Extrusion::ALL.into_iter();

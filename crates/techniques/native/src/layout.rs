@@ -6,9 +6,11 @@
 use crate::neighbours::{Neighbours, Side};
 use crate::ring_order::RingOrder;
 use crate::strips::{StripCorner, Strips};
-use crate::{Extrusion, Indices, StripCounts, strip_counts};
+use crate::{Extrusion, Indices, NativeVariant, StripCounts, strip_counts};
+use std::borrow::Cow;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{FixedPoint, GeometryBytes, IndexLists, VolumePlace, boundary_edges};
+use terrafill_scene::PartOrder;
 
 /// Whether a region's indices fit 16 bits. Strips end with 0xffff, so that it is no vertex.
 fn has_short_indices(technique: Extrusion, indices: Indices, vertices: usize) -> bool {
@@ -158,15 +160,26 @@ impl SceneGeometry {
     ///
     /// - `has_bottom`: of which ones, by their place, bottom caps are stored, where a technique stores any
     pub(crate) fn build(
-        technique: Extrusion,
-        indices: Indices,
+        variant: &NativeVariant,
         meshes: &[RegionMesh],
         has_bottom: impl Fn(usize) -> bool,
     ) -> Self {
+        let technique = variant.technique;
         let mut geometry = Self::default();
         for (place, mesh) in meshes.iter().enumerate() {
             let has_bottom = has_bottom(place) || technique.needs_geometry_shader();
-            geometry.push(technique, technique.indices(indices), mesh, has_bottom);
+            let order = PartOrder::of(mesh).filter(|_| variant.parts);
+            let mesh = order.map_or(Cow::Borrowed(mesh), |order| {
+                let mut ordered = mesh.clone();
+                ordered.triangles = order.ordered(mesh);
+                Cow::Owned(ordered)
+            });
+            geometry.push(
+                technique,
+                technique.indices(variant.indices()),
+                &mesh,
+                has_bottom,
+            );
         }
         geometry
     }
@@ -401,6 +414,15 @@ pub(crate) mod tests {
     use terrafill_fixtures::by_hand::{circle_deg, mesh};
     use terrafill_scene::Scene;
 
+    fn built(technique: Extrusion, indices: Indices, meshes: &[RegionMesh]) -> SceneGeometry {
+        let variant = NativeVariant {
+            technique,
+            indices: Some(indices),
+            ..NativeVariant::default()
+        };
+        SceneGeometry::build(&variant, meshes, |_| true)
+    }
+
     /// A ring of `count` vertices on each of two circles, and the triangles between them: a disc
     /// with a hole, every vertex on the boundary.
     pub(crate) fn annulus(count: u32) -> RegionMesh {
@@ -456,7 +478,7 @@ pub(crate) mod tests {
             assert_eq!(layouts.len(), storages().len());
             for (technique, indices) in storages() {
                 let meshes = std::slice::from_ref(&mesh);
-                let built = SceneGeometry::build(technique, indices, meshes, |_| true).bytes();
+                let built = built(technique, indices, meshes).bytes();
                 let name = (technique.name(), indices);
                 let formula = native_bytes(technique, indices, &mesh);
                 let key = match technique.default_indices() == indices {
@@ -476,7 +498,7 @@ pub(crate) mod tests {
             let mesh = annulus(count);
             for technique in [Extrusion::VsControl, Extrusion::GsLine] {
                 let meshes = std::slice::from_ref(&mesh);
-                let geometry = SceneGeometry::build(technique, Indices::List, meshes, |_| true);
+                let geometry = built(technique, Indices::List, meshes);
                 let short = geometry.indices.short.iter().filter(|&&i| i == u16::MAX);
                 let long = geometry.indices.long.iter().filter(|&&i| i == u32::MAX);
                 let found = short.count() + long.count();
@@ -492,7 +514,7 @@ pub(crate) mod tests {
             let strips = strip_counts(&mesh).strips;
             for (technique, loops) in [(Extrusion::GsDegenerate, 2), (Extrusion::GsAdjacency, 0)] {
                 let meshes = std::slice::from_ref(&mesh);
-                let geometry = SceneGeometry::build(technique, Indices::Strip, meshes, |_| true);
+                let geometry = built(technique, Indices::Strip, meshes);
                 let short = geometry.indices.short.iter().filter(|&&i| i == u16::MAX);
                 let long = geometry.indices.long.iter().filter(|&&i| i == u32::MAX);
                 let found = short.count() + long.count();
@@ -614,12 +636,7 @@ pub(crate) mod tests {
     }
 
     fn strip_indices(technique: Extrusion, mesh: &RegionMesh) -> Vec<u32> {
-        let geometry = SceneGeometry::build(
-            technique,
-            Indices::Strip,
-            std::slice::from_ref(mesh),
-            |_| true,
-        );
+        let geometry = built(technique, Indices::Strip, std::slice::from_ref(mesh));
         let short = geometry.indices.short.iter();
         short
             .map(|&index| {
@@ -756,7 +773,7 @@ pub(crate) mod tests {
     #[test]
     fn a_doubled_vertex_is_stored_twice_and_flagged_once() {
         let meshes = [annulus(3)];
-        let geometry = SceneGeometry::build(Extrusion::VsControl, Indices::List, &meshes, |_| true);
+        let geometry = built(Extrusion::VsControl, Indices::List, &meshes);
         for pair in geometry.vertices.chunks(8) {
             assert_eq!(pair[..3], pair[4..7]);
             assert_eq!((pair[3], pair[7]), (0, 1));

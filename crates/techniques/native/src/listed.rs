@@ -55,7 +55,7 @@ impl DrawLists {
     /// Brings the commands up to date.
     ///
     /// - `parts`: of every volume
-    /// - `command`: of a draw; `None` of one that is not there, such as of indices of another width
+    /// - `command`: those of a draw; none of one that is not there, such as of indices of another width
     ///
     /// # Errors
     /// [`DeviceError::OverCapacity`], [`DeviceError::OutOfMemory`].
@@ -64,7 +64,7 @@ impl DrawLists {
         gpu: &Arc<Gpu>,
         (list, program): (&VolumeList, &FillProgram),
         parts: &[Part],
-        command: impl Fn(Wanted) -> Option<DrawCommand>,
+        command: impl Fn(Wanted) -> Vec<DrawCommand>,
     ) -> Result<(), DeviceError> {
         let geometries: Vec<usize> = list.volumes.iter().map(|volume| volume.geometry).collect();
         let is_of =
@@ -122,7 +122,7 @@ impl DrawLists {
 fn commands_of(
     program: &FillProgram,
     parts: &[Part],
-    command: impl Fn(Wanted) -> Option<DrawCommand>,
+    command: impl Fn(Wanted) -> Vec<DrawCommand>,
 ) -> (ByVolumes, Vec<DrawCommand>) {
     let (mut listed, mut commands) = (ByVolumes::new(), Vec::new());
     for step in program.passes.iter().flat_map(FillPass::steps) {
@@ -137,7 +137,7 @@ fn commands_of(
         for width in [IndexWidth::Short, IndexWidth::Long] {
             for &part in parts {
                 let first = commands.len();
-                commands.extend(draw.volumes.iter().filter_map(|&volume| {
+                commands.extend(draw.volumes.iter().flat_map(|&volume| {
                     command(Wanted {
                         part,
                         width,
@@ -189,11 +189,12 @@ mod tests {
         let command = |wanted: Wanted| {
             // The last one has long indices.
             let is_long = wanted.volume == 2;
-            (is_long == (wanted.width == IndexWidth::Long)).then_some(DrawCommand {
+            let own = (is_long == (wanted.width == IndexWidth::Long)).then_some(DrawCommand {
                 index_count: 3,
                 first_instance: u32::try_from(wanted.volume).expect("small"),
                 ..DrawCommand::ONE
-            })
+            });
+            own.into_iter().collect()
         };
         let (listed, commands) = commands_of(&program, &[Part::Caps, Part::Walls], command);
         let of = |volumes: &[usize]| &listed[&(volumes.to_vec(), false)];

@@ -10,9 +10,9 @@ use std::collections::hash_map::Entry;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_fill::{
-    BottomCaps, DeviceError, Feature, FillInput, FillProgram, GeometryBytes, Holding, IndexLists,
-    MemoryUse, RegionVolumes, Switches, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
-    VolumeState,
+    BottomCaps, DeviceError, DrawnOfMeshes, DrawnParts, Feature, FillInput, FillProgram,
+    GeometryBytes, Holding, IndexLists, MemoryUse, RegionVolumes, Switches, VolumeBackend,
+    VolumeDraw, VolumeList, VolumePlace, VolumeState,
 };
 use terrafill_vulkan::{
     Buffer, BufferUse, DrawCommand, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor,
@@ -36,6 +36,8 @@ pub struct NativeVolumes {
     scene: Option<SceneBuffers>,
     /// Commands of merged draws, where draws are merged and the device has them.
     lists: Option<DrawLists>,
+    /// What the view draws of meshes of which it leaves parts out.
+    drawn_parts: DrawnOfMeshes,
 }
 
 /// Geometry of every mesh of a scene, in view or not.
@@ -71,6 +73,7 @@ impl RegionVolumes for NativeVolumes {
             scene: None,
             lists: (variant.switches.merges_draws && facts.features.draws_listed)
                 .then(DrawLists::default),
+            drawn_parts: DrawnOfMeshes::new(),
         })
     }
 
@@ -99,10 +102,27 @@ impl RegionVolumes for NativeVolumes {
         input: &FillInput,
         bottoms: &BottomCaps,
     ) -> Result<(), DeviceError> {
-        let (technique, indices) = (self.variant.technique, self.variant.indices());
         let has_bottom = |mesh| bottoms.has(mesh);
-        let geometry = SceneGeometry::build(technique, indices, &input.scene.meshes, has_bottom);
+        let geometry = SceneGeometry::build(&self.variant, &input.scene.meshes, has_bottom);
         self.upload_geometry(&fill.gpu(), geometry)
+    }
+
+    fn upload_view(
+        &mut self,
+        _fill: &VolumeFill,
+        input: &FillInput,
+        _bottoms: &BottomCaps,
+    ) -> Result<(), DeviceError> {
+        let walls = self.variant.wall_indices().filter(|_| self.variant.parts);
+        let drawn_parts = walls.map(|walls| DrawnParts::of_view(input, walls));
+        let drawn_parts = drawn_parts.unwrap_or_default();
+        if self.drawn_parts != drawn_parts {
+            self.drawn_parts = drawn_parts;
+            if let Some(lists) = &mut self.lists {
+                lists.forget();
+            }
+        }
+        Ok(())
     }
 
     fn rewrite(
@@ -111,7 +131,7 @@ impl RegionVolumes for NativeVolumes {
         input: &FillInput,
         changed: &[usize],
     ) -> Result<bool, DeviceError> {
-        let (technique, indices) = (self.variant.technique, self.variant.indices());
+        let technique = self.variant.technique;
         let Some(scene) = &mut self.scene else {
             return Ok(false);
         };
@@ -119,7 +139,7 @@ impl RegionVolumes for NativeVolumes {
         for &mesh in changed {
             let mesh_alone = std::slice::from_ref(&input.scene.meshes[mesh]);
             let has_bottom = scene.regions[mesh].has_bottom;
-            let geometry = SceneGeometry::build(technique, indices, mesh_alone, |_| has_bottom);
+            let geometry = SceneGeometry::build(&self.variant, mesh_alone, |_| has_bottom);
             let Some(slice) = scene.regions[mesh].replaced_by(&geometry.regions[0]) else {
                 return Ok(false);
             };
@@ -190,21 +210,34 @@ impl NativeVolumes {
         Ok(())
     }
 
-    /// What a draw of a part of a region reads.
-    fn indices_of(&self, slice: &RegionSlice, part: Part, without_bottom: bool) -> Range<u32> {
-        let (first, count) = match part {
-            Part::Walls => (slice.first_wall_index, slice.wall_index_count),
-            // The bottom's triangles are the second half; geometry shaders leave theirs out.
-            Part::Caps
-                if without_bottom
-                    && slice.has_bottom
-                    && self.variant.technique == Extrusion::VsControl =>
-            {
-                (slice.first_index, slice.index_count / 2)
+    /// What draws of a part of a region read.
+    ///
+    /// - `mesh`: its number
+    fn indices_of(
+        &self,
+        slice: &RegionSlice,
+        mesh: usize,
+        part: Part,
+        without_bottom: bool,
+    ) -> Vec<Range<u32>> {
+        let is_control = self.variant.technique == Extrusion::VsControl;
+        // The bottom's triangles are the second half; geometry shaders leave theirs out.
+        let halves = if is_control && slice.has_bottom { 2 } else { 1 };
+        let cap = slice.index_count / halves;
+        let has_second = halves == 2 && !without_bottom;
+        let (first, ranges) = match (part, self.drawn_parts.get(&mesh)) {
+            (Part::Walls, Some(parts)) => (slice.first_wall_index, parts.walls.clone()),
+            (Part::Caps, Some(parts)) => (slice.first_index, parts.both_caps(cap, has_second)),
+            (Part::Walls, None) => (slice.first_wall_index, vec![0..slice.wall_index_count]),
+            (Part::Caps, None) if !has_second => (slice.first_index, vec![0..cap]),
+            (Part::Caps | Part::Whole | Part::Turned, _) => {
+                (slice.first_index, vec![0..slice.index_count])
             }
-            Part::Caps | Part::Whole | Part::Turned => (slice.first_index, slice.index_count),
         };
-        first..first + count
+        let moved = ranges.into_iter();
+        moved
+            .map(|range| first + range.start..first + range.end)
+            .collect()
     }
 
     /// The pipelines that draw volumes in one state.
@@ -323,14 +356,17 @@ impl Volumes for NativeVolumes {
         let command = |wanted: Wanted| {
             let slice = scene.slice(list, wanted.volume);
             let is_of_width = scene.width(list, wanted.volume) == wanted.width;
-            let indices = self.indices_of(slice, wanted.part, wanted.without_bottom);
-            is_of_width.then(|| DrawCommand {
+            let mesh = list.volumes[wanted.volume].geometry;
+            let ranges = self.indices_of(slice, mesh, wanted.part, wanted.without_bottom);
+            let command = |indices: Range<u32>| DrawCommand {
                 index_count: indices.end - indices.start,
                 first_index: indices.start,
                 vertex_offset: i32::try_from(slice.first_vertex).unwrap_or(i32::MAX),
                 first_instance: u32::try_from(wanted.volume).unwrap_or(u32::MAX),
                 ..DrawCommand::ONE
-            })
+            };
+            let own = ranges.into_iter().filter(|_| is_of_width);
+            own.map(command).collect()
         };
         let parts = self.variant.technique.parts();
         let loaded = lists.load(gpu, (list, program), parts, command);
@@ -367,9 +403,11 @@ impl Volumes for NativeVolumes {
                         pass.depth_bounds(range.low, range.high);
                     }
                     let slice = scene.slice(list, volume);
-                    let indices = self.indices_of(slice, part, draw.without_bottom);
+                    let mesh = list.volumes[volume].geometry;
                     let base_vertex = i32::try_from(slice.first_vertex).unwrap_or(i32::MAX);
-                    pass.draw_indexed(pipeline, geometry, indices, base_vertex, volume);
+                    for indices in self.indices_of(slice, mesh, part, draw.without_bottom) {
+                        pass.draw_indexed(pipeline, geometry, indices, base_vertex, volume);
+                    }
                 }
             }
         }
@@ -470,12 +508,12 @@ mod tests {
                 let variant = NativeVariant {
                     technique,
                     indices: Some(indices),
+                    parts: false,
                     switches,
                 };
                 let mut backend = NativeBackend::new(&targets, variant).expect("has the features");
                 backend.prepare(&input).expect("fits");
-                let mut geometry =
-                    SceneGeometry::build(technique, indices, &input.scene.meshes, |_| true);
+                let mut geometry = SceneGeometry::build(&variant, &input.scene.meshes, |_| true);
                 change(&mut geometry);
                 let uploaded = backend.volumes_mut().upload_geometry(&gpu, geometry);
                 uploaded.expect("fits");

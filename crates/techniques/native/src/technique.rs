@@ -95,6 +95,7 @@ impl Technique for NativeTechnique {
         .caps()
         .mesh_lod()
         .rest_of_the_way(overlap)
+        .parts()
         .front_caps(overlap)
         // Last, since where the device has none the rungs after it would have no result either.
         .switch(
@@ -114,8 +115,9 @@ impl Technique for NativeTechnique {
     }
 
     fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
-        variant.check_parts(false)?;
-        NativeVariant::of(variant)?.check(overlap)
+        let native = NativeVariant::of(variant)?;
+        variant.check_parts(native.wall_indices().is_some())?;
+        native.check(overlap)
     }
 
     /// With `/list` after the name where lists are a choice that is not the default.

@@ -2,8 +2,8 @@
 //! A variant of the native backend: how volumes come about, and the switches of the fill.
 
 use crate::{Extrusion, Indices};
-use terrafill_fill::{SwitchError, Switches, Variant};
-use terrafill_scene::Overlap;
+use terrafill_fill::{SwitchError, Switches, Variant, WallIndices};
+use terrafill_scene::{Overlap, PartCulling};
 
 /// A variant: how volumes come about, and the switches of the fill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -12,6 +12,8 @@ pub struct NativeVariant {
     pub technique: Extrusion,
     /// How triangles are indexed; `None`: as [`Extrusion::default_indices`] says.
     pub indices: Option<Indices>,
+    /// Triangles of large meshes lie part by part, so that plans may leave parts out.
+    pub parts: bool,
     /// What the fill does.
     pub switches: Switches,
 }
@@ -27,8 +29,22 @@ impl NativeVariant {
         Ok(Self {
             technique: variant.choice("technique", &techniques)?,
             indices: Some(variant.choice("indices", &kinds)?),
+            parts: variant.plan.part_culling != PartCulling::Off,
             switches: variant.switches,
         })
+    }
+
+    /// How many indices walls take where parts of regions may be drawn alone: where caps and walls are draws of
+    /// their own, and a facet needs no indices but its own.
+    pub(crate) fn wall_indices(&self) -> Option<WallIndices> {
+        match self.technique {
+            Extrusion::VsControl => Some(WallIndices::STRIP),
+            Extrusion::GsLine => Some(WallIndices::LINE_STRIP),
+            Extrusion::GsDegenerate
+            | Extrusion::GsTwoEdges
+            | Extrusion::GsAdjacency
+            | Extrusion::GsPerTriangle => None,
+        }
     }
 
     /// Whether technique and switches go together, and with a scene of this kind.

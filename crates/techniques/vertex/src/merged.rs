@@ -9,12 +9,11 @@
 //! device. Each says of which region it is, and a table where that region's constants are in the view.
 
 use crate::layout::RegionSlice;
-use crate::parts::DrawnOfMeshes;
 use std::collections::HashMap;
 use std::ops::Range;
 use terrafill_fill::{
-    DeviceError, Feature, FillPass, FillProgram, FillStep, Holding, IndexLists, MemoryUse,
-    VolumeDraw, VolumeList,
+    DeviceError, DrawnOfMeshes, Feature, FillPass, FillProgram, FillStep, Holding, IndexLists,
+    MemoryUse, VolumeDraw, VolumeList,
 };
 use terrafill_gpu::Gpu;
 

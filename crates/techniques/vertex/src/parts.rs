@@ -1,73 +1,20 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Large regions drawn in parts: what is seen of them, as ranges of their indices.
+//! Large regions drawn in parts: in which order their triangles lie.
 
 use crate::{IndexOrder, Layout, VertexVariant, cache_ordered};
-use std::collections::{BTreeMap, HashMap};
-use std::ops::Range;
+use std::collections::HashMap;
 use terrafill_core::RegionMesh;
-use terrafill_fill::FillInput;
-use terrafill_scene::{PartOrder, SeenParts};
+use terrafill_fill::WallIndices;
+use terrafill_scene::PartOrder;
 
-/// What is drawn of each mesh of which not all is, by its number.
-pub(crate) type DrawnOfMeshes = BTreeMap<usize, DrawnParts>;
-
-/// What is drawn of a mesh.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(crate) struct DrawnParts {
-    /// Of the indices of a cap.
-    pub(crate) caps: Vec<Range<u32>>,
-    /// Of the indices of the walls; with layout `pulled` of the vertices of their draw.
-    pub(crate) walls: Vec<Range<u32>>,
-}
-
-impl DrawnParts {
-    /// Of the meshes of which a view leaves parts out.
-    pub(crate) fn of_view(variant: &VertexVariant, input: &FillInput) -> DrawnOfMeshes {
-        let seen = input.plan.seen_parts.iter();
-        let some = seen.filter(|(_, seen)| variant.parts && seen.facets_left_out > 0);
-        some.map(|(&mesh, seen)| (mesh, Self::new(variant, &input.scene.meshes[mesh], seen)))
-            .collect()
-    }
-
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "meshes have fewer than 2^32 vertices"
-    )]
-    fn new(variant: &VertexVariant, mesh: &RegionMesh, seen: &SeenParts) -> Self {
-        let caps = seen.caps.iter();
-        let mut firsts = Vec::with_capacity(mesh.boundary_loops.len());
-        let mut edges = 0;
-        for ring in &mesh.boundary_loops {
-            firsts.push(edges);
-            edges += ring.len() as u32;
+impl VertexVariant {
+    /// How many indices walls take.
+    pub(crate) fn wall_indices(&self) -> WallIndices {
+        match self.layout {
+            Layout::Pulled => WallIndices::PULLED,
+            _ if self.has_strips() => WallIndices::STRIP,
+            _ => WallIndices::LIST,
         }
-        let wall = |(ring, range): (usize, Range<u32>)| {
-            let [before, loops] = [firsts[ring], ring as u32];
-            let Range { start, end } = range;
-            match variant.layout {
-                // Each loop is followed by its first vertex and a separator.
-                Layout::Pulled => 6 * (before + 2 * loops + start)..6 * (before + 2 * loops + end),
-                // Two indices a vertex, the first one's again, and a restart.
-                _ if variant.has_strips() => {
-                    let first = 2 * (before + loops) + loops;
-                    first + 2 * start..first + 2 * end + 2
-                }
-                _ => 6 * (before + start)..6 * (before + end),
-            }
-        };
-        Self {
-            caps: caps.map(|range| 3 * range.start..3 * range.end).collect(),
-            walls: seen.walls_by_loop(mesh).into_iter().map(wall).collect(),
-        }
-    }
-
-    /// Ranges of both caps, or of the top alone.
-    ///
-    /// - `cap`: indices of one cap
-    pub(crate) fn both_caps(&self, cap: u32, with_bottom: bool) -> Vec<Range<u32>> {
-        let bottom = self.caps.iter().filter(|_| with_bottom);
-        let bottom = bottom.map(|range| cap + range.start..cap + range.end);
-        self.caps.iter().cloned().chain(bottom).collect()
     }
 }
 
@@ -110,9 +57,9 @@ mod tests {
     use crate::Walls;
     use crate::layout::SceneGeometry;
     use std::collections::BTreeSet;
-    use terrafill_fill::boundary_edges;
+    use terrafill_fill::{DrawnParts, boundary_edges};
     use terrafill_fixtures::by_hand::{circle_deg, mesh};
-    use terrafill_scene::PART_FACETS;
+    use terrafill_scene::{PART_FACETS, SeenParts};
 
     /// A fan of 1,000 and a triangle, whose loops come the other way round.
     fn large() -> RegionMesh {
@@ -195,7 +142,7 @@ mod tests {
                 let variant = variant(layout, walls, order_within);
                 let geometry =
                     SceneGeometry::build(&variant, std::slice::from_ref(&mesh), |_| true);
-                let parts = DrawnParts::new(&variant, &mesh, &seen);
+                let parts = DrawnParts::new(&mesh, &seen, variant.wall_indices());
                 assert_eq!(walls_of(&geometry, &variant, &parts), wanted, "{variant:?}");
                 let copies = if layout == Layout::Pulled { 1 } else { 2 };
                 let drawn: BTreeSet<BTreeSet<u32>> = parts
@@ -235,15 +182,5 @@ mod tests {
         assert_eq!(plain.len(), own.len());
         assert_ne!(plain, own);
         assert!(mesh.triangles.len() > PART_FACETS);
-    }
-
-    #[test]
-    fn both_caps_are_drawn_where_the_bottom_is() {
-        let parts = DrawnParts {
-            caps: vec![0..6, 12..15],
-            walls: Vec::new(),
-        };
-        assert_eq!(parts.both_caps(30, false), [0..6, 12..15]);
-        assert_eq!(parts.both_caps(30, true), [0..6, 12..15, 30..36, 42..45]);
     }
 }

@@ -3,14 +3,13 @@
 
 use crate::layout::{IndexBytes, RegionSlice, SceneGeometry};
 use crate::merged::Merged;
-use crate::parts::{DrawnOfMeshes, DrawnParts};
 use crate::pipeline::{Part, PipelineKey, Pipelines, parts};
 use crate::{Buffers, Layout, LevelVertices, VertexVariant};
 use std::ops::Range;
 use terrafill_fill::{
-    BottomCaps, DeviceError, FaceSet, Feature, FillInput, FillProgram, GeometryBytes, Holding,
-    IndexLists, MemoryUse, PositionFormat, RegionVolumes, Switches, VolumeBackend, VolumeDraw,
-    VolumeList, VolumePlace,
+    BottomCaps, DeviceError, DrawnOfMeshes, DrawnParts, FaceSet, Feature, FillInput, FillProgram,
+    GeometryBytes, Holding, IndexLists, MemoryUse, PositionFormat, RegionVolumes, Switches,
+    VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
 };
 use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
 use terrafill_scene::Overlap;
@@ -191,7 +190,10 @@ impl RegionVolumes for VertexVolumes {
         input: &FillInput,
         _bottoms: &BottomCaps,
     ) -> Result<(), DeviceError> {
-        self.drawn_parts = DrawnParts::of_view(&self.variant, input);
+        self.drawn_parts = match self.variant.parts {
+            true => DrawnParts::of_view(input, self.variant.wall_indices()),
+            false => DrawnOfMeshes::new(),
+        };
         Ok(())
     }
 

@@ -105,6 +105,7 @@ fn techniques() -> Vec<Technique> {
             technique,
             indices: None,
             switches: Switches::default(),
+            ..NativeVariant::default()
         })
     });
     let compute = [Technique::Compute(ComputeVariant::default())];

@@ -241,7 +241,7 @@ fn neighbours_at_different_levels_part_and_the_count_of_unowned_pixels_shows_it(
     let Some(devices) = Devices::open() else {
         return;
     };
-    let levels = LevelChoice::Given(vec![25_600.0]);
+    let levels = LevelChoice::Given(vec![12_800.0]);
     let Some((scene, prepared)) = leveled("us-states", levels) else {
         return;
     };

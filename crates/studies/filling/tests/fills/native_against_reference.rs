@@ -59,6 +59,7 @@ fn stored(technique: Native, indices: Indices, switches: Switches) -> Technique 
         technique,
         indices: Some(indices),
         switches,
+        ..NativeVariant::default()
     })
 }
 
@@ -424,6 +425,7 @@ fn what_the_device_lacks_is_refused_by_name() {
             depth_bounds: true,
             ..Switches::default()
         },
+        ..NativeVariant::default()
     };
     match NativeBackend::new(targets.vulkan(), bounded) {
         Err(DeviceError::Unsupported { capability, .. }) => {

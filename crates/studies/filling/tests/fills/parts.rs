@@ -4,10 +4,12 @@
 use crate::drawing;
 
 use drawing::{AllTargets, Devices, Technique, counters, differing, draw_with};
+use terrafill_compute::{ComputeVariant, Expansion, Transform};
 use terrafill_fill::{
     BottomCap, ColourWay, DepthRuleChoice, FillBackend, FillInput, Frame, PreparedScene, Switches,
 };
 use terrafill_instanced::InstancedBackend;
+use terrafill_native::{Extrusion, NativeVariant};
 use terrafill_scene::{
     ImageSize, LeftOutReason, LeveledMeshes, PartCulling, PlanOptions, Scene, View,
 };
@@ -63,7 +65,7 @@ fn in_front() -> Switches {
     }
 }
 
-fn techniques(switches: Switches) -> Vec<VertexVariant> {
+fn vertex(switches: Switches) -> Vec<VertexVariant> {
     let with = |layout: Layout| VertexVariant {
         layout,
         parts: true,
@@ -98,14 +100,51 @@ fn techniques(switches: Switches) -> Vec<VertexVariant> {
     ]
 }
 
+fn native(switches: Switches) -> Vec<NativeVariant> {
+    let with = |technique, merges_draws| NativeVariant {
+        technique,
+        parts: true,
+        switches: Switches {
+            merges_draws,
+            ..switches
+        },
+        ..NativeVariant::default()
+    };
+    vec![
+        with(Extrusion::GsLine, false),
+        with(Extrusion::GsLine, true),
+        with(Extrusion::VsControl, false),
+        with(Extrusion::VsControl, true),
+    ]
+}
+
+/// Without those whose caps and walls are one draw where faces of caps are left out.
+fn compute(switches: Switches) -> Vec<ComputeVariant> {
+    let with = |expansion, transform| ComputeVariant {
+        expansion,
+        transform,
+        parts: true,
+        switches,
+        ..ComputeVariant::default()
+    };
+    let all = [
+        with(Expansion::PerFrame, Transform::VertexStage),
+        with(Expansion::Cached, Transform::VertexStage),
+        with(Expansion::Cached, Transform::ComputeStage),
+    ];
+    let all = all.into_iter();
+    all.filter(|_| !switches.front_caps).collect()
+}
+
 /// Frames of all that can draw parts, with what drew them.
 fn frames(targets: &AllTargets<'_>, input: &FillInput, switches: Switches) -> Vec<(String, Frame)> {
-    let mut frames: Vec<(String, Frame)> = techniques(switches)
-        .into_iter()
-        .map(|variant| {
-            let frame = targets.draw(input, Technique::Vertex(variant));
-            (format!("{variant:?}"), frame)
-        })
+    let vertex = vertex(switches).into_iter().map(Technique::Vertex);
+    let native = native(switches).into_iter().map(Technique::Native);
+    let compute = compute(switches).into_iter().map(Technique::Compute);
+    let mut frames: Vec<(String, Frame)> = vertex
+        .chain(native)
+        .chain(compute)
+        .map(|technique| (format!("{technique:?}"), targets.draw(input, technique)))
         .collect();
     let instanced = InstancedBackend::new(targets.wgpu(), switches);
     let mut instanced: Box<dyn FillBackend> = Box::new(instanced.expect("valid shaders"));
@@ -115,7 +154,7 @@ fn frames(targets: &AllTargets<'_>, input: &FillInput, switches: Switches) -> Ve
 
 #[test]
 fn what_is_left_out_of_a_large_region_changes_no_pixel_and_is_counted() {
-    let Some(devices) = Devices::open() else {
+    let Some(devices) = Devices::open_both() else {
         return;
     };
     let targets = AllTargets::new(&devices, SIZE);
@@ -171,7 +210,7 @@ fn what_is_left_out_of_a_large_region_changes_no_pixel_and_is_counted() {
 
 #[test]
 fn a_part_that_is_left_out_and_seen_is_noticed() {
-    let Some(devices) = Devices::open() else {
+    let Some(devices) = Devices::open_both() else {
         return;
     };
     let targets = AllTargets::new(&devices, SIZE);
@@ -191,24 +230,26 @@ fn a_part_that_is_left_out_and_seen_is_noticed() {
 
 #[test]
 fn a_frame_like_the_one_before_hands_nothing_over() {
-    let Some(devices) = Devices::open() else {
+    let Some(devices) = Devices::open_both() else {
         return;
     };
     let targets = AllTargets::new(&devices, SIZE);
     let (scene, views) = coast();
-    for variant in techniques(in_front()) {
-        let mut backend = targets.open(Technique::Vertex(variant));
+    let vertex = vertex(in_front()).into_iter().map(Technique::Vertex);
+    let native = native(in_front()).into_iter().map(Technique::Native);
+    for technique in vertex.chain(native) {
+        let mut backend = targets.open(technique);
         let inputs = [0, 3].map(|view: usize| seen(&scene, &views[view], PartCulling::All));
         let mut uploads = |input: &FillInput| counters(&draw_with(&mut *backend, input)).uploads;
         assert!(uploads(&inputs[0]) > 0);
-        assert_eq!(uploads(&inputs[0]), 0, "{variant:?}");
+        assert_eq!(uploads(&inputs[0]), 0, "{technique:?}");
         // Twin: other parts are another view's constants, and where draws are merged another list.
         let other = uploads(&inputs[1]);
         assert_eq!(
             other > 1,
-            variant.switches.merges_draws,
-            "{other}: {variant:?}"
+            technique.switches().merges_draws,
+            "{other}: {technique:?}"
         );
-        assert_eq!(uploads(&inputs[1]), 0, "{variant:?}");
+        assert_eq!(uploads(&inputs[1]), 0, "{technique:?}");
     }
 }

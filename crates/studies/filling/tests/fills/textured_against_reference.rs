@@ -72,6 +72,7 @@ fn stored(
         technique,
         indices: Some(indices),
         switches,
+        ..NativeVariant::default()
     };
     Box::new(NativeBackend::new(targets, variant).expect("has the features"))
 }

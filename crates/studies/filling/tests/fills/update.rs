@@ -87,6 +87,7 @@ fn all_layouts() -> Vec<Technique> {
                     technique,
                     indices: Some(indices),
                     switches: Switches::default(),
+                    ..NativeVariant::default()
                 })
             })
     };
@@ -193,6 +194,7 @@ fn long_indices_are_rewritten_too() {
             technique: Extrusion::VsControl,
             indices: None,
             switches: Switches::default(),
+            ..NativeVariant::default()
         }),
     ];
     let Some(devices) = Devices::open_for(&techniques) else {
