@@ -31,8 +31,8 @@ const MUTATIONS: [Mutation; 11] = [
     Mutation {
         name: "level-of-detail-skipped",
         file: "crates/contract/scene/src/plan.rs",
-        from: "levels.pick(&drawn, pixels)",
-        to: "levels.pick(&drawn, 1e-9 * pixels)",
+        from: "levels.pick(&drawn, pixels, look)",
+        to: "levels.pick(&drawn, 1e-9 * pixels, look)",
         counter: "cap_triangles",
     },
     Mutation {

@@ -100,7 +100,7 @@ impl OutputSlice {
                 true => first_top,
                 false => self.first_index,
             };
-            return vec![first..first_top + self.upper_count];
+            return std::iter::once(first..first_top + self.upper_count).collect();
         };
         let moved = |ranges: &[Range<u32>], by: u32| -> Vec<Range<u32>> {
             let ranges = ranges.iter();

@@ -225,14 +225,16 @@ impl NativeVolumes {
         let halves = if is_control && slice.has_bottom { 2 } else { 1 };
         let cap = slice.index_count / halves;
         let has_second = halves == 2 && !without_bottom;
-        let (first, ranges) = match (part, self.drawn_parts.get(&mesh)) {
-            (Part::Walls, Some(parts)) => (slice.first_wall_index, parts.walls.clone()),
-            (Part::Caps, Some(parts)) => (slice.first_index, parts.both_caps(cap, has_second)),
-            (Part::Walls, None) => (slice.first_wall_index, vec![0..slice.wall_index_count]),
-            (Part::Caps, None) if !has_second => (slice.first_index, vec![0..cap]),
-            (Part::Caps | Part::Whole | Part::Turned, _) => {
-                (slice.first_index, vec![0..slice.index_count])
-            }
+        let parts = self.drawn_parts.get(&mesh);
+        let (first, whole) = match part {
+            Part::Walls => (slice.first_wall_index, slice.wall_index_count),
+            Part::Caps if !has_second => (slice.first_index, cap),
+            Part::Caps | Part::Whole | Part::Turned => (slice.first_index, slice.index_count),
+        };
+        let ranges = match (part, parts) {
+            (Part::Walls, Some(parts)) => parts.walls.clone(),
+            (Part::Caps, Some(parts)) => parts.both_caps(cap, has_second),
+            _ => std::iter::once(0..whole).collect(),
         };
         let moved = ranges.into_iter();
         moved
