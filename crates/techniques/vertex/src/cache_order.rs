@@ -15,15 +15,15 @@ pub const CACHE_SIZE: usize = 16;
 /// worst, about 0.5 at best on a large mesh. `None` without triangles.
 #[must_use]
 pub fn acmr(triangles: &[[u32; 3]], cache_size: usize) -> Option<f64> {
-    let mut cache = std::collections::VecDeque::with_capacity(cache_size + 1);
-    let mut misses = 0_u64;
-    for corner in triangles.as_flattened() {
-        if !cache.contains(corner) {
+    let largest = triangles.as_flattened().iter().max();
+    // The miss with which a vertex came into the cache: `cache_size` more, and the next puts it out.
+    let mut came = vec![usize::MAX; largest.map_or(0, |&largest| largest as usize + 1)];
+    let mut misses = 0_usize;
+    for &corner in triangles.as_flattened() {
+        let came = &mut came[corner as usize];
+        if *came == usize::MAX || misses - *came > cache_size {
+            *came = misses;
             misses += 1;
-            cache.push_back(*corner);
-            if cache.len() > cache_size {
-                cache.pop_front();
-            }
         }
     }
     (!triangles.is_empty()).then(|| misses as f64 / triangles.len() as f64)
