@@ -32,6 +32,8 @@ impl ViewId {
 #[derive(Debug, Clone)]
 pub struct RegionSet {
     revision: u64,
+    /// Of the set that has all the geometry of which this one has some.
+    whole: u64,
     origin: Option<Origin>,
     meshes: Arc<[RegionMesh]>,
 }
@@ -59,6 +61,13 @@ impl RegionSet {
     #[must_use]
     pub fn revision(&self) -> u64 {
         self.revision
+    }
+
+    /// Sets for which this is the same have the same mesh at a place, or one of them has none there: see
+    /// [`RegionSet::with_geometry_of`].
+    #[must_use]
+    pub fn whole_revision(&self) -> u64 {
+        self.whole
     }
 
     /// A set with other meshes at some places, which remembers what it was made from. Of two meshes
@@ -99,7 +108,10 @@ impl RegionSet {
             true => mesh.clone(),
             false => mesh.without_geometry(),
         });
-        Self::from(meshes.collect::<Vec<_>>())
+        Self {
+            whole: self.whole,
+            ..Self::from(meshes.collect::<Vec<_>>())
+        }
     }
 
     /// Where this set differs from the one of `revision` that it was made from, ascending; `None` for
@@ -120,8 +132,10 @@ impl Default for RegionSet {
 
 impl From<Vec<RegionMesh>> for RegionSet {
     fn from(meshes: Vec<RegionMesh>) -> Self {
+        let revision = next();
         Self {
-            revision: next(),
+            revision,
+            whole: revision,
             origin: None,
             meshes: meshes.into(),
         }
@@ -147,6 +161,11 @@ mod tests {
         assert_eq!(set.revision(), set.clone().revision());
         assert_ne!(set.revision(), RegionSet::from(set.to_vec()).revision());
         assert_ne!(ViewId::unique(), ViewId::unique());
+        // Of less geometry it is another set, of the same whole.
+        let some = set.with_geometry_of(|_| false);
+        assert_ne!(some.revision(), set.revision());
+        assert_eq!(some.whole_revision(), set.revision());
+        assert_ne!(RegionSet::default().whole_revision(), set.revision());
     }
 
     #[test]

@@ -8,11 +8,13 @@ use crate::pool::Pool;
 use crate::{IndexOrder, Layout, Normals, VertexOrder, VertexVariant, cache_ordered};
 use glam::{DVec3, IVec3, Vec3};
 use std::borrow::Cow;
-use std::collections::HashSet;
+use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{
-    FixedPoint, GeometryBytes, IndexLists, PositionFormat, VolumePlace, boundary_edges, two_float,
+    FixedPoint, GeometryBytes, IndexLists, PositionFormat, RegionSet, VolumePlace, boundary_edges,
+    two_float,
 };
 use terrafill_scene::PartOrder;
 
@@ -177,8 +179,48 @@ impl IndexBytes {
     }
 }
 
-/// Contents of a scene's geometry buffers.
+/// Regions as they were laid out last, each with its held levels. A view that needs another level of some lays
+/// out these only.
 #[derive(Debug, Default)]
+pub(crate) struct LaidOut {
+    /// Of which scene.
+    whole: Option<u64>,
+    /// By number; of each the meshes that it has, and whether with their bottoms.
+    regions: HashMap<usize, (Vec<(usize, bool)>, SceneGeometry)>,
+}
+
+impl LaidOut {
+    /// Forgets those of another scene.
+    fn are_of(&mut self, meshes: &RegionSet) {
+        let whole = Some(meshes.whole_revision());
+        if self.whole != whole {
+            *self = Self {
+                whole,
+                ..Self::default()
+            };
+        }
+    }
+
+    fn region(
+        &mut self,
+        number: usize,
+        held: Vec<(usize, bool)>,
+        lay_out: impl FnOnce() -> SceneGeometry,
+    ) -> &SceneGeometry {
+        match self.regions.entry(number) {
+            Entry::Occupied(mut known) => {
+                if known.get().0 != held {
+                    known.insert((held, lay_out()));
+                }
+                &known.into_mut().1
+            }
+            Entry::Vacant(place) => &place.insert((held, lay_out())).1,
+        }
+    }
+}
+
+/// Contents of a scene's geometry buffers.
+#[derive(Debug, Default, PartialEq)]
 pub(crate) struct SceneGeometry {
     /// Vertices of [`VertexVariant::vertex_words`] words.
     pub(crate) vertices: Vec<i32>,
@@ -223,34 +265,84 @@ impl SceneGeometry {
     /// As [`SceneGeometry::build`], all levels of a region over one list of vertices ([`Pool`]).
     ///
     /// - `levels`: of each region its meshes, coarsest first; each mesh is one of one region
+    /// - `laid_out`: what was laid out before; what has changed is laid out anew
     pub(crate) fn build_shared(
         variant: &VertexVariant,
-        meshes: &[RegionMesh],
+        meshes: &RegionSet,
         has_bottom: impl Fn(usize) -> bool,
         levels: &[Vec<usize>],
+        laid_out: &mut LaidOut,
     ) -> Self {
+        laid_out.are_of(meshes);
         let mut geometry = Self::default();
         let mut slices: Vec<Option<RegionSlice>> = vec![None; meshes.len()];
         let mut largest = 0;
         for (number, of_region) in levels.iter().enumerate() {
-            let own: Vec<_> = of_region
-                .iter()
-                .map(|&mesh| ordered(variant, &meshes[mesh]))
-                .collect();
-            let pool = Pool::new(&own.iter().map(AsRef::as_ref).collect::<Vec<_>>());
-            let stored = geometry.push_vertices(variant, &pool.vertices, number);
-            largest = largest.max(pool.vertices.vertices_ecef.len());
-            debug_assert_eq!(stored.fixed, pool.fixed());
-            for (level, &mesh) in pool.levels.iter().zip(of_region) {
-                let has_bottom = has_bottom(mesh);
-                let slice =
-                    geometry.push_indices(variant, &level.mesh, level.used, has_bottom, &stored);
+            let held = of_region.iter().copied();
+            let held = held.filter(|&mesh| !meshes[mesh].vertices_ecef.is_empty());
+            let held: Vec<(usize, bool)> = held.map(|mesh| (mesh, has_bottom(mesh))).collect();
+            let own = laid_out.region(number, held, || {
+                Self::of_region(variant, meshes, &has_bottom, (number, of_region))
+            });
+            largest = largest.max(own.vertices.len() / variant.vertex_words());
+            for (slice, &mesh) in geometry.append(variant, own).into_iter().zip(of_region) {
                 slices[mesh] = Some(slice);
             }
         }
         geometry.regions = slices.into_iter().flatten().collect();
-        geometry.push_flags(variant, largest);
+        geometry.push_flags(variant, largest.div_ceil(2));
         geometry
+    }
+
+    /// The levels of one region.
+    fn of_region(
+        variant: &VertexVariant,
+        meshes: &[RegionMesh],
+        has_bottom: impl Fn(usize) -> bool,
+        (number, of_region): (usize, &[usize]),
+    ) -> Self {
+        let mut geometry = Self::default();
+        let own: Vec<_> = of_region
+            .iter()
+            .map(|&mesh| ordered(variant, &meshes[mesh]))
+            .collect();
+        let pool = Pool::new(&own.iter().map(AsRef::as_ref).collect::<Vec<_>>());
+        let stored = geometry.push_vertices(variant, &pool.vertices, number);
+        debug_assert_eq!(stored.fixed, pool.fixed());
+        for (level, &mesh) in pool.levels.iter().zip(of_region) {
+            let has_bottom = has_bottom(mesh);
+            let slice =
+                geometry.push_indices(variant, &level.mesh, level.used, has_bottom, &stored);
+            geometry.regions.push(slice);
+        }
+        geometry
+    }
+
+    /// Puts the vertices and indices of `own` behind its own; returns where its regions lie now.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "buffers are refused by the device long before 2^32 elements"
+    )]
+    fn append(&mut self, variant: &VertexVariant, own: &Self) -> Vec<RegionSlice> {
+        let first_vertex = (self.vertices.len() / variant.vertex_words()) as u32;
+        let [long, short] = [false, true].map(|is_short| self.indices.count(is_short));
+        self.vertices.extend(&own.vertices);
+        self.indices.short.extend(&own.indices.short);
+        self.indices.long.extend(&own.indices.long);
+        let moved = own.regions.iter().map(|slice| {
+            let by = match slice.place.has_short_indices {
+                true => short,
+                false => long,
+            };
+            let place = VolumePlace {
+                first_vertex: slice.place.first_vertex + first_vertex,
+                first_triangle_index: slice.place.first_triangle_index + by,
+                first_loop_index: slice.place.first_loop_index + by,
+                ..slice.place
+            };
+            RegionSlice { place, ..*slice }
+        });
+        moved.collect()
     }
 
     /// Layout `separate`: two flags for each vertex of the largest region.
@@ -585,7 +677,7 @@ fn bits(value: Vec3) -> IVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{VertexSize, Walls};
+    use crate::{LevelVertices, VertexSize, Walls};
     use terrafill_fixtures::by_hand::{circle_deg, mesh};
 
     /// A fan of `count` boundary vertices around one interior vertex.
@@ -594,6 +686,44 @@ mod tests {
         vertices_deg.push([10.0, 50.0]);
         let fan = (0..count).map(|i| [i, (i + 1) % count, count]).collect();
         mesh(vertices_deg, fan, vec![(0..count).collect()])
+    }
+
+    #[test]
+    fn what_a_view_before_held_is_not_laid_out_again_and_lies_as_if_it_were() {
+        let variant = VertexVariant {
+            level_vertices: LevelVertices::Shared,
+            ..VertexVariant::default()
+        };
+        // Three regions of two levels each; the second has long indices.
+        let counts = [40, 40_000, 30, 20, 9, 8];
+        let all = RegionSet::from(counts.map(disc).to_vec());
+        let levels = [vec![3, 0], vec![4, 1], vec![5, 2]];
+        let mut laid_out = LaidOut::default();
+        let built = |meshes: &RegionSet, has_bottom: bool, laid_out: &mut LaidOut| {
+            SceneGeometry::build_shared(&variant, meshes, |_| has_bottom, &levels, laid_out)
+        };
+        for (held, has_bottom) in [
+            ([0, 1, 5], true),
+            ([3, 1, 5], true),
+            ([3, 4, 2], true),
+            ([3, 4, 2], false),
+            ([0, 1, 5], true),
+        ] {
+            let some = all.with_geometry_of(|mesh| held.contains(&mesh));
+            let kept = built(&some, has_bottom, &mut laid_out);
+            let anew = built(&some, has_bottom, &mut LaidOut::default());
+            assert!(kept == anew, "{held:?}");
+            assert!(kept.vertices.len() > 4 * 2 * 9);
+        }
+        // Twin: of a region whose held levels are the same, what was laid out stands as it is.
+        let known = laid_out.regions.get_mut(&0).expect("held");
+        known.1.vertices[0] += 1;
+        let same = all.with_geometry_of(|mesh| [0, 1, 5].contains(&mesh));
+        let anew = built(&same, true, &mut LaidOut::default());
+        assert!(built(&same, true, &mut laid_out) != anew);
+        // Another scene's regions are not those of this one.
+        let other = RegionSet::from(same.to_vec());
+        assert!(built(&other, true, &mut laid_out) == anew);
     }
 
     /// Every way to store geometry.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Volumes as the passes of a fill draw them: caps, then walls, then those that are turned over.
 
-use crate::layout::{IndexBytes, RegionSlice, SceneGeometry};
+use crate::layout::{IndexBytes, LaidOut, RegionSlice, SceneGeometry};
 use crate::merged::Merged;
 use crate::pipeline::{Part, PipelineKey, Pipelines, parts};
 use crate::{Buffers, Layout, LevelVertices, VertexVariant};
@@ -25,6 +25,8 @@ pub struct VertexVolumes {
     scene: Option<SceneBuffers>,
     /// What the view draws of meshes that it does not draw whole.
     drawn_parts: DrawnOfMeshes,
+    /// Regions as they were laid out last, where levels share vertices.
+    laid_out: LaidOut,
 }
 
 /// Geometry of every region of a scene, in view or not.
@@ -71,6 +73,7 @@ impl RegionVolumes for VertexVolumes {
             pipelines: Pipelines::new(fill, variant)?,
             scene: None,
             drawn_parts: DrawnOfMeshes::new(),
+            laid_out: LaidOut::default(),
         })
     }
 
@@ -113,7 +116,8 @@ impl RegionVolumes for VertexVolumes {
             LevelVertices::Own => SceneGeometry::build(variant, meshes, has_bottom),
             LevelVertices::Shared => {
                 let levels = input.scene.levels.meshes_of_regions(meshes.len());
-                SceneGeometry::build_shared(variant, meshes, has_bottom, &levels)
+                let laid_out = &mut self.laid_out;
+                SceneGeometry::build_shared(variant, meshes, has_bottom, &levels, laid_out)
             }
         };
         let bytes = geometry.bytes();
