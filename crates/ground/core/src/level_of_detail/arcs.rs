@@ -22,10 +22,9 @@ const WIDE_ARC_COSINE: f64 = 0.5;
 /// Longitudes closer to ±180 than this are that meridian, degrees: as for the outlines of meshes.
 const ANTIMERIDIAN_SNAP_DEG: f64 = 1e-11;
 /// A ring of fewer tolerances in size than this stays as it is, or is left out whole
-/// ([`super::small_rings`]). A lake or island of less than a pixel that moved at all could appear where there was
-/// nothing to be seen, or the other way round, far from any boundary that a comparison could put it down to. A
-/// level is drawn where its tolerance is between an eighth of a pixel and half a pixel, so that this many are a
-/// pixel or more.
+/// ([`super::small_rings`]). A lake or island of less than a pixel that moved could appear where there was nothing
+/// to be seen. No boundary would be near that a comparison could put it down to. A level is drawn where its
+/// tolerance is between an eighth of a pixel and half a pixel, so that this many are a pixel or more.
 const SMALLEST_SIZE: f64 = 8.0;
 const NONE: u32 = u32::MAX;
 
