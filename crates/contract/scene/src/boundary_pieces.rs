@@ -5,6 +5,7 @@
 //! pixel there would seem worth less than it is anywhere. And a boundary that lies outside the image may
 //! move as it likes, as long as it does not move into it.
 
+use crate::parts::edges;
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -18,11 +19,7 @@ const FEWEST_EDGES: usize = 16;
 /// Boxes that together hold a mesh's boundary on the ellipsoid, and what its chords leave out.
 pub(crate) fn boundary_pieces(body: &Ellipsoid, mesh: &RegionMesh) -> Vec<OrientedBox> {
     let places = &mesh.vertices_ecef;
-    let edges = mesh.boundary_loops.iter().flat_map(|ring| {
-        let ends = ring.iter().skip(1).chain(ring.first());
-        ring.iter().zip(ends).map(|(&start, &end)| [start, end])
-    });
-    let whole = Piece::new(edges.collect(), places);
+    let whole = Piece::new(edges(mesh).collect(), places);
     let most = (whole.edges.len() / FEWEST_EDGES).clamp(1, MOST_PIECES);
     let mut pieces = BinaryHeap::from([whole]);
     while pieces.len() < most

@@ -213,7 +213,7 @@ impl MeshParts {
 }
 
 /// Boundary edges, loop after loop.
-fn edges(mesh: &RegionMesh) -> impl Iterator<Item = [u32; 2]> {
+pub(crate) fn edges(mesh: &RegionMesh) -> impl Iterator<Item = [u32; 2]> {
     mesh.boundary_loops.iter().flat_map(|ring| {
         let ends = ring.iter().skip(1).chain(ring.first());
         ring.iter().zip(ends).map(|(&start, &end)| [start, end])
