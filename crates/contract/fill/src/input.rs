@@ -140,23 +140,22 @@ impl PreparedScene {
     }
 }
 
-/// Parts of a scene's large meshes by their place; shared by all who have the same meshes.
+/// Parts of a scene's large meshes, each found when a view draws the mesh; shared by all who have the same
+/// meshes.
 #[derive(Debug, Clone, Default)]
-pub struct LazyParts(Arc<OnceLock<BTreeMap<usize, MeshParts>>>);
+pub struct LazyParts(Arc<OnceLock<PartsOfMeshes>>);
+
+/// Of each mesh; `None` where it is so small that it is one part.
+type PartsOfMeshes = Box<[OnceLock<Option<MeshParts>>]>;
 
 impl LazyParts {
-    /// - `is_stored`: whether a mesh is drawn where its vertices are
-    fn of(
-        &self,
-        body: &Ellipsoid,
-        meshes: &RegionSet,
-        is_stored: impl Fn(usize) -> bool,
-    ) -> &BTreeMap<usize, MeshParts> {
-        self.0.get_or_init(|| {
-            let mut all = MeshParts::of_all(body, meshes);
-            all.retain(|&mesh, _| is_stored(mesh));
-            all
-        })
+    /// - `meshes`: always the same
+    fn of(&self, body: &Ellipsoid, meshes: &RegionSet, mesh: usize) -> Option<&MeshParts> {
+        let all = self
+            .0
+            .get_or_init(|| meshes.iter().map(|_| OnceLock::new()).collect());
+        let own = all[mesh].get_or_init(|| MeshParts::of(body, &meshes[mesh]));
+        own.as_ref()
     }
 }
 
@@ -365,10 +364,13 @@ fn plan(
         options,
     );
     let is_stored = |mesh: usize| !scene.footprints.contains_key(&mesh);
-    plan.settle_near_plane(&scene.body, camera, size, &scene.meshes, is_stored);
-    if options.part_culling != PartCulling::Off {
-        let parts = scene.parts.of(&scene.body, &scene.meshes, is_stored);
-        plan.cull_parts(&scene.body, camera, size, terrain, parts);
-    }
+    let culls_parts = options.part_culling != PartCulling::Off;
+    let parts = |mesh: usize| {
+        let own = || scene.parts.of(&scene.body, &scene.meshes, mesh);
+        (culls_parts && is_stored(mesh)).then(own).flatten()
+    };
+    let meshes = &scene.meshes;
+    plan.settle_near_plane(&scene.body, camera, size, meshes, is_stored, parts);
+    plan.cull_parts(&scene.body, camera, size, terrain, parts);
     plan
 }

@@ -10,10 +10,14 @@
 //! rounding may move a face, is a box, too, in view space. A face meets it when something of the face
 //! is left after clipping by the box's six planes (Sutherland and Hodgman, 1974). When no face
 //! does, the rectangle lies wholly inside or wholly outside, and one of its points decides for all.
+//! Of a mesh in parts only those are asked whose boxes may be met: near the ground a frame would
+//! otherwise spend longer on the vertices of a continent than on drawing it.
 
+use crate::parts::{MeshParts, edges_in, index_u32};
 use crate::{Camera, ImageSize};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
+use std::ops::Range;
 use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
 
 /// The rectangle of the near plane that the image shows.
@@ -80,62 +84,152 @@ fn half_size_m(camera: &Camera, size: ImageSize) -> [f64; 2] {
 /// A region's volume in view space: x right, y up, z towards the viewer, metres from the eye.
 pub(crate) struct ViewVolume<'a> {
     mesh: &'a RegionMesh,
-    /// Top and bottom of every vertex.
+    /// In which its triangles are in its parts, where it has several.
+    order: Option<&'a [u32]>,
+    placing: Placing,
+    /// Top and bottom of every vertex; of a mesh in parts none: most of its parts are far away.
     corners: Vec<[DVec3; 2]>,
+    /// All faces.
+    pieces: Vec<Piece>,
     /// No corner is farther from the eye.
     reach_m: f64,
     /// What storing may move a vertex.
     stored_m: f64,
 }
 
+/// How a vertex on the ellipsoid becomes a corner of the volume.
+struct Placing {
+    view_from_ecef: DMat3,
+    eye_ecef: DVec3,
+    /// On the ellipsoid (x/a², y/a², z/b²) is parallel to the geodetic normal.
+    normal_scale: DVec3,
+    heights: VolumeHeights,
+}
+
+impl Placing {
+    fn to_view(&self, ecef: DVec3) -> DVec3 {
+        self.view_from_ecef * (ecef - self.eye_ecef)
+    }
+
+    fn corners(&self, vertex: DVec3) -> [DVec3; 2] {
+        let normal = (vertex * self.normal_scale).normalize();
+        [self.heights.top_m, self.heights.bottom_m]
+            .map(|height_m| self.to_view(vertex + normal * height_m))
+    }
+}
+
+/// Some of the faces of a volume, and a box that holds them.
+struct Piece {
+    /// Both caps' facets over these triangles, in the order of the parts.
+    caps: Range<u32>,
+    /// The walls on these boundary edges, loop after loop.
+    walls: Range<u32>,
+    around: ViewBox,
+}
+
+/// A box along the axes of view space.
+#[derive(Clone, Copy)]
+struct ViewBox {
+    low: DVec3,
+    high: DVec3,
+}
+
+impl ViewBox {
+    fn around(corners: impl IntoIterator<Item = DVec3>) -> Self {
+        let nowhere = Self {
+            low: DVec3::INFINITY,
+            high: DVec3::NEG_INFINITY,
+        };
+        corners.into_iter().fold(nowhere, |sum, corner| Self {
+            low: sum.low.min(corner),
+            high: sum.high.max(corner),
+        })
+    }
+
+    /// Whether one side parts it from the box of these half sizes around `middle`.
+    fn is_beside(&self, middle: DVec3, half: DVec3) -> bool {
+        (self.low - middle).cmpgt(half).any() || (self.high - middle).cmplt(-half).any()
+    }
+
+    /// Whether a ray from `point` towards the viewer may meet something in it.
+    fn may_meet_ray(&self, point: DVec3) -> bool {
+        let (low, high) = (self.low - point, self.high - point);
+        low.x <= 0.0 && low.y <= 0.0 && high.cmpge(DVec3::ZERO).all()
+    }
+}
+
 impl<'a> ViewVolume<'a> {
+    /// - `parts`: of `mesh`, where it has several
     pub(crate) fn new(
         body: &Ellipsoid,
         camera: &Camera,
         mesh: &'a RegionMesh,
         heights: VolumeHeights,
+        parts: Option<&'a MeshParts>,
     ) -> Self {
-        let to_view = |ecef: DVec3| camera.view_from_ecef * (ecef - camera.eye_ecef);
-        // On the ellipsoid (x/a², y/a², z/b²) is parallel to the geodetic normal.
         let radii = body.radii_m();
-        let normal_scale = (radii * radii).recip();
-        let places = mesh.vertices_ecef.iter();
-        let corners: Vec<[DVec3; 2]> = places
-            .map(|&vertex| {
-                let normal = (vertex * normal_scale).normalize();
-                [heights.top_m, heights.bottom_m].map(|height| to_view(vertex + normal * height))
-            })
-            .collect();
-        let (low, high) = corners.as_flattened().iter().fold(
-            (DVec3::INFINITY, DVec3::NEG_INFINITY),
-            |(low, high), corner| (low.min(*corner), high.max(*corner)),
+        let placing = Placing {
+            view_from_ecef: camera.view_from_ecef,
+            eye_ecef: camera.eye_ecef,
+            normal_scale: (radii * radii).recip(),
+            heights,
+        };
+        let mut corners = Vec::new();
+        let pieces: Vec<Piece> = match parts {
+            Some(parts) => {
+                let on_view = |at: DVec3| placing.to_view(at);
+                let piece = |(caps, walls, around): (_, _, OrientedBox)| Piece {
+                    caps,
+                    walls,
+                    around: ViewBox::around(around.corners_ecef().map(on_view)),
+                };
+                parts.boxes(heights).map(piece).collect()
+            }
+            None => {
+                let places = mesh.vertices_ecef.iter();
+                corners.extend(places.map(|vertex| placing.corners(*vertex)));
+                vec![Piece {
+                    caps: 0..index_u32(mesh.triangles.len()),
+                    walls: 0..index_u32(mesh.boundary_edge_count()),
+                    around: ViewBox::around(corners.iter().copied().flatten()),
+                }]
+            }
+        };
+        let around = ViewBox::around(
+            pieces
+                .iter()
+                .flat_map(|piece| [piece.around.low, piece.around.high]),
         );
-        let reach_m = low.abs().max(high.abs()).length();
-        let extent_m = (high - low).length() + heights.top_m.abs().max(heights.bottom_m.abs());
+        let extent_m =
+            (around.high - around.low).length() + heights.top_m.abs().max(heights.bottom_m.abs());
         Self {
             mesh,
+            order: parts.map(MeshParts::triangles),
+            placing,
             corners,
-            reach_m,
+            pieces,
+            reach_m: around.low.abs().max(around.high.abs()).length(),
             stored_m: extent_m * STORED_ROUNDING,
         }
     }
 
-    /// Triangles of both caps and of the walls, wound counter-clockwise seen from outside.
-    fn faces(&self) -> impl Iterator<Item = [DVec3; 3]> {
-        let at = |vertex: u32| self.corners[vertex as usize];
-        let caps = self.mesh.triangles.iter().flat_map(move |&[a, b, c]| {
-            let ([at_a, under_a], [at_b, under_b], [at_c, under_c]) = (at(a), at(b), at(c));
-            [[at_a, at_b, at_c], [under_a, under_c, under_b]]
+    fn corners_at(&self, vertex: u32) -> [DVec3; 2] {
+        let vertex = vertex as usize;
+        let known = self.corners.get(vertex).copied();
+        known.unwrap_or_else(|| self.placing.corners(self.mesh.vertices_ecef[vertex]))
+    }
+
+    /// Triangles of both caps and of the walls of a piece, wound counter-clockwise seen from outside.
+    fn faces<'s>(&'s self, piece: &'s Piece) -> impl Iterator<Item = [DVec3; 3]> + 's {
+        let caps = piece.caps.clone().flat_map(|place| {
+            let place = place as usize;
+            let triangle = self.order.map_or(place, |order| order[place] as usize);
+            let [a, b, c] = self.mesh.triangles[triangle].map(|vertex| self.corners_at(vertex));
+            [[a[0], b[0], c[0]], [a[1], c[1], b[1]]]
         });
-        let walls = self.mesh.boundary_loops.iter().flat_map(move |ring| {
-            let ends = ring.iter().cycle().skip(1);
-            ring.iter().zip(ends).flat_map(move |(&start, &end)| {
-                let ([top_start, bottom_start], [top_end, bottom_end]) = (at(start), at(end));
-                [
-                    [top_start, bottom_start, top_end],
-                    [top_end, bottom_start, bottom_end],
-                ]
-            })
+        let walls = edges_in(self.mesh, piece.walls.clone()).flat_map(|ends| {
+            let [start, end] = ends.map(|vertex| self.corners_at(vertex));
+            [[start[0], start[1], end[0]], [end[0], start[1], end[1]]]
         });
         caps.chain(walls)
     }
@@ -156,8 +250,12 @@ impl<'a> ViewVolume<'a> {
             let reach_m = face.map(DVec3::length).into_iter().fold(0.0, f64::max);
             meets_box(around, grown_by(reach_m))
         };
+        let mut near = self.pieces.iter();
         // From within, as is usual where the two meet, the first answer is enough.
-        self.holds(middle) || self.faces().any(meets)
+        self.holds(middle)
+            || near.any(|piece| {
+                !piece.around.is_beside(middle, farthest) && self.faces(piece).any(meets)
+            })
     }
 
     /// Whether a point is inside; one on a face may be called either.
@@ -171,7 +269,9 @@ impl<'a> ViewVolume<'a> {
     /// that no ray slips through between them or meets both. `None` when a face is met edge-on.
     fn crossings(&self, point: DVec3) -> Option<usize> {
         let mut crossings = 0;
-        for face in self.faces() {
+        let pieces = self.pieces.iter();
+        let met = pieces.filter(|piece| piece.around.may_meet_ray(point));
+        for face in met.flat_map(|piece| self.faces(piece)) {
             let [a, b, c] = face.map(|corner| corner - point);
             let side = is_left(a, b);
             if side != is_left(b, c) || side != is_left(c, a) {
@@ -189,7 +289,8 @@ impl<'a> ViewVolume<'a> {
     /// The same by the solid angle of all faces, 4π or 0 (Van Oosterom and Strackee, 1983): slower,
     /// and never at a loss.
     fn surrounds(&self, point: DVec3) -> bool {
-        let angles = self.faces().map(|face| {
+        let faces = self.pieces.iter().flat_map(|piece| self.faces(piece));
+        let angles = faces.map(|face| {
             let [a, b, c] = face.map(|corner| corner - point);
             let (la, lb, lc) = (a.length(), b.length(), c.length());
             let spread = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
@@ -250,6 +351,7 @@ fn clipped(polygon: &[DVec3], distance: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
 mod tests {
     use super::*;
     use crate::CameraPose;
+    use crate::parts::tests::strip;
     use terrafill_core::{EdgeRule, Geodetic, MeshOptions, RegionMesh, parse_regions};
 
     const SIZE: ImageSize = ImageSize {
@@ -285,7 +387,8 @@ mod tests {
     }
 
     fn meets(mesh: &RegionMesh, camera: &Camera) -> bool {
-        ViewVolume::new(&Ellipsoid::WGS84, camera, mesh, HEIGHTS).meets_near_rectangle(camera, SIZE)
+        ViewVolume::new(&Ellipsoid::WGS84, camera, mesh, HEIGHTS, None)
+            .meets_near_rectangle(camera, SIZE)
     }
 
     #[test]
@@ -320,7 +423,7 @@ mod tests {
         let mesh = l_shape();
         // 40 m beyond the western wall (3.6e-4 degrees), the near rectangle almost 200 m wide.
         let beyond = camera(-0.000_36, 0.5, 0.0, 90.0);
-        let volume = ViewVolume::new(&Ellipsoid::WGS84, &beyond, &mesh, HEIGHTS);
+        let volume = ViewVolume::new(&Ellipsoid::WGS84, &beyond, &mesh, HEIGHTS, None);
         assert!(!volume.holds(DVec3::new(0.0, 0.0, -beyond.near_m)));
         assert!(meets(&mesh, &beyond));
         assert!(!meets(&mesh, &camera(-0.000_36, 0.5, 0.0, 1.0)));
@@ -330,10 +433,46 @@ mod tests {
     }
 
     #[test]
+    fn a_mesh_in_parts_is_met_where_the_whole_is() {
+        let (mesh, body) = (strip(1_000), Ellipsoid::WGS84);
+        let parts = MeshParts::of(&body, &mesh).expect("several");
+        let mut state = 11_u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let (mut met, mut lacking) = (0, 0);
+        for _ in 0..1_000 {
+            let camera = camera(
+                random() * 54.0 - 2.0,
+                random() * 0.15 - 0.05,
+                random() * 4_000.0 - 2_000.0,
+                10_f64.powf(4.0 * random()),
+            );
+            let whole = meets(&mesh, &camera);
+            let volume = |parts| ViewVolume::new(&body, &camera, &mesh, HEIGHTS, parts);
+            let mut in_parts = volume(Some(&parts));
+            assert_eq!(in_parts.meets_near_rectangle(&camera, SIZE), whole);
+            met += usize::from(whole);
+            let middle = DVec3::new(0.0, 0.0, -camera.near_m);
+            assert_eq!(in_parts.surrounds(middle), volume(None).surrounds(middle));
+            // Twin: without its caps.
+            in_parts.pieces.retain(|piece| piece.caps.is_empty());
+            lacking += usize::from(in_parts.meets_near_rectangle(&camera, SIZE) != whole);
+        }
+        assert!(
+            (200..800).contains(&met) && lacking > 100,
+            "{met} {lacking}"
+        );
+    }
+
+    #[test]
     fn both_inside_tests_agree_on_random_points() {
         let mesh = l_shape();
         let camera = camera(1.0, 1.0, 0.0, 1.0);
-        let volume = ViewVolume::new(&Ellipsoid::WGS84, &camera, &mesh, HEIGHTS);
+        let volume = ViewVolume::new(&Ellipsoid::WGS84, &camera, &mesh, HEIGHTS, None);
         let mut state = 7_u64;
         let mut random = || {
             state = state
@@ -358,11 +497,7 @@ mod tests {
                 triangles: mesh.triangles[1..].to_vec(),
                 ..mesh.clone()
             };
-            let open = ViewVolume {
-                mesh: &open,
-                corners: volume.corners.clone(),
-                ..volume
-            };
+            let open = ViewVolume::new(&Ellipsoid::WGS84, &camera, &open, HEIGHTS, None);
             missing_face += usize::from(open.crossings(point) != Some(crossings));
         }
         assert!(inside > 400 && missing_face > 10, "{inside} {missing_face}");

@@ -6,7 +6,6 @@ use crate::parts::{MeshParts, SeenParts};
 use crate::plan::{FramePlan, HeightRange, PartCulling, Planner};
 use crate::{Camera, ImageSize};
 use glam::DVec3;
-use std::collections::BTreeMap;
 use terrafill_core::Ellipsoid;
 
 impl FramePlan {
@@ -14,15 +13,15 @@ impl FramePlan {
     /// [`FramePlan::settle_near_plane`], which says of which volumes fragments count in front.
     ///
     /// - `terrain`: height range of the surface as drawn
-    /// - `parts`: of the meshes that have several and lie where they will be drawn
+    /// - `parts`: of a mesh, if it has several and lies where it will be drawn
     /// - cost: O(parts of the regions drawn)
-    pub fn cull_parts(
+    pub fn cull_parts<'a>(
         &mut self,
         body: &Ellipsoid,
         camera: &Camera,
         size: ImageSize,
         terrain: HeightRange,
-        parts: &BTreeMap<usize, MeshParts>,
+        parts: impl Fn(usize) -> Option<&'a MeshParts>,
     ) {
         if self.options.part_culling == PartCulling::Off {
             return;
@@ -30,7 +29,7 @@ impl FramePlan {
         let hides = self.options.part_culling == PartCulling::All;
         let planner = Planner::new(body, camera, size, terrain, self.options);
         for mut planned in std::mem::take(&mut self.regions) {
-            let Some(parts) = parts.get(&planned.mesh) else {
+            let Some(parts) = parts(planned.mesh) else {
                 self.regions.push(planned);
                 continue;
             };

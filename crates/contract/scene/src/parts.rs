@@ -108,7 +108,7 @@ fn chunks(count: usize) -> Vec<Range<u32>> {
     clippy::cast_possible_truncation,
     reason = "meshes have fewer than 2^32 vertices"
 )]
-fn index_u32(index: usize) -> u32 {
+pub(crate) fn index_u32(index: usize) -> u32 {
     index as u32
 }
 
@@ -120,9 +120,23 @@ struct Part {
     on_body: OrientedBox,
 }
 
+impl Part {
+    /// Holds its vertices between these heights.
+    fn around(&self, heights: VolumeHeights) -> OrientedBox {
+        // No vertex moves farther from the ellipsoid than that.
+        let reach_m = heights.top_m.abs().max(heights.bottom_m.abs());
+        OrientedBox {
+            half_extents_m: self.on_body.half_extents_m + DVec3::splat(reach_m),
+            ..self.on_body
+        }
+    }
+}
+
 /// The parts of a mesh, with their boxes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshParts {
+    /// As in [`PartOrder::triangles`].
+    triangles: Vec<u32>,
     caps: Vec<Part>,
     walls: Vec<Part>,
 }
@@ -159,15 +173,29 @@ impl MeshParts {
         Some(Self {
             caps: caps.collect(),
             walls: walls.collect(),
+            triangles: order.triangles,
         })
     }
 
-    /// Those of all meshes that have several.
-    #[must_use]
-    pub fn of_all(body: &Ellipsoid, meshes: &[RegionMesh]) -> BTreeMap<usize, Self> {
-        let all = meshes.iter().enumerate();
-        all.filter_map(|(place, mesh)| Some((place, Self::of(body, mesh)?)))
-            .collect()
+    pub(crate) fn triangles(&self) -> &[u32] {
+        &self.triangles
+    }
+
+    /// Of each part its triangles, as places in [`MeshParts::triangles`], or its boundary edges, loop after
+    /// loop; and a box that holds the part of the volume.
+    pub(crate) fn boxes(
+        &self,
+        heights: VolumeHeights,
+    ) -> impl Iterator<Item = (Range<u32>, Range<u32>, OrientedBox)> {
+        let caps = self
+            .caps
+            .iter()
+            .map(move |part| (part.range.clone(), 0..0, part.around(heights)));
+        let walls = self
+            .walls
+            .iter()
+            .map(move |part| (0..0, part.range.clone(), part.around(heights)));
+        caps.chain(walls)
     }
 
     /// What a view sees of them.
@@ -179,15 +207,7 @@ impl MeshParts {
         heights: VolumeHeights,
         look: impl Fn(&[DVec3; 8]) -> Result<PixelRect, LeftOutReason>,
     ) -> (SeenParts, Option<PixelRect>) {
-        // No vertex moves farther from the ellipsoid than that.
-        let reach_m = heights.top_m.abs().max(heights.bottom_m.abs());
-        let look = |part: &Part| {
-            let grown = OrientedBox {
-                half_extents_m: part.on_body.half_extents_m + DVec3::splat(reach_m),
-                ..part.on_body
-            };
-            look(&grown.corners_ecef())
-        };
+        let look = |part: &Part| look(&part.around(heights).corners_ecef());
         let mut seen = SeenParts::default();
         let mut rect: Option<PixelRect> = None;
         for (parts, is_cap) in [(&self.caps, true), (&self.walls, false)] {
@@ -217,6 +237,20 @@ pub(crate) fn edges(mesh: &RegionMesh) -> impl Iterator<Item = [u32; 2]> {
     mesh.boundary_loops.iter().flat_map(|ring| {
         let ends = ring.iter().skip(1).chain(ring.first());
         ring.iter().zip(ends).map(|(&start, &end)| [start, end])
+    })
+}
+
+/// Boundary edges of a range of them, loop after loop.
+pub(crate) fn edges_in(mesh: &RegionMesh, range: Range<u32>) -> impl Iterator<Item = [u32; 2]> {
+    let mut first = 0;
+    mesh.boundary_loops.iter().flat_map(move |ring| {
+        let (start, past) = (first, first + index_u32(ring.len()));
+        first = past;
+        let own = range.start.max(start)..range.end.min(past);
+        own.map(move |edge| {
+            let edge = (edge - start) as usize;
+            [ring[edge], ring[(edge + 1) % ring.len()]]
+        })
     })
 }
 
@@ -319,6 +353,16 @@ pub(crate) mod tests {
         top_m: 9_000.0,
         bottom_m: -11_000.0,
     };
+
+    #[test]
+    fn edges_of_a_range_are_those_of_all_at_these_places() {
+        let mesh = strip(5);
+        let all: Vec<[u32; 2]> = edges(&mesh).collect();
+        for (start, end) in [(0, 15), (0, 3), (2, 4), (3, 15), (5, 5), (14, 15)] {
+            let own: Vec<[u32; 2]> = edges_in(&mesh, start..end).collect();
+            assert_eq!(own, all[start as usize..end as usize], "{start} {end}");
+        }
+    }
 
     #[test]
     fn every_facet_and_wall_is_in_one_part_and_within_its_box() {

@@ -24,7 +24,7 @@ use crate::boundary_pieces::{SeenPiece, grown};
 use crate::left_out::LeftOutReason;
 use crate::level::DrawnRegion;
 use crate::near_plane::{NearPlane, ViewVolume};
-use crate::parts::SeenParts;
+use crate::parts::{MeshParts, SeenParts};
 use crate::pixel_rect::PixelRect;
 use crate::{Camera, ImageSize, LevelTable};
 use glam::DVec3;
@@ -391,19 +391,23 @@ impl FramePlan {
     ///
     /// - `meshes`: what [`PlannedRegion::mesh`] points into
     /// - `lies_there`: whether a mesh's vertices are where they will be drawn; a box decides otherwise
-    /// - cost: O(triangles) for each planned region whose box the near rectangle meets, else none
-    pub fn settle_near_plane(
+    /// - `parts`: of a mesh that lies there, if they are known and several
+    /// - cost: for each planned region whose box the near rectangle meets O(parts) and the triangles of those
+    ///   whose boxes it meets; O(triangles) without parts
+    pub fn settle_near_plane<'a>(
         &mut self,
         body: &Ellipsoid,
         camera: &Camera,
         size: ImageSize,
-        meshes: &[RegionMesh],
+        meshes: &'a [RegionMesh],
         lies_there: impl Fn(usize) -> bool,
+        parts: impl Fn(usize) -> Option<&'a MeshParts>,
     ) {
         for planned in &mut self.regions {
             if planned.near_plane_meets_volume && lies_there(planned.mesh) {
                 let mesh = &meshes[planned.mesh];
-                let volume = ViewVolume::new(body, camera, mesh, planned.heights);
+                let parts = parts(planned.mesh);
+                let volume = ViewVolume::new(body, camera, mesh, planned.heights, parts);
                 planned.near_plane_meets_volume = volume.meets_near_rectangle(camera, size);
             }
         }
