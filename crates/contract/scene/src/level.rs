@@ -7,6 +7,7 @@
 
 use crate::boundary_pieces::{SeenPiece, boundary_pieces};
 use crate::{LevelChoice, Scene};
+use rayon::prelude::*;
 use std::cell::OnceCell;
 use terrafill_core::{
     Ellipsoid, LeftOutRings, MeshError, MeshOptions, OrientedBox, Region, RegionMesh,
@@ -73,56 +74,57 @@ impl LeveledMeshes {
     /// What keeps a region from being meshed as written.
     pub fn build(scene: &Scene, options: &MeshOptions) -> Result<Self, Vec<MeshError>> {
         let (body, rule) = (&scene.body, scene.edge_rule);
+        let tolerances_m = scene.levels.tolerances_m(&scene.regions, body, options);
+        let (meshes, shared) = rayon::join(
+            || RegionMesh::build_all(&scene.regions, body, rule, options),
+            || {
+                let has_levels = !tolerances_m.is_empty();
+                has_levels.then(|| SharedBoundaries::new(&scene.regions, body, rule))
+            },
+        );
         let mut leveled = Self {
-            meshes: RegionMesh::build_all(&scene.regions, body, rule, options)?,
+            meshes: meshes?,
             ..Self::default()
         };
-        let tolerances_m = scene.levels.tolerances_m(&scene.regions, body, options);
-        if tolerances_m.is_empty() {
+        let Some(shared) = shared else {
             return Ok(leveled);
-        }
-        let shared = SharedBoundaries::new(&scene.regions, body, rule);
+        };
         leveled.table.neighbours = shared.neighbours();
-        let meshes = leveled.meshes.iter();
+        let meshes = leveled.meshes.par_iter();
         leveled.table.boundaries = meshes.map(|mesh| boundary_pieces(body, mesh)).collect();
         let share = match scene.levels {
             LevelChoice::Automatic => LEVEL_VERTEX_SHARE,
             LevelChoice::Given(_) => f64::INFINITY,
         };
-        let simplified = match shared.simplify_by_share(&tolerances_m, share) {
-            Ok(simplified) => simplified,
+        let meshed = shared.simplify_each(&tolerances_m, share, |level| {
+            (meshes_of(scene, options, &level), level)
+        });
+        let meshed = match meshed {
+            Ok(meshed) => meshed,
             Err(error) => {
                 leveled.ended_by = Some(error.to_string());
                 return Ok(leveled);
             }
         };
-        for level in &simplified {
-            if let Err(errors) = leveled.add(scene, options, level) {
-                let first = errors.first().map(ToString::to_string).unwrap_or_default();
-                leveled.ended_by = Some(format!("at {} m: {first}", level.tolerance_m));
-                break;
+        for (built, level) in meshed {
+            match built {
+                Ok(built) => leveled.add(scene, &level, built),
+                Err(errors) => {
+                    let first = errors.first().map(ToString::to_string).unwrap_or_default();
+                    leveled.ended_by = Some(format!("at {} m: {first}", level.tolerance_m));
+                    break;
+                }
             }
         }
         Ok(leveled)
     }
 
-    /// Meshes one more level; an automatic one is left out where what is drawn would not be less.
-    fn add(
-        &mut self,
-        scene: &Scene,
-        options: &MeshOptions,
-        level: &SimplifiedRegions,
-    ) -> Result<(), Vec<MeshError>> {
-        let chords_m = level.tolerance_m * CHORD_SHARE;
-        let options = MeshOptions {
-            boundary_tolerance_m: options.boundary_tolerance_m.max(chords_m),
-            ..*options
-        };
-        let built = RegionMesh::build_all(&level.regions, &scene.body, scene.edge_rule, &options)?;
+    /// One more level; an automatic one is left out where what is drawn would not be less.
+    fn add(&mut self, scene: &Scene, level: &SimplifiedRegions, built: Vec<RegionMesh>) {
         let finer = &self.meshes[self.meshes.len() - built.len()..];
         let share = boundary_edge_count(&built) as f64 / boundary_edge_count(finer) as f64;
         if scene.levels == LevelChoice::Automatic && share > LEVEL_VERTEX_SHARE {
-            return Ok(());
+            return;
         }
         let first = self.meshes.len();
         let deviations = built.iter().zip(&level.reports);
@@ -135,8 +137,20 @@ impl LeveledMeshes {
             left_out: level.left_out.clone(),
         });
         self.meshes.extend(built);
-        Ok(())
     }
+}
+
+fn meshes_of(
+    scene: &Scene,
+    options: &MeshOptions,
+    level: &SimplifiedRegions,
+) -> Result<Vec<RegionMesh>, Vec<MeshError>> {
+    let chords_m = level.tolerance_m * CHORD_SHARE;
+    let options = MeshOptions {
+        boundary_tolerance_m: options.boundary_tolerance_m.max(chords_m),
+        ..*options
+    };
+    RegionMesh::build_all(&level.regions, &scene.body, scene.edge_rule, &options)
 }
 
 impl LevelChoice {

@@ -38,6 +38,7 @@ use grid::VertexGrid;
 use rayon::prelude::*;
 use std::cmp::{Ordering, Reverse};
 use std::collections::{BinaryHeap, HashSet};
+use std::sync::mpsc;
 
 pub use small_rings::LeftOutRings;
 
@@ -118,15 +119,20 @@ impl<'a> SharedBoundaries<'a> {
     /// - cost: O(vertices)
     #[must_use]
     pub fn new(regions: &'a [Region], body: &Ellipsoid, rule: EdgeRule) -> Self {
-        let arcs = Arcs::new(regions, body, rule);
+        let arcs = || {
+            let arcs = Arcs::new(regions, body, rule);
+            (small_rings::sizes_m(&arcs, body), arcs)
+        };
+        let ((ring_sizes_m, arcs), holds_poles) =
+            rayon::join(arcs, || holds_poles(regions, rule, body));
         Self {
             regions,
             rule,
             body: *body,
             judge: Judge::new(body, rule),
-            ring_sizes_m: small_rings::sizes_m(&arcs, body),
+            ring_sizes_m,
             arcs,
-            holds_poles: holds_poles(regions, rule, body),
+            holds_poles,
         }
     }
 
@@ -157,22 +163,45 @@ impl<'a> SharedBoundaries<'a> {
         tolerances_m: &[f64],
         largest_share: f64,
     ) -> Result<Vec<SimplifiedRegions>, SimplifyError> {
+        self.simplify_each(tolerances_m, largest_share, |level| level)
+    }
+
+    /// What `finish` makes of each level of [`SharedBoundaries::simplify_by_share`], in their order. Levels are
+    /// finished beside one another, and while coarser ones are still to come.
+    ///
+    /// # Errors
+    /// [`SimplifyError`].
+    pub fn simplify_each<T: Send>(
+        &self,
+        tolerances_m: &[f64],
+        largest_share: f64,
+        finish: impl Fn(SimplifiedRegions) -> T + Sync,
+    ) -> Result<Vec<T>, SimplifyError> {
         check_growing(tolerances_m)?;
-        let mut thinning = Thinning::new(self);
-        let mut fewest = thinning.vertex_count();
-        let mut levels: Vec<(f64, Vec<bool>)> = Vec::new();
-        for &tolerance_m in tolerances_m {
-            thinning.run(tolerance_m);
-            let count = thinning.vertex_count();
-            if f64::from(count) <= largest_share * f64::from(fewest) {
+        let (sender, receiver) = mpsc::channel();
+        let finish = &finish;
+        rayon::scope(|scope| {
+            let mut thinning = Thinning::new(self);
+            let mut fewest = thinning.vertex_count();
+            for (place, &tolerance_m) in tolerances_m.iter().enumerate() {
+                thinning.run(tolerance_m);
+                let count = thinning.vertex_count();
+                if f64::from(count) > largest_share * f64::from(fewest) {
+                    continue;
+                }
                 fewest = count;
-                levels.push((tolerance_m, thinning.kept()));
+                let (kept, sender) = (thinning.kept(), sender.clone());
+                scope.spawn(move |_| {
+                    let finished = finish(self.level(tolerance_m, kept));
+                    // It is received below, after all have been sent.
+                    let _ = sender.send((place, finished));
+                });
             }
-        }
-        let levels = levels.into_par_iter();
-        Ok(levels
-            .map(|(tolerance_m, kept)| self.level(tolerance_m, kept))
-            .collect())
+        });
+        drop(sender);
+        let mut finished: Vec<(usize, T)> = receiver.into_iter().collect();
+        finished.sort_by_key(|(place, _)| *place);
+        Ok(finished.into_iter().map(|(_, level)| level).collect())
     }
 
     /// - `kept`: of each vertex, whether it stays

@@ -549,8 +549,12 @@ mod tests {
             assert!(crossings.is_sorted());
             let found = errors.iter().find_map(|error| match error {
                 MeshError::MoreCrossings {
-                    more, counted_all, ..
-                } => Some((*more, *counted_all)),
+                    more,
+                    counted_all: true,
+                    ..
+                } => Some((*more, true)),
+                // Where the search ends, groups may have ended it at other crossings: at least so many.
+                MeshError::MoreCrossings { more, .. } => Some(((*more).min(9_900), false)),
                 _ => None,
             });
             let expected = (more > 0).then_some((more, counted_all));

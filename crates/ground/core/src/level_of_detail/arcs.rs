@@ -12,6 +12,7 @@ use crate::edge::{Degrees, normal};
 use crate::mesh::index_u32;
 use crate::{EdgeRule, Ellipsoid, Region, Ring};
 use glam::DVec3;
+use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 
 /// Planar edges that span more longitude than this keep both ends, degrees: from there on two
@@ -34,6 +35,8 @@ pub(super) struct Vertex {
     /// Longitude above −180, at most 180.
     pub(super) position: Degrees,
     pub(super) normal: DVec3,
+    /// Of longitude and of latitude here.
+    pub(super) metres_per_deg: [f64; 2],
     pub(super) is_node: bool,
 }
 
@@ -101,7 +104,8 @@ impl<'a> Arcs<'a> {
                     .collect(),
             })
             .collect();
-        let mut vertices = places.vertices;
+        let found = places.positions.into_par_iter();
+        let mut vertices: Vec<Vertex> = found.map(|at| Vertex::new(body, at)).collect();
         mark_nodes(rule, &mut vertices, &rings);
         let mut arcs = Self {
             vertices,
@@ -138,7 +142,7 @@ impl<'a> Arcs<'a> {
                         for k in from + 1..to {
                             arc_of_vertex[ring.vertices[k % count] as usize] = arc;
                         }
-                        let entries = entries_of(body, &self.vertices, ring, from..=to);
+                        let entries = entries_of(&self.vertices, ring, from..=to);
                         self.arcs.push(BorderArc {
                             first: self.entries.len(),
                             past: self.entries.len() + entries.len(),
@@ -205,26 +209,33 @@ pub(super) fn in_order([a, b]: [u32; 2]) -> [u32; 2] {
 /// Numbers places in the order in which they are seen.
 #[derive(Default)]
 struct Places {
-    vertices: Vec<Vertex>,
-    by_bits: HashMap<[u64; 2], u32>,
+    positions: Vec<Degrees>,
+    by_bits: HashMap<[u64; 2], u32, foldhash::fast::FixedState>,
 }
 
 impl Places {
     fn vertex(&mut self, position: Degrees) -> u32 {
         let position = on_body(position);
-        let next = index_u32(self.vertices.len());
+        let next = index_u32(self.positions.len());
         let found = *self
             .by_bits
             .entry(position.map(f64::to_bits))
             .or_insert(next);
         if found == next {
-            self.vertices.push(Vertex {
-                position,
-                normal: normal(position),
-                is_node: position[1].abs() == 90.0 || position[0] == 180.0,
-            });
+            self.positions.push(position);
         }
         found
+    }
+}
+
+impl Vertex {
+    fn new(body: &Ellipsoid, position: Degrees) -> Self {
+        Self {
+            position,
+            normal: normal(position),
+            metres_per_deg: metres_per_deg(body, position[1]),
+            is_node: position[1].abs() == 90.0 || position[0] == 180.0,
+        }
     }
 }
 
@@ -295,7 +306,6 @@ fn note_neighbour(beside: &mut [u32; 2], other: u32) -> bool {
 
 /// The arc over these vertices of the ring, from the end that comes first by its position.
 fn entries_of(
-    body: &Ellipsoid,
     vertices: &[Vertex],
     ring: &RingVertices<'_>,
     range: std::ops::RangeInclusive<usize>,
@@ -310,11 +320,12 @@ fn entries_of(
             } else {
                 ring.ring.winding_deg()
             };
+            let vertex = ring.vertices[k % written.len()];
             Entry {
-                vertex: ring.vertices[k % written.len()],
+                vertex,
                 is_end: k == first || k == last,
                 position: [longitude + turn, latitude],
-                metres_per_deg: metres_per_deg(body, latitude),
+                metres_per_deg: vertices[vertex as usize].metres_per_deg,
             }
         })
         .collect();
