@@ -58,6 +58,12 @@ pub struct DeviceFacts<F> {
 }
 
 impl<F> DeviceFacts<F> {
+    /// Whether it is a CPU.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.device_type == DeviceType::Cpu.name()
+    }
+
     /// Adapter and driver.
     #[must_use]
     pub fn title(&self) -> String {

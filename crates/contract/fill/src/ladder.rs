@@ -12,7 +12,8 @@
 //! its own rungs between those that all techniques share.
 
 use crate::{
-    BottomCap, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass, Switches, Variant,
+    BottomCap, CapFaces, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass, Switches,
+    Variant,
 };
 use terrafill_scene::{Overlap, PartCulling, PlanOptions, WallHeights};
 
@@ -311,7 +312,7 @@ impl Climb {
             "xor-front",
             "facets of top caps that face away are left out where the sky is behind them, and covers leave \
              out the sky",
-            |variant| variant.switches.front_caps = true,
+            |variant| variant.switches.cap_faces = CapFaces::Front,
         )
     }
 

@@ -90,8 +90,8 @@ pub use route_choice::RouteChoice;
 pub use steps::{FillStep, NUMBER_BYTES, VolumeDraw, VolumeState};
 pub use surface_view::{SurfaceLook, SurfaceView};
 pub use switches::{
-    BottomCap, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass, StencilClear,
-    SwitchError, Switches, pick,
+    BottomCap, CapFaces, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass,
+    StencilClear, SwitchError, Switches, pick,
 };
 pub use targets::{Api, Targets};
 pub use technique::{Role, Technique, layouts};

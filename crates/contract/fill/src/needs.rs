@@ -496,7 +496,7 @@ impl Told<'_> {
 
     /// Which of the volumes leave out facets of their tops that face away, and why others do not.
     fn front_caps(&self) -> String {
-        if !self.switches.front_caps {
+        if !self.switches.front_caps() {
             return String::new();
         }
         let kept = &self.uses.caps_kept;

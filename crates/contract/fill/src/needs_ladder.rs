@@ -3,7 +3,9 @@
 //!
 //! Every rung shows the same picture. What comes last decides by itself what each view needs.
 
-use crate::{BottomCap, ColourWay, CoverArea, DepthRuleChoice, Rung, Switches, Technique, Variant};
+use crate::{
+    BottomCap, CapFaces, ColourWay, CoverArea, DepthRuleChoice, Rung, Switches, Technique, Variant,
+};
 use terrafill_scene::{Overlap, PlanOptions};
 
 /// The rungs that `technique` can draw on scenes of this kind; none for a technique without these switches.
@@ -109,7 +111,7 @@ const STEPS: [Step; 12] = [
         "xor-front",
         "facets of top caps that face away are left out where the sky is behind them, and covers leave out \
          the sky",
-        |variant, _| variant.switches.front_caps = true,
+        |variant, _| variant.switches.cap_faces = CapFaces::Front,
     ),
     (
         "held-meshes",

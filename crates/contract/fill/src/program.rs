@@ -489,7 +489,7 @@ impl Builder<'_> {
 
     /// Facets of its top that face away are left out.
     fn has_front_caps(&self, volume: usize) -> bool {
-        self.switches.front_caps && self.volumes[volume].front_caps_suffice
+        self.switches.front_caps() && self.volumes[volume].front_caps_suffice
     }
 
     /// It is counted in the band of walls only, and its cap coloured outside.
@@ -575,7 +575,7 @@ impl Builder<'_> {
                             reference,
                             read_mask: bits,
                             zeroes: false,
-                            skips_sky: self.switches.front_caps,
+                            skips_sky: self.switches.front_caps(),
                         },
                         shape: CoverShape::Rectangle,
                         volumes: volumes.clone(),
@@ -752,6 +752,7 @@ const ANYWHERE: StencilTest = StencilTest {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::CapFaces;
     use crate::DepthRange;
     use terrafill_scene::PixelRect;
 
@@ -1119,7 +1120,7 @@ mod tests {
     #[test]
     fn facets_that_face_away_are_left_out_in_front_of_the_surface_and_covers_skip_the_sky() {
         let mut switches = Switches {
-            front_caps: true,
+            cap_faces: CapFaces::Front,
             depth_rule: DepthRuleChoice::Automatic,
             bottom_cap: BottomCap::WhereNeeded,
             ..Switches::default()
@@ -1135,7 +1136,7 @@ mod tests {
                         marks.extend(volumes.iter().map(|&volume| (volume, rule.faces)));
                     }
                     FillCommand::Cover { test, .. } => {
-                        assert_eq!(test.skips_sky, switches.front_caps);
+                        assert_eq!(test.skips_sky, switches.front_caps());
                     }
                     other => panic!("{other:?}"),
                 }
@@ -1149,7 +1150,7 @@ mod tests {
             [(0, FaceSet::FrontCaps), (1, both), (2, both)]
         );
         // Twin: without the switch all keep all.
-        switches.front_caps = false;
+        switches.cap_faces = CapFaces::Both;
         assert_eq!(marks(&switches), [(0, both), (1, both), (2, both)]);
         let faces = FaceSet::FrontCaps;
         assert_eq!((faces.of_caps(), faces.of_walls()), (FaceSet::Front, both));

@@ -92,6 +92,34 @@ pub enum DepthRuleChoice {
     Automatic,
 }
 
+/// Which facets of top caps are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum CapFaces {
+    /// All.
+    #[default]
+    Both,
+    /// Not those that face away from the eye, for regions of which that is known to be right; and covers leave
+    /// out the sky.
+    Front,
+    /// [`CapFaces::Front`] on software devices, where a vertex costs most; [`CapFaces::Both`] on hardware, where
+    /// its three more draws and a depth test of covers cost more than they save (`docs/volume-cost.md`).
+    Automatic,
+}
+
+impl CapFaces {
+    const ALL: [(&'static str, Self); 3] = [
+        ("automatic", Self::Automatic),
+        ("both", Self::Both),
+        ("front", Self::Front),
+    ];
+
+    fn name(self) -> &'static str {
+        let mut all = Self::ALL.into_iter();
+        all.find_map(|(name, own)| (own == self).then_some(name))
+            .unwrap_or_default()
+    }
+}
+
 /// When bottom caps are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum BottomCap {
@@ -208,9 +236,8 @@ pub struct Switches {
     pub scissor: bool,
     /// What covers by triangles over the screen are cut to.
     pub cover_area: CoverArea,
-    /// Top caps leave out the facets that face away from the eye, and covers the sky, for regions of
-    /// which that is known to be right.
-    pub front_caps: bool,
+    /// Which facets of top caps are drawn.
+    pub cap_faces: CapFaces,
     /// What one step draws in one state is one draw: covers as instances, volumes by one index list for
     /// the view, where a layout's vertices say whose they are.
     pub merges_draws: bool,
@@ -255,7 +282,7 @@ pub struct SwitchError {
 
 impl Switches {
     /// Every key with its values.
-    pub const KEYS: &str = "bottom-cap=always|first-pass|where-needed, cap-faces=both|front, \
+    pub const KEYS: &str = "bottom-cap=always|first-pass|where-needed, cap-faces=automatic|both|front, \
         colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
         counted=everywhere|wall-band, cover-area=rectangle|screen|tiles, cover-faces=both|culled, depth-bounds=off|on, depth-copy=none|made, \
         depth-rule=zfail|zpass|automatic, draws=each|merged, faces=two-sided|two-pass, \
@@ -273,6 +300,25 @@ impl Switches {
             },
             ..Self::default()
         }
+    }
+
+    /// Whether facets of top caps may be left out.
+    #[must_use]
+    pub fn front_caps(&self) -> bool {
+        self.cap_faces != CapFaces::Both
+    }
+
+    /// What is automatic, as it is on a device of this kind.
+    ///
+    /// - `is_software`: whether it is a CPU
+    #[must_use]
+    pub fn on_device(self, is_software: bool) -> Self {
+        let cap_faces = match (self.cap_faces, is_software) {
+            (CapFaces::Automatic, true) => CapFaces::Front,
+            (CapFaces::Automatic, false) => CapFaces::Both,
+            (own, _) => own,
+        };
+        Self { cap_faces, ..self }
     }
 
     /// Every switch with its value, in alphabetical order.
@@ -296,7 +342,7 @@ impl Switches {
         let texture = self.texture.as_ref();
         [
             ("bottom-cap", bottom_cap.to_owned()),
-            ("cap-faces", either(self.front_caps, ["both", "front"])),
+            ("cap-faces", self.cap_faces.name().to_owned()),
             ("colour", self.colour.name().to_owned()),
             (
                 "counted",
@@ -381,7 +427,7 @@ impl Switches {
                 )?;
             }
             "cap-faces" => {
-                self.front_caps = pick("cap-faces", value, &[("both", false), ("front", true)])?;
+                self.cap_faces = pick("cap-faces", value, &CapFaces::ALL)?;
             }
             "colour" => {
                 let ways = ColourWay::ALL.map(|way| (way.name(), way));
@@ -482,7 +528,7 @@ impl Switches {
     /// Whether facets may be left out, or volumes counted in the wall band. Faces are then told apart by nothing but
     /// a flip, and covers can see the sky.
     fn check_caps(&self) -> Result<(), SwitchError> {
-        let switch = match (self.front_caps, self.counts_in_band) {
+        let switch = match (self.front_caps(), self.counts_in_band) {
             (true, _) => "cap-faces",
             (false, true) => "counted",
             (false, false) => return Ok(()),
@@ -679,7 +725,7 @@ mod tests {
             bottom_cap: BottomCap::WhereNeeded,
             first_pass: FirstPass::Program,
             scissor: true,
-            front_caps: true,
+            cap_faces: CapFaces::Front,
             merges_draws: true,
             counts_in_band: true,
             holds_drawn_meshes: true,
@@ -731,7 +777,7 @@ mod tests {
             texture: None,
             position: None,
             superfluous_normalize: false,
-            front_caps: false,
+            cap_faces: CapFaces::Both,
             counts_in_band: false,
             merges_draws: false,
             ..all_changed()
@@ -812,7 +858,7 @@ mod tests {
     #[test]
     fn facets_are_left_out_only_where_that_is_known_to_be_right() {
         let front = Switches {
-            front_caps: true,
+            cap_faces: CapFaces::Front,
             depth_rule: DepthRuleChoice::Automatic,
             bottom_cap: BottomCap::WhereNeeded,
             ..Switches::default()
@@ -835,8 +881,26 @@ mod tests {
                 "{error}"
             );
             // Twin: with both kinds of facets it is allowed.
-            wrong.front_caps = false;
+            wrong.cap_faces = CapFaces::Both;
             assert_eq!(wrong.check(Overlap::Disjoint), Ok(()));
+        }
+    }
+
+    #[test]
+    fn facets_are_left_out_where_that_gains() {
+        let automatic = Switches {
+            cap_faces: CapFaces::Automatic,
+            ..Switches::default()
+        };
+        assert_eq!(automatic.on_device(true).cap_faces, CapFaces::Front);
+        assert_eq!(automatic.on_device(false), Switches::default());
+        // Twin: who asks for either gets it everywhere.
+        for cap_faces in [CapFaces::Both, CapFaces::Front] {
+            let asked = Switches {
+                cap_faces,
+                ..automatic
+            };
+            assert_eq!([true, false].map(|kind| asked.on_device(kind)), [asked; 2]);
         }
     }
 

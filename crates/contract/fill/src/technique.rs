@@ -7,8 +7,8 @@
 //! list.
 
 use crate::{
-    Api, DeviceError, FillBackend, FillInput, GeometryBytes, Parameter, Rung, SwitchError, Targets,
-    Variant,
+    Api, CapFaces, DeviceError, FillBackend, FillInput, GeometryBytes, Parameter, Rung,
+    SwitchError, Targets, Variant,
 };
 use std::fmt::Debug;
 use terrafill_core::{EdgeRule, RegionMesh};
@@ -88,18 +88,24 @@ pub trait Technique: Sync + Debug {
 
     /// As it should be used: the top of its ladder with boundaries as they are, then with levels of detail, the
     /// same picture but for half a pixel. None for a technique without a ladder. The depth-bounds test, which
-    /// devices may lack, is left to the ladder.
+    /// devices may lack, is left to the ladder; a step that gains on some kinds of devices only is taken on these.
     fn full_plans(&self, overlap: Overlap) -> Vec<Variant> {
         let mut rungs = self.ladder(overlap);
         rungs.retain(|rung| !rung.variant.switches.depth_bounds && !rung.is_aside);
-        let Some(top) = rungs.pop() else {
+        let Some(Rung {
+            variant: mut top, ..
+        }) = rungs.pop()
+        else {
             return Vec::new();
         };
-        let mut exact = top.variant.clone();
+        if top.switches.front_caps() {
+            top.switches.cap_faces = CapFaces::Automatic;
+        }
+        let mut exact = top.clone();
         exact.plan.boundary_lod_px = None;
-        match exact == top.variant {
+        match exact == top {
             true => vec![exact],
-            false => vec![exact, top.variant],
+            false => vec![exact, top],
         }
     }
 

@@ -63,7 +63,7 @@ impl Uses {
             tiled_covers: tiled_covers(list),
             ..Self::default()
         };
-        if switches.front_caps {
+        if switches.front_caps() {
             for planned in input.plan.regions.iter().filter(|planned| !planned.is_flat) {
                 if let Some(why) = caps_kept(input, planned) {
                     *uses.caps_kept.entry(why).or_default() += 1;

@@ -53,7 +53,7 @@ impl VolumeList {
     #[must_use]
     pub fn of(input: &FillInput, switches: &Switches) -> Self {
         let mut list = Self::from(input);
-        if switches.front_caps {
+        if switches.front_caps() {
             for (volume, planned) in list.volumes.iter_mut().zip(&input.plan.regions) {
                 volume.front_caps_suffice = caps_kept(input, planned).is_none();
             }

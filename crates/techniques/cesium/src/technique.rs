@@ -7,8 +7,8 @@ use crate::way::{NAME, Way};
 use std::path::{Path, PathBuf};
 use terrafill_core::{EdgeRule, Ellipsoid, RegionMesh};
 use terrafill_fill::{
-    Api, DeviceError, DeviceType, FillBackend, GeometryBytes, Parameter, Role, Rung, SwitchError,
-    THIS_MACHINE, Targets, Technique, Variant, layouts,
+    Api, DeviceError, FillBackend, GeometryBytes, Parameter, Role, Rung, SwitchError, THIS_MACHINE,
+    Targets, Technique, Variant, layouts,
 };
 use terrafill_gpu::shared_targets;
 use terrafill_scene::{Overlap, Scene};
@@ -144,8 +144,7 @@ impl Technique for CesiumTechnique {
         let tiles_px = variant.choice("tiles", &TILES)?;
         let (cesium, chromium) =
             needs().map_err(|what| DeviceError::unsupported(&what, THIS_MACHINE))?;
-        let device_type = shared_targets(targets)?.borrow().gpu().facts.device_type;
-        let is_software = device_type == DeviceType::Cpu.name();
+        let is_software = shared_targets(targets)?.borrow().gpu().facts.is_software();
         let browser = Browser::start(&cesium, &chromium, targets.size(), is_software)?;
         let backend = CesiumBackend::new(browser, way, tiles_px, targets.size())?;
         Ok(Box::new(backend))

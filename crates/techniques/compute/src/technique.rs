@@ -81,7 +81,7 @@ impl Technique for ComputeTechnique {
         compute.check()?;
         // What the device leaves out, it leaves out of whole volumes.
         variant.check_parts(compute.culling == GpuCulling::Off)?;
-        if variant.switches.front_caps {
+        if variant.switches.front_caps() {
             return Err(SwitchError {
                 switch: "cap-faces",
                 found: "front of volumes whose caps and walls are one draw".to_owned(),

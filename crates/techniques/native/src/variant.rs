@@ -59,7 +59,7 @@ impl NativeVariant {
 
     /// Whether caps are drawn apart from walls, where only some of their faces are wanted.
     fn check_caps(&self) -> Result<(), SwitchError> {
-        if !self.switches.front_caps || self.technique.draws_caps_apart() {
+        if !self.switches.front_caps() || self.technique.draws_caps_apart() {
             return Ok(());
         }
         Err(SwitchError {

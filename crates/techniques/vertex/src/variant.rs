@@ -380,7 +380,7 @@ impl VertexVariant {
     /// Whether caps lie where the plan knows them to be, to far less than a pixel.
     fn check_caps(&self) -> Result<(), SwitchError> {
         let exact = [PositionFormat::Fixed, PositionFormat::TwoFloat];
-        if !self.switches.front_caps || exact.contains(&self.positions) {
+        if !self.switches.front_caps() || exact.contains(&self.positions) {
             return Ok(());
         }
         Err(SwitchError {

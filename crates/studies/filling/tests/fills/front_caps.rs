@@ -11,9 +11,9 @@ use drawing::{
 use terrafill_conformance::verdict;
 use terrafill_core::Geodetic;
 use terrafill_fill::{
-    BottomCap, BottomCaps, Colours, DepthRule, DepthRuleChoice, Feature, FillCommand, FillInput,
-    FillProgram, PreparedScene, RegionVolumes as _, StencilExecutor, StencilWork, Switches,
-    VolumeConstants, VolumeList,
+    BottomCap, BottomCaps, CapFaces, Colours, DepthRule, DepthRuleChoice, Feature, FillCommand,
+    FillInput, FillProgram, PreparedScene, RegionVolumes as _, StencilExecutor, StencilWork,
+    Switches, VolumeConstants, VolumeList,
 };
 use terrafill_gpu::VolumeFill;
 use terrafill_grid::GridKind;
@@ -30,9 +30,16 @@ const SIZE: ImageSize = ImageSize {
     height: 256,
 };
 
+pub(crate) fn cap_faces(front: bool) -> CapFaces {
+    match front {
+        true => CapFaces::Front,
+        false => CapFaces::Both,
+    }
+}
+
 fn switches(front_caps: bool) -> Switches {
     Switches {
-        front_caps,
+        cap_faces: cap_faces(front_caps),
         depth_rule: DepthRuleChoice::Automatic,
         bottom_cap: BottomCap::WhereNeeded,
         scissor: true,

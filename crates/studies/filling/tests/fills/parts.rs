@@ -6,7 +6,8 @@ use crate::drawing;
 use drawing::{AllTargets, Devices, Technique, counters, differing, draw_with};
 use terrafill_compute::{ComputeVariant, Expansion, Transform};
 use terrafill_fill::{
-    BottomCap, ColourWay, DepthRuleChoice, FillBackend, FillInput, Frame, PreparedScene, Switches,
+    BottomCap, CapFaces, ColourWay, DepthRuleChoice, FillBackend, FillInput, Frame, PreparedScene,
+    Switches,
 };
 use terrafill_instanced::InstancedBackend;
 use terrafill_native::{Extrusion, NativeVariant};
@@ -133,7 +134,7 @@ fn compute(switches: Switches) -> Vec<ComputeVariant> {
         with(Expansion::Cached, Transform::ComputeStage),
     ];
     let all = all.into_iter();
-    all.filter(|_| !switches.front_caps).collect()
+    all.filter(|_| !switches.front_caps()).collect()
 }
 
 /// Frames of all that can draw parts, with what drew them.
@@ -167,7 +168,7 @@ fn what_is_left_out_of_a_large_region_changes_no_pixel_and_is_counted() {
             (
                 PartCulling::All,
                 Switches {
-                    front_caps: true,
+                    cap_faces: CapFaces::Front,
                     ..in_front()
                 },
             ),

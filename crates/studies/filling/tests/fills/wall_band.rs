@@ -3,6 +3,7 @@
 
 use crate::{drawing, merged_draws};
 
+use crate::front_caps::cap_faces;
 use drawing::{AllTargets, Devices, Technique, differing, draw_with, shipped, with_switches};
 use merged_draws::{SIZE, differing_when, seen, switches, techniques};
 use terrafill_fill::{CoverShape, FillCommand, FillProgram, StencilOperation, Switches};
@@ -39,7 +40,7 @@ fn shipped_scenes_look_the_same_by_caps_and_a_band() {
                     let what = format!("{name}/{}: {technique:?}, {front_caps}", view.name);
                     let [plain, band] = [switches(true), banded(true)].map(|switches| {
                         let switches = Switches {
-                            front_caps,
+                            cap_faces: cap_faces(front_caps),
                             ..switches
                         };
                         let mut backend = targets.open(with_switches(technique, switches));
