@@ -25,8 +25,19 @@ pub(crate) struct TriangleRenderer {
 #[derive(Debug)]
 struct Uploaded {
     vertices: wgpu::Buffer,
+    vertex_bytes: usize,
     indices: wgpu::Buffer,
     index_count: u32,
+    /// What the indices are of.
+    triangles: Arc<[[u32; 3]]>,
+}
+
+impl Uploaded {
+    /// Whether only places differ, as those of a surface do that another view sees.
+    fn has_room_for(&self, frame: &SurfaceFrame) -> bool {
+        Arc::ptr_eq(&self.triangles, &frame.triangles)
+            && self.vertex_bytes == size_of_val(&*frame.vertices_rte)
+    }
 }
 
 impl TriangleRenderer {
@@ -90,14 +101,21 @@ impl SurfaceRenderer for TriangleRenderer {
             let pipeline = self.pipeline()?;
             self.pipelines.insert(self.look, pipeline);
         }
+        let vertices: &[u8] = bytemuck::cast_slice(&frame.vertices_rte);
+        let held = self.uploaded.as_ref();
+        if let Some(held) = held.filter(|held| held.has_room_for(frame)) {
+            self.gpu.write_buffer(&held.vertices, 0, vertices);
+            return Ok(());
+        }
         let indices = frame.triangles.as_flattened();
-        let vertices = bytemuck::cast_slice(&frame.vertices_rte);
         let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
         let upload = |label, bytes, usage| self.gpu.upload(label, bytes, usage);
         self.uploaded = Some(Uploaded {
             vertices: upload("surface vertices", vertices, vertex)?,
             indices: upload("surface indices", bytemuck::cast_slice(indices), index)?,
             index_count: count_u32("surface indices", indices.len())?,
+            vertex_bytes: vertices.len(),
+            triangles: Arc::clone(&frame.triangles),
         });
         Ok(())
     }

@@ -15,6 +15,7 @@ use terrafill_fill::{
 };
 use terrafill_gpu::WorkDone;
 use terrafill_scene::{ImageSize, Overlap};
+use terrafill_surface::EllipsoidKind;
 use terrafill_vertex::{Layout, VertexTechnique, VertexVariant, shared_flag_bytes, variant_bytes};
 
 fn two_squares() -> PreparedScene {
@@ -79,6 +80,47 @@ fn the_second_unchanged_frame_makes_and_uploads_nothing() {
             );
         }
     }
+}
+
+#[test]
+fn another_view_of_a_surface_writes_its_vertices_and_makes_nothing() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    let scene = two_squares();
+    let finer = PreparedScene {
+        surface: EllipsoidKind::surface(&scene.body, 120),
+        ..scene.clone()
+    };
+    let [first, nearer] = [2e6, 1e6].map(|height_m| seen_from(&scene, height_m));
+    let vertex_bytes = size_of_val(&*nearer.surface.vertices_rte) as u64;
+    let done = |from: &FillInput, to: &FillInput| {
+        // Of both interfaces what they did, and what they drew then.
+        let targets = AllTargets::new(&devices, SIZE);
+        let (mut wgpu, mut vulkan) = (targets.wgpu().borrow_mut(), targets.vulkan().borrow_mut());
+        wgpu.prepare(from).expect("fits");
+        vulkan.prepare(from).expect("fits");
+        let before = [devices.wgpu.work_done(), devices.vulkan().work_done()];
+        wgpu.prepare(to).expect("fits");
+        vulkan.prepare(to).expect("fits");
+        let after = [devices.wgpu.work_done(), devices.vulkan().work_done()];
+        wgpu.draw_surface().expect("draws");
+        vulkan.draw_surface().expect("draws");
+        let pictures = [wgpu.read(), vulkan.read()].map(|read| read.expect("reads").depth);
+        ([after[0] - before[0], after[1] - before[1]], pictures)
+    };
+    let (work, pictures) = done(&first, &nearer);
+    // On Vulkan a view has a buffer of constants of its own.
+    for (work, own) in work.into_iter().zip([0, 1]) {
+        assert_eq!((work.buffer_creations, work.uploads), (own, 2));
+        assert!((1..=1024).contains(&(work.upload_bytes - vertex_bytes)));
+    }
+    // Twins: another surface is handed over whole, and what is drawn does not depend on what was there.
+    let (work, afresh) = done(&seen_from(&finer, 2e6), &nearer);
+    let made = work.map(|work| (work.buffer_creations, work.uploads));
+    assert_eq!(made, [(2, 3), (3, 3)]);
+    assert!(pictures == afresh);
+    assert!(done(&nearer, &first).1 != afresh);
 }
 
 #[test]
