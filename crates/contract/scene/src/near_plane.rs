@@ -10,8 +10,8 @@
 //! rounding may move a face, is a box, too, in view space. A face meets it when something of the face
 //! is left after clipping by the box's six planes (Sutherland and Hodgman, 1974). When no face
 //! does, the rectangle lies wholly inside or wholly outside, and one of its points decides for all.
-//! Of a mesh in parts only those are asked whose boxes may be met: near the ground a frame would
-//! otherwise spend longer on the vertices of a continent than on drawing it.
+//! Of a mesh in parts only those are tested whose boxes may be met. Near the ground a frame would
+//! otherwise spend milliseconds on the vertices of a continent.
 
 use crate::parts::{MeshParts, edges_in, index_u32};
 use crate::{Camera, ImageSize};
@@ -386,6 +386,17 @@ mod tests {
         Camera::new(&Ellipsoid::WGS84, &pose)
     }
 
+    /// Numbers from 0 to 1.
+    fn random(seed: u64) -> impl FnMut() -> f64 {
+        let mut state = seed;
+        move || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        }
+    }
+
     fn meets(mesh: &RegionMesh, camera: &Camera) -> bool {
         ViewVolume::new(&Ellipsoid::WGS84, camera, mesh, HEIGHTS, None)
             .meets_near_rectangle(camera, SIZE)
@@ -436,13 +447,7 @@ mod tests {
     fn a_mesh_in_parts_is_met_where_the_whole_is() {
         let (mesh, body) = (strip(1_000), Ellipsoid::WGS84);
         let parts = MeshParts::of(&body, &mesh).expect("several");
-        let mut state = 11_u64;
-        let mut random = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
+        let mut random = random(11);
         let (mut met, mut lacking) = (0, 0);
         for _ in 0..1_000 {
             let camera = camera(
@@ -473,13 +478,7 @@ mod tests {
         let mesh = l_shape();
         let camera = camera(1.0, 1.0, 0.0, 1.0);
         let volume = ViewVolume::new(&Ellipsoid::WGS84, &camera, &mesh, HEIGHTS, None);
-        let mut state = 7_u64;
-        let mut random = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
+        let mut random = random(7);
         let (mut inside, mut missing_face) = (0, 0);
         for _ in 0..2_000 {
             let geodetic = Geodetic::from_degrees(

@@ -392,8 +392,8 @@ impl FramePlan {
     /// - `meshes`: what [`PlannedRegion::mesh`] points into
     /// - `lies_there`: whether a mesh's vertices are where they will be drawn; a box decides otherwise
     /// - `parts`: of a mesh that lies there, if they are known and several
-    /// - cost: for each planned region whose box the near rectangle meets O(parts) and the triangles of those
-    ///   whose boxes it meets; O(triangles) without parts
+    /// - cost: nothing for regions whose boxes the near rectangle does not meet. For any other O(parts), and
+    ///   O(triangles) of the parts that it meets; without parts O(triangles).
     pub fn settle_near_plane<'a>(
         &mut self,
         body: &Ellipsoid,

@@ -2,10 +2,10 @@
 //! Which of many boxes overlap: a tree of boxes compared with itself.
 //!
 //! Any unit; planar users leave z at 0. Boxes are sorted by the cell that their middle lies in, in the order
-//! of Morton (1966), in which all axes take turns: long thin edges side by side, which defeat a sweep along
-//! one axis, are told apart along the other. Halves are those of the order's cells (Lauterbach et al., 2009,
-//! "Fast BVH construction on GPUs"); boxes of one cell are halved at the median of the longest axis, so that
-//! it does not matter how unevenly they lie. O(n log n) to build, and to compare O(n + pairs) where boxes are
+//! of Morton (1966), in which all axes take turns. Long thin edges side by side, which defeat a sweep along
+//! one axis, are told apart along the other. Nodes are halved where the highest bit of the cells' numbers
+//! changes (Lauterbach et al., 2009, "Fast BVH construction on GPUs"). Boxes of one cell are halved at the
+//! median of the longest axis, so that it does not matter how unevenly they lie. O(n log n) to build, and to compare O(n + pairs) where boxes are
 //! not much larger than their distances.
 
 use glam::DVec3;
