@@ -6,6 +6,7 @@ use std::ops::Deref;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use terrafill_core::RegionMesh;
+use terrafill_scene::LazyMesh;
 
 /// Last number given.
 static GIVEN: AtomicU64 = AtomicU64::new(0);
@@ -35,7 +36,8 @@ pub struct RegionSet {
     /// Of the set that has all the geometry of which this one has some.
     whole: u64,
     origin: Option<Origin>,
-    meshes: Arc<[RegionMesh]>,
+    /// Of those that have no geometry here nothing.
+    meshes: Arc<[LazyMesh]>,
 }
 
 /// Which set another one was made from, and where the two differ.
@@ -73,20 +75,20 @@ impl RegionSet {
     /// A set with other meshes at some places, which remembers what it was made from. Of two meshes
     /// for one place the last one counts.
     ///
-    /// - cost: O(bytes of all meshes), which are copied
+    /// - cost: O(meshes); none is copied
     ///
     /// # Errors
     /// [`NoSuchRegion`] for a place that this set does not have.
     pub fn with_changed(
         &self,
-        meshes: impl IntoIterator<Item = (usize, RegionMesh)>,
+        meshes: impl IntoIterator<Item = (usize, impl Into<LazyMesh>)>,
     ) -> Result<Self, NoSuchRegion> {
         let mut all = self.meshes.to_vec();
         let mut changed = BTreeSet::new();
         for (found, mesh) in meshes {
             let regions = all.len();
             let place = all.get_mut(found);
-            *place.ok_or(NoSuchRegion { found, regions })? = mesh;
+            *place.ok_or(NoSuchRegion { found, regions })? = mesh.into();
             changed.insert(found);
         }
         Ok(Self {
@@ -100,13 +102,14 @@ impl RegionSet {
 
     /// A set of which some meshes have no geometry: for those who need the others only, at their places.
     ///
-    /// - cost: O(bytes of the meshes that keep theirs), which are copied
+    /// - cost: O(meshes); none is copied, and of the others none is made that is not there yet
     #[must_use]
     pub fn with_geometry_of(&self, keeps: impl Fn(usize) -> bool) -> Self {
+        let without = LazyMesh::from(RegionMesh::without_geometry());
         let meshes = self.meshes.iter().enumerate();
         let meshes = meshes.map(|(place, mesh)| match keeps(place) {
             true => mesh.clone(),
-            false => mesh.without_geometry(),
+            false => without.clone(),
         });
         Self {
             whole: self.whole,
@@ -126,12 +129,19 @@ impl RegionSet {
 
 impl Default for RegionSet {
     fn default() -> Self {
-        Self::from(Vec::new())
+        Self::from(Vec::<LazyMesh>::new())
     }
 }
 
 impl From<Vec<RegionMesh>> for RegionSet {
     fn from(meshes: Vec<RegionMesh>) -> Self {
+        let meshes = meshes.into_iter().map(LazyMesh::from);
+        Self::from(meshes.collect::<Vec<_>>())
+    }
+}
+
+impl From<Vec<LazyMesh>> for RegionSet {
+    fn from(meshes: Vec<LazyMesh>) -> Self {
         let revision = next();
         Self {
             revision,
@@ -143,9 +153,9 @@ impl From<Vec<RegionMesh>> for RegionSet {
 }
 
 impl Deref for RegionSet {
-    type Target = [RegionMesh];
+    type Target = [LazyMesh];
 
-    fn deref(&self) -> &[RegionMesh] {
+    fn deref(&self) -> &[LazyMesh] {
         &self.meshes
     }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What goes in: the same bytes for every backend.
 
-use crate::{DeviceError, MAX_REGIONS, NoSuchRegion, RegionSet, ViewId};
+use crate::{DeviceError, MAX_REGIONS, NoSuchRegion, RegionSet, SceneBounds, ViewId};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
 use terrafill_core::{EdgeRule, Ellipsoid, Extent, MovingFootprint, Region, RegionMesh};
@@ -30,9 +30,9 @@ pub struct PreparedScene {
     pub meshes: RegionSet,
     /// Which of `meshes` is which region at which level.
     pub levels: Arc<LevelTable>,
-    /// Bounds of `meshes` over the surface, made once for all views; narrower in the input of a view
-    /// that draws the surface between closer heights.
-    pub bounds: Arc<[RegionBounds]>,
+    /// Bounds of `meshes` over the surface, for all views; narrower in the input of a view that draws the
+    /// surface between closer heights.
+    pub bounds: SceneBounds,
     /// Meshes that the vertex stage bends: discs ([`FootprintMesher::disc`]) and the cones' edges that
     /// they are bent into, by their place among `meshes`. Mostly empty.
     ///
@@ -58,7 +58,7 @@ impl PreparedScene {
             edge_rule: scene.edge_rule,
             overlap: scene.overlap,
             regions: Arc::clone(&scene.regions),
-            bounds: bounds(&scene.body, &meshes, &*surface, None),
+            bounds: SceneBounds::new(&scene.body, &meshes, &surface, None),
             meshes,
             levels: Arc::default(),
             footprints: Arc::default(),
@@ -81,7 +81,7 @@ impl PreparedScene {
     /// The same scene with other meshes at some places, such as regions that moved. It must have no
     /// levels. [`PreparedScene::regions`], which only the reference reads, stay as they are.
     ///
-    /// - cost: O(bytes of all meshes), which are copied; bounds are made anew at these places only
+    /// - cost: O(meshes); none is copied, and bounds are found anew at these places only
     ///
     /// # Errors
     /// [`NoSuchRegion`] for a place that it does not have.
@@ -90,12 +90,13 @@ impl PreparedScene {
         changed: impl IntoIterator<Item = (usize, RegionMesh)>,
     ) -> Result<Self, NoSuchRegion> {
         let meshes = self.meshes.with_changed(changed)?;
-        let mut bounds = self.bounds.to_vec();
-        for &place in meshes.changed_since(self.meshes.revision()).unwrap_or(&[]) {
-            bounds[place] = bounds_of(&self.body, &meshes[place], &*self.surface, None);
-        }
+        let changed = meshes.changed_since(self.meshes.revision());
+        let (body, surface) = (&self.body, &self.surface);
+        let bounds = self
+            .bounds
+            .with_changed(body, &meshes, surface, changed.unwrap_or(&[]));
         Ok(Self {
-            bounds: bounds.into(),
+            bounds,
             meshes,
             parts: LazyParts::default(),
             ..self.clone()
@@ -111,16 +112,13 @@ impl PreparedScene {
         &self,
         footprints: BTreeMap<usize, MovingFootprint>,
     ) -> Result<Self, NoSuchRegion> {
-        let mut bounds = self.bounds.to_vec();
-        let regions = bounds.len();
-        let everywhere = self.surface.heights(&WHOLE_BODY);
-        for (&found, footprint) in &footprints {
-            let place = bounds.get_mut(found);
-            *place.ok_or(NoSuchRegion { found, regions })? =
-                RegionBounds::of_footprint(&self.body, footprint, everywhere);
+        let regions = self.meshes.len();
+        if let Some((&found, _)) = footprints.range(regions..).next() {
+            return Err(NoSuchRegion { found, regions });
         }
+        let everywhere = self.surface.heights(&Extent::WHOLE);
         Ok(Self {
-            bounds: bounds.into(),
+            bounds: bounds_with(&self.bounds, &self.body, &footprints, everywhere),
             footprints: footprints.into(),
             parts: LazyParts::default(),
             ..self.clone()
@@ -131,7 +129,7 @@ impl PreparedScene {
     #[must_use]
     pub fn with_meshes(&self, meshes: RegionSet) -> Self {
         Self {
-            bounds: bounds(&self.body, &meshes, &*self.surface, None),
+            bounds: SceneBounds::new(&self.body, &meshes, &self.surface, None),
             meshes,
             levels: Arc::default(),
             parts: LazyParts::default(),
@@ -159,28 +157,15 @@ impl LazyParts {
     }
 }
 
-/// Bounds of each mesh over the heights of its own extent, of which a view may draw a part.
-fn bounds(
+/// Bounds with those of footprints between these heights.
+fn bounds_with(
+    bounds: &SceneBounds,
     body: &Ellipsoid,
-    meshes: &RegionSet,
-    surface: &dyn Surface,
-    drawn: Option<&SurfaceFrame>,
-) -> Arc<[RegionBounds]> {
-    let meshes = meshes.iter();
-    meshes
-        .map(|mesh| bounds_of(body, mesh, surface, drawn))
-        .collect()
-}
-
-fn bounds_of(
-    body: &Ellipsoid,
-    mesh: &RegionMesh,
-    surface: &dyn Surface,
-    drawn: Option<&SurfaceFrame>,
-) -> RegionBounds {
-    let stated = surface.heights(&mesh.extent);
-    let drawn = drawn.map(|frame| frame.heights_over(&mesh.extent, stated));
-    RegionBounds::new(body, mesh, drawn.unwrap_or(stated))
+    footprints: &BTreeMap<usize, MovingFootprint>,
+    heights: HeightRange,
+) -> SceneBounds {
+    let of = |footprint| RegionBounds::of_footprint(body, footprint, heights);
+    bounds.with(footprints.iter().map(|(&place, found)| (place, of(found))))
 }
 
 /// Everything one frame is drawn from.
@@ -325,27 +310,16 @@ impl FillInput {
 
 /// The scene with the bounds of a view that draws the surface so.
 fn drawn_in(scene: &PreparedScene, drawn: &SurfaceFrame) -> PreparedScene {
-    let everywhere = scene.surface.heights(&WHOLE_BODY);
+    let everywhere = scene.surface.heights(&Extent::WHOLE);
     if everywhere == drawn.heights && drawn.parts.is_empty() {
         return scene.clone();
     }
-    let mut bounds = bounds(&scene.body, &scene.meshes, &*scene.surface, Some(drawn)).to_vec();
-    for (&place, footprint) in &*scene.footprints {
-        bounds[place] = RegionBounds::of_footprint(&scene.body, footprint, drawn.heights);
-    }
+    let bounds = SceneBounds::new(&scene.body, &scene.meshes, &scene.surface, Some(drawn));
     PreparedScene {
-        bounds: bounds.into(),
+        bounds: bounds_with(&bounds, &scene.body, &scene.footprints, drawn.heights),
         ..scene.clone()
     }
 }
-
-/// All there is.
-const WHOLE_BODY: Extent = Extent {
-    west_deg: -180.0,
-    south_deg: -90.0,
-    east_deg: 180.0,
-    north_deg: 90.0,
-};
 
 fn plan(
     scene: &PreparedScene,

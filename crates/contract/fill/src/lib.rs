@@ -36,6 +36,7 @@ mod palette;
 mod picture;
 mod program;
 mod route_choice;
+mod scene_bounds;
 mod steps;
 mod surface_view;
 mod switches;
@@ -87,6 +88,7 @@ pub use program::{
     StencilOperation, StencilRule, StencilTest,
 };
 pub use route_choice::RouteChoice;
+pub use scene_bounds::SceneBounds;
 pub use steps::{FillStep, NUMBER_BYTES, VolumeDraw, VolumeState};
 pub use surface_view::{SurfaceLook, SurfaceView};
 pub use switches::{

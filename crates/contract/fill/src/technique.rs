@@ -145,7 +145,7 @@ pub trait Technique: Sync + Debug {
     fn shared_bytes(
         &self,
         _variant: &Variant,
-        _meshes: &[RegionMesh],
+        _meshes: &[&RegionMesh],
     ) -> Result<GeometryBytes, SwitchError> {
         Ok(GeometryBytes::default())
     }

@@ -6,39 +6,34 @@
 #![allow(clippy::print_stdout, reason = "printing is what an example is for")]
 
 use std::time::Instant;
-use terrafill_core::SharedBoundaries;
-use terrafill_scene::{LEVEL_GROWTH, LEVEL_VERTEX_SHARE, LeveledMeshes, Scene, data_dir_from_env};
+use terrafill_scene::{LazyMesh, LeveledMeshes, Scene, data_dir_from_env};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     for name in std::env::args().skip(1) {
         let scene = Scene::shipped(&name, data_dir_from_env().as_deref())?;
-        let base_m = scene.mesh.boundary_tolerance_m;
-        let tolerances: Vec<f64> = (0..11).map(|k| base_m * LEVEL_GROWTH.powi(k)).collect();
-        let start = Instant::now();
-        let shared = SharedBoundaries::new(&scene.regions, &scene.body, scene.edge_rule);
-        let found_ms = start.elapsed().as_secs_f64() * 1e3;
-        let simplified = shared.simplify_by_share(&tolerances, LEVEL_VERTEX_SHARE)?;
-        let all_ms = start.elapsed().as_secs_f64() * 1e3;
-        println!("{name}: shared borders found in {found_ms:.0} ms, simplified in {all_ms:.0} ms");
-        for level in &simplified {
-            let deviations = level.reports.iter().map(|report| report.deviation_m);
-            println!(
-                "  {:>9.0} m: {:>7} vertices, deviation {:.1} m, {} put back",
-                level.tolerance_m,
-                level.vertex_count(),
-                deviations.fold(0.0, f64::max),
-                level.restored_vertices,
-            );
-        }
         let start = Instant::now();
         let leveled = LeveledMeshes::build(&scene, &scene.mesh)
             .map_err(|errors| errors.first().map(ToString::to_string).unwrap_or_default())?;
         println!(
-            "  {} meshes of {} regions in {:.0} ms; ended by {:?}",
-            leveled.meshes.len(),
+            "{name}: ready in {:.0} ms: {} regions meshed as written, {} coarser levels known; ended by {:?}",
+            ms_since(start),
             scene.regions.len(),
-            start.elapsed().as_secs_f64() * 1e3,
+            leveled.table.coarser.len(),
             leveled.ended_by,
+        );
+        for level in leveled.table.coarser.iter().rev() {
+            let start = Instant::now();
+            LazyMesh::make_all(level.meshes.iter().map(|&mesh| &leveled.meshes[mesh]));
+            println!(
+                "  {:>9.0} m: all meshes made in {:.0} ms",
+                level.tolerance_m,
+                ms_since(start)
+            );
+        }
+        println!(
+            "  {} meshes of all levels after {:.0} ms",
+            leveled.meshes.len(),
+            ms_since(start)
         );
         let sum = |meshes: &mut dyn Iterator<Item = usize>| {
             meshes.fold((0, 0), |(edges, triangles), mesh| {
@@ -61,4 +56,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     Ok(())
+}
+
+fn ms_since(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
 }

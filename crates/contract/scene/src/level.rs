@@ -6,12 +6,14 @@
 //! every region as written; its meshes come first, in the order of the regions.
 
 use crate::boundary_pieces::{SeenPiece, boundary_pieces};
-use crate::{LevelChoice, Scene};
+use crate::lazy_mesh::{MeshSource, made};
+use crate::{LazyMesh, LevelChoice, Scene};
 use rayon::prelude::*;
 use std::cell::OnceCell;
+use std::sync::{Arc, OnceLock};
 use terrafill_core::{
-    Ellipsoid, LeftOutRings, MeshError, MeshOptions, OrientedBox, Region, RegionMesh,
-    SharedBoundaries, SimplifiedRegions,
+    EdgeRule, Ellipsoid, LeftOutRings, MeshError, MeshOptions, OrientedBox, Region, RegionMesh,
+    SharedBoundaries, SimplifiedRegions, SimplifyError, ThinnedLevel,
 };
 
 /// Scenes of fewer vertices than this have one level unless they ask for more: below it a fill
@@ -20,8 +22,8 @@ pub const FEWEST_VERTICES_FOR_LEVELS: usize = 5_000;
 /// Growth of the deviation from one automatic level to the next. A view takes a level between half
 /// of what it may deviate and all of it; four times as large, between a quarter and all.
 pub const LEVEL_GROWTH: f64 = 2.0;
-/// An automatic level must have at most this share of the vertices of the one before, or it is left
-/// out: all levels together then hold at most four times the vertices of level 0.
+/// An automatic level must be drawn with at most this share of the boundary edges of the one before, or it is left
+/// out: all levels together then hold at most four times the edges of level 0.
 pub const LEVEL_VERTEX_SHARE: f64 = 0.75;
 /// Share of a level's deviation that the chords of its meshes may add: as fine as those of level 0,
 /// they would split the few long edges again, and as coarse as the deviation itself, neighbours
@@ -38,8 +40,8 @@ pub struct Level {
     pub tolerance_m: f64,
     /// Of each region, the index of its mesh; ascending.
     pub meshes: Vec<usize>,
-    /// Of each region, how far its boundary as drawn is from the region's own, metres: what
-    /// simplifying moved it, and what the mesh's chords do beyond that.
+    /// Of each region, a bound on how far its boundary as drawn is from the region's own, metres: on what
+    /// simplifying moved it, and on what the mesh's chords do beyond that.
     pub deviation_m: Vec<f64>,
     /// Of each region, islands and lakes that the level leaves out.
     pub left_out: Vec<LeftOutRings>,
@@ -56,101 +58,192 @@ pub struct LevelTable {
     pub boundaries: Vec<Vec<OrientedBox>>,
 }
 
-/// A scene's regions meshed at every level.
+/// A scene's regions at every level. Those of level 0 are meshed, which finds out what is wrong with them; a mesh
+/// of another level is made when it is first looked at.
 #[derive(Debug, Clone, Default)]
 pub struct LeveledMeshes {
     /// Level 0 in the order of the regions, then the others'.
-    pub meshes: Vec<RegionMesh>,
+    pub meshes: Vec<LazyMesh>,
     /// Which is which.
     pub table: LevelTable,
-    /// Why there is no coarser level than the last, where that is not because none would help.
-    pub ended_by: Option<String>,
+    /// Why there is no coarser level, where that is not because none would help.
+    pub ended_by: Option<SimplifyError>,
 }
 
 impl LeveledMeshes {
-    /// Meshes `scene` at its levels.
+    /// Meshes `scene` as it is written, and finds what is left of it at its levels.
     ///
     /// # Errors
     /// What keeps a region from being meshed as written.
     pub fn build(scene: &Scene, options: &MeshOptions) -> Result<Self, Vec<MeshError>> {
-        let (body, rule) = (&scene.body, scene.edge_rule);
-        let tolerances_m = scene.levels.tolerances_m(&scene.regions, body, options);
-        let (meshes, shared) = rayon::join(
-            || RegionMesh::build_all(&scene.regions, body, rule, options),
-            || {
-                let has_levels = !tolerances_m.is_empty();
-                has_levels.then(|| SharedBoundaries::new(&scene.regions, body, rule))
-            },
-        );
+        let tolerances_m = scene
+            .levels
+            .tolerances_m(&scene.regions, &scene.body, options);
+        let as_written = || -> Result<_, Vec<MeshError>> {
+            let (body, rule) = (&scene.body, scene.edge_rule);
+            let meshes = RegionMesh::build_all(&scene.regions, body, rule, options)?;
+            let pieces = meshes.par_iter().map(|mesh| boundary_pieces(body, mesh));
+            let boundaries = match tolerances_m.is_empty() {
+                true => Vec::new(),
+                false => pieces.collect(),
+            };
+            Ok((meshes, boundaries))
+        };
+        let coarser =
+            || (!tolerances_m.is_empty()).then(|| Levels::new(scene, options, &tolerances_m));
+        let (as_written, coarser) = rayon::join(as_written, coarser);
+        let (meshes, boundaries) = as_written?;
         let mut leveled = Self {
-            meshes: meshes?,
+            meshes: meshes.into_iter().map(LazyMesh::from).collect(),
             ..Self::default()
         };
-        let Some(shared) = shared else {
-            return Ok(leveled);
-        };
-        leveled.table.neighbours = shared.neighbours();
-        let meshes = leveled.meshes.par_iter();
-        leveled.table.boundaries = meshes.map(|mesh| boundary_pieces(body, mesh)).collect();
-        let share = match scene.levels {
-            LevelChoice::Automatic => LEVEL_VERTEX_SHARE,
-            LevelChoice::Given(_) => f64::INFINITY,
-        };
-        let meshed = shared.simplify_each(&tolerances_m, share, |level| {
-            (meshes_of(scene, options, &level), level)
-        });
-        let meshed = match meshed {
-            Ok(meshed) => meshed,
-            Err(error) => {
-                leveled.ended_by = Some(error.to_string());
-                return Ok(leveled);
-            }
-        };
-        for (built, level) in meshed {
-            match built {
-                Ok(built) => leveled.add(scene, &level, built),
-                Err(errors) => {
-                    let first = errors.first().map(ToString::to_string).unwrap_or_default();
-                    leveled.ended_by = Some(format!("at {} m: {first}", level.tolerance_m));
-                    break;
-                }
+        match coarser {
+            None => {}
+            Some(Err(error)) => leveled.ended_by = Some(error),
+            Some(Ok(levels)) => {
+                leveled.table.neighbours = levels.shared.neighbours();
+                leveled.table.boundaries = boundaries;
+                leveled.add(levels);
             }
         }
         Ok(leveled)
     }
 
-    /// One more level; an automatic one is left out where what is drawn would not be less.
-    fn add(&mut self, scene: &Scene, level: &SimplifiedRegions, built: Vec<RegionMesh>) {
-        let finer = &self.meshes[self.meshes.len() - built.len()..];
-        let share = boundary_edge_count(&built) as f64 / boundary_edge_count(finer) as f64;
-        if scene.levels == LevelChoice::Automatic && share > LEVEL_VERTEX_SHARE {
-            return;
+    fn add(&mut self, levels: Levels) {
+        let regions = self.meshes.len();
+        for source in levels.list {
+            let first = self.meshes.len();
+            let thinned = &source.thinned;
+            self.table.coarser.push(Level {
+                tolerance_m: thinned.tolerance_m,
+                meshes: (first..first + regions).collect(),
+                deviation_m: source.deviation_m.clone(),
+                left_out: thinned.left_out.clone(),
+            });
+            let source = Arc::new(LevelSource {
+                finer: self.meshes[first - regions..].to_vec(),
+                ..source
+            });
+            let mesh = |region| LazyMesh::new(Arc::clone(&source) as _, region);
+            self.meshes.extend((0..regions).map(mesh));
         }
-        let first = self.meshes.len();
-        let deviations = built.iter().zip(&level.reports);
-        self.table.coarser.push(Level {
-            tolerance_m: level.tolerance_m,
-            meshes: (first..first + built.len()).collect(),
-            deviation_m: deviations
-                .map(|(mesh, report)| mesh.boundary_deviation_m + report.deviation_m)
-                .collect(),
-            left_out: level.left_out.clone(),
-        });
-        self.meshes.extend(built);
     }
 }
 
-fn meshes_of(
-    scene: &Scene,
-    options: &MeshOptions,
-    level: &SimplifiedRegions,
-) -> Result<Vec<RegionMesh>, Vec<MeshError>> {
-    let chords_m = level.tolerance_m * CHORD_SHARE;
-    let options = MeshOptions {
-        boundary_tolerance_m: options.boundary_tolerance_m.max(chords_m),
-        ..*options
-    };
-    RegionMesh::build_all(&level.regions, &scene.body, scene.edge_rule, &options)
+/// Coarser levels of a scene's regions.
+struct Levels {
+    shared: Arc<SharedBoundaries>,
+    list: Vec<LevelSource>,
+}
+
+impl Levels {
+    fn new(
+        scene: &Scene,
+        options: &MeshOptions,
+        tolerances_m: &[f64],
+    ) -> Result<Self, SimplifyError> {
+        let (body, rule) = (scene.body, scene.edge_rule);
+        let regions = Arc::clone(&scene.regions);
+        let shared = Arc::new(SharedBoundaries::new(regions, &body, rule));
+        let source = |thinned: ThinnedLevel| {
+            let chords_m = thinned.tolerance_m * CHORD_SHARE;
+            let chords_m = options.boundary_tolerance_m.max(chords_m);
+            let options = MeshOptions {
+                boundary_tolerance_m: chords_m,
+                ..*options
+            };
+            let edges = shared.edge_count_of(&thinned, &options);
+            let deviation_m = thinned.deviation_m.iter().map(|moved_m| moved_m + chords_m);
+            let source = LevelSource {
+                deviation_m: deviation_m.collect(),
+                thinned,
+                options,
+                shared: Arc::clone(&shared),
+                body,
+                rule,
+                finer: Vec::new(),
+                regions: OnceLock::new(),
+            };
+            (edges, source)
+        };
+        let thinned = shared.thin(tolerances_m)?.into_par_iter();
+        let counted: Vec<_> = thinned.map(source).collect();
+        let mut fewest = shared.edge_count(options);
+        let mut list = Vec::with_capacity(counted.len());
+        for (edges, source) in counted {
+            let is_much_less = edges as f64 <= LEVEL_VERTEX_SHARE * fewest as f64;
+            if is_much_less || scene.levels != LevelChoice::Automatic {
+                fewest = edges;
+                list.push(source);
+            }
+        }
+        Ok(Self { shared, list })
+    }
+}
+
+/// What the meshes of a level are made from.
+struct LevelSource {
+    shared: Arc<SharedBoundaries>,
+    body: Ellipsoid,
+    rule: EdgeRule,
+    options: MeshOptions,
+    thinned: ThinnedLevel,
+    /// Of each region, what its mesh may deviate by, metres.
+    deviation_m: Vec<f64>,
+    /// Of each region, its mesh at the next finer level.
+    finer: Vec<LazyMesh>,
+    /// Made before the first of its meshes.
+    regions: OnceLock<SimplifiedRegions>,
+}
+
+impl LevelSource {
+    fn regions(&self) -> &SimplifiedRegions {
+        made(&self.regions, || self.shared.finish(&self.thinned))
+    }
+
+    fn mesh_of(&self, region: usize) -> Result<RegionMesh, String> {
+        let regions = self.regions();
+        let own = &regions.regions[region];
+        let mesh = RegionMesh::build(own, &self.body, self.rule, &self.options);
+        let moved_m = regions.reports[region].deviation_m;
+        mesh_within(mesh, moved_m, self.deviation_m[region])
+    }
+}
+
+impl MeshSource for LevelSource {
+    fn make_common(&self) {
+        self.regions();
+    }
+
+    /// The mesh of a region at the level; that of the next finer one, with a warning, where there is none or it
+    /// deviates by more than was said.
+    fn make(&self, region: usize) -> RegionMesh {
+        self.mesh_of(region).unwrap_or_else(|problem| {
+            let mut instead = RegionMesh::clone(&self.finer[region]);
+            let tolerance_m = self.thinned.tolerance_m;
+            let warning =
+                format!("level of {tolerance_m} m: {problem}; the next finer one stands for it");
+            instead.warnings.push(warning);
+            instead
+        })
+    }
+}
+
+/// A mesh of a simplified region, or what is wrong with it.
+///
+/// - `moved_m`: what simplifying moved
+/// - `allowed_m`: what simplifying and chords may move together
+fn mesh_within(
+    mesh: Result<RegionMesh, MeshError>,
+    moved_m: f64,
+    allowed_m: f64,
+) -> Result<RegionMesh, String> {
+    let mesh = mesh.map_err(|error| error.to_string())?;
+    let found_m = mesh.boundary_deviation_m + moved_m;
+    match found_m <= allowed_m {
+        true => Ok(mesh),
+        false => Err(format!("off by {found_m} m, allowed: {allowed_m} m")),
+    }
 }
 
 impl LevelChoice {
@@ -172,10 +265,6 @@ impl LevelChoice {
             }
         }
     }
-}
-
-fn boundary_edge_count(meshes: &[RegionMesh]) -> usize {
-    meshes.iter().map(RegionMesh::boundary_edge_count).sum()
 }
 
 fn vertex_count(regions: &[Region]) -> usize {
@@ -360,6 +449,54 @@ mod tests {
     /// As if regions had no pieces but the whole.
     fn pick(table: &LevelTable, drawn: &[DrawnRegion], pixels: f64) -> Vec<usize> {
         table.pick(drawn, pixels, |_| Vec::from([piece(0.0, 0.0)]))
+    }
+
+    #[test]
+    fn coarser_meshes_are_made_when_they_are_looked_at() {
+        let scene = Scene::shipped("planet-134", None).expect("needs no data");
+        let leveled = LeveledMeshes::build(&scene, &scene.mesh).expect("meshes");
+        let count = scene.regions.len();
+        let made = || leveled.meshes.iter().filter(|mesh| mesh.is_made()).count();
+        assert_eq!(made(), count);
+        let level = &leveled.table.coarser[2];
+        let mesh = &leveled.meshes[level.meshes[5]];
+        assert_eq!(mesh.region_index, scene.regions[5].index);
+        assert!(mesh.warnings.is_empty() && mesh.boundary_deviation_m > 0.0);
+        assert_eq!(made(), count + 1);
+        LazyMesh::make_all(&leveled.meshes);
+        assert_eq!(made(), leveled.meshes.len());
+    }
+
+    #[test]
+    fn a_mesh_that_cannot_be_had_is_the_next_finer_one_and_says_so() {
+        let scene = Scene::shipped("planet-134", None).expect("needs no data");
+        let mut levels = Levels::new(&scene, &scene.mesh, &[1e3, 8e3]).expect("growing");
+        let written =
+            RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh);
+        let level = &mut levels.list[1];
+        level.finer = written
+            .expect("meshes")
+            .into_iter()
+            .map(LazyMesh::from)
+            .collect();
+        let own = level.make(3);
+        let as_written = level.finer[3].boundary_edge_count();
+        assert!(own.boundary_edge_count() < as_written);
+        assert!(own.warnings.is_empty());
+        // Twin: it moves by more than this.
+        level.deviation_m[3] = 1e3;
+        let instead = level.make(3);
+        assert_eq!(instead.boundary_edge_count(), as_written);
+        let [warning] = &instead.warnings[..] else {
+            panic!("{:?}", instead.warnings);
+        };
+        assert!(warning.starts_with("level of 8000 m: off by "), "{warning}");
+        let refused = MeshError::NoArea {
+            feature: 3,
+            name: String::new(),
+            long_edges: 0,
+        };
+        assert!(mesh_within(Err(refused), 0.0, f64::INFINITY).is_err());
     }
 
     #[test]

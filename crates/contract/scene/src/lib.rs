@@ -8,6 +8,7 @@ mod data;
 mod error;
 mod file;
 mod generated;
+mod lazy_mesh;
 mod left_out;
 mod level;
 mod near_plane;
@@ -30,6 +31,7 @@ pub use data::{
 pub use error::SceneError;
 pub use file::scene_needs;
 pub use generated::{Cells, Coast, Nested};
+pub use lazy_mesh::LazyMesh;
 pub use left_out::LeftOutReason;
 pub use level::{
     FEWEST_VERTICES_FOR_LEVELS, LEVEL_GROWTH, LEVEL_VERTEX_SHARE, Level, LevelTable, LeveledMeshes,
@@ -38,8 +40,8 @@ pub use needs::shipped_scene_needs;
 pub use parts::{MeshParts, PART_FACETS, PartOrder, SeenParts};
 pub use pixel_rect::PixelRect;
 pub use plan::{
-    CAP_CLEARANCE_PX, FramePlan, GLOBAL_HEIGHT_M, HeightRange, LeftOutRegion, PartCulling,
-    PlanOptions, PlannedRegion, RegionBounds, SmallRings, WallHeights,
+    CAP_CLEARANCE_PX, FramePlan, GLOBAL_HEIGHT_M, HeightRange, LeftOutRegion, MeshBounds,
+    PartCulling, PlanOptions, PlannedRegion, RegionBounds, SmallRings, WallHeights,
 };
 pub use procedural::Islands;
 pub use scene::{LevelChoice, Overlap, Scene, SurfaceChoice, SurfaceFile, View};

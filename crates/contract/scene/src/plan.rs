@@ -28,6 +28,7 @@ use crate::parts::{MeshParts, SeenParts};
 use crate::pixel_rect::PixelRect;
 use crate::{Camera, ImageSize, LevelTable};
 use glam::DVec3;
+use std::borrow::Borrow;
 use std::collections::BTreeMap;
 use terrafill_core::{Ellipsoid, MovingFootprint, OrientedBox, RegionMesh, VolumeHeights};
 
@@ -198,6 +199,28 @@ impl RegionBounds {
     }
 }
 
+/// Bounds of a scene's meshes, known or made when a plan asks for them.
+pub trait MeshBounds {
+    /// Of how many meshes.
+    fn count(&self) -> usize;
+
+    /// Those of a mesh.
+    fn of(&self, mesh: usize) -> RegionBounds;
+
+    /// A plan is about to ask for those of these meshes.
+    fn expect(&self, _meshes: impl IntoIterator<Item = usize>) {}
+}
+
+impl MeshBounds for [RegionBounds] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn of(&self, mesh: usize) -> RegionBounds {
+        self[mesh]
+    }
+}
+
 /// Heights above the ellipsoid between which a surface lies, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeightRange {
@@ -240,7 +263,7 @@ impl FramePlan {
         camera: &Camera,
         size: ImageSize,
         terrain: HeightRange,
-        meshes: &[RegionBounds],
+        meshes: &(impl MeshBounds + ?Sized),
         levels: &LevelTable,
         options: PlanOptions,
     ) -> Self {
@@ -249,16 +272,17 @@ impl FramePlan {
             options,
             ..Self::default()
         };
-        let region_count = levels.region_count(meshes.len());
-        for (region, bounds) in meshes.iter().take(region_count).enumerate() {
-            plan.place(region, planner.examine(region, region, bounds));
+        let regions = 0..levels.region_count(meshes.count());
+        meshes.expect(regions.clone());
+        for region in regions {
+            plan.place(region, planner.examine(region, region, &meshes.of(region)));
         }
         if let Some(pixels) = options.boundary_lod_px {
             plan.pick_levels(&planner, meshes, levels, pixels);
         }
         if let Some(pixels) = options.far_level_px {
             for planned in &mut plan.regions {
-                planned.is_flat = planner.is_far(planned, &meshes[planned.mesh], pixels);
+                planned.is_flat = planner.is_far(planned, &meshes.of(planned.mesh), pixels);
             }
         }
         plan
@@ -268,21 +292,21 @@ impl FramePlan {
     fn pick_levels(
         &mut self,
         planner: &Planner<'_>,
-        meshes: &[RegionBounds],
+        meshes: &(impl MeshBounds + ?Sized),
         levels: &LevelTable,
         pixels: f64,
     ) {
         let whole = |planned: &PlannedRegion| {
-            let around = planner.with_clearance(&meshes[planned.mesh]);
+            let around = planner.with_clearance(&meshes.of(planned.mesh));
             DrawnRegion::new(planned.region, planner.see(&around))
         };
         let drawn: Vec<DrawnRegion> = self.regions.iter().map(whole).collect();
         let look = |region: usize| {
-            let VolumeHeights { top_m, bottom_m } = meshes[region].heights;
+            let VolumeHeights { top_m, bottom_m } = meshes.of(region).heights;
             // No vertex moves farther from the ellipsoid than that.
             let reach_m = top_m.abs().max(bottom_m.abs()) + planner.clearance_m;
             let Some(pieces) = levels.boundaries.get(region) else {
-                return vec![planner.see(&planner.with_clearance(&meshes[region]))];
+                return vec![planner.see(&planner.with_clearance(&meshes.of(region)))];
             };
             let pieces = pieces.iter();
             pieces
@@ -290,6 +314,7 @@ impl FramePlan {
                 .collect()
         };
         let picked = levels.pick(&drawn, pixels, look);
+        meshes.expect(picked.iter().copied());
         for (drawn, &mesh) in drawn.iter().zip(&picked) {
             let (left_out, area_px) = levels.left_out(drawn, mesh);
             self.small_rings.rings += left_out.rings;
@@ -300,7 +325,7 @@ impl FramePlan {
             let examined = if mesh == planned.mesh {
                 Ok(planned)
             } else {
-                planner.examine(region, mesh, &meshes[mesh])
+                planner.examine(region, mesh, &meshes.of(mesh))
             };
             self.place(region, examined);
         }
@@ -320,10 +345,10 @@ impl FramePlan {
     /// Boundary vertices of the drawn regions as written, and how many of them their levels leave
     /// out.
     #[must_use]
-    pub fn boundary_left_out(&self, meshes: &[RegionMesh]) -> (usize, usize) {
+    pub fn boundary_left_out(&self, meshes: &[impl Borrow<RegionMesh>]) -> (usize, usize) {
         let sum = |mesh_of: fn(&PlannedRegion) -> usize| -> usize {
             let counts = self.regions.iter().map(|planned| {
-                let mesh = &meshes[mesh_of(planned)];
+                let mesh = meshes[mesh_of(planned)].borrow();
                 mesh.boundary_edge_count()
             });
             counts.sum()
@@ -338,14 +363,14 @@ impl FramePlan {
     /// One phrase per reason with count and up to three names, and one on boundary detail: the
     /// `left_out` column.
     #[must_use]
-    pub fn left_out_summary(&self, meshes: &[RegionMesh]) -> String {
+    pub fn left_out_summary(&self, meshes: &[impl Borrow<RegionMesh>]) -> String {
         let mut phrases = Vec::new();
         for reason in LeftOutReason::ALL {
             let names: Vec<&str> = self
                 .left_out
                 .iter()
                 .filter(|region| region.reason == reason)
-                .map(|region| meshes[region.mesh].name.as_str())
+                .map(|region| meshes[region.mesh].borrow().name.as_str())
                 .collect();
             if names.is_empty() {
                 continue;
@@ -399,13 +424,13 @@ impl FramePlan {
         body: &Ellipsoid,
         camera: &Camera,
         size: ImageSize,
-        meshes: &'a [RegionMesh],
+        meshes: &'a [impl Borrow<RegionMesh>],
         lies_there: impl Fn(usize) -> bool,
         parts: impl Fn(usize) -> Option<&'a MeshParts>,
     ) {
         for planned in &mut self.regions {
             if planned.near_plane_meets_volume && lies_there(planned.mesh) {
-                let mesh = &meshes[planned.mesh];
+                let mesh = meshes[planned.mesh].borrow();
                 let parts = parts(planned.mesh);
                 let volume = ViewVolume::new(body, camera, mesh, planned.heights, parts);
                 planned.near_plane_meets_volume = volume.meets_near_rectangle(camera, size);

@@ -57,7 +57,7 @@ impl Prepared {
             camera,
             SIZE,
             TERRAIN,
-            &self.bounds,
+            self.bounds.as_slice(),
             &self.leveled.table,
             options,
         )

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Geodetic, parse_regions};
 use terrafill_fill::{
     AddressMode, DeviceError, Feature, FillInput, PreparedScene, Probed, RegionSet, RouteChoice,
-    StencilTest, Switches, TexturedPlan, TexturedRegion,
+    SceneBounds, StencilTest, Switches, TexturedPlan, TexturedRegion,
 };
 use terrafill_gpu::{
     BoundCover, CoverPurpose, Gpu, GpuOptions, Probe, RenderTargets, TexturedFill, open_for_test,
@@ -109,7 +109,7 @@ fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FillInput {
         meshes: RegionSet::default(),
         levels: Arc::default(),
         footprints: Arc::default(),
-        bounds: Arc::new([]),
+        bounds: SceneBounds::default(),
         parts: terrafill_fill::LazyParts::default(),
         surface: EllipsoidKind::surface(&BODY, 720),
         picture: None,

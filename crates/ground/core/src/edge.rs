@@ -117,6 +117,26 @@ impl<'a> EdgeSplitter<'a> {
         self.split_further(middle, end, halvings_left - 1, emit);
     }
 
+    /// An edge that spans no more degrees of longitude and latitude together and does not end at a pole is
+    /// certainly drawn whole.
+    pub(crate) fn whole_below_deg(&self) -> f64 {
+        // Neither bound of edge_bounds_m grows by more than the square of this sum.
+        let of_one_rad = edge_bounds_m(self.body, self.rule, [0.0; 2], [1_f64.to_degrees(); 2]);
+        let tolerance_m = self.tolerance_m;
+        let of_bounds = of_one_rad.map(|bound_m| (tolerance_m / bound_m).sqrt());
+        let within_bounds = of_bounds[0].min(of_bounds[1]);
+        let below = within_bounds.min(self.step_rad).to_degrees();
+        below.min(0.5 * HARMLESS_SPAN_DEG)
+    }
+
+    /// Whether nothing about an edge can be too much, and it deviates by no more than `deviation_m`.
+    fn is_harmless(&self, start: Degrees, end: Degrees, deviation_m: f64) -> bool {
+        let [bow_bound_m, deviation_bound_m] = edge_bounds_m(self.body, self.rule, start, end);
+        (end[0] - start[0]).abs() < HARMLESS_SPAN_DEG
+            && bow_bound_m <= self.tolerance_m
+            && deviation_bound_m <= deviation_m
+    }
+
     fn should_split(&mut self, start: Degrees, end: Degrees) -> bool {
         let (start, end) = in_order(start, end);
         let longitude_rad = (end[0] - start[0]).abs().to_radians();
@@ -131,11 +151,7 @@ impl<'a> EdgeSplitter<'a> {
         if length_rad > self.step_rad && arc_rad(start, end) > self.step_rad {
             return true;
         }
-        let [bow_bound_m, deviation_bound_m] = edge_bounds_m(self.body, self.rule, start, end);
-        let harmless = longitude_rad.to_degrees() < HARMLESS_SPAN_DEG
-            && bow_bound_m <= self.tolerance_m
-            && deviation_bound_m <= self.deviation_m.min(self.tolerance_m);
-        if harmless {
+        if self.is_harmless(start, end, self.deviation_m.min(self.tolerance_m)) {
             return false;
         }
         let measured = measure(self.body, self.rule, start, end);

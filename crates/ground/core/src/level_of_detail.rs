@@ -27,10 +27,10 @@ mod grid;
 mod small_rings;
 
 use crate::crossings::find_crossings;
-use crate::edge::Degrees;
+use crate::edge::{Degrees, EdgeSplitter};
 use crate::mesh::index_u32;
 use crate::pieces::pieces_as_compared;
-use crate::{EdgeRule, Ellipsoid, Polygon, Region, Ring};
+use crate::{EdgeRule, Ellipsoid, MeshOptions, Polygon, Region, Ring};
 use arcs::{Arcs, BorderArc, Entry, RingVertices, in_order};
 use deviation::{Judge, LONGEST_EDGE_DEG};
 use glam::DVec3;
@@ -38,7 +38,7 @@ use grid::VertexGrid;
 use rayon::prelude::*;
 use std::cmp::{Ordering, Reverse};
 use std::collections::{BinaryHeap, HashSet};
-use std::sync::mpsc;
+use std::sync::Arc;
 
 pub use small_rings::LeftOutRings;
 
@@ -99,32 +99,48 @@ impl SimplifiedRegions {
     }
 }
 
+/// What is left of a set of regions at one level of detail; [`SharedBoundaries::finish`] makes regions of it.
+#[derive(Debug, Clone)]
+pub struct ThinnedLevel {
+    /// Allowed deviation, metres.
+    pub tolerance_m: f64,
+    /// Of each region, a bound on [`Simplification::deviation_m`] if no vertex has to be put back, metres.
+    pub deviation_m: Vec<f64>,
+    /// Of each region, the rings that are too small.
+    pub left_out: Vec<LeftOutRings>,
+    /// Of each vertex, whether it stays.
+    kept: Vec<bool>,
+    /// Of each ring, whether it is too small.
+    is_left_out: Vec<bool>,
+}
+
 /// The boundaries of a set of regions, each shared border once.
 #[derive(Debug)]
-pub struct SharedBoundaries<'a> {
-    regions: &'a [Region],
+pub struct SharedBoundaries {
+    regions: Arc<[Region]>,
     rule: EdgeRule,
     body: Ellipsoid,
     judge: Judge,
-    arcs: Arcs<'a>,
+    arcs: Arcs,
     /// Of each ring, which poles it holds.
     holds_poles: Vec<[bool; 2]>,
     /// Of each ring, its size where it may be left out.
     ring_sizes_m: Vec<f64>,
 }
 
-impl<'a> SharedBoundaries<'a> {
+impl SharedBoundaries {
     /// Finds what the regions share.
     ///
     /// - cost: O(vertices)
     #[must_use]
-    pub fn new(regions: &'a [Region], body: &Ellipsoid, rule: EdgeRule) -> Self {
+    pub fn new(regions: impl Into<Arc<[Region]>>, body: &Ellipsoid, rule: EdgeRule) -> Self {
+        let regions: Arc<[Region]> = regions.into();
         let arcs = || {
-            let arcs = Arcs::new(regions, body, rule);
+            let arcs = Arcs::new(&regions, body, rule);
             (small_rings::sizes_m(&arcs, body), arcs)
         };
         let ((ring_sizes_m, arcs), holds_poles) =
-            rayon::join(arcs, || holds_poles(regions, rule, body));
+            rayon::join(arcs, || holds_poles(&regions, rule, body));
         Self {
             regions,
             rule,
@@ -150,85 +166,118 @@ impl<'a> SharedBoundaries<'a> {
     /// # Errors
     /// [`SimplifyError`].
     pub fn simplify(&self, tolerances_m: &[f64]) -> Result<Vec<SimplifiedRegions>, SimplifyError> {
-        self.simplify_by_share(tolerances_m, f64::INFINITY)
+        let thinned = self.thin(tolerances_m)?;
+        Ok(thinned.par_iter().map(|level| self.finish(level)).collect())
     }
 
-    /// As [`SharedBoundaries::simplify`], without the levels that have more than `largest_share` of
-    /// the vertices of the one before.
+    /// As [`SharedBoundaries::simplify`], with everything done that a coarser level needs, and nothing of what
+    /// only the level itself does. So a program that draws some of the levels pays for these.
     ///
     /// # Errors
     /// [`SimplifyError`].
-    pub fn simplify_by_share(
-        &self,
-        tolerances_m: &[f64],
-        largest_share: f64,
-    ) -> Result<Vec<SimplifiedRegions>, SimplifyError> {
-        self.simplify_each(tolerances_m, largest_share, |level| level)
-    }
-
-    /// What `finish` makes of each level of [`SharedBoundaries::simplify_by_share`], in their order. Levels are
-    /// finished beside one another, and while coarser ones are still to come.
-    ///
-    /// # Errors
-    /// [`SimplifyError`].
-    pub fn simplify_each<T: Send>(
-        &self,
-        tolerances_m: &[f64],
-        largest_share: f64,
-        finish: impl Fn(SimplifiedRegions) -> T + Sync,
-    ) -> Result<Vec<T>, SimplifyError> {
+    pub fn thin(&self, tolerances_m: &[f64]) -> Result<Vec<ThinnedLevel>, SimplifyError> {
         check_growing(tolerances_m)?;
-        let (sender, receiver) = mpsc::channel();
-        let finish = &finish;
-        rayon::scope(|scope| {
-            let mut thinning = Thinning::new(self);
-            let mut fewest = thinning.vertex_count();
-            for (place, &tolerance_m) in tolerances_m.iter().enumerate() {
-                thinning.run(tolerance_m);
-                let count = thinning.vertex_count();
-                if f64::from(count) > largest_share * f64::from(fewest) {
-                    continue;
-                }
-                fewest = count;
-                let (kept, sender) = (thinning.kept(), sender.clone());
-                scope.spawn(move |_| {
-                    let finished = finish(self.level(tolerance_m, kept));
-                    // It is received below, after all have been sent.
-                    let _ = sender.send((place, finished));
-                });
+        let mut thinning = Thinning::new(self);
+        let levels = tolerances_m.iter().map(|&tolerance_m| {
+            thinning.run(tolerance_m);
+            let (is_left_out, left_out) =
+                small_rings::too_small(&self.ring_sizes_m, tolerance_m, &self.regions);
+            let mut deviation_m = thinning.deviations_m();
+            for (of_region, left_out) in deviation_m.iter_mut().zip(&left_out) {
+                *of_region = of_region.max(left_out.size_m);
+            }
+            ThinnedLevel {
+                tolerance_m,
+                deviation_m,
+                left_out,
+                kept: thinning.kept(),
+                is_left_out,
             }
         });
-        drop(sender);
-        let mut finished: Vec<(usize, T)> = receiver.into_iter().collect();
-        finished.sort_by_key(|(place, _)| *place);
-        Ok(finished.into_iter().map(|(_, level)| level).collect())
+        Ok(levels.collect())
     }
 
-    /// - `kept`: of each vertex, whether it stays
-    fn level(&self, tolerance_m: f64, mut kept: Vec<bool>) -> SimplifiedRegions {
+    /// How many edges the boundaries of all regions are drawn with as they are written, by how fine their chords
+    /// are to be; those cut at the antimeridian count once.
+    ///
+    /// - cost: O(vertices)
+    #[must_use]
+    pub fn edge_count(&self, options: &MeshOptions) -> usize {
+        self.count_edges(|_| true, |_| true, options)
+    }
+
+    /// As [`SharedBoundaries::edge_count`], of a level.
+    #[must_use]
+    pub fn edge_count_of(&self, level: &ThinnedLevel, options: &MeshOptions) -> usize {
+        let kept = |vertex: u32| level.kept[vertex as usize];
+        self.count_edges(|ring| !level.is_left_out[ring], kept, options)
+    }
+
+    fn count_edges(
+        &self,
+        has_ring: impl Fn(usize) -> bool + Sync,
+        has_vertex: impl Fn(u32) -> bool + Sync,
+        options: &MeshOptions,
+    ) -> usize {
+        let of_ring = |ring: &RingVertices| {
+            let mut splitter = EdgeSplitter::new(&self.body, self.rule, options);
+            let written = ring.ring(&self.regions);
+            let stays = ring.vertices.iter().zip(written.vertices_deg());
+            let mut stays = stays.filter(|(vertex, _)| has_vertex(**vertex));
+            let Some((_, first)) = stays.next() else {
+                return 0;
+            };
+            let last = [first[0] + written.winding_deg(), first[1]];
+            let whole_below_deg = splitter.whole_below_deg();
+            let is_whole = |from: Degrees, to: Degrees| {
+                let span_deg = (to[0] - from[0]).abs() + (to[1] - from[1]).abs();
+                let is_at_pole = from[1].abs().max(to[1].abs()) == 90.0;
+                span_deg <= whole_below_deg && !is_at_pole
+            };
+            let (mut count, mut from) = (0, *first);
+            for to in stays.map(|(_, place)| *place).chain([last]) {
+                count += 1;
+                if !is_whole(from, to) {
+                    splitter.split(from, to, &mut |_| count += 1);
+                }
+                from = to;
+            }
+            count
+        };
+        let rings = self.arcs.rings.par_iter().enumerate();
+        let rings = rings.filter(|(place, _)| has_ring(*place));
+        rings.map(|(_, ring)| of_ring(ring)).sum()
+    }
+
+    /// The regions of a level that [`SharedBoundaries::thin`] gave.
+    ///
+    /// - cost: O(n log n) of the vertices that are left
+    #[must_use]
+    pub fn finish(&self, level: &ThinnedLevel) -> SimplifiedRegions {
+        let mut kept = level.kept.clone();
         let mut restored_vertices = 0;
-        loop {
-            let mut regions = self.rebuild(&kept);
+        let mut regions = loop {
+            let regions = self.rebuild(&kept);
             let restore = self.to_restore(&regions, &kept);
             if restore.is_empty() {
-                let left_out =
-                    small_rings::leave_out(&self.ring_sizes_m, tolerance_m, &mut regions);
-                let mut reports = self.reports(&regions, &kept);
-                for (report, left_out) in reports.iter_mut().zip(&left_out) {
-                    report.deviation_m = report.deviation_m.max(left_out.size_m);
-                }
-                return SimplifiedRegions {
-                    tolerance_m,
-                    regions,
-                    reports,
-                    left_out,
-                    restored_vertices,
-                };
+                break regions;
             }
             for vertex in restore {
                 restored_vertices += usize::from(!kept[vertex as usize]);
                 kept[vertex as usize] = true;
             }
+        };
+        small_rings::leave_out(&level.is_left_out, &mut regions);
+        let mut reports = self.reports(&regions, &kept);
+        for (report, left_out) in reports.iter_mut().zip(&level.left_out) {
+            report.deviation_m = report.deviation_m.max(left_out.size_m);
+        }
+        SimplifiedRegions {
+            tolerance_m: level.tolerance_m,
+            regions,
+            reports,
+            left_out: level.left_out.clone(),
+            restored_vertices,
         }
     }
 
@@ -236,7 +285,7 @@ impl<'a> SharedBoundaries<'a> {
     fn rebuild(&self, kept: &[bool]) -> Vec<Region> {
         let mut rings = self.arcs.rings.iter();
         let mut next = |original: &Ring| match rings.next() {
-            Some(ring) => thinned(ring, kept),
+            Some(ring) => thinned(ring, original, kept),
             None => original.clone(),
         };
         let of_polygon = |polygon: &Polygon, next: &mut dyn FnMut(&Ring) -> Ring| Polygon {
@@ -288,13 +337,14 @@ impl<'a> SharedBoundaries<'a> {
         crossing.dedup();
         for of_ring in crossing.chunk_by(|a, b| a.0 == b.0) {
             let ring = &self.arcs.rings[of_ring[0].0];
+            let written = ring.ring(&self.regions);
             let stays: Vec<usize> = (0..ring.vertices.len())
                 .filter(|&k| kept[ring.vertices[k] as usize])
                 .collect();
             restore.extend(
                 of_ring
                     .iter()
-                    .filter_map(|&(_, edge)| farthest_between(ring, &stays, edge)),
+                    .filter_map(|&(_, edge)| farthest_between(ring, written, &stays, edge)),
             );
         }
         restore
@@ -368,22 +418,27 @@ fn holds_poles(regions: &[Region], rule: EdgeRule, body: &Ellipsoid) -> Vec<[boo
 }
 
 /// The ring with the kept vertices only.
-fn thinned(ring: &RingVertices<'_>, kept: &[bool]) -> Ring {
-    let written = (0..ring.vertices.len()).map(|k| ring.ring.written_longitude_deg(k));
-    let stays = ring.vertices.iter().zip(ring.ring.vertices_deg());
+fn thinned(ring: &RingVertices, original: &Ring, kept: &[bool]) -> Ring {
+    let written = (0..ring.vertices.len()).map(|k| original.written_longitude_deg(k));
+    let stays = ring.vertices.iter().zip(original.vertices_deg());
     let (vertices, written) = stays
         .zip(written)
         .filter(|((vertex, _), _)| kept[**vertex as usize])
         .map(|((_, position), written)| (*position, written))
         .unzip();
-    Ring::from_checked(vertices, ring.ring.winding_deg())
+    Ring::from_checked(vertices, original.winding_deg())
         .with_written_longitudes(written)
-        .after_dropped(ring.ring.file_ring(0))
+        .after_dropped(original.file_ring(0))
 }
 
 /// Of the original vertices that edge `edge` of the simplified ring stands for, the one farthest
 /// from it, in degrees, which is near enough for a choice; none where it is an original edge.
-fn farthest_between(ring: &RingVertices<'_>, stays: &[usize], edge: usize) -> Option<u32> {
+fn farthest_between(
+    ring: &RingVertices,
+    written: &Ring,
+    stays: &[usize],
+    edge: usize,
+) -> Option<u32> {
     let count = ring.vertices.len();
     let from = stays[edge];
     let to = match stays.get(edge + 1) {
@@ -391,11 +446,11 @@ fn farthest_between(ring: &RingVertices<'_>, stays: &[usize], edge: usize) -> Op
         None => stays[0] + count,
     };
     let position = |k: usize| {
-        let [longitude, latitude] = ring.ring.vertices_deg()[k % count];
+        let [longitude, latitude] = written.vertices_deg()[k % count];
         let turn = if k < count {
             0.0
         } else {
-            ring.ring.winding_deg()
+            written.winding_deg()
         };
         DVec3::new(longitude + turn, latitude, 0.0)
     };
@@ -441,7 +496,7 @@ impl PartialOrd for Candidate {
 
 /// Arcs on their way down.
 struct Thinning<'a> {
-    shared: &'a SharedBoundaries<'a>,
+    shared: &'a SharedBoundaries,
     chains: Vec<Chain<'a>>,
     /// Vertices that each ring still has.
     ring_size: Vec<u32>,
@@ -449,7 +504,7 @@ struct Thinning<'a> {
 }
 
 impl<'a> Thinning<'a> {
-    fn new(shared: &'a SharedBoundaries<'a>) -> Self {
+    fn new(shared: &'a SharedBoundaries) -> Self {
         let arcs = &shared.arcs;
         let sizes = arcs.rings.iter().map(|ring| index_u32(ring.vertices.len()));
         Self {
@@ -460,9 +515,16 @@ impl<'a> Thinning<'a> {
         }
     }
 
-    /// Vertices of all rings; those of shared borders count for each.
-    fn vertex_count(&self) -> u32 {
-        self.ring_size.iter().sum()
+    /// Of each region, a bound on how far its boundary is from what it was.
+    fn deviations_m(&self) -> Vec<f64> {
+        let mut deviations_m = vec![0.0_f64; self.shared.regions.len()];
+        for chain in &self.chains {
+            for &ring in &chain.arc.rings {
+                let of_region = &mut deviations_m[self.shared.arcs.rings[ring as usize].region];
+                *of_region = of_region.max(chain.largest_m);
+            }
+        }
+        deviations_m
     }
 
     /// Of each vertex, whether it is still there.
@@ -529,7 +591,7 @@ impl<'a> Thinning<'a> {
                 && !self.node_edges.contains(&ends)
                 && !chain.is_in_the_way(around, entry)
             {
-                chain.take_out(entry);
+                chain.take_out(candidate);
                 for &ring in rings {
                     self.ring_size[ring as usize] -= 1;
                 }
@@ -541,7 +603,7 @@ impl<'a> Thinning<'a> {
 
 /// What an arc must not come to cross.
 struct Surroundings<'a> {
-    shared: &'a SharedBoundaries<'a>,
+    shared: &'a SharedBoundaries,
     /// Vertices that were there when the step began.
     grid: VertexGrid,
 }
@@ -554,6 +616,8 @@ struct Chain<'a> {
     links: Vec<Link>,
     /// Entries between the ends that are still there.
     inside: u32,
+    /// Largest deviation of an edge that it has had, metres.
+    largest_m: f64,
 }
 
 /// An entry of a chain.
@@ -568,7 +632,7 @@ struct Link {
 }
 
 impl<'a> Chain<'a> {
-    fn new(arc: &'a BorderArc, arcs: &'a Arcs<'_>) -> Self {
+    fn new(arc: &'a BorderArc, arcs: &'a Arcs) -> Self {
         let entries = &arcs.entries[arc.first..arc.past];
         let link = |k: usize| Link {
             before: index_u32(k.saturating_sub(1)),
@@ -581,6 +645,7 @@ impl<'a> Chain<'a> {
             entries,
             links: (0..entries.len()).map(link).collect(),
             inside: index_u32(entries.len() - 2),
+            largest_m: 0.0,
         }
     }
 
@@ -605,7 +670,7 @@ impl<'a> Chain<'a> {
             if is_stale || self.is_edge(entry) || self.is_in_the_way(around, entry) {
                 continue;
             }
-            for side in self.take_out(entry) {
+            for side in self.take_out(candidate) {
                 self.links[side].version += 1;
                 queue.extend(self.candidate(around, side, tolerance_m).map(Reverse));
             }
@@ -669,7 +734,9 @@ impl<'a> Chain<'a> {
     }
 
     /// Returns the entries whose candidates this changes.
-    fn take_out(&mut self, entry: usize) -> [usize; 2] {
+    fn take_out(&mut self, candidate: Candidate) -> [usize; 2] {
+        let entry = candidate.entry as usize;
+        self.largest_m = self.largest_m.max(candidate.deviation_m);
         let [from, to] = self.beside(entry);
         self.links[entry].is_there = false;
         self.links[from].after = index_u32(to);
@@ -682,7 +749,7 @@ impl<'a> Chain<'a> {
 /// Whether any vertex but its corners lies in the closed triangle, or the triangle is too wide to
 /// say.
 fn holds_vertex(
-    arcs: &Arcs<'_>,
+    arcs: &Arcs,
     rule: EdgeRule,
     corners: [&Entry; 3],
     grid: &VertexGrid,
@@ -798,8 +865,19 @@ mod tests {
         ])
     }
 
+    /// A level of these vertices, with all rings.
+    fn finished(shared: &SharedBoundaries, tolerance_m: f64, kept: Vec<bool>) -> SimplifiedRegions {
+        shared.finish(&ThinnedLevel {
+            tolerance_m,
+            deviation_m: vec![tolerance_m; shared.regions.len()],
+            left_out: vec![LeftOutRings::default(); shared.regions.len()],
+            kept,
+            is_left_out: vec![false; shared.arcs.rings.len()],
+        })
+    }
+
     /// All vertices but those at these positions.
-    fn kept_without(shared: &SharedBoundaries<'_>, without: &[Degrees]) -> Vec<bool> {
+    fn kept_without(shared: &SharedBoundaries, without: &[Degrees]) -> Vec<bool> {
         let vertices = shared.arcs.vertices.iter();
         vertices
             .map(|vertex| !without.contains(&vertex.position))
@@ -810,10 +888,10 @@ mod tests {
     fn edges_that_came_to_cross_get_vertices_back_until_none_does() {
         let original = interlocked();
         for rule in RULES {
-            let shared = SharedBoundaries::new(&original, &Ellipsoid::WGS84, rule);
+            let shared = SharedBoundaries::new(&original[..], &Ellipsoid::WGS84, rule);
             let kept = kept_without(&shared, &[[4.0, 4.0], [6.0, 4.0]]);
             assert!(crossing_count(rule, &shared.rebuild(&kept)) > 0);
-            let level = shared.level(1e6, kept);
+            let level = finished(&shared, 1e6, kept);
             assert_eq!(crossing_count(rule, &level.regions), 0);
             assert_eq!(level.restored_vertices, 2);
             assert_eq!(level.regions[0].polygons, original[0].polygons);
@@ -824,9 +902,9 @@ mod tests {
     fn what_crosses_nothing_gets_nothing_back() {
         let original = interlocked();
         for rule in RULES {
-            let shared = SharedBoundaries::new(&original, &Ellipsoid::WGS84, rule);
+            let shared = SharedBoundaries::new(&original[..], &Ellipsoid::WGS84, rule);
             let kept = kept_without(&shared, &[[0.0, 10.0]]);
-            let level = shared.level(1e6, kept);
+            let level = finished(&shared, 1e6, kept);
             assert_eq!((level.restored_vertices, level.vertex_count()), (0, 11));
         }
     }
@@ -838,8 +916,8 @@ mod tests {
             "[3,3],[9,3],[9,9],[3,9],[3,3]",
         ]);
         for rule in RULES {
-            let shared = SharedBoundaries::new(&original, &Ellipsoid::WGS84, rule);
-            let level = shared.level(1.0, kept_without(&shared, &[]));
+            let shared = SharedBoundaries::new(&original[..], &Ellipsoid::WGS84, rule);
+            let level = finished(&shared, 1.0, kept_without(&shared, &[]));
             assert_eq!(crossing_count(rule, &level.regions), 2);
             assert_eq!(level.vertex_count(), 8);
         }
@@ -850,17 +928,17 @@ mod tests {
         // Its northern side is the smaller one by one vertex.
         let original = regions(&["[-180,-1],[-90,-1],[0,-1],[45,9],[90,-1],[180,-1]"]);
         let rule = EdgeRule::Planar;
-        let shared = SharedBoundaries::new(&original, &Ellipsoid::WGS84, rule);
+        let shared = SharedBoundaries::new(&original[..], &Ellipsoid::WGS84, rule);
         assert_eq!(shared.holds_poles, [[false, true]]);
-        let level = shared.level(1e7, kept_without(&shared, &[[45.0, 9.0]]));
+        let level = finished(&shared, 1e7, kept_without(&shared, &[[45.0, 9.0]]));
         assert_eq!(level.restored_vertices, 1);
         let without = shared.rebuild(&kept_without(&shared, &[[45.0, 9.0]]));
         let held = holds_poles(&without, rule, &Ellipsoid::WGS84);
         assert_eq!(held, [[true, false]]);
         // Twin: one that does not go round may.
         let other = regions(&["[0,-1],[45,9],[90,-1],[60,-2],[0,-1]"]);
-        let shared = SharedBoundaries::new(&other, &Ellipsoid::WGS84, rule);
-        let level = shared.level(1e7, kept_without(&shared, &[[45.0, 9.0]]));
+        let shared = SharedBoundaries::new(&other[..], &Ellipsoid::WGS84, rule);
+        let level = finished(&shared, 1e7, kept_without(&shared, &[[45.0, 9.0]]));
         assert_eq!(level.restored_vertices, 0);
     }
 

@@ -43,7 +43,7 @@ pub use geojson::{
 pub use inside::{RingSide, SideChoice};
 pub use invariants::InvariantViolation;
 pub use level_of_detail::{
-    LeftOutRings, SharedBoundaries, Simplification, SimplifiedRegions, SimplifyError,
+    LeftOutRings, SharedBoundaries, Simplification, SimplifiedRegions, SimplifyError, ThinnedLevel,
 };
 pub use mesh::{Extent, MeshOptions, OrientedBox, RegionMesh, VolumeHeights, wrapped_deg};
 pub use mesh_error::MeshError;

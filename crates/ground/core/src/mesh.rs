@@ -173,21 +173,21 @@ pub struct RegionMesh {
 }
 
 impl RegionMesh {
-    /// What is known of it but for its vertices, triangles, loops and warnings.
+    /// A mesh of nothing: no vertices, hence no triangles and no loops.
     #[must_use]
-    pub fn without_geometry(&self) -> Self {
+    pub fn without_geometry() -> Self {
         Self {
-            region_index: self.region_index,
-            name: self.name.clone(),
+            region_index: 0,
+            name: String::new(),
             vertices_ecef: Vec::new(),
             vertices_deg: Vec::new(),
             triangles: Vec::new(),
             boundary_loops: Vec::new(),
-            holes: self.holes,
-            area_m2: self.area_m2,
-            extent: self.extent,
-            boundary_deviation_m: self.boundary_deviation_m,
-            cap_sagitta_m: self.cap_sagitta_m,
+            holes: 0,
+            area_m2: 0.0,
+            extent: Extent::WHOLE,
+            boundary_deviation_m: 0.0,
+            cap_sagitta_m: 0.0,
             warnings: Vec::new(),
         }
     }

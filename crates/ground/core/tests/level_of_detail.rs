@@ -386,7 +386,7 @@ fn tiles_of_a_planet_keep_their_shared_borders_and_bounds() {
         let tolerances = [5e3, 1.2e4, 3e4].map(|metres| metres * unit_m);
         for rule in RULES {
             let areas = areas_m2(&body, rule, &original);
-            let shared = SharedBoundaries::new(&original, &body, rule);
+            let shared = SharedBoundaries::new(&original[..], &body, rule);
             let levels = shared.simplify(&tolerances).expect("growing");
             let mut fewest = original.iter().map(Region::vertex_count).sum::<usize>();
             for level in &levels {
@@ -415,7 +415,7 @@ fn real_countries_and_states_keep_their_shared_borders_and_bounds() {
         let rule = EdgeRule::Planar;
         let areas = areas_m2(&body, rule, &original);
         assert!(shared_lengths(&original).len() > 50, "{file}: few borders");
-        let shared = SharedBoundaries::new(&original, &body, rule);
+        let shared = SharedBoundaries::new(&original[..], &body, rule);
         let levels = shared.simplify(&[1e4, 3e4]).expect("growing");
         for level in &levels {
             assert_level(&body, rule, &original, &areas, level);
@@ -430,7 +430,7 @@ fn of_arcs_between_the_same_places_one_becomes_the_edge() {
     let (north, border, south) = ([10.0, 0.03], [10.0, 0.01], [10.0, -0.02]);
     let regions = parse(&collection(&[ring(north, border), ring(border, south)]));
     let body = Ellipsoid::WGS84;
-    let shared = SharedBoundaries::new(&regions, &body, EdgeRule::Planar);
+    let shared = SharedBoundaries::new(&regions[..], &body, EdgeRule::Planar);
     let mut levels = shared.simplify(&[2e3, 1e4]).expect("growing");
     // What costs least goes; then neither ring can spare another, nor may two edges be the same.
     for level in levels.drain(..) {
@@ -445,9 +445,62 @@ fn of_arcs_between_the_same_places_one_becomes_the_edge() {
     // Twin: with more between them, the arcs beside it can be thinned as well, but not to edges.
     let longer = vec![vec![west, border, east, [12.0, 0.03], [8.0, 0.031]]];
     let regions = parse(&collection(&[longer, ring(border, south)]));
-    let shared = SharedBoundaries::new(&regions, &body, EdgeRule::Planar);
+    let shared = SharedBoundaries::new(&regions[..], &body, EdgeRule::Planar);
     let level = shared.simplify(&[1e4]).expect("growing").remove(0);
     assert_eq!(level.vertex_count(), 6, "{:?}", level.regions);
+}
+
+#[test]
+fn a_level_is_known_before_it_is_finished() {
+    let tolerances_m = [5e3, 1.2e4, 3e4];
+    for (west, rule) in [(-20.0, EdgeRule::Planar), (165.0, EdgeRule::GreatEllipse)] {
+        let body = Ellipsoid::WGS84;
+        let original = tiles(west, -12.0, 5.0, 6, 4);
+        let shared = SharedBoundaries::new(&original[..], &body, rule);
+        let whole = shared.simplify(&tolerances_m).expect("growing");
+        let thinned = shared.thin(&tolerances_m).expect("growing");
+        for (whole, thinned) in whole.iter().zip(&thinned) {
+            let level = shared.finish(thinned);
+            assert_eq!(level.regions, whole.regions);
+            assert_eq!(level.left_out, thinned.left_out);
+            for (report, bound_m) in level.reports.iter().zip(&thinned.deviation_m) {
+                assert!(report.deviation_m <= *bound_m && *bound_m <= thinned.tolerance_m);
+                assert!(report.deviation_m > 0.5 * bound_m, "{bound_m}");
+            }
+        }
+        // Twin: a level is not the next one.
+        assert_ne!(shared.finish(&thinned[0]).regions, whole[1].regions);
+    }
+}
+
+#[test]
+fn edges_are_counted_as_meshes_have_them() {
+    let body = Ellipsoid::WGS84;
+    for rule in RULES {
+        // Large enough that what is left of their sides is split.
+        let original = tiles(-20.0, -30.0, 20.0, 3, 3);
+        let shared = SharedBoundaries::new(&original[..], &body, rule);
+        let counted = [1e2, 1e4].map(|boundary_tolerance_m| {
+            let options = MeshOptions {
+                boundary_tolerance_m,
+                ..MeshOptions::default()
+            };
+            let drawn = |regions: &[Region]| -> usize {
+                let meshes = RegionMesh::build_all(regions, &body, rule, &options);
+                let meshes = meshes.expect("meshes");
+                meshes.iter().map(RegionMesh::boundary_edge_count).sum()
+            };
+            assert_eq!(shared.edge_count(&options), drawn(&original));
+            let level = &shared.thin(&[1e5]).expect("growing")[0];
+            let regions = shared.finish(level).regions;
+            let counted = shared.edge_count_of(level, &options);
+            assert_eq!(counted, drawn(&regions));
+            // Twin: they are not the rings' edges.
+            assert!(counted > regions.iter().map(Region::vertex_count).sum());
+            counted
+        });
+        assert!(counted[0] > counted[1], "{counted:?}");
+    }
 }
 
 #[test]
@@ -456,7 +509,7 @@ fn the_number_of_threads_changes_nothing() {
     let thinned = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let run = || {
-            let shared = SharedBoundaries::new(&original, &Ellipsoid::WGS84, EdgeRule::Planar);
+            let shared = SharedBoundaries::new(&original[..], &Ellipsoid::WGS84, EdgeRule::Planar);
             shared.simplify(&[5e3, 1.2e4, 3e4]).expect("growing")
         };
         let levels = pool.build().expect("threads").install(run);
@@ -471,7 +524,7 @@ fn a_border_simplified_differently_on_each_side_is_noticed() {
     let body = Ellipsoid::WGS84;
     let original = tiles(0.0, 40.0, 5.0, 2, 1);
     let rule = EdgeRule::Planar;
-    let together = SharedBoundaries::new(&original, &body, rule);
+    let together = SharedBoundaries::new(&original[..], &body, rule);
     let level = together.simplify(&[8e3]).expect("growing").remove(0);
     assert_borders_shared(&original, &level.regions);
     // Each tile for itself: the border's ends are no nodes then, and it is thinned twice.
@@ -491,7 +544,7 @@ fn an_understated_deviation_is_noticed() {
     let body = Ellipsoid::WGS84;
     let original = tiles(0.0, 40.0, 5.0, 1, 1);
     for rule in RULES {
-        let shared = SharedBoundaries::new(&original, &body, rule);
+        let shared = SharedBoundaries::new(&original[..], &body, rule);
         let level = shared.simplify(&[8e3]).expect("growing").remove(0);
         let said_m = level.reports[0].deviation_m;
         let found_m = assert_deviation(&body, rule, &original[0], &level.regions[0], said_m);
@@ -521,7 +574,7 @@ fn an_island_in_a_bay_is_not_jumped_over() {
     let body = Ellipsoid::WGS84;
     let is_kept = |polygons: &[Vec<Vec<[f64; 2]>>], rule| {
         let regions = parse(&collection(polygons));
-        let shared = SharedBoundaries::new(&regions, &body, rule);
+        let shared = SharedBoundaries::new(&regions[..], &body, rule);
         let level = shared.simplify(&[5e4]).expect("positive").remove(0);
         let ring = &level.regions[0].polygons[0].shell;
         ring.vertices_deg().contains(&[5.0, 0.2])
@@ -549,7 +602,7 @@ fn small_islands_stay_as_they_are_and_larger_ones_keep_three_vertices() {
         .collect();
     let regions = parse(&collection(&[vec![circle], vec![needle]]));
     for rule in RULES {
-        let shared = SharedBoundaries::new(&regions, &body, rule);
+        let shared = SharedBoundaries::new(&regions[..], &body, rule);
         let vertices = |tolerance_m| {
             let level = shared.simplify(&[tolerance_m]).expect("positive").remove(0);
             mesh_all(&body, rule, &level.regions);
@@ -595,7 +648,7 @@ fn islands_and_lakes_of_less_than_half_a_tolerance_are_left_out_and_counted() {
         r#"{{"type":"FeatureCollection","features":[{joined}]}}"#
     ));
     for rule in RULES {
-        let shared = SharedBoundaries::new(&regions, &body, rule);
+        let shared = SharedBoundaries::new(&regions[..], &body, rule);
         let level = |tolerance_m| shared.simplify(&[tolerance_m]).expect("positive").remove(0);
         let rings = |level: &SimplifiedRegions| -> Vec<usize> {
             let of_region = level.regions.iter();
@@ -680,7 +733,7 @@ fn rings_round_a_pole_and_over_the_antimeridian_survive() {
         let original = parse(&collection(&[vec![ring]]));
         for rule in RULES {
             let areas = areas_m2(&body, rule, &original);
-            let shared = SharedBoundaries::new(&original, &body, rule);
+            let shared = SharedBoundaries::new(&original[..], &body, rule);
             let level = shared.simplify(&[2e4]).expect("positive").remove(0);
             let share = level.vertex_count() as f64 / original[0].vertex_count() as f64;
             assert!(share < 0.75, "{share}");
@@ -692,7 +745,7 @@ fn rings_round_a_pole_and_over_the_antimeridian_survive() {
 #[test]
 fn tolerances_that_do_not_grow_are_refused() {
     let regions = tiles(0.0, 0.0, 5.0, 1, 1);
-    let shared = SharedBoundaries::new(&regions, &Ellipsoid::WGS84, EdgeRule::Planar);
+    let shared = SharedBoundaries::new(&regions[..], &Ellipsoid::WGS84, EdgeRule::Planar);
     for (tolerances, index) in [
         (&[0.0][..], 0),
         (&[10.0, 10.0], 1),

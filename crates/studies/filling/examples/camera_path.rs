@@ -17,7 +17,9 @@ use terrafill_fill::{CpuStopwatch, Devices, FillInput, PreparedScene, Targets, T
 use terrafill_instanced::InstancedTechnique;
 use terrafill_native::NativeTechnique;
 use terrafill_results::median;
-use terrafill_scene::{CameraPose, ImageSize, LeveledMeshes, Scene, View, data_dir_from_env};
+use terrafill_scene::{
+    CameraPose, ImageSize, LazyMesh, LeveledMeshes, Scene, View, data_dir_from_env,
+};
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::VertexTechnique;
 
@@ -47,6 +49,8 @@ fn main() -> anyhow::Result<()> {
         let scene = Scene::shipped(&name, data_dir_from_env().as_deref())?;
         let leveled = LeveledMeshes::build(&scene, &scene.mesh)
             .map_err(|errors| anyhow::anyhow!("{name}: {errors:?}"))?;
+        // As a program does beside its first frames: what is told here is what drawing costs.
+        LazyMesh::make_all(&leveled.meshes);
         let surface = open_surface(&[&EllipsoidKind], &scene)?;
         let prepared = PreparedScene::leveled(&scene, leveled, surface);
         let views = path(prepared.meshes[0].vertices_deg[0]);

@@ -9,12 +9,11 @@
 
 use std::sync::Arc;
 use terrafill_conformance::compare;
-use terrafill_core::RegionMesh;
 use terrafill_fill::{FillBackend as _, FillInput, PreparedScene};
 use terrafill_gpu::{Baseline, BaselineKind, Gpu, GpuOptions, RenderTargets};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::median;
-use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions, Scene, data_dir_from_env};
+use terrafill_scene::{ImageSize, LazyMesh, LeveledMeshes, PlanOptions, Scene, data_dir_from_env};
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::{VertexBackend, VertexVariant, layout_bytes};
 
@@ -50,7 +49,7 @@ fn main() -> anyhow::Result<()> {
 }
 
 /// Of the layout that is measured.
-fn geometry_bytes(meshes: &[RegionMesh]) -> u64 {
+fn geometry_bytes(meshes: &[LazyMesh]) -> u64 {
     let layout = VertexVariant::default().layout;
     let bytes = meshes.iter().map(|mesh| layout_bytes(layout, mesh).total());
     bytes.sum()

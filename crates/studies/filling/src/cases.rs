@@ -6,11 +6,11 @@ use crate::request::{STUDY, Wishes};
 use crate::subject::Subject;
 use crate::textured::{ShownPicture, is_of_2007, is_picture_scene, textured_variants};
 use std::sync::Arc;
-use terrafill_core::{MeshOptions, RegionMesh};
+use terrafill_core::MeshOptions;
 use terrafill_fill::{Role, Technique, matrix_row, needs_ladder};
 use terrafill_gpu::BaselineKind;
 use terrafill_results::{CaseId, PlannedCase};
-use terrafill_scene::{PlanOptions, Scene, View, WallHeights};
+use terrafill_scene::{LazyMesh, PlanOptions, Scene, View, WallHeights};
 
 /// Condition of fills whose pictures differ from the reference by nature: `yes`.
 pub(crate) const APPROXIMATE: &str = "approximate";
@@ -140,7 +140,7 @@ pub(crate) fn view_group(
     scene: &Arc<Scene>,
     view: &View,
     is_last: bool,
-    meshes: &[RegionMesh],
+    meshes: &[LazyMesh],
     wishes: &Wishes,
 ) -> ViewGroup {
     let mut builder = Builder {
@@ -378,7 +378,7 @@ impl Builder<'_> {
     }
 
     /// Bytes of every layout that is drawn here, for the scene's regions and for other numbers of them.
-    fn add_memory(&mut self, meshes: &[RegionMesh]) {
+    fn add_memory(&mut self, meshes: &[LazyMesh]) {
         let mut layouts: Vec<(&str, String)> = Vec::new();
         let mut cases = Vec::new();
         for case in &self.cases {
@@ -521,7 +521,7 @@ impl ViewGroup {
     pub(crate) fn layout_of<'a>(
         &'a self,
         case: &'a FillCase,
-        meshes: &'a [RegionMesh],
+        meshes: &'a [LazyMesh],
         is_drawn: &'a [bool],
     ) -> LayoutOfScene<'a> {
         LayoutOfScene {

@@ -5,8 +5,8 @@
 //! a layout takes for thousands of them.
 
 use crate::subject::Subject;
-use terrafill_core::RegionMesh;
 use terrafill_fill::{GeometryBytes, MemoryUse};
+use terrafill_scene::LazyMesh;
 
 /// Numbers of regions for which the formula is worked out.
 pub(crate) const REGION_COUNTS: [usize; 12] =
@@ -16,7 +16,7 @@ pub(crate) const REGION_COUNTS: [usize; 12] =
 pub(crate) struct LayoutOfScene<'a> {
     pub(crate) subject: &'a Subject,
     /// All of the scene.
-    pub(crate) meshes: &'a [RegionMesh],
+    pub(crate) meshes: &'a [LazyMesh],
     /// Whether the view draws each of them.
     pub(crate) is_drawn: &'a [bool],
 }
@@ -86,17 +86,18 @@ mod tests {
     use super::*;
     use std::collections::BTreeMap;
     use terrafill_compute::ComputeTechnique;
-    use terrafill_core::MeshOptions;
-    use terrafill_fill::Technique as _;
+    use terrafill_core::{MeshOptions, RegionMesh};
+    use terrafill_fill::{RegionSet, Technique as _};
     use terrafill_gpu::BaselineKind;
     use terrafill_scene::{Overlap, Scene};
     use terrafill_vertex::VertexTechnique;
 
-    fn california() -> Vec<RegionMesh> {
+    fn california() -> RegionSet {
         let scene = Scene::shipped("california", None).expect("it ships");
         let options = MeshOptions::default();
         RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &options)
             .expect("it meshes")
+            .into()
     }
 
     fn vertex(layout: &str) -> Subject {
@@ -108,7 +109,7 @@ mod tests {
 
     fn figures(
         subject: &Subject,
-        meshes: &[RegionMesh],
+        meshes: &[LazyMesh],
         is_drawn: bool,
         regions: usize,
         allocated: Option<MemoryUse>,

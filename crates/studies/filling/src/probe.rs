@@ -3,10 +3,10 @@
 
 use crate::cases::{FillCase, Place};
 use terrafill_conformance::{ErrorFigures, TextureErrors};
-use terrafill_core::{MeshOptions, RegionMesh, VolumeHeights};
+use terrafill_core::{MeshOptions, VolumeHeights};
 use terrafill_fill::{Counters, DeviceError, FillInput, Frame, MemoryUse, Needs};
 use terrafill_results::{Status, Verdict};
-use terrafill_scene::HeightRange;
+use terrafill_scene::{HeightRange, LazyMesh};
 
 /// Figures of a probe frame.
 #[derive(Debug, Default)]
@@ -345,7 +345,7 @@ fn surface_bytes(input: &FillInput) -> u64 {
     mesh as u64 + picture.map_or(0, |picture| picture.bytes())
 }
 
-fn largest_deviation(meshes: &[RegionMesh]) -> Option<f64> {
+fn largest_deviation(meshes: &[LazyMesh]) -> Option<f64> {
     let deviations = meshes.iter().map(|mesh| mesh.boundary_deviation_m);
     deviations.reduce(f64::max)
 }

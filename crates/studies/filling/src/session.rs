@@ -21,7 +21,7 @@ use terrafill_conformance::{
     boundary_movement, checks_nothing, compare_closely, difference_rgb, filled_only,
     movement_in_picture, verdict_of_moved, with_movement, worst_pixel,
 };
-use terrafill_core::{EdgeRule, MeshOptions, RegionMesh};
+use terrafill_core::{EdgeRule, MeshOptions};
 use terrafill_fill::{
     Api, ColourWay, DeviceError, FillBackend, FillInput, Frame, FrameTimes, MemoryUse,
     PositionFormat, PreparedScene, RouteChoice, Targets, ids_hash, mask_hash, paint,
@@ -29,7 +29,7 @@ use terrafill_fill::{
 use terrafill_gpu::{Baseline, CpuStopwatch, SharedTargets, shared_targets};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::{Status, Verdict, median, quantile};
-use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions};
+use terrafill_scene::{ImageSize, LazyMesh, LeveledMeshes, PlanOptions};
 use terrafill_study::{Context, Session, StudyError};
 use terrafill_surface::open_surface;
 
@@ -236,6 +236,8 @@ impl<'a> ViewSession<'a> {
         let scene = &self.group.scene;
         let meshes = LeveledMeshes::build(scene, &scene.mesh)
             .map_err(|errors| mesh_error(scene, &errors))?;
+        // Beforehand, so that no case is the one that makes what others find.
+        LazyMesh::make_all(&meshes.meshes);
         let surface = Arc::clone(&self.input.scene.surface);
         let leveled = PreparedScene::leveled(scene, meshes, surface);
         Ok(self.leveled.insert(leveled).clone())
@@ -652,7 +654,7 @@ impl<'a> ViewSession<'a> {
         for planned in &self.input.plan.regions {
             is_drawn[planned.mesh] = true;
         }
-        let meshes: &[RegionMesh] = &self.input.scene.meshes;
+        let meshes: &[LazyMesh] = &self.input.scene.meshes;
         let figures = self
             .group
             .layout_of(case, meshes, &is_drawn)

@@ -4,7 +4,7 @@
 use terrafill_core::RegionMesh;
 use terrafill_fill::{Api, FillInput, GeometryBytes, PositionFormat, Switches, Technique, Variant};
 use terrafill_gpu::BaselineKind;
-use terrafill_scene::PlanOptions;
+use terrafill_scene::{LazyMesh, PlanOptions};
 use terrafill_surface::SurfaceKind;
 
 /// Techniques of a study, in the order in which they are measured. The first is the one whose
@@ -139,11 +139,12 @@ impl Subject {
     }
 
     /// Bytes that all regions share, by the layout's formula.
-    pub(crate) fn shared_formula(&self, meshes: &[RegionMesh]) -> GeometryBytes {
+    pub(crate) fn shared_formula(&self, meshes: &[LazyMesh]) -> GeometryBytes {
         match self {
             Self::Baseline(_) => GeometryBytes::default(),
             Self::Fill(technique, variant) => {
-                technique.shared_bytes(variant, meshes).unwrap_or_default()
+                let meshes: Vec<&RegionMesh> = meshes.iter().map(|mesh| &**mesh).collect();
+                technique.shared_bytes(variant, &meshes).unwrap_or_default()
             }
         }
     }

@@ -7,7 +7,7 @@ use terrafill_core::{AnalyticError, MeshError, MeshOptions, Region, RegionMesh};
 use terrafill_fill::{
     CpuStopwatch, DeviceError, FillBackend, FillInput, NoSuchRegion, PreparedScene, RegionSet,
 };
-use terrafill_scene::{ImageSize, Overlap, PlanOptions, Scene, View};
+use terrafill_scene::{ImageSize, LazyMesh, Overlap, PlanOptions, Scene, View};
 use terrafill_surface::{SurfaceError, SurfaceKind, open_surface};
 
 /// The eye from the apex, what is left of it, and the difference of the two, along three axes. Each is
@@ -115,7 +115,7 @@ impl Stage {
             Upkeep::Bend => {
                 let first = self.still.len();
                 let mut meshes = self.start.scene.meshes[..first].to_vec();
-                meshes.extend(self.sensors.discs(first));
+                meshes.extend(self.sensors.discs(first).into_iter().map(LazyMesh::from));
                 let discs = PreparedScene {
                     meshes: meshes.into(),
                     ..self.start.scene.clone()
@@ -195,7 +195,7 @@ impl Stage {
             Upkeep::Reload => {
                 let mut meshes = before.scene.meshes.to_vec();
                 for (place, mesh) in changed {
-                    meshes[place] = mesh;
+                    meshes[place] = mesh.into();
                 }
                 before.scene.with_meshes(RegionSet::from(meshes))
             }

@@ -10,7 +10,7 @@ use glam::{DMat3, DVec3};
 use std::hash::{DefaultHasher, Hasher as _};
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Geodetic};
-use terrafill_fill::{FillInput, Picture, PreparedScene, RegionSet, SKY};
+use terrafill_fill::{FillInput, Picture, PreparedScene, RegionSet, SKY, SceneBounds};
 use terrafill_scene::{CameraPose, ImageSize, Overlap, PlanOptions, View};
 use terrafill_surface::{EllipsoidKind, SurfaceError};
 
@@ -44,7 +44,7 @@ pub(crate) fn globe(size: ImageSize) -> Result<FillInput, SurfaceError> {
         meshes: RegionSet::default(),
         levels: Arc::default(),
         footprints: Arc::default(),
-        bounds: Arc::new([]),
+        bounds: SceneBounds::default(),
         parts: terrafill_fill::LazyParts::default(),
         surface: EllipsoidKind::surface(&body, ROWS),
         picture: None,

@@ -4,6 +4,7 @@
 //! Indices that are read are 16 bits where a region's vertices fit and 32 where they do not,
 //! region by region; those that are written are 32 bits.
 
+use std::borrow::Borrow;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{FixedPoint, VolumePlace};
 use terrafill_scene::PartOrder;
@@ -134,14 +135,14 @@ pub(crate) struct SceneGeometry {
 impl SceneGeometry {
     /// Lays out every mesh.
     #[cfg(test)]
-    pub(crate) fn build(meshes: &[RegionMesh]) -> Self {
+    pub(crate) fn build(meshes: &[impl Borrow<RegionMesh>]) -> Self {
         Self::in_parts(meshes, false)
     }
 
     /// Lays out every mesh, the triangles of large ones part by part where that is asked for.
-    pub(crate) fn in_parts(meshes: &[RegionMesh], by_part: bool) -> Self {
+    pub(crate) fn in_parts(meshes: &[impl Borrow<RegionMesh>], by_part: bool) -> Self {
         let mut geometry = Self::default();
-        for mesh in meshes {
+        for mesh in meshes.iter().map(Borrow::borrow) {
             let order = PartOrder::of(mesh).filter(|_| by_part);
             let ordered = order.map(|order| order.ordered(mesh));
             geometry.push(mesh, ordered.as_deref().unwrap_or(&mesh.triangles));

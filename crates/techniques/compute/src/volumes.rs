@@ -376,7 +376,7 @@ impl RegionVolumes for ComputeVolumes {
                 let mesh = |region: &PlannedRegion| {
                     let mesh = region.mesh;
                     let slice = &scene.meshes[mesh];
-                    (&input.scene.meshes[mesh], slice, bottoms.has(mesh))
+                    (&*input.scene.meshes[mesh], slice, bottoms.has(mesh))
                 };
                 let plan = ExpansionPlan::new(planned.iter().map(mesh))?;
                 Some(self.make_room(gpu, plan)?)
@@ -471,7 +471,7 @@ impl ComputeVolumes {
             return Ok(None);
         }
         let meshes = input.scene.meshes.iter().zip(slices).enumerate();
-        let meshes = meshes.map(|(place, (mesh, slice))| (mesh, slice, bottoms.has(place)));
+        let meshes = meshes.map(|(place, (mesh, slice))| (&**mesh, slice, bottoms.has(place)));
         let expanded = self.make_room(gpu, ExpansionPlan::new(meshes)?)?;
         self.expand_once(gpu, bind_group, &expanded);
         Ok(Some(expanded))
@@ -490,7 +490,7 @@ impl ComputeVolumes {
     /// Room for the corners of the regions in the plan.
     fn make_placed(&self, gpu: &Gpu, input: &FillInput) -> Result<Placed, DeviceError> {
         let planned = input.plan.regions.iter();
-        let plan = PlacingPlan::new(planned.map(|planned| &input.scene.meshes[planned.mesh]))?;
+        let plan = PlacingPlan::new(planned.map(|planned| &*input.scene.meshes[planned.mesh]))?;
         let labels = ["corners in clip space", "placing work"];
         let (bytes, usage) = (plan.output_bytes(), wgpu::BufferUsages::VERTEX);
         Ok(Placed {

@@ -273,7 +273,12 @@ fn bytes_by_formula_are_allocated_and_a_steady_frame_uploads_nothing() {
     };
     let [input, other] = ["globe", "top-down"].map(california);
     let other = other.remeshed(&input.scene, PlanOptions::default());
-    let formula: GeometryBytes = input.scene.meshes.iter().map(instanced_bytes).sum();
+    let formula: GeometryBytes = input
+        .scene
+        .meshes
+        .iter()
+        .map(|mesh| instanced_bytes(mesh))
+        .sum();
     for switches in choices() {
         let targets = RenderTargets::shared(&gpu, SIZE).expect("a size every device has");
         targets.borrow_mut().prepare(&input).expect("fits");

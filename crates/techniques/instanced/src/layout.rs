@@ -3,6 +3,7 @@
 //!
 //! Indices are 16 bits where a region's vertices fit and 32 where they do not, region by region.
 
+use std::borrow::Borrow;
 use std::ops::Range;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{FixedPoint, GeometryBytes, IndexLists, VolumePlace, boundary_edges};
@@ -55,18 +56,18 @@ pub(crate) struct SceneGeometry {
 impl SceneGeometry {
     /// Lays out every mesh.
     #[cfg(test)]
-    pub(crate) fn build(meshes: &[RegionMesh]) -> Self {
+    pub(crate) fn build(meshes: &[impl Borrow<RegionMesh>]) -> Self {
         Self::in_parts(meshes, false)
     }
 
     /// Lays out every mesh, the triangles of large ones part by part where that is asked for.
-    pub(crate) fn in_parts(meshes: &[RegionMesh], by_part: bool) -> Self {
+    pub(crate) fn in_parts(meshes: &[impl Borrow<RegionMesh>], by_part: bool) -> Self {
         let mut geometry = Self {
             by_part,
             ..Self::default()
         };
         for mesh in meshes {
-            geometry.push(mesh);
+            geometry.push(mesh.borrow());
         }
         geometry
     }

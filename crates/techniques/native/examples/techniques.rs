@@ -11,7 +11,7 @@ use terrafill_fill::{FillBackend as _, FillInput, PreparedScene, Switches};
 use terrafill_native::{
     Extrusion, Indices, NativeBackend, NativeVariant, StripCounts, native_bytes, strip_counts,
 };
-use terrafill_scene::{ImageSize, PlanOptions, Scene, data_dir_from_env};
+use terrafill_scene::{ImageSize, LazyMesh, PlanOptions, Scene, data_dir_from_env};
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vulkan::{Gpu, GpuOptions, RenderTargets};
 
@@ -41,7 +41,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let variants = variants(Switches::for_overlap(scene.overlap));
     let mut control = None;
     for variant in &variants {
-        let bytes = |mesh| native_bytes(variant.technique, variant.indices(), mesh).total();
+        let of = (variant.technique, variant.indices());
+        let bytes = |mesh: &LazyMesh| native_bytes(of.0, of.1, mesh).total();
         let bytes: u64 = prepared.meshes.iter().map(bytes).sum();
         let share = bytes as f64 / *control.get_or_insert(bytes as f64);
         println!("{:>28}: {bytes} bytes, {share:.3}", name_of(*variant));
@@ -139,9 +140,9 @@ fn variants(switches: Switches) -> Vec<NativeVariant> {
 }
 
 /// The strips of all meshes, and how long it takes to find them.
-fn strips_of(meshes: &[RegionMesh]) -> String {
+fn strips_of(meshes: &[LazyMesh]) -> String {
     let start = Instant::now();
-    let counts = meshes.iter().map(strip_counts);
+    let counts = meshes.iter().map(|mesh| strip_counts(mesh));
     let total = counts.fold(StripCounts::default(), |a, b| StripCounts {
         triangles: a.triangles + b.triangles,
         strips: a.strips + b.strips,

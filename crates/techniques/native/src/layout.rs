@@ -7,7 +7,7 @@ use crate::neighbours::{Neighbours, Side};
 use crate::ring_order::RingOrder;
 use crate::strips::{StripCorner, Strips};
 use crate::{Extrusion, Indices, NativeVariant, StripCounts, strip_counts};
-use std::borrow::Cow;
+use std::borrow::{Borrow, Cow};
 use terrafill_core::RegionMesh;
 use terrafill_fill::{FixedPoint, GeometryBytes, IndexLists, VolumePlace, boundary_edges};
 use terrafill_scene::PartOrder;
@@ -161,12 +161,13 @@ impl SceneGeometry {
     /// - `has_bottom`: of which ones, by their place, bottom caps are stored, where a technique stores any
     pub(crate) fn build(
         variant: &NativeVariant,
-        meshes: &[RegionMesh],
+        meshes: &[impl Borrow<RegionMesh>],
         has_bottom: impl Fn(usize) -> bool,
     ) -> Self {
         let technique = variant.technique;
         let mut geometry = Self::default();
         for (place, mesh) in meshes.iter().enumerate() {
+            let mesh: &RegionMesh = mesh.borrow();
             let has_bottom = has_bottom(place) || technique.needs_geometry_shader();
             let order = PartOrder::of(mesh).filter(|_| variant.parts);
             let mesh = order.map_or(Cow::Borrowed(mesh), |order| {

@@ -16,11 +16,12 @@ use crate::backend::Overlay;
 use crate::buffer::HeldBuffer;
 use crate::pipeline::OverlayPipeline;
 use glam::{DMat3, DVec3};
-use terrafill_core::{Ellipsoid, Extent, RegionMesh};
+use terrafill_core::{Ellipsoid, Extent};
 use terrafill_fill::{
     Colours, Counters, DeviceError, FillInput, MemoryUse, SwitchError, Variant, count_u32,
 };
 use terrafill_gpu::{Gpu, RenderTargets};
+use terrafill_scene::LazyMesh;
 
 /// Key of the texture's longer side, texels.
 pub(crate) const SIZE: &str = "size";
@@ -129,7 +130,7 @@ struct Corner {
 }
 
 /// Triangles of all regions in the rectangle.
-fn corners(meshes: &[RegionMesh], rectangle: &Rectangle) -> Result<Vec<Corner>, DeviceError> {
+fn corners(meshes: &[LazyMesh], rectangle: &Rectangle) -> Result<Vec<Corner>, DeviceError> {
     let mut corners = Vec::new();
     for (id, mesh) in (1..).zip(meshes) {
         for triangle in &mesh.triangles {

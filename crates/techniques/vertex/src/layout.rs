@@ -7,7 +7,7 @@ use crate::parts::ordered_by_part;
 use crate::pool::Pool;
 use crate::{IndexOrder, Layout, Normals, VertexOrder, VertexVariant, cache_ordered};
 use glam::{DVec3, IVec3, Vec3};
-use std::borrow::Cow;
+use std::borrow::{Borrow, Cow};
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -16,7 +16,7 @@ use terrafill_fill::{
     FixedPoint, GeometryBytes, IndexLists, PositionFormat, RegionSet, VolumePlace, boundary_edges,
     two_float,
 };
-use terrafill_scene::PartOrder;
+use terrafill_scene::{LazyMesh, PartOrder};
 
 /// Largest number of distinct indices in 16 bits: 0xffff restarts strips and separates loops.
 const MAX_SHORT_INDICES: usize = 0xffff;
@@ -77,11 +77,11 @@ pub fn variant_bytes(variant: &VertexVariant, mesh: &RegionMesh) -> GeometryByte
 /// Bytes of the flags that all regions share in layout `separate`: two for each vertex of the
 /// largest; 0 in the others.
 #[must_use]
-pub fn shared_flag_bytes(layout: Layout, meshes: &[RegionMesh]) -> u64 {
+pub fn shared_flag_bytes(layout: Layout, meshes: &[impl Borrow<RegionMesh>]) -> u64 {
     if layout != Layout::Separate {
         return 0;
     }
-    let largest = meshes.iter().map(|mesh| mesh.vertices_ecef.len()).max();
+    let largest = meshes.iter().map(|mesh| mesh.borrow().vertex_count()).max();
     (2 * FLAG_BYTES * largest.unwrap_or(0)) as u64
 }
 
@@ -236,7 +236,7 @@ impl SceneGeometry {
     /// - `has_bottom`: of which ones, by their place, bottom caps are stored, where a layout stores any
     pub(crate) fn build(
         variant: &VertexVariant,
-        meshes: &[RegionMesh],
+        meshes: &[impl Borrow<RegionMesh>],
         has_bottom: impl Fn(usize) -> bool,
     ) -> Self {
         Self::build_from(variant, meshes, has_bottom, 0)
@@ -245,19 +245,19 @@ impl SceneGeometry {
     /// As [`SceneGeometry::build`], of meshes whose first one is number `first` of its scene.
     pub(crate) fn build_from(
         variant: &VertexVariant,
-        meshes: &[RegionMesh],
+        meshes: &[impl Borrow<RegionMesh>],
         has_bottom: impl Fn(usize) -> bool,
         first: usize,
     ) -> Self {
         let mut geometry = Self::default();
         for (place, mesh) in meshes.iter().enumerate() {
-            let mesh = ordered(variant, mesh);
+            let mesh = ordered(variant, mesh.borrow());
             let stored = geometry.push_vertices(variant, &mesh, first + place);
             let used = mesh.vertices_ecef.len();
             let slice = geometry.push_indices(variant, &mesh, used, has_bottom(place), &stored);
             geometry.regions.push(slice);
         }
-        let largest = meshes.iter().map(|mesh| mesh.vertices_ecef.len()).max();
+        let largest = meshes.iter().map(|mesh| mesh.borrow().vertex_count()).max();
         geometry.push_flags(variant, largest.unwrap_or(0));
         geometry
     }
@@ -297,7 +297,7 @@ impl SceneGeometry {
     /// The levels of one region.
     fn of_region(
         variant: &VertexVariant,
-        meshes: &[RegionMesh],
+        meshes: &[LazyMesh],
         has_bottom: impl Fn(usize) -> bool,
         (number, of_region): (usize, &[usize]),
     ) -> Self {

@@ -29,7 +29,7 @@ pub(crate) struct PooledLevel {
 impl Pool {
     /// - `levels`: coarsest first; at least one
     pub(crate) fn new(levels: &[&RegionMesh]) -> Self {
-        let mut vertices = levels[0].without_geometry();
+        let mut vertices = RegionMesh::without_geometry();
         let mut places: HashMap<[u64; 3], u32> = HashMap::new();
         let mut pooled = Vec::with_capacity(levels.len());
         for level in levels {
@@ -53,7 +53,7 @@ impl Pool {
                     boundary_loops: loops
                         .map(|ring| ring.iter().map(|&vertex| at(vertex)).collect())
                         .collect(),
-                    ..level.without_geometry()
+                    ..RegionMesh::without_geometry()
                 },
             });
         }

@@ -209,7 +209,7 @@ impl Technique for VertexTechnique {
     fn shared_bytes(
         &self,
         variant: &Variant,
-        meshes: &[RegionMesh],
+        meshes: &[&RegionMesh],
     ) -> Result<GeometryBytes, SwitchError> {
         Ok(GeometryBytes {
             vertex_bytes: shared_flag_bytes(VertexVariant::of(variant)?.layout, meshes),

@@ -122,10 +122,11 @@ fn total_bytes(meshed: &[MeshedRegion]) -> BTreeMap<String, u64> {
 }
 
 fn shared_bytes(meshes: &[RegionMesh]) -> BTreeMap<String, u64> {
+    let meshes: Vec<&RegionMesh> = meshes.iter().collect();
     let all = TECHNIQUES.iter().flat_map(|technique| {
         let variants = layouts(*technique, Overlap::Disjoint).into_iter();
         variants.filter_map(|variant| {
-            let bytes = technique.shared_bytes(&variant, meshes).ok()?.total();
+            let bytes = technique.shared_bytes(&variant, &meshes).ok()?.total();
             let name = format!("{}/{}", technique.name(), technique.layout(&variant));
             (bytes > 0).then_some((name, bytes))
         })

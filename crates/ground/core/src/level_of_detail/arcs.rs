@@ -65,19 +65,34 @@ pub(super) struct BorderArc {
 
 /// A ring by its vertices.
 #[derive(Debug)]
-pub(super) struct RingVertices<'a> {
+pub(super) struct RingVertices {
     pub(super) region: usize,
-    pub(super) ring: &'a Ring,
+    polygon: usize,
+    /// The shell is 0.
+    place: usize,
     /// In file order.
     pub(super) vertices: Vec<u32>,
 }
 
+impl RingVertices {
+    /// The ring itself.
+    ///
+    /// - `regions`: those that were taken apart
+    pub(super) fn ring<'a>(&self, regions: &'a [Region]) -> &'a Ring {
+        let polygon = &regions[self.region].polygons[self.polygon];
+        match self.place.checked_sub(1) {
+            None => &polygon.shell,
+            Some(hole) => &polygon.holes[hole],
+        }
+    }
+}
+
 /// All rings of a set of regions, taken apart.
 #[derive(Debug)]
-pub(super) struct Arcs<'a> {
+pub(super) struct Arcs {
     pub(super) vertices: Vec<Vertex>,
     /// In the order of the regions.
-    pub(super) rings: Vec<RingVertices<'a>>,
+    pub(super) rings: Vec<RingVertices>,
     pub(super) arcs: Vec<BorderArc>,
     /// Arc by arc.
     pub(super) entries: Vec<Entry>,
@@ -87,26 +102,30 @@ pub(super) struct Arcs<'a> {
     pub(super) node_edges: HashSet<[u32; 2]>,
 }
 
-impl<'a> Arcs<'a> {
-    pub(super) fn new(regions: &'a [Region], body: &Ellipsoid, rule: EdgeRule) -> Self {
-        let mut places = Places::default();
-        let rings: Vec<RingVertices<'a>> = regions
-            .iter()
-            .enumerate()
-            .flat_map(|(region, found)| found.rings().map(move |ring| (region, ring)))
-            .map(|(region, ring)| RingVertices {
-                region,
-                ring,
-                vertices: ring
-                    .vertices_deg()
-                    .iter()
-                    .map(|position| places.vertex(*position))
-                    .collect(),
-            })
-            .collect();
+impl Arcs {
+    pub(super) fn new(regions: &[Region], body: &Ellipsoid, rule: EdgeRule) -> Self {
+        let mut places = Places::with_room_for(regions.iter().map(Region::vertex_count).sum());
+        let mut rings = Vec::new();
+        for (region, found) in regions.iter().enumerate() {
+            for (polygon, found) in found.polygons.iter().enumerate() {
+                let of_polygon = std::iter::once(&found.shell).chain(&found.holes);
+                rings.extend(of_polygon.enumerate().map(|(place, ring)| {
+                    RingVertices {
+                        region,
+                        polygon,
+                        place,
+                        vertices: ring
+                            .vertices_deg()
+                            .iter()
+                            .map(|position| places.vertex(*position))
+                            .collect(),
+                    }
+                }));
+            }
+        }
         let found = places.positions.into_par_iter();
         let mut vertices: Vec<Vertex> = found.map(|at| Vertex::new(body, at)).collect();
-        mark_nodes(rule, &mut vertices, &rings);
+        mark_nodes(rule, &mut vertices, regions, &rings);
         let mut arcs = Self {
             vertices,
             rings,
@@ -115,11 +134,11 @@ impl<'a> Arcs<'a> {
             entry_of: Vec::new(),
             node_edges: HashSet::new(),
         };
-        arcs.collect(body);
+        arcs.collect(regions, body);
         arcs
     }
 
-    fn collect(&mut self, body: &Ellipsoid) {
+    fn collect(&mut self, regions: &[Region], body: &Ellipsoid) {
         let rings = std::mem::take(&mut self.rings);
         let mut arc_of_vertex = vec![NONE; self.vertices.len()];
         for (index, ring) in rings.iter().enumerate() {
@@ -142,7 +161,11 @@ impl<'a> Arcs<'a> {
                         for k in from + 1..to {
                             arc_of_vertex[ring.vertices[k % count] as usize] = arc;
                         }
-                        let entries = entries_of(&self.vertices, ring, from..=to);
+                        let entries = entries_of(
+                            &self.vertices,
+                            (ring.ring(regions), &ring.vertices),
+                            from..=to,
+                        );
                         self.arcs.push(BorderArc {
                             first: self.entries.len(),
                             past: self.entries.len() + entries.len(),
@@ -169,7 +192,7 @@ impl<'a> Arcs<'a> {
     }
 
     /// Diagonal of a box around the ring's normals, in metres where the body is most curved.
-    pub(super) fn size_m(&self, body: &Ellipsoid, ring: &RingVertices<'_>) -> f64 {
+    pub(super) fn size_m(&self, body: &Ellipsoid, ring: &RingVertices) -> f64 {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for &vertex in &ring.vertices {
             let normal = self.vertices[vertex as usize].normal;
@@ -207,13 +230,19 @@ pub(super) fn in_order([a, b]: [u32; 2]) -> [u32; 2] {
 }
 
 /// Numbers places in the order in which they are seen.
-#[derive(Default)]
 struct Places {
     positions: Vec<Degrees>,
     by_bits: HashMap<[u64; 2], u32, foldhash::fast::FixedState>,
 }
 
 impl Places {
+    fn with_room_for(count: usize) -> Self {
+        Self {
+            positions: Vec::with_capacity(count),
+            by_bits: HashMap::with_capacity_and_hasher(count, Default::default()),
+        }
+    }
+
     fn vertex(&mut self, position: Degrees) -> u32 {
         let position = on_body(position);
         let next = index_u32(self.positions.len());
@@ -253,10 +282,10 @@ fn on_body([longitude, latitude]: Degrees) -> Degrees {
     ]
 }
 
-fn mark_nodes(rule: EdgeRule, vertices: &mut [Vertex], rings: &[RingVertices<'_>]) {
+fn mark_nodes(rule: EdgeRule, vertices: &mut [Vertex], regions: &[Region], rings: &[RingVertices]) {
     let mut beside = vec![[NONE; 2]; vertices.len()];
     for ring in rings {
-        for (k, (start, end)) in ring.ring.edges_deg().enumerate() {
+        for (k, (start, end)) in ring.ring(regions).edges_deg().enumerate() {
             let a = ring.vertices[k] as usize;
             let b = ring.vertices[(k + 1) % ring.vertices.len()] as usize;
             let is_wide = match rule {
@@ -307,10 +336,10 @@ fn note_neighbour(beside: &mut [u32; 2], other: u32) -> bool {
 /// The arc over these vertices of the ring, from the end that comes first by its position.
 fn entries_of(
     vertices: &[Vertex],
-    ring: &RingVertices<'_>,
+    (ring, of_ring): (&Ring, &[u32]),
     range: std::ops::RangeInclusive<usize>,
 ) -> Vec<Entry> {
-    let written = ring.ring.vertices_deg();
+    let written = ring.vertices_deg();
     let (first, last) = (*range.start(), *range.end());
     let mut entries: Vec<Entry> = range
         .map(|k| {
@@ -318,9 +347,9 @@ fn entries_of(
             let turn = if k < written.len() {
                 0.0
             } else {
-                ring.ring.winding_deg()
+                ring.winding_deg()
             };
-            let vertex = ring.vertices[k % written.len()];
+            let vertex = of_ring[k % written.len()];
             Entry {
                 vertex,
                 is_end: k == first || k == last,

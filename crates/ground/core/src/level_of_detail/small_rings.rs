@@ -7,7 +7,7 @@
 //! with another stays, or a border would have one side; and so does the largest of a region's shells.
 
 use super::arcs::{Arcs, RingVertices};
-use crate::{Ellipsoid, Polygon, Region};
+use crate::{Ellipsoid, Region};
 
 /// Rings of less than this share of a level's tolerance are left out.
 pub(super) const DROPPED_SHARE: f64 = 0.5;
@@ -34,14 +34,14 @@ impl LeftOutRings {
 
 /// Of each ring in the order of the regions, its size where it may be left out; infinite where it has a
 /// vertex in common with another or with itself.
-pub(super) fn sizes_m(arcs: &Arcs<'_>, body: &Ellipsoid) -> Vec<f64> {
+pub(super) fn sizes_m(arcs: &Arcs, body: &Ellipsoid) -> Vec<f64> {
     let mut uses = vec![0_u32; arcs.vertices.len()];
     for ring in &arcs.rings {
         for &vertex in &ring.vertices {
             uses[vertex as usize] += 1;
         }
     }
-    let size_m = |ring: &RingVertices<'_>| {
+    let size_m = |ring: &RingVertices| {
         let is_alone = |vertex: &u32| uses[*vertex as usize] == 1;
         match ring.vertices.iter().all(is_alone) {
             true => arcs.size_m(body, ring),
@@ -51,44 +51,57 @@ pub(super) fn sizes_m(arcs: &Arcs<'_>, body: &Ellipsoid) -> Vec<f64> {
     arcs.rings.iter().map(size_m).collect()
 }
 
-/// Takes the rings out of `regions`, which have all of them, that are too small for a level.
+/// The rings of `regions` that are too small for a level: whether each is, and what that is of each region.
 ///
 /// - `sizes_m`: of each ring, by [`sizes_m`]
-pub(super) fn leave_out(
+pub(super) fn too_small(
     sizes_m: &[f64],
     tolerance_m: f64,
-    regions: &mut [Region],
-) -> Vec<LeftOutRings> {
+    regions: &[Region],
+) -> (Vec<bool>, Vec<LeftOutRings>) {
     let smallest_m = DROPPED_SHARE * tolerance_m;
-    let mut sizes = sizes_m.iter().copied();
-    let mut next = move || sizes.next().unwrap_or(f64::INFINITY);
-    let of_region = |region: &mut Region| {
+    let mut is_left_out = vec![false; sizes_m.len()];
+    let mut first = 0;
+    let of_region = |region: &Region| {
         let mut left_out = LeftOutRings::default();
         let mut shells = Vec::with_capacity(region.polygons.len());
-        for polygon in &mut region.polygons {
-            shells.push(next());
-            polygon.holes.retain(|_| {
-                let size_m = next();
-                if size_m < smallest_m {
-                    left_out.add(size_m);
-                }
-                size_m >= smallest_m
-            });
+        for polygon in &region.polygons {
+            let holes = first + 1..first + 1 + polygon.holes.len();
+            shells.push((first, holes.clone()));
+            first = holes.end;
+            for hole in holes {
+                is_left_out[hole] = sizes_m[hole] < smallest_m;
+            }
         }
-        let largest = shells.iter().copied().fold(0.0, f64::max);
+        let sizes = shells.iter().map(|(shell, _)| sizes_m[*shell]);
+        let largest = sizes.fold(0.0, f64::max);
         let mut has_largest = false;
-        let polygons: Vec<Polygon> = std::mem::take(&mut region.polygons);
-        for (polygon, size_m) in polygons.into_iter().zip(shells) {
-            let is_first_largest = !has_largest && size_m >= largest;
+        for (shell, holes) in shells {
+            let is_first_largest = !has_largest && sizes_m[shell] >= largest;
             has_largest |= is_first_largest;
             // In a hole that stays lies something else.
-            if size_m >= smallest_m || is_first_largest || !polygon.holes.is_empty() {
-                region.polygons.push(polygon);
-            } else {
-                left_out.add(size_m);
+            let is_empty = holes.clone().all(|hole| is_left_out[hole]);
+            is_left_out[shell] = sizes_m[shell] < smallest_m && !is_first_largest && is_empty;
+            let rings = std::iter::once(shell).chain(holes);
+            for ring in rings.filter(|&ring| is_left_out[ring]) {
+                left_out.add(sizes_m[ring]);
             }
         }
         left_out
     };
-    regions.iter_mut().map(of_region).collect()
+    let left_out = regions.iter().map(of_region).collect();
+    (is_left_out, left_out)
+}
+
+/// Takes the rings out of `regions`, which have all of them, that [`too_small`] names.
+pub(super) fn leave_out(is_left_out: &[bool], regions: &mut [Region]) {
+    let mut is_left_out = is_left_out.iter();
+    let mut stays = || is_left_out.next() != Some(&true);
+    for polygons in regions.iter_mut().map(|region| &mut region.polygons) {
+        polygons.retain_mut(|polygon| {
+            let shell_stays = stays();
+            polygon.holes.retain(|_| stays());
+            shell_stays
+        });
+    }
 }

@@ -15,7 +15,9 @@ use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
-use terrafill_fill::{DeviceError, FillInput, NO_REGION, PreparedScene, RegionSet, ViewId};
+use terrafill_fill::{
+    DeviceError, FillInput, NO_REGION, PreparedScene, RegionSet, SceneBounds, ViewId,
+};
 use terrafill_scene::{Camera, CameraPose, FramePlan, ImageSize, Overlap};
 use terrafill_surface::{EllipsoidKind, SurfaceFrame};
 
@@ -50,7 +52,7 @@ fn input(body: Ellipsoid, pose: &CameraPose, size: u32, rows: u32) -> FillInput 
             meshes: RegionSet::default(),
             levels: Arc::default(),
             footprints: Arc::default(),
-            bounds: Arc::from([]),
+            bounds: SceneBounds::default(),
             parts: terrafill_fill::LazyParts::default(),
             surface,
             picture: None,

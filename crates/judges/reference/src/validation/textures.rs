@@ -15,7 +15,8 @@ use glam::DVec3;
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
 use terrafill_fill::{
-    AddressMode, FillInput, PlannedTexture, PreparedScene, RegionSet, TexturePixel, ViewId,
+    AddressMode, FillInput, PlannedTexture, PreparedScene, RegionSet, SceneBounds, TexturePixel,
+    ViewId,
 };
 use terrafill_scene::{
     Camera, CameraPose, FramePlan, ImageSize, Outside, Overlap, Scene, SceneError, SceneTexture,
@@ -117,7 +118,7 @@ impl Shot {
                 meshes: RegionSet::default(),
                 levels: Arc::default(),
                 footprints: Arc::default(),
-                bounds: Arc::from([]),
+                bounds: SceneBounds::default(),
                 parts: terrafill_fill::LazyParts::default(),
                 surface,
                 picture: None,

@@ -248,11 +248,12 @@ fn culling_by_wrong_boxes_is_noticed() {
     };
     let mut input = three_regions_from(POSES[0]);
     let right = draw(&devices, &input, compute(ComputeVariant::default()));
-    let mut bounds = input.scene.bounds.to_vec();
-    for region in &mut bounds {
+    let turned = (0..input.scene.meshes.len()).map(|mesh| {
+        let mut region = input.scene.bounds[mesh];
         region.bounds.center_ecef = -region.bounds.center_ecef;
-    }
-    input.scene.bounds = bounds.into();
+        (mesh, region)
+    });
+    input.scene.bounds = input.scene.bounds.with(turned.collect::<Vec<_>>());
     for variant in all_variants() {
         let frame = draw(&devices, &input, compute(variant));
         let is_blind = variant.culling == GpuCulling::Off;
@@ -351,10 +352,19 @@ fn bytes_are_those_of_the_formula() {
     };
     let input = three_regions_from(POSES[0]);
     for variant in all_variants() {
-        let mut formula: terrafill_compute::ComputeBytes =
-            input.scene.meshes.iter().map(compute_bytes).sum();
+        let mut formula: terrafill_compute::ComputeBytes = input
+            .scene
+            .meshes
+            .iter()
+            .map(|mesh| compute_bytes(mesh))
+            .sum();
         if variant.transform == Transform::ComputeStage {
-            formula.output_vertex_bytes = input.scene.meshes.iter().map(placed_bytes).sum();
+            formula.output_vertex_bytes = input
+                .scene
+                .meshes
+                .iter()
+                .map(|mesh| placed_bytes(mesh))
+                .sum();
         }
         let mut backend = backend(&devices, variant);
         let memory = backend.prepare(&input).expect("fits");

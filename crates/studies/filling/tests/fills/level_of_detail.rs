@@ -13,11 +13,13 @@ use terrafill_conformance::{
     BAND_RADIUS_PX, MOVED_STEP_PX, boundary_movement, compare_closely, verdict_of_moved,
     with_movement,
 };
+use terrafill_core::RegionMesh;
 use terrafill_fill::{FillInput, Frame, NO_REGION, PreparedScene, Switches};
 use terrafill_native::{Extrusion as Native, Indices, NativeVariant};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{
-    ImageSize, LevelChoice, LeveledMeshes, PlanOptions, Scene, View, data_dir_from_env,
+    ImageSize, LevelChoice, LeveledMeshes, PlanOptions, RegionBounds, Scene, View,
+    data_dir_from_env,
 };
 use terrafill_surface::{EllipsoidKind, open_surface};
 
@@ -45,6 +47,46 @@ fn leveled(name: &str, levels: LevelChoice) -> Option<(Scene, PreparedScene)> {
     let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
     let prepared = PreparedScene::leveled(&scene, meshes, surface);
     Some((scene, prepared))
+}
+
+#[test]
+fn a_view_makes_the_meshes_that_it_draws_and_their_bounds() {
+    let Some((scene, prepared)) = leveled("planet-134", LevelChoice::Automatic) else {
+        return;
+    };
+    let regions = scene.regions.len();
+    let made = || -> Vec<usize> {
+        let meshes = (regions..prepared.meshes.len()).map(|mesh| (mesh, &prepared.meshes[mesh]));
+        let made = meshes.filter(|(_, mesh)| mesh.is_made());
+        made.map(|(mesh, _)| mesh).collect()
+    };
+    assert!(made().is_empty());
+    let view = &scene.views[0];
+    let input = FillInput::new(&prepared, view, SIZE, options(Some(0.5))).expect("a surface");
+    let mut drawn: Vec<usize> = input.plan.regions.iter().map(|of| of.mesh).collect();
+    drawn.retain(|mesh| *mesh >= regions);
+    drawn.sort_unstable();
+    assert!(drawn.len() > 20, "{drawn:?}");
+    // Some may turn out to be too small at the level at which they would be drawn.
+    assert!(drawn.iter().all(|mesh| made().contains(mesh)));
+    assert!(made().len() < drawn.len() + 10, "{}", made().len());
+    for mesh in [0, drawn[0]] {
+        let mesh_itself: &RegionMesh = &prepared.meshes[mesh];
+        let heights = prepared.surface.heights(&mesh_itself.extent);
+        let bounds = RegionBounds::new(&scene.body, mesh_itself, heights);
+        assert_eq!(prepared.bounds[mesh], bounds);
+        // Twin: those of another mesh are others.
+        assert_ne!(prepared.bounds[mesh + 1], bounds);
+    }
+    // A set of some of them neither makes nor copies any.
+    let before = made();
+    let some = prepared.meshes.with_geometry_of(|mesh| mesh == 3);
+    assert!(std::ptr::eq(&*some[3], &*prepared.meshes[3]));
+    assert!(some.iter().filter(|mesh| mesh.vertex_count() > 0).count() == 1);
+    assert_eq!(made(), before);
+    // Twin: drawn as they are written, regions need no other mesh.
+    FillInput::new(&prepared, view, SIZE, options(None)).expect("a surface");
+    assert_eq!(made(), before);
 }
 
 fn options(pixels: Option<f64>) -> PlanOptions {

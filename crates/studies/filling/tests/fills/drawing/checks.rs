@@ -8,6 +8,7 @@ use super::{
     vertex, with_colour, with_switches,
 };
 use terrafill_conformance::{filled_only, verdict};
+use terrafill_core::RegionMesh;
 use terrafill_fill::{ColourWay, DepthRuleChoice, FacePasses, FillInput, Frame, Switches};
 use terrafill_native::Extrusion as Native;
 use terrafill_scene::{Overlap, PlanOptions};
@@ -245,7 +246,9 @@ pub(crate) fn assert_broken_volumes_are_noticed(techniques: &[Technique]) {
     for mutant in &MUTANTS {
         let mut input = whole.clone();
         let mut meshes = input.scene.meshes.to_vec();
-        (mutant.change)(&mut meshes[0]);
+        let mut changed = RegionMesh::clone(&meshes[0]);
+        (mutant.change)(&mut changed);
+        meshes[0] = changed.into();
         input.scene.meshes = meshes.into();
         let colours: &[ColourWay] = if mutant.asks_for_counting {
             &[ColourWay::Rectangle]

@@ -21,7 +21,7 @@ use terrafill_conformance::{compare, verdict};
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh, parse_regions};
 use terrafill_fill::{
     ColourWay, Counters, FillBackend, FillInput, Frame, LazyParts, PreparedScene, RegionSet,
-    Switches,
+    SceneBounds, Switches,
 };
 use terrafill_filling::Techniques;
 use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
@@ -247,7 +247,7 @@ pub(crate) fn scene_within(
         meshes: RegionSet::default(),
         levels: Arc::default(),
         footprints: Arc::default(),
-        bounds: Arc::new([]),
+        bounds: SceneBounds::default(),
         parts: LazyParts::default(),
         surface: EllipsoidKind::surface(&body, rows),
         picture: None,

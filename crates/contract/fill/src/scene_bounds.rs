@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Bounds of a scene's meshes over its surface, each found when a plan first asks for it: a view draws one level
+//! of a region, and those of its other levels are of no use to it.
+
+use crate::RegionSet;
+use rayon::prelude::*;
+use std::ops::Index;
+use std::sync::{Arc, OnceLock};
+use terrafill_core::Ellipsoid;
+use terrafill_scene::{LazyMesh, MeshBounds, RegionBounds};
+use terrafill_surface::{Surface, SurfaceFrame};
+
+/// Bounds of each mesh over the heights of its own extent. Clones are the same bounds.
+#[derive(Debug, Clone, Default)]
+pub struct SceneBounds(Arc<[Cell]>);
+
+#[derive(Debug, Clone)]
+enum Cell {
+    Known(RegionBounds),
+    Later {
+        found: OnceLock<RegionBounds>,
+        source: Arc<Source>,
+    },
+}
+
+/// What bounds are found from.
+#[derive(Debug)]
+struct Source {
+    body: Ellipsoid,
+    meshes: RegionSet,
+    surface: Arc<dyn Surface>,
+    /// A view that draws the surface between closer heights.
+    drawn: Option<SurfaceFrame>,
+}
+
+impl SceneBounds {
+    /// - `drawn`: the surface in the view that these are for, where that does not draw all of it
+    #[must_use]
+    pub fn new(
+        body: &Ellipsoid,
+        meshes: &RegionSet,
+        surface: &Arc<dyn Surface>,
+        drawn: Option<&SurfaceFrame>,
+    ) -> Self {
+        let source = Source::new(body, meshes, surface, drawn);
+        Self(meshes.iter().map(|_| Cell::later(&source)).collect())
+    }
+
+    /// The same with others at some places, which must be there.
+    #[must_use]
+    pub fn with(&self, others: impl IntoIterator<Item = (usize, RegionBounds)>) -> Self {
+        let mut cells = self.0.to_vec();
+        for (place, bounds) in others {
+            cells[place] = Cell::Known(bounds);
+        }
+        Self(cells.into())
+    }
+
+    /// The same for other meshes at some places, which must be there.
+    #[must_use]
+    pub(crate) fn with_changed(
+        &self,
+        body: &Ellipsoid,
+        meshes: &RegionSet,
+        surface: &Arc<dyn Surface>,
+        changed: &[usize],
+    ) -> Self {
+        let source = Source::new(body, meshes, surface, None);
+        let mut cells = self.0.to_vec();
+        for &place in changed {
+            cells[place] = Cell::later(&source);
+        }
+        Self(cells.into())
+    }
+
+    /// Those of a mesh; `None` where there is no such mesh.
+    #[must_use]
+    pub fn get(&self, mesh: usize) -> Option<&RegionBounds> {
+        (mesh < self.0.len()).then(|| &self[mesh])
+    }
+}
+
+impl Cell {
+    fn later(source: &Arc<Source>) -> Self {
+        Self::Later {
+            found: OnceLock::new(),
+            source: Arc::clone(source),
+        }
+    }
+}
+
+impl Source {
+    fn new(
+        body: &Ellipsoid,
+        meshes: &RegionSet,
+        surface: &Arc<dyn Surface>,
+        drawn: Option<&SurfaceFrame>,
+    ) -> Arc<Self> {
+        Arc::new(Self {
+            body: *body,
+            meshes: meshes.clone(),
+            surface: Arc::clone(surface),
+            drawn: drawn.cloned(),
+        })
+    }
+
+    fn find(&self, mesh: usize) -> RegionBounds {
+        let mesh = &self.meshes[mesh];
+        let stated = self.surface.heights(&mesh.extent);
+        let drawn = self.drawn.as_ref();
+        let drawn = drawn.map(|frame| frame.heights_over(&mesh.extent, stated));
+        RegionBounds::new(&self.body, mesh, drawn.unwrap_or(stated))
+    }
+}
+
+impl Index<usize> for SceneBounds {
+    type Output = RegionBounds;
+
+    fn index(&self, mesh: usize) -> &RegionBounds {
+        match &self.0[mesh] {
+            Cell::Known(bounds) => bounds,
+            Cell::Later { found, source } => found.get().unwrap_or_else(|| {
+                // Not while the cell is locked: a mesh may have to be made, by the pool's threads.
+                let bounds = source.find(mesh);
+                found.get_or_init(|| bounds)
+            }),
+        }
+    }
+}
+
+impl MeshBounds for SceneBounds {
+    fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    fn of(&self, mesh: usize) -> RegionBounds {
+        self[mesh]
+    }
+
+    fn expect(&self, meshes: impl IntoIterator<Item = usize>) {
+        let missing = |&mesh: &usize| match &self.0[mesh] {
+            Cell::Later { found, source } if found.get().is_none() => Some((mesh, source)),
+            _ => None,
+        };
+        let missing: Vec<_> = meshes
+            .into_iter()
+            .filter_map(|mesh| missing(&mesh))
+            .collect();
+        LazyMesh::make_all(missing.iter().map(|(mesh, source)| &source.meshes[*mesh]));
+        missing.par_iter().for_each(|(mesh, _)| {
+            let _: &RegionBounds = &self[*mesh];
+        });
+    }
+}
