@@ -114,6 +114,19 @@ pub struct VolumePlace {
     pub has_short_indices: bool,
 }
 
+impl VolumePlace {
+    /// The same volume so many elements farther on.
+    #[must_use]
+    pub fn moved(self, vertices: u32, triangle_indices: u32, loop_indices: u32) -> Self {
+        Self {
+            first_vertex: self.first_vertex + vertices,
+            first_triangle_index: self.first_triangle_index + triangle_indices,
+            first_loop_index: self.first_loop_index + loop_indices,
+            ..self
+        }
+    }
+}
+
 impl VolumeConstants {
     /// Constants of one volume.
     ///

@@ -76,6 +76,12 @@ impl IndexLists {
         }
     }
 
+    /// Puts others behind them.
+    pub fn append(&mut self, others: &Self) {
+        self.short.extend(&others.short);
+        self.long.extend(&others.long);
+    }
+
     /// Bytes of both.
     #[must_use]
     pub fn bytes(&self) -> u64 {
@@ -108,7 +114,10 @@ mod tests {
         }
         assert_eq!(lists.short, [7, 0xffff]);
         assert_eq!(lists.long, [70_000, u32::MAX]);
-        lists.push(true, 8);
+        lists.append(&IndexLists {
+            short: vec![8],
+            long: Vec::new(),
+        });
         assert_eq!((lists.count(true), lists.count(false)), (3, 2));
         assert_eq!(lists.bytes(), 3 * 2 + 2 * 4);
         let twin = IndexLists {

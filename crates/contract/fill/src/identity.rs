@@ -72,6 +72,12 @@ impl RegionSet {
         self.whole
     }
 
+    /// Whether all meshes of its whole are here.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.whole == self.revision
+    }
+
     /// A set with other meshes at some places, which remembers what it was made from. Of two meshes
     /// for one place the last one counts.
     ///

@@ -6,7 +6,7 @@
 
 use std::borrow::Borrow;
 use terrafill_core::RegionMesh;
-use terrafill_fill::{FixedPoint, VolumePlace};
+use terrafill_fill::{FixedPoint, LaidOut, RegionSet, VolumePlace};
 use terrafill_scene::PartOrder;
 
 /// Bytes of one or more regions, what is stored and what is made from it apart.
@@ -123,7 +123,7 @@ impl MeshSlice {
 }
 
 /// Contents of a scene's geometry buffers.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq)]
 pub(crate) struct SceneGeometry {
     /// Three words a vertex.
     pub(crate) positions: Vec<i32>,
@@ -148,6 +148,45 @@ impl SceneGeometry {
             geometry.push(mesh, ordered.as_deref().unwrap_or(&mesh.triangles));
         }
         geometry
+    }
+
+    /// As [`SceneGeometry::in_parts`], of meshes of which a view brings some; those of the view before are not laid
+    /// out again.
+    pub(crate) fn of_held(
+        meshes: &RegionSet,
+        by_part: bool,
+        laid_out: &mut LaidOut<bool, Self>,
+    ) -> Self {
+        let is_held = |place: usize| meshes[place].vertex_count() > 0;
+        laid_out.keep(meshes, is_held);
+        let mut geometry = Self::default();
+        for place in 0..meshes.len() {
+            let lay_out = || Self::in_parts(&meshes[place..=place], by_part);
+            match is_held(place) {
+                true => geometry.append(laid_out.part(place, by_part, lay_out)),
+                false => geometry.append(&lay_out()),
+            }
+        }
+        geometry
+    }
+
+    /// Puts what `other` has behind its own.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "buffers are refused by the device long before 2^32 elements"
+    )]
+    fn append(&mut self, other: &Self) {
+        let first_vertex = (self.positions.len() / 3) as u32;
+        let first_word = self.indices.len() as u32;
+        self.positions.extend(&other.positions);
+        self.indices.extend(&other.indices);
+        let moved = other.meshes.iter().map(|slice| {
+            let in_a_word = if slice.place.has_short_indices { 2 } else { 1 };
+            let by = in_a_word * first_word;
+            let place = slice.place.moved(first_vertex, by, by);
+            MeshSlice { place, ..*slice }
+        });
+        self.meshes.extend(moved);
     }
 
     #[allow(
@@ -213,6 +252,27 @@ pub(crate) mod tests {
         vertices_deg.push([10.0, 50.0]);
         let fan = (0..count).map(|i| [i, (i + 1) % count, count]).collect();
         mesh(vertices_deg, fan, vec![(0..count).collect()])
+    }
+
+    #[test]
+    fn what_a_view_before_held_is_not_laid_out_again_and_lies_as_if_it_were() {
+        let all = RegionSet::from(vec![disc(5), disc(65_536), disc(7), disc(4)]);
+        let mut laid_out = LaidOut::default();
+        for held in [&[0, 2, 3][..], &[0, 1, 3], &[1], &[0, 1, 2, 3]] {
+            let some = all.with_geometry_of(|mesh| held.contains(&mesh));
+            let kept = SceneGeometry::of_held(&some, false, &mut laid_out);
+            assert!(kept == SceneGeometry::in_parts(&some, false), "{held:?}");
+            assert_eq!(kept.meshes.len(), 4);
+        }
+        // Twin: a part that is laid out wrong stands as it is, until it is asked for otherwise.
+        let two = all.with_geometry_of(|mesh| mesh == 1 || mesh == 2);
+        let mut wrong = LaidOut::default();
+        wrong.keep(&two, |_| true);
+        wrong.part(1, false, || SceneGeometry::build(&[disc(9)]));
+        let kept = SceneGeometry::of_held(&two, false, &mut wrong);
+        assert!(kept != SceneGeometry::in_parts(&two, false));
+        let kept = SceneGeometry::of_held(&two, true, &mut wrong);
+        assert!(kept == SceneGeometry::in_parts(&two, true));
     }
 
     #[test]

@@ -7,8 +7,8 @@ use crate::layout::{MeshSlice, SceneGeometry};
 use crate::pipeline::Pipelines;
 use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling, Transform};
 use terrafill_fill::{
-    BottomCaps, DeviceError, DrawnOfMeshes, DrawnParts, Feature, FillInput, Holding, MemoryUse,
-    RegionVolumes, Switches, VolumeBackend, VolumeConstants, VolumePlace, WallIndices,
+    BottomCaps, DeviceError, DrawnOfMeshes, DrawnParts, Feature, FillInput, Holding, LaidOut,
+    MemoryUse, RegionVolumes, Switches, VolumeBackend, VolumeConstants, VolumePlace, WallIndices,
 };
 use terrafill_gpu::{Gpu, VolumeFill, read_buffer};
 use terrafill_scene::PlannedRegion;
@@ -23,6 +23,8 @@ pub struct ComputeVolumes {
     capacity: Capacity,
     pub(crate) pipelines: Pipelines,
     pub(crate) scene: Option<SceneBuffers>,
+    /// Meshes as they were laid out, part by part or not, where views bring them.
+    laid_out: LaidOut<bool, SceneGeometry>,
     pub(crate) view: ViewBuffers,
     /// Draws of this frame whose size the device decided: indices into the list of their arguments.
     pub(crate) decided_draws: Vec<usize>,
@@ -227,6 +229,7 @@ impl RegionVolumes for ComputeVolumes {
             capacity: Capacity::of(&gpu.device.limits()),
             pipelines: Pipelines::new(fill, variant)?,
             scene: None,
+            laid_out: LaidOut::default(),
             view: ViewBuffers::default(),
             decided_draws: Vec::new(),
             drawn_parts: DrawnOfMeshes::new(),
@@ -305,7 +308,11 @@ impl RegionVolumes for ComputeVolumes {
         bottoms: &BottomCaps,
     ) -> Result<(), DeviceError> {
         let gpu = fill.gpu();
-        let geometry = SceneGeometry::in_parts(&input.scene.meshes, self.variant.parts);
+        let (meshes, by_part) = (&input.scene.meshes, self.variant.parts);
+        let geometry = match meshes.is_whole() {
+            true => SceneGeometry::in_parts(meshes, by_part),
+            false => SceneGeometry::of_held(meshes, by_part, &mut self.laid_out),
+        };
         let bytes = geometry.bytes();
         let capacity = self.capacity;
         capacity.check_bytes("positions", bytes.input_vertex_bytes)?;

@@ -6,7 +6,9 @@
 use std::borrow::Borrow;
 use std::ops::Range;
 use terrafill_core::RegionMesh;
-use terrafill_fill::{FixedPoint, GeometryBytes, IndexLists, VolumePlace, boundary_edges};
+use terrafill_fill::{
+    FixedPoint, GeometryBytes, IndexLists, LaidOut, RegionSet, VolumePlace, boundary_edges,
+};
 use terrafill_scene::PartOrder;
 
 /// A position in its region's units.
@@ -41,7 +43,7 @@ pub(crate) struct RegionSlice {
 }
 
 /// Contents of a scene's geometry buffers.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq)]
 pub(crate) struct SceneGeometry {
     pub(crate) vertices: Vec<Position>,
     /// Triangles of the top caps.
@@ -70,6 +72,54 @@ impl SceneGeometry {
             geometry.push(mesh.borrow());
         }
         geometry
+    }
+
+    /// As [`SceneGeometry::in_parts`], of meshes of which a view brings some; those of the view before are not laid
+    /// out again.
+    pub(crate) fn of_held(
+        meshes: &RegionSet,
+        by_part: bool,
+        laid_out: &mut LaidOut<bool, Self>,
+    ) -> Self {
+        let is_held = |place: usize| meshes[place].vertex_count() > 0;
+        laid_out.keep(meshes, is_held);
+        let mut geometry = Self {
+            by_part,
+            ..Self::default()
+        };
+        for place in 0..meshes.len() {
+            let lay_out = || Self::in_parts(&meshes[place..=place], by_part);
+            match is_held(place) {
+                true => geometry.append(laid_out.part(place, by_part, lay_out)),
+                false => geometry.append(&lay_out()),
+            }
+        }
+        geometry
+    }
+
+    /// Puts what `other` has behind its own.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "buffers are refused by the device long before 2^32 elements"
+    )]
+    fn append(&mut self, other: &Self) {
+        let first_vertex = self.vertices.len() as u32;
+        let first_wall = self.walls.len() as u32;
+        let [long, short] = [false, true].map(|is_short| self.indices.count(is_short));
+        self.vertices.extend(&other.vertices);
+        self.walls.extend(&other.walls);
+        self.indices.append(&other.indices);
+        let moved = other.regions.iter().map(|slice| {
+            let by = match slice.place.has_short_indices {
+                true => short,
+                false => long,
+            };
+            RegionSlice {
+                place: slice.place.moved(first_vertex, by, first_wall),
+                walls: slice.walls.start + first_wall..slice.walls.end + first_wall,
+            }
+        });
+        self.regions.extend(moved);
     }
 
     #[allow(
@@ -126,6 +176,27 @@ mod tests {
         vertices_deg.push([10.0, 50.0]);
         let fan = (0..count).map(|i| [i, (i + 1) % count, count]).collect();
         mesh(vertices_deg, fan, vec![(0..count).collect()])
+    }
+
+    #[test]
+    fn what_a_view_before_held_is_not_laid_out_again_and_lies_as_if_it_were() {
+        let all = RegionSet::from(vec![disc(5), disc(65_536), disc(7), disc(4)]);
+        let mut laid_out = LaidOut::default();
+        for held in [&[0, 2, 3][..], &[0, 1, 3], &[1], &[0, 1, 2, 3]] {
+            let some = all.with_geometry_of(|mesh| held.contains(&mesh));
+            let kept = SceneGeometry::of_held(&some, false, &mut laid_out);
+            assert!(kept == SceneGeometry::in_parts(&some, false), "{held:?}");
+            assert_eq!(kept.regions.len(), 4);
+        }
+        // Twin: a part that is laid out wrong stands as it is, until it is asked for otherwise.
+        let two = all.with_geometry_of(|mesh| mesh == 1 || mesh == 2);
+        let mut wrong = LaidOut::default();
+        wrong.keep(&two, |_| true);
+        wrong.part(1, false, || SceneGeometry::build(&[disc(9)]));
+        let kept = SceneGeometry::of_held(&two, false, &mut wrong);
+        assert!(kept != SceneGeometry::in_parts(&two, false));
+        let kept = SceneGeometry::of_held(&two, true, &mut wrong);
+        assert!(kept == SceneGeometry::in_parts(&two, true));
     }
 
     #[test]

@@ -6,8 +6,8 @@ use crate::pipeline::{Part, Pipelines, VERTICES, WALL_CORNERS, WALLS};
 use std::collections::BTreeMap;
 use std::slice::from_ref;
 use terrafill_fill::{
-    BottomCaps, DeviceError, Feature, FillInput, GeometryBytes, Holding, MemoryUse, RegionVolumes,
-    Switches, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
+    BottomCaps, DeviceError, Feature, FillInput, GeometryBytes, Holding, LaidOut, MemoryUse,
+    RegionVolumes, Switches, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
 };
 use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
 use terrafill_scene::{PartCulling, SeenParts};
@@ -23,6 +23,8 @@ type SeenOfMeshes = BTreeMap<usize, SeenParts>;
 pub struct InstancedVolumes {
     pipelines: Pipelines,
     scene: Option<SceneBuffers>,
+    /// Meshes as they were laid out, part by part or not, where views bring them.
+    laid_out: LaidOut<bool, SceneGeometry>,
     /// What the view sees of meshes of which it leaves parts out.
     seen: SeenOfMeshes,
 }
@@ -58,6 +60,7 @@ impl RegionVolumes for InstancedVolumes {
         Ok(Self {
             pipelines: Pipelines::new(fill)?,
             scene: None,
+            laid_out: LaidOut::default(),
             seen: BTreeMap::new(),
         })
     }
@@ -79,7 +82,11 @@ impl RegionVolumes for InstancedVolumes {
         _bottoms: &BottomCaps,
     ) -> Result<(), DeviceError> {
         let by_part = input.plan.options.part_culling != PartCulling::Off;
-        let geometry = SceneGeometry::in_parts(&input.scene.meshes, by_part);
+        let meshes = &input.scene.meshes;
+        let geometry = match meshes.is_whole() {
+            true => SceneGeometry::in_parts(meshes, by_part),
+            false => SceneGeometry::of_held(meshes, by_part, &mut self.laid_out),
+        };
         self.upload_geometry(&fill.gpu(), geometry)
     }
 

@@ -9,7 +9,9 @@ use crate::strips::{StripCorner, Strips};
 use crate::{Extrusion, Indices, NativeVariant, StripCounts, strip_counts};
 use std::borrow::{Borrow, Cow};
 use terrafill_core::RegionMesh;
-use terrafill_fill::{FixedPoint, GeometryBytes, IndexLists, VolumePlace, boundary_edges};
+use terrafill_fill::{
+    FixedPoint, GeometryBytes, IndexLists, LaidOut, RegionSet, VolumePlace, boundary_edges,
+};
 use terrafill_scene::PartOrder;
 
 /// Whether a region's indices fit 16 bits. Strips end with 0xffff, so that it is no vertex.
@@ -147,7 +149,7 @@ impl RegionSlice {
 }
 
 /// Contents of a scene's geometry buffers.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq)]
 pub(crate) struct SceneGeometry {
     /// 16-byte vertices with `vs-control`, else 12-byte ones, as words.
     pub(crate) vertices: Vec<i32>,
@@ -183,6 +185,49 @@ impl SceneGeometry {
             );
         }
         geometry
+    }
+
+    /// As [`SceneGeometry::build`], of meshes of which a view brings some; those of the view before are not laid
+    /// out again.
+    pub(crate) fn of_held(
+        variant: &NativeVariant,
+        meshes: &RegionSet,
+        has_bottom: impl Fn(usize) -> bool,
+        laid_out: &mut LaidOut<bool, Self>,
+    ) -> Self {
+        let technique = variant.technique;
+        let is_held = |place: usize| meshes[place].vertex_count() > 0;
+        laid_out.keep(meshes, is_held);
+        let mut geometry = Self::default();
+        for place in 0..meshes.len() {
+            let lay_out = || Self::build(variant, &meshes[place..=place], |_| has_bottom(place));
+            match is_held(place) {
+                true => {
+                    geometry.append(technique, laid_out.part(place, has_bottom(place), lay_out))
+                }
+                false => geometry.append(technique, &lay_out()),
+            }
+        }
+        geometry
+    }
+
+    /// Puts what `other` has behind its own.
+    fn append(&mut self, technique: Extrusion, other: &Self) {
+        let first_vertex = self.vertex_count(technique);
+        let first_vertex = u32::try_from(first_vertex).unwrap_or(u32::MAX);
+        let [long, short] = [false, true].map(|is_short| self.indices.count(is_short));
+        self.vertices.extend(&other.vertices);
+        self.indices.append(&other.indices);
+        let moved = other.regions.iter().map(|slice| {
+            let by = if slice.short_indices { short } else { long };
+            RegionSlice {
+                first_vertex: slice.first_vertex + first_vertex,
+                first_index: slice.first_index + by,
+                first_wall_index: slice.first_wall_index + by,
+                ..*slice
+            }
+        });
+        self.regions.extend(moved);
     }
 
     /// Stored vertices.
@@ -468,6 +513,33 @@ pub(crate) mod tests {
                 .map(move |indices| (technique, indices))
         };
         Extrusion::ALL.into_iter().flat_map(kinds).collect()
+    }
+
+    #[test]
+    fn what_a_view_before_held_is_not_laid_out_again_and_lies_as_if_it_were() {
+        let all = RegionSet::from([5, 40_000, 7, 4].map(annulus).to_vec());
+        let variant = NativeVariant::default();
+        let mut laid_out = LaidOut::default();
+        for held in [&[0, 2, 3][..], &[0, 1, 3], &[1], &[0, 1, 2, 3]] {
+            let some = all.with_geometry_of(|mesh| held.contains(&mesh));
+            let kept = SceneGeometry::of_held(&variant, &some, |_| true, &mut laid_out);
+            assert!(
+                kept == SceneGeometry::build(&variant, &some, |_| true),
+                "{held:?}"
+            );
+            assert_eq!(kept.regions.len(), 4);
+        }
+        // Twin: a part that is laid out wrong stands as it is, until it is asked for otherwise.
+        let two = all.with_geometry_of(|mesh| mesh == 1 || mesh == 2);
+        let mut wrong = LaidOut::default();
+        wrong.keep(&two, |_| true);
+        wrong.part(1, true, || {
+            SceneGeometry::build(&variant, &[annulus(9)], |_| true)
+        });
+        let kept = SceneGeometry::of_held(&variant, &two, |_| true, &mut wrong);
+        assert!(kept != SceneGeometry::build(&variant, &two, |_| true));
+        let kept = SceneGeometry::of_held(&variant, &two, |_| false, &mut wrong);
+        assert!(kept == SceneGeometry::build(&variant, &two, |_| false));
     }
 
     #[test]

@@ -11,7 +11,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use terrafill_fill::{
     BottomCaps, DeviceError, DrawnOfMeshes, DrawnParts, Feature, FillInput, FillProgram,
-    GeometryBytes, Holding, IndexLists, MemoryUse, RegionVolumes, Switches, VolumeBackend,
+    GeometryBytes, Holding, IndexLists, LaidOut, MemoryUse, RegionVolumes, Switches, VolumeBackend,
     VolumeDraw, VolumeList, VolumePlace, VolumeState,
 };
 use terrafill_vulkan::{
@@ -34,6 +34,8 @@ pub struct NativeVolumes {
     variant: NativeVariant,
     pipelines: HashMap<PipelineDescriptor, (Pipeline, Feature)>,
     scene: Option<SceneBuffers>,
+    /// Meshes as they were laid out, with their bottoms or without, where views bring them.
+    laid_out: LaidOut<bool, SceneGeometry>,
     /// Commands of merged draws, where draws are merged and the device has them.
     lists: Option<DrawLists>,
     /// What the view draws of meshes of which it leaves parts out.
@@ -71,6 +73,7 @@ impl RegionVolumes for NativeVolumes {
             variant,
             pipelines: HashMap::new(),
             scene: None,
+            laid_out: LaidOut::default(),
             lists: (variant.switches.merges_draws && facts.features.draws_listed)
                 .then(DrawLists::default),
             drawn_parts: DrawnOfMeshes::new(),
@@ -103,7 +106,11 @@ impl RegionVolumes for NativeVolumes {
         bottoms: &BottomCaps,
     ) -> Result<(), DeviceError> {
         let has_bottom = |mesh| bottoms.has(mesh);
-        let geometry = SceneGeometry::build(&self.variant, &input.scene.meshes, has_bottom);
+        let (variant, meshes) = (&self.variant, &input.scene.meshes);
+        let geometry = match meshes.is_whole() {
+            true => SceneGeometry::build(variant, meshes, has_bottom),
+            false => SceneGeometry::of_held(variant, meshes, has_bottom, &mut self.laid_out),
+        };
         self.upload_geometry(&fill.gpu(), geometry)
     }
 

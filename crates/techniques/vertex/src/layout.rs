@@ -8,13 +8,12 @@ use crate::pool::Pool;
 use crate::{IndexOrder, Layout, Normals, VertexOrder, VertexVariant, cache_ordered};
 use glam::{DVec3, IVec3, Vec3};
 use std::borrow::{Borrow, Cow};
-use std::collections::hash_map::Entry;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::ops::Range;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{
-    FixedPoint, GeometryBytes, IndexLists, PositionFormat, RegionSet, VolumePlace, boundary_edges,
-    two_float,
+    FixedPoint, GeometryBytes, IndexLists, LaidOut, PositionFormat, RegionSet, VolumePlace,
+    boundary_edges, two_float,
 };
 use terrafill_scene::{LazyMesh, PartOrder};
 
@@ -179,45 +178,8 @@ impl IndexBytes {
     }
 }
 
-/// Regions as they were laid out last, each with its held levels. A view that needs another level of some lays
-/// out these only.
-#[derive(Debug, Default)]
-pub(crate) struct LaidOut {
-    /// Of which scene.
-    whole: Option<u64>,
-    /// By number; of each the meshes that it has, and whether with their bottoms.
-    regions: HashMap<usize, (Vec<(usize, bool)>, SceneGeometry)>,
-}
-
-impl LaidOut {
-    /// Forgets those of another scene.
-    fn are_of(&mut self, meshes: &RegionSet) {
-        let whole = Some(meshes.whole_revision());
-        if self.whole != whole {
-            *self = Self {
-                whole,
-                ..Self::default()
-            };
-        }
-    }
-
-    fn region(
-        &mut self,
-        number: usize,
-        held: Vec<(usize, bool)>,
-        lay_out: impl FnOnce() -> SceneGeometry,
-    ) -> &SceneGeometry {
-        match self.regions.entry(number) {
-            Entry::Occupied(mut known) => {
-                if known.get().0 != held {
-                    known.insert((held, lay_out()));
-                }
-                &known.into_mut().1
-            }
-            Entry::Vacant(place) => &place.insert((held, lay_out())).1,
-        }
-    }
-}
+/// Regions as they were laid out, each by the meshes that are held of it, and whether with their bottoms.
+pub(crate) type LaidOutRegions = LaidOut<Vec<(usize, bool)>, SceneGeometry>;
 
 /// Contents of a scene's geometry buffers.
 #[derive(Debug, Default, PartialEq)]
@@ -271,9 +233,9 @@ impl SceneGeometry {
         meshes: &RegionSet,
         has_bottom: impl Fn(usize) -> bool,
         levels: &[Vec<usize>],
-        laid_out: &mut LaidOut,
+        laid_out: &mut LaidOutRegions,
     ) -> Self {
-        laid_out.are_of(meshes);
+        laid_out.keep(meshes, |_| true);
         let mut geometry = Self::default();
         let mut slices: Vec<Option<RegionSlice>> = vec![None; meshes.len()];
         let mut largest = 0;
@@ -281,7 +243,7 @@ impl SceneGeometry {
             let held = of_region.iter().copied();
             let held = held.filter(|&mesh| !meshes[mesh].vertices_ecef.is_empty());
             let held: Vec<(usize, bool)> = held.map(|mesh| (mesh, has_bottom(mesh))).collect();
-            let own = laid_out.region(number, held, || {
+            let own = laid_out.part(number, held, || {
                 Self::of_region(variant, meshes, &has_bottom, (number, of_region))
             });
             largest = largest.max(own.vertices.len() / variant.vertex_words());
@@ -327,19 +289,13 @@ impl SceneGeometry {
         let first_vertex = (self.vertices.len() / variant.vertex_words()) as u32;
         let [long, short] = [false, true].map(|is_short| self.indices.count(is_short));
         self.vertices.extend(&own.vertices);
-        self.indices.short.extend(&own.indices.short);
-        self.indices.long.extend(&own.indices.long);
+        self.indices.append(&own.indices);
         let moved = own.regions.iter().map(|slice| {
             let by = match slice.place.has_short_indices {
                 true => short,
                 false => long,
             };
-            let place = VolumePlace {
-                first_vertex: slice.place.first_vertex + first_vertex,
-                first_triangle_index: slice.place.first_triangle_index + by,
-                first_loop_index: slice.place.first_loop_index + by,
-                ..slice.place
-            };
+            let place = slice.place.moved(first_vertex, by, by);
             RegionSlice { place, ..*slice }
         });
         moved.collect()
@@ -698,8 +654,8 @@ mod tests {
         let counts = [40, 40_000, 30, 20, 9, 8];
         let all = RegionSet::from(counts.map(disc).to_vec());
         let levels = [vec![3, 0], vec![4, 1], vec![5, 2]];
-        let mut laid_out = LaidOut::default();
-        let built = |meshes: &RegionSet, has_bottom: bool, laid_out: &mut LaidOut| {
+        let mut laid_out = LaidOutRegions::default();
+        let built = |meshes: &RegionSet, has_bottom: bool, laid_out: &mut LaidOutRegions| {
             SceneGeometry::build_shared(&variant, meshes, |_| has_bottom, &levels, laid_out)
         };
         for (held, has_bottom) in [
@@ -711,19 +667,28 @@ mod tests {
         ] {
             let some = all.with_geometry_of(|mesh| held.contains(&mesh));
             let kept = built(&some, has_bottom, &mut laid_out);
-            let anew = built(&some, has_bottom, &mut LaidOut::default());
+            let anew = built(&some, has_bottom, &mut LaidOutRegions::default());
             assert!(kept == anew, "{held:?}");
             assert!(kept.vertices.len() > 4 * 2 * 9);
         }
         // Twin: of a region whose held levels are the same, what was laid out stands as it is.
-        let known = laid_out.regions.get_mut(&0).expect("held");
-        known.1.vertices[0] += 1;
         let same = all.with_geometry_of(|mesh| [0, 1, 5].contains(&mesh));
-        let anew = built(&same, true, &mut LaidOut::default());
-        assert!(built(&same, true, &mut laid_out) != anew);
+        let anew = built(&same, true, &mut LaidOutRegions::default());
+        let held = levels.clone().map(|own| {
+            let held = own.iter().filter(|mesh| [0, 1, 5].contains(*mesh));
+            held.map(|mesh| (*mesh, true)).collect::<Vec<_>>()
+        });
+        let mut wrong = LaidOutRegions::default();
+        wrong.keep(&same, |_| true);
+        wrong.part(0, held[0].clone(), || {
+            let mut own = SceneGeometry::of_region(&variant, &same, |_| true, (0, &levels[0]));
+            own.vertices[0] += 1;
+            own
+        });
+        assert!(built(&same, true, &mut wrong) != anew);
         // Another scene's regions are not those of this one.
         let other = RegionSet::from(same.to_vec());
-        assert!(built(&other, true, &mut laid_out) == anew);
+        assert!(built(&other, true, &mut wrong) == anew);
     }
 
     /// Every way to store geometry.

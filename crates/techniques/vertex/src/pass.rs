@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Volumes as the passes of a fill draw them: caps, then walls, then those that are turned over.
 
-use crate::layout::{IndexBytes, LaidOut, RegionSlice, SceneGeometry};
+use crate::layout::{IndexBytes, LaidOutRegions, RegionSlice, SceneGeometry};
 use crate::merged::Merged;
 use crate::pipeline::{Part, PipelineKey, Pipelines, parts};
 use crate::{Buffers, Layout, LevelVertices, VertexVariant};
@@ -26,7 +26,7 @@ pub struct VertexVolumes {
     /// What the view draws of meshes that it does not draw whole.
     drawn_parts: DrawnOfMeshes,
     /// Regions as they were laid out last, where levels share vertices.
-    laid_out: LaidOut,
+    laid_out: LaidOutRegions,
 }
 
 /// Geometry of every region of a scene, in view or not.
@@ -73,7 +73,7 @@ impl RegionVolumes for VertexVolumes {
             pipelines: Pipelines::new(fill, variant)?,
             scene: None,
             drawn_parts: DrawnOfMeshes::new(),
-            laid_out: LaidOut::default(),
+            laid_out: LaidOutRegions::default(),
         })
     }
 
