@@ -60,6 +60,9 @@ pub struct LevelTable {
 
 /// A scene's regions at every level. Those of level 0 are meshed, which finds out what is wrong with them; a mesh
 /// of another level is made when it is first looked at.
+///
+/// A program that wants none to be made between two frames gives a clone of [`LeveledMeshes::meshes`] to a thread that
+/// calls [`LazyMesh::make_all`]. Clones are the same meshes.
 #[derive(Debug, Clone, Default)]
 pub struct LeveledMeshes {
     /// Level 0 in the order of the regions, then the others'.
