@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use std::borrow::Borrow;
 use std::fmt;
 use std::ops::Deref;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use terrafill_core::RegionMesh;
 
 /// A mesh that is there, or is made when it is first looked at. Clones are the same mesh.
@@ -17,7 +17,8 @@ enum Inner {
     Made(RegionMesh),
     Later {
         made: OnceLock<RegionMesh>,
-        source: Arc<dyn MeshSource>,
+        /// Let go of once it is made: what all meshes of a scene are made from takes more than they do.
+        source: Mutex<Option<Arc<dyn MeshSource>>>,
         place: usize,
     },
 }
@@ -38,7 +39,7 @@ impl LazyMesh {
     pub(crate) fn new(source: Arc<dyn MeshSource>, place: usize) -> Self {
         Self(Arc::new(Inner::Later {
             made: OnceLock::new(),
-            source,
+            source: Mutex::new(Some(source)),
             place,
         }))
     }
@@ -56,11 +57,9 @@ impl LazyMesh {
     pub fn make_all<'a>(meshes: impl IntoIterator<Item = &'a Self>) {
         let meshes = meshes.into_iter();
         let missing: Vec<&Self> = meshes.filter(|mesh| !mesh.is_made()).collect();
-        let mut sources: Vec<&Arc<dyn MeshSource>> = Vec::new();
-        for mesh in &missing {
-            if let Inner::Later { source, .. } = &*mesh.0
-                && !sources.iter().any(|known| Arc::ptr_eq(known, source))
-            {
+        let mut sources: Vec<Arc<dyn MeshSource>> = Vec::new();
+        for source in missing.iter().filter_map(|mesh| mesh.source()) {
+            if !sources.iter().any(|known| Arc::ptr_eq(known, &source)) {
                 sources.push(source);
             }
         }
@@ -70,6 +69,18 @@ impl LazyMesh {
             let _: &RegionMesh = mesh;
         });
     }
+
+    /// What it is still to be made from.
+    fn source(&self) -> Option<Arc<dyn MeshSource>> {
+        match &*self.0 {
+            Inner::Made(_) => None,
+            Inner::Later { source, .. } => locked(source).clone(),
+        }
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What is in `cell`, or what `make` makes for it.
@@ -93,7 +104,14 @@ impl Deref for LazyMesh {
                 made: cell,
                 source,
                 place,
-            } => made(cell, || source.make(*place)),
+            } => cell.get().unwrap_or_else(|| {
+                let of = locked(source).clone();
+                // Another thread has made it where there is none any more.
+                let mesh = of.map(|of| of.make(*place));
+                let mesh = cell.get_or_init(|| mesh.unwrap_or_else(RegionMesh::without_geometry));
+                *locked(source) = None;
+                mesh
+            }),
         }
     }
 }
@@ -160,5 +178,7 @@ mod tests {
         assert!(!std::ptr::eq(&*meshes[0], &*meshes[1]));
         let counted = [&source.common, &source.made].map(|count| count.load(Ordering::Relaxed));
         assert_eq!(counted, [1, 3]);
+        // What they were made from nobody has any more.
+        assert_eq!(Arc::strong_count(&source), 1);
     }
 }
