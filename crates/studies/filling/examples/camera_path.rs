@@ -4,8 +4,9 @@
 //! `cargo run --release -p terrafill-filling --example camera_path -- [ROUNDS] SCENE…`
 //!
 //! By each technique's full plan with levels. A frame is plan, what it uploads, surface and fill; process CPU time,
-//! median over the rounds. The first frame is drawn once beforehand, as a program does while it loads. A round flies
-//! twice: the first flight makes what it draws, the other finds it made.
+//! median over the rounds. What the surface takes of it, which no fill can change, is told apart. The first frame is
+//! drawn once beforehand, as a program does while it loads. A round flies twice: the first flight makes what it
+//! draws, the other finds it made.
 
 #![allow(clippy::print_stdout, reason = "printing is what an example is for")]
 
@@ -93,8 +94,8 @@ fn measure(
         return Ok(());
     };
     let input = |view: &View| FillInput::new(prepared, view, SIZE, variant.plan);
-    // Of each flight and frame, a time a round.
-    let mut times = vec![vec![Vec::new(); views.len()]; 2];
+    // Of each flight and frame, a time a round: all of it, and the surface.
+    let mut times = vec![vec![[Vec::new(), Vec::new()]; views.len()]; 2];
     for _ in 0..rounds {
         let mut backend = technique.open(targets, &variant)?;
         if let Some(first) = views.first() {
@@ -108,9 +109,11 @@ fn measure(
                 let watch = CpuStopwatch::start();
                 let input = input(view)?;
                 backend.prepare(&input)?;
+                let of_surface = CpuStopwatch::start();
                 backend.draw_surface(&input)?;
+                of_frame[1].push(of_surface.cpu_ms());
                 backend.time_frame(&input)?;
-                of_frame.push(watch.cpu_ms());
+                of_frame[0].push(watch.cpu_ms());
             }
         }
     }
@@ -137,7 +140,10 @@ fn measure(
         2 * views.len()
     );
     for ((flight, frames), made) in ["first flight", "once more"].iter().zip(&times).zip(&made) {
-        let frames: Vec<f64> = frames.iter().filter_map(|of| median(of)).collect();
+        let [frames, surface] = [0, 1].map(|what: usize| {
+            let of_frames = frames.iter().filter_map(|of| median(&of[what]));
+            of_frames.collect::<Vec<f64>>()
+        });
         let Some(middle) = median(&frames) else {
             continue;
         };
@@ -171,6 +177,20 @@ fn measure(
             )
         };
         println!("    worst: {}; a median one: {}", work(worst), work(near));
+        let rest: Vec<f64> = frames
+            .iter()
+            .zip(&surface)
+            .map(|(all, of)| all - of)
+            .collect();
+        println!(
+            "    surface alone: {:.2} ms in the worst frame, {:.2} in a median one; the rest {:.2} and {:.2}, at worst \
+             {:.2} × its median",
+            surface[worst],
+            surface[near],
+            rest[worst],
+            rest[near],
+            rest.iter().copied().fold(0.0, f64::max) / median(&rest).unwrap_or(f64::NAN)
+        );
         // A change of level is a step between frames that show nearly the same.
         let around = |frame: usize| {
             let past = (frame + NEIGHBOURS + 1).min(frames.len());
