@@ -90,13 +90,10 @@ pub struct OrientedBox {
 }
 
 impl OrientedBox {
-    /// Around these vertices at both heights; see [`RegionMesh::oriented_box`].
-    ///
-    /// - `normals`: of the vertices, in their order
+    /// Around these vertices, which lie on the ellipsoid, at both heights; see [`RegionMesh::oriented_box`].
     pub(crate) fn around(
         body: &Ellipsoid,
         vertices_ecef: &[DVec3],
-        normals: impl Iterator<Item = DVec3>,
         heights: VolumeHeights,
     ) -> Self {
         let sum: DVec3 = vertices_ecef.iter().copied().sum();
@@ -105,9 +102,12 @@ impl OrientedBox {
         let east = DVec3::new(-middle.longitude_rad.sin(), middle.longitude_rad.cos(), 0.0);
         let axes = DMat3::from_cols(east, up.cross(east), up);
         let to_local = axes.transpose();
+        // The gradient of the ellipsoid's equation is along the geodetic normal.
+        let per_axis = (body.radii_m() * body.radii_m()).recip();
         let mut low = DVec3::INFINITY;
         let mut high = DVec3::NEG_INFINITY;
-        for (vertex, normal) in vertices_ecef.iter().zip(normals) {
+        for vertex in vertices_ecef {
+            let normal = (*vertex * per_axis).normalize();
             for height in [heights.top_m, heights.bottom_m] {
                 let local = to_local * (*vertex + normal * height);
                 low = low.min(local);
@@ -239,11 +239,7 @@ impl RegionMesh {
     /// Holds every vertex at both heights, hence their convex hull, hence the volume.
     #[must_use]
     pub fn oriented_box(&self, body: &Ellipsoid, heights: VolumeHeights) -> OrientedBox {
-        let normal = |degrees: &[f64; 2]| {
-            body.geodetic_surface_normal(degrees[0].to_radians(), degrees[1].to_radians())
-        };
-        let normals = self.vertices_deg.iter().map(normal);
-        OrientedBox::around(body, &self.vertices_ecef, normals, heights)
+        OrientedBox::around(body, &self.vertices_ecef, heights)
     }
 
     /// As [`RegionMesh::oriented_box`], around some of the vertices: it holds the facets of both caps and the
@@ -258,13 +254,10 @@ impl RegionMesh {
         vertices: &[u32],
         heights: VolumeHeights,
     ) -> OrientedBox {
-        let places = vertices.iter().map(|&vertex| vertex as usize);
-        let ecef: Vec<DVec3> = places.clone().map(|v| self.vertices_ecef[v]).collect();
-        let normals = places.map(|vertex| {
-            let [longitude_deg, latitude_deg] = self.vertices_deg[vertex];
-            body.geodetic_surface_normal(longitude_deg.to_radians(), latitude_deg.to_radians())
-        });
-        OrientedBox::around(body, &ecef, normals, heights)
+        let places = vertices
+            .iter()
+            .map(|&vertex| self.vertices_ecef[vertex as usize]);
+        OrientedBox::around(body, &places.collect::<Vec<_>>(), heights)
     }
 }
 

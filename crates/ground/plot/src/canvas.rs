@@ -120,6 +120,11 @@ pub(crate) fn svg(
         [] => String::new(),
         figures => format!("<metadata>{}</metadata>", escaped(&csv(figures))),
     };
+    // Said once for all: there are hundreds.
+    let spots = match spots.is_empty() {
+        true => spots,
+        false => format!("<g pointer-events=\"all\">{spots}</g>"),
+    };
     if let Some(end) = text.rfind("</svg>") {
         text.insert_str(end, &(spots + &table));
     }
@@ -214,8 +219,7 @@ impl Canvas<'_> {
         let side = px(2.0 * SPOT_PX);
         self.spots.borrow_mut().push_str(&format!(
             "<g class=\"spot\" tabindex=\"0\" role=\"img\"{command}><title>{}</title>\
-             <rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\" \
-             pointer-events=\"all\"/></g>",
+             <rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\"/></g>",
             escaped(&said)
         ));
         let named = |(heading, value): &(&str, f64)| ((*heading).to_owned(), *value);

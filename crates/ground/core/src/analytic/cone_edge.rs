@@ -146,10 +146,7 @@ impl MovingFootprint {
     /// As of a mesh with these vertices: [`RegionMesh::oriented_box`](crate::RegionMesh::oriented_box).
     #[must_use]
     pub fn oriented_box(&self, body: &Ellipsoid, heights: VolumeHeights) -> OrientedBox {
-        let scale = self.edge.inverse_radii * self.edge.inverse_radii;
-        let vertices = self.vertices_ecef.iter();
-        let normals = vertices.map(|vertex| (*vertex * scale).normalize());
-        OrientedBox::around(body, &self.vertices_ecef, normals, heights)
+        OrientedBox::around(body, &self.vertices_ecef, heights)
     }
 }
 
