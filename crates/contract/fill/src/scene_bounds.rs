@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Bounds of a scene's meshes over its surface, each found when a plan first asks for it: a view draws one level
-//! of a region, and those of its other levels are of no use to it.
+//! Bounds of a scene's meshes over its surface, each found when a plan first asks for it. A view draws one level
+//! of a region, and needs no bounds of the others.
 
 use crate::RegionSet;
 use rayon::prelude::*;

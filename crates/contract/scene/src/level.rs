@@ -23,7 +23,7 @@ pub const FEWEST_VERTICES_FOR_LEVELS: usize = 5_000;
 /// of what it may deviate and all of it; four times as large, between a quarter and all.
 pub const LEVEL_GROWTH: f64 = 2.0;
 /// An automatic level must be drawn with at most this share of the boundary edges of the one before, or it is left
-/// out: all levels together then hold at most four times the edges of level 0.
+/// out. All levels together then hold at most four times the edges of level 0.
 pub const LEVEL_VERTEX_SHARE: f64 = 0.75;
 /// Share of a level's deviation that the chords of its meshes may add: as fine as those of level 0,
 /// they would split the few long edges again, and as coarse as the deviation itself, neighbours

@@ -4,7 +4,7 @@
 //! `cargo run --release -p terrafill-filling --example camera_path -- [ROUNDS] SCENE…`
 //!
 //! By each technique's full plan with levels. A frame is plan, what it uploads, surface and fill; process CPU time,
-//! median over the rounds. What the surface takes of it, which no fill can change, is told apart. The first frame is
+//! median over the rounds. What the surface alone takes, which no fill can change, is printed beside it. The first frame is
 //! drawn once beforehand, as a program does while it loads. A round flies twice: the first flight makes what it
 //! draws, the other finds it made.
 
@@ -50,7 +50,7 @@ fn main() -> anyhow::Result<()> {
         let scene = Scene::shipped(&name, data_dir_from_env().as_deref())?;
         let leveled = LeveledMeshes::build(&scene, &scene.mesh)
             .map_err(|errors| anyhow::anyhow!("{name}: {errors:?}"))?;
-        // As a program does beside its first frames: what is told here is what drawing costs.
+        // Beforehand, so that the times are those of drawing.
         LazyMesh::make_all(&leveled.meshes);
         let surface = open_surface(&[&EllipsoidKind], &scene)?;
         let prepared = PreparedScene::leveled(&scene, leveled, surface);
