@@ -49,6 +49,27 @@ impl<K: PartialEq, G> LaidOut<K, G> {
             Entry::Vacant(free) => &free.insert((by, lay_out())).1,
         }
     }
+
+    /// Hands every mesh of a set as laid out to `append`, in order. Those that a set before held are not laid out
+    /// again, and of those that are not held there is nothing to keep.
+    ///
+    /// - `by`: what a mesh is laid out by
+    pub fn append_all(
+        &mut self,
+        meshes: &RegionSet,
+        by: impl Fn(usize) -> K,
+        lay_out: impl Fn(usize) -> G,
+        mut append: impl FnMut(&G),
+    ) {
+        let is_held = |place: usize| meshes[place].vertex_count() > 0;
+        self.keep(meshes, is_held);
+        for place in 0..meshes.len() {
+            match is_held(place) {
+                true => append(self.part(place, by(place), || lay_out(place))),
+                false => append(&lay_out(place)),
+            }
+        }
+    }
 }
 
 #[cfg(test)]

@@ -81,19 +81,13 @@ impl SceneGeometry {
         by_part: bool,
         laid_out: &mut LaidOut<bool, Self>,
     ) -> Self {
-        let is_held = |place: usize| meshes[place].vertex_count() > 0;
-        laid_out.keep(meshes, is_held);
         let mut geometry = Self {
             by_part,
             ..Self::default()
         };
-        for place in 0..meshes.len() {
-            let lay_out = || Self::in_parts(&meshes[place..=place], by_part);
-            match is_held(place) {
-                true => geometry.append(laid_out.part(place, by_part, lay_out)),
-                false => geometry.append(&lay_out()),
-            }
-        }
+        let lay_out = |place: usize| Self::in_parts(&meshes[place..=place], by_part);
+        let append = |part: &Self| geometry.append(part);
+        laid_out.append_all(meshes, |_| by_part, lay_out, append);
         geometry
     }
 

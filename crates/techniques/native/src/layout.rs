@@ -195,19 +195,11 @@ impl SceneGeometry {
         has_bottom: impl Fn(usize) -> bool,
         laid_out: &mut LaidOut<bool, Self>,
     ) -> Self {
-        let technique = variant.technique;
-        let is_held = |place: usize| meshes[place].vertex_count() > 0;
-        laid_out.keep(meshes, is_held);
         let mut geometry = Self::default();
-        for place in 0..meshes.len() {
-            let lay_out = || Self::build(variant, &meshes[place..=place], |_| has_bottom(place));
-            match is_held(place) {
-                true => {
-                    geometry.append(technique, laid_out.part(place, has_bottom(place), lay_out))
-                }
-                false => geometry.append(technique, &lay_out()),
-            }
-        }
+        let lay_out =
+            |place: usize| Self::build(variant, &meshes[place..=place], |_| has_bottom(place));
+        let append = |part: &Self| geometry.append(variant.technique, part);
+        laid_out.append_all(meshes, &has_bottom, lay_out, append);
         geometry
     }
 
