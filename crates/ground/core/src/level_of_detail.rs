@@ -179,7 +179,7 @@ impl SharedBoundaries {
         check_growing(tolerances_m)?;
         let mut thinning = Thinning::new(self);
         let levels = tolerances_m.iter().map(|&tolerance_m| {
-            thinning.run(tolerance_m);
+            let kept = thinning.run(tolerance_m);
             let (is_left_out, left_out) =
                 small_rings::too_small(&self.ring_sizes_m, tolerance_m, &self.regions);
             let mut deviation_m = thinning.deviations_m();
@@ -190,7 +190,7 @@ impl SharedBoundaries {
                 tolerance_m,
                 deviation_m,
                 left_out,
-                kept: thinning.kept(),
+                kept,
                 is_left_out,
             }
         });
@@ -385,8 +385,7 @@ impl SharedBoundaries {
             .filter(|ends| ends[1] - ends[0] > 1)
             .filter_map(|ends| {
                 let chain = &entries[ends[0]..=ends[1]];
-                self.judge
-                    .deviation_m(&self.arcs.vertices, chain, f64::INFINITY)
+                self.judge.deviation_m(&self.arcs.vertices, chain)
             })
             .fold(0.0, f64::max)
     }
@@ -501,6 +500,7 @@ struct Thinning<'a> {
     /// Vertices that each ring still has.
     ring_size: Vec<u32>,
     node_edges: HashSet<[u32; 2]>,
+    around: Surroundings<'a>,
 }
 
 impl<'a> Thinning<'a> {
@@ -512,6 +512,10 @@ impl<'a> Thinning<'a> {
             chains: arcs.arcs.iter().map(|arc| Chain::new(arc, arcs)).collect(),
             ring_size: sizes.collect(),
             node_edges: arcs.node_edges.clone(),
+            around: Surroundings {
+                shared,
+                grid: VertexGrid::new(&arcs.vertices),
+            },
         }
     }
 
@@ -538,38 +542,33 @@ impl<'a> Thinning<'a> {
         kept
     }
 
-    /// Takes out what the tolerance allows.
+    /// Takes out what the tolerance allows; returns of each vertex whether it is still there.
     ///
     /// Each arc for itself: to it the others stay as they are now. They can only lose vertices: a
     /// triangle that holds none of theirs now holds none in whatever order the arcs come. So what is
     /// left does not depend on the number of threads.
-    fn run(&mut self, tolerance_m: f64) {
-        let all = &self.shared.arcs.vertices;
-        let kept = self.kept();
-        let members: Vec<u32> = (0..all.len())
-            .filter(|&vertex| kept[vertex])
-            .map(index_u32)
-            .collect();
-        let around = Surroundings {
-            shared: self.shared,
-            grid: VertexGrid::new(all, &members),
-        };
+    fn run(&mut self, tolerance_m: f64) -> Vec<bool> {
+        let around = &self.around;
         let thinned = self.chains.par_iter_mut();
         let lost: Vec<u32> = thinned
-            .map(|chain| chain.thin(&around, tolerance_m))
+            .map(|chain| chain.thin(around, tolerance_m))
             .collect();
         for (chain, lost) in self.chains.iter().zip(lost) {
             for &ring in &chain.arc.rings {
                 self.ring_size[ring as usize] -= lost;
             }
         }
-        self.straighten(&around, tolerance_m);
+        self.straighten(tolerance_m);
+        let kept = self.kept();
+        self.around.grid.retain(|vertex| kept[vertex as usize]);
+        kept
     }
 
     /// Arcs with one vertex left between their ends become edges where they may; one after the other,
     /// since two between the same nodes cannot both, nor all arcs of a ring.
-    fn straighten(&mut self, around: &Surroundings<'_>, tolerance_m: f64) {
-        let chains = self.chains.iter().enumerate();
+    fn straighten(&mut self, tolerance_m: f64) {
+        let around = &self.around;
+        let chains = self.chains.iter_mut().enumerate();
         let mut last: Vec<(Candidate, usize)> = chains
             .filter(|(_, chain)| chain.inside == 1)
             .filter_map(|(k, chain)| {
@@ -629,6 +628,8 @@ struct Link {
     /// Grows when its neighbours change, and what was queued before is stale.
     version: u32,
     is_there: bool,
+    /// What its loss would cost, metres; infinite where that cannot be judged, not a number before it is asked for.
+    deviation_m: f64,
 }
 
 impl<'a> Chain<'a> {
@@ -639,6 +640,7 @@ impl<'a> Chain<'a> {
             after: index_u32(k + 1),
             version: 0,
             is_there: true,
+            deviation_m: f64::NAN,
         };
         Self {
             arc,
@@ -672,6 +674,7 @@ impl<'a> Chain<'a> {
             }
             for side in self.take_out(candidate) {
                 self.links[side].version += 1;
+                self.links[side].deviation_m = f64::NAN;
                 queue.extend(self.candidate(around, side, tolerance_m).map(Reverse));
             }
         }
@@ -679,7 +682,7 @@ impl<'a> Chain<'a> {
     }
 
     fn candidate(
-        &self,
+        &mut self,
         around: &Surroundings<'_>,
         entry: usize,
         tolerance_m: f64,
@@ -693,12 +696,16 @@ impl<'a> Chain<'a> {
         let [from, to] = self.beside(entry);
         let vertices = &around.shared.arcs.vertices;
         let judge = &around.shared.judge;
-        let deviation_m = judge.deviation_m(vertices, &self.entries[from..=to], tolerance_m)?;
-        Some(Candidate {
-            deviation_m,
+        let link = &mut self.links[entry];
+        if link.deviation_m.is_nan() {
+            let found_m = judge.deviation_m(vertices, &self.entries[from..=to]);
+            link.deviation_m = found_m.unwrap_or(f64::INFINITY);
+        }
+        (link.deviation_m <= tolerance_m).then(|| Candidate {
+            deviation_m: link.deviation_m,
             position: vertices[self.entries[entry].vertex as usize].position,
             entry: index_u32(entry),
-            version: self.links[entry].version,
+            version: link.version,
         })
     }
 
@@ -789,7 +796,7 @@ fn holds_vertex(
     }
     let ids = corners.map(|entry| entry.vertex);
     let normals = at.map(|vertex| vertex.normal);
-    grid.any_in_box(&arcs.vertices, low, high, &mut |vertex, position| {
+    grid.any_in_box(low, high, &mut |vertex, position| {
         let is_other = !ids.contains(&vertex) && !is_gone(vertex);
         is_other
             && match rule {

@@ -33,24 +33,19 @@ impl Judge {
         }
     }
 
-    /// Deviation of the edge between the ends of `chain` from the chain; `None` above `limit_m`,
-    /// and for an edge too long to be judged.
-    pub(super) fn deviation_m(
-        &self,
-        vertices: &[Vertex],
-        chain: &[Entry],
-        limit_m: f64,
-    ) -> Option<f64> {
+    /// Deviation of the edge between the ends of `chain` from the chain; `None` for an edge too long to be
+    /// judged.
+    pub(super) fn deviation_m(&self, vertices: &[Vertex], chain: &[Entry]) -> Option<f64> {
         match self.rule {
-            EdgeRule::Planar => self.planar_m(chain, limit_m),
-            EdgeRule::GreatEllipse => self.great_ellipse_m(vertices, chain, limit_m),
+            EdgeRule::Planar => self.planar_m(chain),
+            EdgeRule::GreatEllipse => self.great_ellipse_m(vertices, chain),
         }
     }
 
     /// Distances in a flat metric in which no step is shorter than it is on the body anywhere
     /// between the chain's southernmost and northernmost latitude: metres per degree of longitude
     /// from where they are most, and of latitude likewise.
-    fn planar_m(&self, chain: &[Entry], limit_m: f64) -> Option<f64> {
+    fn planar_m(&self, chain: &[Entry]) -> Option<f64> {
         let (first, last) = (chain.first()?, chain.last()?);
         let [x0, y0] = first.position;
         let span = [last.position[0] - x0, last.position[1] - y0];
@@ -84,15 +79,12 @@ impl Judge {
             };
             let off = [0, 1].map(|axis| from_first[axis] - share * along[axis]);
             worst = worst.max(off[0] * off[0] + off[1] * off[1]);
-            if worst > limit_m * limit_m {
-                return None;
-            }
         }
         Some(worst.sqrt())
     }
 
     /// Distances between normals: the body's curvature radii bound what they mean in metres.
-    fn great_ellipse_m(&self, vertices: &[Vertex], chain: &[Entry], limit_m: f64) -> Option<f64> {
+    fn great_ellipse_m(&self, vertices: &[Vertex], chain: &[Entry]) -> Option<f64> {
         let normal_of = |entry: &Entry| vertices[entry.vertex as usize].normal;
         let (a, c) = (normal_of(chain.first()?), normal_of(chain.last()?));
         if a.dot(c) < LONGEST_EDGE_DEG.to_radians().cos() {
@@ -124,7 +116,6 @@ impl Judge {
             return None;
         }
         let chord = (worst / depth).sqrt();
-        let deviation_m = 2.0 * (0.5 * chord).min(1.0).asin() * self.largest_radius_m;
-        (deviation_m <= limit_m).then_some(deviation_m)
+        Some(2.0 * (0.5 * chord).min(1.0).asin() * self.largest_radius_m)
     }
 }

@@ -3,6 +3,7 @@
 
 use super::arcs::Vertex;
 use crate::edge::Degrees;
+use crate::mesh::index_u32;
 
 /// Cells per side at most: 2²² cells are 16 MB.
 const MAX_CELLS_A_SIDE: f64 = 2048.0;
@@ -15,7 +16,8 @@ pub(super) struct VertexGrid {
     rows: usize,
     /// Range of `vertices` that belongs to each cell, row by row.
     first: Vec<u32>,
-    vertices: Vec<u32>,
+    /// With their positions, which are read one after the other.
+    vertices: Vec<(u32, Degrees)>,
 }
 
 impl VertexGrid {
@@ -25,17 +27,16 @@ impl VertexGrid {
         clippy::cast_sign_loss,
         reason = "between 1 and 2,048"
     )]
-    pub(super) fn new(all: &[Vertex], members: &[u32]) -> Self {
+    pub(super) fn new(all: &[Vertex]) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for &member in members {
-            let position = all[member as usize].position;
+        for vertex in all {
             for axis in 0..2 {
-                low[axis] = low[axis].min(position[axis]);
-                high[axis] = high[axis].max(position[axis]);
+                low[axis] = low[axis].min(vertex.position[axis]);
+                high[axis] = high[axis].max(vertex.position[axis]);
             }
         }
         let extent = [0, 1].map(|axis| (high[axis] - low[axis]).max(f64::MIN_POSITIVE));
-        let wanted = members.len().max(1) as f64;
+        let wanted = all.len().max(1) as f64;
         let columns = (wanted * extent[0] / extent[1])
             .sqrt()
             .clamp(1.0, MAX_CELLS_A_SIDE)
@@ -47,15 +48,13 @@ impl VertexGrid {
             columns: columns as usize,
             rows: rows as usize,
             first: Vec::new(),
-            vertices: vec![0; members.len()],
+            vertices: vec![(0, [0.0; 2]); all.len()],
         };
-        let cells: Vec<usize> = members
-            .iter()
-            .map(|&member| {
-                let [longitude, latitude] = all[member as usize].position;
-                grid.row(latitude) * grid.columns + grid.column(longitude)
-            })
-            .collect();
+        let cell_of = |vertex: &Vertex| {
+            let [longitude, latitude] = vertex.position;
+            grid.row(latitude) * grid.columns + grid.column(longitude)
+        };
+        let cells: Vec<usize> = all.iter().map(cell_of).collect();
         let mut past = vec![0_u32; grid.columns * grid.rows + 1];
         for &cell in &cells {
             past[cell + 1] += 1;
@@ -64,11 +63,27 @@ impl VertexGrid {
             past[cell] += past[cell - 1];
         }
         grid.first.clone_from(&past);
-        for (&member, &cell) in members.iter().zip(&cells) {
-            grid.vertices[past[cell] as usize] = member;
+        for (number, (vertex, &cell)) in (0..).zip(all.iter().zip(&cells)) {
+            grid.vertices[past[cell] as usize] = (number, vertex.position);
             past[cell] += 1;
         }
         grid
+    }
+
+    /// Forgets all other vertices.
+    pub(super) fn retain(&mut self, is_kept: impl Fn(u32) -> bool) {
+        let (mut read, mut written) = (0, 0);
+        for past in &mut self.first[1..] {
+            for place in std::mem::replace(&mut read, *past as usize)..*past as usize {
+                let own = self.vertices[place];
+                if is_kept(own.0) {
+                    self.vertices[written] = own;
+                    written += 1;
+                }
+            }
+            *past = index_u32(written);
+        }
+        self.vertices.truncate(written);
     }
 
     fn column(&self, longitude: f64) -> usize {
@@ -86,7 +101,6 @@ impl VertexGrid {
     /// It is called with the vertex and its longitude in the box's turn.
     pub(super) fn any_in_box(
         &self,
-        all: &[Vertex],
         low: Degrees,
         high: Degrees,
         holds: &mut impl FnMut(u32, Degrees) -> bool,
@@ -100,8 +114,7 @@ impl VertexGrid {
                 let cells =
                     row * self.columns + columns.start()..row * self.columns + columns.end() + 1;
                 let range = self.first[cells.start]..self.first[cells.end];
-                for &vertex in &self.vertices[range.start as usize..range.end as usize] {
-                    let [x, y] = all[vertex as usize].position;
+                for &(vertex, [x, y]) in &self.vertices[range.start as usize..range.end as usize] {
                     let x = x + shift;
                     let in_box = low[0] <= x && x <= high[0] && low[1] <= y && y <= high[1];
                     if in_box && holds(vertex, [x, y]) {
