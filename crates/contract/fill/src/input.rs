@@ -188,6 +188,16 @@ pub struct FillInput {
 }
 
 impl FillInput {
+    /// What the view leaves out, of regions and surface: the `left_out` column.
+    #[must_use]
+    pub fn left_out_summary(&self) -> String {
+        let of_regions = self.plan.left_out_summary(&self.scene.meshes);
+        let of_surface = self.surface.left_out_summary();
+        let phrases = [Some(of_regions), of_surface].into_iter().flatten();
+        let some: Vec<String> = phrases.filter(|phrase| !phrase.is_empty()).collect();
+        some.join("; ")
+    }
+
     /// Plans a frame of `scene` seen by `view`.
     ///
     /// # Errors

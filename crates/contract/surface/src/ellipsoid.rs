@@ -61,8 +61,8 @@ impl Surface for EllipsoidSurface {
         Some(0.0)
     }
 
-    fn frame(&self, camera: &Camera, _size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
-        self.mesh.frame(KIND, camera)
+    fn frame(&self, camera: &Camera, size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
+        self.mesh.frame_by_blocks(KIND, camera, size)
     }
 }
 

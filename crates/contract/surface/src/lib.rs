@@ -9,6 +9,7 @@
 //! A surface that leaves depth without triangles, such as a ray cast for each pixel, needs another form
 //! of frame, in which the reference reads depth back. There is none yet.
 
+mod blocks;
 mod elevation;
 mod ellipsoid;
 mod kind;
@@ -16,6 +17,7 @@ mod mesh;
 mod refining;
 mod surface;
 
+pub use blocks::SurfaceBlocks;
 pub use elevation::read_elevation;
 pub use ellipsoid::EllipsoidKind;
 pub use kind::{Parameters, SurfaceKind, open_surface};

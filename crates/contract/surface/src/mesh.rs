@@ -3,12 +3,12 @@
 //!
 //! ECEF metres, `f64`.
 
-use crate::{SurfaceError, SurfaceFrame};
+use crate::{SurfaceBlocks, SurfaceError, SurfaceFrame};
 use glam::DVec3;
 use std::f64::consts::PI;
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Geodetic};
-use terrafill_scene::{Camera, HeightRange};
+use terrafill_scene::{Camera, HeightRange, ImageSize};
 
 /// Triangles of a planet's surface.
 #[derive(Debug, Clone)]
@@ -23,7 +23,13 @@ pub struct SurfaceMesh {
     pub triangles: Arc<[[u32; 3]]>,
     /// Of all triangles as drawn.
     pub heights: HeightRange,
+    /// Blocks that a view draws or leaves out as one; none where all triangles are always drawn.
+    pub blocks: SurfaceBlocks,
 }
+
+/// Blocks of a grid from pole to pole at most, and cells on a block's side at least.
+const MOST_BLOCK_ROWS: u32 = 64;
+const FEWEST_BLOCK_CELLS: u32 = 9;
 
 impl SurfaceMesh {
     /// The bare ellipsoid as a [grid](SurfaceMesh::grid).
@@ -47,7 +53,7 @@ impl SurfaceMesh {
 
     /// Grid of `rows` × `2·rows` cells of longitude and latitude from the south pole and 180° west,
     /// two triangles a cell, one in the rows at the poles. Both triangles of a cell begin with its
-    /// south-western vertex, `row · 2 · rows + column`.
+    /// south-western vertex, `row · 2 · rows + column`. They come block by block: square pieces of the grid.
     ///
     /// - `rows`: at least 4
     /// - `height_m`: height of a vertex by row and column; at the poles that of column 0
@@ -76,20 +82,31 @@ impl SurfaceMesh {
                 });
             }
         }
-        let mut triangles = Vec::new();
-        for row in 0..rows {
-            for column in 0..columns {
-                let south_west = row * columns + column;
-                let south_east = row * columns + (column + 1) % columns;
-                let (north_west, north_east) = (south_west + columns, south_east + columns);
-                if row > 0 {
-                    triangles.push([south_west, south_east, north_east]);
-                }
-                if row + 1 < rows {
-                    triangles.push([south_west, north_east, north_west]);
+        let mut triangles: Vec<[u32; 3]> = Vec::new();
+        let mut starts = Vec::new();
+        let side = rows.div_ceil(MOST_BLOCK_ROWS).max(FEWEST_BLOCK_CELLS);
+        for south in (0..rows).step_by(side as usize) {
+            for west in (0..columns).step_by(side as usize) {
+                starts.push(triangle_number(&triangles));
+                for column in west..columns.min(west + side) {
+                    for row in south..rows.min(south + side) {
+                        let south_west = row * columns + column;
+                        let south_east = row * columns + (column + 1) % columns;
+                        let (north_west, north_east) = (south_west + columns, south_east + columns);
+                        if row > 0 {
+                            triangles.push([south_west, south_east, north_east]);
+                        }
+                        if row + 1 < rows {
+                            triangles.push([south_west, north_east, north_west]);
+                        }
+                    }
                 }
             }
         }
+        let ends = starts.iter().copied().skip(1);
+        let ends = ends.chain([triangle_number(&triangles)]);
+        let ranges = starts.iter().zip(ends).map(|(&start, end)| start..end);
+        let blocks = SurfaceBlocks::new(ranges, &triangles, &vertices_ecef);
         let mut mesh = Self {
             body: *body,
             vertices_ecef,
@@ -99,6 +116,7 @@ impl SurfaceMesh {
                 lowest_m: f64::INFINITY,
                 highest_m: f64::NEG_INFINITY,
             },
+            blocks,
         };
         let facets = mesh.triangles.iter().map(|facet| mesh.facet_heights(facet));
         mesh.heights = facets.fold(mesh.heights, HeightRange::union);
@@ -154,6 +172,23 @@ impl SurfaceMesh {
             triangles: Arc::clone(&self.triangles),
             heights: self.heights,
             parts: Arc::default(),
+            shown: None,
+        })
+    }
+
+    /// As [`SurfaceMesh::frame`], of which the view draws the blocks that it may show.
+    ///
+    /// # Errors
+    /// [`SurfaceError::EyeBelow`].
+    pub fn frame_by_blocks(
+        &self,
+        kind: &'static str,
+        camera: &Camera,
+        size: ImageSize,
+    ) -> Result<SurfaceFrame, SurfaceError> {
+        Ok(SurfaceFrame {
+            shown: self.blocks.shown(camera, size),
+            ..self.frame(kind, camera)?
         })
     }
 
@@ -182,6 +217,15 @@ impl SurfaceMesh {
         }
         Ok(())
     }
+}
+
+/// Of the next triangle.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "4,096 rows have 67 million triangles"
+)]
+fn triangle_number(triangles: &[[u32; 3]]) -> u32 {
+    triangles.len() as u32
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 use std::fmt::Debug;
+use std::ops::Range;
 use std::sync::Arc;
 use terrafill_core::Extent;
 use terrafill_scene::{Camera, HeightRange, ImageSize, MipChain};
@@ -118,6 +119,9 @@ pub struct SurfaceFrame {
     /// The same for parts of the surface, which together hold every triangle that can be seen; none where
     /// the surface has the same heights in every view.
     pub parts: Arc<[SurfacePart]>,
+    /// Ranges of the triangles, ascending, that hold every front face the view may show; all of them where there is
+    /// `None`. The reference looks at all triangles, so that it judges this choice too.
+    pub shown: Option<Arc<[Range<u32>]>>,
 }
 
 /// A part of a surface as one view draws it.
@@ -130,6 +134,36 @@ pub struct SurfacePart {
 }
 
 impl SurfaceFrame {
+    /// Ranges of indices to draw, three a triangle: what the view may show, or everything.
+    ///
+    /// - `draws_back_faces`: which are not known to be hidden
+    #[must_use]
+    pub fn index_ranges(&self, draws_back_faces: bool) -> Vec<Range<u32>> {
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "indices of triangles are u32"
+        )]
+        let whole = 0..self.triangles.len() as u32;
+        let shown = self.shown.as_deref().filter(|_| !draws_back_faces);
+        let shown = shown.unwrap_or(std::slice::from_ref(&whole)).iter();
+        let some = shown.map(|range| 3 * range.start..3 * range.end.min(whole.end));
+        some.filter(|range| !range.is_empty()).collect()
+    }
+
+    /// One phrase on the triangles that are not drawn, where that is any.
+    #[must_use]
+    pub fn left_out_summary(&self) -> Option<String> {
+        let of = self.triangles.len();
+        let ranges = self.index_ranges(false);
+        let drawn: usize = ranges.iter().map(|range| range.len() / 3).sum();
+        let left_out = of - drawn;
+        (left_out > 0).then(|| {
+            format!(
+                "{left_out} of {of} triangles of the surface that face away or lie outside the image"
+            )
+        })
+    }
+
     /// Heights of what this view draws over `extent`.
     ///
     /// - `stated`: of the surface there in whatever view, [`Surface::heights`]
@@ -280,6 +314,7 @@ mod tests {
                 part(170.0, 180.0, 300.0, 500.0),
             ]
             .into(),
+            shown: None,
         };
         let stated = range(-1000.0, 1000.0);
         for (west, east, expected) in [

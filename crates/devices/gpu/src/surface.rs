@@ -5,6 +5,7 @@ use crate::Gpu;
 use crate::attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT};
 use crate::picture::{bind_picture, picture_layout, upload_picture};
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 use terrafill_fill::{DeviceError, SurfaceLook, count_u32};
 use terrafill_scene::MipChain;
@@ -27,7 +28,8 @@ struct Uploaded {
     vertices: wgpu::Buffer,
     vertex_bytes: usize,
     indices: wgpu::Buffer,
-    index_count: u32,
+    /// Of the indices, what the view may show.
+    drawn: Vec<Range<u32>>,
     /// What the indices are of.
     triangles: Arc<[[u32; 3]]>,
 }
@@ -102,18 +104,21 @@ impl SurfaceRenderer for TriangleRenderer {
             self.pipelines.insert(self.look, pipeline);
         }
         let vertices: &[u8] = bytemuck::cast_slice(&frame.vertices_rte);
-        let held = self.uploaded.as_ref();
+        let drawn = frame.index_ranges(self.look.draws_back_faces);
+        let held = self.uploaded.as_mut();
         if let Some(held) = held.filter(|held| held.has_room_for(frame)) {
+            held.drawn = drawn;
             self.gpu.write_buffer(&held.vertices, 0, vertices);
             return Ok(());
         }
         let indices = frame.triangles.as_flattened();
+        count_u32("surface indices", indices.len())?;
         let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
         let upload = |label, bytes, usage| self.gpu.upload(label, bytes, usage);
         self.uploaded = Some(Uploaded {
             vertices: upload("surface vertices", vertices, vertex)?,
             indices: upload("surface indices", bytemuck::cast_slice(indices), index)?,
-            index_count: count_u32("surface indices", indices.len())?,
+            drawn,
             vertex_bytes: vertices.len(),
             triangles: Arc::clone(&frame.triangles),
         });
@@ -131,7 +136,9 @@ impl SurfaceRenderer for TriangleRenderer {
         }
         pass.set_vertex_buffer(0, uploaded.vertices.slice(..));
         pass.set_index_buffer(uploaded.indices.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..uploaded.index_count, 0, 0..1);
+        for range in &uploaded.drawn {
+            pass.draw_indexed(range.clone(), 0, 0..1);
+        }
     }
 }
 

@@ -7,6 +7,7 @@ use crate::{
 };
 use ash::vk;
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 use terrafill_fill::{DeviceError, SurfaceLook, count_u32};
 use terrafill_scene::MipChain;
@@ -48,7 +49,8 @@ struct Uploaded {
     vertices: Buffer,
     vertex_bytes: usize,
     indices: Buffer,
-    index_count: u32,
+    /// Of the indices, what the view may show.
+    drawn: Vec<Range<u32>>,
     /// What the indices are of.
     triangles: Arc<[[u32; 3]]>,
 }
@@ -127,11 +129,14 @@ impl SurfaceRenderer for TriangleRenderer {
             self.pipelines.insert(self.look, pipeline);
         }
         let vertices: &[u8] = bytemuck::cast_slice(&frame.vertices_rte);
-        let held = self.uploaded.as_ref();
+        let drawn = frame.index_ranges(self.look.draws_back_faces);
+        let held = self.uploaded.as_mut();
         if let Some(held) = held.filter(|held| held.has_room_for(frame)) {
+            held.drawn = drawn;
             return held.vertices.rewrite_parts(&[(0, vertices)]);
         }
         let indices = frame.triangles.as_flattened();
+        count_u32("surface indices", indices.len())?;
         let upload = |label, bytes, use_for| Buffer::upload(&self.gpu, label, bytes, use_for);
         self.uploaded = Some(Uploaded {
             vertices: upload("surface vertices", vertices, BufferUse::Vertex)?,
@@ -140,7 +145,7 @@ impl SurfaceRenderer for TriangleRenderer {
                 bytemuck::cast_slice(indices),
                 BufferUse::Index,
             )?,
-            index_count: count_u32("surface indices", indices.len())?,
+            drawn,
             vertex_bytes: vertices.len(),
             triangles: Arc::clone(&frame.triangles),
         });
@@ -166,7 +171,10 @@ impl SurfaceRenderer for TriangleRenderer {
             device.cmd_bind_vertex_buffers(commands, 0, &[uploaded.vertices.raw], &[0]);
             let width = vk::IndexType::UINT32;
             device.cmd_bind_index_buffer(commands, uploaded.indices.raw, 0, width);
-            device.cmd_draw_indexed(commands, uploaded.index_count, 1, 0, 0, 0);
+            for range in &uploaded.drawn {
+                let count = range.end - range.start;
+                device.cmd_draw_indexed(commands, count, 1, range.start, 0, 0);
+            }
         }
     }
 }

@@ -57,7 +57,7 @@ impl Probe {
                 input.plan.regions.len() as u64,
                 input.plan.left_out.len() as u64,
             ]),
-            left_out: input.plan.left_out_summary(meshes),
+            left_out: input.left_out_summary(),
             boundary_deviation_m: largest_deviation(meshes),
             wall_height_m: tallest_wall(input),
             cap_triangles: Some(cap_triangles(input)),

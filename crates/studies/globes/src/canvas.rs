@@ -161,6 +161,7 @@ pub(crate) fn no_triangles() -> terrafill_surface::SurfaceFrame {
             highest_m: 0.0,
         },
         parts: Arc::default(),
+        shown: None,
     }
 }
 

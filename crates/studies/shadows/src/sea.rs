@@ -32,6 +32,7 @@ pub(crate) fn surface(positions: Positions, view: &View, mesh: &Mesh) -> Surface
             highest_m: 0.0,
         },
         parts: [].into(),
+        shown: None,
     }
 }
 

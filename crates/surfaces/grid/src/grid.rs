@@ -115,8 +115,8 @@ impl Surface for GridSurface {
         Some(self.elevation.height_m(longitude_deg, latitude_deg))
     }
 
-    fn frame(&self, camera: &Camera, _size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
-        self.mesh.frame(KIND, camera)
+    fn frame(&self, camera: &Camera, size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
+        self.mesh.frame_by_blocks(KIND, camera, size)
     }
 }
 

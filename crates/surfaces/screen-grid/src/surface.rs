@@ -150,6 +150,7 @@ impl Surface for ScreenGrid {
             triangles: mesh.triangles.into(),
             heights,
             parts: parts.into(),
+            shown: None,
         })
     }
 }

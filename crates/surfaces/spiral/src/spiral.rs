@@ -13,7 +13,8 @@ use terrafill_core::{Ellipsoid, Extent};
 use terrafill_elevation::{Base, Elevation};
 use terrafill_scene::{Camera, HeightRange, ImageSize};
 use terrafill_surface::{
-    Parameters, Surface, SurfaceError, SurfaceFrame, SurfaceKind, SurfaceMesh, read_elevation,
+    Parameters, Surface, SurfaceBlocks, SurfaceError, SurfaceFrame, SurfaceKind, SurfaceMesh,
+    read_elevation,
 };
 
 /// Name in scene files.
@@ -232,6 +233,7 @@ impl Spiral {
                 lowest_m: f64::INFINITY,
                 highest_m: f64::NEG_INFINITY,
             },
+            blocks: SurfaceBlocks::default(),
         };
         let facets = mesh.triangles.iter().map(|facet| mesh.facet_heights(facet));
         mesh.heights = facets.fold(mesh.heights, HeightRange::union);

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Extent, Geodetic};
 use terrafill_elevation::Elevation;
 use terrafill_scene::HeightRange;
-use terrafill_surface::{SurfaceMesh, SurfacePart};
+use terrafill_surface::{SurfaceBlocks, SurfaceMesh, SurfacePart};
 
 /// Vertices of a tile's side.
 const SIDE: u32 = CELLS + 1;
@@ -108,6 +108,7 @@ pub(crate) fn draw(
             lowest_m: f64::INFINITY,
             highest_m: f64::NEG_INFINITY,
         },
+        blocks: SurfaceBlocks::default(),
     };
     let eye = body.ecef_to_geodetic(sight.eye_ecef);
     let eye_deg = [eye.longitude_rad, eye.latitude_rad].map(f64::to_degrees);

@@ -124,6 +124,47 @@ fn another_view_of_a_surface_writes_its_vertices_and_makes_nothing() {
 }
 
 #[test]
+fn blocks_of_the_surface_that_a_view_leaves_out_change_no_pixel() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    let scene = two_squares();
+    let drawn = |input: &FillInput| {
+        let targets = AllTargets::new(&devices, SIZE);
+        let (mut wgpu, mut vulkan) = (targets.wgpu().borrow_mut(), targets.vulkan().borrow_mut());
+        wgpu.prepare(input).expect("fits");
+        vulkan.prepare(input).expect("fits");
+        wgpu.draw_surface().expect("draws");
+        vulkan.draw_surface().expect("draws");
+        let pictures = [wgpu.read(), vulkan.read()].map(|read| read.expect("reads"));
+        pictures.map(|picture| (picture.rgba, picture.depth))
+    };
+    for (place, least_left_out) in [
+        ((4.0, 2.0, 2e6, 0.0, -90.0), 0.8),
+        ((4.0, 2.0, 3e3, 30.0, -8.0), 0.9),
+        ((4.0, 2.0, 5e7, 0.0, -90.0), 0.4),
+        ((100.0, 89.5, 1e5, 10.0, -30.0), 0.7),
+    ] {
+        let mut input = look(&scene, place, 100.0, SIZE);
+        let by_blocks = drawn(&input);
+        let shown = input.surface.shown.take().expect("has blocks");
+        let all = input.surface.triangles.len();
+        let left_out =
+            1.0 - shown.iter().map(|range| range.len()).sum::<usize>() as f64 / all as f64;
+        assert!(left_out > least_left_out, "{place:?}: {left_out}");
+        let whole = drawn(&input);
+        assert!(by_blocks == whole, "{place:?}");
+        // Twin: without some of what it shows it differs.
+        let mut lacking = shown.to_vec();
+        lacking.remove(shown.len() / 2);
+        input.surface.shown = Some(lacking.into());
+        let found = drawn(&input);
+        let [wgpu, vulkan] = [0, 1].map(|device| found[device] != whole[device]);
+        assert!(wgpu && vulkan, "{place:?}");
+    }
+}
+
+#[test]
 fn bytes_by_formula_are_the_bytes_handed_to_the_device() {
     let Some(devices) = Devices::open() else {
         return;

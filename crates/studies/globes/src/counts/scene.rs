@@ -191,6 +191,7 @@ fn numbers(eye: &Eye, drawn: &Drawn) -> Vec<u32> {
             highest_m: 0.0,
         },
         parts: Arc::default(),
+        shown: None,
     };
     let key = |corners: [DVec3; 3]| corners.map(|corner| corner.to_array().map(f64::to_bits));
     let per_node = drawn.per_node as usize;
