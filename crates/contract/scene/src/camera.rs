@@ -106,6 +106,25 @@ impl Camera {
         self.view_from_ecef.transpose() * DVec3::new(x, y, -1.0)
     }
 
+    /// Inward unit normals, ECEF, of the five planes through the eye that bound what the image shows: its left,
+    /// right, lower and upper sides, and the plane across the viewing direction, behind which nothing is seen.
+    ///
+    /// - `margin`: by how much the image is wider on each side, share of its half
+    #[must_use]
+    pub fn side_planes_ecef(&self, size: ImageSize, margin: f64) -> [DVec3; 5] {
+        let tan_y = self.tan_half_fov() * (1.0 + margin);
+        let tan_x = tan_y * size.aspect();
+        let normals = [
+            DVec3::new(1.0, 0.0, -tan_x),
+            DVec3::new(-1.0, 0.0, -tan_x),
+            DVec3::new(0.0, 1.0, -tan_y),
+            DVec3::new(0.0, -1.0, -tan_y),
+            DVec3::NEG_Z,
+        ];
+        let ecef_from_view = self.view_from_ecef.transpose();
+        normals.map(|normal| ecef_from_view * normal.normalize())
+    }
+
     /// Width of a pixel at `distance_m` from the eye, metres.
     #[must_use]
     pub fn pixel_size_m(&self, size: ImageSize, distance_m: f64) -> f64 {
@@ -166,6 +185,35 @@ mod tests {
                 "{above:?}"
             );
         }
+    }
+
+    #[test]
+    fn planes_tell_what_lies_beside_the_image_and_behind_the_eye() {
+        let camera = Camera::new(&Ellipsoid::WGS84, &pose(343.6, -2.0));
+        let beyond = |place_px: [f64; 2], along: f64, margin: f64| {
+            let from_eye = along * camera.direction_ecef(SIZE, place_px);
+            let planes = camera.side_planes_ecef(SIZE, margin);
+            planes.map(|plane| plane.dot(from_eye) < 0.0)
+        };
+        let none = [false; 5];
+        for corner_px in [[0.01, 0.01], [199.99, 99.99]] {
+            assert_eq!(beyond(corner_px, 1e4, 0.0), none);
+        }
+        for (side, place_px) in [
+            [-0.01, 50.0],
+            [200.01, 50.0],
+            [100.0, 100.01],
+            [100.0, -0.01],
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let mut expected = none;
+            expected[side] = true;
+            assert_eq!(beyond(place_px, 1e4, 0.0), expected);
+            assert_eq!(beyond(place_px, 1e4, 1e-3), none, "within the margin");
+        }
+        assert!(beyond([100.0, 50.0], -1.0, 0.0)[4], "behind the eye");
     }
 
     #[test]

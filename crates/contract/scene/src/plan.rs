@@ -443,6 +443,8 @@ impl FramePlan {
 pub(crate) struct Planner<'a> {
     camera: &'a Camera,
     size: ImageSize,
+    /// [`Camera::side_planes_ecef`].
+    side_planes_ecef: [DVec3; 5],
     horizon: Horizon,
     clearance_m: f64,
     /// How much farther volumes reach up and down than the terrain needs.
@@ -462,6 +464,7 @@ impl<'a> Planner<'a> {
         Self {
             camera,
             size,
+            side_planes_ecef: camera.side_planes_ecef(size, 0.0),
             horizon: Horizon::new(body, camera.eye_ecef, terrain.lowest_m),
             clearance_m: cap_clearance_m(body, camera, size, terrain),
             beyond_m: match options.wall_heights {
@@ -498,9 +501,15 @@ impl<'a> Planner<'a> {
         let (camera, size) = (self.camera, self.size);
         let footprint = Footprint::new(camera, size, corners);
         let rect = footprint.map_or(PixelRect::full(size), |f| f.rect(size));
-        let off_screen =
-            rect.width() == 0 || rect.height() == 0 || outside_frustum(camera, size, corners);
+        let off_screen = rect.width() == 0 || rect.height() == 0 || self.is_outside(corners);
         (footprint, rect, off_screen)
+    }
+
+    /// Whether all corners lie outside one side plane, or behind the eye.
+    fn is_outside(&self, corners: &[DVec3; 8]) -> bool {
+        let from_eye = corners.map(|corner| corner - self.camera.eye_ecef);
+        let is_outside = |plane: &DVec3| from_eye.iter().all(|corner| corner.dot(*plane) < 0.0);
+        self.side_planes_ecef.iter().any(is_outside)
     }
 
     /// # Errors
@@ -561,26 +570,13 @@ impl<'a> Planner<'a> {
 
     /// How far a box is from what the image shows, metres: at least that far, and 0 where it may reach it.
     fn outside_m(&self, around: &OrientedBox) -> f64 {
-        let tan_y = self.camera.tan_half_fov();
-        let [x, y] = [tan_y * self.size.aspect(), tan_y].map(|tan| {
-            // Of (1, tan) and of (−1, tan), unit normals of two opposite sides.
-            let length = tan.hypot(1.0);
-            [length.recip(), tan / length]
-        });
-        let normals = [
-            DVec3::new(x[0], 0.0, x[1]),
-            DVec3::new(-x[0], 0.0, x[1]),
-            DVec3::new(0.0, y[0], y[1]),
-            DVec3::new(0.0, -y[0], y[1]),
-            DVec3::Z,
-        ];
         let corners = around.corners_ecef();
-        let view = corners.map(|at| self.camera.view_from_ecef * (at - self.camera.eye_ecef));
+        let corners = corners.map(|at| at - self.camera.eye_ecef);
         let beyond = |normal: &DVec3| {
-            let distances = view.iter().map(|corner| corner.dot(*normal));
+            let distances = corners.iter().map(|corner| -corner.dot(*normal));
             distances.fold(f64::INFINITY, f64::min)
         };
-        normals.iter().map(beyond).fold(0.0, f64::max)
+        self.side_planes_ecef.iter().map(beyond).fold(0.0, f64::max)
     }
 
     /// What a pixel is worth where it is worth least, metres: a displacement of this length of
@@ -639,21 +635,6 @@ fn cap_clearance_m(
         0.0
     };
     camera.pixel_size_m(size, horizon_m + behind_m) * CAP_CLEARANCE_PX
-}
-
-/// Whether all corners lie outside one side plane, or behind the eye.
-fn outside_frustum(camera: &Camera, size: ImageSize, corners: &[DVec3; 8]) -> bool {
-    let tan_y = camera.tan_half_fov();
-    let tan_x = tan_y * size.aspect();
-    let view = corners.map(|corner| camera.view_from_ecef * (corner - camera.eye_ecef));
-    let outside: [&dyn Fn(&DVec3) -> bool; 5] = [
-        &|v| v.x > -v.z * tan_x,
-        &|v| -v.x > -v.z * tan_x,
-        &|v| v.y > -v.z * tan_y,
-        &|v| -v.y > -v.z * tan_y,
-        &|v| -v.z < 0.0,
-    ];
-    outside.iter().any(|plane| view.iter().all(plane))
 }
 
 /// The shadow of the body from the eye, in the space where the body is the unit sphere.

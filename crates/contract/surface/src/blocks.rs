@@ -104,7 +104,7 @@ impl SurfaceBlocks {
         if self.0.is_empty() {
             return None;
         }
-        let planes = image_planes(camera, size);
+        let planes = camera.side_planes_ecef(size, MARGIN);
         let is_outside = |block: &Block| {
             let from_eye = block.center_ecef - camera.eye_ecef;
             let is_beyond = |plane: &DVec3| plane.dot(from_eye) < -block.radius_m;
@@ -122,21 +122,6 @@ impl SurfaceBlocks {
         }
         Some(shown.into())
     }
-}
-
-/// Inward unit normals, ECEF, of the planes through the eye that bound the image, and of the one behind it.
-fn image_planes(camera: &Camera, size: ImageSize) -> [DVec3; 5] {
-    let tan_y = camera.tan_half_fov();
-    let [tan_x, tan_y] = [tan_y * size.aspect(), tan_y].map(|tan| tan * (1.0 + MARGIN));
-    let normals = [
-        DVec3::new(1.0, 0.0, -tan_x),
-        DVec3::new(-1.0, 0.0, -tan_x),
-        DVec3::new(0.0, 1.0, -tan_y),
-        DVec3::new(0.0, -1.0, -tan_y),
-        DVec3::new(0.0, 0.0, -1.0),
-    ];
-    let ecef_from_view = camera.view_from_ecef.transpose();
-    normals.map(|normal| ecef_from_view * normal.normalize())
 }
 
 #[cfg(test)]

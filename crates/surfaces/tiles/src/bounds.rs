@@ -68,19 +68,9 @@ pub(crate) struct Sight {
 impl Sight {
     /// - `lowest_m`: no triangle of the surface is lower in whatever view
     pub(crate) fn new(body: &Ellipsoid, camera: &Camera, size: ImageSize, lowest_m: f64) -> Self {
-        let tan_y = camera.tan_half_fov();
-        let tan_x = tan_y * size.aspect();
-        let normals = [
-            DVec3::new(1.0, 0.0, -tan_x),
-            DVec3::new(-1.0, 0.0, -tan_x),
-            DVec3::new(0.0, 1.0, -tan_y),
-            DVec3::new(0.0, -1.0, -tan_y),
-            DVec3::new(0.0, 0.0, -1.0),
-        ];
-        let ecef_from_view = camera.view_from_ecef.transpose();
         Self {
             eye_ecef: camera.eye_ecef,
-            planes: normals.map(|normal| ecef_from_view * normal.normalize()),
+            planes: camera.side_planes_ecef(size, 0.0),
             horizon: Horizon::new(body, camera.eye_ecef, lowest_m),
             near_m: camera.near_m,
             radius_m: body.equatorial_radius_m(),
