@@ -59,9 +59,6 @@ pub trait StencilExecutor<V>: Sized {
     /// [`DeviceError::Shader`].
     fn new(targets: &Self::Targets, switches: &Switches) -> Result<Self, DeviceError>;
 
-    /// Whether the device is a CPU.
-    fn is_software(&self) -> bool;
-
     /// What it runs on, for a backend of this name.
     fn capabilities(&self, backend: &'static str) -> Capabilities;
 

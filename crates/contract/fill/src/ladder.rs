@@ -253,7 +253,6 @@ impl Climb {
             "on the device are the meshes that views draw, each region's at the level it was last drawn at",
             |switches| switches.holds_drawn_meshes = true,
         )
-        .far_level(overlap)
     }
 
     /// One draw for many. Where regions keep an order, they are drawn one at a time.
@@ -270,17 +269,26 @@ impl Climb {
                 switches.scissor = false;
             },
         )
+    }
+
+    /// Experiments with everything that gains. Each loses on some devices or in some views, so no full plan has
+    /// it (`docs/volume-cost.md`). Where regions keep an order, none of them can be drawn.
+    #[must_use]
+    pub fn experiments_at_the_top(self, overlap: Overlap) -> Self {
+        if overlap == Overlap::Ordered {
+            return self;
+        }
+        self.aside(
+            "far-level",
+            "regions whose volumes are lower than half a pixel as flat meshes, without stencil",
+            |variant| variant.plan.far_level_px = Some(LOD_PX),
+        )
         .aside(
             "cover-tiles",
             "covers are cut to tiles that the facets of the region's cap touch, where those are fewer pixels",
             |variant| variant.switches.cover_area = CoverArea::Tiles,
         )
-        .wall_band()
-    }
-
-    /// An experiment for hardware, where a stencil test costs bandwidth: more is drawn, and less of it tested.
-    fn wall_band(self) -> Self {
-        self.aside(
+        .aside(
             "wall-band",
             "top caps bring the colour where no wall is in front of the surface; volumes are counted elsewhere only",
             |variant| {
@@ -302,30 +310,18 @@ impl Climb {
         )
     }
 
-    /// Caps without the facets that face away. Where regions keep an order, numbers cannot be flipped by XOR.
+    /// Caps without the facets that face away, beside the way, for a technique that draws caps apart from walls.
+    /// Where regions keep an order, numbers cannot be flipped by XOR.
     #[must_use]
     pub fn front_caps(self, overlap: Overlap) -> Self {
         if overlap == Overlap::Ordered {
             return self;
         }
-        self.step(
+        self.aside(
             "xor-front",
             "facets of top caps that face away are left out where the sky is behind them, and covers leave \
              out the sky",
             |variant| variant.switches.cap_faces = CapFaces::Front,
-        )
-    }
-
-    /// Flat meshes for volumes that are lower than half a pixel, beside the way; the document considered
-    /// them. They keep no order of regions over one pixel.
-    fn far_level(self, overlap: Overlap) -> Self {
-        if overlap == Overlap::Ordered {
-            return self;
-        }
-        self.aside(
-            "far-level",
-            "regions whose volumes are lower than half a pixel as flat meshes, without stencil",
-            |variant| variant.plan.far_level_px = Some(LOD_PX),
         )
     }
 

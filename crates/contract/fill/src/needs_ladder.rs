@@ -3,9 +3,7 @@
 //!
 //! Every rung shows the same picture. What comes last decides by itself what each view needs.
 
-use crate::{
-    BottomCap, CapFaces, ColourWay, CoverArea, DepthRuleChoice, Rung, Switches, Technique, Variant,
-};
+use crate::{BottomCap, ColourWay, CoverArea, DepthRuleChoice, Rung, Switches, Technique, Variant};
 use terrafill_scene::{Overlap, PlanOptions};
 
 /// The rungs that `technique` can draw on scenes of this kind; none for a technique without these switches.
@@ -53,7 +51,7 @@ fn everything(mut variant: Variant, has_picture: bool) -> Variant {
 
 type Step = (&'static str, &'static str, fn(&mut Variant, Overlap));
 
-const STEPS: [Step; 12] = [
+const STEPS: [Step; 11] = [
     (
         "everything",
         "all regions of the scene, one at a time, each with its bottom cap and counted behind the surface; \
@@ -106,12 +104,6 @@ const STEPS: [Step; 12] = [
         "order",
         "disjoint regions are marked together, each by a number of its own",
         |variant, overlap| variant.switches.colour = Switches::for_overlap(overlap).colour,
-    ),
-    (
-        "xor-front",
-        "facets of top caps that face away are left out where the sky is behind them, and covers leave out \
-         the sky",
-        |variant, _| variant.switches.cap_faces = CapFaces::Front,
     ),
     (
         "held-meshes",

@@ -101,17 +101,10 @@ pub enum CapFaces {
     /// Not those that face away from the eye, for regions of which that is known to be right; and covers leave
     /// out the sky.
     Front,
-    /// [`CapFaces::Front`] on software devices, where a vertex costs most; [`CapFaces::Both`] on hardware, where
-    /// its three more draws and a depth test of covers cost more than they save (`docs/volume-cost.md`).
-    Automatic,
 }
 
 impl CapFaces {
-    const ALL: [(&'static str, Self); 3] = [
-        ("automatic", Self::Automatic),
-        ("both", Self::Both),
-        ("front", Self::Front),
-    ];
+    const ALL: [(&'static str, Self); 2] = [("both", Self::Both), ("front", Self::Front)];
 
     fn name(self) -> &'static str {
         let mut all = Self::ALL.into_iter();
@@ -282,7 +275,7 @@ pub struct SwitchError {
 
 impl Switches {
     /// Every key with its values.
-    pub const KEYS: &str = "bottom-cap=always|first-pass|where-needed, cap-faces=automatic|both|front, \
+    pub const KEYS: &str = "bottom-cap=always|first-pass|where-needed, cap-faces=both|front, \
         colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
         counted=everywhere|wall-band, cover-area=rectangle|screen|tiles, cover-faces=both|culled, depth-bounds=off|on, depth-copy=none|made, \
         depth-rule=zfail|zpass|automatic, draws=each|merged, faces=two-sided|two-pass, \
@@ -306,19 +299,6 @@ impl Switches {
     #[must_use]
     pub fn front_caps(&self) -> bool {
         self.cap_faces != CapFaces::Both
-    }
-
-    /// What is automatic, as it is on a device of this kind.
-    ///
-    /// - `is_software`: whether it is a CPU
-    #[must_use]
-    pub fn on_device(self, is_software: bool) -> Self {
-        let cap_faces = match (self.cap_faces, is_software) {
-            (CapFaces::Automatic, true) => CapFaces::Front,
-            (CapFaces::Automatic, false) => CapFaces::Both,
-            (own, _) => own,
-        };
-        Self { cap_faces, ..self }
     }
 
     /// Every switch with its value, in alphabetical order.
@@ -883,24 +863,6 @@ mod tests {
             // Twin: with both kinds of facets it is allowed.
             wrong.cap_faces = CapFaces::Both;
             assert_eq!(wrong.check(Overlap::Disjoint), Ok(()));
-        }
-    }
-
-    #[test]
-    fn facets_are_left_out_where_that_gains() {
-        let automatic = Switches {
-            cap_faces: CapFaces::Automatic,
-            ..Switches::default()
-        };
-        assert_eq!(automatic.on_device(true).cap_faces, CapFaces::Front);
-        assert_eq!(automatic.on_device(false), Switches::default());
-        // Twin: who asks for either gets it everywhere.
-        for cap_faces in [CapFaces::Both, CapFaces::Front] {
-            let asked = Switches {
-                cap_faces,
-                ..automatic
-            };
-            assert_eq!([true, false].map(|kind| asked.on_device(kind)), [asked; 2]);
         }
     }
 

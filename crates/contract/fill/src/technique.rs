@@ -7,8 +7,8 @@
 //! list.
 
 use crate::{
-    Api, CapFaces, DeviceError, FillBackend, FillInput, GeometryBytes, Parameter, Rung,
-    SwitchError, Targets, Variant,
+    Api, DeviceError, FillBackend, FillInput, GeometryBytes, Parameter, Rung, SwitchError, Targets,
+    Variant,
 };
 use std::fmt::Debug;
 use terrafill_core::{EdgeRule, RegionMesh};
@@ -88,19 +88,13 @@ pub trait Technique: Sync + Debug {
 
     /// As it should be used: the top of its ladder with boundaries as they are, then with levels of detail, the
     /// same picture but for half a pixel. None for a technique without a ladder. The depth-bounds test, which
-    /// devices may lack, is left to the ladder; a step that gains on some kinds of devices only is taken on these.
+    /// devices may lack, is left to the ladder.
     fn full_plans(&self, overlap: Overlap) -> Vec<Variant> {
         let mut rungs = self.ladder(overlap);
         rungs.retain(|rung| !rung.variant.switches.depth_bounds && !rung.is_aside);
-        let Some(Rung {
-            variant: mut top, ..
-        }) = rungs.pop()
-        else {
+        let Some(Rung { variant: top, .. }) = rungs.pop() else {
             return Vec::new();
         };
-        if top.switches.front_caps() {
-            top.switches.cap_faces = CapFaces::Automatic;
-        }
         let mut exact = top.clone();
         exact.plan.boundary_lod_px = None;
         match exact == top {

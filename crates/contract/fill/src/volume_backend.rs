@@ -148,7 +148,7 @@ impl<V: RegionVolumes> VolumeBackend<V> {
         Ok(Self {
             made: executor.work_done() - before,
             capabilities: executor.capabilities(V::TECHNIQUE),
-            switches: switches.on_device(executor.is_software()),
+            switches,
             variant,
             volumes,
             executor,

@@ -162,10 +162,6 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         })
     }
 
-    fn is_software(&self) -> bool {
-        self.gpu().facts.is_software()
-    }
-
     fn capabilities(&self, backend: &'static str) -> Capabilities {
         let facts = &self.gpu().facts;
         Capabilities {

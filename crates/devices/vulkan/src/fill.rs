@@ -112,10 +112,6 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         })
     }
 
-    fn is_software(&self) -> bool {
-        self.gpu().facts.is_software()
-    }
-
     fn capabilities(&self, backend: &'static str) -> Capabilities {
         let facts = &self.gpu().facts;
         Capabilities {

@@ -3,10 +3,10 @@
 //!
 //! `cargo run --release -p terrafill-filling --example camera_path -- [ROUNDS] SCENE…`
 //!
-//! By each technique's full plan with levels. A frame is plan, what it uploads, surface and fill; process CPU time,
-//! median over the rounds. What the surface alone takes, which no fill can change, is printed beside it. The first frame is
-//! drawn once beforehand, as a program does while it loads. A round flies twice: the first flight makes what it
-//! draws, the other finds it made.
+//! By each technique's full plan with levels. A frame is plan, what it uploads, surface and fill, by process CPU
+//! time, median over the rounds. What the surface alone takes, which no fill can change, is printed beside it, and
+//! surface and fill by the GPU's clock, where there is one. The first frame is drawn once beforehand, as a program
+//! does while it loads. A round flies twice: the first flight makes what it draws, the other finds it made.
 
 #![allow(clippy::print_stdout, reason = "printing is what an example is for")]
 
@@ -94,8 +94,7 @@ fn measure(
         return Ok(());
     };
     let input = |view: &View| FillInput::new(prepared, view, SIZE, variant.plan);
-    // Of each flight and frame, a time a round: all of it, and the surface.
-    let mut times = vec![vec![[Vec::new(), Vec::new()]; views.len()]; 2];
+    let mut times = vec![vec![FrameRounds::default(); views.len()]; 2];
     for _ in 0..rounds {
         let mut backend = technique.open(targets, &variant)?;
         if let Some(first) = views.first() {
@@ -110,10 +109,14 @@ fn measure(
                 let input = input(view)?;
                 backend.prepare(&input)?;
                 let of_surface = CpuStopwatch::start();
-                backend.draw_surface(&input)?;
-                of_frame[1].push(of_surface.cpu_ms());
-                backend.time_frame(&input)?;
-                of_frame[0].push(watch.cpu_ms());
+                let surface_gpu_ms = backend.draw_surface(&input)?;
+                of_frame.surface_cpu_ms.push(of_surface.cpu_ms());
+                let fill_gpu_ms = backend.time_frame(&input)?.fill_gpu_ms;
+                of_frame.cpu_ms.push(watch.cpu_ms());
+                let gpu_ms = surface_gpu_ms.zip(fill_gpu_ms);
+                of_frame
+                    .gpu_ms
+                    .extend(gpu_ms.map(|(surface, fill)| surface + fill));
             }
         }
     }
@@ -140,32 +143,23 @@ fn measure(
         2 * views.len()
     );
     for ((flight, frames), made) in ["first flight", "once more"].iter().zip(&times).zip(&made) {
-        let [frames, surface] = [0, 1].map(|what: usize| {
-            let of_frames = frames.iter().filter_map(|of| median(&of[what]));
-            of_frames.collect::<Vec<f64>>()
-        });
-        let Some(middle) = median(&frames) else {
-            continue;
+        let of_all = |of: fn(&FrameRounds) -> &Vec<f64>| -> Vec<f64> {
+            frames
+                .iter()
+                .filter_map(|frame| median(of(frame)))
+                .collect()
         };
-        let slow = (0..frames.len()).filter(|&frame| frames[frame] > 2.0 * middle);
-        let worst = (0..frames.len()).max_by(|&a, &b| frames[a].total_cmp(&frames[b]));
-        let near = (0..frames.len()).min_by(|&a, &b| {
-            let off = |frame: usize| (frames[frame] - middle).abs();
-            off(a).total_cmp(&off(b))
-        });
-        let (Some(worst), Some(near)) = (worst, near) else {
+        let cpu_ms = of_all(|frame| &frame.cpu_ms);
+        let surface_ms = of_all(|frame| &frame.surface_cpu_ms);
+        let Some([worst, near]) = tell(flight, "process CPU", &cpu_ms) else {
             continue;
         };
         println!(
-            "  {flight}: median frame {middle:.2} ms; worst {:.2} ms = {:.2} ×, frame {worst} at {:.0} m, which made {} \
-             buffers and {} pipelines and uploaded {} times; over 2 ×: {:?}",
-            frames[worst],
-            frames[worst] / middle,
+            "    the worst at {:.0} m made {} buffers and {} pipelines and uploaded {} times",
             views[worst].pose.eye.height_m,
             made[worst].buffer_creations,
             made[worst].pipeline_creations,
             made[worst].uploads,
-            slow.collect::<Vec<_>>()
         );
         let work = |frame: usize| {
             let of = &made[frame];
@@ -177,33 +171,61 @@ fn measure(
             )
         };
         println!("    worst: {}; a median one: {}", work(worst), work(near));
-        let rest: Vec<f64> = frames
-            .iter()
-            .zip(&surface)
-            .map(|(all, of)| all - of)
-            .collect();
+        let both = cpu_ms.iter().zip(&surface_ms);
+        let rest_ms: Vec<f64> = both.map(|(all, surface)| all - surface).collect();
         println!(
             "    surface alone: {:.2} ms in the worst frame, {:.2} in a median one; the rest {:.2} and {:.2}, at worst \
              {:.2} × its median",
-            surface[worst],
-            surface[near],
-            rest[worst],
-            rest[near],
-            rest.iter().copied().fold(0.0, f64::max) / median(&rest).unwrap_or(f64::NAN)
+            surface_ms[worst],
+            surface_ms[near],
+            rest_ms[worst],
+            rest_ms[near],
+            rest_ms.iter().copied().fold(0.0, f64::max) / median(&rest_ms).unwrap_or(f64::NAN)
         );
-        // A change of level is a step between frames that show nearly the same.
-        let around = |frame: usize| {
-            let past = (frame + NEIGHBOURS + 1).min(frames.len());
-            median(&frames[frame.saturating_sub(NEIGHBOURS)..past]).map(|own| frames[frame] / own)
-        };
-        let steps = (0..frames.len()).filter_map(|frame| Some((frame, around(frame)?)));
-        let above = steps.clone().filter(|(_, ratio)| *ratio > 2.0).count();
-        if let Some((frame, ratio)) = steps.max_by(|a, b| a.1.total_cmp(&b.1)) {
-            println!(
-                "    against the {} frames around it: worst {ratio:.2} ×, frame {frame}; over 2 ×: {above}",
-                2 * NEIGHBOURS
-            );
-        }
+        tell(flight, "GPU's clock", &of_all(|frame| &frame.gpu_ms));
     }
     Ok(())
+}
+
+/// Of one frame a time a round, milliseconds.
+#[derive(Clone, Default)]
+struct FrameRounds {
+    cpu_ms: Vec<f64>,
+    surface_cpu_ms: Vec<f64>,
+    /// Surface and fill; empty where the device has no clock.
+    gpu_ms: Vec<f64>,
+}
+
+/// Prints how far frames by one clock are from their median and from frames around them; which is the slowest, and
+/// which is nearest to the median. `None` where nothing was measured.
+fn tell(flight: &str, clock: &str, frames_ms: &[f64]) -> Option<[usize; 2]> {
+    let middle = median(frames_ms)?;
+    let by = |a: &f64, b: &f64| a.total_cmp(b);
+    let frames = || frames_ms.iter().copied().enumerate();
+    let (worst, worst_ms) = frames().max_by(|a, b| by(&a.1, &b.1))?;
+    let (near, _) = frames().min_by(|a, b| by(&(a.1 - middle).abs(), &(b.1 - middle).abs()))?;
+    let slow: Vec<usize> = frames()
+        .filter(|(_, ms)| *ms > 2.0 * middle)
+        .map(|(frame, _)| frame)
+        .collect();
+    println!(
+        "  {flight}, {clock}: median frame {middle:.3} ms; worst {worst_ms:.3} ms = {:.2} ×, frame {worst}; over 2 ×: \
+         {slow:?}",
+        worst_ms / middle
+    );
+    // A change of level is a step between frames that show nearly the same.
+    let around = |frame: usize| {
+        let past = (frame + NEIGHBOURS + 1).min(frames_ms.len());
+        median(&frames_ms[frame.saturating_sub(NEIGHBOURS)..past])
+    };
+    let steps: Vec<(usize, f64)> = frames()
+        .filter_map(|(frame, ms)| Some((frame, ms / around(frame)?)))
+        .collect();
+    let above = steps.iter().filter(|(_, ratio)| *ratio > 2.0).count();
+    let (frame, ratio) = steps.into_iter().max_by(|a, b| by(&a.1, &b.1))?;
+    println!(
+        "    against the {} frames around it: worst {ratio:.2} ×, frame {frame}; over 2 ×: {above}",
+        2 * NEIGHBOURS
+    );
+    Some([worst, near])
 }

@@ -63,6 +63,7 @@ impl Technique for ComputeTechnique {
         .mesh_lod()
         .rest_of_the_way(overlap)
         .parts()
+        .experiments_at_the_top(overlap)
         .rungs()
     }
 

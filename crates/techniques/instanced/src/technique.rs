@@ -50,6 +50,7 @@ impl Technique for InstancedTechnique {
         .mesh_lod()
         .rest_of_the_way(overlap)
         .parts()
+        .experiments_at_the_top(overlap)
         .front_caps(overlap)
         .rungs()
     }

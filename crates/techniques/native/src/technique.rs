@@ -96,6 +96,7 @@ impl Technique for NativeTechnique {
         .mesh_lod()
         .rest_of_the_way(overlap)
         .parts()
+        .experiments_at_the_top(overlap)
         .front_caps(overlap)
         // Last, since where the device has none the rungs after it would have no result either.
         .switch(

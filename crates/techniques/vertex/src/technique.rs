@@ -171,6 +171,7 @@ impl Technique for VertexTechnique {
             "vertices that several levels of a region have in common are stored once",
             &[("level-vertices", "shared")],
         )
+        .experiments_at_the_top(overlap)
         .front_caps(overlap)
         .rungs()
     }
