@@ -322,19 +322,6 @@ impl DrawnRegion {
 }
 
 impl LevelTable {
-    /// Of each region its meshes, the coarsest first and that of level 0 last.
-    ///
-    /// - `meshes`: how many there are of all levels
-    #[must_use]
-    pub fn meshes_of_regions(&self, meshes: usize) -> Vec<Vec<usize>> {
-        let of_region = |region: usize| {
-            let coarser = self.coarser.iter().rev();
-            let coarser = coarser.map(|level| level.meshes[region]);
-            coarser.chain([region]).collect()
-        };
-        (0..self.region_count(meshes)).map(of_region).collect()
-    }
-
     /// Of which region a mesh is.
     ///
     /// - `meshes`: how many there are of all levels
@@ -533,12 +520,11 @@ mod tests {
 
     #[test]
     fn every_mesh_is_one_of_one_region() {
-        let of_regions = table().meshes_of_regions(12);
-        assert_eq!(of_regions, [[8, 4, 0], [9, 5, 1], [10, 6, 2], [11, 7, 3]]);
         let regions: Vec<usize> = (0..12).map(|mesh| table().region_of(mesh, 12)).collect();
         assert_eq!(regions, [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3]);
         // Twin: without levels each region has its one.
-        assert_eq!(LevelTable::default().meshes_of_regions(2), [[0], [1]]);
+        let alone = LevelTable::default();
+        assert_eq!([0, 1].map(|mesh| alone.region_of(mesh, 2)), [0, 1]);
     }
 
     #[test]

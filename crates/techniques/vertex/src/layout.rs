@@ -4,7 +4,6 @@
 //! Indices are 16 bits where a region's vertices fit and 32 where they do not, region by region.
 
 use crate::parts::ordered_by_part;
-use crate::pool::Pool;
 use crate::{IndexOrder, Layout, Normals, VertexOrder, VertexVariant, cache_ordered};
 use glam::{DVec3, IVec3, Vec3};
 use std::borrow::{Borrow, Cow};
@@ -15,7 +14,7 @@ use terrafill_fill::{
     FixedPoint, GeometryBytes, IndexLists, LaidOut, PositionFormat, RegionSet, VolumePlace,
     boundary_edges, two_float,
 };
-use terrafill_scene::{LazyMesh, PartOrder};
+use terrafill_scene::PartOrder;
 
 /// Largest number of distinct indices in 16 bits: 0xffff restarts strips and separates loops.
 const MAX_SHORT_INDICES: usize = 0xffff;
@@ -109,7 +108,7 @@ pub fn per_triangle_volume_bytes(
 pub(crate) struct RegionSlice {
     /// Vertices are counted as stored: two per mesh vertex when doubled.
     pub(crate) place: VolumePlace,
-    /// Of its region: all its levels have the same.
+    /// Of its mesh.
     pub(crate) number: u32,
     /// Its bottom cap can be drawn: its indices are stored, or shaders need none.
     pub(crate) has_bottom: bool,
@@ -178,8 +177,8 @@ impl IndexBytes {
     }
 }
 
-/// Regions as they were laid out, each by the meshes that are held of it, and whether with their bottoms.
-pub(crate) type LaidOutRegions = LaidOut<Vec<(usize, bool)>, SceneGeometry>;
+/// Meshes as they were laid out, and whether with their bottoms.
+pub(crate) type LaidOutMeshes = LaidOut<bool, SceneGeometry>;
 
 /// Contents of a scene's geometry buffers.
 #[derive(Debug, Default, PartialEq)]
@@ -201,10 +200,13 @@ impl SceneGeometry {
         meshes: &[impl Borrow<RegionMesh>],
         has_bottom: impl Fn(usize) -> bool,
     ) -> Self {
-        Self::build_from(variant, meshes, has_bottom, 0)
+        let mut geometry = Self::build_from(variant, meshes, has_bottom, 0);
+        geometry.push_flags(variant, meshes);
+        geometry
     }
 
-    /// As [`SceneGeometry::build`], of meshes whose first one is number `first` of its scene.
+    /// As [`SceneGeometry::build`], of meshes whose first one is number `first` of its scene, and without the flags
+    /// that all share.
     pub(crate) fn build_from(
         variant: &VertexVariant,
         meshes: &[impl Borrow<RegionMesh>],
@@ -215,77 +217,36 @@ impl SceneGeometry {
         for (place, mesh) in meshes.iter().enumerate() {
             let mesh = ordered(variant, mesh.borrow());
             let stored = geometry.push_vertices(variant, &mesh, first + place);
-            let used = mesh.vertices_ecef.len();
-            let slice = geometry.push_indices(variant, &mesh, used, has_bottom(place), &stored);
+            let slice = geometry.push_indices(variant, &mesh, has_bottom(place), &stored);
             geometry.regions.push(slice);
         }
-        let largest = meshes.iter().map(|mesh| mesh.borrow().vertex_count()).max();
-        geometry.push_flags(variant, largest.unwrap_or(0));
         geometry
     }
 
-    /// As [`SceneGeometry::build`], all levels of a region over one list of vertices ([`Pool`]).
-    ///
-    /// - `levels`: of each region its meshes, coarsest first; each mesh is one of one region
-    /// - `laid_out`: what was laid out before; what has changed is laid out anew
-    pub(crate) fn build_shared(
+    /// As [`SceneGeometry::build`], of the meshes that are held; what a set before held is not laid out again.
+    pub(crate) fn of_held(
         variant: &VertexVariant,
         meshes: &RegionSet,
         has_bottom: impl Fn(usize) -> bool,
-        levels: &[Vec<usize>],
-        laid_out: &mut LaidOutRegions,
+        laid_out: &mut LaidOutMeshes,
     ) -> Self {
-        laid_out.keep(meshes, |_| true);
         let mut geometry = Self::default();
-        let mut slices: Vec<Option<RegionSlice>> = vec![None; meshes.len()];
-        let mut largest = 0;
-        for (number, of_region) in levels.iter().enumerate() {
-            let held = of_region.iter().copied();
-            let held = held.filter(|&mesh| !meshes[mesh].vertices_ecef.is_empty());
-            let held: Vec<(usize, bool)> = held.map(|mesh| (mesh, has_bottom(mesh))).collect();
-            let own = laid_out.part(number, held, || {
-                Self::of_region(variant, meshes, &has_bottom, (number, of_region))
-            });
-            largest = largest.max(own.vertices.len() / variant.vertex_words());
-            for (slice, &mesh) in geometry.append(variant, own).into_iter().zip(of_region) {
-                slices[mesh] = Some(slice);
-            }
-        }
-        geometry.regions = slices.into_iter().flatten().collect();
-        geometry.push_flags(variant, largest.div_ceil(2));
+        let lay_out = |mesh: usize| {
+            let alone = &meshes[mesh..=mesh];
+            Self::build_from(variant, alone, |_| has_bottom(mesh), mesh)
+        };
+        let append = |own: &Self| geometry.append(variant, own);
+        laid_out.append_all(meshes, &has_bottom, lay_out, append);
+        geometry.push_flags(variant, meshes);
         geometry
     }
 
-    /// The levels of one region.
-    fn of_region(
-        variant: &VertexVariant,
-        meshes: &[LazyMesh],
-        has_bottom: impl Fn(usize) -> bool,
-        (number, of_region): (usize, &[usize]),
-    ) -> Self {
-        let mut geometry = Self::default();
-        let own: Vec<_> = of_region
-            .iter()
-            .map(|&mesh| ordered(variant, &meshes[mesh]))
-            .collect();
-        let pool = Pool::new(&own.iter().map(AsRef::as_ref).collect::<Vec<_>>());
-        let stored = geometry.push_vertices(variant, &pool.vertices, number);
-        debug_assert_eq!(stored.fixed, pool.fixed());
-        for (level, &mesh) in pool.levels.iter().zip(of_region) {
-            let has_bottom = has_bottom(mesh);
-            let slice =
-                geometry.push_indices(variant, &level.mesh, level.used, has_bottom, &stored);
-            geometry.regions.push(slice);
-        }
-        geometry
-    }
-
-    /// Puts the vertices and indices of `own` behind its own; returns where its regions lie now.
+    /// Puts what `own` has behind its own.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "buffers are refused by the device long before 2^32 elements"
     )]
-    fn append(&mut self, variant: &VertexVariant, own: &Self) -> Vec<RegionSlice> {
+    fn append(&mut self, variant: &VertexVariant, own: &Self) {
         let first_vertex = (self.vertices.len() / variant.vertex_words()) as u32;
         let [long, short] = [false, true].map(|is_short| self.indices.count(is_short));
         self.vertices.extend(&own.vertices);
@@ -298,18 +259,20 @@ impl SceneGeometry {
             let place = slice.place.moved(first_vertex, by, by);
             RegionSlice { place, ..*slice }
         });
-        moved.collect()
+        self.regions.extend(moved);
     }
 
     /// Layout `separate`: two flags for each vertex of the largest region.
-    fn push_flags(&mut self, variant: &VertexVariant, largest: usize) {
+    fn push_flags(&mut self, variant: &VertexVariant, meshes: &[impl Borrow<RegionMesh>]) {
         if variant.layout == Layout::Separate {
+            let counts = meshes.iter().map(|mesh| mesh.borrow().vertex_count());
+            let largest = counts.max().unwrap_or(0);
             let flag = |vertex: usize| [if vertex.is_multiple_of(2) { 0 } else { 255 }, 0, 0, 0];
             self.flags = (0..2 * largest).map(flag).collect();
         }
     }
 
-    /// - `number`: of the region, which vertices carry where volumes share draws
+    /// - `number`: of the mesh, which vertices carry where volumes share draws
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_possible_wrap,
@@ -343,8 +306,6 @@ impl SceneGeometry {
     }
 
     /// Caps and walls.
-    ///
-    /// - `used`: the mesh's indices are below this
     #[allow(
         clippy::cast_possible_truncation,
         reason = "buffers are refused by the device long before 2^32 elements"
@@ -353,11 +314,11 @@ impl SceneGeometry {
         &mut self,
         variant: &VertexVariant,
         mesh: &RegionMesh,
-        used: usize,
         has_bottom: bool,
         stored: &StoredVertices,
     ) -> RegionSlice {
         let layout = variant.layout;
+        let used = mesh.vertices_ecef.len();
         let has_bottom = has_bottom || !layout.is_doubled();
         let triangles = match (variant.index_order, variant.vertex_order) {
             // Ordered within their parts already.
@@ -633,7 +594,7 @@ fn bits(value: Vec3) -> IVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{LevelVertices, VertexSize, Walls};
+    use crate::{VertexSize, Walls};
     use terrafill_fixtures::by_hand::{circle_deg, mesh};
 
     /// A fan of `count` boundary vertices around one interior vertex.
@@ -646,49 +607,50 @@ mod tests {
 
     #[test]
     fn what_a_view_before_held_is_not_laid_out_again_and_lies_as_if_it_were() {
-        let variant = VertexVariant {
-            level_vertices: LevelVertices::Shared,
-            ..VertexVariant::default()
-        };
-        // Three regions of two levels each; the second has long indices.
-        let counts = [40, 40_000, 30, 20, 9, 8];
-        let all = RegionSet::from(counts.map(disc).to_vec());
-        let levels = [vec![3, 0], vec![4, 1], vec![5, 2]];
-        let mut laid_out = LaidOutRegions::default();
-        let built = |meshes: &RegionSet, has_bottom: bool, laid_out: &mut LaidOutRegions| {
-            SceneGeometry::build_shared(&variant, meshes, |_| has_bottom, &levels, laid_out)
-        };
-        for (held, has_bottom) in [
-            ([0, 1, 5], true),
-            ([3, 1, 5], true),
-            ([3, 4, 2], true),
-            ([3, 4, 2], false),
-            ([0, 1, 5], true),
-        ] {
-            let some = all.with_geometry_of(|mesh| held.contains(&mesh));
-            let kept = built(&some, has_bottom, &mut laid_out);
-            let anew = built(&some, has_bottom, &mut LaidOutRegions::default());
-            assert!(kept == anew, "{held:?}");
-            assert!(kept.vertices.len() > 4 * 2 * 9);
+        // One has long indices.
+        let all = RegionSet::from([40, 40_000, 30, 20, 9, 8].map(disc).to_vec());
+        for layout in [Layout::Doubled, Layout::Separate] {
+            let variant = VertexVariant {
+                layout,
+                ..VertexVariant::default()
+            };
+            let of_held = |meshes: &RegionSet, has_bottom: bool, laid_out: &mut LaidOutMeshes| {
+                SceneGeometry::of_held(&variant, meshes, |_| has_bottom, laid_out)
+            };
+            let mut laid_out = LaidOutMeshes::default();
+            for (held, has_bottom) in [
+                ([0, 1, 5], true),
+                ([3, 1, 5], true),
+                ([3, 4, 2], true),
+                ([3, 4, 2], false),
+                ([0, 1, 5], true),
+            ] {
+                let some = all.with_geometry_of(|mesh| held.contains(&mesh));
+                let kept = of_held(&some, has_bottom, &mut laid_out);
+                assert!(
+                    kept == SceneGeometry::build(&variant, &some, |_| has_bottom),
+                    "{held:?}"
+                );
+                assert_eq!(kept.regions.len(), 6);
+            }
+            // Twin: what is laid out wrong stands as it is, until it is asked for otherwise or of another scene.
+            let same = all.with_geometry_of(|mesh| [0, 1, 5].contains(&mesh));
+            let anew = SceneGeometry::build(&variant, &same, |_| true);
+            let mut wrong = LaidOutMeshes::default();
+            wrong.keep(&same, |_| true);
+            wrong.part(5, true, || {
+                SceneGeometry::build(&variant, &[disc(7)], |_| true)
+            });
+            assert!(of_held(&same, true, &mut wrong) != anew);
+            let without = SceneGeometry::build(&variant, &same, |_| false);
+            assert!(of_held(&same, false, &mut wrong) == without);
+            wrong.keep(&same, |_| false);
+            wrong.part(5, true, || {
+                SceneGeometry::build(&variant, &[disc(7)], |_| true)
+            });
+            let other = RegionSet::from(same.to_vec());
+            assert!(of_held(&other, true, &mut wrong) == anew);
         }
-        // Twin: of a region whose held levels are the same, what was laid out stands as it is.
-        let same = all.with_geometry_of(|mesh| [0, 1, 5].contains(&mesh));
-        let anew = built(&same, true, &mut LaidOutRegions::default());
-        let held = levels.clone().map(|own| {
-            let held = own.iter().filter(|mesh| [0, 1, 5].contains(*mesh));
-            held.map(|mesh| (*mesh, true)).collect::<Vec<_>>()
-        });
-        let mut wrong = LaidOutRegions::default();
-        wrong.keep(&same, |_| true);
-        wrong.part(0, held[0].clone(), || {
-            let mut own = SceneGeometry::of_region(&variant, &same, |_| true, (0, &levels[0]));
-            own.vertices[0] += 1;
-            own
-        });
-        assert!(built(&same, true, &mut wrong) != anew);
-        // Another scene's regions are not those of this one.
-        let other = RegionSet::from(same.to_vec());
-        assert!(built(&other, true, &mut wrong) == anew);
     }
 
     /// Every way to store geometry.

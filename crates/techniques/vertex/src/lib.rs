@@ -13,7 +13,6 @@ mod merged;
 mod parts;
 mod pass;
 mod pipeline;
-mod pool;
 mod technique;
 mod variant;
 #[cfg(test)]
@@ -27,6 +26,6 @@ pub use layout::{
 pub use pass::{VertexBackend, VertexVolumes};
 pub use technique::VertexTechnique;
 pub use variant::{
-    BOTTOM_PX, Bottom, Buffers, IndexOrder, Layout, LevelVertices, Normals, VertexOrder,
-    VertexSize, VertexVariant, Walls,
+    BOTTOM_PX, Bottom, Buffers, IndexOrder, Layout, Normals, VertexOrder, VertexSize,
+    VertexVariant, Walls,
 };

@@ -2,7 +2,6 @@
 //! Large regions drawn in parts: in which order their triangles lie.
 
 use crate::{IndexOrder, Layout, VertexVariant, cache_ordered};
-use std::collections::HashMap;
 use terrafill_core::RegionMesh;
 use terrafill_fill::WallIndices;
 use terrafill_scene::PartOrder;
@@ -23,31 +22,42 @@ pub(crate) fn ordered_by_part(variant: &VertexVariant, mesh: &RegionMesh) -> Opt
     let order = PartOrder::of(mesh).filter(|_| variant.parts)?;
     let mut triangles = order.ordered(mesh);
     if variant.index_order == IndexOrder::Cache {
+        let mut locals = vec![NO_VERTEX; mesh.vertices_ecef.len()];
         for range in &order.caps {
-            order_for_cache(&mut triangles[range.start as usize..range.end as usize]);
+            let own = &mut triangles[range.start as usize..range.end as usize];
+            order_for_cache(own, &mut locals);
         }
     }
     Some(triangles)
 }
 
+/// Of a vertex that has no number in its part.
+const NO_VERTEX: u32 = u32::MAX;
+
 /// As [`cache_ordered`], at the cost of these triangles' vertices only.
+///
+/// - `locals`: of all the mesh's vertices none has a number, before and after
 #[allow(
     clippy::cast_possible_truncation,
     reason = "meshes have fewer than 2^32 vertices"
 )]
-fn order_for_cache(triangles: &mut [[u32; 3]]) {
-    let mut known: HashMap<u32, u32> = HashMap::new();
+fn order_for_cache(triangles: &mut [[u32; 3]], locals: &mut [u32]) {
     let mut vertices = Vec::new();
     let mut local = |vertex: u32| {
-        *known.entry(vertex).or_insert_with(|| {
+        let local = &mut locals[vertex as usize];
+        if *local == NO_VERTEX {
+            *local = vertices.len() as u32;
             vertices.push(vertex);
-            vertices.len() as u32 - 1
-        })
+        }
+        *local
     };
     let own: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(&mut local)).collect();
     let ordered = cache_ordered(&own, vertices.len());
     for (place, corners) in triangles.iter_mut().zip(ordered.iter()) {
         *place = corners.map(|vertex| vertices[vertex as usize]);
+    }
+    for vertex in vertices {
+        locals[vertex as usize] = NO_VERTEX;
     }
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Volumes as the passes of a fill draw them: caps, then walls, then those that are turned over.
 
-use crate::layout::{IndexBytes, LaidOutRegions, RegionSlice, SceneGeometry};
+use crate::layout::{IndexBytes, LaidOutMeshes, RegionSlice, SceneGeometry};
 use crate::merged::Merged;
 use crate::pipeline::{Part, PipelineKey, Pipelines, parts};
-use crate::{Buffers, Layout, LevelVertices, VertexVariant};
+use crate::{Buffers, Layout, VertexVariant};
 use std::ops::Range;
 use terrafill_fill::{
     BottomCaps, DeviceError, DrawnOfMeshes, DrawnParts, FaceSet, Feature, FillInput, FillProgram,
@@ -25,8 +25,8 @@ pub struct VertexVolumes {
     scene: Option<SceneBuffers>,
     /// What the view draws of meshes that it does not draw whole.
     drawn_parts: DrawnOfMeshes,
-    /// Regions as they were laid out last, where levels share vertices.
-    laid_out: LaidOutRegions,
+    /// Meshes as they were laid out, where views bring them.
+    laid_out: LaidOutMeshes,
 }
 
 /// Geometry of every region of a scene, in view or not.
@@ -73,7 +73,7 @@ impl RegionVolumes for VertexVolumes {
             pipelines: Pipelines::new(fill, variant)?,
             scene: None,
             drawn_parts: DrawnOfMeshes::new(),
-            laid_out: LaidOutRegions::default(),
+            laid_out: LaidOutMeshes::default(),
         })
     }
 
@@ -112,13 +112,10 @@ impl RegionVolumes for VertexVolumes {
         // The CPU keeps those of merged draws, and hands over what a view draws.
         let has_bottom = |mesh| self.variant.merges_volumes() || bottoms.has(mesh);
         let (variant, meshes) = (&self.variant, &input.scene.meshes);
-        let mut geometry = match variant.level_vertices {
-            LevelVertices::Own => SceneGeometry::build(variant, meshes, has_bottom),
-            LevelVertices::Shared => {
-                let levels = input.scene.levels.meshes_of_regions(meshes.len());
-                let laid_out = &mut self.laid_out;
-                SceneGeometry::build_shared(variant, meshes, has_bottom, &levels, laid_out)
-            }
+        // Those of a scene that is held whole are laid out once.
+        let mut geometry = match meshes.is_whole() {
+            true => SceneGeometry::build(variant, meshes, has_bottom),
+            false => SceneGeometry::of_held(variant, meshes, has_bottom, &mut self.laid_out),
         };
         let bytes = geometry.bytes();
         let (vertex_usage, index_usage) = match layout {

@@ -29,7 +29,6 @@ const PARAMETERS: &[Parameter] = &[
     Parameter::one_of("index-order", &["mesh", "cache"]),
     Parameter::one_of("vertex-bytes", &["16", "20"]),
     Parameter::one_of("vertex-order", &["mesh", "first-use"]),
-    Parameter::one_of("level-vertices", &["own", "shared"]),
     Parameter::one_of("buffers", &["kept", "streamed"]),
     Parameter::one_of("bottom", &["planned", "pixels"]),
     Parameter::one_of("normals", &["geodetic", "stored", "centric"]),
@@ -166,11 +165,6 @@ impl Technique for VertexTechnique {
         .mesh_lod()
         .rest_of_the_way(overlap)
         .parts()
-        .own(
-            "shared-levels",
-            "vertices that several levels of a region have in common are stored once",
-            &[("level-vertices", "shared")],
-        )
         .experiments_at_the_top(overlap)
         .front_caps(overlap)
         .rungs()

@@ -94,16 +94,6 @@ pub enum VertexOrder {
     FirstUse,
 }
 
-/// Whether the levels of detail of a region have vertices in common.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum LevelVertices {
-    /// Each level is stored as a mesh of its own.
-    #[default]
-    Own,
-    /// Each place is stored once, and levels are indices.
-    Shared,
-}
-
 /// Whether the device keeps geometry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Buffers {
@@ -177,8 +167,6 @@ pub struct VertexVariant {
     pub index_order: IndexOrder,
     /// In which order vertices are stored.
     pub vertex_order: VertexOrder,
-    /// Whether levels share them.
-    pub level_vertices: LevelVertices,
     /// Whether the device keeps them.
     pub buffers: Buffers,
     /// Where flagged vertices go.
@@ -204,7 +192,6 @@ impl Default for VertexVariant {
             walls: Walls::default(),
             index_order: IndexOrder::default(),
             vertex_order: VertexOrder::default(),
-            level_vertices: LevelVertices::default(),
             buffers: Buffers::default(),
             bottom: Bottom::default(),
             normals: Normals::default(),
@@ -241,13 +228,6 @@ impl VertexVariant {
                 &[
                     ("mesh", VertexOrder::Mesh),
                     ("first-use", VertexOrder::FirstUse),
-                ],
-            )?,
-            level_vertices: variant.choice(
-                "level-vertices",
-                &[
-                    ("own", LevelVertices::Own),
-                    ("shared", LevelVertices::Shared),
                 ],
             )?,
             buffers: variant.choice(

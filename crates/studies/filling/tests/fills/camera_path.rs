@@ -14,7 +14,7 @@ use terrafill_fill::{
 use terrafill_native::{Extrusion, NativeVariant};
 use terrafill_scene::{CameraPose, ImageSize, LeveledMeshes, PlanOptions, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};
-use terrafill_vertex::{LevelVertices, VertexVariant};
+use terrafill_vertex::VertexVariant;
 
 pub(crate) const SIZE: ImageSize = ImageSize {
     width: 96,
@@ -219,10 +219,9 @@ fn nothing_is_made_on_the_way_that_no_change_explains() {
     let scene = leveled();
     let inputs = path(&scene);
     let targets = AllTargets::new(&devices, SIZE);
-    let vertex = |merges, level_vertices| {
+    let vertex = |merges| {
         Technique::Vertex(VertexVariant {
             switches: switches(merges),
-            level_vertices,
             ..VertexVariant::default()
         })
     };
@@ -231,11 +230,7 @@ fn nothing_is_made_on_the_way_that_no_change_explains() {
         switches: switches(true),
         ..NativeVariant::default()
     });
-    for technique in [
-        vertex(false, LevelVertices::Own),
-        vertex(true, LevelVertices::Shared),
-        native,
-    ] {
+    for technique in [vertex(false), vertex(true), native] {
         let mut backend = targets.open(technique);
         let (mut seen, mut before) = (Seen::default(), None::<Work>);
         let (mut level_changes, mut same_work, mut forgotten) = (0, 0, 0);

@@ -17,7 +17,7 @@ use terrafill_gpu::VolumeFill;
 use terrafill_native::{Extrusion, NativeVariant};
 use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};
-use terrafill_vertex::{Layout, LevelVertices, VertexVariant, VertexVolumes, Walls};
+use terrafill_vertex::{Layout, VertexVariant, VertexVolumes, Walls};
 
 pub(crate) const SIZE: ImageSize = ImageSize {
     width: 256,
@@ -215,9 +215,8 @@ fn levels_share_draws_as_full_boundaries_do() {
     for view in &views {
         let input = FillInput::new(&scene, view, SIZE, plan).expect("a surface");
         let each = targets.draw(&input, vertex(switches(false)));
-        let positions = |level_vertices, merges, layout| {
+        let positions = |merges, layout| {
             let variant = VertexVariant {
-                level_vertices,
                 layout,
                 switches: switches(merges),
                 ..VertexVariant::default()
@@ -230,14 +229,11 @@ fn levels_share_draws_as_full_boundaries_do() {
             needs.of(Feature::Positions).expect("told").bytes
         };
         for layout in Layout::ALL {
-            let [own, shared] = [LevelVertices::Own, LevelVertices::Shared]
-                .map(|vertices| [false, true].map(|merges| positions(vertices, merges, layout)));
-            // Levels keep vertices of finer ones: most are stored once instead of once a level.
-            assert!(
-                10 * shared[0] < 7 * own[0],
-                "{layout:?}: {shared:?} {own:?}"
+            assert_eq!(
+                positions(false, layout),
+                positions(true, layout),
+                "{layout:?}"
             );
-            assert_eq!((own[0], shared[0]), (own[1], shared[1]), "{layout:?}");
         }
     }
 }

@@ -15,7 +15,7 @@ use terrafill_scene::{
     ImageSize, LeftOutReason, LeveledMeshes, PartCulling, PlanOptions, Scene, View,
 };
 use terrafill_surface::{EllipsoidKind, open_surface};
-use terrafill_vertex::{IndexOrder, Layout, LevelVertices, VertexVariant, Walls};
+use terrafill_vertex::{IndexOrder, Layout, VertexVariant, Walls};
 
 const SIZE: ImageSize = ImageSize {
     width: 192,
@@ -81,7 +81,6 @@ fn vertex(switches: Switches) -> Vec<VertexVariant> {
             ..with(Layout::Doubled)
         },
         VertexVariant {
-            level_vertices: LevelVertices::Shared,
             switches: Switches {
                 merges_draws: true,
                 ..switches
