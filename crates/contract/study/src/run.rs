@@ -654,7 +654,12 @@ impl Running<'_> {
         } else {
             FramesPerSample::default()
         };
-        let taken: Result<Vec<_>, String> = (0..of).map(|_| self.sample(case, frames)).collect();
+        let drawn = match counts {
+            true => self.session.before_sample(self.group.work[case]),
+            false => Ok(()),
+        };
+        let sampled = |()| (0..of).map(|_| self.sample(case, frames)).collect();
+        let taken: Result<Vec<_>, String> = drawn.and_then(sampled);
         match taken {
             Err(message) => {
                 self.fail(case, &message)?;

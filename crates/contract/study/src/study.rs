@@ -163,6 +163,14 @@ pub trait Session {
         Ok(())
     }
 
+    /// Called before each sample that counts: what this draws is not measured.
+    ///
+    /// # Errors
+    /// As [`Session::sample`].
+    fn before_sample(&mut self, _case: usize) -> Result<(), String> {
+        Ok(())
+    }
+
     /// Measures a verified case once: metric names and values.
     ///
     /// # Errors

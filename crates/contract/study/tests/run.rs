@@ -26,6 +26,8 @@ struct Script {
     verified: RefCell<Vec<usize>>,
     rechecked: RefCell<Vec<usize>>,
     sampled: RefCell<Vec<usize>>,
+    /// What was to be sampled next, of samples that count.
+    before: RefCell<Vec<usize>>,
     blocks: Cell<usize>,
     /// Breaks off, as a killed process does, once so many samples were taken.
     broken_after: Cell<Option<usize>>,
@@ -187,6 +189,11 @@ impl Session for MadeUpSession {
 
     fn begin_block(&mut self) -> Result<(), StudyError> {
         script().blocks.set(script().blocks.get() + 1);
+        Ok(())
+    }
+
+    fn before_sample(&mut self, case: usize) -> Result<(), String> {
+        script().before.borrow_mut().push(case);
         Ok(())
     }
 
@@ -598,6 +605,8 @@ fn samples_are_taken_as_turns_release_them_and_no_other() {
     assert_eq!(turns.over, [true; 5]);
     assert_eq!(script.blocks.get(), 1);
     assert_eq!(*script.sampled.borrow(), [1, 1, 0, 1]);
+    // The first one does not count.
+    assert_eq!(*script.before.borrow(), [1, 0, 1]);
     let run = Run::load(place.path()).expect("a run");
     let taken = |place: usize| {
         let key = &turns.ready[0][place];
