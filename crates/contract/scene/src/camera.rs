@@ -106,8 +106,8 @@ impl Camera {
         self.view_from_ecef.transpose() * DVec3::new(x, y, -1.0)
     }
 
-    /// Inward unit normals, ECEF, of the five planes through the eye that bound what the image shows: its left,
-    /// right, lower and upper sides, and the plane across the viewing direction, behind which nothing is seen.
+    /// Inward unit normals, ECEF, of the five planes through the eye that bound what the image shows. Four are its
+    /// left, right, lower and upper sides; behind the last, across the viewing direction, nothing is seen.
     ///
     /// - `margin`: by how much the image is wider on each side, share of its half
     #[must_use]

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What each frame costs on a way of 300 frames from orbit to the ground, with levels of detail that change.
 //!
-//! `cargo run --release -p terrafill-filling --example camera_path -- [ROUNDS] SCENE…`
+//! `cargo run --release -p terrafill-filling --example camera_path -- [ROUNDS] [KEY=VALUE…] SCENE…`
 //!
-//! By each technique's full plan with levels. A frame is plan, what it uploads, surface and fill, by process CPU
+//! By each technique's full plan with levels, but for the switches given. A frame is plan, what it uploads, surface and fill, by process CPU
 //! time, median over the rounds. What the surface alone takes, which no fill can change, is printed beside it, and
 //! surface and fill by the GPU's clock, where there is one. The first frame is drawn once beforehand, as a program
 //! does while it loads. A round flies twice: the first flight makes what it draws, the other finds it made.
@@ -14,7 +14,9 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 use terrafill_compute::ComputeTechnique;
 use terrafill_core::Geodetic;
-use terrafill_fill::{CpuStopwatch, Devices, FillInput, PreparedScene, Targets, Technique};
+use terrafill_fill::{
+    CpuStopwatch, Devices, FillInput, PreparedScene, Targets, Technique, Variant,
+};
 use terrafill_instanced::InstancedTechnique;
 use terrafill_native::NativeTechnique;
 use terrafill_results::median;
@@ -45,8 +47,9 @@ fn main() -> anyhow::Result<()> {
     if rounds.is_some() {
         arguments.next();
     }
+    let (settings, scenes): (Vec<String>, Vec<String>) = arguments.partition(|of| of.contains('='));
     let targets = Targets::new(&Rc::new(Devices::new(None)), SIZE);
-    for name in arguments {
+    for name in scenes {
         let scene = Scene::shipped(&name, data_dir_from_env().as_deref())?;
         let leveled = LeveledMeshes::build(&scene, &scene.mesh)
             .map_err(|errors| anyhow::anyhow!("{name}: {errors:?}"))?;
@@ -56,11 +59,42 @@ fn main() -> anyhow::Result<()> {
         let prepared = PreparedScene::leveled(&scene, leveled, surface);
         let views = path(prepared.meshes[0].vertices_deg[0]);
         for technique in TECHNIQUES {
+            let Some(variant) = full_plan(technique, &scene, &settings)? else {
+                continue;
+            };
             let rounds = rounds.unwrap_or(ROUNDS);
-            measure(technique, &targets, (&scene, &prepared), &views, rounds)?;
+            measure(
+                (technique, &variant),
+                &targets,
+                (&scene, &prepared),
+                &views,
+                rounds,
+            )?;
         }
     }
     Ok(())
+}
+
+/// A technique's full plan with levels, changed by `settings`; `None` where that has no such plan.
+fn full_plan(
+    technique: &dyn Technique,
+    scene: &Scene,
+    settings: &[String],
+) -> anyhow::Result<Option<Variant>> {
+    let Some(mut variant) = technique.full_plans(scene.overlap).pop() else {
+        return Ok(None);
+    };
+    for setting in settings {
+        let (key, value) = setting.split_once('=').unwrap_or((setting, ""));
+        let is_known = variant.set(key, value)?;
+        anyhow::ensure!(
+            is_known,
+            "{setting}: {} has no such switch",
+            technique.name()
+        );
+    }
+    technique.check(&variant, scene.overlap)?;
+    Ok(Some(variant))
 }
 
 /// From 20,000 km above a place down to 50 m, at first straight down, at last along the ground.
@@ -84,19 +118,16 @@ fn path([longitude_deg, latitude_deg]: [f64; 2]) -> Vec<View> {
 }
 
 fn measure(
-    technique: &dyn Technique,
+    (technique, variant): (&dyn Technique, &Variant),
     targets: &Targets,
     (scene, prepared): (&Scene, &PreparedScene),
     views: &[View],
     rounds: u32,
 ) -> anyhow::Result<()> {
-    let Some(variant) = technique.full_plans(scene.overlap).pop() else {
-        return Ok(());
-    };
     let input = |view: &View| FillInput::new(prepared, view, SIZE, variant.plan);
     let mut times = vec![vec![FrameRounds::default(); views.len()]; 2];
     for _ in 0..rounds {
-        let mut backend = technique.open(targets, &variant)?;
+        let mut backend = technique.open(targets, variant)?;
         if let Some(first) = views.first() {
             let input = input(first)?;
             backend.prepare(&input)?;
@@ -107,7 +138,9 @@ fn measure(
             for (view, of_frame) in views.iter().zip(flight) {
                 let watch = CpuStopwatch::start();
                 let input = input(view)?;
+                let of_prepare = CpuStopwatch::start();
                 backend.prepare(&input)?;
+                of_frame.prepare_cpu_ms.push(of_prepare.cpu_ms());
                 let of_surface = CpuStopwatch::start();
                 let surface_gpu_ms = backend.draw_surface(&input)?;
                 of_frame.surface_cpu_ms.push(of_surface.cpu_ms());
@@ -120,13 +153,15 @@ fn measure(
             }
         }
     }
-    let mut backend = technique.open(targets, &variant)?;
+    let mut backend = technique.open(targets, variant)?;
     let (mut levels, mut changes, mut making) = (BTreeSet::new(), 0, 0);
     let mut made = vec![Vec::new(); 2];
-    for made in &mut made {
+    let mut changed = vec![Vec::new(); 2];
+    for (made, changed) in made.iter_mut().zip(&mut changed) {
         for view in views {
             let input = input(view)?;
             let meshes: BTreeSet<usize> = input.plan.regions.iter().map(|of| of.mesh).collect();
+            changed.push(meshes != levels);
             changes += usize::from(meshes != levels);
             levels = meshes;
             backend.prepare(&input)?;
@@ -142,7 +177,8 @@ fn measure(
         technique.name(),
         2 * views.len()
     );
-    for ((flight, frames), made) in ["first flight", "once more"].iter().zip(&times).zip(&made) {
+    let flights = ["first flight", "once more"].iter().zip(&times);
+    for ((flight, frames), (made, changed)) in flights.zip(made.iter().zip(&changed)) {
         let of_all = |of: fn(&FrameRounds) -> &Vec<f64>| -> Vec<f64> {
             frames
                 .iter()
@@ -182,6 +218,18 @@ fn measure(
             rest_ms[near],
             rest_ms.iter().copied().fold(0.0, f64::max) / median(&rest_ms).unwrap_or(f64::NAN)
         );
+        let prepare_ms = of_all(|frame| &frame.prepare_cpu_ms);
+        let [other, same] = [true, false].map(|is_other| {
+            let both = prepare_ms.iter().zip(changed);
+            let own = both.filter(|(_, changed)| **changed == is_other);
+            let own: Vec<f64> = own.map(|(ms, _)| *ms).collect();
+            let most = own.iter().copied().fold(0.0, f64::max);
+            format!(
+                "{:.2} ms, at most {most:.2}",
+                median(&own).unwrap_or(f64::NAN)
+            )
+        });
+        println!("    of it getting ready: where other meshes are drawn {other}; else {same}");
         tell(flight, "GPU's clock", &of_all(|frame| &frame.gpu_ms));
     }
     Ok(())
@@ -191,6 +239,7 @@ fn measure(
 #[derive(Clone, Default)]
 struct FrameRounds {
     cpu_ms: Vec<f64>,
+    prepare_cpu_ms: Vec<f64>,
     surface_cpu_ms: Vec<f64>,
     /// Surface and fill; empty where the device has no clock.
     gpu_ms: Vec<f64>,

@@ -108,8 +108,6 @@ pub fn per_triangle_volume_bytes(
 pub(crate) struct RegionSlice {
     /// Vertices are counted as stored: two per mesh vertex when doubled.
     pub(crate) place: VolumePlace,
-    /// Of its mesh.
-    pub(crate) number: u32,
     /// Its bottom cap can be drawn: its indices are stored, or shaders need none.
     pub(crate) has_bottom: bool,
     pub(crate) vertex_count: u32,
@@ -301,7 +299,6 @@ impl SceneGeometry {
         StoredVertices {
             fixed,
             first_vertex,
-            number: number as u32,
         }
     }
 
@@ -351,7 +348,6 @@ impl SceneGeometry {
                 triangle_count: mesh.triangles.len() as u32,
                 has_short_indices: short_indices,
             },
-            number: stored.number,
             has_bottom,
             vertex_count: (copies * used) as u32,
             loop_index_count: self.indices.count(short_indices) - first_loop_index,
@@ -477,7 +473,6 @@ impl SceneGeometry {
 struct StoredVertices {
     fixed: FixedPoint,
     first_vertex: u32,
-    number: u32,
 }
 
 /// The mesh with its vertices in the order of the variant, and its triangles by part where it is drawn so.

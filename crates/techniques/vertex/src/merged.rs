@@ -258,7 +258,7 @@ impl Merged {
         self.listed = None;
         let mut volumes = vec![0_u32; self.volumes_written.len()];
         for (number, volume) in (0..).zip(&list.volumes) {
-            volumes[regions[volume.geometry].number as usize] = number;
+            volumes[volume.geometry] = number;
         }
         let [before, after] = [&self.volumes_written, &volumes].map(|v| bytemuck::cast_slice(v));
         gpu.write_changed(&self.volume_of_region, before, after);
