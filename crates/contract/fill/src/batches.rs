@@ -112,12 +112,13 @@ pub fn overlap_depth(volumes: &[Volume]) -> usize {
 mod tests {
     use super::*;
     use crate::DepthRange;
+    use terrafill_scene::DrawnAs;
 
     fn volume(left: u32, right: u32) -> Volume {
         Volume {
             geometry: 0,
             near_plane_meets_volume: false,
-            is_flat: false,
+            drawn_as: DrawnAs::Volume,
             front_caps_suffice: false,
             depth: DepthRange::ANY,
             screen_rect: PixelRect {

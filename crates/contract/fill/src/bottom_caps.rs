@@ -71,7 +71,7 @@ impl BottomCaps {
 mod tests {
     use super::*;
     use crate::{ColourWay, DepthRange, ViewId, Volume};
-    use terrafill_scene::{ImageSize, Overlap, PixelRect};
+    use terrafill_scene::{DrawnAs, ImageSize, Overlap, PixelRect};
 
     /// Three volumes, of meshes 10, 11 and 12; the near plane meets the second.
     fn list() -> VolumeList {
@@ -83,16 +83,11 @@ mod tests {
             screen_rect: PixelRect::full(size),
             depth: DepthRange::ANY,
             near_plane_meets_volume: geometry == 11,
-            is_flat: false,
+            drawn_as: DrawnAs::Volume,
             front_caps_suffice: false,
             geometry,
         };
-        VolumeList {
-            view_id: ViewId::unique(),
-            size,
-            volumes: (10..13).map(volume).collect(),
-            cover_tiles: Default::default(),
-        }
+        VolumeList::new(ViewId::unique(), size, (10..13).map(volume).collect())
     }
 
     fn of(depth_rule: DepthRuleChoice, bottom_cap: BottomCap) -> BottomCaps {

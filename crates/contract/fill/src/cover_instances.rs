@@ -22,6 +22,15 @@ impl CoverInstance {
     /// Bytes from one to the next.
     pub const STRIDE: u64 = size_of::<Self>() as u64;
 
+    /// Bytes of these, and zeros up to the next power of two of them: room for those of a view a little different,
+    /// so that a flight seldom makes a buffer.
+    #[must_use]
+    pub fn bytes_with_room(instances: &[Self]) -> Vec<u8> {
+        let mut bytes: Vec<u8> = bytemuck::cast_slice(instances).to_vec();
+        bytes.resize(instances.len().next_power_of_two() * size_of::<Self>(), 0);
+        bytes
+    }
+
     /// The pixels of `rect`.
     #[must_use]
     #[allow(

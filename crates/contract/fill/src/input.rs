@@ -49,6 +49,11 @@ pub struct PreparedScene {
 }
 
 impl PreparedScene {
+    /// Parts of a mesh; `None` where it is so small that it is one part.
+    pub(crate) fn parts_of(&self, mesh: usize) -> Option<&MeshParts> {
+        self.parts.of(&self.body, &self.meshes, mesh)
+    }
+
     /// Joins a scene with its meshes and surface.
     #[must_use]
     pub fn new(scene: &Scene, meshes: RegionSet, surface: Arc<dyn Surface>) -> Self {
@@ -350,11 +355,16 @@ fn plan(
     let is_stored = |mesh: usize| !scene.footprints.contains_key(&mesh);
     let culls_parts = options.part_culling != PartCulling::Off;
     let parts = |mesh: usize| {
-        let own = || scene.parts.of(&scene.body, &scene.meshes, mesh);
-        (culls_parts && is_stored(mesh)).then(own).flatten()
+        (culls_parts && is_stored(mesh))
+            .then(|| scene.parts_of(mesh))
+            .flatten()
     };
     let meshes = &scene.meshes;
     plan.settle_near_plane(&scene.body, camera, size, meshes, is_stored, parts);
     plan.cull_parts(&scene.body, camera, size, terrain, parts);
+    if options.interior && scene.overlap == Overlap::Disjoint {
+        let (body, view) = ((&scene.body, terrain), (camera, size));
+        plan.settle_interior(body, view, meshes, is_stored, parts);
+    }
     plan
 }

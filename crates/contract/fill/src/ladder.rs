@@ -284,11 +284,6 @@ impl Climb {
             |variant| variant.plan.far_level_px = Some(LOD_PX),
         )
         .aside(
-            "cover-tiles",
-            "covers are cut to tiles that the facets of the region's cap touch, where those are fewer pixels",
-            |variant| variant.switches.cover_area = CoverArea::Tiles,
-        )
-        .aside(
             "wall-band",
             "top caps bring the colour where no wall is in front of the surface; volumes are counted elsewhere only",
             |variant| {
@@ -307,6 +302,42 @@ impl Climb {
             "of large regions, parts outside the view or hidden by the body are left out, and rectangles \
              shrink to those of the others",
             |variant| variant.plan.part_culling = PartCulling::All,
+        )
+    }
+
+    /// What of the image shows sky only.
+    #[must_use]
+    pub fn sky(self) -> Self {
+        self.step(
+            "sky",
+            "volumes and rectangles end where the image shows sky only",
+            |variant| variant.plan.sky_culling = true,
+        )
+    }
+
+    /// Views without boundaries. Where regions keep an order, one may lie over another.
+    #[must_use]
+    pub fn interior(self, overlap: Overlap) -> Self {
+        if overlap == Overlap::Ordered {
+            return self;
+        }
+        self.step(
+            "interior",
+            "where all ground in view is one region's it is covered without a volume",
+            |variant| variant.plan.interior = true,
+        )
+    }
+
+    /// Covers of tiles. Where regions keep an order, they are covered one at a time.
+    #[must_use]
+    pub fn cover_tiles(self, overlap: Overlap) -> Self {
+        if overlap == Overlap::Ordered {
+            return self;
+        }
+        self.switch(
+            "cover-tiles",
+            "covers of regions with many pixels for each facet are cut to the tiles that the facets touch",
+            |switches| switches.cover_area = CoverArea::Tiles,
         )
     }
 

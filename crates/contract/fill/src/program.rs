@@ -10,7 +10,7 @@ use crate::{
     BottomCap, ColourWay, CoverArea, DepthRuleChoice, DeviceError, FacePasses, FirstPass,
     StencilClear, SwitchError, Switches, Volume,
 };
-use terrafill_scene::Overlap;
+use terrafill_scene::{DrawnAs, Overlap};
 
 /// Which fragments of a volume touch the stencil.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -289,12 +289,21 @@ impl FillProgram {
         overlap: Overlap,
     ) -> Result<Self, DeviceError> {
         switches.check(overlap)?;
-        let all = 0..volumes.len();
-        let (flat, near): (Vec<usize>, Vec<usize>) = all.partition(|&index| volumes[index].is_flat);
-        if flat.is_empty() {
+        let drawn_as = |what: DrawnAs| -> Vec<usize> {
+            let all = 0..volumes.len();
+            all.filter(|&index| volumes[index].drawn_as == what)
+                .collect()
+        };
+        let [near, flat, ground] =
+            [DrawnAs::Volume, DrawnAs::FlatMesh, DrawnAs::Ground].map(drawn_as);
+        if near.len() == volumes.len() {
             return Self::of_volumes(volumes, switches, overlap);
         }
-        check_flat(switches, overlap)?;
+        for (regions, switch) in [(&flat, "far-level-px"), (&ground, "interior")] {
+            if !regions.is_empty() {
+                check_unmarked(switch, switches, overlap)?;
+            }
+        }
         let own: Vec<Volume> = near.iter().map(|&index| volumes[index]).collect();
         let mut program = Self::of_volumes(&own, switches, overlap)?;
         for command in program
@@ -306,11 +315,12 @@ impl FillProgram {
                 *index = near[*index];
             }
         }
-        program.add_flat(flat);
+        program.add_unmarked(ANYWHERE, CoverShape::Flat, flat);
+        program.add_unmarked(ON_GROUND, CoverShape::Rectangle, ground);
         Ok(program)
     }
 
-    /// Of volumes none of which is flat.
+    /// Of volumes that are drawn as such.
     fn of_volumes(
         volumes: &[Volume],
         switches: &Switches,
@@ -337,10 +347,13 @@ impl FillProgram {
     }
 
     /// Draws these in the last pass, which colours, or in one of their own.
-    fn add_flat(&mut self, volumes: Vec<usize>) {
+    fn add_unmarked(&mut self, test: StencilTest, shape: CoverShape, volumes: Vec<usize>) {
+        if volumes.is_empty() {
+            return;
+        }
         let command = FillCommand::Cover {
-            test: ANYWHERE,
-            shape: CoverShape::Flat,
+            test,
+            shape,
             volumes,
         };
         match self.passes.last_mut() {
@@ -360,12 +373,16 @@ impl FillProgram {
     }
 }
 
-/// Flat meshes are drawn after all volumes, by the regions' plain colours.
-fn check_flat(switches: &Switches, overlap: Overlap) -> Result<(), DeviceError> {
+/// What needs no stencil is drawn after all volumes, by the regions' plain colours.
+fn check_unmarked(
+    switch: &'static str,
+    switches: &Switches,
+    overlap: Overlap,
+) -> Result<(), DeviceError> {
     let refuse = |found: &str, allowed: &str| {
         Err(DeviceError::Switch(SwitchError {
-            switch: "far-level-px",
-            found: format!("flat regions {found}"),
+            switch,
+            found: format!("regions without volumes {found}"),
             allowed: allowed.to_owned(),
         }))
     };
@@ -749,6 +766,12 @@ const ANYWHERE: StencilTest = StencilTest {
     skips_sky: false,
 };
 
+/// Where there is a surface: one that is made for a view may have none close to the limb.
+const ON_GROUND: StencilTest = StencilTest {
+    skips_sky: true,
+    ..ANYWHERE
+};
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -767,7 +790,7 @@ mod tests {
                 bottom: 10,
             },
             near_plane_meets_volume: cut,
-            is_flat: false,
+            drawn_as: DrawnAs::Volume,
             front_caps_suffice: index != 2,
         }
     }
@@ -943,7 +966,7 @@ mod tests {
     fn a_flat_volume_is_covered_once_and_marks_nothing() {
         for switches in every_combination() {
             let mut volumes = three();
-            volumes[0].is_flat = true;
+            volumes[0].drawn_as = DrawnAs::FlatMesh;
             let program = FillProgram::new(&volumes, &switches, Overlap::Disjoint);
             let program = program.expect("allowed");
             let own: Vec<_> = program
@@ -980,7 +1003,7 @@ mod tests {
             assert!(is_last, "{switches:?}");
             // Where all are flat, nothing clears or marks.
             for volume in &mut volumes {
-                volume.is_flat = true;
+                volume.drawn_as = DrawnAs::FlatMesh;
             }
             let program = FillProgram::new(&volumes, &switches, Overlap::Disjoint);
             let program = program.expect("allowed");
@@ -995,7 +1018,7 @@ mod tests {
         let mut volumes = three();
         let switches = Switches::for_overlap(Overlap::Ordered);
         assert!(FillProgram::new(&volumes, &switches, Overlap::Ordered).is_ok());
-        volumes[2].is_flat = true;
+        volumes[2].drawn_as = DrawnAs::FlatMesh;
         let refused = FillProgram::new(&volumes, &switches, Overlap::Ordered).expect_err("order");
         assert!(refused.to_string().contains("overlap=ordered"), "{refused}");
     }

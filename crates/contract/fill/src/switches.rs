@@ -178,8 +178,8 @@ pub enum CoverArea {
     Rectangle,
     /// Nothing: what a rectangle saves.
     Screen,
-    /// Tiles that the facets of the region's cap touch, where those are fewer pixels than the rectangle is. For covers
-    /// that are one draw.
+    /// Tiles that the facets of the region's cap touch, for regions with many pixels a facet of which they are fewer
+    /// pixels than the rectangle. For covers that are one draw.
     Tiles,
 }
 

@@ -7,6 +7,7 @@ use crate::{
     CoverShape, DepthRule, FaceEffect, FillCommand, FillInput, FillProgram, Switches, VolumeList,
 };
 use std::collections::{BTreeMap, BTreeSet};
+use terrafill_scene::{DrawnAs, PlannedRegion};
 
 /// Counts over a program.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -64,7 +65,8 @@ impl Uses {
             ..Self::default()
         };
         if switches.front_caps() {
-            for planned in input.plan.regions.iter().filter(|planned| !planned.is_flat) {
+            let is_volume = |planned: &&PlannedRegion| planned.drawn_as == DrawnAs::Volume;
+            for planned in input.plan.regions.iter().filter(is_volume) {
                 if let Some(why) = caps_kept(input, planned) {
                     *uses.caps_kept.entry(why).or_default() += 1;
                 }

@@ -277,9 +277,9 @@ impl Variant {
 }
 
 /// Keys of a plan's options, with their values.
-const PLAN_KEYS: &str = "boundary-lod-px=PIXELS|off, far-level-px=PIXELS|off, frustum-culling=on|off, horizon-culling=on|off, part-culling=off|frustum|all, too-small-culling=on|off, wall-heights=region|global";
+const PLAN_KEYS: &str = "boundary-lod-px=PIXELS|off, far-level-px=PIXELS|off, frustum-culling=on|off, horizon-culling=on|off, interior=on|off, part-culling=off|frustum|all, sky-culling=on|off, too-small-culling=on|off, wall-heights=region|global";
 
-fn plan_settings(plan: &PlanOptions) -> [(&'static str, String); 7] {
+fn plan_settings(plan: &PlanOptions) -> [(&'static str, String); 9] {
     let switch = |is_on: bool| if is_on { "on" } else { "off" }.to_owned();
     let pixels = |px: Option<f64>| px.map_or("off".to_owned(), |px| px.to_string());
     [
@@ -287,6 +287,7 @@ fn plan_settings(plan: &PlanOptions) -> [(&'static str, String); 7] {
         ("far-level-px", pixels(plan.far_level_px)),
         ("frustum-culling", switch(plan.frustum_culling)),
         ("horizon-culling", switch(plan.horizon_culling)),
+        ("interior", switch(plan.interior)),
         (
             "part-culling",
             match plan.part_culling {
@@ -296,6 +297,7 @@ fn plan_settings(plan: &PlanOptions) -> [(&'static str, String); 7] {
             }
             .to_owned(),
         ),
+        ("sky-culling", switch(plan.sky_culling)),
         ("too-small-culling", switch(plan.too_small_culling)),
         (
             "wall-heights",
@@ -330,6 +332,7 @@ fn set_plan(plan: &mut PlanOptions, key: &str, value: &str) -> Result<bool, Swit
         "far-level-px" => plan.far_level_px = pixels("far-level-px", value)?,
         "frustum-culling" => plan.frustum_culling = pick("frustum-culling", value, &switches)?,
         "horizon-culling" => plan.horizon_culling = pick("horizon-culling", value, &switches)?,
+        "interior" => plan.interior = pick("interior", value, &switches)?,
         "part-culling" => {
             let choices = [
                 ("off", PartCulling::Off),
@@ -338,6 +341,7 @@ fn set_plan(plan: &mut PlanOptions, key: &str, value: &str) -> Result<bool, Swit
             ];
             plan.part_culling = pick("part-culling", value, &choices)?;
         }
+        "sky-culling" => plan.sky_culling = pick("sky-culling", value, &switches)?,
         "too-small-culling" => {
             plan.too_small_culling = pick("too-small-culling", value, &switches)?;
         }
@@ -419,7 +423,7 @@ mod tests {
     fn every_setting_has_a_value_and_can_be_set_to_it() {
         let changed = plain().with("indices", "strip").with("colour", "volume");
         let settings = changed.settings();
-        assert_eq!(settings.len(), 3 + 20 + 7);
+        assert_eq!(settings.len(), 3 + 20 + 9);
         let mut read = plain().with("opacity", "7");
         for (key, value) in &settings {
             assert_eq!(read.set(key, value), Ok(true), "{key}={value}");

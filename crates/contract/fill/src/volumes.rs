@@ -10,7 +10,7 @@ use crate::depth_range::depth_range;
 use crate::front_caps::caps_kept;
 use crate::{CoverArea, DepthRange, FillInput, Switches, ViewId};
 use std::collections::BTreeMap;
-use terrafill_scene::{ImageSize, PixelRect};
+use terrafill_scene::{DrawnAs, ImageSize, PixelRect, PlannedRegion};
 
 /// A closed solid. A stencil program marks the part of the surface that lies inside it.
 ///
@@ -23,8 +23,9 @@ pub struct Volume {
     pub depth: DepthRange,
     /// The near plane may meet it: counting fragments in front of the surface would miss faces.
     pub near_plane_meets_volume: bool,
-    /// It is so low that its top cap and walls, where nearer than the surface, may stand for it.
-    pub is_flat: bool,
+    /// What of it is drawn. As a flat mesh it is so low that its top cap and walls, where nearer than the surface,
+    /// stand for it; as ground it holds all surface in view.
+    pub drawn_as: DrawnAs,
     /// Facets of its top that face away from the eye may be left out, where fragments count in front of
     /// the surface and covers leave out the sky.
     pub front_caps_suffice: bool,
@@ -39,6 +40,8 @@ pub struct VolumeList {
     pub view_id: ViewId,
     /// Its image.
     pub size: ImageSize,
+    /// No pixel outside shows what volumes may mark: what is not cut to a rectangle is cut to this.
+    pub area: PixelRect,
     /// Later ones cover earlier ones.
     pub volumes: Vec<Volume>,
     /// Of some volumes, rectangles that hold all of their pixels and none twice: what merged covers draw instead
@@ -47,9 +50,22 @@ pub struct VolumeList {
 }
 
 impl VolumeList {
+    /// Volumes that may be drawn anywhere in an image.
+    #[must_use]
+    pub fn new(view_id: ViewId, size: ImageSize, volumes: Vec<Volume>) -> Self {
+        Self {
+            view_id,
+            size,
+            area: PixelRect::full(size),
+            volumes,
+            cover_tiles: BTreeMap::new(),
+        }
+    }
+
     /// One volume for each planned region, in the order of the plan, as `switches` need it.
     ///
-    /// - cost: with `cap-faces=front` or `cover-area=tiles`, O(triangles of all planned regions)
+    /// - cost: with `cap-faces=front` O(triangles of all planned regions), with `cover-area=tiles` of those with many
+    ///   pixels a triangle
     #[must_use]
     pub fn of(input: &FillInput, switches: &Switches) -> Self {
         let mut list = Self::from(input);
@@ -60,6 +76,7 @@ impl VolumeList {
         }
         if switches.cover_area == CoverArea::Tiles {
             let planned = input.plan.regions.iter().enumerate();
+            let planned = planned.filter(|(_, planned)| planned.drawn_as == DrawnAs::Volume);
             let tiles =
                 planned.filter_map(|(at, planned)| Some((at, cover_tiles(input, planned)?)));
             list.cover_tiles = tiles.collect();
@@ -82,13 +99,13 @@ impl VolumeList {
         u32::try_from(counts.sum::<usize>()).unwrap_or(u32::MAX)
     }
 
-    /// Where a volume may be drawn: its screen rectangle with `scissor`, else everywhere.
+    /// Where a volume may be drawn: its screen rectangle with `scissor`, else all of the list's area.
     #[must_use]
     pub fn rect(&self, volume: usize, scissor: bool) -> PixelRect {
         if scissor {
             self.volumes[volume].screen_rect
         } else {
-            PixelRect::full(self.size)
+            self.area
         }
     }
 }
@@ -97,21 +114,19 @@ impl From<&FillInput> for VolumeList {
     /// One volume for each planned region, in the order of the plan; geometries are numbered as the
     /// meshes.
     fn from(input: &FillInput) -> Self {
-        let planned = input.plan.regions.iter();
+        let volume = |planned: &PlannedRegion| Volume {
+            screen_rect: planned.screen_rect,
+            depth: depth_range(input, planned),
+            near_plane_meets_volume: planned.near_plane_meets_volume,
+            drawn_as: planned.drawn_as,
+            front_caps_suffice: false,
+            geometry: planned.mesh,
+        };
+        let volumes = input.plan.regions.iter().map(volume).collect();
+        let list = Self::new(input.view_id, input.size, volumes);
         Self {
-            view_id: input.view_id,
-            size: input.size,
-            volumes: planned
-                .map(|planned| Volume {
-                    screen_rect: planned.screen_rect,
-                    depth: depth_range(input, planned),
-                    near_plane_meets_volume: planned.near_plane_meets_volume,
-                    is_flat: planned.is_flat,
-                    front_caps_suffice: false,
-                    geometry: planned.mesh,
-                })
-                .collect(),
-            cover_tiles: BTreeMap::new(),
+            area: input.plan.ground.unwrap_or(list.area),
+            ..list
         }
     }
 }

@@ -8,6 +8,8 @@ mod data;
 mod error;
 mod file;
 mod generated;
+mod ground_rect;
+mod interior;
 mod lazy_mesh;
 mod left_out;
 mod level;
@@ -40,7 +42,7 @@ pub use needs::shipped_scene_needs;
 pub use parts::{MeshParts, PART_FACETS, PartOrder, SeenParts};
 pub use pixel_rect::PixelRect;
 pub use plan::{
-    CAP_CLEARANCE_PX, FramePlan, GLOBAL_HEIGHT_M, HeightRange, LeftOutRegion, MeshBounds,
+    CAP_CLEARANCE_PX, DrawnAs, FramePlan, GLOBAL_HEIGHT_M, HeightRange, LeftOutRegion, MeshBounds,
     PartCulling, PlanOptions, PlannedRegion, RegionBounds, SmallRings, WallHeights,
 };
 pub use procedural::Islands;

@@ -177,7 +177,9 @@ impl MeshParts {
         })
     }
 
-    pub(crate) fn triangles(&self) -> &[u32] {
+    /// As in [`PartOrder::triangles`].
+    #[must_use]
+    pub fn triangles(&self) -> &[u32] {
         &self.triangles
     }
 

@@ -12,6 +12,8 @@
 //!   z-fail this is exact only for whole closed volumes (a ray through the planet may enter by one
 //!   piece and leave by another). Whole volumes are all that is planned here.
 //!
+//! Where the image shows sky only, no region is seen: rectangles end at that of the ground.
+//!
 //! A far level leaves out work instead of regions: a region whose whole volume, terrain and sagging caps
 //! included, is lower than the stated pixels is drawn as a flat mesh, its top cap and walls, where they are
 //! nearer than the surface. Every point of the mesh is then fewer pixels than that from the point of the
@@ -21,6 +23,7 @@
 //! Boundary levels of detail are no cull: they move boundaries, by no more than the stated pixels.
 
 use crate::boundary_pieces::{SeenPiece, grown};
+use crate::ground_rect::ground_rect;
 use crate::left_out::LeftOutReason;
 use crate::level::DrawnRegion;
 use crate::near_plane::{NearPlane, ViewVolume};
@@ -81,6 +84,10 @@ pub struct PlanOptions {
     pub wall_heights: WallHeights,
     /// Which parts of large regions are left out.
     pub part_culling: PartCulling,
+    /// Leave out what of the image shows sky only.
+    pub sky_culling: bool,
+    /// Draw no volume where all ground in view is certainly one region's; for regions that do not overlap.
+    pub interior: bool,
 }
 
 impl Default for PlanOptions {
@@ -93,6 +100,8 @@ impl Default for PlanOptions {
             far_level_px: None,
             wall_heights: WallHeights::Region,
             part_culling: PartCulling::Off,
+            sky_culling: false,
+            interior: false,
         }
     }
 }
@@ -111,8 +120,20 @@ pub struct PlannedRegion {
     /// The near plane, as far as the image shows it, may meet the region's volume: counting what
     /// lies in front of the surface would then miss faces. False only where it certainly does not.
     pub near_plane_meets_volume: bool,
-    /// Its volume is lower than [`PlanOptions::far_level_px`]: its top cap and walls stand for it.
-    pub is_flat: bool,
+    /// What of it is drawn.
+    pub drawn_as: DrawnAs,
+}
+
+/// What is drawn of a region.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DrawnAs {
+    /// Its volume.
+    #[default]
+    Volume,
+    /// Its top cap and walls: its volume is lower than [`PlanOptions::far_level_px`].
+    FlatMesh,
+    /// All ground in view, which is its own ([`PlanOptions::interior`]).
+    Ground,
 }
 
 /// A region that is not drawn.
@@ -144,6 +165,10 @@ pub struct FramePlan {
     pub small_rings: SmallRings,
     /// Of meshes that are drawn in parts what is seen of them; all of those that are not here.
     pub seen_parts: BTreeMap<usize, SeenParts>,
+    /// No pixel outside shows the surface; the whole image where there is `None`.
+    pub ground: Option<PixelRect>,
+    /// Pixels of sky left out.
+    pub sky_px: u64,
     /// What it was planned by.
     pub options: PlanOptions,
 }
@@ -270,6 +295,10 @@ impl FramePlan {
         let planner = Planner::new(body, camera, size, terrain, options);
         let mut plan = Self {
             options,
+            ground: planner.ground,
+            sky_px: planner
+                .ground
+                .map_or(0, |ground| PixelRect::full(size).area() - ground.area()),
             ..Self::default()
         };
         let regions = 0..levels.region_count(meshes.count());
@@ -282,7 +311,9 @@ impl FramePlan {
         }
         if let Some(pixels) = options.far_level_px {
             for planned in &mut plan.regions {
-                planned.is_flat = planner.is_far(planned, &meshes.of(planned.mesh), pixels);
+                if planner.is_far(planned, &meshes.of(planned.mesh), pixels) {
+                    planned.drawn_as = DrawnAs::FlatMesh;
+                }
             }
         }
         plan
@@ -397,16 +428,26 @@ impl FramePlan {
             ));
         }
         phrases.extend(self.parts_left_out());
+        if self.sky_px > 0 {
+            phrases.push(format!("{} px of sky", self.sky_px));
+        }
         let flat = self
             .regions
             .iter()
-            .filter(|planned| planned.is_flat)
+            .filter(|planned| planned.drawn_as == DrawnAs::FlatMesh)
             .count();
         if let (Some(pixels), 1..) = (self.options.far_level_px, flat) {
             phrases.push(format!(
                 "bottom caps and stencil of {flat} of {} regions, whose volumes are lower than \
                  {pixels} px",
                 self.regions.len()
+            ));
+        }
+        let mut whole = self.regions.iter();
+        if let Some(region) = whole.find(|planned| planned.drawn_as == DrawnAs::Ground) {
+            let name = &meshes[region.mesh].borrow().name;
+            phrases.push(format!(
+                "volume and stencil of {name}, which has all ground in view"
             ));
         }
         phrases.join("; ")
@@ -450,6 +491,8 @@ pub(crate) struct Planner<'a> {
     /// How much farther volumes reach up and down than the terrain needs.
     beyond_m: [f64; 2],
     near_plane: NearPlane,
+    /// [`FramePlan::ground`].
+    ground: Option<PixelRect>,
     options: PlanOptions,
 }
 
@@ -473,6 +516,9 @@ impl<'a> Planner<'a> {
                     .map(|margin_m| (GLOBAL_HEIGHT_M + margin_m).max(0.0)),
             },
             near_plane: NearPlane::new(camera, size),
+            ground: options
+                .sky_culling
+                .then(|| ground_rect(body, camera, size, terrain.highest_m)),
             options,
         }
     }
@@ -489,19 +535,20 @@ impl<'a> Planner<'a> {
         let (_, rect, off_screen) = self.on_screen(corners);
         if off_screen {
             Err(LeftOutReason::OutsideFrustum)
-        } else if counts_in_front && self.horizon.hides_all(corners) {
+        } else if rect.area() == 0 || counts_in_front && self.horizon.hides_all(corners) {
             Err(LeftOutReason::BeyondHorizon)
         } else {
             Ok(rect)
         }
     }
 
-    /// Where corners project to, the pixels that their hull may touch, and whether there are none.
+    /// Where corners project to, the pixels of ground that their hull may touch, and whether it touches none at all.
     fn on_screen(&self, corners: &[DVec3; 8]) -> (Option<Footprint>, PixelRect, bool) {
         let (camera, size) = (self.camera, self.size);
         let footprint = Footprint::new(camera, size, corners);
         let rect = footprint.map_or(PixelRect::full(size), |f| f.rect(size));
-        let off_screen = rect.width() == 0 || rect.height() == 0 || self.is_outside(corners);
+        let off_screen = rect.area() == 0 || self.is_outside(corners);
+        let rect = self.ground.map_or(rect, |ground| rect.within(ground));
         (footprint, rect, off_screen)
     }
 
@@ -527,7 +574,9 @@ impl<'a> Planner<'a> {
         let (footprint, screen_rect, off_screen) = self.on_screen(&corners);
         if options.frustum_culling && off_screen {
             Err(LeftOutReason::OutsideFrustum)
-        } else if options.horizon_culling && self.horizon.hides_all(&corners) {
+        } else if options.horizon_culling && self.horizon.hides_all(&corners)
+            || options.sky_culling && screen_rect.area() == 0
+        {
             Err(LeftOutReason::BeyondHorizon)
         } else if options.too_small_culling && footprint.is_some_and(Footprint::is_too_small) {
             Err(LeftOutReason::TooSmall)
@@ -538,7 +587,7 @@ impl<'a> Planner<'a> {
                 heights: grown.heights,
                 screen_rect,
                 near_plane_meets_volume: self.near_plane.meets_box(&grown.bounds),
-                is_flat: false,
+                drawn_as: DrawnAs::Volume,
             })
         }
     }

@@ -5,9 +5,14 @@
 use glam::DVec3;
 use terrafill_core::{Geodetic, RegionMesh};
 use terrafill_scene::{
-    Camera, FEWEST_VERTICES_FOR_LEVELS, FramePlan, HeightRange, ImageSize, LEVEL_VERTEX_SHARE,
-    LevelChoice, LeveledMeshes, PlanOptions, PlannedRegion, RegionBounds, Scene,
+    Camera, DrawnAs, FEWEST_VERTICES_FOR_LEVELS, FramePlan, HeightRange, ImageSize,
+    LEVEL_VERTEX_SHARE, LevelChoice, LeveledMeshes, PlanOptions, PlannedRegion, RegionBounds,
+    Scene,
 };
+
+fn is_flat(planned: &&PlannedRegion) -> bool {
+    planned.drawn_as == DrawnAs::FlatMesh
+}
 
 const SIZE: ImageSize = ImageSize {
     width: 1024,
@@ -267,7 +272,8 @@ fn a_region_around_the_eye_is_drawn_as_written() {
 
 /// Regions of a plan that are drawn flat, of all.
 fn flat(plan: &FramePlan) -> (usize, usize) {
-    let flat = plan.regions.iter().filter(|planned| planned.is_flat);
+    let is_flat = |planned: &&PlannedRegion| planned.drawn_as == DrawnAs::FlatMesh;
+    let flat = plan.regions.iter().filter(is_flat);
     (flat.count(), plan.regions.len())
 }
 
@@ -290,7 +296,7 @@ fn only_volumes_lower_than_the_stated_pixels_and_before_the_horizon_are_flat() {
         let (count, all) = flat(&plan);
         assert!(count >= before, "{count} of {all}");
         before = count;
-        for planned in plan.regions.iter().filter(|planned| planned.is_flat) {
+        for planned in plan.regions.iter().filter(is_flat) {
             for place in &meshes[planned.mesh].vertices_ecef {
                 let normal = place.normalize();
                 let ends = [planned.heights.top_m, planned.heights.bottom_m].map(|height_m| {

@@ -172,7 +172,11 @@ impl CoverList {
                 gpu.write_changed(&before.buffer, &before.bytes, &bytes);
                 before.buffer
             }
-            _ => gpu.upload("covers", &bytes, wgpu::BufferUsages::VERTEX)?,
+            _ => gpu.upload(
+                "covers",
+                &CoverInstance::bytes_with_room(instances),
+                wgpu::BufferUsages::VERTEX,
+            )?,
         };
         Ok(Self { buffer, bytes })
     }

@@ -135,7 +135,7 @@ fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FillInput {
     };
     let mut input = FillInput::new(&scene, &view, SIZE, PlanOptions::default()).expect("above");
     input.plan.regions.push(PlannedRegion {
-        is_flat: false,
+        drawn_as: terrafill_scene::DrawnAs::Volume,
         region: 0,
         mesh: 0,
         heights: terrafill_core::VolumeHeights {

@@ -137,7 +137,12 @@ impl CoverList {
                 before.buffer.rewrite_changed(&before.bytes, &bytes)?;
                 before.buffer
             }
-            _ => Buffer::upload(gpu, "covers", &bytes, BufferUse::Vertex)?,
+            _ => Buffer::upload(
+                gpu,
+                "covers",
+                &CoverInstance::bytes_with_room(instances),
+                BufferUse::Vertex,
+            )?,
         };
         Ok(Self { buffer, bytes })
     }

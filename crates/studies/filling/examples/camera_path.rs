@@ -3,8 +3,10 @@
 //!
 //! `cargo run --release -p terrafill-filling --example camera_path -- [ROUNDS] [KEY=VALUE…] SCENE…`
 //!
-//! By each technique's full plan with levels, but for the switches given. A frame is plan, what it uploads, surface and fill, by process CPU
-//! time, median over the rounds. What the surface alone takes, which no fill can change, is printed beside it, and
+//! By each technique's full plan with levels, but for the switches given. `surface.KEY=VALUE` changes what lies under
+//! the fill: with `surface.kind=tiles` it has as many triangles as the view needs, as the fill has.
+//!
+//! A frame is plan, what it uploads, surface and fill, by process CPU time, median over the rounds. What the surface alone takes, which no fill can change, is printed beside it, and
 //! surface and fill by the GPU's clock, where there is one. The first frame is drawn once beforehand, as a program
 //! does while it loads. A round flies twice: the first flight makes what it draws, the other finds it made.
 
@@ -17,13 +19,16 @@ use terrafill_core::Geodetic;
 use terrafill_fill::{
     CpuStopwatch, Devices, FillInput, PreparedScene, Targets, Technique, Variant,
 };
+use terrafill_grid::GridKind;
 use terrafill_instanced::InstancedTechnique;
 use terrafill_native::NativeTechnique;
 use terrafill_results::median;
 use terrafill_scene::{
     CameraPose, ImageSize, LazyMesh, LeveledMeshes, Scene, View, data_dir_from_env,
 };
-use terrafill_surface::{EllipsoidKind, open_surface};
+use terrafill_spiral::SpiralKind;
+use terrafill_surface::{EllipsoidKind, SurfaceKind, open_surface};
+use terrafill_tiles::TilesKind;
 use terrafill_vertex::VertexTechnique;
 
 const SIZE: ImageSize = ImageSize {
@@ -48,14 +53,19 @@ fn main() -> anyhow::Result<()> {
         arguments.next();
     }
     let (settings, scenes): (Vec<String>, Vec<String>) = arguments.partition(|of| of.contains('='));
+    let (of_surface, settings): (Vec<String>, Vec<String>) = settings
+        .into_iter()
+        .partition(|setting| setting.starts_with("surface."));
     let targets = Targets::new(&Rc::new(Devices::new(None)), SIZE);
     for name in scenes {
-        let scene = Scene::shipped(&name, data_dir_from_env().as_deref())?;
+        let mut scene = Scene::shipped(&name, data_dir_from_env().as_deref())?;
+        choose_surface(&mut scene, &of_surface);
         let leveled = LeveledMeshes::build(&scene, &scene.mesh)
             .map_err(|errors| anyhow::anyhow!("{name}: {errors:?}"))?;
         // Beforehand, so that the times are those of drawing.
         LazyMesh::make_all(&leveled.meshes);
-        let surface = open_surface(&[&EllipsoidKind], &scene)?;
+        let kinds: [&dyn SurfaceKind; 4] = [&EllipsoidKind, &GridKind, &SpiralKind, &TilesKind];
+        let surface = open_surface(&kinds, &scene)?;
         let prepared = PreparedScene::leveled(&scene, leveled, surface);
         let views = path(prepared.meshes[0].vertices_deg[0]);
         for technique in TECHNIQUES {
@@ -73,6 +83,23 @@ fn main() -> anyhow::Result<()> {
         }
     }
     Ok(())
+}
+
+/// Changes what lies under the fill by `surface.KEY=VALUE`, keys as in a scene file. Another kind has none of the keys
+/// of the one that the scene names.
+fn choose_surface(scene: &mut Scene, settings: &[String]) {
+    for setting in settings {
+        let (key, value) = setting.split_once('=').unwrap_or((setting, ""));
+        let key = key.trim_start_matches("surface.");
+        if key == "kind" {
+            value.clone_into(&mut scene.surface.kind);
+            scene.surface.parameters.clear();
+            continue;
+        }
+        let text = || toml::Value::String(value.to_owned());
+        let value = value.parse().unwrap_or_else(|_| text());
+        scene.surface.parameters.insert(key.to_owned(), value);
+    }
 }
 
 /// A technique's full plan with levels, changed by `settings`; `None` where that has no such plan.

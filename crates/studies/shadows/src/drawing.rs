@@ -151,12 +151,7 @@ impl Scene {
                 }
                 Ok::<_, DeviceError>(StencilWork {
                     program: program(way, &switches, &list)?,
-                    list: VolumeList {
-                        view_id: id,
-                        size,
-                        volumes: list,
-                        cover_tiles: Default::default(),
-                    },
+                    list: VolumeList::new(id, size, list),
                     constants,
                     blends: false,
                 })

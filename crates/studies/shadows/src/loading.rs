@@ -16,7 +16,7 @@ use glam::DVec4;
 use std::ops::Range;
 use terrafill_casters::Volume;
 use terrafill_fill::{DepthRange, DepthRule, DeviceError, FillCommand, FillProgram, Switches};
-use terrafill_scene::{Overlap, PixelRect};
+use terrafill_scene::{DrawnAs, Overlap, PixelRect};
 
 /// Volumes that 8 bits count over one pixel.
 const COUNTABLE: usize = 255;
@@ -183,7 +183,7 @@ fn depth_range(view: &View, corners: impl Iterator<Item = DVec4>) -> DepthRange 
 /// A volume over the whole depth.
 pub(crate) fn listed(rectangle: Rectangle, geometry: usize) -> terrafill_fill::Volume {
     terrafill_fill::Volume {
-        is_flat: false,
+        drawn_as: DrawnAs::Volume,
         front_caps_suffice: false,
         screen_rect: PixelRect {
             left: rectangle.columns[0],

@@ -63,6 +63,9 @@ impl Technique for ComputeTechnique {
         .mesh_lod()
         .rest_of_the_way(overlap)
         .parts()
+        .sky()
+        .interior(overlap)
+        .cover_tiles(overlap)
         .experiments_at_the_top(overlap)
         .rungs()
     }

@@ -165,7 +165,7 @@ fn commands_of(
 mod tests {
     use super::*;
     use terrafill_fill::{DepthRange, Switches, Volume};
-    use terrafill_scene::{Overlap, PixelRect};
+    use terrafill_scene::{DrawnAs, Overlap, PixelRect};
 
     #[test]
     fn every_volume_of_a_step_has_its_command_and_no_other_has_one() {
@@ -178,7 +178,7 @@ mod tests {
             },
             depth: DepthRange::ANY,
             near_plane_meets_volume: false,
-            is_flat: false,
+            drawn_as: DrawnAs::Volume,
             front_caps_suffice: false,
             geometry,
         };

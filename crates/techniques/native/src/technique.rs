@@ -4,8 +4,8 @@
 use crate::{NativeBackend, NativeVariant, native_bytes, native_layouts};
 use terrafill_core::RegionMesh;
 use terrafill_fill::{
-    Api, Climb, DeviceError, FillBackend, GeometryBytes, Parameter, Role, Rung, SwitchError,
-    THIS_MACHINE, Targets, Technique, Variant, layouts,
+    Api, Climb, CoverArea, DeviceError, FillBackend, GeometryBytes, Parameter, Role, Rung,
+    SwitchError, THIS_MACHINE, Targets, Technique, Variant, layouts,
 };
 use terrafill_scene::{Overlap, Scene};
 use terrafill_vulkan::shared_targets;
@@ -96,16 +96,20 @@ impl Technique for NativeTechnique {
         .mesh_lod()
         .rest_of_the_way(overlap)
         .parts()
+        .sky()
+        .interior(overlap)
+        .cover_tiles(overlap)
         .experiments_at_the_top(overlap)
         .front_caps(overlap)
         // Last, since where the device has none the rungs after it would have no result either.
         .switch(
             "depth-bounds",
             "fragments over surface outside the region's depth range are dropped; bounds are set for each \
-             region, which has its draws for itself again",
+             region, which has its draws for itself again, and its rectangle",
             |switches| {
                 switches.depth_bounds = true;
                 switches.merges_draws = false;
+                switches.cover_area = CoverArea::Rectangle;
             },
         )
         .rungs()

@@ -348,7 +348,7 @@ mod tests {
     use std::collections::BTreeSet;
     use terrafill_fill::{DepthRange, Switches, ViewId, Volume};
     use terrafill_fixtures::by_hand::{circle_deg, mesh};
-    use terrafill_scene::{ImageSize, Overlap, PixelRect};
+    use terrafill_scene::{DrawnAs, ImageSize, Overlap, PixelRect};
 
     /// Rings of 3, 5 and 40,000 vertices: the last one has indices of 32 bits.
     fn geometry() -> SceneGeometry {
@@ -371,19 +371,16 @@ mod tests {
             },
             depth: DepthRange::ANY,
             near_plane_meets_volume: false,
-            is_flat: false,
+            drawn_as: DrawnAs::Volume,
             front_caps_suffice: false,
             geometry,
         };
-        VolumeList {
-            view_id: ViewId::unique(),
-            size: ImageSize {
-                width: 64,
-                height: 64,
-            },
-            volumes: vec![volume(2, 0), volume(0, 5), volume(1, 20)],
-            cover_tiles: Default::default(),
-        }
+        let size = ImageSize {
+            width: 64,
+            height: 64,
+        };
+        let volumes = vec![volume(2, 0), volume(0, 5), volume(1, 20)];
+        VolumeList::new(ViewId::unique(), size, volumes)
     }
 
     #[test]

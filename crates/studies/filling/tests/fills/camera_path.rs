@@ -8,7 +8,7 @@ use drawing::{AllTargets, Devices, Technique, counters, draw_with};
 use std::collections::HashSet;
 use terrafill_core::Geodetic;
 use terrafill_fill::{
-    BottomCap, Counters, DepthRuleChoice, FillInput, FillPass, FillProgram, FillStep,
+    BottomCap, Counters, CoverArea, DepthRuleChoice, FillInput, FillPass, FillProgram, FillStep,
     PreparedScene, StencilTest, Switches, VolumeList, VolumeState,
 };
 use terrafill_native::{Extrusion, NativeVariant};
@@ -36,6 +36,8 @@ pub(crate) fn path(scene: &PreparedScene) -> Vec<FillInput> {
     let [longitude_deg, latitude_deg] = scene.meshes[0].vertices_deg[0];
     let plan = PlanOptions {
         boundary_lod_px: Some(0.5),
+        sky_culling: true,
+        interior: true,
         ..PlanOptions::default()
     };
     let seen = |frame: u32| {
@@ -60,6 +62,10 @@ pub(crate) fn path(scene: &PreparedScene) -> Vec<FillInput> {
 fn switches(merges_draws: bool) -> Switches {
     Switches {
         merges_draws,
+        cover_area: match merges_draws {
+            true => CoverArea::Tiles,
+            false => CoverArea::Rectangle,
+        },
         depth_rule: DepthRuleChoice::Automatic,
         bottom_cap: BottomCap::WhereNeeded,
         ..Switches::default()
@@ -75,6 +81,8 @@ struct Work {
     meshes: Vec<usize>,
     states: HashSet<VolumeState>,
     tests: HashSet<StencilTest>,
+    /// Rectangles of merged covers.
+    covers: usize,
 }
 
 impl Work {
@@ -89,6 +97,7 @@ impl Work {
             meshes: list.volumes.iter().map(|volume| volume.geometry).collect(),
             states: HashSet::new(),
             tests: HashSet::new(),
+            covers: program.cover_instances(&list).len(),
         };
         for step in program.passes.iter().flat_map(FillPass::steps) {
             match step {
@@ -155,6 +164,7 @@ struct Seen {
     volumes: usize,
     indices: usize,
     commands: usize,
+    covers: usize,
     bottoms: HashSet<usize>,
     states: HashSet<VolumeState>,
     tests: HashSet<StencilTest>,
@@ -175,9 +185,9 @@ fn unexplained(
     if merges {
         uploads += 1;
     }
-    if work.volumes() > seen.volumes {
-        buffers += if merges { 2 } else { 1 };
-    }
+    buffers += u64::from(work.volumes() > seen.volumes);
+    // Those of covers have room for as many as a power of two.
+    buffers += u64::from(merges && work.covers > seen.covers.next_power_of_two());
     if merges_volumes && work.drawn != before.drawn {
         uploads += 1;
     }
@@ -258,6 +268,7 @@ fn nothing_is_made_on_the_way_that_no_change_explains() {
             seen.volumes = seen.volumes.max(work.volumes());
             seen.indices = seen.indices.max(work.indices(input));
             seen.commands = seen.commands.max(work.commands());
+            seen.covers = seen.covers.max(work.covers);
             seen.bottoms.extend(work.bottoms());
             seen.states.extend(&work.states);
             seen.tests.extend(&work.tests);

@@ -142,6 +142,8 @@ fn no_switch_changes_a_pixel() {
 }
 
 const NOTHING_LEFT_OUT: PlanOptions = PlanOptions {
+    sky_culling: false,
+    interior: false,
     frustum_culling: false,
     horizon_culling: false,
     too_small_culling: false,

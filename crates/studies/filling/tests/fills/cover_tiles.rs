@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Covers cut to the tiles that a region's cap touches: the same picture to the pixel, from fewer pixels.
+//! Covers cut to the tiles that a region's cap touches, and everything cut to where the image shows ground: the same
+//! picture to the pixel, from fewer pixels.
 
 use crate::{drawing, merged_draws};
 
-use drawing::{AllTargets, Devices, draw_with, shipped, with_switches};
+use drawing::{AllTargets, Devices, counters, draw_with, shipped, with_switches};
 use merged_draws::{SIZE, differing_when, seen, switches, techniques};
-use terrafill_fill::{CoverArea, FillInput, Switches, VolumeList};
-use terrafill_scene::{ImageSize, PixelRect, PlanOptions};
+use terrafill_fill::{CoverArea, FillInput, PreparedScene, Switches, VolumeList};
+use terrafill_scene::{ImageSize, PixelRect, PlanOptions, View};
 
 const LARGE: ImageSize = ImageSize {
     width: 1024,
@@ -18,6 +19,14 @@ fn tiled() -> Switches {
         cover_area: CoverArea::Tiles,
         ..switches(true)
     }
+}
+
+fn without_sky(scene: &PreparedScene, view: &View) -> FillInput {
+    let plan = PlanOptions {
+        sky_culling: true,
+        ..PlanOptions::default()
+    };
+    FillInput::new(scene, view, SIZE, plan).expect("a surface")
 }
 
 #[test]
@@ -43,17 +52,19 @@ fn shipped_scenes_look_the_same_from_fewer_pixels() {
                     .sum::<u64>();
             }
             let input = seen(&scene, view);
+            let ground = without_sky(&scene, view);
             for technique in techniques() {
                 let what = format!("{name}/{}: {technique:?}", view.name);
-                let [plain, tiles] = [switches(true), tiled()].map(|switches| {
-                    let mut backend = targets.open(with_switches(technique, switches));
-                    let frame = draw_with(&mut *backend, &input);
-                    if let Some(needs) = backend.needs(&input).expect("prepared") {
+                let plain = with_switches(technique, switches(true));
+                let plain = draw_with(&mut *targets.open(plain), &input);
+                for input in [&input, &ground] {
+                    let mut backend = targets.open(with_switches(technique, tiled()));
+                    let tiles = draw_with(&mut *backend, input);
+                    if let Some(needs) = backend.needs(input).expect("prepared") {
                         assert_eq!(needs.undeclared(), None, "{what}");
                     }
-                    frame
-                });
-                assert_eq!(drawing::differing(&plain, &tiles), 0, "{what}");
+                    assert_eq!(drawing::differing(&plain, &tiles), 0, "{what}");
+                }
             }
         }
         eprintln!("{name}: {covered} px of tiles instead of {whole} px of rectangles");
@@ -71,16 +82,65 @@ fn a_tile_less_is_seen() {
     let Some(devices) = Devices::open_both() else {
         return;
     };
+    let targets = AllTargets::new(&devices, SIZE);
+    let mut views_with_tiles = 0;
+    for name in ["california", "planet-134", "us-states", "countries-110m"] {
+        let Some((scene, views)) = shipped(name) else {
+            continue;
+        };
+        for view in &views {
+            let input = seen(&scene, view);
+            // So small a picture has few regions with many pixels a facet.
+            if VolumeList::of(&input, &tiled()).cover_tiles.is_empty() {
+                continue;
+            }
+            let what = format!("{name}/{}", view.name);
+            let none = differing_when(&targets, &input, tiled(), |_, _| ());
+            assert_eq!(none, 0, "{what}");
+            let fewer = differing_when(&targets, &input, tiled(), |_, list| {
+                for tiles in list.cover_tiles.values_mut() {
+                    tiles.remove(tiles.len() / 2);
+                }
+            });
+            assert!(fewer > 20, "{what}: {fewer}");
+            views_with_tiles += 1;
+        }
+    }
+    assert!(views_with_tiles > 0);
+}
+
+#[test]
+fn sky_is_not_drawn_and_a_row_more_is_seen() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
     let Some((scene, views)) = shipped("planet-134") else {
         return;
     };
     let targets = AllTargets::new(&devices, SIZE);
-    let input = seen(&scene, &views[0]);
-    assert_eq!(differing_when(&targets, &input, tiled(), |_, _| ()), 0);
-    let fewer = differing_when(&targets, &input, tiled(), |_, list| {
-        for tiles in list.cover_tiles.values_mut() {
-            tiles.remove(tiles.len() / 2);
+    let view = views.iter().find(|view| view.name == "horizon");
+    let view = view.expect("a horizon");
+    let (all, ground) = (seen(&scene, view), without_sky(&scene, view));
+    let image_px = PixelRect::full(SIZE).area();
+    assert!(ground.plan.sky_px > image_px / 3, "{}", ground.plan.sky_px);
+    assert!(
+        ground
+            .left_out_summary()
+            .contains(&format!("{} px of sky", ground.plan.sky_px))
+    );
+    for technique in techniques() {
+        let fragments = |input: &FillInput| {
+            let mut backend = targets.open(with_switches(technique, switches(true)));
+            counters(&draw_with(&mut *backend, input)).stencil_fragments
+        };
+        if let (Some(before), Some(after)) = (fragments(&all), fragments(&ground)) {
+            assert!(3 * after < 2 * before, "{technique:?}: {after} of {before}");
         }
+    }
+    assert_eq!(differing_when(&targets, &ground, tiled(), |_, _| ()), 0);
+    // Twin: cut a few rows too low, far pixels are lost.
+    let lost = differing_when(&targets, &ground, switches(true), |_, list| {
+        list.area.top += 8;
     });
-    assert!(fewer > 20, "{fewer}");
+    assert!(lost > 20, "{lost}");
 }

@@ -19,7 +19,7 @@ use terrafill_core::Ellipsoid;
 use terrafill_fill::{ColourWay, FillInput, Frame, LOD_PX, Switches};
 use terrafill_native::{Extrusion, NativeVariant};
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{ImageSize, Overlap, PlanOptions};
+use terrafill_scene::{DrawnAs, ImageSize, Overlap, PlanOptions};
 use terrafill_vertex::{Layout, VertexVariant};
 
 const SIZE: ImageSize = ImageSize {
@@ -48,7 +48,9 @@ fn held(truth: &FillInput, reference: &Frame, frame: &Frame, pixels: f64) -> (bo
 
 fn flat(input: &FillInput) -> usize {
     let planned = input.plan.regions.iter();
-    planned.filter(|planned| planned.is_flat).count()
+    planned
+        .filter(|planned| planned.drawn_as == DrawnAs::FlatMesh)
+        .count()
 }
 
 #[test]

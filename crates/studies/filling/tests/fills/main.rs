@@ -13,6 +13,7 @@ mod extreme_views;
 mod far_level;
 mod front_caps;
 mod held_meshes;
+mod interior;
 mod level_of_detail;
 mod merged_draws;
 mod native_against_reference;

@@ -553,8 +553,8 @@ fn switches_of_another_backend_are_refused_with_the_backends_own() {
             position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
             stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3, \
             texture-code=needed|loaded, vertices=stored|bent, \
-            boundary-lod-px=PIXELS|off, far-level-px=PIXELS|off, frustum-culling=on|off, horizon-culling=on|off, \
-            part-culling=off|frustum|all, too-small-culling=on|off, wall-heights=region|global, boundary-tolerance-m=METRES";
+            boundary-lod-px=PIXELS|off, far-level-px=PIXELS|off, frustum-culling=on|off, horizon-culling=on|off, interior=on|off, \
+            part-culling=off|frustum|all, sky-culling=on|off, too-small-culling=on|off, wall-heights=region|global, boundary-tolerance-m=METRES";
         desk.run(&[&SCENE[..], &more].concat()).refused(&[&[ends]]);
     }
     let more = [
