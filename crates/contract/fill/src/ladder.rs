@@ -271,13 +271,9 @@ impl Climb {
         )
     }
 
-    /// Experiments with everything that gains. Each loses on some devices or in some views, so no full plan has
-    /// it (`docs/volume-cost.md`). Where regions keep an order, none of them can be drawn.
-    #[must_use]
-    pub fn experiments_at_the_top(self, overlap: Overlap) -> Self {
-        if overlap == Overlap::Ordered {
-            return self;
-        }
+    /// Each loses on some devices or in some views, so no full plan has it (`docs/volume-cost.md`). Where regions keep
+    /// an order, none of them can be drawn.
+    fn experiments_at_the_top(self) -> Self {
         self.aside(
             "far-level",
             "regions whose volumes are lower than half a pixel as flat meshes, without stencil",
@@ -294,51 +290,37 @@ impl Climb {
         )
     }
 
-    /// Large regions in parts, for a technique that draws them.
+    /// What the view at hand does not need, for a technique that draws regions in parts. Then experiments with
+    /// everything that gains.
     #[must_use]
-    pub fn parts(self) -> Self {
-        self.step(
-            "parts",
-            "of large regions, parts outside the view or hidden by the body are left out, and rectangles \
-             shrink to those of the others",
-            |variant| variant.plan.part_culling = PartCulling::All,
-        )
-    }
-
-    /// What of the image shows sky only.
-    #[must_use]
-    pub fn sky(self) -> Self {
-        self.step(
-            "sky",
-            "volumes and rectangles end where the image shows sky only",
-            |variant| variant.plan.sky_culling = true,
-        )
-    }
-
-    /// Views without boundaries. Where regions keep an order, one may lie over another.
-    #[must_use]
-    pub fn interior(self, overlap: Overlap) -> Self {
+    pub fn top_of_the_way(self, overlap: Overlap) -> Self {
+        let way = self
+            .step(
+                "parts",
+                "of large regions, parts outside the view or hidden by the body are left out, and rectangles \
+                 shrink to those of the others",
+                |variant| variant.plan.part_culling = PartCulling::All,
+            )
+            .step(
+                "sky",
+                "volumes and rectangles end where the image shows sky only",
+                |variant| variant.plan.sky_culling = true,
+            );
+        // Where regions keep an order they are covered one at a time, and one may lie over another.
         if overlap == Overlap::Ordered {
-            return self;
+            return way;
         }
-        self.step(
+        way.step(
             "interior",
             "where all ground in view is one region's it is covered without a volume",
             |variant| variant.plan.interior = true,
         )
-    }
-
-    /// Covers of tiles. Where regions keep an order, they are covered one at a time.
-    #[must_use]
-    pub fn cover_tiles(self, overlap: Overlap) -> Self {
-        if overlap == Overlap::Ordered {
-            return self;
-        }
-        self.switch(
+        .switch(
             "cover-tiles",
             "covers of regions with many pixels for each facet are cut to the tiles that the facets touch",
             |switches| switches.cover_area = CoverArea::Tiles,
         )
+        .experiments_at_the_top()
     }
 
     /// Caps without the facets that face away, beside the way, for a technique that draws caps apart from walls.

@@ -62,11 +62,7 @@ impl Technique for ComputeTechnique {
         .caps()
         .mesh_lod()
         .rest_of_the_way(overlap)
-        .parts()
-        .sky()
-        .interior(overlap)
-        .cover_tiles(overlap)
-        .experiments_at_the_top(overlap)
+        .top_of_the_way(overlap)
         .rungs()
     }
 

@@ -95,11 +95,7 @@ impl Technique for NativeTechnique {
         .caps()
         .mesh_lod()
         .rest_of_the_way(overlap)
-        .parts()
-        .sky()
-        .interior(overlap)
-        .cover_tiles(overlap)
-        .experiments_at_the_top(overlap)
+        .top_of_the_way(overlap)
         .front_caps(overlap)
         // Last, since where the device has none the rungs after it would have no result either.
         .switch(
