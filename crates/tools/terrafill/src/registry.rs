@@ -277,11 +277,12 @@ mod tests {
                     // A value that becomes another one is two parts. Walls of single triangles are
                     // always lists, and two edges in a triangle are never strips. Which faces are drawn
                     // as covers has no meaning where none are. Without its bottom cap a volume can be
-                    // counted in front of the surface only. Four: single triangles have no vertex size
-                    // either.
+                    // counted in front of the surface only. Bounds of depth are set for each draw, so that
+                    // none is merged, and covers are tiles only where they are. Four: single triangles have no
+                    // vertex size either.
                     let allowed = match rung.step {
                         "one-volume" => 4,
-                        "two-edges" | "screen-cover" | "z-pass" => 3,
+                        "two-edges" | "screen-cover" | "z-pass" | "depth-bounds" => 3,
                         _ => 2,
                     };
                     let found = differences(before, rung);
