@@ -4,11 +4,12 @@
 //! `cargo run --release -p terrafill-filling --example camera_path -- [ROUNDS] [KEY=VALUE…] SCENE…`
 //!
 //! By each technique's full plan with levels, but for the switches given. `surface.KEY=VALUE` changes what lies under
-//! the fill: with `surface.kind=tiles` it has as many triangles as the view needs, as the fill has.
+//! the fill: with `surface.kind=tiles surface.base=flat` it has the triangles that the view needs, as the fill has.
 //!
-//! A frame is plan, what it uploads, surface and fill, by process CPU time, median over the rounds. What the surface alone takes, which no fill can change, is printed beside it, and
-//! surface and fill by the GPU's clock, where there is one. The first frame is drawn once beforehand, as a program
-//! does while it loads. A round flies twice: the first flight makes what it draws, the other finds it made.
+//! A frame is plan, what it uploads, surface and fill, by process CPU time, median over the rounds. What the surface
+//! alone takes, which no fill can change, is printed beside it, and surface and fill by the GPU's clock, where there is
+//! one. The first frame is drawn once beforehand, as a program does while it loads. A round flies twice: the first
+//! flight makes what it draws, the other finds it made.
 
 #![allow(clippy::print_stdout, reason = "printing is what an example is for")]
 

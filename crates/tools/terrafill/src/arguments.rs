@@ -512,7 +512,8 @@ pub(crate) struct ReportArguments {
 const SET_HELP: &str = "\
 Switch of the technique or of the plan, or a variant as a
 report names it; may be repeated: layout=pulled,
-gs-line,scissor=volumes … --list-switches lists all";
+gs-line,scissor=volumes … --list-switches lists all;
+full-plan sets all that gains";
 
 const FIT_HELP: &str = "\
 SCENE is a GeoJSON file: on WGS 84, by planar edges, seen

@@ -103,6 +103,9 @@ fn find_view<'a>(scene: &'a Scene, name: &str) -> Result<&'a View, Failure> {
     })
 }
 
+/// Word for all that the top of a technique's ladder sets, in place of what was set before.
+const FULL_PLAN: &str = "full-plan";
+
 /// What `--technique` and `--set` ask for.
 struct Wanted {
     /// `None`: the reference.
@@ -137,6 +140,13 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
         let Some((_, variant)) = &mut wanted.subject else {
             continue;
         };
+        if let Some(technique) = technique.filter(|_| switch == FULL_PLAN) {
+            let Some(top) = technique.full_plans(scene.overlap).pop() else {
+                return Err(refuse(&allowed_switches(variant)));
+            };
+            *variant = top;
+            continue;
+        }
         // Reports name a layout by its value alone.
         let layout = technique.and_then(|technique| technique.parameters().first());
         if let Some(layout) = layout.filter(|_| !switch.contains('='))

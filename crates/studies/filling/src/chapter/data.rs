@@ -317,12 +317,17 @@ impl<'a> Data<'a> {
             (0, _) | (_, 0) | DEFAULT_SIZE => String::new(),
             (width, height) => format!(" --size {width}x{height}"),
         };
+        // By the word: a full plan has ten switches, and a page hundreds of commands.
+        let variant = match (is_full_plan(case), case.condition("boundary-lod-px")) {
+            (false, _) => case.condition("variant"),
+            (true, "" | "off") => "full-plan,boundary-lod-px=off",
+            (true, _) => "full-plan",
+        };
         format!(
-            "terrafill render {} --view {} --technique {} --set {}{size} --out picture.png",
+            "terrafill render {} --view {} --technique {} --set {variant}{size} --out picture.png",
             case.condition("scene"),
             case.condition("view"),
             case.condition("technique"),
-            case.condition("variant")
         )
     }
 

@@ -1493,6 +1493,28 @@ fn the_best_fills_of_a_view_are_those_of_its_rows() {
 }
 
 #[test]
+fn full_plans_are_drawn_again_by_a_word() {
+    for (role, px, set) in [
+        ("main+full-plan", "0.5", "full-plan"),
+        ("main+full-plan", "off", "full-plan,boundary-lod-px=off"),
+        // Twin: a layout by its name.
+        ("main", "0.5", "doubled,a=b"),
+    ] {
+        let mut run = on_cpu();
+        let conditions = [("role", role), ("boundary-lod-px", px)];
+        timed(&mut run, "s/globe/vertex/doubled,a=b", &conditions, 20.0)
+            .figure("geometry_bytes", 1_000.0)
+            .figure("mismatched_px", 0.0);
+        let found = answers(&run);
+        let command = &tables(&found.blocks)[0].rows[0].cells[1].command;
+        let expected = format!(
+            "terrafill render s --view globe --technique vertex --set {set} --out picture.png"
+        );
+        assert_eq!(*command, expected);
+    }
+}
+
+#[test]
 fn advice_follows_the_rows() {
     let advice = |run: &MadeUpRun| {
         let found = answers(run);

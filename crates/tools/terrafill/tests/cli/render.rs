@@ -222,6 +222,10 @@ fn every_switch_of_the_vertex_backend_draws_what_the_reference_does() {
         ),
         (&["frustum-culling=off", "horizon-culling=off"], "doubled"),
         (&["too-small-culling=off"], "doubled"),
+        (
+            &["walls=list", "full-plan", "cover-area=rectangle"],
+            "doubled,bottom-cap=where-needed,depth-rule=automatic,draws=merged,held-meshes=drawn,index-order=cache",
+        ),
         (&["boundary-lod-px=0.5"], "doubled"),
     ];
     for (values, name) in switches {
@@ -577,6 +581,10 @@ fn switches_of_another_backend_are_refused_with_the_backends_own() {
     ];
     desk.run(&[&SCENE[..], &more].concat())
         .refused(&[&["--set: indices: found strip with technique=gs-line"]]);
+    // What has no ladder has no full plan.
+    let more = ["--technique", "overlays", "--set", "full-plan"];
+    desk.run(&[&SCENE[..], &more].concat())
+        .refused(&[&["--set: found \"full-plan\", allowed: "]]);
     assert_eq!(desk.names(), before);
 }
 
