@@ -190,7 +190,7 @@ fn every_switch_of_the_vertex_backend_draws_what_the_reference_does() {
         &[&["--technique", "reference"][..], &outputs].concat(),
     );
     let expected = ids(&desk);
-    let switches: [(&[&str], &str); 20] = [
+    let switches: [(&[&str], &str); 21] = [
         (&[], "doubled"),
         (&["layout=doubled"], "doubled"),
         (&["layout=pulled"], "pulled"),
