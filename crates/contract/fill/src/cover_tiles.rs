@@ -16,8 +16,8 @@ const TILE_PX: u32 = 16;
 /// What one rectangle more costs in pixels whose stencil is tested. From figures of a prototype on lavapipe, not measured
 /// here: 0.13 µs a vertex, of which it has four, and 1.4 ns a pixel.
 const RECTANGLE_PX: u64 = 400;
-/// Pixels that a region's rectangle has for each facet that is looked at. To look at one takes a CPU about 60 ns, to
-/// test so many pixels 1 µs on lavapipe, and on a large GPU as long as the CPU.
+/// Pixels that a region's rectangle has at least for each facet that is looked at: about as many as a large GPU tests
+/// while a CPU looks at one. A software device would gain with fewer.
 const FACET_PX: u64 = 512;
 /// Pixels around a facet: what rounding may move a corner by, and more.
 const MARGIN_PX: f64 = 1.0;

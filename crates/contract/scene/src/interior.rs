@@ -2,8 +2,8 @@
 //! Views in which all ground is one region's: its boundary is not in view, so that no volume needs to be counted.
 //!
 //! Take an ellipsoid below all ground, and let the sight of all four corners of the image meet it. Then all rays in
-//! between do, and there is no sky in view. From any place of the ground in view a way leads to any other: down along
-//! the ray to the ellipsoid, over it along a line of the image, and up the other ray. It lies in the view frustum, no
+//! between do, and there is no sky in view. A way leads from any place of the ground in view
+//! to any other: down the ray to the ellipsoid, over it along a line of the image, up the other ray. It lies in the view frustum, no
 //! deeper than the ellipsoid and no higher than the ground. Where it leaves the region it meets a wall that reaches
 //! that far. So where all walls lie outside the frustum, all ground in view is the region's or none is, and one place
 //! tells which.
