@@ -18,8 +18,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
 
-/// Facets, or walls, of a part at most: enough that a part's test costs less than its vertices.
-pub const PART_FACETS: usize = 256;
+/// Facets, or walls, of a part at most: few enough that parts end near the horizon, enough that the test of a part costs
+/// less than its vertices.
+pub const PART_FACETS: usize = 32;
 
 /// Which facets and walls of a mesh belong together: the same for all who ask.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -404,7 +405,7 @@ pub(crate) mod tests {
         // Twin: not grown by the caps' height, boxes do not hold the caps.
         assert!(!holds_all(0.5 * HEIGHTS.top_m));
         // Twin: what fits into one part has no parts.
-        assert_eq!(PartOrder::of(&strip(100)), None);
+        assert_eq!(PartOrder::of(&strip(12)), None);
     }
 
     #[test]
