@@ -38,8 +38,8 @@ const MUTATIONS: [Mutation; 11] = [
     Mutation {
         name: "rectangle-too-large",
         file: "crates/contract/scene/src/plan.rs",
-        from: "                screen_rect,\n                near_plane",
-        to: "                screen_rect: PixelRect::full(self.size),\n                near_plane",
+        from: "                screen_rect,\n                near_rectangle",
+        to: "                screen_rect: PixelRect::full(self.size),\n                near_rectangle",
         // Regions whose rectangles overlap share no pass, and each pass has pipelines of its own.
         counter: "pipeline_creations",
     },

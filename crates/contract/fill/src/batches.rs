@@ -112,12 +112,12 @@ pub fn overlap_depth(volumes: &[Volume]) -> usize {
 mod tests {
     use super::*;
     use crate::DepthRange;
-    use terrafill_scene::DrawnAs;
+    use terrafill_scene::{DrawnAs, NearRectangle};
 
     fn volume(left: u32, right: u32) -> Volume {
         Volume {
             geometry: 0,
-            near_plane_meets_volume: false,
+            near_rectangle: NearRectangle::Outside,
             drawn_as: DrawnAs::Volume,
             front_caps_suffice: false,
             depth: DepthRange::ANY,

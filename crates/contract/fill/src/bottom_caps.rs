@@ -71,7 +71,7 @@ impl BottomCaps {
 mod tests {
     use super::*;
     use crate::{ColourWay, DepthRange, ViewId, Volume};
-    use terrafill_scene::{DrawnAs, ImageSize, Overlap, PixelRect};
+    use terrafill_scene::{DrawnAs, ImageSize, NearRectangle, Overlap, PixelRect};
 
     /// Three volumes, of meshes 10, 11 and 12; the near plane meets the second.
     fn list() -> VolumeList {
@@ -82,7 +82,7 @@ mod tests {
         let volume = |geometry| Volume {
             screen_rect: PixelRect::full(size),
             depth: DepthRange::ANY,
-            near_plane_meets_volume: geometry == 11,
+            near_rectangle: NearRectangle::by_bounds(geometry == 11),
             drawn_as: DrawnAs::Volume,
             front_caps_suffice: false,
             geometry,

@@ -9,7 +9,7 @@ use crate::{FillInput, count_u32};
 use glam::{DMat3, DVec2, DVec3};
 use std::ops::Range;
 use terrafill_core::{Ellipsoid, VolumeHeights};
-use terrafill_scene::{Camera, ImageSize, PixelRect, PlannedRegion};
+use terrafill_scene::{Camera, ImageSize, NearRectangle, PixelRect, PlannedRegion};
 
 /// Side of a tile, pixels.
 const TILE_PX: u32 = 16;
@@ -232,14 +232,14 @@ impl<'a> Posts<'a> {
 }
 
 /// Rectangles that hold every pixel of a planned region's volume and no pixel twice. `None` where its one rectangle is
-/// about as cheap, or has few pixels for each facet that is drawn. `None` also where the near plane may meet the
-/// volume, which then lies around the eye and fills its rectangle, or the vertex stage bends it.
+/// about as cheap, or has few pixels for each facet that is drawn. `None` also where the near plane may meet or lie in
+/// the volume, which then is around the eye and fills its rectangle, or the vertex stage bends it.
 ///
 /// - cost: O(drawn facets), and the tiles that they touch
 pub(crate) fn cover_tiles(input: &FillInput, planned: &PlannedRegion) -> Option<Vec<PixelRect>> {
     let whole_px = planned.screen_rect.area();
     let is_bent = input.scene.footprints.contains_key(&planned.mesh);
-    if planned.near_plane_meets_volume || is_bent || whole_px < 2 * RECTANGLE_PX {
+    if planned.near_rectangle != NearRectangle::Outside || is_bent || whole_px < 2 * RECTANGLE_PX {
         return None;
     }
     let mesh = &input.scene.meshes[planned.mesh];

@@ -16,7 +16,7 @@
 
 use crate::FillInput;
 use glam::DVec3;
-use terrafill_scene::PlannedRegion;
+use terrafill_scene::{NearRectangle, PlannedRegion};
 
 /// Pixels by which a rasteriser may move a corner: it snaps to 1/256 at the worst here, so half of
 /// that along each axis, and as much again for `f32`.
@@ -54,7 +54,7 @@ impl CapsKept {
 /// Why the volume of `planned` needs the facets of its top that face away; `None` where the others
 /// suffice.
 pub(crate) fn caps_kept(input: &FillInput, planned: &PlannedRegion) -> Option<CapsKept> {
-    if planned.near_plane_meets_volume {
+    if planned.near_rectangle != NearRectangle::Outside {
         return Some(CapsKept::MetByNearPlane);
     }
     if input.scene.footprints.contains_key(&planned.mesh) {

@@ -284,8 +284,6 @@ impl Climb {
             "top caps bring the colour where no wall is in front of the surface; volumes are counted elsewhere only",
             |variant| {
                 variant.switches.counts_in_band = true;
-                variant.switches.depth_rule = DepthRuleChoice::Automatic;
-                variant.switches.bottom_cap = BottomCap::WhereNeeded;
             },
         )
     }
@@ -314,6 +312,11 @@ impl Climb {
             "interior",
             "where all ground in view is one region's it is covered without a volume",
             |variant| variant.plan.interior = true,
+        )
+        .switch(
+            "from-within",
+            "fragments in front of the surface count for regions around the eye too, and mark what lies outside",
+            |switches| switches.depth_rule = DepthRuleChoice::Uncut,
         )
         .switch(
             "cover-tiles",

@@ -525,13 +525,13 @@ impl Told<'_> {
         match self.switches.depth_rule {
             DepthRuleChoice::Fail => "depth-rule=zfail, whatever the view".to_owned(),
             DepthRuleChoice::Pass => "depth-rule=zpass, whatever the view".to_owned(),
-            DepthRuleChoice::Automatic => self.near_plane(),
+            DepthRuleChoice::Automatic | DepthRuleChoice::Uncut => self.near_plane(),
         }
     }
 
     fn count_before(&self) -> String {
         match self.switches.depth_rule {
-            DepthRuleChoice::Automatic => format!(
+            DepthRuleChoice::Automatic | DepthRuleChoice::Uncut => format!(
                 "{} of {} volumes: {}",
                 self.uses.before,
                 self.uses.volumes,
@@ -543,11 +543,19 @@ impl Told<'_> {
 
     /// Where the near plane is.
     fn near_plane(&self) -> String {
-        let met = self.uses.met_by_near_plane;
         let (volumes, nearest) = (self.uses.volumes, self.uses.nearest_m);
-        let met = match met {
+        let [cut, around] = [self.uses.cut_by_near_plane, self.uses.around_near_plane];
+        let none_or = |some: usize| match some {
             0 => "none".to_owned(),
             some => some.to_string(),
+        };
+        let met = match self.switches.depth_rule {
+            DepthRuleChoice::Uncut => format!(
+                "cuts {} of {volumes} volumes and is inside {}",
+                none_or(cut),
+                none_or(around)
+            ),
+            _ => format!("meets {} of {volumes} volumes", none_or(cut + around)),
         };
         let eye = match nearest {
             None => "nothing is in view".to_owned(),
@@ -559,7 +567,7 @@ impl Told<'_> {
             }
             Some(_) => "the eye is inside one's box".to_owned(),
         };
-        format!("the near plane meets {met} of {volumes} volumes, {eye}")
+        format!("the near plane {met}, {eye}")
     }
 
     fn stencil_bits(&self) -> (bool, String) {
@@ -609,7 +617,7 @@ impl Told<'_> {
 
     fn near_plane_test(&self) -> (bool, String) {
         match self.switches.depth_rule {
-            DepthRuleChoice::Automatic => (true, self.near_plane()),
+            DepthRuleChoice::Automatic | DepthRuleChoice::Uncut => (true, self.near_plane()),
             _ if self.switches.cover_culls_faces => (true, self.near_plane()),
             _ => (
                 false,

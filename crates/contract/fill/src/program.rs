@@ -10,7 +10,7 @@ use crate::{
     BottomCap, ColourWay, CoverArea, DepthRuleChoice, DeviceError, FacePasses, FirstPass,
     StencilClear, SwitchError, Switches, Volume,
 };
-use terrafill_scene::{DrawnAs, Overlap};
+use terrafill_scene::{DrawnAs, NearRectangle, Overlap};
 
 /// Which fragments of a volume touch the stencil.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -446,27 +446,46 @@ impl Builder<'_> {
         match self.switches.depth_rule {
             DepthRuleChoice::Fail => DepthRule::Fail,
             DepthRuleChoice::Pass => DepthRule::Pass,
-            DepthRuleChoice::Automatic if self.volumes[volume].near_plane_meets_volume => {
-                DepthRule::Fail
-            }
-            DepthRuleChoice::Automatic => DepthRule::Pass,
+            DepthRuleChoice::Automatic => match self.volumes[volume].near_rectangle {
+                NearRectangle::Outside => DepthRule::Pass,
+                NearRectangle::Within | NearRectangle::Cut => DepthRule::Fail,
+            },
+            DepthRuleChoice::Uncut => match self.volumes[volume].near_rectangle {
+                NearRectangle::Outside | NearRectangle::Within => DepthRule::Pass,
+                NearRectangle::Cut => DepthRule::Fail,
+            },
         }
+    }
+
+    /// Its fragments in front of the surface are counted from within, so that they mark what lies outside.
+    fn marks_outside(&self, volume: usize) -> bool {
+        self.switches.depth_rule == DepthRuleChoice::Uncut
+            && self.volumes[volume].near_rectangle == NearRectangle::Within
     }
 
     /// Marks `volumes`, split by depth rule and, with two passes, by face.
     fn mark(&self, volumes: &[usize], operation: StencilOperation) -> Vec<FillCommand> {
-        self.split(volumes, |depth, faces, without_bottom, volumes| {
-            FillCommand::Volumes {
-                rule: StencilRule {
-                    depth,
-                    operation,
-                    faces,
-                },
-                without_bottom,
-                scissor: self.switches.scissor,
-                volumes,
-            }
-        })
+        let (outside, inside): (Vec<usize>, Vec<usize>) = volumes
+            .iter()
+            .partition(|&&volume| self.marks_outside(volume));
+        let split = |volumes: &[usize], scissor| {
+            self.split(volumes, |depth, faces, without_bottom, volumes| {
+                FillCommand::Volumes {
+                    rule: StencilRule {
+                        depth,
+                        operation,
+                        faces,
+                    },
+                    without_bottom,
+                    scissor,
+                    volumes,
+                }
+            })
+        };
+        let mut commands = split(&inside, self.switches.scissor);
+        // Their rectangles hold what lies inside.
+        commands.extend(split(&outside, false));
+        commands
     }
 
     /// One command for each depth rule that a volume has and each set of faces. Volumes whose tops leave out
@@ -511,25 +530,24 @@ impl Builder<'_> {
 
     /// It is counted in the band of walls only, and its cap coloured outside.
     fn has_band(&self, volume: usize) -> bool {
-        self.switches.counts_in_band && self.depth_rule(volume) == DepthRule::Pass
+        self.switches.counts_in_band
+            && self.volumes[volume].near_rectangle == NearRectangle::Outside
+            && self.depth_rule(volume) == DepthRule::Pass
     }
 
     /// Front faces suffice to cover a volume, except where the near plane cuts it; with an infinite
     /// far plane no back face is ever clipped.
     fn cover_faces(&self, volume: usize) -> FaceSet {
-        match (
-            self.switches.cover_culls_faces,
-            self.volumes[volume].near_plane_meets_volume,
-        ) {
-            (false, _) => FaceSet::Both,
-            (true, false) => FaceSet::Front,
-            (true, true) => FaceSet::Back,
+        match self.volumes[volume].near_rectangle {
+            _ if !self.switches.cover_culls_faces => FaceSet::Both,
+            NearRectangle::Outside => FaceSet::Front,
+            NearRectangle::Within | NearRectangle::Cut => FaceSet::Back,
         }
     }
 
     /// How a volume's cover is drawn by the volume itself.
     fn cover_shape(&self, volume: usize) -> CoverShape {
-        let may_be_inside = self.volumes[volume].near_plane_meets_volume;
+        let may_be_inside = self.volumes[volume].near_rectangle != NearRectangle::Outside;
         CoverShape::Volume {
             faces: self.cover_faces(volume),
             without_bottom: self.switches.bottom_cap != BottomCap::Always && !may_be_inside,
@@ -547,6 +565,12 @@ impl Builder<'_> {
             // Bits that no number has stay 0 and are not looked at.
             let largest = u8::try_from(classes.len()).unwrap_or(u8::MAX);
             let bits = u8::MAX.checked_shr(largest.leading_zeros()).unwrap_or(0);
+            // A pixel starts outside of these, whatever it shows, and each that it lies in flips it back.
+            let outside = numbered().flat_map(|(number, volumes)| {
+                let around = volumes.iter().filter(|&&volume| self.marks_outside(volume));
+                around.map(move |_| number)
+            });
+            let outside = outside.fold(0, |all, number| all ^ number);
             let caps: Vec<usize> = classes.iter().flatten().copied().collect();
             let caps = caps.into_iter().filter(|&volume| self.has_band(volume));
             let caps: Vec<usize> = caps.collect();
@@ -586,10 +610,10 @@ impl Builder<'_> {
                 first_pass: FirstPass::Stencil,
                 commands: cap_covers
                     .into_iter()
-                    .chain(numbered().map(|(reference, volumes)| FillCommand::Cover {
+                    .chain(numbered().map(|(number, volumes)| FillCommand::Cover {
                         test: StencilTest {
                             is_equal: true,
-                            reference,
+                            reference: number ^ outside,
                             read_mask: bits,
                             zeroes: false,
                             skips_sky: self.switches.front_caps(),
@@ -789,7 +813,7 @@ mod tests {
                 right: left + 10,
                 bottom: 10,
             },
-            near_plane_meets_volume: cut,
+            near_rectangle: NearRectangle::by_bounds(cut),
             drawn_as: DrawnAs::Volume,
             front_caps_suffice: index != 2,
         }
@@ -1138,6 +1162,74 @@ mod tests {
             rules(DepthRuleChoice::Pass),
             [(0, pass), (1, pass), (2, pass)]
         );
+    }
+
+    #[test]
+    fn a_volume_around_the_eye_is_counted_in_front_and_marks_what_lies_outside() {
+        let mut volumes = three();
+        volumes[1].near_rectangle = NearRectangle::Within;
+        let program = |depth_rule, volumes: &[Volume]| {
+            let switches = Switches {
+                depth_rule,
+                bottom_cap: BottomCap::WhereNeeded,
+                scissor: true,
+                ..Switches::default()
+            };
+            FillProgram::new(volumes, &switches, Overlap::Disjoint).expect("allowed")
+        };
+        // Of each volume: whether it counts in front, is cut to its rectangle and has a bottom; its number and test.
+        let told = |program: &FillProgram| {
+            let mut told = [(false, false, false, 0, 0); 3];
+            for command in program.commands() {
+                match command {
+                    FillCommand::Volumes {
+                        rule,
+                        without_bottom,
+                        scissor,
+                        volumes,
+                    } => {
+                        let (_, _, number) = rule.effects();
+                        for &volume in volumes {
+                            let is_in_front = rule.depth == DepthRule::Pass;
+                            told[volume] = (is_in_front, *scissor, !without_bottom, number, 0);
+                        }
+                    }
+                    FillCommand::Cover { test, volumes, .. } => {
+                        for &volume in volumes {
+                            told[volume].4 = test.reference;
+                        }
+                    }
+                    other => panic!("{other:?}"),
+                }
+            }
+            told
+        };
+        let uncut = told(&program(DepthRuleChoice::Uncut, &volumes));
+        // It flips what is not inside: 1 where nothing is, 0 inside the first and inside itself, 3 inside the last.
+        assert_eq!(
+            uncut,
+            [
+                (true, true, false, 1, 0),
+                (true, false, false, 1, 0),
+                (true, true, false, 2, 3)
+            ]
+        );
+        // Twins: counted behind the surface it marks what is inside, as does one that the near plane cuts.
+        let behind = [
+            (true, true, false, 1, 1),
+            (false, true, true, 1, 1),
+            (true, true, false, 2, 2),
+        ];
+        assert_eq!(told(&program(DepthRuleChoice::Automatic, &volumes)), behind);
+        assert_eq!(told(&program(DepthRuleChoice::Uncut, &three())), behind);
+        // A count cannot tell what was marked from outside.
+        let counted = Switches {
+            depth_rule: DepthRuleChoice::Uncut,
+            colour: ColourWay::Rectangle,
+            ..Switches::default()
+        };
+        let refused = FillProgram::new(&volumes, &counted, Overlap::Disjoint).expect_err("counts");
+        assert!(refused.to_string().contains("colour=xor"), "{refused}");
     }
 
     #[test]

@@ -90,6 +90,16 @@ pub enum DepthRuleChoice {
     Pass,
     /// Per region: in front unless the near plane meets the region's volume.
     Automatic,
+    /// Per region: in front unless the near plane cuts the volume. Of a volume around the eye it marks what lies outside.
+    Uncut,
+}
+
+impl DepthRuleChoice {
+    /// Whether it looks at each volume.
+    #[must_use]
+    pub fn follows_view(self) -> bool {
+        matches!(self, Self::Automatic | Self::Uncut)
+    }
 }
 
 /// Which facets of top caps are drawn.
@@ -278,7 +288,7 @@ impl Switches {
     pub const KEYS: &str = "bottom-cap=always|first-pass|where-needed, cap-faces=both|front, \
         colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
         counted=everywhere|wall-band, cover-area=rectangle|screen|tiles, cover-faces=both|culled, depth-bounds=off|on, depth-copy=none|made, \
-        depth-rule=zfail|zpass|automatic, draws=each|merged, faces=two-sided|two-pass, \
+        depth-rule=zfail|zpass|automatic|uncut, draws=each|merged, faces=two-sided|two-pass, \
         first-pass=stencil|colour|program|program-colour, held-meshes=all|drawn, normalize=needed|superfluous, position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
         stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3, \
         texture-code=needed|loaded, vertices=stored|bent";
@@ -311,6 +321,7 @@ impl Switches {
             DepthRuleChoice::Fail => "zfail",
             DepthRuleChoice::Pass => "zpass",
             DepthRuleChoice::Automatic => "automatic",
+            DepthRuleChoice::Uncut => "uncut",
         };
         let bottom_cap = match self.bottom_cap {
             BottomCap::Always => "always",
@@ -439,6 +450,7 @@ impl Switches {
                         ("zfail", DepthRuleChoice::Fail),
                         ("zpass", DepthRuleChoice::Pass),
                         ("automatic", DepthRuleChoice::Automatic),
+                        ("uncut", DepthRuleChoice::Uncut),
                     ],
                 )?;
             }
@@ -515,7 +527,7 @@ impl Switches {
         };
         let what_else = if self.colour != ColourWay::Xor {
             ("colour", self.colour.name().to_owned(), "colour=xor")
-        } else if self.depth_rule != DepthRuleChoice::Automatic {
+        } else if !self.depth_rule.follows_view() {
             (
                 "depth-rule",
                 self.setting("depth-rule"),
@@ -592,6 +604,16 @@ impl Switches {
                     self.colour.name()
                 ),
                 allowed: "rectangle, or colour=rectangle, volume or one colour".to_owned(),
+            });
+        }
+        if self.depth_rule == DepthRuleChoice::Uncut && self.colour != ColourWay::Xor {
+            return Err(SwitchError {
+                switch: "depth-rule",
+                found: format!(
+                    "uncut with colour={}, which cannot tell what is marked from outside",
+                    self.colour.name()
+                ),
+                allowed: "zfail, zpass, automatic, or colour=xor".to_owned(),
             });
         }
         let has_merged_covers = self.merges_draws && covers_apart && self.texture.is_none();

@@ -7,7 +7,7 @@ use crate::{
     CoverShape, DepthRule, FaceEffect, FillCommand, FillInput, FillProgram, Switches, VolumeList,
 };
 use std::collections::{BTreeMap, BTreeSet};
-use terrafill_scene::{DrawnAs, PlannedRegion};
+use terrafill_scene::{DrawnAs, NearRectangle, PlannedRegion};
 
 /// Counts over a program.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -15,7 +15,9 @@ pub(crate) struct Uses {
     /// In view.
     pub(crate) volumes: usize,
     /// Those whose volumes the near plane may meet.
-    pub(crate) met_by_near_plane: usize,
+    pub(crate) cut_by_near_plane: usize,
+    /// Volumes that the near rectangle lies in.
+    pub(crate) around_near_plane: usize,
     /// From the eye to the nearest one's box, metres; 0 inside, `None` without any.
     pub(crate) nearest_m: Option<f64>,
     /// Volumes marked behind the surface, and in front of it.
@@ -51,14 +53,18 @@ impl Uses {
         program: &FillProgram,
         switches: &Switches,
     ) -> Self {
-        let met = list.volumes.iter();
+        let lying = |there: NearRectangle| {
+            let all = list.volumes.iter();
+            all.filter(|volume| volume.near_rectangle == there).count()
+        };
         let nearest = input.plan.regions.iter().filter_map(|planned| {
             let bounds = input.scene.bounds.get(planned.mesh)?;
             Some(distances_m(&bounds.bounds, input.camera.eye_ecef).0)
         });
         let mut uses = Self {
             volumes: list.volumes.len(),
-            met_by_near_plane: met.filter(|volume| volume.near_plane_meets_volume).count(),
+            cut_by_near_plane: lying(NearRectangle::Cut),
+            around_near_plane: lying(NearRectangle::Within),
             nearest_m: nearest.reduce(f64::min),
             accumulates: program.accumulates(),
             tiled_covers: tiled_covers(list),

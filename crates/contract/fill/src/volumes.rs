@@ -8,9 +8,9 @@
 use crate::cover_tiles::cover_tiles;
 use crate::depth_range::depth_range;
 use crate::front_caps::caps_kept;
-use crate::{CoverArea, DepthRange, FillInput, Switches, ViewId};
+use crate::{CoverArea, DepthRange, DepthRuleChoice, FillInput, Switches, ViewId};
 use std::collections::BTreeMap;
-use terrafill_scene::{DrawnAs, ImageSize, PixelRect, PlannedRegion};
+use terrafill_scene::{DrawnAs, ImageSize, NearRectangle, PixelRect, PlannedRegion};
 
 /// A closed solid. A stencil program marks the part of the surface that lies inside it.
 ///
@@ -21,8 +21,8 @@ pub struct Volume {
     pub screen_rect: PixelRect,
     /// Depth of the surface wherever it may lie inside the volume.
     pub depth: DepthRange,
-    /// The near plane may meet it: counting fragments in front of the surface would miss faces.
-    pub near_plane_meets_volume: bool,
+    /// Where the near rectangle lies, seen from it.
+    pub near_rectangle: NearRectangle,
     /// What of it is drawn. As a flat mesh it is so low that its top cap and walls, where nearer than the surface,
     /// stand for it; as ground it holds all surface in view.
     pub drawn_as: DrawnAs,
@@ -74,6 +74,14 @@ impl VolumeList {
                 volume.front_caps_suffice = caps_kept(input, planned).is_none();
             }
         }
+        if switches.depth_rule == DepthRuleChoice::Uncut {
+            for volume in &mut list.volumes {
+                // It marks what is not inside, wherever that is.
+                if volume.near_rectangle == NearRectangle::Within {
+                    volume.depth = DepthRange::ANY;
+                }
+            }
+        }
         if switches.cover_area == CoverArea::Tiles {
             let planned = input.plan.regions.iter().enumerate();
             let planned = planned.filter(|(_, planned)| planned.drawn_as == DrawnAs::Volume);
@@ -117,7 +125,7 @@ impl From<&FillInput> for VolumeList {
         let volume = |planned: &PlannedRegion| Volume {
             screen_rect: planned.screen_rect,
             depth: depth_range(input, planned),
-            near_plane_meets_volume: planned.near_plane_meets_volume,
+            near_rectangle: planned.near_rectangle,
             drawn_as: planned.drawn_as,
             front_caps_suffice: false,
             geometry: planned.mesh,

@@ -38,6 +38,7 @@ pub use left_out::LeftOutReason;
 pub use level::{
     FEWEST_VERTICES_FOR_LEVELS, LEVEL_GROWTH, LEVEL_VERTEX_SHARE, Level, LevelTable, LeveledMeshes,
 };
+pub use near_plane::NearRectangle;
 pub use needs::shipped_scene_needs;
 pub use parts::{MeshParts, PART_FACETS, PartOrder, SeenParts};
 pub use pixel_rect::PixelRect;

@@ -2,6 +2,7 @@
 //! Plans that leave out parts of large regions.
 
 use crate::left_out::LeftOutReason;
+use crate::near_plane::NearRectangle;
 use crate::parts::{MeshParts, SeenParts};
 use crate::plan::{FramePlan, HeightRange, PartCulling, Planner};
 use crate::{Camera, ImageSize};
@@ -33,7 +34,7 @@ impl FramePlan {
                 self.regions.push(planned);
                 continue;
             };
-            let counts_in_front = hides && !planned.near_plane_meets_volume;
+            let counts_in_front = hides && planned.near_rectangle == NearRectangle::Outside;
             let look = |corners: &[DVec3; 8]| planner.look_at_part(corners, counts_in_front);
             let (seen, rect) = parts.seen(planned.heights, look);
             let rect = rect.map(|rect| rect.within(planned.screen_rect));

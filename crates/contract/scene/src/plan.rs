@@ -26,7 +26,7 @@ use crate::boundary_pieces::{SeenPiece, grown};
 use crate::ground_rect::ground_rect;
 use crate::left_out::LeftOutReason;
 use crate::level::DrawnRegion;
-use crate::near_plane::{NearPlane, ViewVolume};
+use crate::near_plane::{NearPlane, NearRectangle, ViewVolume};
 use crate::parts::{MeshParts, SeenParts};
 use crate::pixel_rect::PixelRect;
 use crate::{Camera, ImageSize, LevelTable};
@@ -117,9 +117,8 @@ pub struct PlannedRegion {
     pub heights: VolumeHeights,
     /// No pixel of the region lies outside.
     pub screen_rect: PixelRect,
-    /// The near plane, as far as the image shows it, may meet the region's volume: counting what
-    /// lies in front of the surface would then miss faces. False only where it certainly does not.
-    pub near_plane_meets_volume: bool,
+    /// Where the near rectangle lies, seen from the region's volume.
+    pub near_rectangle: NearRectangle,
     /// What of it is drawn.
     pub drawn_as: DrawnAs,
 }
@@ -470,11 +469,11 @@ impl FramePlan {
         parts: impl Fn(usize) -> Option<&'a MeshParts>,
     ) {
         for planned in &mut self.regions {
-            if planned.near_plane_meets_volume && lies_there(planned.mesh) {
+            if planned.near_rectangle == NearRectangle::Cut && lies_there(planned.mesh) {
                 let mesh = meshes[planned.mesh].borrow();
                 let parts = parts(planned.mesh);
                 let volume = ViewVolume::new(body, camera, mesh, planned.heights, parts);
-                planned.near_plane_meets_volume = volume.meets_near_rectangle(camera, size);
+                planned.near_rectangle = volume.near_rectangle(camera, size);
             }
         }
     }
@@ -586,7 +585,7 @@ impl<'a> Planner<'a> {
                 mesh,
                 heights: grown.heights,
                 screen_rect,
-                near_plane_meets_volume: self.near_plane.meets_box(&grown.bounds),
+                near_rectangle: NearRectangle::by_bounds(self.near_plane.meets_box(&grown.bounds)),
                 drawn_as: DrawnAs::Volume,
             })
         }
@@ -600,7 +599,7 @@ impl<'a> Planner<'a> {
         let height_m = planned.heights.top_m - planned.heights.bottom_m;
         let [up_m, down_m] = self.beyond_m.map(|beyond_m| beyond_m + self.clearance_m);
         let corners = bounds.grown(up_m, down_m).bounds.corners_ecef();
-        !planned.near_plane_meets_volume
+        planned.near_rectangle == NearRectangle::Outside
             && height_m <= pixels * self.pixel_m(&self.with_clearance(bounds))
             && self.horizon.has_all_before(&corners)
     }

@@ -14,8 +14,8 @@ use terrafill_gpu::{
     BoundCover, CoverPurpose, Gpu, GpuOptions, Probe, RenderTargets, TexturedFill, open_for_test,
 };
 use terrafill_scene::{
-    CameraPose, ImageSize, MipChain, Outside, Overlap, PixelRect, PlanOptions, PlannedRegion,
-    SceneTexture, TextureAnchor, TexturePlacement, TextureShare, View,
+    CameraPose, ImageSize, MipChain, NearRectangle, Outside, Overlap, PixelRect, PlanOptions,
+    PlannedRegion, SceneTexture, TextureAnchor, TexturePlacement, TextureShare, View,
 };
 use terrafill_surface::EllipsoidKind;
 use terrafill_texture::PositionRoute;
@@ -143,7 +143,7 @@ fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FillInput {
             bottom_m: 0.0,
         },
         screen_rect: PixelRect::full(SIZE),
-        near_plane_meets_volume: false,
+        near_rectangle: NearRectangle::Outside,
     });
     input
 }

@@ -16,7 +16,7 @@ use glam::DVec4;
 use std::ops::Range;
 use terrafill_casters::Volume;
 use terrafill_fill::{DepthRange, DepthRule, DeviceError, FillCommand, FillProgram, Switches};
-use terrafill_scene::{DrawnAs, Overlap, PixelRect};
+use terrafill_scene::{DrawnAs, NearRectangle, Overlap, PixelRect};
 
 /// Volumes that 8 bits count over one pixel.
 const COUNTABLE: usize = 255;
@@ -121,7 +121,7 @@ impl Scene {
                 Cut::Off | Cut::Culled => Rectangle::whole(view),
             };
             list.push(terrafill_fill::Volume {
-                near_plane_meets_volume: is_near,
+                near_rectangle: NearRectangle::by_bounds(is_near),
                 depth,
                 ..listed(drawn, volumes.ranges.len())
             });
@@ -193,7 +193,7 @@ pub(crate) fn listed(rectangle: Rectangle, geometry: usize) -> terrafill_fill::V
         },
         depth: DepthRange::ANY,
         // The case names its depth rule; only `DepthRuleChoice::Automatic` reads this.
-        near_plane_meets_volume: false,
+        near_rectangle: NearRectangle::Outside,
         geometry,
     }
 }

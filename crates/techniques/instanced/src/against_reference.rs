@@ -17,7 +17,7 @@ use terrafill_fill::{
 use terrafill_gpu::{Gpu, RenderTargets, open_for_test};
 use terrafill_grid::GridKind;
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{CameraPose, ImageSize, PlanOptions, Scene, View};
+use terrafill_scene::{CameraPose, ImageSize, NearRectangle, PlanOptions, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};
 
 const SIZE: ImageSize = ImageSize {
@@ -170,13 +170,14 @@ fn an_eye_inside_a_volume_sees_the_region() {
         return;
     };
     let input = from_inside();
-    assert!(input.plan.regions[0].near_plane_meets_volume);
+    assert_eq!(input.plan.regions[0].near_rectangle, NearRectangle::Within);
     let reference = reference(&input);
     assert!(reference.filled_px() > 100);
     // Twin: counting in front of the surface is wrong where the near plane has cut faces off.
     for (depth_rule, right) in [
         (DepthRuleChoice::Fail, true),
         (DepthRuleChoice::Automatic, true),
+        (DepthRuleChoice::Uncut, true),
         (DepthRuleChoice::Pass, false),
     ] {
         let switches = Switches {

@@ -165,7 +165,7 @@ fn commands_of(
 mod tests {
     use super::*;
     use terrafill_fill::{DepthRange, Switches, Volume};
-    use terrafill_scene::{DrawnAs, Overlap, PixelRect};
+    use terrafill_scene::{DrawnAs, NearRectangle, Overlap, PixelRect};
 
     #[test]
     fn every_volume_of_a_step_has_its_command_and_no_other_has_one() {
@@ -177,7 +177,7 @@ mod tests {
                 bottom: 10,
             },
             depth: DepthRange::ANY,
-            near_plane_meets_volume: false,
+            near_rectangle: NearRectangle::Outside,
             drawn_as: DrawnAs::Volume,
             front_caps_suffice: false,
             geometry,

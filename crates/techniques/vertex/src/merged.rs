@@ -348,7 +348,7 @@ mod tests {
     use std::collections::BTreeSet;
     use terrafill_fill::{DepthRange, Switches, ViewId, Volume};
     use terrafill_fixtures::by_hand::{circle_deg, mesh};
-    use terrafill_scene::{DrawnAs, ImageSize, Overlap, PixelRect};
+    use terrafill_scene::{DrawnAs, ImageSize, NearRectangle, Overlap, PixelRect};
 
     /// Rings of 3, 5 and 40,000 vertices: the last one has indices of 32 bits.
     fn geometry() -> SceneGeometry {
@@ -370,7 +370,7 @@ mod tests {
                 bottom: 10,
             },
             depth: DepthRange::ANY,
-            near_plane_meets_volume: false,
+            near_rectangle: NearRectangle::Outside,
             drawn_as: DrawnAs::Volume,
             front_caps_suffice: false,
             geometry,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The automatic depth rule: in front of the surface wherever that is right, behind it wherever it
-//! would not be. Eyes inside volumes, on walls, with the near plane cutting walls and caps, and at
+//! would not be; and `uncut`, which counts in front from within, too. Eyes inside volumes, on walls, with the near plane cutting walls and caps, and at
 //! random around both.
 
 use crate::drawing;
@@ -12,9 +12,10 @@ use drawing::{
 use terrafill_conformance::verdict;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_fill::{
-    BottomCap, ColourWay, DepthRuleChoice, FillBackend, FillInput, Frame, PreparedScene, Switches,
+    BottomCap, ColourWay, DepthRange, DepthRuleChoice, FillBackend, FillInput, Frame,
+    PreparedScene, Switches, VolumeList,
 };
-use terrafill_scene::{ImageSize, Overlap};
+use terrafill_scene::{ImageSize, NearRectangle, Overlap};
 
 const SMALL: ImageSize = ImageSize {
     width: 128,
@@ -41,15 +42,20 @@ fn two_regions() -> PreparedScene {
 fn with_rule(depth_rule: DepthRuleChoice) -> Technique {
     vertex(Switches {
         depth_rule,
-        colour: ColourWay::Rectangle,
+        colour: match depth_rule {
+            DepthRuleChoice::Uncut => ColourWay::Xor,
+            _ => ColourWay::Rectangle,
+        },
         bottom_cap: BottomCap::WhereNeeded,
+        // Volumes around the eye may not be cut, those beside them may.
+        scissor: depth_rule == DepthRuleChoice::Uncut,
         ..Switches::default()
     })
 }
 
 /// Backends of one set of targets, one for each rule.
 struct Rules {
-    backends: [Box<dyn FillBackend>; 3],
+    backends: [Box<dyn FillBackend>; 4],
 }
 
 impl Rules {
@@ -59,19 +65,20 @@ impl Rules {
             DepthRuleChoice::Automatic,
             DepthRuleChoice::Fail,
             DepthRuleChoice::Pass,
+            DepthRuleChoice::Uncut,
         ];
         Self {
             backends: rules.map(|rule| targets.open(with_rule(rule))),
         }
     }
 
-    /// Frames by the automatic rule, behind the surface, and in front of it.
-    fn draw(&mut self, input: &FillInput) -> [Frame; 3] {
+    /// Frames by the automatic rule, behind the surface, in front of it, and in front where no face is cut.
+    fn draw(&mut self, input: &FillInput) -> [Frame; 4] {
         let backends = self.backends.iter_mut();
         let frames: Vec<Frame> = backends
             .map(|backend| draw_with(&mut **backend, input))
             .collect();
-        frames.try_into().expect("three rules")
+        frames.try_into().expect("four rules")
     }
 }
 
@@ -83,6 +90,8 @@ struct Tally {
     regions: usize,
     /// Of them, counted in front of the surface by the automatic rule.
     in_front: usize,
+    /// Of them, counted so from within.
+    from_within: usize,
     /// Eyes from which counting in front everywhere is wrong.
     forced_wrong: usize,
 }
@@ -90,15 +99,17 @@ struct Tally {
 impl Tally {
     fn look(&mut self, rules: &mut Rules, input: &FillInput, what: &str) {
         let reference = judge(input);
-        let [automatic, behind, in_front] = rules.draw(input);
+        let [automatic, behind, in_front, uncut] = rules.draw(input);
         assert_eq!(differing(&automatic, &behind), 0, "{what}");
+        assert_eq!(differing(&uncut, &behind), 0, "{what}");
         let found = figures(&reference, &automatic);
         let verdict = verdict(&found);
         assert!(verdict.is_pass(), "{what}: {verdict:?} {found:?}");
         self.eyes += 1;
         for planned in &input.plan.regions {
             self.regions += 1;
-            self.in_front += usize::from(!planned.near_plane_meets_volume);
+            self.in_front += usize::from(planned.near_rectangle == NearRectangle::Outside);
+            self.from_within += usize::from(planned.near_rectangle == NearRectangle::Within);
         }
         let is_wrong = differing(&in_front, &behind) > 0;
         self.forced_wrong += usize::from(is_wrong);
@@ -107,7 +118,7 @@ impl Tally {
             .plan
             .regions
             .iter()
-            .all(|r| !r.near_plane_meets_volume);
+            .all(|region| region.near_rectangle == NearRectangle::Outside);
         assert!(!(is_free && is_wrong), "{what}");
     }
 }
@@ -168,19 +179,55 @@ fn inside_and_with_the_near_plane_cutting_walls_and_caps() {
     let mut tally = Tally::default();
     let top_m = scene.bounds[0].heights.top_m;
     let (inside_m, above_m) = (top_m * 0.5, top_m + 60.0);
-    for (what, east_m, up_m, near_m, meets) in [
-        ("inside", 500.0, inside_m, 0.2, true),
-        ("outside", -500.0, inside_m, 0.2, false),
-        ("a wall cuts the near plane", -20.0, inside_m, 40.0, true),
-        ("the same wall, a nearer plane", -20.0, inside_m, 0.2, false),
-        ("just above the top", 500.0, above_m, 0.2, false),
-        ("the top cuts the near plane", 500.0, above_m, 150.0, true),
-        ("far above", 500.0, top_m + 5e4, 50.0, false),
+    let [outside, within, cut] = [
+        NearRectangle::Outside,
+        NearRectangle::Within,
+        NearRectangle::Cut,
+    ];
+    for (what, east_m, up_m, near_m, expected) in [
+        ("inside", 500.0, inside_m, 0.2, within),
+        ("outside", -500.0, inside_m, 0.2, outside),
+        ("a wall cuts the near plane", -20.0, inside_m, 40.0, cut),
+        (
+            "the same wall, a nearer plane",
+            -20.0,
+            inside_m,
+            0.2,
+            outside,
+        ),
+        ("just above the top", 500.0, above_m, 0.2, outside),
+        ("the top cuts the near plane", 500.0, above_m, 100.0, cut),
+        (
+            "the top before the near plane",
+            500.0,
+            above_m,
+            150.0,
+            within,
+        ),
+        ("far above", 500.0, top_m + 5e4, 50.0, outside),
     ] {
         let at = moved(10.0, 45.05, [east_m, 0.0, up_m]);
         let input = look(&scene, eye(at, 80.0, -35.0), near_m, SMALL);
-        let found = input.plan.regions.iter().any(|r| r.near_plane_meets_volume);
-        assert_eq!(found, meets, "{what}");
+        let found = input.plan.regions.iter();
+        let found = found.map(|region| region.near_rectangle);
+        let found = found.reduce(|nearest, other| match nearest {
+            NearRectangle::Outside => other,
+            nearest => nearest,
+        });
+        assert_eq!(found.unwrap_or_default(), expected, "{what}");
+        // What lies outside is marked at any depth, what lies inside only where the volume is.
+        let lacks_bounds = |depth_rule| {
+            let switches = Switches {
+                depth_rule,
+                ..Switches::default()
+            };
+            let volumes = VolumeList::of(&input, &switches).volumes;
+            volumes.iter().any(|volume| volume.depth == DepthRange::ANY)
+        };
+        if expected == within {
+            assert!(lacks_bounds(DepthRuleChoice::Uncut), "{what}");
+            assert!(!lacks_bounds(DepthRuleChoice::Automatic), "{what}");
+        }
         tally.look(&mut rules, &input, what);
     }
     assert!(tally.forced_wrong >= 2, "{tally:?}");
@@ -237,6 +284,7 @@ fn two_hundred_eyes_within_fifty_metres_of_walls_and_caps() {
     assert!(tally.eyes >= 200);
     // No blanket rule: a good part is counted in front of the surface.
     assert!(10 * tally.in_front > 3 * tally.regions, "{tally:?}");
+    assert!(10 * tally.from_within > tally.regions, "{tally:?}");
     // Twin: forced in front, many eyes see wrong pixels.
     assert!(tally.forced_wrong > 20, "{tally:?}");
 }

@@ -16,7 +16,7 @@ use terrafill_fill::{
     PreparedScene, Switches, WorkDone, needs_ladder,
 };
 use terrafill_native::{Extrusion, NativeVariant};
-use terrafill_scene::{Overlap, PlanOptions};
+use terrafill_scene::{NearRectangle, Overlap, PlanOptions};
 use terrafill_vertex::{Layout, VertexVariant};
 
 fn two_squares(overlap: Overlap) -> PreparedScene {
@@ -35,7 +35,10 @@ fn from_outside(scene: &PreparedScene) -> FillInput {
 fn from_inside(scene: &PreparedScene) -> FillInput {
     let input = look(scene, (2.0, 2.0, 1.0, 90.0, -20.0), 0.1, SIZE);
     let met = input.plan.regions.iter();
-    assert!(met.clone().any(|region| region.near_plane_meets_volume));
+    assert!(
+        met.clone()
+            .any(|region| region.near_rectangle == NearRectangle::Within)
+    );
     input
 }
 

@@ -12,7 +12,7 @@ use terrafill_conformance::{filled_only, verdict};
 use terrafill_core::Ellipsoid;
 use terrafill_fill::{Counters, FillInput, Technique as _, Variant};
 use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
-use terrafill_scene::{Overlap, PlanOptions, WallHeights};
+use terrafill_scene::{NearRectangle, Overlap, PlanOptions, WallHeights};
 use terrafill_vertex::{VertexTechnique, VertexVariant};
 
 /// The document's way of colouring, with `settings` of one layout.
@@ -128,7 +128,7 @@ fn the_bottom_cap_is_left_out_of_colouring_alone_and_not_from_inside() {
     // Behind the surface every cap counts.
     assert_eq!(vertices(&outside, "where-needed"), always - cap);
     let inside = square_from((5.0, 9.0, 300.0, 0.0, -5.0));
-    assert!(inside.plan.regions[0].near_plane_meets_volume);
+    assert_eq!(inside.plan.regions[0].near_rectangle, NearRectangle::Within);
     let always = vertices(&inside, "always");
     assert_eq!(vertices(&inside, "first-pass"), always);
 }

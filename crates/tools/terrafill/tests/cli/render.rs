@@ -224,7 +224,7 @@ fn every_switch_of_the_vertex_backend_draws_what_the_reference_does() {
         (&["too-small-culling=off"], "doubled"),
         (
             &["walls=list", "full-plan", "cover-area=rectangle"],
-            "doubled,bottom-cap=where-needed,depth-rule=automatic,draws=merged,held-meshes=drawn,index-order=cache",
+            "doubled,bottom-cap=where-needed,depth-rule=uncut,draws=merged,held-meshes=drawn,index-order=cache",
         ),
         (&["boundary-lod-px=0.5"], "doubled"),
     ];

@@ -11,7 +11,7 @@ use terrafill_conformance::{filled_only, verdict};
 use terrafill_core::RegionMesh;
 use terrafill_fill::{ColourWay, DepthRuleChoice, FacePasses, FillInput, Frame, Switches};
 use terrafill_native::Extrusion as Native;
-use terrafill_scene::{Overlap, PlanOptions};
+use terrafill_scene::{NearRectangle, Overlap, PlanOptions};
 use terrafill_vertex::Layout;
 
 /// The vertex backend's picture with the same switches is what the others' are compared with; its own
@@ -212,11 +212,12 @@ pub(crate) fn assert_forced_in_front_is_wrong_from_inside(techniques: &[Techniqu
         return;
     };
     let input = square_from((5.0, 9.0, 300.0, 0.0, -5.0));
-    assert!(input.plan.regions[0].near_plane_meets_volume);
+    assert_eq!(input.plan.regions[0].near_rectangle, NearRectangle::Within);
     let judged = judge(&input);
     let targets = AllTargets::new(&devices, input.size);
     for (depth_rule, right) in [
         (DepthRuleChoice::Automatic, true),
+        (DepthRuleChoice::Uncut, true),
         (DepthRuleChoice::Fail, true),
         (DepthRuleChoice::Pass, false),
     ] {
