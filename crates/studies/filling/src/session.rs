@@ -29,7 +29,9 @@ use terrafill_fill::{
 use terrafill_gpu::{Baseline, CpuStopwatch, SharedTargets, shared_targets};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::{Status, Verdict, median, quantile};
-use terrafill_scene::{ImageSize, LazyMesh, LeveledMeshes, PlanOptions};
+use terrafill_scene::{
+    DrawnAs, FramePlan, ImageSize, LazyMesh, LeveledMeshes, PlanOptions, PlannedRegion,
+};
 use terrafill_study::{Context, Session, StudyError};
 use terrafill_surface::open_surface;
 
@@ -341,9 +343,11 @@ impl<'a> ViewSession<'a> {
         let (mask_hash, ids_hash) = hashes(&*drawn.backend, &drawn.frame);
         let texture_route = drawn.backend.note().unwrap_or_default();
         let is_approximate = case.subject.is_approximate();
-        let moved_px = moved_px(&case.subject.plan());
+        let moved_px = moved_px(&drawn.input.plan);
         let hash = (mask_hash.as_str(), ids_hash.as_str());
-        let is_moved = moved_px > 0.0 && !is_approximate;
+        let options = case.subject.plan();
+        let may_move = options.boundary_lod_px.is_some() || options.far_level_px.is_some();
+        let is_moved = may_move && !is_approximate;
         match self.figures(hash, &drawn.frame, is_moved, against) {
             Ok(figures) if is_approximate => {
                 let reasons = match verdict_of_moved(&figures, 0.0) {
@@ -878,9 +882,16 @@ fn one_at_a_time(subject: &Subject) -> bool {
     matches!(colour, Some(ColourWay::Rectangle | ColourWay::Volume))
 }
 
-/// By how many pixels a plan may move boundaries on purpose.
-fn moved_px(plan: &PlanOptions) -> f64 {
-    plan.boundary_lod_px.unwrap_or(0.0) + plan.far_level_px.unwrap_or(0.0)
+/// By how many pixels a plan may have moved boundaries on purpose. Where all that is drawn is as it was written,
+/// boundaries are off by rounding alone, which the band around them allows for.
+fn moved_px(plan: &FramePlan) -> f64 {
+    let has_coarser = plan.regions.iter().any(|of| of.mesh != of.region);
+    let is_flat = |of: &PlannedRegion| of.drawn_as == DrawnAs::FlatMesh;
+    let has_flat = plan.regions.iter().any(is_flat);
+    let options = &plan.options;
+    let by_level = options.boundary_lod_px.filter(|_| has_coarser);
+    let by_height = options.far_level_px.filter(|_| has_flat);
+    by_level.unwrap_or(0.0) + by_height.unwrap_or(0.0)
 }
 
 /// Median over a few plans of the same frame.
@@ -899,10 +910,45 @@ mod tests {
     use crate::cases::view_group;
     use crate::request::Wishes;
     use crate::tests::TECHNIQUES;
+    use terrafill_core::VolumeHeights;
     use terrafill_fill::Devices;
-    use terrafill_scene::Scene;
+    use terrafill_scene::{NearRectangle, PixelRect, Scene};
     use terrafill_study::Request;
     use terrafill_surface::EllipsoidKind;
+
+    #[test]
+    fn only_what_is_drawn_coarser_or_flat_may_be_moved() {
+        let drawn = |region, mesh, drawn_as| PlannedRegion {
+            region,
+            mesh,
+            heights: VolumeHeights {
+                top_m: 1.0,
+                bottom_m: -1.0,
+            },
+            screen_rect: PixelRect::full(ImageSize {
+                width: 8,
+                height: 8,
+            }),
+            near_rectangle: NearRectangle::Outside,
+            drawn_as,
+        };
+        let plan = |regions: Vec<PlannedRegion>| FramePlan {
+            regions,
+            options: PlanOptions {
+                boundary_lod_px: Some(0.5),
+                far_level_px: Some(0.25),
+                ..PlanOptions::default()
+            },
+            ..FramePlan::default()
+        };
+        let as_written = drawn(3, 3, DrawnAs::Volume);
+        assert_eq!(moved_px(&plan(vec![as_written])), 0.0);
+        let coarser = drawn(4, 20, DrawnAs::Volume);
+        assert_eq!(moved_px(&plan(vec![as_written, coarser])), 0.5);
+        let flat = drawn(5, 5, DrawnAs::FlatMesh);
+        assert_eq!(moved_px(&plan(vec![as_written, flat])), 0.25);
+        assert_eq!(moved_px(&plan(vec![coarser, flat])), 0.75);
+    }
 
     /// The first technique's cases of a view, matrix included.
     fn group(scene: &str, view: &str, size: u32) -> ViewGroup {
