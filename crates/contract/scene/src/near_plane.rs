@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Where the near plane, as far as the image shows it, lies seen from a region's volume.
 //!
-//! Counting the faces in front of the surface starts at the near plane, so it tells inside from outside
-//! where all rays start on the same side: where no face meets the near rectangle. From within, an even
+//! Counting the faces in front of the surface starts at the near plane. It tells inside from outside where all rays
+//! start on the same side, so where no face meets the near rectangle. From within, an even
 //! number of faces in front means inside. What lies between eye and near plane is clipped, and matters to no count.
 //!
 //! Boxes come first: most regions are told apart by the axes of theirs. Where the box meets the near
