@@ -3,11 +3,61 @@
 #
 # Everything that must hold before a change is merged. Stops at the first step that fails.
 #
-# usage: ci/test.sh
+# Runs without data, as on a clone alone. Where TERRAFILL_DATA names a folder, the tests that need data run
+# after that; a file that is missing there is a failure.
+#
+# usage: ci/test.sh           everything
+#        ci/test.sh --data    only the tests that need data
 set -euo pipefail
+case "$*" in
+    "" | --data) ;;
+    *)
+        sed -n 's/^# usage: //p; s/^#        //p' "$0" >&2
+        exit 2
+        ;;
+esac
+data=${TERRAFILL_DATA:-}
+case "$data" in "" | /*) ;; *) data=$PWD/$data ;; esac
+unset TERRAFILL_DATA
 cd "$(dirname "$0")/.."
 
 section() { printf '\n== %s\n' "$*"; }
+
+target=${CARGO_TARGET_DIR:-target}
+mkdir -p "$target"
+target=$(cd "$target" && pwd)
+
+log=$target/validation.log
+rm -f "$log"
+
+# Runs tests under the validation layer, which writes to $log.
+#   $1: name of the output file   $2…: arguments of nextest
+run_tests() {
+    local output=$target/$1.txt
+    shift
+    # A device test that is skipped for want of a device would be a check that does not check.
+    TERRAFILL_REQUIRE_DEVICE=1 TERRAFILL_VALIDATION=1 TERRAFILL_VALIDATION_LOG=$log \
+        cargo nextest run --workspace --locked --color never "$@" 2>&1 | tee "$output"
+}
+
+summary() { grep -E '^ *Summary ' "$target/$1.txt"; }
+
+# How many tests a run's summary counts as $2: run, or skipped.
+counted() { summary "$1" | sed -nE "s/.* ([0-9]+) (tests? $2|$2).*/\1/p"; }
+
+data_tests() {
+    section "tests that need data"
+    TERRAFILL_DATA=$data run_tests nextest-data --run-ignored only
+}
+
+if [ "${1:-}" = --data ]; then
+    [ -n "$data" ] || {
+        echo "TERRAFILL_DATA is not set; expected a folder with data" >&2
+        exit 2
+    }
+    data_tests
+    exit
+fi
 
 section "set-up"
 ci/setup.sh --for test
@@ -44,21 +94,16 @@ cargo fmt --all --check
 section "lints"
 cargo clippy --workspace --all-targets --locked -- -D warnings
 
-section "dependencies, cycles, shaders"
+section "dependencies, cycles, data, shaders"
 cargo xtask check-deps
 cargo xtask check-cycles
+cargo xtask check-data-tests
 cargo xtask check-shaders
 
 section "tests"
-target=${CARGO_TARGET_DIR:-target}
-mkdir -p "$target"
-target=$(cd "$target" && pwd)
-log=$target/validation.log
-output=$target/nextest.txt
-rm -f "$log"
-# A device test that is skipped for want of a device would be a check that does not check.
-TERRAFILL_REQUIRE_DEVICE=1 TERRAFILL_VALIDATION=1 TERRAFILL_VALIDATION_LOG=$log \
-    cargo nextest run --workspace --locked --color never 2>&1 | tee "$output"
+run_tests nextest
+
+[ -z "$data" ] || data_tests
 
 section "what the Vulkan validation layer saw"
 cargo xtask check-validation-log "$log"
@@ -70,7 +115,13 @@ section "documentation"
 RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked --quiet
 
 section "result"
-if [ -z "${TERRAFILL_DATA:-}" ]; then
-    echo "TERRAFILL_DATA is not set: tests on real data were skipped"
+summary nextest
+if [ -z "$data" ]; then
+    echo "TERRAFILL_DATA is not set: the $(counted nextest skipped) tests that need data were skipped"
+    exit
 fi
-grep -E '^ *Summary ' "$output"
+summary nextest-data
+if [ "$(counted nextest skipped)" != "$(counted nextest-data run)" ]; then
+    echo "not every test that was skipped without data ran with it" >&2
+    exit 1
+fi

@@ -5,6 +5,7 @@
 //! nothing to check has not passed.
 
 mod cycles;
+mod data_tests;
 mod dependencies;
 mod geometry;
 mod lines;
@@ -23,6 +24,7 @@ usage: cargo xtask COMMAND
 
   check-deps                   no crate depends on one that the architecture forbids
   check-cycles                 no two files of a crate import from each other
+  check-data-tests             tests that read data say so, and none passes because data is missing
   check-shaders                shaders on disk, embedded and documented are the same, and valid
   compile-shaders              write the SPIR-V of the geometry shaders anew
   check-validation-log FILE    the Vulkan layer was at work and reported nothing unexpected
@@ -40,6 +42,7 @@ fn main() -> ExitCode {
     let outcome = match words[..] {
         ["check-deps"] => check_deps(),
         ["check-cycles"] => cycles::check(&root()),
+        ["check-data-tests"] => data_tests::check(&root()),
         ["check-shaders"] => shaders::check(&root().join("shaders")),
         ["compile-shaders"] => geometry::compile(&root().join("shaders")),
         ["check-validation-log", file] => validation_log::check(Path::new(file)),

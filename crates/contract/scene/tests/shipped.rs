@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The scenes that ship: each loads or is skipped for the stated reason, and each view shows what
+//! The scenes that ship: each loads, without data or with it, and each view shows what
 //! its name promises.
 //!
 //! What a view shows is found here by arithmetic of its own, a ray and a count of crossings per
@@ -7,9 +7,9 @@
 
 use std::path::{Path, PathBuf};
 use terrafill_core::{Ellipsoid, Region};
+use terrafill_fixtures::data;
 use terrafill_scene::{
-    ImageSize, Scene, SceneError, View, data_dir_from_env, scene_needs, shipped_scene_names,
-    shipped_scene_needs,
+    ImageSize, Scene, SceneError, View, scene_needs, shipped_scene_names, shipped_scene_needs,
 };
 
 /// Samples along each side of a view.
@@ -18,16 +18,10 @@ const SIZE: ImageSize = ImageSize {
     height: 128,
 };
 
-/// Loads a shipped scene, or prints why not.
-fn load_or_skip(name: &str) -> Option<Scene> {
-    match Scene::shipped(name, data_dir_from_env().as_deref()) {
-        Ok(scene) => Some(scene),
-        Err(error @ SceneError::DataMissing { .. }) => {
-            eprintln!("skipped: {error}");
-            None
-        }
-        Err(error) => panic!("{name}: {error}"),
-    }
+/// Scenes that need nothing, or those that need data.
+fn scenes(needs_data: bool) -> Vec<&'static str> {
+    let needs = |name: &&str| Scene::shipped(name, None).is_err() == needs_data;
+    shipped_scene_names().into_iter().filter(needs).collect()
 }
 
 /// Longitude and latitude, degrees, that each sampled pixel of a view shows; `None` is sky.
@@ -296,10 +290,20 @@ fn every_shipped_scene_loads_or_is_skipped_for_its_data() {
         .filter(|name| Scene::shipped(name, None).is_ok())
         .count();
     assert_eq!(without_data, 12, "the embedded scenes need nothing");
-    for name in names {
-        let Some(scene) = load_or_skip(name) else {
-            continue;
-        };
+    assert_they_load(&scenes(false));
+}
+
+#[test]
+#[ignore = "needs data: all scenes"]
+fn scenes_that_need_data_load_with_it() {
+    let scenes = scenes(true);
+    assert_eq!(scenes.len(), 5, "{scenes:?}");
+    assert_they_load(&scenes);
+}
+
+fn assert_they_load(names: &[&str]) {
+    for &name in names {
+        let scene = data::scene(name);
         assert_eq!(scene.name, name);
         assert!(!scene.regions.is_empty() && scene.views.len() == view_count(name));
     }
@@ -376,25 +380,17 @@ fn what_every_scene_of_the_repository_reads_is_known() {
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-110m, natural-earth-50m"]
 fn the_published_files_hold_the_same_regions_as_the_trimmed_ones() {
-    let Some(data) = data_dir_from_env() else {
-        eprintln!("skipped: TERRAFILL_DATA is not set");
-        return;
-    };
     for name in ["countries-110m", "countries-50m"] {
-        let Some(trimmed) = load_or_skip(name) else {
-            continue;
-        };
+        let trimmed = data::scene(name);
         let needs = shipped_scene_needs().expect("scenes");
         let need = needs.into_iter().find(|needs| needs.scene == name);
         let source = need.expect("it is shipped").files[0].source.clone();
         let source = source.expect("a published file").path;
         let folder = tempfile::tempdir().expect("temporary folder");
         std::fs::create_dir(folder.path().join("sources")).expect("writable");
-        if let Err(error) = std::fs::copy(data.join(&source), folder.path().join(&source)) {
-            eprintln!("skipped: {source}: {error}");
-            continue;
-        }
+        std::fs::copy(data::file(&source), folder.path().join(&source)).expect("writable");
         // Names too: they are all that is read of the properties.
         let published = Scene::shipped(name, Some(folder.path())).expect("the published file");
         assert!(published.regions == trimmed.regions, "{name}");
@@ -433,10 +429,18 @@ fn a_scene_that_is_not_shipped_is_named_with_those_that_are() {
 
 #[test]
 fn every_view_shows_what_its_name_promises() {
-    for name in shipped_scene_names() {
-        let Some(scene) = load_or_skip(name) else {
-            continue;
-        };
+    assert_views_show_what_they_promise(&scenes(false));
+}
+
+#[test]
+#[ignore = "needs data: all scenes"]
+fn every_view_of_data_shows_what_its_name_promises() {
+    assert_views_show_what_they_promise(&scenes(true));
+}
+
+fn assert_views_show_what_they_promise(names: &[&str]) {
+    for &name in names {
+        let scene = data::scene(name);
         for view in &scene.views {
             let seen = picture(&scene, view);
             let wrong = complaints(view, &seen);
@@ -520,6 +524,7 @@ fn views_of_squares_that_break_their_promise_are_noticed() {
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-110m"]
 fn views_of_places_where_textures_are_hard_must_show_them() {
     // The picture takes seconds to read and no part in where a view looks.
     let text = include_str!("../../../../bench-scenes/blue-marble.toml");
@@ -537,24 +542,16 @@ fn views_of_places_where_textures_are_hard_must_show_them() {
     ] {
         let changed = text.replacen(from, to, 1);
         assert_ne!(text, changed, "{from} is not in the scene");
-        let data = data_dir_from_env();
-        let scene = match Scene::from_toml(&changed, "blue-marble.toml", data.as_deref()) {
-            Ok(scene) => scene,
-            Err(error @ SceneError::DataMissing { .. }) => {
-                eprintln!("skipped: {error}");
-                return;
-            }
-            Err(error) => panic!("{error}"),
-        };
+        let scene = Scene::from_toml(&changed, "blue-marble.toml", Some(&data::folder()));
+        let scene = scene.expect("a valid scene");
         assert!(breaks_a_promise(&scene), "{to} went unnoticed");
     }
 }
 
 #[test]
+#[ignore = "needs data: blue-marble"]
 fn blue_marble_has_its_picture_with_all_levels() {
-    let Some(scene) = load_or_skip("blue-marble") else {
-        return;
-    };
+    let scene = data::scene("blue-marble");
     let texture = scene.texture.expect("a texture");
     assert_eq!(texture.image.size_px(), [4096, 2048]);
     assert_eq!(texture.image.levels().len(), 13);
@@ -572,11 +569,10 @@ fn blue_marble_has_its_picture_with_all_levels() {
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-110m, natural-earth-50m, natural-earth-10m"]
 fn the_countries_are_seen_by_the_cameras_of_the_published_figures() {
     for name in ["countries-110m", "countries-50m", "countries-10m"] {
-        let Some(scene) = load_or_skip(name) else {
-            continue;
-        };
+        let scene = data::scene(name);
         let cameras: Vec<[f64; 6]> = scene
             .views
             .iter()

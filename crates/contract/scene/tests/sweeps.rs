@@ -2,7 +2,8 @@
 //! Cap steps that shipped scenes sweep through give meshes that differ.
 
 use terrafill_core::{MeshOptions, RegionMesh};
-use terrafill_scene::{Scene, data_dir_from_env, shipped_scene_names};
+use terrafill_fixtures::data;
+use terrafill_scene::{Scene, shipped_scene_names};
 
 /// Triangles of all regions with this cap step.
 fn triangles(scene: &Scene, cap_step_deg: f64) -> usize {
@@ -17,15 +18,23 @@ fn triangles(scene: &Scene, cap_step_deg: f64) -> usize {
 
 #[test]
 fn every_cap_step_that_is_swept_gives_a_mesh_of_its_own() {
+    assert_steps_are_coarser(false);
+    // Twin: beyond the widest of California's steps there is nothing left to cut.
+    let california = Scene::shipped("california", None).expect("it ships");
+    assert_eq!(triangles(&california, 3.0), triangles(&california, 10.0));
+}
+
+#[test]
+#[ignore = "needs data: all scenes"]
+fn every_cap_step_that_is_swept_over_data_gives_a_mesh_of_its_own() {
+    assert_steps_are_coarser(true);
+}
+
+fn assert_steps_are_coarser(needs_data: bool) {
+    let needs = |name: &&str| Scene::shipped(name, None).is_err() == needs_data;
     let mut swept = 0;
-    for name in shipped_scene_names() {
-        let scene = match Scene::shipped(name, data_dir_from_env().as_deref()) {
-            Ok(scene) => scene,
-            Err(error) => {
-                eprintln!("skipped: {error}");
-                continue;
-            }
-        };
+    for name in shipped_scene_names().into_iter().filter(needs) {
+        let scene = data::scene(name);
         let steps = &scene.sweep_cap_step_deg;
         assert!(steps.is_sorted(), "{name}: {steps:?}");
         let counts: Vec<usize> = steps.iter().map(|&step| triangles(&scene, step)).collect();
@@ -37,7 +46,4 @@ fn every_cap_step_that_is_swept_gives_a_mesh_of_its_own() {
         swept += usize::from(!steps.is_empty());
     }
     assert!(swept > 0);
-    // Twin: beyond the widest of California's steps there is nothing left to cut.
-    let california = Scene::shipped("california", None).expect("it ships");
-    assert_eq!(triangles(&california, 3.0), triangles(&california, 10.0));
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Real outlines, where `TERRAFILL_DATA` says they are: every region sound, borders shared, areas
+//! Real outlines: every region sound, borders shared, areas
 //! right by arithmetic that shares nothing with the mesher.
 
 mod outlines;
 
-use outlines::{data, repaired};
+use outlines::{outline, repaired};
 use std::collections::BTreeSet;
 use terrafill_core::{
     EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, Ring, parse_regions,
@@ -46,6 +46,7 @@ fn ring_area_m2(ring: &Ring) -> f64 {
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-110m, us-10m, california-counties"]
 fn every_region_of_the_small_files_is_sound_by_both_rules() {
     for name in [
         "ne_110m_admin_0_countries.geojson",
@@ -55,9 +56,7 @@ fn every_region_of_the_small_files_is_sound_by_both_rules() {
         "california_counties.geojson",
     ] {
         for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
-            let Some(regions) = repaired(name, rule) else {
-                return;
-            };
+            let regions = repaired(name, rule);
             assert_eq!(meshes(&regions, rule).len(), regions.len());
         }
     }
@@ -67,10 +66,7 @@ fn every_region_of_the_small_files_is_sound_by_both_rules() {
 /// rings; of crossing rings these are not what even-odd fills. Returns how many of those differ.
 fn compare_areas(name: &str, [count, crossing]: [usize; 2]) -> usize {
     let rule = EdgeRule::Planar;
-    let Some(file) = data(name) else {
-        return usize::MAX;
-    };
-    let mut regions = parse_regions(&file, name).expect("valid");
+    let mut regions = parse_regions(&outline(name), name).expect("valid");
     let crossings: Vec<usize> = regions
         .iter_mut()
         .map(|region| region.split_at_crossings(rule))
@@ -105,6 +101,7 @@ fn compare_areas(name: &str, [count, crossing]: [usize; 2]) -> usize {
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-110m, natural-earth-50m"]
 fn every_region_of_the_countries_has_the_area_of_its_rings() {
     for (scale, count) in [("110m", [177, 1]), ("50m", [241, 0])] {
         let name = format!("ne_{scale}_admin_0_countries.geojson");
@@ -113,11 +110,13 @@ fn every_region_of_the_countries_has_the_area_of_its_rings() {
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-10m"]
 fn every_region_of_the_10m_countries_has_the_area_of_its_rings() {
     compare_areas("ne_10m_admin_0_countries.geojson", [258, 0]);
 }
 
 #[test]
+#[ignore = "needs data: us-10m"]
 fn every_county_has_the_area_of_its_rings() {
     let differ = compare_areas("us_counties_10m.geojson", [3197, 21]);
     // Twin: where rings cross the comparison sees that areas differ.
@@ -125,12 +124,11 @@ fn every_county_has_the_area_of_its_rings() {
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-110m"]
 fn antarctica_has_no_wall_at_the_antimeridian_or_the_pole() {
     // Cut at ±180 and run along −90.
     for name in ["ne_110m_admin_0_countries.geojson", "ne_110m_land.geojson"] {
-        let Some(regions) = repaired(name, EdgeRule::Planar) else {
-            return;
-        };
+        let regions = repaired(name, EdgeRule::Planar);
         let antarctica: Vec<Region> = regions
             .into_iter()
             .filter(|region| {
@@ -153,11 +151,10 @@ fn antarctica_has_no_wall_at_the_antimeridian_or_the_pole() {
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-50m"]
 fn antarctica_at_50m_keeps_the_hole_that_its_file_leaves_round_the_pole() {
     // The ring goes back along the parallel of −89.9989°, 120 m from the pole.
-    let Some(regions) = repaired("ne_50m_admin_0_countries.geojson", EdgeRule::Planar) else {
-        return;
-    };
+    let regions = repaired("ne_50m_admin_0_countries.geojson", EdgeRule::Planar);
     let antarctica: Vec<Region> = regions
         .into_iter()
         .filter(|region| region.name == "Antarctica")
@@ -186,11 +183,10 @@ fn southernmost_border_deg(mesh: &RegionMesh) -> f64 {
 }
 
 #[test]
+#[ignore = "needs data: us-10m"]
 fn neighbours_have_the_same_vertices_on_their_border() {
     for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
-        let Some(regions) = repaired("us_states_10m.geojson", rule) else {
-            return;
-        };
+        let regions = repaired("us_states_10m.geojson", rule);
         let meshes = meshes(&regions, rule);
         let state = |name: &str| {
             let index = regions.iter().position(|region| region.name == name);
@@ -221,10 +217,10 @@ fn neighbours_have_the_same_vertices_on_their_border() {
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-110m"]
 fn outlines_that_cross_themselves_are_refused_until_repaired() {
     let name = "ne_110m_admin_0_countries.geojson";
-    let Some(bytes) = data(name) else { return };
-    let regions = parse_regions(&bytes, name).expect("valid");
+    let regions = parse_regions(&outline(name), name).expect("valid");
     let errors = RegionMesh::build_all(
         &regions,
         &Ellipsoid::WGS84,
@@ -237,11 +233,9 @@ fn outlines_that_cross_themselves_are_refused_until_repaired() {
 }
 
 #[test]
+#[ignore = "needs data: earcut"]
 fn rings_in_pixel_coordinates_are_refused_as_a_bare_list() {
-    let Some(bytes) = data("tricky/earcut_dude.json") else {
-        return;
-    };
-    let message = parse_regions(&bytes, "dude")
+    let message = parse_regions(&outline("tricky/earcut_dude.json"), "dude")
         .expect_err("no GeoJSON")
         .to_string();
     assert!(

@@ -2,11 +2,11 @@
 //! Readers: files written here, in every format, right and wrong; and real ones where there are any.
 
 use std::io::{Cursor, Write as _};
-use std::path::PathBuf;
 use terrafill_elevation::{
     Bounds, ElevationError, HeightField, Projection, Registration, TileAddress, TileEncoding, read,
     read_tile,
 };
+use terrafill_fixtures::data;
 use tiff::encoder::{TiffEncoder, colortype};
 use tiff::tags::Tag;
 
@@ -463,13 +463,14 @@ fn tiles_mean_what_their_encoding_says() {
     }
 }
 
-/// Bytes of a file of the data folder, where one is named.
-fn data(name: &str) -> Option<Vec<u8>> {
-    let folder = PathBuf::from(std::env::var_os("TERRAFILL_DATA")?);
-    Some(std::fs::read(folder.join("terrain").join(name)).expect(name))
+/// The heights of a file of the data folder.
+fn read_real(name: &str) -> HeightField {
+    let bytes = data::bytes(&format!("terrain/{name}"));
+    read(name, &bytes).expect(name)
 }
 
 #[test]
+#[ignore = "needs data: elevation"]
 fn real_files_have_the_size_bounds_voids_and_heights_that_gdal_found() {
     // Columns, rows, edges of cells, voids, lowest and highest.
     type Facts = (&'static str, [u32; 2], [f64; 4], u64, [f64; 2]);
@@ -558,8 +559,7 @@ fn real_files_have_the_size_bounds_voids_and_heights_that_gdal_found() {
         ),
     ];
     for (name, size, edges, voids, [lowest, highest]) in files {
-        let Some(bytes) = data(name) else { return };
-        let field = read(name, &bytes).expect(name);
+        let field = read_real(name);
         let grid = field.grid();
         assert_eq!([grid.columns, grid.rows], size, "{name}");
         let bounds = grid.cell_bounds();
@@ -592,11 +592,9 @@ fn real_files_have_the_size_bounds_voids_and_heights_that_gdal_found() {
 }
 
 #[test]
+#[ignore = "needs data: elevation"]
 fn summits_are_where_they_are() {
-    let Some(everest) = data("N27E086.hgt") else {
-        return;
-    };
-    let everest = read("N27E086.hgt", &everest).expect("Everest");
+    let everest = read_real("N27E086.hgt");
     // 27°59′17″ N, 86°55′31″ E: 8,849 m, of which SRTM's cells of 90 m keep all but some.
     let summit = everest.height_m(86.925_3, 27.988_1).expect("inside");
     assert!((8_700.0..8_850.0).contains(&summit), "{summit}");
@@ -604,11 +602,11 @@ fn summits_are_where_they_are() {
     let mirrored = everest.height_m(86.925_3, 27.011_9).expect("inside");
     assert!(mirrored < 3_000.0, "{mirrored}");
     let name = "fuji_terrain-rgb_10-906-404.png";
-    let fuji = read(name, &data(name).expect(name)).expect(name);
+    let fuji = read_real(name);
     let summit = fuji.height_m(138.727_4, 35.360_6).expect("inside");
     assert!((3_600.0..3_777.0).contains(&summit), "{summit}");
     let name = "etopo20_global_i16.tif";
-    let globe = read(name, &data(name).expect(name)).expect(name);
+    let globe = read_real(name);
     // Mariana Trench and both poles; ±180° is one meridian.
     assert!(globe.height_m(142.2, 11.35).expect("everywhere") < -5_000.0);
     assert!(globe.height_m(0.0, -90.0).expect("everywhere") > 2_000.0);
@@ -618,9 +616,9 @@ fn summits_are_where_they_are() {
         assert!((west - east).abs() < 1e-6, "{west} {east}");
     }
     let tile = "grand_canyon_terrarium_12-759-1608.png";
-    let terrarium = read(tile, &data(tile).expect(tile)).expect(tile);
+    let terrarium = read_real(tile);
     let tile = "grand_canyon_terrain-rgb_12-759-1608.png";
-    let rgb = read(tile, &data(tile).expect(tile)).expect(tile);
+    let rgb = read_real(tile);
     // Two services, one canyon.
     for (longitude, latitude) in [(-113.25, 36.0), (-113.22, 35.97)] {
         let [a, b] =

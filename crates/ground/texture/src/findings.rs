@@ -4,9 +4,9 @@
 //!
 //! The suite measures on a grid of extents × latitudes. A finding in one of its cells is held against
 //! every region between the cell's neighbours, since what went wrong there begins somewhere before.
-//! The findings that a plan knows are those of `suite_findings.csv`, which
-//! `cargo run --release -p terrafill-filling --example findings` writes; a test of the bench makes a part
-//! of it anew.
+//! The findings that a plan knows are those of `suite_findings.csv`, which is printed by
+//! `cargo run --release -p terrafill-precision --example findings`. Print into another file and move it: the
+//! example embeds this one. A test of the bench makes a part of it anew.
 
 use crate::{CoordinateRoute, MapRegion, SAMPLING_SLACK};
 use std::fmt;

@@ -20,8 +20,8 @@
 )]
 
 use rayon::prelude::*;
-use std::path::PathBuf;
 use terrafill_core::{EdgeRule, Ellipsoid, Polygon, Region, Ring, parse_regions};
+use terrafill_fixtures::data;
 use terrafill_reference::Locator;
 
 /// Within this, borders are a matter of rounding, metres.
@@ -34,22 +34,9 @@ const COUNTRIES: &str = "ne_50m_admin_0_countries.geojson";
 
 type Degrees = [f64; 2];
 
-/// `None`, said aloud, when there is no data here.
-fn countries() -> Option<Vec<Region>> {
-    let Some(root) = std::env::var_os("TERRAFILL_DATA").map(PathBuf::from) else {
-        println!("skipped: TERRAFILL_DATA is not set");
-        return None;
-    };
-    // Tests run in the crate's folder; a relative path is meant from the workspace.
-    let workspace = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../..");
-    let path = workspace.join(root).join("vectors").join(COUNTRIES);
-    match std::fs::read(&path) {
-        Ok(bytes) => Some(parse_regions(&bytes, COUNTRIES).expect("valid")),
-        Err(error) => {
-            println!("skipped: {}: {error}", path.display());
-            None
-        }
-    }
+fn countries() -> Vec<Region> {
+    let bytes = data::bytes(&format!("vectors/{COUNTRIES}"));
+    parse_regions(&bytes, COUNTRIES).expect("valid")
 }
 
 /// SplitMix64 (Steele, Lea and Flood, 2014): a seed for each point, so that order does not matter.
@@ -316,8 +303,9 @@ fn beside_a_border(outlines: &[Outline<'_>], random: &mut Random) -> Degrees {
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-50m"]
 fn the_locator_names_the_regions_that_two_other_tests_name() {
-    let Some(regions) = countries() else { return };
+    let regions = countries();
     let locator = Locator::new(&regions, EdgeRule::Planar, &Ellipsoid::WGS84).expect("clear rings");
     let outlines = Outline::all(&regions);
     let scattered = compare_all(&locator, &outlines, POINTS, anywhere);
@@ -347,8 +335,9 @@ fn the_locator_names_the_regions_that_two_other_tests_name() {
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-50m"]
 fn a_vertex_moved_by_a_metre_is_noticed() {
-    let Some(regions) = countries() else { return };
+    let regions = countries();
     let outlines = Outline::all(&regions);
     // The largest ring of Brazil, moved by 1e-5° at one vertex, for the locator only.
     let brazil = regions

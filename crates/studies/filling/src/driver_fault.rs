@@ -303,13 +303,10 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "needs data: natural-earth-50m"]
     fn the_known_pixel_lies_in_a_sliver() {
         let fault = &KNOWN[0];
-        let data = std::env::var_os("TERRAFILL_DATA").map(std::path::PathBuf::from);
-        let Some(data) = data else {
-            eprintln!("skipped: TERRAFILL_DATA is not set");
-            return;
-        };
+        let data = terrafill_fixtures::data::folder();
         let scene = Arc::new(Scene::shipped(fault.scene, Some(&data)).expect("its data"));
         let view = scene.views.iter().find(|view| view.name == fault.view);
         let view = view.expect("a view").clone();

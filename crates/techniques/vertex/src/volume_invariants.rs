@@ -18,10 +18,9 @@ use crate::layout::{RegionSlice, SceneGeometry};
 use crate::{IndexOrder, Layout, VertexSize, VertexTechnique, VertexVariant, Walls};
 use glam::{DVec3, IVec3, Vec3};
 use std::collections::HashMap;
-use std::path::PathBuf;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, VolumeHeights, parse_regions};
 use terrafill_fill::{PositionFormat, Technique as _, Variant, two_float, two_float_difference_m};
-use terrafill_fixtures::{ClosedSurface, check_closed, check_volume};
+use terrafill_fixtures::{ClosedSurface, check_closed, check_volume, data};
 use terrafill_scene::Overlap;
 
 /// Every way to store geometry.
@@ -766,12 +765,8 @@ fn thinned(meshes: &[RegionMesh]) -> Vec<RegionMesh> {
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-110m, natural-earth-50m, natural-earth-10m, us-10m"]
 fn every_way_to_store_the_countries_is_closed() {
-    let Some(root) = std::env::var_os("TERRAFILL_DATA").map(PathBuf::from) else {
-        println!("skipped: TERRAFILL_DATA is not set");
-        return;
-    };
-    let workspace = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../..");
     for (name, rule) in [
         ("ne_110m_admin_0_countries.geojson", EdgeRule::Planar),
         ("ne_110m_admin_0_countries.geojson", EdgeRule::GreatEllipse),
@@ -779,14 +774,7 @@ fn every_way_to_store_the_countries_is_closed() {
         ("us_counties_10m.geojson", EdgeRule::Planar),
         ("ne_10m_admin_0_countries.geojson", EdgeRule::Planar),
     ] {
-        let path = workspace.join(&root).join("vectors").join(name);
-        let text = match std::fs::read(&path) {
-            Ok(text) => text,
-            Err(error) => {
-                println!("skipped: {}: {error}", path.display());
-                return;
-            }
-        };
+        let text = data::bytes(&format!("vectors/{name}"));
         let body = Ellipsoid::WGS84;
         let all = Scene::new(body, meshes_of(&text, name, &body, rule));
         let few = Scene::new(body, thinned(&all.meshes));

@@ -252,7 +252,8 @@ pub fn grouped(number: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_scene::{data_dir_from_env, shipped_scene_needs};
+    use terrafill_fixtures::data;
+    use terrafill_scene::shipped_scene_needs;
 
     fn listing(folder: &Path) -> Listing {
         let catalogue = Catalogue::shipped().expect("the catalogue");
@@ -307,11 +308,9 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "needs data: all files"]
     fn files_of_the_data_folder_have_the_sizes_and_hashes_of_the_catalogue() {
-        let Some(data) = data_dir_from_env() else {
-            eprintln!("skipped: TERRAFILL_DATA is not set");
-            return;
-        };
+        let data = data::folder();
         let listing = listing(&data);
         let files = listing
             .sets

@@ -101,23 +101,15 @@ fn state_name(number: u64) -> Option<&'static str> {
 mod tests {
     use super::*;
     use crate::Catalogue;
-    use terrafill_scene::{data_dir_from_env, sha256_hex};
+    use terrafill_fixtures::data;
+    use terrafill_scene::sha256_hex;
 
     #[test]
+    #[ignore = "needs data: us-10m"]
     fn states_and_counties_are_made_with_the_bytes_that_scenes_name() {
         let catalogue = Catalogue::shipped().expect("the catalogue");
         let set = catalogue.find("us-10m").expect("a set");
-        let Some(data) = data_dir_from_env() else {
-            eprintln!("skipped: TERRAFILL_DATA is not set");
-            return;
-        };
-        let source = match std::fs::read(data.join(&set.file)) {
-            Ok(source) => source,
-            Err(error) => {
-                eprintln!("skipped: {}: {error}", set.file);
-                return;
-            }
-        };
+        let source = data::bytes(&set.file);
         assert_eq!(set.made.len(), 2);
         for made in &set.made {
             let text = make(&made.by, &source).expect("a maker").expect("TopoJSON");

@@ -6,24 +6,13 @@
 //! Antarctica ends at 89.998926° S, and by the planar rule it does not hold the pole.
 
 use crate::{Locator, LocatorError};
-use std::path::PathBuf;
 use terrafill_core::{EdgeRule, Ellipsoid, Region, parse_regions};
+use terrafill_fixtures::data;
 
-/// Regions of a file of `TERRAFILL_DATA`; `None`, and the reason on stderr, where it is missing.
-fn real_regions(file: &str) -> Option<Vec<Region>> {
-    let Some(folder) = std::env::var_os("TERRAFILL_DATA") else {
-        eprintln!("skipped: TERRAFILL_DATA is not set");
-        return None;
-    };
-    let path = PathBuf::from(folder).join("vectors").join(file);
-    let bytes = match std::fs::read(&path) {
-        Ok(bytes) => bytes,
-        Err(error) => {
-            eprintln!("skipped: {}: {error}", path.display());
-            return None;
-        }
-    };
-    Some(parse_regions(&bytes, file).expect("the file is valid"))
+/// Regions of a file of the data folder.
+fn real_regions(file: &str) -> Vec<Region> {
+    let bytes = data::bytes(&format!("vectors/{file}"));
+    parse_regions(&bytes, file).expect("the file is valid")
 }
 
 /// Places and the country that holds them; empty for the sea.
@@ -74,14 +63,13 @@ fn wrong_places(regions: &[Region], ask: impl Fn(f64, f64) -> Vec<usize>) -> Vec
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-110m, natural-earth-50m"]
 fn known_places_lie_in_their_countries_and_mutants_misplace_them() {
     for file in [
         "ne_110m_admin_0_countries.geojson",
         "ne_50m_admin_0_countries.geojson",
     ] {
-        let Some(regions) = real_regions(file) else {
-            return;
-        };
+        let regions = real_regions(file);
         for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
             let located =
                 Locator::new(&regions, rule, &Ellipsoid::WGS84).expect("countries can be judged");
@@ -106,10 +94,9 @@ fn known_places_lie_in_their_countries_and_mutants_misplace_them() {
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-50m"]
 fn real_borders_by_index_and_brute_force() {
-    let Some(regions) = real_regions("ne_50m_admin_0_countries.geojson") else {
-        return;
-    };
+    let regions = real_regions("ne_50m_admin_0_countries.geojson");
     for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
         let located =
             Locator::new(&regions, rule, &Ellipsoid::WGS84).expect("countries can be judged");
@@ -132,13 +119,12 @@ fn real_borders_by_index_and_brute_force() {
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-110m"]
 fn every_planar_vertex_is_reported_or_decided_alike() {
     // Vertices are where half-open rules go wrong: a vertex counted twice or never turns whole
     // stretches south or west of it inside out. So places straight south and west of vertices
     // must be decided the same by both tests.
-    let Some(regions) = real_regions("ne_110m_admin_0_countries.geojson") else {
-        return;
-    };
+    let regions = real_regions("ne_110m_admin_0_countries.geojson");
     let located = Locator::new(&regions, EdgeRule::Planar, &Ellipsoid::WGS84)
         .expect("countries can be judged");
     let mut looked = 0;

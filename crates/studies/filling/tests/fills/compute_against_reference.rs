@@ -158,7 +158,7 @@ fn culling_on_the_device_changes_no_pixel_and_leaves_out_what_the_plan_would() {
     let Some(devices) = Devices::open() else {
         return;
     };
-    let (prepared, views) = shipped("planet-134").expect("ships with the project");
+    let (prepared, views) = shipped("planet-134");
     for view in &views {
         let planned =
             FillInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");

@@ -41,7 +41,7 @@ fn variant(layout: Layout, positions: PositionFormat) -> VertexVariant {
 /// Figures of every format in every view, layouts compared with one another on the way.
 fn figures_of(name: &str) -> Option<BTreeMap<(String, &'static str), ErrorFigures>> {
     let devices = Devices::open()?;
-    let (prepared, views) = shipped(name).expect("ships with the project");
+    let (prepared, views) = shipped(name);
     let targets = AllTargets::new(&devices, SIZE);
     let mut all = BTreeMap::new();
     for view in &views {
@@ -114,7 +114,7 @@ fn ten_metres_from_several_eyes() {
     let Some(devices) = Devices::open() else {
         return;
     };
-    let (prepared, views) = shipped("square-10m").expect("ships with the project");
+    let (prepared, views) = shipped("square-10m");
     let targets = AllTargets::new(&devices, SIZE);
     let mut most = 0;
     for (i, view) in (0_u32..8).zip(views[..2].iter().cycle()) {
@@ -164,7 +164,7 @@ fn walls_between_triangles_leave_no_trace_where_they_are_clipped() {
     let Some(devices) = Devices::open_both() else {
         return;
     };
-    let (prepared, views) = shipped("square-200km").expect("ships with the project");
+    let (prepared, views) = shipped("square-200km");
     let targets = AllTargets::new(&devices, SIZE);
     let along = views.iter().find(|view| view.name == "along-50m");
     let vertex = |positions| {
@@ -207,13 +207,12 @@ fn walls_between_triangles_leave_no_trace_where_they_are_clipped() {
 /// The same where faces are culled. Where second walls were drawn as the first ones turned over, one pixel
 /// in the south of the globe belonged to a volume twelve pixels away.
 #[test]
+#[ignore = "needs data: natural-earth-110m"]
 fn walls_between_triangles_leave_no_trace_where_faces_are_culled() {
     let Some(devices) = Devices::open() else {
         return;
     };
-    let Some((prepared, views)) = shipped("countries-110m") else {
-        return;
-    };
+    let (prepared, views) = shipped("countries-110m");
     let size = ImageSize {
         width: 256,
         height: 256,
@@ -258,7 +257,7 @@ fn bytes_by_formula_are_those_that_are_allocated() {
     let Some(devices) = Devices::open() else {
         return;
     };
-    let (prepared, views) = shipped("square-200km").expect("ships with the project");
+    let (prepared, views) = shipped("square-200km");
     let input =
         FillInput::new(&prepared, &views[0], SIZE, PlanOptions::default()).expect("a surface");
     let targets = AllTargets::new(&devices, SIZE);

@@ -59,7 +59,7 @@ fn views_without_a_coast_are_covered_without_a_volume() {
     let Some(devices) = Devices::open_both() else {
         return;
     };
-    let (scene, _) = shipped("planet-134").expect("ships");
+    let (scene, _) = shipped("planet-134");
     let targets = AllTargets::new(&devices, SIZE);
     let all = techniques();
     let (mut owned, mut shared, mut empty) = (0, 0, 0);
@@ -111,7 +111,7 @@ fn a_coast_that_is_overlooked_is_seen() {
     let Some(devices) = Devices::open_both() else {
         return;
     };
-    let (scene, _) = shipped("planet-134").expect("ships");
+    let (scene, _) = shipped("planet-134");
     let targets = AllTargets::new(&devices, SIZE);
     let coast = view(scene.meshes[0].vertices_deg[0], 20_000.0, -90.0);
     let input = seen(&scene, &coast, true);

@@ -15,11 +15,11 @@ use terrafill_conformance::{
 };
 use terrafill_core::RegionMesh;
 use terrafill_fill::{FillInput, Frame, NO_REGION, PreparedScene, Switches};
+use terrafill_fixtures::data;
 use terrafill_native::{Extrusion as Native, Indices, NativeVariant};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{
     ImageSize, LevelChoice, LeveledMeshes, PlanOptions, RegionBounds, Scene, View,
-    data_dir_from_env,
 };
 use terrafill_surface::{EllipsoidKind, open_surface};
 
@@ -28,15 +28,9 @@ const SIZE: ImageSize = ImageSize {
     height: 512,
 };
 
-/// A shipped scene with these levels; `None`, with the reason printed, where its data is not here.
-fn leveled(name: &str, levels: LevelChoice) -> Option<(Scene, PreparedScene)> {
-    let mut scene = match Scene::shipped(name, data_dir_from_env().as_deref()) {
-        Ok(scene) => scene,
-        Err(error) => {
-            eprintln!("skipped: {error}");
-            return None;
-        }
-    };
+/// A shipped scene with these levels.
+fn leveled(name: &str, levels: LevelChoice) -> (Scene, PreparedScene) {
+    let mut scene = data::scene(name);
     scene.levels = levels;
     let meshes = LeveledMeshes::build(&scene, &scene.mesh).expect("meshes");
     assert_eq!(meshes.ended_by, None, "{name}");
@@ -46,14 +40,12 @@ fn leveled(name: &str, levels: LevelChoice) -> Option<(Scene, PreparedScene)> {
     );
     let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
     let prepared = PreparedScene::leveled(&scene, meshes, surface);
-    Some((scene, prepared))
+    (scene, prepared)
 }
 
 #[test]
 fn a_view_makes_the_meshes_that_it_draws_and_their_bounds() {
-    let Some((scene, prepared)) = leveled("planet-134", LevelChoice::Automatic) else {
-        return;
-    };
+    let (scene, prepared) = leveled("planet-134", LevelChoice::Automatic);
     let regions = scene.regions.len();
     let made = || -> Vec<usize> {
         let meshes = (regions..prepared.meshes.len()).map(|mesh| (mesh, &prepared.meshes[mesh]));
@@ -186,29 +178,32 @@ fn check_view(devices: &Devices, scene: &PreparedScene, view: &View) -> (usize, 
 
 #[test]
 fn half_a_pixel_is_seen_in_the_band_alone_and_borders_stay_closed() {
+    assert_levels_hold("planet-134", LevelChoice::Automatic);
+}
+
+#[test]
+#[ignore = "needs data: natural-earth-110m, us-10m"]
+fn half_a_pixel_is_seen_in_the_band_alone_and_borders_stay_closed_of_countries_and_states() {
+    let given = |deviation_m: &[f64]| LevelChoice::Given(deviation_m.into());
+    assert_levels_hold(
+        "countries-110m",
+        given(&[1_000.0, 4_000.0, 7_000.0, 16_000.0]),
+    );
+    assert_levels_hold("us-states", given(&[400.0, 1_600.0, 6_400.0, 25_600.0]));
+}
+
+fn assert_levels_hold(name: &str, levels: LevelChoice) {
     let Some(devices) = Devices::open() else {
         return;
     };
-    let given = |deviation_m: &[f64]| LevelChoice::Given(deviation_m.into());
-    for (name, levels) in [
-        ("planet-134", LevelChoice::Automatic),
-        (
-            "countries-110m",
-            given(&[1_000.0, 4_000.0, 7_000.0, 16_000.0]),
-        ),
-        ("us-states", given(&[400.0, 1_600.0, 6_400.0, 25_600.0])),
-    ] {
-        let Some((scene, prepared)) = leveled(name, levels) else {
-            continue;
-        };
-        let mut fewest_share = 1.0_f64;
-        for view in &scene.views {
-            let (at_half, of) = check_view(&devices, &prepared, view);
-            fewest_share = fewest_share.min(at_half as f64 / of as f64);
-        }
-        // Twin: were no level ever chosen, everything above would hold.
-        assert!(fewest_share < 0.95, "{name}: {fewest_share}");
+    let (scene, prepared) = leveled(name, levels);
+    let mut fewest_share = 1.0_f64;
+    for view in &scene.views {
+        let (at_half, of) = check_view(&devices, &prepared, view);
+        fewest_share = fewest_share.min(at_half as f64 / of as f64);
     }
+    // Twin: were no level ever chosen, everything above would hold.
+    assert!(fewest_share < 0.95, "{name}: {fewest_share}");
 }
 
 #[test]
@@ -216,8 +211,7 @@ fn boundaries_moved_too_far_are_noticed() {
     let Some(devices) = Devices::open() else {
         return;
     };
-    let (scene, prepared) =
-        leveled("planet-134", LevelChoice::Given(vec![6e4])).expect("ships with the project");
+    let (scene, prepared) = leveled("planet-134", LevelChoice::Given(vec![6e4]));
     let view = &scene.views[0];
     let input = FillInput::new(&prepared, view, SIZE, options(Some(32.0))).expect("a surface");
     let reference = judge(&input);
@@ -231,62 +225,61 @@ fn boundaries_moved_too_far_are_noticed() {
 /// is noticed in every view in which a level is drawn that uses half of what it may.
 #[test]
 fn a_movement_understated_four_times_is_noticed() {
-    let Some(devices) = Devices::open() else {
-        return;
-    };
-    // Of their own choice the countries take levels that move by less than a fifth of a pixel where
-    // half of one is allowed.
-    for (name, levels, drawn_px) in [
-        ("planet-134", LevelChoice::Automatic, 0.5),
-        (
-            "countries-110m",
-            LevelChoice::Given(vec![4_000.0, 7_000.0]),
-            0.5,
-        ),
-        ("countries-50m", LevelChoice::Automatic, 0.8),
-    ] {
-        let Some((scene, prepared)) = leveled(name, levels) else {
-            continue;
-        };
-        let view = &scene.views[0];
-        let full = FillInput::new(&prepared, view, SIZE, options(None)).expect("a surface");
-        let reference = judge(&full);
-        let input = full.remeshed(&prepared, options(Some(drawn_px)));
-        let found = figures(&full, &reference, &draw_plain(&devices, &input));
-        let moved_px = found.boundary_moved_px.expect("few pixels mismatch");
-        eprintln!(
-            "{name}/{}: moved {moved_px} px of {drawn_px}: {found:?}",
-            view.name
-        );
-        assert!(
-            verdict_of_moved(&found, drawn_px).is_pass(),
-            "{name}: {found:?}"
-        );
-        assert_eq!(found.mismatched_px_outside_band, 0, "{name}");
-        // Islands too small to be seen are among what is judged here.
-        let islands = input.plan.small_rings;
-        eprintln!("{name}: {islands:?}");
-        assert_eq!(islands.rings > 0, name == "countries-50m", "{islands:?}");
-        assert!(
-            !verdict_of_moved(&found, drawn_px / 4.0).is_pass(),
-            "{name}: {found:?}"
-        );
-        // Twin: without levels nothing has moved by more than a rasteriser's step.
-        let found = figures(&full, &reference, &draw_plain(&devices, &full));
-        let moved_px = found.boundary_moved_px.expect("few pixels mismatch");
-        assert!(moved_px <= 2.0 * MOVED_STEP_PX, "{name}: {found:?}");
-    }
+    assert_understatement_is_noticed("planet-134", LevelChoice::Automatic, 0.5);
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-110m, natural-earth-50m"]
+fn a_movement_of_countries_understated_four_times_is_noticed() {
+    // Of their own choice the countries take levels that move by less than a fifth of a pixel where
+    // half of one is allowed.
+    let levels = LevelChoice::Given(vec![4_000.0, 7_000.0]);
+    assert_understatement_is_noticed("countries-110m", levels, 0.5);
+    assert_understatement_is_noticed("countries-50m", LevelChoice::Automatic, 0.8);
+}
+
+fn assert_understatement_is_noticed(name: &str, levels: LevelChoice, drawn_px: f64) {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let (scene, prepared) = leveled(name, levels);
+    let view = &scene.views[0];
+    let full = FillInput::new(&prepared, view, SIZE, options(None)).expect("a surface");
+    let reference = judge(&full);
+    let input = full.remeshed(&prepared, options(Some(drawn_px)));
+    let found = figures(&full, &reference, &draw_plain(&devices, &input));
+    let moved_px = found.boundary_moved_px.expect("few pixels mismatch");
+    eprintln!(
+        "{name}/{}: moved {moved_px} px of {drawn_px}: {found:?}",
+        view.name
+    );
+    assert!(
+        verdict_of_moved(&found, drawn_px).is_pass(),
+        "{name}: {found:?}"
+    );
+    assert_eq!(found.mismatched_px_outside_band, 0, "{name}");
+    // Islands too small to be seen are among what is judged here.
+    let islands = input.plan.small_rings;
+    eprintln!("{name}: {islands:?}");
+    assert_eq!(islands.rings > 0, name == "countries-50m", "{islands:?}");
+    assert!(
+        !verdict_of_moved(&found, drawn_px / 4.0).is_pass(),
+        "{name}: {found:?}"
+    );
+    // Twin: without levels nothing has moved by more than a rasteriser's step.
+    let found = figures(&full, &reference, &draw_plain(&devices, &full));
+    let moved_px = found.boundary_moved_px.expect("few pixels mismatch");
+    assert!(moved_px <= 2.0 * MOVED_STEP_PX, "{name}: {found:?}");
+}
+
+#[test]
+#[ignore = "needs data: us-10m"]
 fn neighbours_at_different_levels_part_and_the_count_of_unowned_pixels_shows_it() {
     let Some(devices) = Devices::open() else {
         return;
     };
     let levels = LevelChoice::Given(vec![12_800.0]);
-    let Some((scene, prepared)) = leveled("us-states", levels) else {
-        return;
-    };
+    let (scene, prepared) = leveled("us-states", levels);
     let view = &scene.views[0];
     let full_input = FillInput::new(&prepared, view, SIZE, options(None)).expect("a surface");
     let full = draw_plain(&devices, &full_input);
@@ -316,8 +309,7 @@ fn every_level_in_lists_and_strips_shows_what_doubled_vertices_show() {
     let Some(devices) = Devices::open_both() else {
         return;
     };
-    let (scene, prepared) =
-        leveled("planet-134", LevelChoice::Automatic).expect("ships with the project");
+    let (scene, prepared) = leveled("planet-134", LevelChoice::Automatic);
     let mut coarser = 0;
     for view in &scene.views {
         let full = FillInput::new(&prepared, view, SIZE, options(None)).expect("a surface");

@@ -6,9 +6,10 @@ use crate::drawing::by_main::{Open, prepared};
 use crate::drawing::{collection, figures, polygon};
 use terrafill_conformance::verdict;
 use terrafill_fill::{FillInput, PreparedScene, Technique};
+use terrafill_fixtures::data;
 use terrafill_grid::GridKind;
 use terrafill_native::NativeTechnique;
-use terrafill_scene::{ImageSize, PlanOptions, Scene, View, data_dir_from_env};
+use terrafill_scene::{ImageSize, PlanOptions, Scene, View};
 use terrafill_surface::{EllipsoidKind, SurfaceKind};
 use terrafill_tiles::TilesKind;
 use terrafill_vertex::VertexTechnique;
@@ -133,10 +134,8 @@ const REAL: [(&str, [&str; 2]); 4] = [
 ];
 
 #[test]
+#[ignore = "needs data: elevation"]
 fn every_technique_fills_rightly_over_real_elevation() {
-    let Some(data) = data_dir_from_env() else {
-        return;
-    };
     let Some(open) = Open::new(SIZE) else {
         return;
     };
@@ -145,7 +144,7 @@ fn every_technique_fills_rightly_over_real_elevation() {
             "{}/../../../bench-scenes/terrain/{name}.toml",
             env!("CARGO_MANIFEST_DIR")
         );
-        let scene = Scene::open(&path, Some(&data)).expect("a scene");
+        let scene = data::scene(&path);
         let prepared = prepared(&KINDS, &scene);
         for view in wanted {
             let known = scene.views.iter().find(|known| known.name == view);

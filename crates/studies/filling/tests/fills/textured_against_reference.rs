@@ -15,12 +15,13 @@ use terrafill_core::{Ellipsoid, RegionMesh};
 use terrafill_fill::{
     ColourWay, DeviceError, FillBackend, FillInput, Frame, PreparedScene, RouteChoice, Switches,
 };
+use terrafill_fixtures::data;
 use terrafill_gpu::{Gpu, GpuOptions, RenderTargets, SharedTargets, open_for_test};
 use terrafill_native::{Extrusion, Indices, NativeBackend, NativeVariant};
 use terrafill_reference::{ReferenceBackend, ReferenceFrame};
 use terrafill_scene::{
-    ImageSize, MipChain, Outside, Overlap, PlanOptions, Scene, SceneError, SceneTexture,
-    TextureAnchor, TexturePlacement, TextureShare, data_dir_from_env,
+    ImageSize, MipChain, Outside, Overlap, PlanOptions, Scene, SceneTexture, TextureAnchor,
+    TexturePlacement, TextureShare,
 };
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::{Layout, VertexBackend, VertexVariant};
@@ -137,21 +138,14 @@ fn colours_apart(reference: &ReferenceFrame, frame: &Frame, rgba: &[u8]) -> (u8,
     (largest, sum / count)
 }
 
-/// A scene that ships with the program; `None`, with the reason printed, where its data are not here.
-fn shipped(name: &str) -> Option<(Scene, PreparedScene)> {
-    let scene = match Scene::shipped(name, data_dir_from_env().as_deref()) {
-        Ok(scene) => scene,
-        Err(error @ SceneError::DataMissing { .. }) => {
-            eprintln!("skipped: {error}");
-            return None;
-        }
-        Err(error) => panic!("{error}"),
-    };
+/// A scene that ships with the program.
+fn shipped(name: &str) -> (Scene, PreparedScene) {
+    let scene = data::scene(name);
     let (body, rule) = (&scene.body, scene.edge_rule);
     let meshes = RegionMesh::build_all(&scene.regions, body, rule, &scene.mesh).expect("meshes");
     let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
     let prepared = PreparedScene::new(&scene, meshes.into(), surface);
-    Some((scene, prepared))
+    (scene, prepared)
 }
 
 /// Makes a backend on the given targets.
@@ -159,21 +153,28 @@ type Maker<'a> = &'a dyn Fn(&SharedTargets) -> Box<dyn FillBackend>;
 
 #[test]
 fn shipped_scenes_show_their_picture_where_the_reference_does() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
-        return;
-    };
-    for name in [
+    assert_pictures_as_the_reference(&[
         "california",
         "shared-picture",
         "window-west",
         "window-east",
         "hatching",
         "fade",
-        "blue-marble",
-    ] {
-        let Some((scene, prepared)) = shipped(name) else {
-            continue;
-        };
+    ]);
+}
+
+#[test]
+#[ignore = "needs data: natural-earth-110m, blue-marble"]
+fn countries_show_the_blue_marble_where_the_reference_does() {
+    assert_pictures_as_the_reference(&["blue-marble"]);
+}
+
+fn assert_pictures_as_the_reference(names: &[&str]) {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    for &name in names {
+        let (scene, prepared) = shipped(name);
         let mut backends: Option<(SharedTargets, Box<dyn FillBackend>)> = None;
         for view in &scene.views {
             let input =
@@ -208,7 +209,7 @@ fn a_region_that_moves_uncovers_a_picture_that_lies_still() {
         return;
     };
     let drawn = |name: &str, placement: Option<TexturePlacement>| {
-        let (scene, prepared) = shipped(name).expect("needs no data");
+        let (scene, prepared) = shipped(name);
         let texture = SceneTexture {
             placement: placement.unwrap_or(scene.texture.as_ref().expect("a picture").placement),
             ..SceneTexture::clone(scene.texture.as_deref().expect("a picture"))

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `data`: sets are listed, and got from a server of this machine that stands for their sources.
 
-use crate::harness::{Desk, Ran, data_file, has_device, ran};
+use crate::harness::{Desk, Ran, has_device, ran};
 use std::path::Path;
+use terrafill_fixtures::data;
 use terrafill_fixtures::loopback::{Answer, Loopback};
 
 /// The set that most tests get, its place and its size.
@@ -192,28 +193,26 @@ fn a_folder_that_cannot_be_written_is_named() {
 }
 
 /// The published files of the data folder, served under their addresses.
-fn sources() -> Option<Loopback> {
-    let mut served = Vec::new();
-    for (address, file) in [
+fn sources() -> Loopback {
+    let served = [
         (ADDRESS, FILE),
         ("/test/data/us-10m.json", "sources/us-10m.json"),
-    ] {
-        let path = data_file(file)?;
-        served.push((address, std::fs::read(path).expect("readable")));
-    }
-    Some(Loopback::start(move |asked| {
+    ]
+    .map(|(address, file)| (address, data::bytes(file)));
+    Loopback::start(move |asked| {
         let found = served
             .iter()
             .find(|(address, _)| asked.path.ends_with(address));
         found.map_or(Answer::Status(404), |(_, bytes)| {
             Answer::File(bytes.clone())
         })
-    }))
+    })
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-110m"]
 fn what_the_readme_says_gives_the_pictures_of_the_trimmed_file() {
-    let Some(server) = sources() else { return };
+    let server = sources();
     let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../README.md");
     let readme = std::fs::read_to_string(readme).expect("README.md");
     let line = "terrafill data get natural-earth-110m && terrafill bench countries-110m --quick";
@@ -237,9 +236,7 @@ fn what_the_readme_says_gives_the_pictures_of_the_trimmed_file() {
     let scenes = desk.run(&["scenes"]).succeeded();
     assert!(scenes.contains("177 regions, 10367 vertices"), "{scenes}");
 
-    let Some(trimmed) = data_file("vectors/ne_110m_admin_0_countries.geojson") else {
-        return;
-    };
+    let trimmed = data::file("vectors/ne_110m_admin_0_countries.geojson");
     if !has_device() {
         return;
     }
@@ -267,8 +264,9 @@ fn what_the_readme_says_gives_the_pictures_of_the_trimmed_file() {
 }
 
 #[test]
+#[ignore = "needs data: us-10m"]
 fn states_and_counties_are_made_into_another_folder() {
-    let Some(server) = sources() else { return };
+    let server = sources();
     let desk = Desk::new();
     let got = get(&desk, &server, &["us-10m", "--to", "there"]).succeeded();
     for phrase in [

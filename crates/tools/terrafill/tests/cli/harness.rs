@@ -3,7 +3,7 @@
 
 use sha2::{Digest as _, Sha256};
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
@@ -250,24 +250,6 @@ pub(crate) fn a_device(words: &str) -> bool {
     );
     eprintln!("skipped: {why}");
     false
-}
-
-/// A file of real data; says why not.
-pub(crate) fn data_file(relative: &str) -> Option<PathBuf> {
-    let Some(folder) = terrafill_scene::data_dir_from_env() else {
-        eprintln!("skipped: TERRAFILL_DATA is not set");
-        return None;
-    };
-    // A relative folder is relative to where the tests were started.
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../..")
-        .join(folder)
-        .join(relative);
-    if path.is_file() {
-        return Some(path);
-    }
-    eprintln!("skipped: {} is not there", path.display());
-    None
 }
 
 /// A polygon of one ring, closed here.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `locate`: known points, the form of its output, and what the edge rules change.
 
-use crate::harness::{BOW_TIE, Desk, collection, data_file, polygon, rectangle};
+use crate::harness::{BOW_TIE, Desk, collection, polygon, rectangle};
+use terrafill_fixtures::data;
 
 fn locate(desk: &Desk, arguments: &[&str], points: &str) -> String {
     desk.write("points.csv", points);
@@ -260,10 +261,9 @@ fn knots_on_the_antimeridian_and_rings_beyond_a_hemisphere_are_located() {
 }
 
 #[test]
+#[ignore = "needs data: natural-earth-110m"]
 fn cities_lie_in_their_countries() {
-    let Some(file) = data_file("vectors/ne_110m_admin_0_countries.geojson") else {
-        return;
-    };
+    let file = data::file("vectors/ne_110m_admin_0_countries.geojson");
     let file = file.display().to_string();
     let desk = Desk::new();
     let json = desk

@@ -144,16 +144,19 @@ fn is_clipped(input: &FillInput) -> bool {
     meshes.any(|mesh| mesh.vertices_ecef.iter().any(is_behind))
 }
 
-/// Shipped scenes and, where they are here, real countries; `techniques` are those for the switches
-/// that a scene is drawn with.
-pub(crate) fn assert_shipped_scenes_right(techniques: impl Fn(Switches) -> Vec<Technique>) {
+/// Scenes that ship with the project.
+pub(crate) const SHIPPED: [&str; 2] = ["california", "planet-134"];
+
+/// Real countries, whose outlines are in the data folder.
+pub(crate) const COUNTRIES: [&str; 1] = ["countries-110m"];
+
+/// Draws these scenes by `techniques`, those for the switches that a scene is drawn with.
+pub(crate) fn assert_scenes_right(names: &[&str], techniques: impl Fn(Switches) -> Vec<Technique>) {
     let Some(devices) = Devices::open_for(&techniques(Switches::default())) else {
         return;
     };
-    for name in ["california", "planet-134", "countries-110m"] {
-        let Some((prepared, views)) = shipped(name) else {
-            continue;
-        };
+    for &name in names {
+        let (prepared, views) = shipped(name);
         let switches = Switches::for_overlap(prepared.overlap);
         let targets = AllTargets::new(&devices, SIZE);
         let looked = views.iter().map(|view| {

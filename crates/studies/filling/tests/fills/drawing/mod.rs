@@ -24,11 +24,10 @@ use terrafill_fill::{
     SceneBounds, Switches,
 };
 use terrafill_filling::Techniques;
+use terrafill_fixtures::data;
 use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{
-    CameraPose, ImageSize, Overlap, PlanOptions, Scene, View, data_dir_from_env,
-};
+use terrafill_scene::{CameraPose, ImageSize, Overlap, PlanOptions, View};
 use terrafill_surface::EllipsoidKind;
 use terrafill_vertex::{VertexBackend, VertexTechnique, VertexVariant};
 
@@ -273,17 +272,11 @@ pub(crate) fn look(scene: &PreparedScene, pose: Pose, near_m: f64, size: ImageSi
     FillInput::new(scene, &view, size, PlanOptions::default()).expect("a surface")
 }
 
-/// A shipped scene with its views; `None`, said aloud, where its data is not here.
-pub(crate) fn shipped(name: &str) -> Option<(PreparedScene, Vec<View>)> {
-    let scene = match Scene::open(name, data_dir_from_env().as_deref()) {
-        Ok(scene) => scene,
-        Err(error) => {
-            eprintln!("skipped: {error}");
-            return None;
-        }
-    };
+/// A shipped scene with its views.
+pub(crate) fn shipped(name: &str) -> (PreparedScene, Vec<View>) {
+    let scene = data::scene(name);
     let prepared = by_main::prepared(&[&EllipsoidKind], &scene);
-    Some((prepared, scene.views))
+    (prepared, scene.views)
 }
 
 /// A feature.
