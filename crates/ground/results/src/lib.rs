@@ -44,6 +44,9 @@ pub use noise::Noise;
 pub use paired::{Shift, rate_bounds};
 pub use plan::{RunPlan, Shard, Skipped};
 pub use random::SplitMix64;
-pub use ratio::{Claim, Estimate, exponent, process_medians, ratio, sample_spread, share, typical};
+pub use ratio::{
+    Claim, Estimate, exponent, over_processes, over_typical, process_medians, ratio, sample_spread,
+    share, typical,
+};
 pub use read::{Case, Outcome, Run, Samples, repeated_cases};
 pub use statistic::{Spread, median, quantile, spread};

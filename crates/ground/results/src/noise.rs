@@ -6,7 +6,8 @@
 //! its operands, so that half as long and twice as long differ by as much. A gap between two cases
 //! that is no larger than the largest noise of a pair is a tie.
 
-use crate::{Case, Estimate, REPEATS, ratio};
+use crate::threshold::{MIN_DIFFERENCE, MIN_REPLICATES};
+use crate::{Case, Estimate, REPEATS, Standing, ratio};
 
 /// By how much identical work differed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,6 +73,47 @@ impl Noise {
     #[must_use]
     pub fn is_tie(&self, ratio: f64) -> bool {
         ratio.ln().abs() <= self.max
+    }
+}
+
+impl Standing {
+    /// Whether something takes less time than something else, and why that cannot be told.
+    ///
+    /// Decided where the whole interval lies further from 1 than identical work differed. Without a repeat
+    /// less than [`MIN_DIFFERENCE`] is no difference.
+    ///
+    /// - `gain`: time of the other over its own, over processes
+    /// - `noise`: of that metric in the same run
+    #[must_use]
+    pub fn of_times(gain: &Estimate, noise: Option<Noise>) -> (Self, String) {
+        let Some([low, high]) = gain.interval else {
+            let needed = format!(
+                "Undecided: {} of the {MIN_REPLICATES} processes that an interval takes.",
+                gain.processes
+            );
+            return (Self::CannotTell, needed);
+        };
+        let band = noise.map_or(MIN_DIFFERENCE, |noise| noise.max_factor());
+        if low > band {
+            return (Self::Holds, String::new());
+        }
+        if high < 1.0 / band {
+            return (Self::DoesNotHold, String::new());
+        }
+        let percent = |factor: f64| format!("{:.2} %", 100.0 * (factor - 1.0));
+        let reason = match noise {
+            Some(_) => format!(
+                "Undecided: the interval of the ratio, {low:.4} to {high:.4}, is not clear of the {} by \
+                 which identical work differed.",
+                percent(band)
+            ),
+            None => format!(
+                "Undecided: no identical work was measured twice, and the interval of the ratio, {low:.4} \
+                 to {high:.4}, is not clear of {}.",
+                percent(band)
+            ),
+        };
+        (Self::CannotTell, reason)
     }
 }
 
@@ -147,6 +189,45 @@ mod tests {
         // Four processes give no interval: the largest gap has to do.
         let few = noise_of(&[10.5; 4], &[10.0; 5]).expect("two pairs");
         assert!((few.reach_factor() - 1.05).abs() < 1e-12, "{few:?}");
+    }
+
+    #[test]
+    fn times_are_told_apart_beyond_the_noise_and_never_within_it() {
+        let noise = noise_of(&[10.4; 5], &[10.0; 5]);
+        let of = |slow: &[f64], fast: &[f64], noise| {
+            let mut run = MadeUpRun::default();
+            for (name, times) in [("slow", slow), ("fast", fast)] {
+                run.case(case_id("filling", name, &[])).timed(METRIC, times);
+            }
+            let folder = tempfile::tempdir().expect("a folder");
+            let run = run.write(folder.path()).expect("a run");
+            let gain = ratio(&run.cases[0], &run.cases[1], METRIC).expect("a ratio");
+            Standing::of_times(&gain, noise)
+        };
+        use Standing::{CannotTell, DoesNotHold, Holds};
+        // Steady, and less than identical work differs by.
+        let (standing, reason) = of(&[10.3; 5], &[10.0; 5], noise);
+        assert_eq!(standing, CannotTell);
+        assert!(
+            reason.contains("4.00 % by which identical work differed"),
+            "{reason}"
+        );
+        assert_eq!(of(&[10.0; 5], &[10.3; 5], noise).0, CannotTell);
+        // Controls: beyond it, either way.
+        assert_eq!(of(&[10.5; 5], &[10.0; 5], noise), (Holds, String::new()));
+        assert_eq!(
+            of(&[10.0; 5], &[10.5; 5], noise),
+            (DoesNotHold, String::new())
+        );
+        // Far apart in the middle, and in most processes only.
+        let (standing, _) = of(&[13.0, 13.0, 13.0, 9.0, 9.0], &[10.0; 5], noise);
+        assert_eq!(standing, CannotTell);
+        // Too few processes, and no repeat, which leaves 5 %.
+        let (standing, reason) = of(&[20.0; 3], &[10.0; 3], noise);
+        assert_eq!(standing, CannotTell);
+        assert!(reason.contains("3 of the 5 processes"), "{reason}");
+        assert_eq!(of(&[10.4; 5], &[10.0; 5], None).0, CannotTell);
+        assert_eq!(of(&[10.6; 5], &[10.0; 5], None).0, Holds);
     }
 
     #[test]

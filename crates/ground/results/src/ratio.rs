@@ -126,9 +126,41 @@ pub fn ratio(case: &Case, other: &Case, metric: &str) -> Option<Estimate> {
         .iter()
         .filter_map(|(process, cost)| Some(cost / others.get(process)?))
         .collect();
+    over_processes(&ratios)
+}
+
+/// Typical cost of `case` over that of `other`: the quotient of their [`typical`] figures, so that it orders
+/// cases as these do. None is less than 1 over the case whose figure is least, as medians of ratios can be.
+/// Its interval is over processes that measured both, resampled together.
+#[must_use]
+pub fn over_typical(case: &Case, other: &Case, metric: &str) -> Option<Estimate> {
+    let [own, others] = [case, other].map(|case| process_medians(case, metric));
+    let middle_of =
+        |costs: &BTreeMap<u32, f64>| median(&costs.values().copied().collect::<Vec<_>>());
+    let middle = middle_of(&own)? / middle_of(&others)?;
+    let both = own
+        .iter()
+        .filter_map(|(process, cost)| Some([*cost, *others.get(process)?]));
+    let both: Vec<[f64; 2]> = both.collect();
     let mut random = generator();
-    estimate(median(&ratios)?, ratios.len(), || {
-        resampled_median(&mut random, &ratios)
+    estimate(middle, both.len(), || {
+        let drawn: Vec<[f64; 2]> = both
+            .iter()
+            .map(|_| both[random.below(both.len())])
+            .collect();
+        let side = |side: usize| median(&drawn.iter().map(|costs| costs[side]).collect::<Vec<_>>());
+        side(0)
+            .zip(side(1))
+            .map_or(f64::NAN, |(cost, other)| cost / other)
+    })
+}
+
+/// A figure of which every process gives one; `None` for none.
+#[must_use]
+pub fn over_processes(figures: &[f64]) -> Option<Estimate> {
+    let mut random = generator();
+    estimate(median(figures)?, figures.len(), || {
+        resampled_median(&mut random, figures)
     })
 }
 
@@ -141,20 +173,14 @@ pub fn share(case: &Case, part: &str, rest: &str) -> Option<Estimate> {
         .iter()
         .filter_map(|(process, part)| Some(part / (part + rests.get(process)?)))
         .collect();
-    let mut random = generator();
-    estimate(median(&shares)?, shares.len(), || {
-        resampled_median(&mut random, &shares)
-    })
+    over_processes(&shares)
 }
 
 /// `metric` of one case: the median over its processes; `None` without a process that measured it.
 #[must_use]
 pub fn typical(case: &Case, metric: &str) -> Option<Estimate> {
     let medians: Vec<f64> = process_medians(case, metric).into_values().collect();
-    let mut random = generator();
-    estimate(median(&medians)?, medians.len(), || {
-        resampled_median(&mut random, &medians)
-    })
+    over_processes(&medians)
 }
 
 /// Exponent *b* of cost = c · workᵇ through two cases of different work, which no process measures side
@@ -278,6 +304,32 @@ mod tests {
         // Twins: too few processes give no interval, and none give nothing.
         assert_eq!(typical_of(&[9.0; 4]).and_then(|few| few.interval), None);
         assert_eq!(typical_of(&[]), None);
+    }
+
+    #[test]
+    fn nothing_takes_less_than_what_is_typically_fastest() {
+        let mut run = MadeUpRun::default();
+        // Of paired ratios most are below 1, though the typical time is longer.
+        for (name, times) in [
+            ("a", [10.0, 10.0, 11.0, 40.0, 40.0]),
+            ("b", [9.0, 12.0, 12.0, 39.0, 39.0]),
+        ] {
+            run.case(case_id("filling", name, &[]))
+                .timed(METRIC, &times);
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = run.write(folder.path()).expect("a run");
+        let (fastest, other) = (&run.cases[0], &run.cases[1]);
+        let over = over_typical(other, fastest, METRIC).expect("five processes");
+        assert_eq!((over.middle, over.processes), (12.0 / 11.0, 5));
+        let [low, high] = over.interval.expect("enough");
+        assert!(low <= over.middle && over.middle <= high, "{over:?}");
+        // Control: the median of ratios of the same times is below 1.
+        let paired = ratio(other, fastest, METRIC).expect("five processes");
+        assert!(paired.middle < 1.0, "{paired:?}");
+        // Twin: swapped operands.
+        let swapped = over_typical(fastest, other, METRIC).expect("five processes");
+        assert!((swapped.middle * over.middle - 1.0).abs() < 1e-12);
     }
 
     #[test]

@@ -3,8 +3,9 @@
 
 use terrafill_plot::number::{measured_bytes, significant};
 use terrafill_results::{
-    Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Finding, Heading, Picture,
-    PictureFigure, Pictures, Row, Run, Standing, Table,
+    Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Estimate, Finding,
+    Heading, Noise, Picture, PictureFigure, Pictures, Row, Run, Standing, Table, over_processes,
+    process_medians,
 };
 
 const MESH: &str = "moving_mesh_cpu_ms";
@@ -94,7 +95,8 @@ impl Chapter for MovingChapter {
             blocks.extend(pictures(sweep).map(Block::Pictures));
         }
         blocks.push(Block::section("Findings"));
-        blocks.extend(findings(&sweeps).into_iter().map(Block::Finding));
+        let noise = mesh_and_update_noise(run);
+        blocks.extend(findings(&sweeps, noise).into_iter().map(Block::Finding));
         Ok(blocks)
     }
 }
@@ -164,6 +166,25 @@ impl<'a> Sweep<'a> {
 
 fn mesh_and_update_ms(case: &Case) -> Option<f64> {
     Some(value(case, MESH)? + value(case, UPDATE)?)
+}
+
+/// The same of two cases, one over the other, by process.
+fn mesh_and_update_ratio(case: &Case, other: &Case) -> Option<Estimate> {
+    let of = |case| [MESH, UPDATE].map(|metric| process_medians(case, metric));
+    let ([mesh, update], [other_mesh, other_update]) = (of(case), of(other));
+    let ratios = mesh.iter().filter_map(|(process, mesh)| {
+        let other = other_mesh.get(process)? + other_update.get(process)?;
+        Some((mesh + update.get(process)?) / other)
+    });
+    over_processes(&ratios.collect::<Vec<f64>>())
+}
+
+/// By how much either part of identical work differed, the larger one.
+fn mesh_and_update_noise(run: &Run) -> Option<Noise> {
+    let own: Vec<&Case> = run.of_study(crate::STUDY).collect();
+    let of = |metric| Noise::of(own.iter().copied(), metric);
+    let noises = [MESH, UPDATE].into_iter().filter_map(of);
+    noises.max_by(|a, b| a.max.total_cmp(&b.max))
 }
 
 /// The fastest, and what the other ways cost beside it.
@@ -348,8 +369,11 @@ fn requirements(sweeps: &[Sweep<'_>]) -> Vec<Finding> {
     ]
 }
 
+/// What two cases with a figure each say of a claim, and why they do not decide it.
+type Judge<'j> = &'j dyn Fn((&Case, f64), (&Case, f64)) -> (Standing, String);
+
 /// What the 2007 paper expects of geometry shaders where regions change.
-fn findings(sweeps: &[Sweep<'_>]) -> Vec<Finding> {
+fn findings(sweeps: &[Sweep<'_>], noise: Option<Noise>) -> Vec<Finding> {
     let most = sweeps
         .iter()
         .max_by_key(|sweep| sweep.sensors.parse::<u32>().unwrap_or(0));
@@ -359,7 +383,10 @@ fn findings(sweeps: &[Sweep<'_>]) -> Vec<Finding> {
     let is_native = |case: &Case| {
         case.condition("technique") == "native" && !case.condition("variant").starts_with("vs-")
     };
-    let compare = |what: &str, of: &dyn Fn(&Case) -> Option<f64>, write: fn(f64) -> String| {
+    let compare = |what: &str,
+                   of: &dyn Fn(&Case) -> Option<f64>,
+                   write: fn(f64) -> String,
+                   judge: Judge<'_>| {
         let shader = sweep.least(&["rewrite"], |case| of(case).filter(|_| is_native(case)));
         let copied = sweep.least(&["rewrite"], |case| {
             of(case).filter(|_| case.condition("technique") == "vertex")
@@ -376,11 +403,12 @@ fn findings(sweeps: &[Sweep<'_>]) -> Vec<Finding> {
                 because: String::new(),
             };
         };
+        let (standing, reason) = judge(shader, copied);
         Finding {
             claim,
-            standing: Standing::holds_if(shader.1 < copied.1),
+            standing,
             because: format!(
-                "{} sensors: {} {}, {} {}",
+                "{} sensors: {} {}, {} {}{reason}",
                 sweep.sensors,
                 name(shader.0),
                 write(shader.1),
@@ -390,10 +418,25 @@ fn findings(sweeps: &[Sweep<'_>]) -> Vec<Finding> {
         }
     };
     vec![
-        compare("upload", &|case| value(case, BYTES), measured_bytes),
-        compare("CPU time of mesh and update", &mesh_and_update_ms, |ms| {
-            format!("{} ms", significant(ms))
-        }),
+        compare(
+            "upload",
+            &|case| value(case, BYTES),
+            measured_bytes,
+            &|shader, copied| (Standing::holds_if(shader.1 < copied.1), String::new()),
+        ),
+        compare(
+            "CPU time of mesh and update",
+            &mesh_and_update_ms,
+            |ms| format!("{} ms", significant(ms)),
+            &|shader, copied| {
+                let gain = mesh_and_update_ratio(copied.0, shader.0);
+                let judged = gain.map(|gain| Standing::of_times(&gain, noise));
+                match judged.unwrap_or((Standing::CannotTell, String::new())) {
+                    (standing, reason) if reason.is_empty() => (standing, reason),
+                    (standing, reason) => (standing, format!(". {reason}")),
+                }
+            },
+        ),
     ]
 }
 
@@ -424,7 +467,7 @@ mod tests {
             (FRAME_CPU, 11.5 + update_ms),
             (FRAME_WALL, 6.0 + update_ms),
         ] {
-            case.timed(metric, &[ms, ms]);
+            case.timed(metric, &[ms; 5]);
         }
     }
 
@@ -452,7 +495,10 @@ mod tests {
             "{:?}",
             answers.scope
         );
-        assert_eq!(standings(&findings(&sweeps(&run))), [Holds; 2]);
+        assert_eq!(
+            standings(&findings(&sweeps(&run), mesh_and_update_noise(&run))),
+            [Holds; 2]
+        );
         // Another way that counts takes less.
         add(&mut made_up, "vertex", "bend", 0.1, 6_000.0);
         let run = read(&made_up);
@@ -470,12 +516,35 @@ mod tests {
         let run = read(&made_up);
         let answers = MovingChapter.answers(&run).expect("answers");
         assert_eq!(standings(&answers.requirements), [DoesNotHold; 3]);
-        assert_eq!(standings(&findings(&sweeps(&run))), [DoesNotHold; 2]);
+        assert_eq!(
+            standings(&findings(&sweeps(&run), mesh_and_update_noise(&run))),
+            [DoesNotHold; 2]
+        );
         // Nothing of it: no verdict.
         let run = read(&MadeUpRun::default());
         let answers = MovingChapter.answers(&run).expect("answers");
         assert_eq!(standings(&answers.requirements), [NotMeasured; 3]);
         assert!(MovingChapter.blocks(&run).expect("a chapter").is_empty());
+    }
+
+    #[test]
+    fn a_difference_within_the_noise_decides_nothing() {
+        let standing = |copied_ms: f64| {
+            let mut made_up = MadeUpRun::default();
+            add(&mut made_up, "vertex", "rewrite", copied_ms, 200_000.0);
+            add(&mut made_up, "native", "rewrite", 1.0, 60_000.0);
+            // Identical work takes 10 % longer.
+            let id = made_up.cases[1].id.twin();
+            made_up.case(id).timed(UPDATE, &[1.1; 5]);
+            let run = read(&made_up);
+            findings(&sweeps(&run), mesh_and_update_noise(&run))[1].clone()
+        };
+        let open = standing(1.1);
+        assert_eq!(open.standing, Standing::CannotTell);
+        assert!(open.because.contains("identical work differed"), "{open:?}");
+        // Controls: beyond it, either way.
+        assert_eq!(standing(1.5).standing, Standing::Holds);
+        assert_eq!(standing(0.5).standing, Standing::DoesNotHold);
     }
 
     #[test]

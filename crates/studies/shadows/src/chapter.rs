@@ -14,7 +14,7 @@ use terrafill_plot::{
     Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, named_aside,
 };
 use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Outcome, Picture,
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Noise, Outcome, Picture,
     PictureFigure, Pictures, Plot, Row, Run, Table, process_medians, sample_spread,
 };
 
@@ -84,6 +84,7 @@ impl Chapter for ShadowsChapter {
 
 /// The study's cases of a run.
 struct Own<'a> {
+    run: &'a Run,
     cases: Vec<&'a Case>,
 }
 
@@ -121,8 +122,15 @@ impl<'a> Own<'a> {
     fn of(run: &'a Run) -> Self {
         let all = run.of_study(crate::STUDY);
         Self {
+            run,
             cases: all.filter(|case| !case.is_twin()).collect(),
         }
+    }
+
+    /// By how much identical work differed in a time.
+    fn noise(&self, metric: &str) -> Option<Noise> {
+        let all: Vec<&Case> = self.run.of_study(crate::STUDY).collect();
+        Noise::of(all.iter().copied(), metric)
     }
 
     fn of_question(&self, question: &str) -> impl Iterator<Item = &'a Case> {

@@ -510,9 +510,21 @@ fn costs_more(data: &Data<'_>, rival: Rival, metrics: &[&str]) -> Judged {
     let found = beside_volumes(data, rival);
     let parts = found.iter().flat_map(|(title, own, volumes)| {
         metrics.iter().filter_map(move |metric| {
-            let over = own.value(metric)? / volumes.value(metric)?;
+            let (over, standing) = match metric.ends_with("_ms") {
+                true => {
+                    let over = ratio(own, volumes, metric)?;
+                    (
+                        over.middle,
+                        Standing::of_times(&over, data.noise_of(metric)).0,
+                    )
+                }
+                false => {
+                    let over = own.value(metric)? / volumes.value(metric)?;
+                    (over, Standing::holds_if(over > 1.0))
+                }
+            };
             let text = format!("{title}, {metric} {} ×", significant(over));
-            Some((text, Standing::holds_if(over > 1.0)))
+            Some((text, standing))
         })
     });
     Judged::new(

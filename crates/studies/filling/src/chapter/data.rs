@@ -199,6 +199,12 @@ impl<'a> Data<'a> {
         Noise::of(of_ladder, self.metric).or_else(|| Noise::of(of_scene(), self.metric))
     }
 
+    /// By how much identical work differed in a metric of this study.
+    pub(super) fn noise_of(&self, metric: &str) -> Option<Noise> {
+        let own = self.run.cases.iter();
+        Noise::of(own.filter(|case| case.id().study == STUDY), metric)
+    }
+
     /// What is taken as no difference, in a sentence.
     pub(super) fn band_sentence(&self, scene: Option<&str>) -> String {
         let Some(scene) = scene else {

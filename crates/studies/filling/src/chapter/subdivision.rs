@@ -12,7 +12,7 @@ use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, Finding, Heading, Outcome, Plot, Row, Standing, Table,
+    Block, Case, Cell, ChapterError, Finding, Heading, Outcome, Plot, Row, Standing, Table,
 };
 
 /// The switch whose values are swept.
@@ -151,7 +151,7 @@ fn finding(data: &Data<'_>, sweep: &Sweep<'_>) -> Option<Finding> {
             "{SOURCE}, 2.1.7.2, anticipated: “the extra subdivision is not going to payoff”. Coarse and \
              tall is faster."
         ),
-        standing: Claim::Faster.standing(&gain),
+        standing: Standing::of_times(&gain, data.noise).0,
         because: format!(
             "{}° fills {} as fast as {}°",
             coarse.0,

@@ -457,7 +457,10 @@ fn findings(data: &Data<'_>, views: &[TexturedView<'_>], claim: &TextureClaim) -
         let ratio = compare(data, view, &COMPARISONS[claim.comparison])?;
         Some(Finding {
             claim: claim.sentence.to_owned(),
-            standing: claim.claim.standing(&ratio),
+            standing: match claim.claim {
+                Claim::Faster => Standing::of_times(&ratio, data.noise).0,
+                limit => limit.standing(&ratio),
+            },
             because: format!("{}: {}", view.title, data.ratio_text(&ratio)),
         })
     });

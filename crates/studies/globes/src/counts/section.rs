@@ -5,7 +5,12 @@ use super::{ENOUGH, PART};
 use crate::table::{by_case, cases, conditions, with};
 use terrafill_plot::number::significant;
 use terrafill_plot::{Course, Courses};
-use terrafill_results::{Block, Case, ChapterError, Finding, Plot, Run, Standing, Table};
+use terrafill_results::{
+    Block, Case, ChapterError, Finding, Noise, Plot, Run, Standing, Table, ratio,
+};
+
+/// Longest paging of a frame.
+const LARGEST_PAGE: &str = "globe_count_page_max_cpu_ms";
 
 /// What is measured.
 const WHAT_IS_COMPARED: &str = "A picture of 40° × 40° below the eye is drawn by the leaves of a quadtree, each with 64² texels and 10 × 10 \
@@ -21,12 +26,15 @@ pub(crate) fn blocks(run: &Run) -> Result<Vec<Block>, ChapterError> {
     if cases.is_empty() {
         return Ok(Vec::new());
     }
+    let own = run.of_study(crate::STUDY);
+    let own: Vec<&Case> = own.filter(|case| case.condition("part") == PART).collect();
+    let noise = Noise::of(own.iter().copied(), LARGEST_PAGE);
     let mut blocks = vec![
         Block::section("Level of detail by counted pixels"),
         Block::Text(WHAT_IS_COMPARED.to_owned()),
         Block::Finding(exact_finding(&cases)),
         Block::Finding(cycle_finding(&cases)),
-        Block::Finding(transfer_finding(&cases)),
+        Block::Finding(transfer_finding(&cases, noise)),
         Block::Table(table(&cases)),
     ];
     let svg = courses(&cases).draw()?;
@@ -52,7 +60,7 @@ fn table(cases: &[&Case]) -> Table {
         ("frame with counts, CPU ms", "globe_counted_cpu_ms"),
         ("without", "globe_uncounted_cpu_ms"),
         ("paging, CPU ms", "globe_count_page_cpu_ms"),
-        ("largest", "globe_count_page_max_cpu_ms"),
+        ("largest", LARGEST_PAGE),
     ];
     let names = [
         "path",
@@ -175,29 +183,62 @@ fn cycle_finding(cases: &[&Case]) -> Finding {
     }
 }
 
-fn transfer_finding(cases: &[&Case]) -> Finding {
+fn transfer_finding(cases: &[&Case], noise: Option<Noise>) -> Finding {
     let largest = |transfers: &str| {
         let own = cases.iter().filter(|case| {
             case.condition("path") == "zoom" && case.condition("transfers") == transfers
         });
-        own.filter_map(|case| case.value("globe_count_page_max_cpu_ms"))
-            .max_by(f64::total_cmp)
+        let timed = own.filter_map(|case| Some((*case, case.value(LARGEST_PAGE)?)));
+        timed.max_by(|a, b| a.1.total_cmp(&b.1))
     };
     let pair = largest("any").zip(largest("1"));
+    let gain = pair.and_then(|((any, _), (one, _))| ratio(any, one, LARGEST_PAGE));
+    let judged = gain.map(|gain| Standing::of_times(&gain, noise));
+    let (standing, reason) = judged.unwrap_or((Standing::CannotTell, String::new()));
     Finding {
         claim: "Gebbie & Bailey: one transfer an update smooths its spikes".to_owned(),
-        standing: match pair {
-            Some((any, one)) => Standing::holds_if(one < any),
-            None => Standing::CannotTell,
-        },
+        standing,
         because: match pair {
-            Some((any, one)) => format!(
+            Some(((_, any), (_, one))) => format!(
                 "Largest paging of a frame in the zoom: {} ms of CPU time with any number of transfers, {} with \
-                 one.",
+                 one. {reason}",
                 significant(any),
                 significant(one)
             ),
             None => "The zoom was not measured.".to_owned(),
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_results::made_up::{MadeUpRun, case_id};
+
+    #[test]
+    fn spikes_within_the_noise_decide_nothing() {
+        // A repeat takes 10 % longer than what it repeats.
+        let standing = |any: f64, one: f64| {
+            let mut run = MadeUpRun::default();
+            for (transfers, ms) in [("any", any), ("1", one)] {
+                let conditions = [("part", PART), ("path", "zoom"), ("transfers", transfers)];
+                let id = case_id(crate::STUDY, transfers, &conditions);
+                run.case(id.twin()).timed(LARGEST_PAGE, &[1.1 * ms; 5]);
+                run.case(id).timed(LARGEST_PAGE, &[ms; 5]);
+            }
+            let folder = tempfile::tempdir().expect("a folder");
+            let run = run.write(folder.path()).expect("a run");
+            let found = blocks(&run).expect("a section").into_iter();
+            let findings = found.filter_map(|block| match block {
+                Block::Finding(finding) if finding.claim.contains("transfer") => Some(finding),
+                _ => None,
+            });
+            findings.map(|finding| finding.standing).next_back()
+        };
+        assert_eq!(standing(1.05, 1.0), Some(Standing::CannotTell));
+        assert_eq!(standing(1.0, 1.05), Some(Standing::CannotTell));
+        // Controls: beyond it, either way.
+        assert_eq!(standing(2.0, 1.0), Some(Standing::Holds));
+        assert_eq!(standing(1.0, 2.0), Some(Standing::DoesNotHold));
     }
 }

@@ -2,9 +2,8 @@
 //! Time against the number of triangles, with the full shader and with a white one: the windows and triangles of Gebbie
 //! and Bailey's Table 1.
 
-use super::rows::{cases, value};
-use super::{PART, REMOVED};
-use crate::STUDY;
+use super::REMOVED;
+use super::rows::{cases, noise, value};
 use crate::clock::draw;
 use crate::published::tessellation_published;
 use crate::table::with;
@@ -13,8 +12,8 @@ use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Clock, Finding, Heading, Noise, Plot, Row, Run, Standing,
-    Table, process_medians, sample_spread,
+    Block, Case, Cell, ChapterError, Clock, Estimate, Finding, Heading, Noise, Plot, Row, Run,
+    Standing, Table, process_medians, ratio, sample_spread,
 };
 
 /// Share of the time above which time is not independent of the number of triangles.
@@ -29,10 +28,7 @@ pub(super) fn blocks(run: &Run, clock: Clock) -> Result<Vec<Block>, ChapterError
     if cases.is_empty() {
         return Ok(Vec::new());
     }
-    // Of layers alone: other parts draw for much shorter times, which differ by larger shares.
-    let own = run.of_study(STUDY);
-    let own: Vec<&Case> = own.filter(|case| case.condition("part") == PART).collect();
-    let noise = Noise::of(own.iter().copied(), draw(clock));
+    let noise = noise(run, clock);
     let mut blocks = vec![Block::section("Time against tessellation")];
     let svg = drawing(&cases, clock)?;
     blocks.extend(svg.map(|svg| {
@@ -157,19 +153,20 @@ fn tessellation_table(cases: &[&Case], clock: Clock) -> Table {
 }
 
 /// Time with the most triangles over that with the fewest, by window.
-fn growth(cases: &[&Case], clock: Clock) -> Vec<(String, f64)> {
+fn growth(cases: &[&Case], clock: Clock) -> Vec<(String, Estimate)> {
     let of = |window: &&str| {
         let own = with(cases, "size_px", window);
-        let mut times: Vec<(f64, f64)> = own
+        let mut times: Vec<(f64, &Case)> = own
             .iter()
             .filter_map(|case| {
-                let triangles = value(case, "globe_triangles")?;
-                Some((triangles, value(case, draw(clock))?))
+                value(case, draw(clock))?;
+                Some((value(case, "globe_triangles")?, *case))
             })
             .collect();
         times.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (fewest, most) = (times.first()?, times.last()?);
-        (times.len() > 1).then(|| ((*window).to_owned(), most.1 / fewest.1))
+        let growth = ratio(most.1, fewest.1, draw(clock))?;
+        (times.len() > 1).then(|| ((*window).to_owned(), growth))
     };
     windows(cases).iter().filter_map(of).collect()
 }
@@ -178,26 +175,35 @@ fn per_cent(share: f64) -> String {
     format!("{:+.1} %", 100.0 * share)
 }
 
-/// The claim is false where one window's time grows by more than 3 % and by more than identical work differs.
-fn standing(growth: &[(String, f64)], noise: Option<Noise>) -> Standing {
-    let grows = |ratio: f64| ratio - 1.0 > INDEPENDENT;
-    let is_tie = |ratio: f64| noise.is_none_or(|noise| noise.is_tie(ratio));
-    let mut ratios = growth.iter().map(|(_, ratio)| *ratio);
+/// The claim is false where one window's time grows by more than 3 % and by more than identical work differs, and
+/// true where no interval has so much.
+fn standing(growth: &[(String, Estimate)], noise: Option<Noise>) -> Standing {
+    let grows = |ratio: &Estimate| {
+        let is_longer = Standing::of_times(ratio, noise).0 == Standing::Holds;
+        is_longer
+            && ratio
+                .interval
+                .is_some_and(|[low, _]| low - 1.0 > INDEPENDENT)
+    };
+    let is_level = |ratio: &Estimate| {
+        ratio
+            .interval
+            .is_some_and(|[_, high]| high - 1.0 <= INDEPENDENT)
+    };
+    let mut ratios = growth.iter().map(|(_, ratio)| ratio);
     match growth.is_empty() {
         true => Standing::CannotTell,
-        false if ratios.clone().any(|ratio| grows(ratio) && !is_tie(ratio)) => {
-            Standing::DoesNotHold
-        }
-        false if ratios.any(grows) => Standing::CannotTell,
-        false => Standing::Holds,
+        false if ratios.clone().any(grows) => Standing::DoesNotHold,
+        false if ratios.all(is_level) => Standing::Holds,
+        false => Standing::CannotTell,
     }
 }
 
 fn finding(cases: &[&Case], clock: Clock, noise: Option<Noise>) -> Finding {
-    let words = |growth: &[(String, f64)]| {
+    let words = |growth: &[(String, Estimate)]| {
         let shares = growth
             .iter()
-            .map(|(window, ratio)| format!("{window}²: {}", per_cent(ratio - 1.0)));
+            .map(|(window, ratio)| format!("{window}²: {}", per_cent(ratio.middle - 1.0)));
         shares.collect::<Vec<_>>().join(", ")
     };
     let [full, white] =
@@ -229,6 +235,19 @@ fn finding(cases: &[&Case], clock: Clock, noise: Option<Noise>) -> Finding {
 mod tests {
     use super::*;
 
+    /// Windows whose times grow by these ratios in every process.
+    fn growth_of(ratios: &[f64], processes: usize) -> Vec<(String, Estimate)> {
+        let estimate = |ratio: &f64| Estimate {
+            middle: *ratio,
+            interval: (processes >= 5).then_some([*ratio; 2]),
+            processes,
+        };
+        let windows = ratios
+            .iter()
+            .map(|ratio| ("600".to_owned(), estimate(ratio)));
+        windows.collect()
+    }
+
     #[test]
     fn growth_beyond_the_noise_is_dependence_and_within_it_nothing_is_known() {
         let noise = Noise {
@@ -237,17 +256,14 @@ mod tests {
             pairs: 4,
             reach: 0.1,
         };
-        let of = |ratios: &[f64]| {
-            let growth: Vec<(String, f64)> = ratios
-                .iter()
-                .map(|ratio| ("600".to_owned(), *ratio))
-                .collect();
-            standing(&growth, Some(noise))
-        };
+        let of = |ratios: &[f64]| standing(&growth_of(ratios, 5), Some(noise));
         assert_eq!(of(&[]), Standing::CannotTell);
         assert_eq!(of(&[1.02, 0.95]), Standing::Holds);
         // Twins: within the noise, and beyond it.
         assert_eq!(of(&[1.02, 1.05]), Standing::CannotTell);
         assert_eq!(of(&[1.02, 1.3]), Standing::DoesNotHold);
+        // Too few processes decide nothing.
+        let few = growth_of(&[1.02, 1.3], 3);
+        assert_eq!(standing(&few, Some(noise)), Standing::CannotTell);
     }
 }

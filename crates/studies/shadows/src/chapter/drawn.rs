@@ -5,7 +5,7 @@ use super::findings::{Two, is_same_but, of_all};
 use super::{Own, is_plain, number, value};
 use crate::metrics::{FILL_CPU, FILL_GPU, LOST};
 use terrafill_plot::number::significant;
-use terrafill_results::{Case, Claim, Clock, Finding, Outcome, Standing, ratio};
+use terrafill_results::{Case, Clock, Finding, Outcome, Standing, ratio};
 
 impl Own<'_> {
     /// Cases of a question that a device drew, by whether `is_own`, and their wrong pixels.
@@ -139,6 +139,7 @@ impl Own<'_> {
         (key, fast, slow): Two,
     ) -> Option<Finding> {
         let metric = clock.pick(FILL_GPU, FILL_CPU);
+        let noise = self.noise(metric);
         let of = |way: &'static str| {
             let all = self.of_question("devices");
             all.filter(move |case| case.condition(key) == way && case.outcome == Outcome::Ok)
@@ -149,7 +150,7 @@ impl Own<'_> {
             let twin = of(slow).find(|other| is_same_but(&[key], case, other));
             if let Some(gain) = twin.and_then(|other| ratio(other, case, metric)) {
                 gains.push(gain.middle);
-                standings.push(Claim::Faster.standing(&gain));
+                standings.push(Standing::of_times(&gain, noise).0);
             }
         }
         let count = |wanted: Standing| standings.iter().filter(|own| **own == wanted).count();
@@ -211,11 +212,13 @@ impl Own<'_> {
     /// Time and wrong pixels of a device's maps beside those of volumes, by sun.
     pub(super) fn volumes_or_maps(&self, clock: Clock) -> Option<Finding> {
         let metric = clock.pick(FILL_GPU, FILL_CPU);
+        // Of what was timed.
         let all_wrong = |case: &Case| {
-            let px = Self::wrong_px(case)? + value(case, "shadow_band_px")?;
-            Some((value(case, metric)?, px))
+            value(case, metric)?;
+            Some(Self::wrong_px(case)? + value(case, "shadow_band_px")?)
         };
-        let mut better = Vec::new();
+        let noise = self.noise(metric);
+        let (mut better, mut open) = (Vec::new(), Vec::new());
         let mut pairs = 0;
         for sun in self.suns("device-maps") {
             let own = |question| {
@@ -224,25 +227,43 @@ impl Own<'_> {
             };
             let volumes = own("devices");
             let volumes = volumes.filter(|case| case.condition("api") == "wgpu" && is_plain(case));
-            let volumes = volumes.filter_map(all_wrong).next();
-            let Some((time, px)) = volumes else { continue };
+            let mut volumes = volumes.filter_map(|case| Some((case, all_wrong(case)?)));
+            let Some((volumes, px)) = volumes.next() else {
+                continue;
+            };
             for case in own("device-maps") {
-                let Some((map_time, map_px)) = all_wrong(case) else {
+                let Some(map_px) = all_wrong(case) else {
                     continue;
                 };
                 pairs += 1;
-                if map_time <= time && map_px < px {
-                    better.push(case.id().name.clone());
+                if map_px >= px {
+                    continue;
+                }
+                let gain = ratio(volumes, case, metric);
+                let judged = gain.map(|gain| Standing::of_times(&gain, noise).0);
+                match judged {
+                    Some(Standing::Holds) => better.push(case.id().name.clone()),
+                    Some(Standing::DoesNotHold) => {}
+                    _ => open.push(case.id().name.clone()),
                 }
             }
         }
         (pairs > 0).then(|| Finding {
             claim: "No shadow map takes less time than volumes and has fewer wrong pixels, those in the band included."
                 .to_owned(),
-            standing: Standing::holds_if(better.is_empty()),
-            because: match better.is_empty() {
-                true => format!("None of {pairs} maps does, by {}", clock.name()),
-                false => format!("These do, by {}: {}", clock.name(), better.join(", ")),
+            standing: match (better.as_slice(), open.as_slice()) {
+                ([], []) => Standing::Holds,
+                ([], _) => Standing::CannotTell,
+                _ => Standing::DoesNotHold,
+            },
+            because: match (better.as_slice(), open.as_slice()) {
+                ([], []) => format!("None of {pairs} maps does, by {}", clock.name()),
+                ([], open) => format!(
+                    "Of {pairs} maps these have fewer wrong pixels, and whether they take less {} cannot be told: {}",
+                    clock.name(),
+                    open.join(", ")
+                ),
+                (better, _) => format!("These do, by {}: {}", clock.name(), better.join(", ")),
             },
         })
     }

@@ -4,7 +4,7 @@
 use super::findings::{is_same_but, of_all, range};
 use super::{Own, is_plain, number};
 use crate::metrics::{FILL_CPU, FILL_GPU};
-use terrafill_results::{Case, Claim, Clock, Finding, Outcome, Standing, ratio};
+use terrafill_results::{Case, Clock, Estimate, Finding, Outcome, Standing, ratio};
 
 /// Depth bounds of casters and of their parts.
 const EMULATED: [&str; 6] = [
@@ -20,6 +20,7 @@ impl<'a> Own<'a> {
     /// Depth bounds by discarding and by tiles, against none.
     pub(super) fn emulated(&self, clock: Clock) -> Option<Finding> {
         let metric = clock.pick(FILL_GPU, FILL_CPU);
+        let noise = self.noise(metric);
         let mut texts = Vec::new();
         let mut standings = Vec::new();
         for how in EMULATED {
@@ -35,7 +36,7 @@ impl<'a> Own<'a> {
                 });
                 if let Some(gain) = plain.and_then(|plain| ratio(plain, case, metric)) {
                     gains.push(gain.middle);
-                    standings.push(Claim::Faster.standing(&gain));
+                    standings.push(Standing::of_times(&gain, noise).0);
                 }
             }
             texts.extend(range(&gains).map(|gains| format!("{how}: {gains}")));
@@ -53,6 +54,7 @@ impl<'a> Own<'a> {
 
     /// Steps of the ladder with what each gains over the last one that could be drawn.
     fn gains(&self, metric: &str) -> Vec<(&'a Case, f64, Standing)> {
+        let noise = self.noise(metric);
         let mut gains = Vec::new();
         let mut last: Option<&Case> = None;
         let done = |case: &&Case| case.outcome == Outcome::Ok;
@@ -65,7 +67,8 @@ impl<'a> Own<'a> {
             let gain = last
                 .filter(is_next)
                 .and_then(|before| ratio(before, case, metric));
-            gains.extend(gain.map(|gain| (case, gain.middle, Claim::Faster.standing(&gain))));
+            let judged = |gain: Estimate| (case, gain.middle, Standing::of_times(&gain, noise).0);
+            gains.extend(gain.map(judged));
             last = Some(case);
         }
         gains
@@ -106,6 +109,7 @@ impl<'a> Own<'a> {
     /// Rivals' pixels, and their times beside those of volumes by the same interface.
     pub(super) fn rivals(&self, clock: Clock) -> Option<Finding> {
         let metric = clock.pick(FILL_GPU, FILL_CPU);
+        let noise = self.noise(metric);
         let known = |case: &&Case| matches!(case.outcome, Outcome::Ok | Outcome::Wrong);
         let all: Vec<&Case> = self.of_question("rivals").filter(known).collect();
         let wrong: Option<Vec<f64>> = all.iter().map(|case| Self::wrong_px(case)).collect();
@@ -125,7 +129,7 @@ impl<'a> Own<'a> {
                 ratio(case, volumes.next()?, metric)
             });
             let gains: Vec<_> = gains.collect();
-            standings.extend(gains.iter().map(|gain| Claim::Faster.standing(gain)));
+            standings.extend(gains.iter().map(|gain| Standing::of_times(gain, noise).0));
             let middles: Vec<f64> = gains.iter().map(|gain| gain.middle).collect();
             texts.extend(range(&middles).map(|range| format!("{name}: {range}")));
         }
