@@ -25,8 +25,9 @@ pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Bloc
         Block::section("From 2007 to the full plan"),
         Block::Text(format!(
             "One switch at a time, from the un-optimised method to the full plan. Gain = {} of the \
-             last right step before ÷ this step's, paired by process; above 1 is faster. A step aside is \
-             an experiment that the next step does not keep. After each table of the vertex shader: what \
+             last kept step before ÷ this step's, paired by process; above 1 is faster. A step is kept \
+             unless its picture is wrong or it stands aside: an experiment that the next step does not \
+             start from. A bar's length is the printed gain. After each table of the vertex shader: what \
              {SOURCE} says of the steps that repeat its experiments, and whether the interval measured \
              here agrees. {}",
             data.run.clock().name(),
@@ -78,8 +79,8 @@ fn table(data: &Data<'_>, rungs: &[Rung<'_>]) -> Table {
             "times over the median of the full-screen depth-pass of the same view",
         ),
         Heading::explained(
-            "gain over the step before [95\u{a0}%]",
-            "time of the last right step before over this one's, paired by process",
+            "gain over the last kept step [95\u{a0}%]",
+            "time of the last kept step before over this one's, paired by process",
         ),
     ];
     let metrics = [
@@ -120,7 +121,7 @@ fn table(data: &Data<'_>, rungs: &[Rung<'_>]) -> Table {
             absent(ratio),
             match &rung.gain {
                 Some(gain) => Cell::plain(data.ratio_text(gain)),
-                None => Cell::absent("no right step before it, or no times of both"),
+                None => Cell::absent("no kept step before it, or no times of both"),
             },
         ];
         cells.extend(metrics.map(|(_, metric)| {
@@ -162,6 +163,8 @@ fn plot(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Option<String>, ChapterE
         });
         Step {
             label: format!("{} · {}", rung.number, rung.step),
+            begins: ratio.and_then(|ratio| Some(ratio.median * rung.gain?.middle)),
+            is_kept: rung.is_kept(),
             ratio: ratio.ok_or_else(|| no_ratio(data, rung.case)),
             value,
             command: data.command(rung.case),

@@ -11,7 +11,7 @@ use terrafill_fill::{Feature, Need};
 use terrafill_plot::number::{bytes, count, significant, spread};
 use terrafill_plot::{RatioAxis, Step, Steps};
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Finding, Heading, Plot, Row, Standing, Table,
+    Block, Case, Cell, ChapterError, Estimate, Finding, Heading, Plot, Row, Standing, Table,
 };
 
 /// Title of the section.
@@ -335,6 +335,12 @@ fn sentence(data: &Data<'_>, rungs: &[&Told<'_>]) -> Option<String> {
     ))
 }
 
+/// Time of the step before over this one's.
+fn gain(data: &Data<'_>, rungs: &[&Told<'_>], index: usize) -> Option<Estimate> {
+    let before = rungs[index.checked_sub(1)?].case;
+    data.over(before, rungs[index].case)
+}
+
 fn steps(data: &Data<'_>, rungs: &[&Told<'_>]) -> Table {
     let rows = rungs.iter().enumerate().map(|(index, told)| {
         let case = told.case;
@@ -346,7 +352,7 @@ fn steps(data: &Data<'_>, rungs: &[&Told<'_>]) -> Table {
         let print = |metric: &str, print: fn(u64) -> String| {
             Cell::or_absent(counter(case, metric).map(print), why)
         };
-        let gain = before.and_then(|before| data.over(before.case, case));
+        let gain = gain(data, rungs, index);
         let gone = match before {
             None => Cell::absent("nothing comes before it"),
             Some(before) => {
@@ -424,6 +430,10 @@ fn plot(data: &Data<'_>, rungs: &[&Told<'_>]) -> Result<Option<String>, ChapterE
             value: ratio.map_or_else(String::new, |ratio| {
                 format!("{} ×{held}", significant(ratio.median))
             }),
+            begins: ratio
+                .zip(gain(data, rungs, index))
+                .map(|(ratio, gain)| ratio.median * gain.middle),
+            is_kept: case.counts(),
             ratio: ratio.ok_or_else(|| ladder::no_ratio(data, case)),
             command: data.command(case),
         }

@@ -18,10 +18,17 @@ pub(super) struct Rung<'a> {
     pub(super) case: &'a Case,
     /// Beside the way: nothing is compared with it.
     pub(super) is_aside: bool,
-    /// The last right rung before it on the way.
+    /// The last kept rung before it.
     pub(super) before: Option<&'a Case>,
     /// Time of that rung over this one's.
     pub(super) gain: Option<Estimate>,
+}
+
+impl Rung<'_> {
+    /// Whether the next rung starts from it: it is right, and not aside.
+    pub(super) fn is_kept(&self) -> bool {
+        self.case.counts() && !self.is_aside
+    }
 }
 
 /// A ladder on one view.
@@ -63,17 +70,16 @@ fn climb<'a>(data: &Data<'a>, cases: impl Iterator<Item = &'a Case>) -> Vec<Rung
     let mut before: Option<&Case> = None;
     let mut rungs = Vec::new();
     for (number, case) in cases {
-        rungs.push(Rung {
+        let rung = Rung {
             number,
             step: case.condition("step"),
             case,
             is_aside: is_aside(case),
             before,
             gain: before.and_then(|before| data.over(before, case)),
-        });
-        before = Some(case)
-            .filter(|case| case.counts() && !is_aside(case))
-            .or(before);
+        };
+        before = Some(case).filter(|_| rung.is_kept()).or(before);
+        rungs.push(rung);
     }
     rungs
 }

@@ -234,6 +234,73 @@ fn a_missing_rung_is_named() {
     assert!(words(&section(&run, LADDER)).contains(named));
 }
 
+/// Drawn figures of the ladder's plot: each row's ratio to the depth-pass, and where its bar begins.
+fn drawn_bars(chapter: &[Block]) -> Vec<(f64, Option<f64>)> {
+    let svg = chapter.iter().find_map(|block| match block {
+        Block::Plot(plot) if plot.svg.contains("bar begins") => Some(plot.svg.as_str()),
+        _ => None,
+    });
+    let table = svg.and_then(|svg| svg.split("<metadata>").nth(1)?.split("</metadata>").next());
+    let lines = table.expect("figures").lines();
+    let headings = lines.clone().next().expect("headings");
+    assert!(headings.ends_with(",bar begins"), "{headings}");
+    let number = |text: &str| text.parse().ok();
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        (
+            number(cells[2]).expect("a ratio"),
+            cells.last().copied().and_then(number),
+        )
+    };
+    lines.skip(1).map(row).collect()
+}
+
+/// Rows whose bar is not as long as the printed gain, or has a gain and no bar.
+fn false_bars(bars: &[(f64, Option<f64>)], chapter: &[Block]) -> Vec<usize> {
+    let table = tables(chapter).into_iter().next_back().expect("a ladder");
+    let gain = |row: usize| {
+        let text = &table.rows[row].cells[3].text;
+        text.split(' ')
+            .next()
+            .and_then(|gain| gain.parse::<f64>().ok())
+    };
+    let is_false = |(row, (end, begin)): &(usize, &(f64, Option<f64>))| {
+        let length = begin.map(|begin| begin / end);
+        match (length, gain(*row)) {
+            // Three digits are printed.
+            (Some(length), Some(gain)) => (length / gain - 1.0).abs() > 0.005,
+            (length, gain) => length.is_some() || gain.is_some(),
+        }
+    };
+    let rows = bars.iter().enumerate();
+    rows.filter(is_false).map(|(row, _)| row).collect()
+}
+
+#[test]
+fn a_bar_is_as_long_as_the_gain_that_is_printed() {
+    let steps = [
+        ("start", 200.0),
+        ("back-faces", 100.0),
+        ("first-pass-colour", 20.0),
+        ("strips", 28.0),
+        ("z-pass", 35.0),
+    ];
+    let mut run = climbed("globe", &steps);
+    let conditions = &mut run.cases[3].id.conditions;
+    conditions.insert("aside".to_owned(), "yes".to_owned());
+    // Processes that differ: the median of ratios is no ratio of medians.
+    run.cases[4].timed(TIME, &[28.0, 90.0, 25.0, 31.0, 60.0, 30.0, 36.0, 20.0]);
+    let chapter = section(&run, LADDER);
+    let bars = drawn_bars(&chapter);
+    assert_eq!(bars.len(), 5);
+    assert_eq!(false_bars(&bars, &chapter), [0; 0], "{bars:?}");
+    // Control: bars from the row before, where that one is not kept.
+    let from_before: Vec<_> = (0..bars.len())
+        .map(|row| (bars[row].0, row.checked_sub(1).map(|before| bars[before].0)))
+        .collect();
+    assert!(false_bars(&from_before, &chapter).contains(&3), "{bars:?}");
+}
+
 #[test]
 fn what_stands_aside_is_measured_and_nothing_is_measured_against_it() {
     let steps = [
