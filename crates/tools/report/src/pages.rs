@@ -180,7 +180,7 @@ fn several(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
             here: &here,
             body,
         };
-        Ok::<File, ReportError>((file.to_owned(), page.render()?.into_bytes()))
+        Ok::<File, ReportError>((file.to_owned(), once(&page.render()?).into_bytes()))
     };
     let mut files: Vec<File> = vec![
         (format!("{PAGES}/report.css"), style().into_bytes()),
@@ -254,7 +254,7 @@ fn single(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
         here: "",
         body,
     };
-    Ok(vec![(INDEX.to_owned(), page.render()?.into_bytes())])
+    Ok(vec![(INDEX.to_owned(), once(&page.render()?).into_bytes())])
 }
 
 /// One page of these blocks that needs no other file.
@@ -295,7 +295,7 @@ pub(crate) fn alone(
         here: "",
         body,
     };
-    page.render()
+    Ok(once(&page.render()?))
 }
 
 fn part_id(chapter: &dyn Chapter) -> String {
@@ -497,4 +497,45 @@ fn requirements<'a>(report: &'a Report<'_>) -> Vec<RequirementGroup<'a>> {
             &[Standing::CannotTell, Standing::NotMeasured],
         ),
     ]
+}
+
+/// The page with each command written out once: an element that repeats one has the first one's number among the
+/// elements with commands, which the page's script reads.
+fn once(page: &str) -> String {
+    const BEGIN: &str = "data-command=\"";
+    let mut pieces = page.split(BEGIN);
+    let mut shortened = pieces.next().unwrap_or_default().to_owned();
+    let mut first: BTreeMap<&str, usize> = BTreeMap::new();
+    for (number, piece) in pieces.enumerate() {
+        let (command, rest) = piece.split_once('"').unwrap_or((piece, ""));
+        shortened.push_str(BEGIN);
+        match first.get(command) {
+            Some(first) => shortened.push_str(&format!("@{first}")),
+            None => {
+                first.insert(command, number);
+                shortened.push_str(command);
+            }
+        }
+        shortened.push('"');
+        shortened.push_str(rest);
+    }
+    shortened
+}
+
+#[cfg(test)]
+mod tests {
+    use super::once;
+
+    #[test]
+    fn a_command_is_written_once_and_found_again_by_its_number() {
+        let page = "<td data-command=\"a\">1</td><td data-command=\"b\">2</td><td data-command=\"a\">3</td>";
+        let shortened = once(page);
+        assert_eq!(
+            shortened,
+            "<td data-command=\"a\">1</td><td data-command=\"b\">2</td><td data-command=\"@0\">3</td>"
+        );
+        // Control: commands that differ stay as they are.
+        let others = page.replacen("\"a\"", "\"c\"", 1);
+        assert_eq!(once(&others), others);
+    }
 }

@@ -12,6 +12,13 @@ document.addEventListener("DOMContentLoaded", () => {
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   };
 
+  // A command that the page has already is the number of the element that has it.
+  const commands = [...document.querySelectorAll("[data-command]")];
+  for (const element of commands) {
+    const first = /^@(\d+)$/.exec(element.dataset.command);
+    if (first) element.dataset.command = commands[first[1]].dataset.command;
+  }
+
   // What a mark or a cell says, beside it: on hover, on focus, on a tap.
   let tip = null;
   const hide = () => { if (tip) { tip.remove(); tip = null; } };

@@ -383,3 +383,68 @@ fn png(bytes: &[u8], size: ImageSize, colour: ExtendedColorType) -> Result<Vec<u
         .map_err(Failure::bad_input)?;
     Ok(encoded.into_inner())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arguments::{Arguments, Verb};
+    use clap::Parser as _;
+    use terrafill_fill::Role;
+    use terrafill_scene::Overlap;
+
+    /// What `render` draws with these switches.
+    fn set(scene: &Scene, technique: &dyn Technique, switches: &str) -> Vec<(String, String)> {
+        let line = format!(
+            "terrafill render {} --view globe --technique {} --set {switches} --out a.png",
+            scene.name,
+            technique.name()
+        );
+        let arguments = Arguments::try_parse_from(line.split(' ')).expect("a command");
+        let Verb::Render(arguments) = arguments.verb else {
+            panic!("{line}");
+        };
+        let wanted = wanted(scene, &arguments);
+        let wanted = wanted.unwrap_or_else(|_| panic!("refused: {line}"));
+        wanted.subject.expect("a technique").1.settings()
+    }
+
+    #[test]
+    fn a_measured_variant_is_drawn_again_by_its_name() {
+        let mut scene = Scene::open("california", None).expect("ships");
+        for overlap in [Overlap::Disjoint, Overlap::Ordered] {
+            scene.overlap = overlap;
+            for technique in TECHNIQUES {
+                let rungs = technique.ladder(overlap).into_iter();
+                let measured = rungs.map(|rung| rung.variant);
+                let measured = measured.chain(technique.full_plans(overlap));
+                let measured = measured.chain(technique.variants(&scene, Role::Main));
+                let is_drawn = |variant: &Variant| {
+                    check_interface(*technique, variant).is_ok()
+                        && technique.check(variant, overlap).is_ok()
+                };
+                for variant in measured.filter(is_drawn) {
+                    let drawn = set(&scene, *technique, &variant.name());
+                    assert_eq!(drawn, variant.settings(), "{}", variant.name());
+                }
+            }
+        }
+        // Control: a switch that is left out is another variant.
+        for technique in TECHNIQUES {
+            let layout = technique.parameters()[0].key;
+            for full_plan in technique.full_plans(Overlap::Disjoint) {
+                let name = full_plan.name();
+                let switches: Vec<&str> = name.split(',').collect();
+                for left_out in 1..switches.len() {
+                    let mut fewer = switches.clone();
+                    fewer.remove(left_out);
+                    let mut variant = technique.main(Overlap::Disjoint);
+                    for switch in &fewer {
+                        let (key, value) = switch.split_once('=').unwrap_or((layout, switch));
+                        assert_eq!(variant.set(key, value), Ok(true), "{switch}");
+                    }
+                    assert_ne!(variant.settings(), full_plan.settings(), "{fewer:?}");
+                }
+            }
+        }
+    }
+}

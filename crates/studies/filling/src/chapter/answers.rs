@@ -10,8 +10,8 @@ use super::{fronts, memory, needs, textured};
 use terrafill_plot::Palette;
 use terrafill_plot::number::{bytes, count, figure, significant, spread};
 use terrafill_results::{
-    Answers, Block, Case, Cell, ChapterError, Finding, Heading, Row, Standing, Table, TableLayout,
-    typical,
+    Answers, Block, Case, Cell, ChapterError, Finding, Heading, Row, Spread, Standing, Table,
+    TableLayout, typical,
 };
 
 /// From so many regions in view on, their number decides.
@@ -40,21 +40,15 @@ pub(super) fn answers(data: &Data<'_>) -> Result<Answers, ChapterError> {
     })
 }
 
-/// Fills that compete in a view, each with its median time.
+/// Fills that compete in a view, each with its typical time, fastest first.
 fn candidates<'a>(data: &Data<'a>, view: &View<'a>) -> Vec<(&'a Case, f64)> {
     let timed = view.cases.iter().filter_map(|case| {
-        let time = data.right_time(case).filter(|_| competes(case))?;
-        Some((*case, time.median))
+        let time = data.typical(case).filter(|_| competes(case))?;
+        Some((*case, time.middle))
     });
     let mut timed: Vec<(&Case, f64)> = timed.collect();
     timed.sort_by(|a, b| a.1.total_cmp(&b.1));
     timed
-}
-
-/// Whether two fills of a view differ by no more than identical work did.
-fn is_tie(data: &Data<'_>, case: &Case, other: &Case) -> bool {
-    let ratio = data.over(case, other).zip(data.noise);
-    ratio.is_some_and(|(ratio, noise)| noise.is_tie(ratio.middle))
 }
 
 /// Distance of the drawn boundary from the reference's and mismatched pixels: less is more exact.
@@ -76,7 +70,7 @@ struct Winners<'a> {
 fn winners<'a>(data: &Data<'a>, candidates: &[(&'a Case, f64)]) -> Option<Winners<'a>> {
     let cases = || candidates.iter().map(|(case, _)| *case);
     let fastest = cases().next()?;
-    let ties = cases().skip(1).filter(|case| is_tie(data, case, fastest));
+    let ties = cases().skip(1).filter(|case| data.ties_with(case, fastest));
     let ties: Vec<&Case> = ties.collect();
     // The first of several is the fastest of them.
     let sized = |case: &&'a Case| counter(case, "geometry_bytes").unwrap_or(u64::MAX);
@@ -177,7 +171,15 @@ fn brackets(data: &Data<'_>) -> &'static str {
 fn winner(data: &Data<'_>, palette: &Palette, case: &Case) -> Cell {
     let time = match typical(case, data.metric) {
         Some(time) if time.interval.is_some() => figure(&time),
-        _ => data.time(case).map_or_else(String::new, spread),
+        // The figure that ranks it, among its samples.
+        time => {
+            let samples = data.time(case).zip(time);
+            let samples = samples.map(|(samples, time)| Spread {
+                median: time.middle,
+                ..samples
+            });
+            samples.map_or_else(String::new, spread)
+        }
     };
     let size = counter(case, "geometry_bytes").map_or_else(|| "bytes unknown".to_owned(), bytes);
     let wrong = counter(case, "mismatched_px").map(count);
@@ -234,7 +236,7 @@ fn ranked(data: &Data<'_>, views: &[&View<'_>]) -> Vec<(String, f64, f64)> {
             let (own, _) = candidates
                 .iter()
                 .find(|(case, _)| data.label(case) == name)?;
-            Some(data.over(own, best)?.middle)
+            Some(data.over_fastest(own, best)?.middle)
         });
         let ratios: Vec<f64> = ratios.collect();
         if ratios.len() == views.len() {

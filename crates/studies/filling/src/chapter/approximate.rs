@@ -11,7 +11,7 @@ use super::error_time::point;
 use terrafill_conformance::MAX_HAUSDORFF_PX;
 use terrafill_plot::number::{bytes, count, significant, spread, times};
 use terrafill_plot::{Arrangement, Curve, Palette, Upwards, WorkPrecision, panels};
-use terrafill_results::{Block, Case, Cell, ChapterError, Heading, Plot, Row, Table, ratio};
+use terrafill_results::{Block, Case, Cell, ChapterError, Heading, Plot, Row, Table, over_typical};
 
 /// Title, axis and metric of each panel.
 const ERRORS: [(&str, &str, &str); 2] = [
@@ -97,9 +97,7 @@ fn shown<'a>(data: &Data<'a>, view: &View<'a>) -> Vec<&'a Case> {
     let techniques = distinct(volumes().map(|case| case.condition("technique")));
     let fastest = techniques.into_iter().filter_map(|technique| {
         let own = volumes().filter(|case| case.condition("technique") == technique);
-        let timed = own.filter_map(|case| Some((case, data.right_time(case)?.median)));
-        let fastest = timed.min_by(|a, b| a.1.total_cmp(&b.1));
-        fastest.map(|(case, _)| case)
+        data.fastest(own)
     });
     let approximate = view.cases.iter().copied();
     fastest
@@ -151,12 +149,7 @@ fn plot(
 
 fn table(data: &Data<'_>, palette: &Palette, view: &View<'_>) -> Table {
     let shown = shown(data, view);
-    let right = shown
-        .iter()
-        .filter_map(|case| Some((*case, data.right_time(case)?.median)));
-    let fastest = right
-        .min_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(case, _)| case);
+    let fastest = data.fastest(shown.iter().copied());
     Table {
         rows: shown
             .iter()
@@ -168,7 +161,7 @@ fn table(data: &Data<'_>, palette: &Palette, view: &View<'_>) -> Table {
             Heading::metric(format!("fill, {}", data.unit()), data.metric),
             Heading::explained(
                 "÷\u{a0}fastest right",
-                "paired by process; below 1 is faster",
+                "medians over processes; no right fill is below 1, an approximate one may be",
             ),
             Heading::metric("px that differ", "mismatched_px"),
             Heading::metric("Hausdorff, px", "hausdorff_px"),
@@ -196,7 +189,7 @@ fn row(
     let cell = |text: Option<String>| Cell::or_absent(text, why);
     let figure = |metric: &str| cell(case.value(metric).map(significant));
     let sized = |metric: &str| cell(counter(case, metric).map(bytes));
-    let over = fastest.and_then(|fastest| ratio(case, fastest, data.metric));
+    let over = fastest.and_then(|fastest| over_typical(case, fastest, data.metric));
     let cells = vec![
         Cell {
             marker: palette.marker(&data.marked(case)),

@@ -8,7 +8,7 @@ use terrafill_plot::number::{significant, times};
 use terrafill_results::threshold::MIN_DIFFERENCE;
 use terrafill_results::{
     Case, Cell, Claim, Estimate, Heading, Noise, Outcome, REPEATS, Run, Spread, Standing,
-    process_medians, ratio, sample_spread,
+    over_typical, process_medians, ratio, sample_spread, typical,
 };
 
 /// Full-screen pass that reads depth in a shader and writes a constant.
@@ -140,6 +140,30 @@ impl<'a> Data<'a> {
     /// The same, only if the picture is right.
     pub(super) fn right_time(&self, case: &Case) -> Option<Spread> {
         self.time(case).filter(|_| case.counts())
+    }
+
+    /// Its typical time over processes, only if the picture is right: what ranks fills.
+    pub(super) fn typical(&self, case: &Case) -> Option<Estimate> {
+        typical(case, self.metric).filter(|_| case.counts())
+    }
+
+    /// The fill of these that takes least typically; none of them is less than 1 over it.
+    pub(super) fn fastest(&self, cases: impl Iterator<Item = &'a Case>) -> Option<&'a Case> {
+        let timed = cases.filter_map(|case| Some((case, self.typical(case)?.middle)));
+        let fastest = timed.min_by(|a, b| a.1.total_cmp(&b.1));
+        fastest.map(|(case, _)| case)
+    }
+
+    /// Typical time of `case` over that of the fastest, both right.
+    pub(super) fn over_fastest(&self, case: &Case, fastest: &Case) -> Option<Estimate> {
+        let is_right = case.counts() && fastest.counts();
+        over_typical(case, fastest, self.metric).filter(|_| is_right)
+    }
+
+    /// Whether it differs from the fastest by no more than identical work did.
+    pub(super) fn ties_with(&self, case: &Case, fastest: &Case) -> bool {
+        let ratio = self.over_fastest(case, fastest).zip(self.noise);
+        ratio.is_some_and(|(ratio, noise)| noise.is_tie(ratio.middle))
     }
 
     /// One number for each process.
@@ -323,12 +347,8 @@ impl<'a> Data<'a> {
             (0, _) | (_, 0) | DEFAULT_SIZE => String::new(),
             (width, height) => format!(" --size {width}x{height}"),
         };
-        // By the word: a full plan has ten switches, and a page hundreds of commands.
-        let variant = match (is_full_plan(case), case.condition("boundary-lod-px")) {
-            (false, _) => case.condition("variant"),
-            (true, "" | "off") => "full-plan,boundary-lod-px=off",
-            (true, _) => "full-plan",
-        };
+        // Every switch by name and value: what a word sets changes from commit to commit.
+        let variant = case.condition("variant");
         format!(
             "terrafill render {} --view {} --technique {} --set {variant}{size} --out picture.png",
             case.condition("scene"),

@@ -105,8 +105,8 @@ fn point(data: &Data<'_>, name: String, cases: &[&Case], metric: &str) -> Option
     let medians = cases.iter().map(|case| process_medians(case, metric));
     let medians: Vec<_> = medians.collect();
     let value = |case: &&Case| match metric == data.metric {
-        // As the tables say it.
-        true => Some(data.right_time(case)?.median),
+        // As it ranks fills.
+        true => Some(data.typical(case)?.middle),
         false => case.value(metric),
     };
     let costs: Option<Vec<f64>> = cases.iter().map(value).collect();

@@ -147,19 +147,11 @@ pub(super) fn overview(data: &Data<'_>) -> Option<Block> {
 fn overview_row(data: &Data<'_>, scene: &str, view: &View<'_>) -> Option<Row> {
     let all = view.cases.iter().copied().filter(|case| competes(case));
     let right = all.clone().filter(|case| case.counts());
-    let timed = right
-        .clone()
-        .filter_map(|case| Some((case, data.right_time(case)?)));
-    let (fastest, time) = timed.min_by(|a, b| a.1.median.total_cmp(&b.1.median))?;
+    let fastest = best(data, view)?;
+    let time = data.typical(fastest)?;
     let ties = right
         .clone()
-        .filter(|case| case.id() != fastest.id())
-        .filter(|case| {
-            let ratio = data.over(case, fastest);
-            ratio
-                .zip(data.noise)
-                .is_some_and(|(ratio, noise)| noise.is_tie(ratio.middle))
-        });
+        .filter(|case| case.id() != fastest.id() && data.ties_with(case, fastest));
     let ties: Vec<String> = ties.map(name).collect();
     let over = |technique| {
         let ratio = data.over_baseline(fastest, technique);
@@ -169,7 +161,7 @@ fn overview_row(data: &Data<'_>, scene: &str, view: &View<'_>) -> Option<Row> {
         Cell::name(format!("{scene}, {}", view.name)),
         Cell::plain(format!("{} of {}", right.count(), all.count())),
         Cell::name(name(fastest)),
-        Cell::plain(significant(time.median)),
+        Cell::plain(significant(time.middle)),
         over(DEPTH_PASS),
         over(STENCIL_PASS),
         match data.noise {
@@ -188,7 +180,9 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         if let Some(svg) = ratio_plot(data, &scene, &palette)? {
             blocks.push(Block::Plot(Plot {
                 caption: format!(
-                    "{} of each right fill over that of its view's fastest, paired by process. \
+                    "{} of each right fill over that of its view's fastest: the medians over \
+                     processes, one over the other. Points of sweeps and approximate fills compete with \
+                     none and stand in the plots of error against run time. \
                      Whiskers: 95 % interval, where there are five processes or more. Shaded: ties. \
                      Dashed: the depth-pass of that view, a full-screen pass that reads depth and \
                      writes a constant colour; a yardstick, not a bound. A cross at the right edge has \
@@ -219,7 +213,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
     Ok(blocks)
 }
 
-/// Each case over the fastest right one of its view, fastest first.
+/// Each case that competes over the fastest right one of its view, fastest first.
 fn ratio_plot(
     data: &Data<'_>,
     scene: &Scene<'_>,
@@ -227,8 +221,9 @@ fn ratio_plot(
 ) -> Result<Option<String>, ChapterError> {
     let groups = scene.views.iter().map(|view| {
         let best = best(data, view);
-        let ratio = |case: &Case| data.over(case, best?);
+        let ratio = |case: &Case| data.over_fastest(case, best?);
         let mut cases = view.cases.clone();
+        cases.retain(|case| competes(case));
         let order = |case: &Case| ratio(case).map_or(f64::INFINITY, |ratio| ratio.middle);
         cases.sort_by(|a, b| order(a).total_cmp(&order(b)));
         let dashed = view.baselines.iter().find_map(|pass| {
@@ -267,7 +262,7 @@ fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow 
         let median = ratio.middle;
         Spread { p5, median, p95 }
     });
-    let time = data.right_time(case).map(|time| significant(time.median));
+    let time = data.typical(case).map(|time| significant(time.middle));
     RatioRow {
         label: data.label(case),
         series: data.marked(case),
@@ -279,10 +274,7 @@ fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow 
 
 /// The fastest right fill of a view.
 pub(super) fn best<'a>(data: &Data<'a>, view: &View<'a>) -> Option<&'a Case> {
-    let timed = view.cases.iter().copied().filter(|case| competes(case));
-    let timed = timed.filter_map(|case| Some((case, data.right_time(case)?.median)));
-    let best = timed.min_by(|a, b| a.1.total_cmp(&b.1));
-    best.map(|(case, _)| case)
+    data.fastest(view.cases.iter().copied().filter(|case| competes(case)))
 }
 
 /// With a capital.

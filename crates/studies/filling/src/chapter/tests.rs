@@ -1572,16 +1572,56 @@ fn the_best_fills_of_a_view_are_those_of_its_rows() {
 }
 
 #[test]
-fn full_plans_are_drawn_again_by_a_word() {
-    for (role, px, set) in [
-        ("main+full-plan", "0.5", "full-plan"),
-        ("main+full-plan", "off", "full-plan,boundary-lod-px=off"),
-        // Twin: a layout by its name.
-        ("main", "0.5", "doubled,a=b"),
+fn nothing_is_drawn_or_advised_below_the_fastest() {
+    let mut run = best_of(20.0);
+    // In most processes the second takes less than the first, and its median is longer.
+    let times = [
+        [10.0, 10.0, 11.0, 40.0, 40.0],
+        [9.0, 12.0, 12.0, 39.0, 39.0],
+        [50.0; 5],
+    ];
+    for (case, times) in run.cases.iter_mut().zip(times) {
+        case.timed(TIME, &times);
+    }
+    run.cases[3].timed(TIME, &times[0]);
+    // A coarse boundary takes less than all, and competes with none.
+    timed(&mut run, "s/globe/vertex/coarse", &[("role", "sweep")], 1.0);
+    let chapter = section(&run, "s");
+    let drawn = chapter.iter().find_map(|block| match block {
+        Block::Plot(plot) if plot.svg.contains("fastest = 1") => Some(&plot.svg),
+        _ => None,
+    });
+    let figures = drawn.and_then(|svg| svg.split("<metadata>").nth(1)?.split("</metadata>").next());
+    let rows = figures.expect("figures").lines().skip(1);
+    let ratios: Vec<f64> = rows
+        .map(|row| row.split(',').nth(2).and_then(|ratio| ratio.parse().ok()))
+        .collect::<Option<_>>()
+        .expect("ratios");
+    assert_eq!(ratios.len(), 3, "{ratios:?}");
+    assert!(ratios.iter().all(|ratio| *ratio >= 1.0), "{ratios:?}");
+    let found = answers(&run);
+    assert_eq!(texts(tables(&found.blocks)[0], 0)[2], "vertex/doubled");
+    let said = words(&found.blocks);
+    assert!(
+        said.contains("Over all views → vertex/doubled: s, globe, 1.00 × the best of each"),
+        "{said}"
+    );
+    // Control: the median of ratios by process, which stood there before, is below 1.
+    let (_folder, read) = written(&run);
+    let before = terrafill_results::ratio(&read.cases[1], &read.cases[0], TIME);
+    assert!(before.is_some_and(|ratio| ratio.middle < 1.0), "{before:?}");
+}
+
+#[test]
+fn full_plans_are_drawn_again_by_their_switches() {
+    for (role, set) in [
+        ("main+full-plan", "doubled,a=b,boundary-lod-px=0.5"),
+        ("main+full-plan", "doubled,a=b"),
+        ("main", "doubled,a=b"),
     ] {
         let mut run = on_cpu();
-        let conditions = [("role", role), ("boundary-lod-px", px)];
-        timed(&mut run, "s/globe/vertex/doubled,a=b", &conditions, 20.0)
+        let key = format!("s/globe/vertex/{set}");
+        timed(&mut run, &key, &[("role", role)], 20.0)
             .figure("geometry_bytes", 1_000.0)
             .figure("mismatched_px", 0.0);
         let found = answers(&run);
