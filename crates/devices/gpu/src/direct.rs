@@ -84,33 +84,58 @@ impl Gpu {
     }
 }
 
+/// Commands of a frame. Where the device keeps time, that of the frame begins before the first of them.
+#[derive(Debug)]
+pub struct DirectFrame {
+    /// To record the frame's copies and dispatches, and its pass.
+    pub encoder: wgpu::CommandEncoder,
+}
+
 impl RenderTargets {
-    /// A pass over cleared targets, timed where the device keeps time.
-    pub fn cleared_pass<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::RenderPass<'a> {
+    /// Begins a frame whose last commands are those of [`Self::cleared_pass`].
+    #[must_use]
+    pub fn direct_frame(&self) -> DirectFrame {
+        let mut encoder = self
+            .gpu()
+            .device
+            .create_command_encoder(&Default::default());
+        if let Some(timer) = self.timer() {
+            timer.begin(&mut encoder, TimedPass::Surface);
+        }
+        DirectFrame { encoder }
+    }
+
+    /// A pass over cleared targets, which ends the frame's time.
+    pub fn cleared_pass<'a>(&self, frame: &'a mut DirectFrame) -> wgpu::RenderPass<'a> {
         let (colour, depth_stencil) = (self.colour_view(), self.depth_stencil_view());
         let [r, g, b, a] = SKY.map(f64::from);
         let sky = wgpu::Color { r, g, b, a };
         let store = wgpu::StoreOp::Store;
-        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("direct"),
-            color_attachments: &[Some(attached(&colour, wgpu::LoadOp::Clear(sky)))],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &depth_stencil,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store,
+        frame
+            .encoder
+            .begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("direct"),
+                color_attachments: &[Some(attached(&colour, wgpu::LoadOp::Clear(sky)))],
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &depth_stencil,
+                    depth_ops: Some(wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(0.0),
+                        store,
+                    }),
+                    stencil_ops: Some(wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(0),
+                        store,
+                    }),
                 }),
-                stencil_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0),
-                    store,
-                }),
-            }),
-            timestamp_writes: self.timer().map(|timer| timer.around(TimedPass::Surface)),
-            ..Default::default()
-        })
+                timestamp_writes: self
+                    .timer()
+                    .map(|timer| timer.writes(None, Some(TimedPass::Surface))),
+                ..Default::default()
+            })
     }
 
-    /// GPU time of the last such pass that was waited for, milliseconds, where the device keeps time.
+    /// GPU time of the last such frame that was waited for, milliseconds, where the device keeps time: its copies,
+    /// dispatches and pass. What a queue writes before them is outside of it.
     ///
     /// # Errors
     /// [`DeviceError::DeviceLost`].

@@ -40,12 +40,7 @@ pub trait Volumes {
         Ok(())
     }
 
-    /// Whether [`Volumes::make`] has something to do.
-    fn are_made_per_frame(&self) -> bool {
-        false
-    }
-
-    /// Makes the volumes of a frame, in a compute pass with these stamps.
+    /// Makes the volumes of a frame, in a compute pass.
     ///
     /// - `constants`: group 0, view and volumes' constants
     fn make(
@@ -53,7 +48,6 @@ pub trait Volumes {
         _encoder: &mut wgpu::CommandEncoder,
         _list: &VolumeList,
         _constants: &wgpu::BindGroup,
-        _stamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) {
     }
 
@@ -70,7 +64,12 @@ pub trait Volumes {
         Ok(())
     }
 
-    /// Hands over what every frame hands over anew, before it is recorded.
+    /// Whether [`Volumes::stream`] has something to do.
+    fn are_streamed(&self) -> bool {
+        false
+    }
+
+    /// Hands over what every frame hands over anew, before it is submitted.
     fn stream(&mut self, _gpu: &Gpu, _list: &VolumeList) {}
 
     /// Binds what all draws of a pass share; group 0, view and volumes' constants, is bound.
@@ -350,8 +349,7 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
             fill_wall_ms: watch.wall_ms(),
             ..FrameTimes::default()
         };
-        let begins_before = volumes.are_made_per_frame() || self.copies_depth;
-        self.read_stamps(&targets, begins_before, &mut times)?;
+        self.read_stamps(&targets, &mut times)?;
         Ok(times)
     }
 
@@ -467,21 +465,20 @@ impl VolumeFill {
     fn read_stamps(
         &self,
         targets: &RenderTargets,
-        begins_before: bool,
         times: &mut FrameTimes,
     ) -> Result<(), DeviceError> {
         let (Some(timer), Some(loaded)) = (targets.timer(), &self.loaded) else {
             return Ok(());
         };
         let gpu = targets.gpu();
-        match (loaded.work.program.passes.len(), begins_before) {
+        match loaded.work.program.passes.len() {
             // Nothing in view: no pass was recorded.
-            (0, _) => {}
-            (1, false) => {
+            0 => {}
+            1 => {
                 let stamps = timer.read(gpu, TimedPass::Colour, TimedPass::Colour)?;
                 times.fill_gpu_ms = stamps.pass_ms(TimedPass::Colour);
             }
-            (passes, _) => {
+            passes => {
                 let stamps = timer.read(gpu, TimedPass::Stencil, TimedPass::Colour)?;
                 times.fill_gpu_ms = stamps.span_ms(TimedPass::Stencil, TimedPass::Colour);
                 if passes == 2 {
@@ -504,27 +501,15 @@ impl VolumeFill {
         let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
         let list = &loaded.work.list;
         let gpu = targets.gpu();
-        volumes.stream(gpu, list);
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let passes = &loaded.work.program.passes;
-        let makes_volumes = volumes.are_made_per_frame();
-        if makes_volumes && !passes.is_empty() {
-            let stamps = compute_stamps(targets, recording, passes.len());
-            volumes.make(&mut encoder, list, &loaded.bind_group, stamps);
-        }
-        if let Some(copy) = loaded.depth_copy.as_ref().filter(|_| !passes.is_empty()) {
-            if !makes_volumes {
-                // Begins what is timed: a copy of its own cannot be stamped.
-                let timestamp_writes = compute_stamps(targets, recording, passes.len());
-                let label = Some("before the copy of depth");
-                drop(encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                    label,
-                    timestamp_writes,
-                }));
+        let begin = begin_stamp(targets, recording, passes.len());
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        if !passes.is_empty() {
+            volumes.make(&mut encoder, list, &loaded.bind_group);
+            if let Some(copy) = &loaded.depth_copy {
+                targets.copy_depth(&mut encoder, copy);
             }
-            targets.copy_depth(&mut encoder, copy);
         }
-        let begins_before = makes_volumes || loaded.depth_copy.is_some();
         let (colour, depth_stencil) = (targets.colour_view(), targets.depth_stencil_view());
         let probe_views = recording.probe.map(Probe::views);
         let mut zero = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
@@ -568,7 +553,7 @@ impl VolumeFill {
                 }),
                 color_attachments: &attachments,
                 depth_stencil_attachment: Some(read_only_depth(&depth_stencil, stencil)),
-                timestamp_writes: stamps(targets, recording, index, passes.len(), begins_before),
+                timestamp_writes: stamps(targets, recording, index, passes.len()),
                 ..Default::default()
             });
             if let Some(statistics) = recording.statistics {
@@ -597,7 +582,14 @@ impl VolumeFill {
                 pass.raw.end_pipeline_statistics_query();
             }
         }
-        gpu.queue.submit([encoder.finish()]);
+        let mut commands: Vec<wgpu::CommandBuffer> = begin.into_iter().collect();
+        if volumes.are_streamed() {
+            // A queue's writes come before the commands of the next submission: the stamp goes ahead of them alone.
+            gpu.queue.submit(commands.drain(..));
+            volumes.stream(gpu, list);
+        }
+        commands.push(encoder.finish());
+        gpu.queue.submit(commands);
         gpu.wait()?;
         Ok(counters)
     }
@@ -702,36 +694,40 @@ fn is_coloured(draw: &VolumeDraw<'_>) -> bool {
     matches!(draw.state, VolumeState::Colour { .. })
 }
 
-/// The last pass is stamped as colour; of several, the first as stencil. A compute pass before them
-/// or a copy of depth has begun that slot.
+/// Slot that begins with the frame.
+fn first_slot(passes: usize) -> TimedPass {
+    match passes {
+        1 => TimedPass::Colour,
+        _ => TimedPass::Stencil,
+    }
+}
+
+/// The last pass is stamped as colour; of several, the first as stencil. The first begins with the frame.
 fn stamps<'a>(
     targets: &'a RenderTargets,
     recording: Recording<'_>,
     index: usize,
-    count: usize,
-    begins_before: bool,
+    passes: usize,
 ) -> Option<wgpu::RenderPassTimestampWrites<'a>> {
     let timer = targets.timer().filter(|_| recording.timed)?;
     match index {
-        _ if index + 1 == count => Some(timer.around(TimedPass::Colour)),
-        0 if begins_before => Some(timer.writes(None, Some(TimedPass::Stencil))),
-        0 => Some(timer.around(TimedPass::Stencil)),
+        0 => Some(timer.writes(None, Some(first_slot(passes)))),
+        _ if index + 1 == passes => Some(timer.around(TimedPass::Colour)),
         _ => None,
     }
 }
 
-fn compute_stamps<'a>(
-    targets: &'a RenderTargets,
+/// The stamp before everything that a frame does on the device.
+fn begin_stamp(
+    targets: &RenderTargets,
     recording: Recording<'_>,
     passes: usize,
-) -> Option<wgpu::ComputePassTimestampWrites<'a>> {
-    let timer = targets.timer().filter(|_| recording.timed)?;
-    // With one pass to come the slot is free; otherwise the first pass ends it.
-    let end = (passes == 1).then_some(TimedPass::Stencil);
-    let writes = timer.writes(Some(TimedPass::Stencil), end);
-    Some(wgpu::ComputePassTimestampWrites {
-        query_set: writes.query_set,
-        beginning_of_pass_write_index: writes.beginning_of_pass_write_index,
-        end_of_pass_write_index: writes.end_of_pass_write_index,
-    })
+) -> Option<wgpu::CommandBuffer> {
+    let timer = targets.timer().filter(|_| recording.timed && passes > 0)?;
+    let mut encoder = targets
+        .gpu()
+        .device
+        .create_command_encoder(&Default::default());
+    timer.begin(&mut encoder, first_slot(passes));
+    Some(encoder.finish())
 }

@@ -36,7 +36,7 @@ pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, list_adapters, open_fo
 pub use attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT};
 pub use baseline::{Baseline, BaselineKind};
 pub use deliberate_error::make_deliberate_error;
-pub use direct::DirectPipeline;
+pub use direct::{DirectFrame, DirectPipeline};
 pub use evaluate::{
     EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, EvaluationTime, Evaluator, Kernel,
     KernelTable, TableFormat,

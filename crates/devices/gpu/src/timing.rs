@@ -90,6 +90,20 @@ impl PassTimer {
         })
     }
 
+    /// Begins the slot `pass` before the next command of `encoder`.
+    ///
+    /// Copies and clears cannot be stamped, so an empty compute pass is.
+    pub fn begin(&self, encoder: &mut wgpu::CommandEncoder, pass: TimedPass) {
+        drop(encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("begin of a frame"),
+            timestamp_writes: Some(wgpu::ComputePassTimestampWrites {
+                query_set: &self.queries,
+                beginning_of_pass_write_index: Some(pass.first_query()),
+                end_of_pass_write_index: None,
+            }),
+        }));
+    }
+
     /// Stamps at both ends of a pass.
     #[must_use]
     pub fn around(&self, pass: TimedPass) -> wgpu::RenderPassTimestampWrites<'_> {

@@ -115,3 +115,61 @@ fn baselines_cover_every_pixel() {
         );
     }
 }
+
+/// What a frame does before its pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Copies {
+    Nothing,
+    InTheFrame,
+    BeforeTheFrame,
+}
+
+#[test]
+fn copies_of_a_frame_are_inside_its_gpu_time() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    if !gpu.facts.features.timestamps {
+        return;
+    }
+    let targets = RenderTargets::new(&gpu, SIZE).expect("small targets");
+    let buffer = |usage| {
+        gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: 1 << 26,
+            usage,
+            mapped_at_creation: false,
+        })
+    };
+    let from = buffer(wgpu::BufferUsages::COPY_SRC);
+    let to = buffer(wgpu::BufferUsages::COPY_DST);
+    let copy = |encoder: &mut wgpu::CommandEncoder| {
+        for _ in 0..8 {
+            encoder.copy_buffer_to_buffer(&from, 0, &to, 0, from.size());
+        }
+    };
+    let time = |copies: Copies| {
+        let mut before = gpu.device.create_command_encoder(&Default::default());
+        let mut frame = targets.direct_frame();
+        match copies {
+            Copies::Nothing => {}
+            Copies::InTheFrame => copy(&mut frame.encoder),
+            Copies::BeforeTheFrame => copy(&mut before),
+        }
+        drop(targets.cleared_pass(&mut frame));
+        gpu.queue.submit([before.finish(), frame.encoder.finish()]);
+        gpu.wait().expect("a device");
+        targets.direct_ms().expect("a device").expect("a time")
+    };
+    // Pages are there from the first copy on.
+    time(Copies::InTheFrame);
+    let least = |copies| {
+        let times = (0..5).map(|_| time(copies));
+        times.min_by(f64::total_cmp).expect("five frames")
+    };
+    let [alone, inside, before] =
+        [Copies::Nothing, Copies::InTheFrame, Copies::BeforeTheFrame].map(least);
+    assert!(inside > 4.0 * alone, "{inside} ms against {alone} ms");
+    // Negative control: what a submission does before the frame begins is not the frame's.
+    assert!(inside > 4.0 * before, "{inside} ms against {before} ms");
+}

@@ -166,15 +166,15 @@ impl WgpuPoints {
 
 impl DrawsBalls for WgpuPoints {
     fn draw(&mut self, state: usize, ranges: &[Range<u32>]) -> Result<Option<f64>, DeviceError> {
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let mut pass = self.targets.cleared_pass(&mut encoder);
+        let mut frame = self.targets.direct_frame();
+        let mut pass = self.targets.cleared_pass(&mut frame);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.bound[state], &[]);
         for range in ranges {
             pass.draw(range.clone(), 0..1);
         }
         drop(pass);
-        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.queue.submit([frame.encoder.finish()]);
         self.gpu.wait()?;
         self.targets.direct_ms()
     }

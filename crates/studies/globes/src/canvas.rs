@@ -85,7 +85,16 @@ impl Canvas {
         self.colour.create_view(&Default::default())
     }
 
-    /// Clears all to 0 and records a pass over it.
+    /// Commands of a frame, from before whose first its time is kept.
+    pub(crate) fn frame(&self) -> wgpu::CommandEncoder {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        if let Some(timer) = &self.timer {
+            timer.begin(&mut encoder, TimedPass::Surface);
+        }
+        encoder
+    }
+
+    /// Clears all to 0 and records a pass over it, which ends the time of [`Self::frame`].
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -111,13 +120,16 @@ impl Canvas {
                 }),
                 stencil_ops: None,
             }),
-            timestamp_writes: self.timer.as_ref().map(|t| t.around(TimedPass::Surface)),
+            timestamp_writes: self
+                .timer
+                .as_ref()
+                .map(|t| t.writes(None, Some(TimedPass::Surface))),
             ..Default::default()
         });
         draw(&mut pass);
     }
 
-    /// Submits what was recorded, waits, and gives the pass's time.
+    /// Submits what was recorded, waits, and gives the frame's time.
     pub(crate) fn finish(&self, encoder: wgpu::CommandEncoder) -> Result<Option<f64>, DeviceError> {
         let gpu = &self.gpu;
         gpu.queue.submit([encoder.finish()]);

@@ -242,7 +242,7 @@ impl OnWgpu {
         if let (Some(buffer), Some(bytes)) = (&self.vertices, &self.sent) {
             self.gpu.write_buffer(buffer, 0, bytes);
         }
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let mut frame = self.targets.direct_frame();
         if let Call::Indirect {
             compute,
             bound,
@@ -250,12 +250,12 @@ impl OnWgpu {
             ..
         } = &self.call
         {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
+            let mut pass = frame.encoder.begin_compute_pass(&Default::default());
             pass.set_pipeline(compute);
             pass.set_bind_group(0, bound, &[]);
             pass.dispatch_workgroups(*groups, *groups, 1);
         }
-        let mut pass = self.targets.cleared_pass(&mut encoder);
+        let mut pass = self.targets.cleared_pass(&mut frame);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.bound, &[]);
         if let Some(vertices) = &self.vertices {
@@ -274,7 +274,7 @@ impl OnWgpu {
             Call::Indirect { arguments, .. } => pass.draw_indirect(arguments, 0),
         }
         drop(pass);
-        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.queue.submit([frame.encoder.finish()]);
         self.gpu.wait()
     }
 }

@@ -12,26 +12,24 @@ impl Volumes for ComputeVolumes {
         self.pipelines.ensure(gpu, draw.state);
     }
 
-    fn are_made_per_frame(&self) -> bool {
-        let view = &self.view;
-        view.expanded.is_some() || view.culling.is_some() || view.placed.is_some()
-    }
-
     /// Decides what is drawn, then makes it.
     fn make(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         list: &VolumeList,
         constants: &wgpu::BindGroup,
-        stamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) {
+        let view = &self.view;
+        if view.expanded.is_none() && view.culling.is_none() && view.placed.is_none() {
+            return;
+        }
         self.decided_draws.clear();
         let Some(scene) = &self.scene else {
             return;
         };
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("expansion"),
-            timestamp_writes: stamps,
+            ..Default::default()
         });
         let (pipelines, view) = (&self.pipelines, &self.view);
         pass.set_bind_group(0, constants, &[]);

@@ -96,6 +96,9 @@ impl<O: Overlay> OverlayBackend<O> {
         let (colour, depth_stencil) = (targets.colour_view(), targets.depth_stencil_view());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let timer = targets.timer().filter(|_| timed);
+        if let Some(timer) = timer {
+            timer.begin(&mut encoder, TimedPass::Colour);
+        }
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(O::TECHNIQUE),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -115,7 +118,7 @@ impl<O: Overlay> OverlayBackend<O> {
                     stencil_ops: None,
                 },
             ),
-            timestamp_writes: timer.map(|timer| timer.around(TimedPass::Colour)),
+            timestamp_writes: timer.map(|timer| timer.writes(None, Some(TimedPass::Colour))),
             ..Default::default()
         });
         self.overlay.draw(&mut pass, &mut counters);

@@ -433,6 +433,11 @@ impl Volumes for VertexVolumes {
         }
     }
 
+    fn are_streamed(&self) -> bool {
+        let scene = self.scene.as_ref();
+        scene.is_some_and(|scene| scene.streamed.is_some())
+    }
+
     fn stream(&mut self, gpu: &Gpu, list: &VolumeList) {
         if let Some(scene) = &self.scene {
             scene.stream(gpu, list, self.variant.vertex_words());

@@ -202,7 +202,7 @@ impl ByHistogram {
         let usage = wgpu::BufferUsages::VERTEX;
         let places = gpu.upload("nodes", bytemuck::cast_slice(&drawn.vertices_rte), usage)?;
         let numbers = gpu.upload("numbers", bytemuck::cast_slice(&numbers), usage)?;
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = self.canvas.frame();
         self.canvas.record(&mut encoder, |pass| {
             pass.set_pipeline(&self.draw);
             pass.set_bind_group(0, &self.bound_view, &[]);

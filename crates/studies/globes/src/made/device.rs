@@ -273,8 +273,7 @@ impl MadeTargets {
     }
 
     pub(crate) fn draw(&self, scene: &MadeScene) -> Result<Option<f64>, DeviceError> {
-        let gpu = &self.canvas.gpu;
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = self.canvas.frame();
         if let Some(compute) = &scene.compute {
             let mut pass = encoder.begin_compute_pass(&Default::default());
             pass.set_pipeline(compute);

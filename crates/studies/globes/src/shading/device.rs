@@ -315,8 +315,7 @@ impl LayerTargets {
     }
 
     pub(crate) fn draw(&self, scene: &LayerScene) -> Result<Option<f64>, DeviceError> {
-        let gpu = &self.canvas.gpu;
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = self.canvas.frame();
         self.canvas.record(&mut encoder, |pass| {
             pass.set_pipeline(&scene.pipeline);
             for (at, bound) in (0..).zip(&self.bound) {

@@ -289,8 +289,7 @@ impl MapTargets {
 
     /// Draws, waits, and gives the GPU's time.
     pub(crate) fn draw(&self, scene: &MapScene) -> Result<Option<f64>, DeviceError> {
-        let gpu = &self.canvas.gpu;
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = self.canvas.frame();
         self.canvas.record(&mut encoder, |pass| {
             pass.set_pipeline(&scene.pipeline);
             for (at, bound) in (0..).zip(&scene.bind_groups) {

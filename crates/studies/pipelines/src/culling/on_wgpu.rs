@@ -177,19 +177,19 @@ impl OnWgpu {
         };
         let words = [PATCH_VERTICES, instances, 0, 0];
         gpu.write_buffer(&self.arguments, 0, bytemuck::cast_slice(&words));
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut frame = self.targets.direct_frame();
         if let Some((compute, bound)) = &self.compute {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
+            let mut pass = frame.encoder.begin_compute_pass(&Default::default());
             pass.set_pipeline(compute);
             pass.set_bind_group(0, bound, &[]);
             pass.dispatch_workgroups(in_tiles.div_ceil(GROUP), 1, 1);
         }
-        let mut pass = self.targets.cleared_pass(&mut encoder);
+        let mut pass = self.targets.cleared_pass(&mut frame);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.bound, &[]);
         pass.draw_indirect(&self.arguments, 0);
         drop(pass);
-        gpu.queue.submit([encoder.finish()]);
+        gpu.queue.submit([frame.encoder.finish()]);
         gpu.wait()?;
         Ok((sent_bytes, patches))
     }

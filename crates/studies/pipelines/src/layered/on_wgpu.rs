@@ -204,13 +204,13 @@ impl OnWgpu {
     }
 
     fn draw_picture(&self) -> Result<(), DeviceError> {
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let mut pass = self.targets.cleared_pass(&mut encoder);
+        let mut frame = self.targets.direct_frame();
+        let mut pass = self.targets.cleared_pass(&mut frame);
         pass.set_pipeline(&self.picture);
         pass.set_bind_group(0, &self.looked_up, &[]);
         pass.draw(0..3, 0..1);
         drop(pass);
-        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.queue.submit([frame.encoder.finish()]);
         self.gpu.wait()
     }
 }

@@ -247,23 +247,18 @@ fn pulled(
 }
 
 impl Volumes for OnWgpu {
-    fn are_made_per_frame(&self) -> bool {
-        matches!(self.feed, Feed::Computed(_))
-    }
-
     fn make(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         _list: &VolumeList,
         _constants: &wgpu::BindGroup,
-        stamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) {
         if let Feed::Computed(finder) = &self.feed {
             let (none, draws) = (&finder.none, &finder.draws);
             encoder.copy_buffer_to_buffer(none, 0, draws, 0, none.size());
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some("silhouettes"),
-                timestamp_writes: stamps,
+                ..Default::default()
             });
             pass.set_pipeline(&finder.pipeline);
             pass.set_bind_group(0, &finder.bound, &[]);

@@ -111,8 +111,11 @@ impl Tiles {
 
     fn run(&self, timer: Option<&PassTimer>) -> Result<(), DeviceError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        if let Some(timer) = timer {
+            timer.begin(&mut encoder, TimedPass::Colour);
+        }
         encoder.clear_buffer(&self.dark, 0, None);
-        let stamps = timer.map(|timer| timer.around(TimedPass::Colour));
+        let stamps = timer.map(|timer| timer.writes(None, Some(TimedPass::Colour)));
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("tiles"),
             timestamp_writes: stamps.map(|writes| wgpu::ComputePassTimestampWrites {
