@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Amplification: bytes and time of grids whose cells a geometry shader makes of fewer and fewer points.
 
-use super::cells::{byte_cell, count, gain, headings, of, standing, time, time_cell, values, why};
+use super::cells::{
+    byte_cell, count, frame_time, gain, headings, of, standing, time_cell, values,
+    what_times_cover, why,
+};
 use super::published::AMPLIFICATION;
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
@@ -20,7 +23,7 @@ pub(super) fn section(cases: &[&Case], clock: Clock) -> Vec<Block> {
     if own.is_empty() {
         return Vec::new();
     }
-    let mut blocks = vec![Block::section("Amplification")];
+    let mut blocks = vec![Block::section("Amplification"), what_times_cover(clock)];
     blocks.extend(findings(&own, clock).into_iter().map(Block::Finding));
     blocks.push(Block::Table(table(&own, clock)));
     blocks.push(Block::Remark(WHAT_THEY_CANNOT_SHOW.to_owned()));
@@ -32,11 +35,11 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Option<String> {
     let own = of(cases, &[("experiment", "amplify"), ("source", "stored")]);
     let measured = own
         .into_iter()
-        .filter(|case| case.counts() && case.value(time(clock)).is_some());
+        .filter(|case| case.counts() && case.value(frame_time(clock)).is_some());
     let measured: Vec<&Case> = measured.collect();
     let cells = values(&measured, "grid_cells").last()?.to_string();
     let of_largest = of(&measured, &[("grid_cells", &cells)]);
-    let ms = |case: &&Case| case.value(time(clock)).unwrap_or(f64::INFINITY);
+    let ms = |case: &&Case| case.value(frame_time(clock)).unwrap_or(f64::INFINITY);
     let best = of_largest
         .iter()
         .copied()
@@ -111,7 +114,11 @@ fn slowdown(
     clock: Clock,
 ) -> Option<Estimate> {
     let case = one(cases, cells, per_point, strip, source);
-    gain(case, one(cases, cells, 1, "cell", source), time(clock))
+    gain(
+        case,
+        one(cases, cells, 1, "cell", source),
+        frame_time(clock),
+    )
 }
 
 fn findings(cases: &[&Case], clock: Clock) -> Vec<Finding> {
@@ -121,7 +128,11 @@ fn findings(cases: &[&Case], clock: Clock) -> Vec<Finding> {
             ["sent", "stored"].map(|source| {
                 // How much faster than a cell a point: below 1 where it is slower.
                 let few = one(cases, *cells, per_point, "cell", source);
-                gain(one(cases, *cells, 1, "cell", source), few, time(clock))
+                gain(
+                    one(cases, *cells, 1, "cell", source),
+                    few,
+                    frame_time(clock),
+                )
             })
         };
         sizes.iter().flat_map(of_size).flatten().collect()
@@ -180,7 +191,7 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
                             Cell::plain(per_point.to_string()),
                             Cell::name(strip),
                             byte_cell(case, "pipeline_sent_bytes"),
-                            time_cell(case, time(clock)),
+                            time_cell(case, frame_time(clock)),
                             Cell::or_absent(slowdown.as_ref().map(times), why(case)),
                             Cell::or_absent(published.map(significant), "not published"),
                             count(case, "pipeline_emitted_vertices"),
@@ -200,7 +211,7 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
         ("cells a point", None),
         ("strip", None),
         ("sent a frame", Some("pipeline_sent_bytes")),
-        ("time, ms", Some(time(clock))),
+        ("time, ms", Some(frame_time(clock))),
         ("time ÷ that of a cell a point", None),
         ("the same, published", None),
         ("vertices given", Some("pipeline_emitted_vertices")),

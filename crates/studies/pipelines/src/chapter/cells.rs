@@ -2,14 +2,32 @@
 //! Cases by their conditions, and cells of tables with the reason of each that is empty.
 
 use terrafill_plot::number::{bytes, significant};
-use terrafill_results::{Case, Cell, Claim, Clock, Estimate, Heading, Standing, ratio};
+use terrafill_results::{Block, Case, Cell, Claim, Clock, Estimate, Heading, Standing, ratio};
 
 const CPU: &str = "pipeline_cpu_ms";
 const GPU: &str = "pipeline_gpu_ms";
+const WALL: &str = "pipeline_wall_ms";
 
 /// The metric of times.
 pub(super) fn time(clock: Clock) -> &'static str {
     clock.pick(GPU, CPU)
+}
+
+/// The metric of times of ways that differ in what the CPU does and sends each frame, of which a device's clock knows
+/// nothing.
+pub(super) fn frame_time(clock: Clock) -> &'static str {
+    clock.pick(WALL, CPU)
+}
+
+/// What the times of a section by [`frame_time`] are.
+pub(super) fn what_times_cover(clock: Clock) -> Block {
+    let by = clock.pick(
+        "wall clock: GPU time does not cover what the CPU writes for a frame",
+        "process CPU time",
+    );
+    Block::Remark(format!(
+        "Times of this section are {by}. They run from before a frame's upload until the device is done."
+    ))
 }
 
 /// Of the conditions named.

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Two-level culling: what each test keeps and loses, what each way costs, and the flight with and without level 2.
 
-use super::cells::{byte_cell, count, gain, headings, of, standing, time, time_cell, values, why};
+use super::cells::{
+    byte_cell, count, frame_time, gain, headings, of, standing, time_cell, values,
+    what_times_cover, why,
+};
 use crate::culling::{Place, VIEWS};
 use terrafill_plot::number::{significant, times};
 use terrafill_plot::{Palette, RatioAxis, RatioGroup, RatioPlot, RatioRow};
@@ -40,6 +43,7 @@ pub(super) fn section(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, Chapt
     let mut blocks = vec![
         Block::section("Two-level culling"),
         Block::Text(WHAT_IS_CULLED.to_owned()),
+        what_times_cover(clock),
     ];
     blocks.extend(claims(cases, clock).into_iter().map(Block::Finding));
     let counted = of(cases, &[("experiment", "culling-count")]);
@@ -71,6 +75,14 @@ fn one<'a>(cases: &[&'a Case], api: &str, place: &str, test: &str, view: &str) -
         ("view", view),
     ];
     of(cases, &conditions).first().copied()
+}
+
+/// Where patches are drawn by the same stages untested: what makes a list draws as tiles alone do.
+fn untested(place: &str) -> &str {
+    match place {
+        "compute" | "cpu" => "tiles-alone",
+        stage => stage,
+    }
 }
 
 /// Of a test in compute, on whichever interface counted it.
@@ -132,18 +144,14 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
 /// Time without level 2 over time with it, at every second of the flight.
 fn flight_gains(cases: &[&Case], api: &str, place: &str, clock: Clock) -> Vec<(u32, Estimate)> {
     let flown = of(cases, &[("experiment", "culling-flight"), ("api", api)]);
-    let without = if place == "compute" {
-        "tiles-alone"
-    } else {
-        place
-    };
+    let without = untested(place);
     let of_second = |second: u32| {
         let at = second.to_string();
         let case = |place, test| {
             let conditions = [("place", place), ("test", test), ("flight_s", at.as_str())];
             of(&flown, &conditions).first().copied()
         };
-        let gain = gain(case(without, "none"), case(place, "box"), time(clock))?;
+        let gain = gain(case(without, "none"), case(place, "box"), frame_time(clock))?;
         Some((second, gain))
     };
     values(&flown, "flight_s")
@@ -214,15 +222,12 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
             let mut sums = (0.0, 0.0, Some(0.0));
             for view in VIEWS {
                 let case = one(&own, api, place, test, view.name).filter(|case| case.counts())?;
-                sums.0 += case.value(time(clock))?;
+                sums.0 += case.value(frame_time(clock))?;
                 sums.1 += case.value("cull_kept")?;
                 let shaded = case.value("pipeline_vertex_invocations");
                 sums.2 = sums.2.zip(shaded).map(|(sum, shaded)| sum + shaded);
             }
             Some(sums)
-        };
-        let Some(alone) = sum("tiles-alone", "none") else {
-            continue;
         };
         let places = Place::ALL.into_iter().map(Place::name);
         let culled = places.filter_map(|place| Some((place, sum(place, "box")?)));
@@ -232,17 +237,23 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
         let shaded = best.2.map_or_else(String::new, |shaded| {
             format!(" and {} vertex shader invocations", significant(shaded))
         });
-        let advice = match best.0 < alone.0 {
-            true => format!("On {api} patches are best culled by their boxes in {place}"),
-            false => format!("On {api} tiles alone are best: of the places, {place} comes nearest"),
+        let without = sum(untested(place), "none");
+        let is_slower = without.is_some_and(|without| without.0 <= best.0);
+        let advice = match is_slower {
+            true => "culling patches by their boxes gains nothing, least slow",
+            false => "culling patches by their boxes is fastest",
         };
+        let against = without.map_or_else(
+            || "the same stages without the test were not measured".to_owned(),
+            |without| {
+                let [ms, patches] = [without.0, without.1].map(significant);
+                format!("against {ms} ms and {patches} patches by the same stages without the test")
+            },
+        );
         sentences.push(format!(
-            "{advice}: {} ms for the five views, {} patches drawn{shaded}, against {} ms and {} patches of \
-             tiles alone.",
+            "On {api} {advice} in {place}: {} ms for the five views, {} patches drawn{shaded}; {against}.",
             significant(best.0),
             significant(best.1),
-            significant(alone.0),
-            significant(alone.1),
         ));
     }
     sentences
@@ -336,21 +347,17 @@ fn ways(cases: &[&Case], clock: Clock) -> Table {
     let mut rows = Vec::new();
     for view in VIEWS {
         for case in of(cases, &[("view", view.name)]) {
-            let alone = one(
-                cases,
-                case.condition("api"),
-                "tiles-alone",
-                "none",
-                view.name,
-            );
-            let gain = gain(alone, Some(case), time(clock));
+            let api = case.condition("api");
+            let place = untested(case.condition("place"));
+            let without = one(cases, api, place, "none", view.name);
+            let gain = gain(without, Some(case), frame_time(clock));
             rows.push(Row {
                 cells: vec![
                     Cell::name(view.name),
                     Cell::name(case.condition("api")),
                     Cell::name(case.condition("place")),
                     Cell::name(case.condition("test")),
-                    time_cell(case, time(clock)),
+                    time_cell(case, frame_time(clock)),
                     Cell::or_absent(gain.as_ref().map(times), why(case)),
                     Cell::or_absent(case.value("cull_kept").map(significant), why(case)),
                     count(case, "pipeline_vertex_invocations"),
@@ -374,8 +381,8 @@ fn ways(cases: &[&Case], clock: Clock) -> Table {
             ("interface", None),
             ("level 2 in", None),
             ("test", None),
-            ("time, ms", Some(time(clock))),
-            ("time of tiles alone ÷ time", None),
+            ("time, ms", Some(frame_time(clock))),
+            ("time without the test ÷ time", None),
             ("patches drawn", Some("cull_kept")),
             ("vertices shaded", Some("pipeline_vertex_invocations")),
             (
@@ -433,4 +440,91 @@ fn drawing(flown: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError
         groups,
     };
     Ok(plot.draw(&Palette::new(names))?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::culling::Culling;
+    use terrafill_results::made_up::{MadeUpRun, case_id};
+    use terrafill_results::{CaseId, Run};
+    use terrafill_study::Group;
+
+    fn differing(one: &CaseId, other: &CaseId) -> Vec<String> {
+        let keys = one.conditions.keys().chain(other.conditions.keys());
+        let mut keys: Vec<String> = keys.map(ToString::to_string).collect();
+        keys.sort_unstable();
+        keys.dedup();
+        keys.retain(|key| one.condition(key) != other.condition(key));
+        keys
+    }
+
+    #[test]
+    fn a_stage_with_the_test_is_held_against_the_same_stage_without_it() {
+        for is_quick in [true, false] {
+            let groups = Culling::all(is_quick, 1);
+            let ids: Vec<&CaseId> = groups[0].cases().iter().map(|case| &case.id).collect();
+            let at = |place: &str, test: &str, view: &str| {
+                let is_it = |id: &&&CaseId| {
+                    id.condition("api") == "vulkan"
+                        && id.condition("place") == place
+                        && id.condition("test") == test
+                        && id.condition("view") == view
+                };
+                *ids.iter().find(is_it).expect("a planned case")
+            };
+            for view in VIEWS {
+                for stage in ["geometry-shader", "task-shader"] {
+                    let tested = at(stage, "box", view.name);
+                    let pair = at(untested(stage), "none", view.name);
+                    assert_eq!(differing(tested, pair), ["test"]);
+                    // Negative control: tiles alone come by other stages too.
+                    let alone = at("tiles-alone", "none", view.name);
+                    assert_eq!(differing(tested, alone), ["place", "test"]);
+                }
+            }
+        }
+    }
+
+    fn run_of(figures: &[(&str, &str, f64)]) -> Run {
+        let mut made = MadeUpRun::default();
+        for view in VIEWS {
+            for &(place, test, ms) in figures {
+                let conditions = [
+                    ("experiment", "culling"),
+                    ("api", "vulkan"),
+                    ("place", place),
+                    ("test", test),
+                    ("view", view.name),
+                    ("tile_cells", "64"),
+                ];
+                let name = format!("{place}/{test}/{}", view.name);
+                let case = made.case(case_id(crate::STUDY, &name, &conditions));
+                case.timed("pipeline_cpu_ms", &[ms]);
+                case.figure("cull_kept", 100.0);
+            }
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        made.write(folder.path()).expect("a run")
+    }
+
+    #[test]
+    fn what_the_test_gains_is_said_of_one_stage_alone() {
+        let said = |figures: &[(&str, &str, f64)]| {
+            let run = run_of(figures);
+            let cases: Vec<&Case> = run.cases.iter().collect();
+            recommended(&cases, Clock::ProcessCpu).join(" ")
+        };
+        let alone = ("tiles-alone", "none", 2.0);
+        let tested = ("task-shader", "box", 1.0);
+        let all = said(&[alone, tested, ("task-shader", "none", 1.2)]);
+        assert!(all.contains("fastest in task-shader: 5.00 ms"), "{all}");
+        assert!(all.contains("against 6.00 ms"), "{all}");
+        // Negative controls: a test that gains nothing in its stage, and a stage without its control.
+        let slower = said(&[alone, tested, ("task-shader", "none", 0.9)]);
+        assert!(slower.contains("gains nothing"), "{slower}");
+        let lacking = said(&[alone, tested]);
+        assert!(lacking.contains("were not measured"), "{lacking}");
+        assert!(!lacking.contains("10.0 ms"), "{lacking}");
+    }
 }

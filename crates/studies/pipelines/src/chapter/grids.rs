@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Height grids: every way of every size, and the published ratios beside ours.
 
-use super::cells::{byte_cell, count, gain, headings, of, standing, time, time_cell, values, why};
+use super::cells::{
+    byte_cell, count, frame_time, gain, headings, of, standing, time_cell, values,
+    what_times_cover, why,
+};
 use super::published::{CARDS, GRIDS, GridRow};
 use crate::way::GRID_WAYS;
 use terrafill_plot::number::{significant, times};
@@ -62,7 +65,7 @@ pub(super) fn section(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, Chapt
     if own.is_empty() {
         return Ok(Vec::new());
     }
-    let mut blocks = vec![Block::section("Height grids")];
+    let mut blocks = vec![Block::section("Height grids"), what_times_cover(clock)];
     blocks.extend(findings(&own, clock).into_iter().map(Block::Finding));
     for api in ["vulkan", "wgpu"] {
         let svg = drawing(&of(&own, &[("api", api)]), clock)?;
@@ -91,14 +94,14 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
     for api in ["vulkan", "wgpu"] {
         let of_triangles = of(&own, &[("api", api)]).into_iter().filter(|case| {
             let is_triangles = !case.condition("way").ends_with("-points");
-            is_triangles && case.counts() && case.value(time(clock)).is_some()
+            is_triangles && case.counts() && case.value(frame_time(clock)).is_some()
         });
         let of_triangles: Vec<&Case> = of_triangles.collect();
         let Some(&cells) = values(&of_triangles, "grid_cells").last() else {
             continue;
         };
         let of_largest = of(&of_triangles, &[("grid_cells", &cells.to_string())]);
-        let ms = |case: &&Case| case.value(time(clock)).unwrap_or(f64::INFINITY);
+        let ms = |case: &&Case| case.value(frame_time(clock)).unwrap_or(f64::INFINITY);
         let Some(best) = of_largest
             .iter()
             .copied()
@@ -123,7 +126,7 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
                 .copied()
                 .find(|case| case.condition("way") == way);
             let slower = other.filter(|other| other.id() != best.id());
-            if let Some(slower) = gain(slower, Some(best), time(clock)) {
+            if let Some(slower) = gain(slower, Some(best), frame_time(clock)) {
                 sentence.push_str(&format!("; {way} takes {} times as long", times(&slower)));
             }
         }
@@ -149,7 +152,7 @@ fn gains(
     let sizes = values(cases, "grid_cells");
     let of_size = |cells| {
         let [slow, fast] = [slow, fast].map(|way| one(cases, api, way, cells));
-        Some((cells, gain(slow, fast, time(clock))?))
+        Some((cells, gain(slow, fast, frame_time(clock))?))
     };
     sizes.into_iter().filter_map(of_size).collect()
 }
@@ -212,7 +215,7 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
                 let Some(case) = one(cases, api, &way.name(), cells) else {
                     continue;
                 };
-                let ms = case.value(time(clock)).filter(|_| case.counts());
+                let ms = case.value(frame_time(clock)).filter(|_| case.counts());
                 let points = f64::from(cells).powi(2);
                 let rate = ms.map(|ms| significant(points / ms * 1e-3));
                 rows.push(Row {
@@ -220,7 +223,7 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
                         Cell::plain(cells.to_string()),
                         Cell::name(way.name()),
                         Cell::name(api),
-                        time_cell(case, time(clock)),
+                        time_cell(case, frame_time(clock)),
                         Cell::or_absent(rate, why(case)),
                         byte_cell(case, "pipeline_sent_bytes"),
                         byte_cell(case, "pipeline_held_bytes"),
@@ -244,7 +247,7 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
             ("cells a side", None),
             ("way", None),
             ("interface", None),
-            ("time, ms", Some(time(clock))),
+            ("time, ms", Some(frame_time(clock))),
             ("million points a second", None),
             ("sent a frame", Some("pipeline_sent_bytes")),
             ("held", Some("pipeline_held_bytes")),
@@ -314,7 +317,7 @@ fn comparisons(cases: &[&Case], clock: Clock) -> Table {
 }
 
 fn drawing(cases: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError> {
-    let metric = time(clock);
+    let metric = frame_time(clock);
     let point = |case: &&Case| {
         let cells: f64 = case.condition("grid_cells").parse().ok()?;
         let spread = sample_spread(case, metric).filter(|_| case.counts())?;
@@ -346,7 +349,10 @@ fn drawing(cases: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError
     let plot = WorkPrecision {
         title: "Time of a frame against points",
         across: "points of the grid",
-        up: clock.pick("GPU ms: median, 5–95 %", "process CPU, ms: median, 5–95 %"),
+        up: clock.pick(
+            "wall clock, ms: median, 5–95 %",
+            "process CPU, ms: median, 5–95 %",
+        ),
         upwards: Upwards::Amount,
         curves,
         lines: Vec::new(),
@@ -357,4 +363,63 @@ fn drawing(cases: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError
         &names,
         &palette,
     )?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_results::made_up::{MadeUpRun, case_id};
+    use terrafill_results::{Run, RunEnvironment};
+
+    /// Milliseconds by GPU, wall and process CPU.
+    fn run_of(device_type: &str, figures: &[(&str, [f64; 3])]) -> Run {
+        let mut made = MadeUpRun {
+            environment: RunEnvironment {
+                device_type: device_type.to_owned(),
+                gpu_timestamps: true,
+                ..RunEnvironment::default()
+            },
+            ..MadeUpRun::default()
+        };
+        for (way, [gpu, wall, cpu]) in figures {
+            let conditions = [
+                ("experiment", "grid"),
+                ("api", "wgpu"),
+                ("way", *way),
+                ("grid_cells", "256"),
+            ];
+            let case = made.case(case_id(crate::STUDY, way, &conditions));
+            case.timed("pipeline_gpu_ms", &[*gpu]);
+            case.timed("pipeline_wall_ms", &[*wall]);
+            case.timed("pipeline_cpu_ms", &[*cpu]);
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        made.write(folder.path()).expect("a run")
+    }
+
+    #[test]
+    fn what_is_sent_each_frame_is_ranked_by_a_clock_that_covers_it() {
+        let figures = |sent_wall, sent_cpu| {
+            [
+                ("sent-strips", [0.1, sent_wall, sent_cpu]),
+                ("no-vertex-buffer", [0.2, 0.4, 0.5]),
+            ]
+        };
+        let fastest = |device_type, sent_wall, sent_cpu| {
+            let run = run_of(device_type, &figures(sent_wall, sent_cpu));
+            let cases: Vec<&Case> = run.cases.iter().collect();
+            let said = recommended(&cases, run.clock()).join(" ");
+            let page = section(&cases, run.clock()).expect("a section");
+            let by = run.clock().pick("wall clock", "process CPU time");
+            let says = |block: &Block| matches!(block, Block::Remark(text) if text.contains(by));
+            assert!(page.iter().any(says), "{by}");
+            said.contains("256² cells is sent-strips")
+        };
+        // Its GPU time is the least: the upload is outside of it.
+        assert!(!fastest("discrete-gpu", 0.6, 0.3));
+        // Negative controls: where the whole frame is faster it is named, by each device's own clock.
+        assert!(fastest("discrete-gpu", 0.3, 0.6));
+        assert!(!fastest("cpu", 0.3, 0.6));
+        assert!(fastest("cpu", 0.6, 0.3));
+    }
 }

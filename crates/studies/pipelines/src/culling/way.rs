@@ -100,12 +100,12 @@ impl CullWay {
         ways
     }
 
-    /// One of each place, and of the tests of a point the middle one, once.
+    /// One of each place, with the stages that test and draw without a test; of the tests of a point the middle one,
+    /// once.
     pub(crate) fn few() -> Vec<Self> {
         let middle = Self::new(Interface::Vulkan, Place::Compute, Test::Point(RANGES[1]));
         let is_main = |way: &Self| match way.test {
-            Test::Nothing => way.place == Place::TilesAlone,
-            Test::Box => true,
+            Test::Nothing | Test::Box => true,
             Test::Point(_) => *way == middle,
         };
         Self::all().into_iter().filter(is_main).collect()
