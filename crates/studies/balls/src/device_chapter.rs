@@ -5,7 +5,7 @@ use crate::finding::finding;
 use crate::on_devices::{STEPS, TIMED};
 use crate::stepping::Way;
 use terrafill_plot::number::significant;
-use terrafill_results::{Block, Case, Cell, Finding, Heading, Outcome, Row, Run, Table};
+use terrafill_results::{Block, Case, Cell, Clock, Finding, Heading, Outcome, Row, Run, Table};
 
 const CPU: &str = "ball_step_cpu_us";
 const WALL: &str = "ball_step_wall_us";
@@ -50,9 +50,7 @@ fn table(cases: &[&Case]) -> Table {
         };
         let shown = |value: Option<f64>| Cell::or_absent(value.map(significant), why);
         let gpu = match (case.counts(), value(GPU)) {
-            (true, None) => {
-                Cell::absent("GPU time is taken on Vulkan itself, where a device keeps it")
-            }
+            (true, None) => Cell::absent("the device keeps no time"),
             (_, gpu) => shown(gpu),
         };
         Row::new(vec![
@@ -90,6 +88,11 @@ fn table(cases: &[&Case]) -> Table {
     }
 }
 
+/// What devices are compared by.
+fn time(clock: Clock) -> &'static str {
+    clock.pick(GPU, CPU)
+}
+
 fn balls(case: &Case) -> f64 {
     case.condition("balls").parse().unwrap_or(f64::NAN)
 }
@@ -99,7 +102,7 @@ fn slope(first: (f64, f64), last: (f64, f64)) -> f64 {
     (last.1 / first.1).ln() / (last.0 / first.0).ln()
 }
 
-fn slope_of(cases: &[&Case], way: Way) -> Option<f64> {
+fn slope_of(cases: &[&Case], way: Way, clock: Clock) -> Option<f64> {
     let (interface, name) = way.names();
     let point = |count: &str| {
         let of_way = |case: &&&Case| {
@@ -109,40 +112,42 @@ fn slope_of(cases: &[&Case], way: Way) -> Option<f64> {
                 && case.condition("balls") == count
         };
         let case = cases.iter().find(of_way)?;
-        Some((balls(case), case.value(CPU)?))
+        Some((balls(case), case.value(time(clock))?))
     };
     Some(slope(point(SLOPE[0])?, point(SLOPE[1])?))
 }
 
 /// The way that steps the most balls fastest, with what explains it.
 pub(crate) fn recommended(run: &Run) -> Option<String> {
-    let cases = cases(run);
+    let (cases, clock) = (cases(run), run.clock());
     let timed = cases
         .iter()
         .filter(|case| case.counts())
-        .filter_map(|case| Some((balls(case), case.value(CPU)?, *case)));
+        .filter_map(|case| Some((balls(case), case.value(time(clock))?, *case)));
     let timed: Vec<(f64, f64, &Case)> = timed.collect();
     let most = timed.iter().map(|of| of.0).max_by(f64::total_cmp)?;
     let of_most = timed.iter().filter(|of| of.0 >= most);
     let (_, us, best) = of_most.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let uploaded = best.value(UPLOADED).map(significant).unwrap_or_default();
     Some(format!(
-        "{most} balls are stepped fastest by {} {}: {} CPU ns a ball and step, {uploaded} bytes uploaded.",
+        "{most} balls are stepped fastest by {} {}: {} ns of {} a ball and step, {uploaded} bytes uploaded.",
         best.condition("interface"),
         best.condition("way"),
         significant(1e3 * us / most),
+        clock.name(),
     ))
 }
 
 pub(crate) fn findings(run: &Run) -> Vec<Finding> {
-    let cases = cases(run);
+    let (cases, clock) = (cases(run), run.clock());
     let mut findings = Vec::new();
     for way in Way::ALL {
         let (interface, name) = way.names();
-        let slope = slope_of(&cases, way);
+        let slope = slope_of(&cases, way, clock);
         findings.push(finding(
             format!(
-                "CPU time of a step by {interface} {name} grows as the balls do, from 1e4 to 1e6"
+                "{} of a step by {interface} {name} grows as the balls do, from 1e4 to 1e6",
+                clock.pick("GPU time", "CPU time")
             ),
             slope.map(|slope| PROPORTIONAL.contains(&slope)),
             slope.map_or_else(String::new, |slope| format!("slope {}", significant(slope))),
@@ -166,6 +171,48 @@ pub(crate) fn findings(run: &Run) -> Vec<Finding> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrafill_results::RunEnvironment;
+    use terrafill_results::made_up::{MadeUpRun, case_id};
+
+    /// The sentence on the fastest way, where the two clocks of the ways on Vulkan disagree.
+    fn fastest(device_type: &str, gpu_timestamps: bool) -> String {
+        let mut made = MadeUpRun {
+            environment: RunEnvironment {
+                device_type: device_type.to_owned(),
+                gpu_timestamps,
+                ..RunEnvironment::default()
+            },
+            ..MadeUpRun::default()
+        };
+        for (way, [gpu, cpu]) in [
+            (Way::VulkanCompute, [1.0, 9.0]),
+            (Way::VulkanFeedback, [3.4, 8.0]),
+        ] {
+            let (interface, name) = way.names();
+            let conditions = [
+                ("part", "device"),
+                ("interface", interface),
+                ("way", name),
+                ("balls", "1000000"),
+            ];
+            let case = made.case(case_id(crate::STUDY, name, &conditions));
+            case.timed(GPU, &[gpu]).timed(CPU, &[cpu]);
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = made.write(folder.path()).expect("a run");
+        recommended(&run).expect("a sentence")
+    }
+
+    #[test]
+    fn a_gpu_ranks_its_steps_by_its_own_clock_and_a_software_device_by_the_process() {
+        let said = fastest("discrete-gpu", true);
+        assert!(said.contains("by vulkan compute"), "{said}");
+        assert!(said.contains("GPU time"), "{said}");
+        // Negative control: process CPU time names the other way, and is said.
+        let said = fastest("cpu", true);
+        assert!(said.contains("by vulkan transform-feedback"), "{said}");
+        assert!(said.contains("process CPU time"), "{said}");
+    }
 
     #[test]
     fn time_in_proportion_has_slope_1_and_a_fixed_cost_has_less() {

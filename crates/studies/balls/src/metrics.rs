@@ -86,7 +86,7 @@ pub(crate) const METRICS: [Metric; 35] = [
         "ball_step_gpu_us",
         "µs",
         Kind::Time,
-        "GPU time of one step of all balls on a device, nothing drawn; on Vulkan itself.",
+        "GPU time of one step of all balls on a device, nothing drawn.",
     ),
     Metric::less(
         "ball_step_wall_us",

@@ -5,6 +5,7 @@ use crate::drawing::{DrawsBalls, VulkanPoints, WgpuPoints};
 use crate::terrain::{State, Terrain};
 use std::sync::Arc;
 use terrafill_fill::{DeviceError, Devices};
+use terrafill_gpu::{PassTimer, TimedPass};
 use terrafill_vulkan::{
     Buffer, BufferUse, CapturePipeline, ComputePipeline, Dispatch, Resource, Resources, Shader,
     StateStep, advance,
@@ -69,8 +70,10 @@ impl Way {
 
 /// Balls on a device.
 pub(crate) trait Steps {
-    /// Takes `count` steps and waits; their GPU time in milliseconds, where it is measured.
-    fn step(&mut self, count: u32) -> Result<Option<f64>, DeviceError>;
+    /// Takes `count` steps and waits.
+    fn step(&mut self, count: u32) -> Result<(), DeviceError>;
+    /// GPU time of the last steps, milliseconds, where the device keeps time.
+    fn gpu_ms(&self) -> Result<Option<f64>, DeviceError>;
     fn read(&self) -> Result<Vec<State>, DeviceError>;
     /// Bytes that the CPU has written for the device so far.
     fn uploaded(&self) -> u64;
@@ -88,6 +91,7 @@ struct OnWgpu {
     pipeline: wgpu::ComputePipeline,
     groups: u32,
     current: usize,
+    timer: Option<PassTimer>,
 }
 
 impl OnWgpu {
@@ -138,6 +142,7 @@ impl OnWgpu {
             cache: None,
         });
         Ok(Self {
+            timer: PassTimer::new(&gpu),
             gpu,
             states: [first, second],
             bound,
@@ -149,9 +154,18 @@ impl OnWgpu {
 }
 
 impl Steps for OnWgpu {
-    fn step(&mut self, count: u32) -> Result<Option<f64>, DeviceError> {
+    fn step(&mut self, count: u32) -> Result<(), DeviceError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let mut pass = encoder.begin_compute_pass(&Default::default());
+        let stamps = self.timer.as_ref();
+        let stamps = stamps.map(|timer| timer.around(TimedPass::Surface));
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("step balls"),
+            timestamp_writes: stamps.map(|stamps| wgpu::ComputePassTimestampWrites {
+                query_set: stamps.query_set,
+                beginning_of_pass_write_index: stamps.beginning_of_pass_write_index,
+                end_of_pass_write_index: stamps.end_of_pass_write_index,
+            }),
+        });
         pass.set_pipeline(&self.pipeline);
         for _ in 0..count {
             pass.set_bind_group(0, &self.bound[self.current], &[]);
@@ -160,8 +174,15 @@ impl Steps for OnWgpu {
         }
         drop(pass);
         self.gpu.queue.submit([encoder.finish()]);
-        self.gpu.wait()?;
-        Ok(None)
+        self.gpu.wait()
+    }
+
+    fn gpu_ms(&self) -> Result<Option<f64>, DeviceError> {
+        let slot = TimedPass::Surface;
+        Ok(match &self.timer {
+            Some(timer) => timer.read(&self.gpu, slot, slot)?.pass_ms(slot),
+            None => None,
+        })
     }
 
     fn read(&self) -> Result<Vec<State>, DeviceError> {
@@ -199,6 +220,7 @@ struct OnVulkan {
     balls: u32,
     groups: u32,
     current: usize,
+    gpu_ms: Option<f64>,
 }
 
 fn groups(balls: &[State]) -> u32 {
@@ -262,12 +284,13 @@ impl OnVulkan {
             balls: count(balls),
             groups: groups(balls),
             current: 0,
+            gpu_ms: None,
         })
     }
 }
 
 impl Steps for OnVulkan {
-    fn step(&mut self, count: u32) -> Result<Option<f64>, DeviceError> {
+    fn step(&mut self, count: u32) -> Result<(), DeviceError> {
         let mut steps = Vec::new();
         for _ in 0..count {
             let from = self.current;
@@ -284,7 +307,12 @@ impl Steps for OnVulkan {
                 },
             });
         }
-        Ok(advance(&self.gpu, &steps)?.gpu_ms)
+        self.gpu_ms = advance(&self.gpu, &steps)?.gpu_ms;
+        Ok(())
+    }
+
+    fn gpu_ms(&self) -> Result<Option<f64>, DeviceError> {
+        Ok(self.gpu_ms)
     }
 
     fn current(&self) -> usize {
