@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pipeline statistics: exact counts of the work that a frame's passes gave the device.
 
+use crate::volume_pipeline::{unchanged, unwritten_target};
 use crate::{Gpu, read_buffer};
 use terrafill_fill::{Counters, DeviceError};
 
@@ -50,14 +51,24 @@ impl Statistics {
         pass.begin_pipeline_statistics_query(&self.queries, index);
     }
 
-    /// Sums the passes: geometry counts of the volumes, fragments of the covers (volumes have no
-    /// fragment shader).
-    pub(crate) fn read_into(&self, gpu: &Gpu, counters: &mut Counters) -> Result<(), DeviceError> {
+    /// Fragments of each query.
+    pub(crate) fn fragments(&self, gpu: &Gpu) -> Result<Vec<u64>, DeviceError> {
+        let values = self.read(gpu)?;
+        Ok(values.into_iter().skip(3).step_by(STATISTICS).collect())
+    }
+
+    fn read(&self, gpu: &Gpu) -> Result<Vec<u64>, DeviceError> {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         encoder.resolve_query_set(&self.queries, 0..self.passes, &self.resolved, 0);
         gpu.queue.submit([encoder.finish()]);
         let bytes = read_buffer(gpu, &self.resolved)?;
-        let values: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes);
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+
+    /// Sums the passes: geometry counts of the volumes, fragments of the covers (volumes have no
+    /// fragment shader).
+    pub(crate) fn read_into(&self, gpu: &Gpu, counters: &mut Counters) -> Result<(), DeviceError> {
+        let values = self.read(gpu)?;
         let sum = |which: usize| values.iter().skip(which).step_by(STATISTICS).sum();
         counters.vertex_shader_invocations = Some(sum(0));
         counters.clipper_invocations = Some(sum(1));
@@ -65,4 +76,35 @@ impl Statistics {
         counters.fragment_shader_invocations = Some(sum(3));
         Ok(())
     }
+}
+
+/// A triangle over the whole image that writes nothing, as volumes do where their fragments are counted. Only measuring
+/// needs it, so that it is made uncounted.
+pub(crate) fn whole_image(gpu: &Gpu) -> Result<wgpu::RenderPipeline, DeviceError> {
+    let label = "whole image";
+    let shader = gpu.shader("baseline/floor.wgsl")?;
+    let target = [Some(unwritten_target())];
+    Ok(gpu
+        .device
+        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(label),
+            layout: Some(&gpu.pipeline_layout(label, &[])),
+            vertex: wgpu::VertexState {
+                module: &shader,
+                entry_point: Some("vertex_main"),
+                compilation_options: Default::default(),
+                buffers: &[],
+            },
+            fragment: Some(wgpu::FragmentState {
+                module: &shader,
+                entry_point: Some("fragment_main"),
+                compilation_options: Default::default(),
+                targets: &target,
+            }),
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: Some(unchanged(wgpu::CompareFunction::Always)),
+            multisample: wgpu::MultisampleState::default(),
+            multiview_mask: None,
+            cache: None,
+        }))
 }

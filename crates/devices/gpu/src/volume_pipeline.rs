@@ -65,7 +65,7 @@ impl VolumeShader<'_> {
     /// under them.
     #[must_use]
     pub fn pipeline(&self, gpu: &Gpu, state: VolumeState, blends: bool) -> wgpu::RenderPipeline {
-        let unwritten = target(COLOUR_FORMAT, None, wgpu::ColorWrites::empty());
+        let unwritten = unwritten_target();
         let (fragment_entry, target, depth_stencil) = match state {
             VolumeState::Mark {
                 rule,
@@ -170,6 +170,11 @@ pub(crate) fn check_blendable(gpu: &Gpu) -> Result<(), DeviceError> {
 pub(crate) fn colour_target(blends: bool) -> wgpu::ColorTargetState {
     let blend = blends.then_some(wgpu::BlendState::ALPHA_BLENDING);
     target(COLOUR_FORMAT, blend, wgpu::ColorWrites::ALL)
+}
+
+/// Of fragments that write nothing.
+pub(crate) fn unwritten_target() -> wgpu::ColorTargetState {
+    target(COLOUR_FORMAT, None, wgpu::ColorWrites::empty())
 }
 
 fn target(

@@ -241,7 +241,12 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         let (report, mut counters) = self.measure(volumes, Measured::Statistics)?;
         if let Some(statistics) = report.statistics {
             counters.vertex_shader_invocations = Some(statistics.vertex_shader_invocations);
-            counters.geometry_shader_primitives = statistics.geometry_shader_primitives;
+            // Without a geometry shader there is nothing to count.
+            let ran = statistics
+                .geometry_shader_invocations
+                .is_some_and(|count| count > 0);
+            counters.geometry_shader_primitives =
+                statistics.geometry_shader_primitives.filter(|_| ran);
             counters.clipper_invocations = Some(statistics.clipper_invocations);
             counters.clipper_primitives_out = Some(statistics.clipper_primitives_out);
             counters.fragment_shader_invocations = Some(statistics.fragment_shader_invocations);

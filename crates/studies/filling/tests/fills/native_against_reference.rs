@@ -393,12 +393,13 @@ fn geometry_shaders_make_the_triangles_that_the_vertex_shader_is_given() {
         );
         let counted = counters(&frame);
         let expected = match technique {
-            Native::VsControl => 0,
-            Native::GsPerTriangle => 4 * caps,
-            _ => caps + walls,
+            // No geometry shader runs: nothing was counted.
+            Native::VsControl => None,
+            Native::GsPerTriangle => Some(4 * caps),
+            _ => Some(caps + walls),
         };
         let made = counted.geometry_shader_primitives;
-        assert_eq!(made, Some(expected), "{}", technique.name());
+        assert_eq!(made, expected, "{}", technique.name());
         let control = draw(&devices, &input, plain(Native::VsControl));
         let fragments = counters(&control).stencil_fragments;
         assert!(fragments.is_some_and(|fragments| fragments > 0));
