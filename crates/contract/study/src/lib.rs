@@ -21,6 +21,6 @@ pub use run::{
     run_by_turns,
 };
 pub use share::Share;
-pub use study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
+pub use study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError, size_name};
 pub use terrafill_results::SplitMix64;
 pub use turns::{Turn, Turns};

@@ -32,10 +32,34 @@ pub struct Request {
     pub samples: Option<u32>,
     /// Width and height of pictures, pixels.
     pub size: [u32; 2],
+    /// Whether whoever measures named that size, see [`Request::size_or`].
+    pub names_size: bool,
     /// Where real data lies.
     pub data_dir: Option<PathBuf>,
     /// Values of `--set`-like options of single studies, `ladder` → `planet-134`.
     pub settings: BTreeMap<String, Vec<String>>,
+}
+
+impl Request {
+    /// Size of pictures whose reference takes long: a quick run that names no size has smaller ones, and
+    /// their cases have that size as a condition ([`size_name`]).
+    #[must_use]
+    pub fn size_or(&self, quick: [u32; 2]) -> [u32; 2] {
+        match self.depth {
+            Depth::Quick if !self.names_size => quick,
+            _ => self.size,
+        }
+    }
+}
+
+/// A size as conditions have it: `256`, or `200x150` where its sides differ.
+#[must_use]
+pub fn size_name([width, height]: [u32; 2]) -> String {
+    if width == height {
+        width.to_string()
+    } else {
+        format!("{width}x{height}")
+    }
 }
 
 /// Why a study cannot be planned or measured as a whole. What goes wrong with one case is that
@@ -176,4 +200,31 @@ pub trait Session {
     /// # Errors
     /// A message; the case fails with it and the others go on.
     fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String>;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_named_size_is_kept_and_only_a_quick_run_without_one_draws_smaller() {
+        let request = |depth, names_size| Request {
+            size: [1024, 512],
+            depth,
+            names_size,
+            ..Request::default()
+        };
+        for depth in [Depth::Quick, Depth::Main, Depth::Full] {
+            assert_eq!(request(depth, true).size_or([64; 2]), [1024, 512]);
+        }
+        assert_eq!(request(Depth::Main, false).size_or([64; 2]), [1024, 512]);
+        // Twin: the one that may.
+        assert_eq!(request(Depth::Quick, false).size_or([64; 2]), [64; 2]);
+    }
+
+    #[test]
+    fn sizes_have_one_number_where_their_sides_are_equal() {
+        assert_eq!(size_name([256; 2]), "256");
+        assert_eq!(size_name([200, 150]), "200x150");
+    }
 }

@@ -13,12 +13,6 @@ use terrafill_vulkan::{
 };
 
 const POINTS: &str = "balls/points.wgsl";
-/// Pixels: the published size is not known.
-pub(crate) const PICTURE: ImageSize = ImageSize {
-    width: 256,
-    height: 256,
-};
-
 /// How balls are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Drawn {
@@ -71,6 +65,7 @@ impl VulkanPoints {
     pub(crate) fn new(
         gpu: &Arc<terrafill_vulkan::Gpu>,
         states: &[Arc<Buffer>; 2],
+        size: ImageSize,
     ) -> Result<Self, DeviceError> {
         let constants = PointConstants::new(&BallView::new());
         let bytes = bytemuck::bytes_of(&constants);
@@ -99,7 +94,7 @@ impl VulkanPoints {
             DrawPipeline::new(gpu, &resources, stages, wgsl("fragment_main"))
         };
         Ok(Self {
-            targets: terrafill_vulkan::RenderTargets::new(gpu, PICTURE)?,
+            targets: terrafill_vulkan::RenderTargets::new(gpu, size)?,
             pipelines: [pipeline(&states[0])?, pipeline(&states[1])?],
         })
     }
@@ -136,6 +131,7 @@ impl WgpuPoints {
     pub(crate) fn new(
         gpu: &Arc<terrafill_gpu::Gpu>,
         states: &[wgpu::Buffer; 2],
+        size: ImageSize,
     ) -> Result<Self, DeviceError> {
         let constants = PointConstants::new(&BallView::new());
         let bytes = bytemuck::bytes_of(&constants);
@@ -157,7 +153,7 @@ impl WgpuPoints {
         })?;
         Ok(Self {
             gpu: Arc::clone(gpu),
-            targets: terrafill_gpu::RenderTargets::new(gpu, PICTURE)?,
+            targets: terrafill_gpu::RenderTargets::new(gpu, size)?,
             pipeline,
             bound,
         })

@@ -2,28 +2,47 @@
 //! Balls over terrain, stepped on devices and drawn from where the step left them.
 
 use crate::STUDY;
-use crate::drawing::{Drawn, DrawsBalls, PICTURE};
+use crate::drawing::{Drawn, DrawsBalls};
 use crate::on_devices::{TIMED, constants, take_all};
 use crate::stepping::{Steps, Way};
 use crate::terrain::{BallView, JudgedBalls, State, Terrain, judge};
 use crate::walk::{Walk, walk};
+use image::{GrayImage, ImageFormat};
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::path::Path;
 use terrafill_fill::{CpuStopwatch, DeviceError, ids_of};
 use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
-use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_scene::ImageSize;
+use terrafill_study::{Context, Group, Request, Session, StudyError};
 
 /// Balls that are drawn one by one at most: the published figure ends at 5,000.
 const MOST_EACH: u32 = 10_000;
+
+/// Pixels a side of a quick run that names no size: the published one is not known.
+const QUICK_SIDE_PX: u32 = 256;
+/// Balls whose picture is kept: the most that every run draws.
+const PICTURED_BALLS: u32 = 4_000;
+
+/// Size of the request's pictures: square, of its smaller side.
+pub(crate) fn size_of(request: &Request) -> ImageSize {
+    let [width, height] = request.size_or([QUICK_SIDE_PX; 2]);
+    let side = width.min(height);
+    ImageSize {
+        width: side,
+        height: side,
+    }
+}
 
 /// Balls over terrain, drawn or not.
 pub(crate) struct DrawnBalls {
     planned: Vec<PlannedCase>,
     cases: Vec<(Way, Drawn, u32)>,
+    size: ImageSize,
 }
 
 impl DrawnBalls {
-    pub(crate) fn new(is_quick: bool, samples: u32) -> Self {
+    pub(crate) fn new(is_quick: bool, (size, samples): (ImageSize, u32)) -> Self {
         let counts: &[u32] = match is_quick {
             true => &[500, 4_000],
             false => &[
@@ -48,8 +67,11 @@ impl DrawnBalls {
                     ];
                     let values: Vec<&str> =
                         conditions.iter().map(|(_, value)| value.as_str()).collect();
+                    let name = values.join("/");
+                    let side = ("size_px", size.width.to_string());
+                    let conditions = conditions.into_iter().chain([side]);
                     planned.push(PlannedCase {
-                        id: CaseId::new(STUDY, values.join("/"), conditions.clone()),
+                        id: CaseId::new(STUDY, name, conditions),
                         samples,
                         may_be_wrong: false,
                     });
@@ -57,7 +79,11 @@ impl DrawnBalls {
                 }
             }
         }
-        Self { planned, cases }
+        Self {
+            planned,
+            cases,
+            size,
+        }
     }
 }
 
@@ -110,6 +136,8 @@ struct Found {
     judged: JudgedBalls,
     differing: usize,
     draws: usize,
+    /// Of each pixel: its ball and 1, or 0. Empty where nothing is drawn.
+    numbers: Vec<u32>,
 }
 
 impl DrawnSession<'_> {
@@ -118,7 +146,7 @@ impl DrawnSession<'_> {
         let balls = self.terrain.balls(count);
         let devices = self.context.devices;
         let mut steps = way.open(devices, &constants(count), &balls, Some(&self.terrain))?;
-        let mut points = steps.points()?;
+        let mut points = steps.points(self.group.size)?;
         let (mut uploaded, mut strayed) = (0, 0);
         let (walk, last) = match self.walked.get(&(way, count)) {
             // Followed before: the same steps, in frames of a few.
@@ -148,11 +176,12 @@ impl DrawnSession<'_> {
             points.draw(steps.current(), &ranges)?;
             uploaded += steps.uploaded() - before;
             let numbers = ids_of(&points.read()?);
-            let size = [PICTURE.width, PICTURE.height];
-            found.judged = judge(&BallView::new(), size, &last, &numbers);
+            let ImageSize { width, height } = self.group.size;
+            found.judged = judge(&BallView::new(), [width, height], &last, &numbers);
             let first = self.first.entry((way, count));
             let first = first.or_insert_with(|| numbers.clone());
             found.differing = numbers.iter().zip(&*first).filter(|(a, b)| a != b).count();
+            found.numbers = numbers;
         }
         found.uploaded = uploaded;
         let opened = Opened {
@@ -163,6 +192,44 @@ impl DrawnSession<'_> {
         self.opened.insert(case, opened);
         Ok(found)
     }
+}
+
+impl DrawnSession<'_> {
+    /// The picture of one draw, where it is kept, as a note.
+    fn picture(
+        &self,
+        case: usize,
+        found: &Found,
+    ) -> Result<Vec<(&'static str, String)>, StudyError> {
+        let (_, drawn, balls) = self.group.cases[case];
+        if drawn != Drawn::All || balls != PICTURED_BALLS {
+            return Ok(Vec::new());
+        }
+        let name = &self.group.planned[case].id.name;
+        let written = write(self.context.folder, name, self.group.size, &found.numbers);
+        let path = written.map_err(|message| StudyError::Broken {
+            place: name.clone(),
+            message,
+        })?;
+        Ok(vec![("picture", path)])
+    }
+}
+
+/// Writes balls, dark before the sky, under `folder/images/` and returns the path relative to `folder`.
+fn write(folder: &Path, name: &str, size: ImageSize, numbers: &[u32]) -> Result<String, String> {
+    let relative = format!("images/balls-{}.png", name.replace('/', "-"));
+    let path = folder.join(&relative);
+    let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let pixels = numbers.iter().map(|number| match number {
+        0 => 230,
+        _ => 40,
+    });
+    let picture = GrayImage::from_raw(size.width, size.height, pixels.collect());
+    let picture = picture.ok_or_else(|| failed(&"wrong size"))?;
+    std::fs::create_dir_all(folder.join("images")).map_err(|error| failed(&error))?;
+    let saved = picture.save_with_format(&path, ImageFormat::Png);
+    saved.map_err(|error| failed(&error))?;
+    Ok(relative)
 }
 
 impl Found {
@@ -224,6 +291,7 @@ impl Session for DrawnSession<'_> {
             figures.push(("ball_mismatched_px", found.judged.mismatched as f64));
             figures.push(("ball_differing_px", found.differing as f64));
         }
+        let notes = self.picture(case, &found)?;
         Ok(Verdict {
             status: match reason.is_empty() {
                 true => Status::Ok,
@@ -231,7 +299,7 @@ impl Session for DrawnSession<'_> {
             },
             reason,
             figures,
-            ..Verdict::default()
+            notes,
         })
     }
 
@@ -260,10 +328,15 @@ mod tests {
     use std::rc::Rc;
     use terrafill_fill::Devices;
 
+    const SIZE: ImageSize = ImageSize {
+        width: QUICK_SIDE_PX,
+        height: QUICK_SIDE_PX,
+    };
+
     #[test]
     fn balls_over_terrain_follow_f64_and_those_over_other_ground_do_not() {
         let devices = Rc::new(Devices::default());
-        let mut group = DrawnBalls::new(true, 1);
+        let mut group = DrawnBalls::new(true, (SIZE, 1));
         let few: Vec<usize> = (0..group.cases.len())
             .filter(|case| group.cases[*case].2 == 500)
             .collect();
@@ -304,11 +377,11 @@ mod tests {
             let wrong = walk(other.as_mut(), &Terrain::flat(), &first).expect("steps");
             assert!(wrong.reason().contains("from f64"), "{way:?}: {wrong:?}");
             let last = steps.read().expect("reads");
-            let mut points = steps.points().expect("points");
+            let mut points = steps.points(SIZE).expect("points");
             let drawn = points.draw(steps.current(), &Drawn::All.ranges(500));
             drawn.expect("draws");
             let numbers = ids_of(&points.read().expect("a picture"));
-            let size = [PICTURE.width, PICTURE.height];
+            let size = [SIZE.width, SIZE.height];
             let judged = |balls: &[State]| judge(&BallView::new(), size, balls, &numbers);
             assert_eq!(judged(&last).mismatched, 0, "{way:?}");
             assert!(judged(&first).mismatched > 0, "{way:?}");

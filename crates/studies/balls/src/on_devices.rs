@@ -244,6 +244,7 @@ mod tests {
     use super::*;
     use crate::drawing::DrawsBalls;
     use terrafill_fill::Devices;
+    use terrafill_scene::ImageSize;
     use terrafill_vulkan::{Buffer, BufferUse};
 
     /// Twin: writes the state anew before it steps.
@@ -283,8 +284,8 @@ mod tests {
             self.steps.current()
         }
 
-        fn points(&self) -> Result<Box<dyn DrawsBalls>, DeviceError> {
-            self.steps.points()
+        fn points(&self, size: ImageSize) -> Result<Box<dyn DrawsBalls>, DeviceError> {
+            self.steps.points(size)
         }
     }
 

@@ -6,6 +6,7 @@ use crate::terrain::{State, Terrain};
 use std::sync::Arc;
 use terrafill_fill::{DeviceError, Devices};
 use terrafill_gpu::{PassTimer, TimedPass};
+use terrafill_scene::ImageSize;
 use terrafill_vulkan::{
     Buffer, BufferUse, CapturePipeline, ComputePipeline, Dispatch, Resource, Resources, Shader,
     StateStep, advance,
@@ -80,7 +81,7 @@ pub(crate) trait Steps {
     /// Which of the two states is the last.
     fn current(&self) -> usize;
     /// What draws the balls.
-    fn points(&self) -> Result<Box<dyn DrawsBalls>, DeviceError>;
+    fn points(&self, size: ImageSize) -> Result<Box<dyn DrawsBalls>, DeviceError>;
 }
 
 struct OnWgpu {
@@ -198,8 +199,8 @@ impl Steps for OnWgpu {
         self.current
     }
 
-    fn points(&self) -> Result<Box<dyn DrawsBalls>, DeviceError> {
-        Ok(Box::new(WgpuPoints::new(&self.gpu, &self.states)?))
+    fn points(&self, size: ImageSize) -> Result<Box<dyn DrawsBalls>, DeviceError> {
+        Ok(Box::new(WgpuPoints::new(&self.gpu, &self.states, size)?))
     }
 }
 
@@ -319,8 +320,8 @@ impl Steps for OnVulkan {
         self.current
     }
 
-    fn points(&self) -> Result<Box<dyn DrawsBalls>, DeviceError> {
-        Ok(Box::new(VulkanPoints::new(&self.gpu, &self.states)?))
+    fn points(&self, size: ImageSize) -> Result<Box<dyn DrawsBalls>, DeviceError> {
+        Ok(Box::new(VulkanPoints::new(&self.gpu, &self.states, size)?))
     }
 
     fn read(&self) -> Result<Vec<State>, DeviceError> {

@@ -3,7 +3,7 @@
 
 use crate::chapter::BallsChapter;
 use crate::contact::{STEPS, energy_ratio};
-use crate::drawn::DrawnBalls;
+use crate::drawn::{DrawnBalls, size_of};
 use crate::drop::{Arithmetic, Drop, GROUND_M, MOSTLY, Rest};
 use crate::integrator::Integrator;
 use crate::on_devices::DeviceBalls;
@@ -59,7 +59,10 @@ impl Study for BallsStudy {
             groups.push(Box::new(Balls::new(part, experiments, samples)));
         }
         groups.push(Box::new(DeviceBalls::new(is_quick, samples)));
-        groups.push(Box::new(DrawnBalls::new(is_quick, samples)));
+        groups.push(Box::new(DrawnBalls::new(
+            is_quick,
+            (size_of(request), samples),
+        )));
         Ok(Planned {
             groups,
             skipped: Vec::new(),

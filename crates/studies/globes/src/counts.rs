@@ -135,6 +135,7 @@ fn case(work: &Work, samples: u32) -> PlannedCase {
         ("hysteresis", work.hysteresis.to_string()),
         ("delay", work.delay.to_string()),
         ("transfers", transfers.clone()),
+        ("size_px", SIDE_PX.to_string()),
     ];
     let name = format!(
         "{PART}/{path}/{way}/hysteresis={}/delay={}/transfers={transfers}",

@@ -25,8 +25,7 @@ use terrafill_surface::SurfaceKind;
 const SAMPLES: u32 = 11;
 const QUICK_SAMPLES: u32 = 5;
 
-/// Pixels a side. The facts that figures are held against are for the larger one.
-const SIDE_PX: u32 = 800;
+/// Pixels a side of a quick run that names no size.
 const QUICK_SIDE_PX: u32 = 400;
 
 /// Which surface draws the body with which error in which time.
@@ -127,13 +126,14 @@ impl Study for GlobesStudy {
     }
 }
 
-/// Pixels a side, and timed frames of a case.
+/// Pixels a side, and timed frames of a case. Pictures are square: of another size, the smaller side.
 fn sizes(request: &Request) -> (u32, u32) {
-    let (side_px, samples) = match request.depth {
-        Depth::Quick => (QUICK_SIDE_PX, QUICK_SAMPLES),
-        Depth::Main | Depth::Full => (SIDE_PX, SAMPLES),
+    let [width, height] = request.size_or([QUICK_SIDE_PX; 2]);
+    let samples = match request.depth {
+        Depth::Quick => QUICK_SAMPLES,
+        Depth::Main | Depth::Full => SAMPLES,
     };
-    (side_px, request.samples.unwrap_or(samples))
+    (width.min(height), request.samples.unwrap_or(samples))
 }
 
 #[cfg(test)]

@@ -80,6 +80,7 @@ impl Zones {
                 ("wanted", work.wanted.to_string()),
                 ("hysteresis", work.hysteresis.to_string()),
                 ("delay", DELAY.to_string()),
+                ("size_px", SIDE_PX.to_string()),
             ];
             let name = format!(
                 "{PART}/{way}/spike={}/wanted={}/hysteresis={}",

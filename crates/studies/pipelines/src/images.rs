@@ -4,12 +4,28 @@
 use image::{ImageFormat, RgbImage};
 use std::path::Path;
 use terrafill_scene::ImageSize;
+use terrafill_study::{Request, size_name};
 
-/// Pixels a side: the published size is not known.
+/// Of a quick run that names no size: the published one is not known.
 pub(crate) const PICTURE: ImageSize = ImageSize {
     width: 256,
     height: 256,
 };
+
+/// Size of the request's pictures: square, of its smaller side.
+pub(crate) fn size_of(request: &Request) -> ImageSize {
+    let [width, height] = request.size_or([PICTURE.width, PICTURE.height]);
+    let side = width.min(height);
+    ImageSize {
+        width: side,
+        height: side,
+    }
+}
+
+/// The size as a condition.
+pub(crate) fn size_px(size: ImageSize) -> (&'static str, String) {
+    ("size_px", size_name([size.width, size.height]))
+}
 
 /// Red of a pixel that shows what it may not.
 const WRONG: [u8; 3] = [230, 30, 30];

@@ -6,7 +6,7 @@ use crate::chapter::PipelinesChapter;
 use crate::culling::Culling;
 use crate::draws::{Counted, Draws, verdict_of};
 use crate::grid::{Grid, View};
-use crate::images::{PICTURE, write};
+use crate::images::{size_of, size_px, write};
 use crate::layered::{Blurs, Shades};
 use crate::lights::Lights;
 use crate::metrics::METRICS;
@@ -18,6 +18,7 @@ use crate::{STUDY, way};
 use std::collections::BTreeMap;
 use terrafill_fill::ids_of;
 use terrafill_results::{CaseId, Chapter, Metric, PlannedCase, Status, Verdict};
+use terrafill_scene::ImageSize;
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
 
 /// Cells a side; a quick run draws the first two.
@@ -62,6 +63,7 @@ impl Study for PipelinesStudy {
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let is_quick = request.depth == Depth::Quick;
         let samples = request.samples.unwrap_or(SAMPLES);
+        let size = size_of(request);
         let mut groups: Vec<Box<dyn Group>> = Vec::new();
         let mut sizes = GRID_CELLS[..if is_quick {
             QUICK_GRIDS
@@ -71,7 +73,12 @@ impl Study for PipelinesStudy {
             .to_vec();
         sizes.sort_unstable();
         for cells in sizes {
-            groups.push(Box::new(Grids::new("grid", cells, grid_ways(), samples)));
+            groups.push(Box::new(Grids::new(
+                "grid",
+                cells,
+                grid_ways(),
+                (size, samples),
+            )));
         }
         let amplified: &[u32] = match is_quick {
             true => &QUICK_AMPLIFIED_CELLS,
@@ -82,14 +89,14 @@ impl Study for PipelinesStudy {
                 "amplify",
                 cells,
                 amplified_ways(),
-                samples,
+                (size, samples),
             )));
         }
-        for culling in Culling::all(is_quick, samples) {
+        for culling in Culling::all(is_quick, (size, samples)) {
             groups.push(Box::new(culling));
         }
         groups.push(Box::new(Caches::new(is_quick, samples)));
-        for lights in Lights::all(is_quick, samples) {
+        for lights in Lights::all(is_quick, (size, samples)) {
             groups.push(Box::new(lights));
         }
         groups.push(Box::new(Shades::new(is_quick, samples)));
@@ -177,6 +184,7 @@ fn conditions(
 struct Grids {
     experiment: &'static str,
     cells: u32,
+    size: ImageSize,
     cases: Vec<PlannedCase>,
     ways: Vec<(Interface, Way)>,
 }
@@ -186,13 +194,17 @@ impl Grids {
         experiment: &'static str,
         cells: u32,
         ways: Vec<(Interface, Way)>,
-        samples: u32,
+        (size, samples): (ImageSize, u32),
     ) -> Self {
         let case = |&(interface, way): &(Interface, Way)| {
             let conditions = conditions(experiment, interface, way, cells);
             let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
             PlannedCase {
-                id: CaseId::new(STUDY, values.join("/"), conditions.clone()),
+                id: CaseId::new(
+                    STUDY,
+                    values.join("/"),
+                    [&conditions[..], &[size_px(size)]].concat(),
+                ),
                 samples,
                 may_be_wrong: false,
             }
@@ -200,6 +212,7 @@ impl Grids {
         Self {
             experiment,
             cells,
+            size,
             cases: ways.iter().map(case).collect(),
             ways,
         }
@@ -217,7 +230,7 @@ impl Group for Grids {
 
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
         let grid = Grid::new(self.cells);
-        let truth = rays(&grid).picture();
+        let truth = rays(&grid, self.size).picture();
         Ok(Box::new(GridSession {
             group: self,
             context,
@@ -229,8 +242,8 @@ impl Group for Grids {
     }
 }
 
-fn rays(grid: &Grid) -> Rays<'_> {
-    let size = [PICTURE.width, PICTURE.height];
+fn rays(grid: &Grid, size: ImageSize) -> Rays<'_> {
+    let size = [size.width, size.height];
     Rays::new(grid, View::new(), size, Cut::Published)
 }
 
@@ -248,7 +261,7 @@ struct GridSession<'a> {
 
 impl GridSession<'_> {
     fn judge(&self, way: Way, numbers: &[u32]) -> Judged {
-        let rays = rays(&self.grid);
+        let rays = rays(&self.grid, self.group.size);
         match way.draws_points() {
             true => rays.judge_points(numbers),
             false => rays.judge_triangles(numbers, &self.truth),
@@ -271,7 +284,7 @@ impl GridSession<'_> {
         }
         let name = &self.group.cases[case].id.name;
         let draws_points = self.group.ways[case].1.draws_points();
-        let size = [PICTURE.width, PICTURE.height];
+        let size = [self.group.size.width, self.group.size.height];
         let cells = self.grid.cells;
         let folder = self.context.folder;
         let written = write(
@@ -299,7 +312,7 @@ impl Session for GridSession<'_> {
             way,
             &self.grid,
             &View::new(),
-            PICTURE,
+            self.group.size,
         );
         let drawn = opened.and_then(|mut opened| Ok((opened.draw()?, opened)));
         let ((picture, counted), opened) = match drawn {
@@ -372,6 +385,7 @@ fn figures(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::images::PICTURE;
     use std::rc::Rc;
     use terrafill_fill::{DeviceError, Devices};
 
@@ -432,21 +446,24 @@ mod tests {
     #[test]
     fn every_way_draws_the_same_grid_and_the_reference_agrees() {
         // wgpu has 6 ways, Vulkan 8, without mesh shaders 7.
-        check(&Grids::new("grid", 64, grid_ways(), 1), 13);
+        check(&Grids::new("grid", 64, grid_ways(), (PICTURE, 1)), 13);
     }
 
     #[test]
     fn every_amplification_draws_the_same_grid() {
         // Eight cells a side are 2,048 components in strips of cells and 1,152 in strips of rows: above the usual
         // limit of 1,024.
-        check(&Grids::new("amplify", 64, amplified_ways(), 1), 10);
+        check(
+            &Grids::new("amplify", 64, amplified_ways(), (PICTURE, 1)),
+            10,
+        );
     }
 
     #[test]
     fn a_changed_height_is_noticed_on_the_device() {
         let devices = Devices::default();
         let grid = Grid::new(64);
-        let truth = rays(&grid).picture();
+        let truth = rays(&grid, PICTURE).picture();
         for interface in Interface::ALL
             .into_iter()
             .filter(|interface| has_device(*interface))
@@ -458,8 +475,8 @@ mod tests {
                     let (picture, _) = opened.expect("opens").draw().expect("draws");
                     let numbers = ids_of(&picture);
                     match way.draws_points() {
-                        true => rays(&grid).judge_points(&numbers),
-                        false => rays(&grid).judge_triangles(&numbers, &truth),
+                        true => rays(&grid, PICTURE).judge_points(&numbers),
+                        false => rays(&grid, PICTURE).judge_triangles(&numbers, &truth),
                     }
                 };
                 assert_eq!(judge(&grid).mismatched, 0, "{interface:?} {way:?}");

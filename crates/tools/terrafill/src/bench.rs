@@ -219,6 +219,7 @@ fn request(arguments: &BenchArguments, depth: Depth) -> Request {
         depth,
         samples: arguments.samples,
         size: arguments.size().into(),
+        names_size: arguments.size.is_some(),
         data_dir: data_dir(arguments.data.as_deref()),
         ..Request::default()
     };

@@ -448,6 +448,7 @@ mod tests {
     use crate::culling::Culling;
     use terrafill_results::made_up::{MadeUpRun, case_id};
     use terrafill_results::{CaseId, Run};
+    use terrafill_scene::ImageSize;
     use terrafill_study::Group;
 
     fn differing(one: &CaseId, other: &CaseId) -> Vec<String> {
@@ -462,7 +463,11 @@ mod tests {
     #[test]
     fn a_stage_with_the_test_is_held_against_the_same_stage_without_it() {
         for is_quick in [true, false] {
-            let groups = Culling::all(is_quick, 1);
+            let size = ImageSize {
+                width: 256,
+                height: 256,
+            };
+            let groups = Culling::all(is_quick, (size, 1));
             let ids: Vec<&CaseId> = groups[0].cases().iter().map(|case| &case.id).collect();
             let at = |place: &str, test: &str, view: &str| {
                 let is_it = |id: &&&CaseId| {

@@ -11,13 +11,14 @@ use super::way::{CullWay, FLIGHT_S, Place, Test, VIEWS, ViewKind, flight};
 use crate::STUDY;
 use crate::draws::verdict_of;
 use crate::grid::View;
-use crate::images::{PICTURE, write};
+use crate::images::{size_px, write};
 use crate::rays::{Cut, Judged, Rays};
 use crate::way::Interface;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use terrafill_fill::{DeviceError, ids_of};
 use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
+use terrafill_scene::ImageSize;
 use terrafill_study::{Context, Group, Session, StudyError};
 
 /// Cells a side of a tile: the published 256, whose lists are counted and whose frames are not timed, and a quarter of
@@ -43,6 +44,7 @@ struct CullCase {
 pub(crate) struct Culling {
     experiment: &'static str,
     tile_cells: u32,
+    size: ImageSize,
     planned: Vec<PlannedCase>,
     cases: Vec<CullCase>,
 }
@@ -50,7 +52,7 @@ pub(crate) struct Culling {
 impl Culling {
     /// The five views, the flight, and the five views whose patches are counted, at the published size unless it is
     /// quick.
-    pub(crate) fn all(is_quick: bool, samples: u32) -> Vec<Self> {
+    pub(crate) fn all(is_quick: bool, sizes: (ImageSize, u32)) -> Vec<Self> {
         let views = |ways: &[CullWay]| -> Vec<CullCase> {
             let of = |view| {
                 ways.iter().map(move |&way| CullCase {
@@ -80,13 +82,18 @@ impl Culling {
         };
         let counted_ways = views(&CullWay::counted());
         vec![
-            Self::new("culling", tile_cells, views(&ways), samples),
-            Self::new("culling-flight", tile_cells, flown.collect(), samples),
-            Self::new("culling-count", counted, counted_ways, 0),
+            Self::new("culling", tile_cells, views(&ways), sizes),
+            Self::new("culling-flight", tile_cells, flown.collect(), sizes),
+            Self::new("culling-count", counted, counted_ways, (sizes.0, 0)),
         ]
     }
 
-    fn new(experiment: &'static str, tile_cells: u32, cases: Vec<CullCase>, samples: u32) -> Self {
+    fn new(
+        experiment: &'static str,
+        tile_cells: u32,
+        cases: Vec<CullCase>,
+        (size, samples): (ImageSize, u32),
+    ) -> Self {
         let planned = |case: &CullCase| {
             let place = match experiment {
                 "culling-flight" => ("flight_s", case.second.to_string()),
@@ -102,7 +109,11 @@ impl Culling {
             ];
             let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
             PlannedCase {
-                id: CaseId::new(STUDY, values.join("/"), conditions.clone()),
+                id: CaseId::new(
+                    STUDY,
+                    values.join("/"),
+                    [&conditions[..], &[size_px(size)]].concat(),
+                ),
                 samples,
                 // What the published test loses is what is asked of it.
                 may_be_wrong: matches!(case.way.test, Test::Point(_)),
@@ -111,6 +122,7 @@ impl Culling {
         Self {
             experiment,
             tile_cells,
+            size,
             planned: cases.iter().map(planned).collect(),
             cases,
         }
@@ -162,13 +174,13 @@ struct CullSession<'a> {
     opened: BTreeMap<usize, Box<dyn Culls>>,
 }
 
-fn rays<'a>(ground: &'a Ground, view: &View) -> Rays<'a> {
-    let size = [PICTURE.width, PICTURE.height];
+fn rays<'a>(ground: &'a Ground, view: &View, size: ImageSize) -> Rays<'a> {
+    let size = [size.width, size.height];
     Rays::new(&ground.grid, *view, size, Cut::Published)
 }
 
 impl Truth {
-    fn new(ground: &Ground, kind: &ViewKind) -> Self {
+    fn new(ground: &Ground, kind: &ViewKind, size: ImageSize) -> Self {
         let view = ground.view(kind.share, kind.above_m, kind.angles_deg);
         let tiles = Frustum::new(&view).tiles(ground).len();
         #[allow(clippy::cast_possible_truncation, reason = "there are 256 tiles")]
@@ -177,7 +189,7 @@ impl Truth {
             needed: needed(&ground.grid, &view),
             in_tiles,
             tiles,
-            met: rays(ground, &view).picture_every(RAY_EVERY),
+            met: rays(ground, &view, size).picture_every(RAY_EVERY),
             view,
             first: BTreeMap::new(),
         }
@@ -198,7 +210,7 @@ impl CullSession<'_> {
                     self.vulkan = Some(Rc::new(VulkanGround::new(&gpu, &self.ground)?));
                 }
                 let shared = self.vulkan.as_ref().ok_or(DeviceError::Missing("ground"))?;
-                Box::new(OnVulkan::new(shared, way, view, PICTURE)?)
+                Box::new(OnVulkan::new(shared, way, view, self.group.size)?)
             }
             Interface::Wgpu => {
                 if self.wgpu.is_none() {
@@ -206,7 +218,7 @@ impl CullSession<'_> {
                     self.wgpu = Some(Rc::new(WgpuGround::new(&gpu, &self.ground)?));
                 }
                 let shared = self.wgpu.as_ref().ok_or(DeviceError::Missing("ground"))?;
-                Box::new(OnWgpu::new(shared, way, view, PICTURE)?)
+                Box::new(OnWgpu::new(shared, way, view, self.group.size)?)
             }
         })
     }
@@ -227,7 +239,7 @@ impl CullSession<'_> {
             return Ok(None);
         }
         let name = &self.group.planned[case].id.name;
-        let size = [PICTURE.width, PICTURE.height];
+        let size = [self.group.size.width, self.group.size.height];
         let cells = self.ground.grid.cells;
         let written = write(
             self.context.folder,
@@ -250,7 +262,7 @@ impl Session for CullSession<'_> {
         let CullCase { way, view, second } = self.group.cases[case];
         let key = (view.name, second);
         if !self.views.contains_key(&key) {
-            let truth = Truth::new(&self.ground, &view);
+            let truth = Truth::new(&self.ground, &view, self.group.size);
             self.views.insert(key, truth);
         }
         let seen = self.views[&key].view;
@@ -267,7 +279,7 @@ impl Session for CullSession<'_> {
         let Some(truth) = self.views.get_mut(&key) else {
             return Ok(Verdict::failed("its view is gone".to_owned()));
         };
-        let judged = rays(&self.ground, &seen).judge_some(&numbers, &truth.met);
+        let judged = rays(&self.ground, &seen, self.group.size).judge_some(&numbers, &truth.met);
         let first = truth.first.entry(way.interface);
         let first = first.or_insert_with(|| numbers.clone());
         let differs = numbers.iter().zip(&*first).map(|(a, b)| a != b);
@@ -371,6 +383,7 @@ impl Found {
 mod tests {
     use super::*;
     use crate::draws::Counted;
+    use crate::images::PICTURE;
     use terrafill_fill::{Devices, Picture};
 
     #[test]
@@ -392,7 +405,7 @@ mod tests {
                 second: 0,
             })
         });
-        let group = Culling::new("culling", 32, cases.collect(), 1);
+        let group = Culling::new("culling", 32, cases.collect(), (PICTURE, 1));
         let folder = tempfile::tempdir().expect("a folder");
         let context = Context {
             devices: &devices,
@@ -431,7 +444,7 @@ mod tests {
     #[test]
     fn a_lost_patch_and_another_pixel_are_said() {
         let ground = Ground::new(16);
-        let mut truth = Truth::new(&ground, &VIEWS[0]);
+        let mut truth = Truth::new(&ground, &VIEWS[0], PICTURE);
         let kept: Vec<u32> = (0..)
             .zip(&truth.needed)
             .filter(|(_, is)| **is)

@@ -156,8 +156,10 @@ impl BlurCase {
         conditions.push(("layers_by", self.way.name().to_owned()));
         conditions.push(("layers", self.layers.to_string()));
         let values: Vec<&str> = conditions.iter().map(|(_, value)| &**value).collect();
+        let name = values.join("/");
+        conditions.push(("size_px", SIDE.to_string()));
         PlannedCase {
-            id: CaseId::new(STUDY, values.join("/"), conditions.clone()),
+            id: CaseId::new(STUDY, name, conditions),
             samples,
             may_be_wrong: false,
         }

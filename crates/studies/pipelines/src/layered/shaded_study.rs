@@ -11,7 +11,7 @@ use crate::variance::{DepthFormat, Moments};
 use crate::way::Interface;
 use std::collections::BTreeMap;
 use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
-use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_study::{Context, Group, Session, StudyError, size_name};
 
 /// Under the variance.
 const LEAST: f32 = 1e-7;
@@ -129,8 +129,10 @@ impl Shades {
                 conditions.push(("api", interface.name().to_owned()));
                 conditions.push(("layers_by", way.name().to_owned()));
                 let values: Vec<&str> = conditions.iter().map(|(_, value)| &**value).collect();
+                let name = values.join("/");
+                conditions.push(("size_px", size_name(shade.size())));
                 planned.push(PlannedCase {
-                    id: CaseId::new(STUDY, values.join("/"), conditions.clone()),
+                    id: CaseId::new(STUDY, name, conditions),
                     // What is drawn once says all but of several lights.
                     samples: if shade.has_several_lights() {
                         samples

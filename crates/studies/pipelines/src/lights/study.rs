@@ -8,11 +8,12 @@ use super::way::LightWay;
 use crate::STUDY;
 use crate::draws::verdict_of;
 use crate::grid::{Grid, View};
-use crate::images::{PICTURE, write_lit};
+use crate::images::{size_px, write_lit};
 use crate::rays::{Cut, Rays};
 use std::collections::BTreeMap;
 use terrafill_fill::{DeviceError, ids_of};
 use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
+use terrafill_scene::ImageSize;
 use terrafill_study::{Context, Group, Session, StudyError};
 
 const LIGHTS: [u32; 3] = [1, 4, 16];
@@ -30,19 +31,20 @@ pub(crate) struct Lights {
     lights: Vec<DistantLight>,
     cells: u32,
     side: u32,
+    size: ImageSize,
 }
 
 impl Lights {
-    pub(crate) fn all(is_quick: bool, samples: u32) -> Vec<Self> {
+    pub(crate) fn all(is_quick: bool, pictures: (ImageSize, u32)) -> Vec<Self> {
         let (counts, sizes): (&[u32], _) = match is_quick {
             true => (&QUICK_LIGHTS, QUICK_SIZES),
             false => (&LIGHTS, SIZES),
         };
-        let of = |count: &u32| Self::new(*count, sizes, samples);
+        let of = |count: &u32| Self::new(*count, sizes, pictures);
         counts.iter().map(of).collect()
     }
 
-    fn new(count: u32, [cells, side]: [u32; 2], samples: u32) -> Self {
+    fn new(count: u32, [cells, side]: [u32; 2], (size, samples): (ImageSize, u32)) -> Self {
         let planned = |way: &LightWay| {
             let conditions = [
                 ("experiment", "lights".to_owned()),
@@ -53,7 +55,11 @@ impl Lights {
             ];
             let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
             PlannedCase {
-                id: CaseId::new(STUDY, values.join("/"), conditions.clone()),
+                id: CaseId::new(
+                    STUDY,
+                    values.join("/"),
+                    [&conditions[..], &[size_px(size)]].concat(),
+                ),
                 samples,
                 may_be_wrong: false,
             }
@@ -65,6 +71,7 @@ impl Lights {
             lights: lights(count),
             cells,
             side,
+            size,
         }
     }
 }
@@ -109,12 +116,14 @@ pub(crate) fn differing<T: Copy>(one: &[T], other: &[T], bits: impl Fn(T) -> u32
 impl LightSession<'_> {
     fn open(&self, way: LightWay) -> Result<OnVulkan, DeviceError> {
         let gpu = terrafill_vulkan::shared_gpu(self.context.devices)?;
-        let Lights { lights, side, .. } = self.group;
-        OnVulkan::new(&gpu, way, &self.grid, lights, *side, PICTURE)
+        let Lights {
+            lights, side, size, ..
+        } = self.group;
+        OnVulkan::new(&gpu, way, &self.grid, lights, *side, *size)
     }
 
     fn rays(&self) -> LitRays<'_> {
-        let size = [PICTURE.width, PICTURE.height];
+        let size = [self.group.size.width, self.group.size.height];
         LitRays {
             rays: Rays::new(&self.grid, View::new(), size, Cut::Published),
             lights: &self.group.lights,
@@ -171,7 +180,7 @@ impl Session for LightSession<'_> {
         let mut notes = Vec::new();
         if is_first || !reason.is_empty() {
             let name = &self.group.planned[case].id.name;
-            let size = [PICTURE.width, PICTURE.height];
+            let size = [self.group.size.width, self.group.size.height];
             let written = write_lit(self.context.folder, name, size, &numbers, lit);
             let path = written.map_err(|message| StudyError::Broken {
                 place: name.clone(),
@@ -199,6 +208,7 @@ impl Session for LightSession<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::images::PICTURE;
     use std::rc::Rc;
     use terrafill_fill::Devices;
 
@@ -209,7 +219,7 @@ mod tests {
         if terrafill_fill::device_for_test(opened).is_none() {
             return;
         }
-        let group = Lights::new(4, QUICK_SIZES, 1);
+        let group = Lights::new(4, QUICK_SIZES, (PICTURE, 1));
         let folder = tempfile::tempdir().expect("a folder");
         let context = Context {
             devices: &devices,
