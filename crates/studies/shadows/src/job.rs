@@ -7,6 +7,7 @@ use crate::maps::Bias;
 use crate::near::EyeTest;
 use crate::outline::Way;
 use crate::rivals::Rival;
+use crate::view::EYE_SIZE;
 use crate::views::{Chooser, Eyes, Place};
 use crate::way::DeviceWay;
 use crate::work::{End, Scissor};
@@ -58,6 +59,26 @@ pub(crate) enum Job {
     Rival([f64; 2], Rival),
     View([f64; 2], Place, Chooser),
     Rung([f64; 2], Rung),
+}
+
+impl Job {
+    /// Sizes of its pictures as conditions.
+    ///
+    /// - `checked`: of all channels
+    /// - `timed`: of the one that is timed and kept as a picture
+    pub(crate) fn sizes(self, checked: [u32; 2], timed: [u32; 2]) -> Vec<(&'static str, [u32; 2])> {
+        match self {
+            Self::Model | Self::Outline(..) | Self::Silhouette(..) => Vec::new(),
+            Self::Eye(..) => vec![("size_px", EYE_SIZE)],
+            Self::Device(..)
+            | Self::Near(..)
+            | Self::DeviceRow(..)
+            | Self::DeviceMap(..)
+            | Self::Rival(..)
+            | Self::Rung(..) => vec![("size_px", timed), ("checked_px", checked)],
+            _ => vec![("size_px", checked)],
+        }
+    }
 }
 
 /// As rows have it.

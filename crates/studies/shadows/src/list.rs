@@ -80,7 +80,7 @@ const QUICK_MESHES: usize = 5;
 /// Stands for a user's mesh where meshes are named.
 pub(crate) const BROUGHT: &str = "";
 /// Timed silhouettes, and frames of a device, a process.
-const SAMPLES: u32 = 5;
+const SAMPLES: u32 = 3;
 
 /// Questions that a user's model is asked, in order.
 const OF_ANY_MODEL: [&str; 10] = [

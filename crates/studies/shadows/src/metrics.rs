@@ -13,7 +13,7 @@ pub(crate) const MAP_WRONG: &str = "shadow_map_wrong";
 pub(crate) const FILL_CPU: &str = "shadow_fill_cpu_ms";
 pub(crate) const FILL_GPU: &str = "shadow_fill_gpu_ms";
 
-pub(crate) const METRICS: [Metric; 43] = [
+pub(crate) const METRICS: [Metric; 44] = [
     Metric::less(
         "shadow_silhouette_cpu_ms",
         "ms",
@@ -24,7 +24,7 @@ pub(crate) const METRICS: [Metric; 43] = [
         "shadow_fill_cpu_ms",
         "ms",
         Kind::Time,
-        "Process CPU time in which a device draws the shadows of the channel that has most; surface and volumes are there already.",
+        "Process CPU time in which a device draws the shadows of the channel that has most, in a picture of `size_px`; surface and volumes are there already.",
     ),
     Metric::less(
         "shadow_fill_gpu_ms",
@@ -229,6 +229,12 @@ pub(crate) const METRICS: [Metric; 43] = [
         "px",
         Kind::Error,
         "Wrong pixels of a device outside the band, yet within its rounding, 1/32 of a pixel: at a caster's rim, in a triangle that is thinner, or where the boundary of one part's shadow runs within others.",
+    ),
+    Metric::less(
+        "shadow_timed_wrong_px",
+        "px",
+        Kind::Error,
+        "Pixels wrong outside the band and beyond rounding in the picture that is timed, where its size is not that of the channels.",
     ),
     Metric::less(
         "shadow_band_px",

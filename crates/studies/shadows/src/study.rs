@@ -24,9 +24,11 @@ use std::rc::Rc;
 use terrafill_casters::EdgeTable;
 use terrafill_fill::{CpuStopwatch, DeviceError, FrameTimes};
 use terrafill_results::{Chapter, Metric, PlannedCase, Verdict};
-use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
+use terrafill_study::{
+    Context, Depth, Group, Planned, Request, Session, Study, StudyError, size_name,
+};
 
-/// Pixels of a channel, and of the row of plates.
+/// Pixels of each channel in which a case is checked: rays take long. What is timed has the request's size.
 const QUICK_SIZE: [u32; 2] = [128, 96];
 const SIZE: [u32; 2] = [200, 150];
 
@@ -64,15 +66,23 @@ impl Study for ShadowsStudy {
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let is_quick = request.depth == Depth::Quick;
         let size = if is_quick { QUICK_SIZE } else { SIZE };
+        let timed_size = request.size_or(QUICK_SIZE);
         let brought = brought(request)?.map(Rc::new);
         let groups = questions(request.depth, request.samples, brought.as_deref()).into_iter();
         let groups = groups.map(|(name, cases)| -> Box<dyn Group> {
-            let (jobs, cases) = cases.into_iter().unzip();
+            let sized = |(job, mut case): (Job, PlannedCase)| {
+                let sizes = job.sizes(size, timed_size).into_iter();
+                let sizes = sizes.map(|(key, size)| (key.to_owned(), size_name(size)));
+                case.id.conditions.extend(sizes);
+                (job, case)
+            };
+            let (jobs, cases) = cases.into_iter().map(sized).unzip();
             Box::new(Question {
                 name,
                 jobs,
                 cases,
                 size,
+                timed_size,
                 brought: brought.clone(),
             })
         });
@@ -106,7 +116,10 @@ struct Question {
     name: &'static str,
     jobs: Vec<Job>,
     cases: Vec<PlannedCase>,
+    /// Of what is checked, pixels.
     size: [u32; 2],
+    /// Of what is timed, pixels.
+    timed_size: [u32; 2],
     /// Instead of the port.
     brought: Option<Rc<Brought>>,
 }
@@ -148,8 +161,8 @@ struct Answering<'a> {
     asking: BTreeMap<usize, Box<dyn Asks>>,
     /// Of a scene by name, for silhouettes that are found each frame.
     edges: Option<(String, EdgeTable)>,
-    /// The last one, of a sun and a size of texels: it may fill half of a device.
-    map: Option<([f64; 2], f64, DeviceMap)>,
+    /// The last one, of a sun, a size of texels and whether it is timed: it may fill half of a device.
+    map: Option<([f64; 2], f64, bool, DeviceMap)>,
 }
 
 impl Answering<'_> {
@@ -244,8 +257,13 @@ impl Session for Answering<'_> {
             }
             Job::DeviceMap(sun, texel_m, _) => {
                 let failed = |error: DrawError| error.to_string();
-                let darkest = self.under(sun)?.darkest_channel().ok_or("no channel")?;
-                let times = self.map(sun, texel_m).map_err(failed)?.time(darkest);
+                let size = self.question.timed_size;
+                let scene = self.under(sun)?;
+                let darkest = match scene.timed_at(size) {
+                    Some(_) => 0,
+                    None => scene.darkest_channel().ok_or("no channel")?,
+                };
+                let times = self.map(sun, texel_m, true).map_err(failed)?.time(darkest);
                 let times = times.map_err(|error| error.to_string())?;
                 let mut values = filled(&times);
                 values.extend(times.stencil_gpu_ms.map(|ms| ("shadow_map_gpu_ms", ms)));

@@ -11,6 +11,8 @@ const CHANNEL_DEG: f64 = 270.0 / 7.0;
 const WALKER_M: f64 = 1.7 + 7.2;
 /// Seed of the eyes on deck.
 const EYES_SEED: u64 = 400;
+/// Pixels of what an eye on deck sees.
+pub(crate) const EYE_SIZE: [u32; 2] = [200, 150];
 
 /// A camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +47,13 @@ impl View {
             near,
             size,
         }
+    }
+
+    /// The same channel in a picture of another size: as wide, and as high as square pixels make it.
+    pub(crate) fn sized(mut self, size: [u32; 2]) -> Self {
+        self.tan[1] = self.tan[0] * f64::from(size[1]) / f64::from(size[0]);
+        self.size = size;
+        self
     }
 
     /// The middle of the same channel at so many pixels across it: they are finer, and as many as before.
@@ -115,7 +124,7 @@ pub(crate) fn deck_eyes(mesh: &Mesh, count: usize, near: f64) -> Vec<View> {
             // A metre of air: a near plane inside a wall sees nothing that anyone would.
             (low - 1.0).cmple(eye).all() && eye.cmple(high + 1.0).all()
         }) {
-            eyes.push(View::level(eye, azimuth, near, [200, 150]));
+            eyes.push(View::level(eye, azimuth, near, EYE_SIZE));
         }
     }
     eyes

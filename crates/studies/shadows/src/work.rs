@@ -13,6 +13,7 @@ use crate::scissor::{Rectangle, above_horizon, around_pixels, depths_of_parts, o
 use crate::view::bridge;
 use crate::view::{View, sun};
 use glam::DVec3;
+use std::cell::OnceCell;
 use terrafill_casters::{
     EdgeTable, Extent, Facing, LightError, Mesh, Policy, PortSize, Prepared, Side, Volume,
     feet_below_sea, port, sea_level_below,
@@ -100,6 +101,8 @@ pub(crate) struct Scene {
     facing: Facing,
     sides: Vec<Side>,
     pub(crate) channels: Vec<(View, Truth)>,
+    /// The channel with most shadow alone, in pictures of the size that is timed.
+    timed: OnceCell<Option<Box<Self>>>,
 }
 
 /// What a way of drawing came to, over all channels.
@@ -171,7 +174,10 @@ impl Scene {
     }
 
     pub(crate) fn of_prepared(prepared: Prepared, at: [f64; 2], views: Vec<View>) -> Self {
-        let to_light = sun(at);
+        Self::lit_from(prepared, sun(at), views)
+    }
+
+    fn lit_from(prepared: Prepared, to_light: DVec3, views: Vec<View>) -> Self {
         let facing = Facing::of(&prepared.mesh, to_light);
         let sides = EdgeTable::of(&prepared.mesh).sides(&prepared, &facing);
         let reference = Reference::new(&prepared.mesh, to_light);
@@ -182,6 +188,7 @@ impl Scene {
         Self {
             to_light,
             channels: channels.collect(),
+            timed: OnceCell::new(),
             facing,
             sides,
             prepared,
@@ -348,6 +355,19 @@ impl Scene {
     /// The channel with the most shadow.
     pub(crate) fn darkest_channel(&self) -> Option<usize> {
         (0..self.channels.len()).max_by_key(|at| self.channels[*at].1.count(Light::Shadow))
+    }
+
+    /// The channel with the most shadow alone, in a picture of that size; `None` where it has that size already.
+    ///
+    /// - `size`: the same whenever it is called
+    pub(crate) fn timed_at(&self, size: [u32; 2]) -> Option<&Self> {
+        let make = || {
+            let (view, _) = self.darkest().filter(|(view, _)| view.size != size)?;
+            let views = vec![view.sized(size)];
+            let scene = Self::lit_from(self.prepared.clone(), self.to_light, views);
+            Some(Box::new(scene))
+        };
+        self.timed.get_or_init(make).as_deref()
     }
 
     /// The same, for a picture.

@@ -15,7 +15,8 @@ use crate::views::Eyes;
 use crate::way::DrawError;
 use crate::work::{Pixels, Scene};
 use terrafill_casters::EdgeTable;
-use terrafill_results::Verdict;
+use terrafill_results::{Status, Verdict};
+use terrafill_study::size_name;
 
 fn device_figures(drawn: &DeviceDrawn, pixels: Pixels) -> Figures {
     let mut figures = vec![
@@ -40,19 +41,45 @@ fn device_figures(drawn: &DeviceDrawn, pixels: Pixels) -> Figures {
     figures
 }
 
+/// Takes into a verdict what is wrong in the picture that is timed.
+fn held_as_timed(verdict: &mut Verdict, wrong: Wrong, size: [u32; 2]) {
+    let outside = wrong.outside();
+    verdict
+        .figures
+        .push(("shadow_timed_wrong_px", outside as f64));
+    if outside > 0 && verdict.status == Status::Ok {
+        verdict.status = Status::Wrong;
+        verdict.reason = format!(
+            "{outside} pixels are wrong outside the band at {}",
+            size_name(size)
+        );
+    }
+}
+
 impl Answering<'_> {
     /// A map on the device, made if the last one is another.
-    pub(super) fn map(&mut self, sun: [f64; 2], texel_m: f64) -> Result<&DeviceMap, DrawError> {
-        let is_there = |map: &([f64; 2], f64, DeviceMap)| map.0 == sun && map.1 == texel_m;
+    ///
+    /// - `is_timed`: asked for what is timed, else for all channels
+    pub(super) fn map(
+        &mut self,
+        sun: [f64; 2],
+        texel_m: f64,
+        is_timed: bool,
+    ) -> Result<&DeviceMap, DrawError> {
+        let is_there = |map: &([f64; 2], f64, bool, DeviceMap)| {
+            (map.0, map.1, map.2) == (sun, texel_m, is_timed)
+        };
         if !self.map.as_ref().is_some_and(is_there) {
             // Two at a time may be more than there is room for.
             self.map = None;
             let devices = self.context.devices;
+            let size = self.question.timed_size;
             let scene = self.under(sun)?;
+            let scene = scene.timed_at(size).filter(|_| is_timed).unwrap_or(scene);
             let frame = scene.frame(texel_m);
             let frame = frame.map_err(|error| DrawError::Unfit(error.to_string()))?;
             let map = scene.device_map(devices, &frame)?;
-            self.map = Some((sun, texel_m, map));
+            self.map = Some((sun, texel_m, is_timed, map));
         }
         let map = self.map.as_ref().map(|(.., map)| map);
         map.ok_or_else(|| "no map".into())
@@ -65,10 +92,12 @@ impl Answering<'_> {
         texel_m: f64,
         bias: Bias,
     ) -> Result<Verdict, DrawError> {
-        self.map(sun, texel_m)?;
+        self.map(sun, texel_m, false)?;
         let mapped = self.under(sun)?.mapped(texel_m, bias);
         let mapped = mapped.map_err(|error| DrawError::Unfit(error.to_string()))?;
-        let masks = self.map(sun, texel_m)?.masks(bias, mapped.step, texel_m)?;
+        let masks = self
+            .map(sun, texel_m, false)?
+            .masks(bias, mapped.step, texel_m)?;
         let scene = self.under(sun)?;
         let channels = masks.iter().zip(&scene.channels);
         let wrong = channels.fold(Wrong::default(), |sum, (mask, (_, truth))| {
@@ -99,6 +128,8 @@ impl Answering<'_> {
     /// What a device draws.
     pub(super) fn device(&mut self, case: usize, job: Job) -> Result<Verdict, DrawError> {
         let (context, question, size) = (self.context, self.question.name, self.question.size);
+        let timed_size = self.question.timed_size;
+        let is_timed = self.question.cases[case].samples > 0;
         let (scene, way) = match job {
             Job::Device(sun, way) | Job::Origin(sun, Eyes::Bridge, way) => {
                 (self.of_end(sun, way.end)?, way)
@@ -137,8 +168,15 @@ impl Answering<'_> {
             let share = share.map(|share| ("shadow_undecided_facings", share));
             verdict.figures.extend(share);
         }
+        let mut shown = scene;
+        if let Some(timed) = scene.timed_at(timed_size).filter(|_| is_timed) {
+            drawn.darkest = None;
+            let large = timed.drawn_by(context.devices, way)?;
+            held_as_timed(&mut verdict, large.wrong, timed_size);
+            (shown, drawn.darkest) = (timed, large.darkest);
+        }
         let (channel, mask) = drawn.darkest.take().ok_or("no channel")?;
-        let (_, truth) = scene.darkest().ok_or("no channel")?;
+        let (_, truth) = shown.darkest().ok_or("no channel")?;
         let name = format!("{question}-{case}");
         let path = images::write(context.folder, &name, truth, Some(&mask))?;
         verdict.notes.push(("image", path));
@@ -154,7 +192,7 @@ impl Answering<'_> {
         sun: [f64; 2],
         rival: Rival,
     ) -> Result<Verdict, DrawError> {
-        let context = self.context;
+        let (context, timed_size) = (self.context, self.question.timed_size);
         let scene = self.under(sun)?;
         let mut asked = scene.asked_by(context.devices, rival)?;
         let pixels = scene.pixels();
@@ -173,8 +211,15 @@ impl Answering<'_> {
         ];
         figures.extend(asked.build_ms.map(|ms| ("shadow_build_gpu_ms", ms)));
         let mut verdict = verdict_of(wrong, figures);
+        let mut shown = scene;
+        if let Some(timed) = scene.timed_at(timed_size) {
+            asked.darkest = None;
+            let large = timed.asked_by(context.devices, rival)?;
+            held_as_timed(&mut verdict, large.wrong, timed_size);
+            (shown, asked.darkest) = (timed, large.darkest);
+        }
         let (channel, mask) = asked.darkest.take().ok_or("no channel")?;
-        let (_, truth) = scene.darkest().ok_or("no channel")?;
+        let (_, truth) = shown.darkest().ok_or("no channel")?;
         let name = format!("rivals-{case}");
         let path = images::write(context.folder, &name, truth, Some(&mask))?;
         verdict.notes.push(("image", path));
@@ -198,5 +243,35 @@ impl Answering<'_> {
         let cpu_ms = scene.time_volumes(rung.way, &table);
         self.edges = Some((name, table));
         cpu_ms.map(Some).map_err(|error| error.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wrong_pixel_of_the_timed_picture_makes_a_case_wrong_and_one_in_the_band_does_not() {
+        let held = |wrong: Wrong| {
+            let mut verdict = verdict_of(Wrong::default(), Vec::new());
+            held_as_timed(&mut verdict, wrong, [512, 512]);
+            (verdict.status, verdict.reason)
+        };
+        let in_band = Wrong {
+            in_band: 9,
+            at_rims: 9,
+            ..Wrong::default()
+        };
+        assert_eq!(held(in_band), (Status::Ok, String::new()));
+        let lit = Wrong {
+            false_lit: 1,
+            ..Wrong::default()
+        };
+        let (status, reason) = held(lit);
+        assert_eq!(status, Status::Wrong);
+        assert!(
+            reason.contains("1 pixels") && reason.contains("512"),
+            "{reason}"
+        );
     }
 }

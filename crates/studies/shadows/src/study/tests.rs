@@ -8,6 +8,9 @@ use crate::maps::Bias;
 use terrafill_fill::Devices;
 use terrafill_results::Status;
 
+/// By name of the case.
+type Verdicts = Vec<(String, Verdict)>;
+
 /// Verdicts of the cases of a question that `keep` names.
 fn verdicts(question: &str, keep: impl Fn(&str) -> bool) -> Vec<(String, Verdict)> {
     verdicts_at(Depth::Quick, question, keep)
@@ -20,9 +23,19 @@ fn verdicts_at(
 ) -> Vec<(String, Verdict)> {
     let request = Request {
         depth,
+        size: SIZE,
         ..Request::default()
     };
-    let planned = ShadowsStudy.plan(&request).expect("planned");
+    verdicts_of(&request, question, keep).0
+}
+
+/// The same, and sizes of the pictures by name of the case.
+fn verdicts_of(
+    request: &Request,
+    question: &str,
+    keep: impl Fn(&str) -> bool,
+) -> (Verdicts, BTreeMap<String, (u32, u32)>) {
+    let planned = ShadowsStudy.plan(request).expect("planned");
     let mut groups = planned.groups.iter();
     let name = format!("{STUDY}/{question}");
     let group = groups
@@ -37,9 +50,16 @@ fn verdicts_at(
     let mut session = group.open(context).expect("opens");
     let cases = group.cases().iter().enumerate();
     let cases = cases.filter(|(_, case)| keep(&case.id.name));
-    cases
+    let all: Verdicts = cases
         .map(|(at, case)| (case.id.name.clone(), session.verify(at).expect("a verdict")))
-        .collect()
+        .collect();
+    let pictures = all.iter().filter_map(|(name, verdict)| {
+        let (_, path) = verdict.notes.iter().find(|(key, _)| *key == "image")?;
+        let size = image::image_dimensions(folder.path().join(path));
+        Some((name.clone(), size.expect("a picture")))
+    });
+    let pictures = pictures.collect();
+    (all, pictures)
 }
 
 fn figure(verdict: &Verdict, metric: &str) -> f64 {
@@ -366,6 +386,33 @@ fn in_larger_pictures_a_device_differs_at_rims_of_casters_alone() {
         }
     }
     assert!(at_rims < 10.0, "{at_rims}");
+}
+
+#[test]
+fn what_is_timed_is_drawn_and_held_at_the_size_that_is_named() {
+    let keep =
+        |name: &str| name.contains("10° from -60°/wgpu/sea-closed/z-fail/two-sided/off/off/");
+    let at = |names_size| {
+        let request = Request {
+            depth: Depth::Quick,
+            size: [320, 240],
+            names_size,
+            ..Request::default()
+        };
+        verdicts_of(&request, "devices", keep)
+    };
+    let (all, pictures) = at(true);
+    for (name, verdict) in all.iter().filter(|(name, all)| is_drawn(name, all, false)) {
+        assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+        assert_eq!(pictures[name], (320, 240), "{name}");
+        assert!(figure(verdict, "shadow_timed_wrong_px") < 1.0, "{name}");
+    }
+    // Twin: without a name there is one size, and no second picture to be wrong.
+    let (all, pictures) = at(false);
+    for (name, verdict) in all.iter().filter(|(name, all)| is_drawn(name, all, false)) {
+        assert_eq!(pictures[name], (128, 96), "{name}");
+        assert!(figure(verdict, "shadow_timed_wrong_px").is_nan(), "{name}");
+    }
 }
 
 /// Shadows about origins far away and about the eye, in the views of that name: how many were judged.

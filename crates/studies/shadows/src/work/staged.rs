@@ -126,6 +126,7 @@ impl Scene {
             facing,
             sides,
             prepared,
+            timed: std::cell::OnceCell::new(),
         };
         let volume = caster.volume(End::Sea).unwrap_or_default();
         let mut drawn = Drawn {
