@@ -13,6 +13,7 @@
 mod run;
 mod schedule;
 mod share;
+mod steady;
 mod study;
 mod turns;
 
@@ -21,6 +22,7 @@ pub use run::{
     run_by_turns,
 };
 pub use share::Share;
+pub use steady::Settling;
 pub use study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError, size_name};
 pub use terrafill_results::SplitMix64;
 pub use turns::{Turn, Turns};

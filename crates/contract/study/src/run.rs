@@ -6,6 +6,7 @@
 //! the first verifies every case, the others make sure that they do the same work and time it again.
 
 use crate::schedule::block_order;
+use crate::steady::{Settled, Settling, TimeMetric, settle, times};
 use crate::{Context, Group, Planned, Request, Session, Share, Study, StudyError, Turn, Turns};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -13,7 +14,7 @@ use std::rc::Rc;
 use terrafill_fill::Devices;
 use terrafill_results::{
     Measurement, Note, Outcome, PlannedCase, Run, RunError, RunFolder, RunPlan, Shard, SplitMix64,
-    Status, Verdict, median, repeated_cases,
+    Status, UNSTEADY_CLOCK, Verdict, median, repeated_cases,
 };
 
 /// Timed cases of a group that are measured twice: two pairs tell a group's noise from one freak, and
@@ -125,6 +126,8 @@ struct PlannedGroup {
     cases: Vec<PlannedCase>,
     /// Of each of `cases`: its place in the group.
     work: Vec<usize>,
+    /// By what its samples say whether clocks have settled.
+    times: Rc<[TimeMetric]>,
 }
 
 /// Everything that a run is to measure, and in which groups.
@@ -132,6 +135,7 @@ pub struct Plan {
     groups: Vec<PlannedGroup>,
     plan: RunPlan,
     frames: FramesPerSample,
+    settling: Settling,
     /// Keys of the cases that this process times; `None`: all.
     only: Option<BTreeSet<String>>,
 }
@@ -147,6 +151,13 @@ impl Plan {
     #[must_use]
     pub fn with_frames(mut self, frames: FramesPerSample) -> Self {
         self.frames = frames;
+        self
+    }
+
+    /// The same plan, in which a process times nothing before clocks have settled.
+    #[must_use]
+    pub fn with_settling(mut self, settling: Settling) -> Self {
+        self.settling = settling;
         self
     }
 
@@ -197,17 +208,20 @@ pub fn plan_shared(
                 skipped.push(left_out);
             }
         }
-        groups.extend(planned.groups);
+        let primary = |clock| study.chapter().primary_metric(clock);
+        let times: Rc<[TimeMetric]> = times(study.metrics(), primary).into();
+        let planned = planned.groups.into_iter();
+        groups.extend(planned.map(|group| (group, Rc::clone(&times))));
     }
     if let Some(Shard { index, count }) = options.shard {
-        let names = groups.iter().map(|group| first_case(group.cases()));
+        let names = groups.iter().map(|(group, _)| first_case(group.cases()));
         let names: Vec<String> = names.collect();
         let mut shards = share.shards(&names, count).into_iter();
         groups.retain(|_| shards.next() == Some(index));
     }
     let groups: Vec<PlannedGroup> = groups
         .into_iter()
-        .map(|group| with_twins(group, options.seed))
+        .map(|(group, times)| with_twins(group, times, options.seed))
         .collect();
     let plan = RunPlan {
         cases: groups
@@ -225,6 +239,7 @@ pub fn plan_shared(
             groups,
             plan,
             frames: FramesPerSample::default(),
+            settling: Settling::default(),
             only: None,
         }),
         [twice, ..] => Err(StudyError::BadInput(format!(
@@ -238,7 +253,7 @@ fn first_case(cases: &[PlannedCase]) -> String {
     cases.first().map_or_else(String::new, |case| case.id.key())
 }
 
-fn with_twins(group: Box<dyn Group>, seed: u64) -> PlannedGroup {
+fn with_twins(group: Box<dyn Group>, times: Rc<[TimeMetric]>, seed: u64) -> PlannedGroup {
     let mut cases = group.cases().to_vec();
     let mut work: Vec<usize> = (0..cases.len()).collect();
     let timed: Vec<usize> = work
@@ -263,6 +278,7 @@ fn with_twins(group: Box<dyn Group>, seed: u64) -> PlannedGroup {
         group,
         cases,
         work,
+        times,
     }
 }
 
@@ -311,6 +327,7 @@ fn run_groups(
         .map(|case| (case.id().key(), Known::of(case, options.process)))
         .collect();
     let mut steps = Steps::new(plan, options, progress);
+    let mut settling = plan.settling;
     for group in &plan.groups {
         let mut todo = Todo::new(group, &known, options);
         if let Some(only) = &plan.only {
@@ -339,7 +356,13 @@ fn run_groups(
         let ready = running.verify(&todo, &mut steps)?;
         match turns.as_deref_mut() {
             Some(turns) => running.measure_by_turns(ready, turns)?,
-            None => running.measure(&todo, ready, &mut steps)?,
+            None => {
+                if !ready.is_empty() && settling.max_looks > 0 {
+                    running.settle(&ready, settling.max_looks)?;
+                    settling.max_looks *= u32::from(settling.each_group);
+                }
+                running.measure(&todo, ready, &mut steps)?;
+            }
         }
         steps.measured(group);
     }
@@ -679,6 +702,31 @@ impl Running<'_> {
             }
         }
         Ok(true)
+    }
+
+    /// Draws the first case until its times agree, and notes where they never do.
+    fn settle(&mut self, ready: &[Ready], max_looks: u32) -> Result<(), StudyError> {
+        let Some(case) = ready.first().map(|ready| ready.case) else {
+            return Ok(());
+        };
+        let work = self.group.work[case];
+        self.session.begin_block()?;
+        let sample = || self.session.sample(work);
+        // What breaks here breaks again where it is measured, and is that case's verdict there.
+        let Ok(Settled::Unsteady(off)) = settle(max_looks, &self.group.times, sample) else {
+            return Ok(());
+        };
+        let process = self.options.process;
+        let note = Note {
+            case: self.key(case),
+            note: format!("{UNSTEADY_CLOCK}{process}"),
+            text: format!(
+                "process {process} timed {} before its clock was steady: the last of {max_looks} looks differed by {:.0} %",
+                self.group.name,
+                (off - 1.0) * 100.0
+            ),
+        };
+        Ok(self.folder.append_notes(&[note])?)
     }
 
     /// Measures what `turns` asks for, until it asks for the next group.

@@ -8,11 +8,11 @@ use std::rc::Rc;
 use terrafill_fill::{DeviceLoss, Devices};
 use terrafill_results::{
     Block, CaseId, Chapter, ChapterError, Clock, Kind, Metric, Outcome, PlannedCase, Run,
-    RunEnvironment, RunError, RunFolder, SCHEMA, Shard, Status, Verdict,
+    RunEnvironment, RunError, RunFolder, SCHEMA, Shard, Status, UNSTEADY_CLOCK, Verdict,
 };
 use terrafill_study::{
     Context, FramesPerSample, Group, Plan, Planned, Request, RunOptions, RunOutcome, Session,
-    Silent, Study, StudyError, Turn, Turns, plan, run, run_by_turns,
+    Settling, Silent, Study, StudyError, Turn, Turns, plan, run, run_by_turns,
 };
 
 const METRICS: [Metric; 2] = [
@@ -35,6 +35,8 @@ struct Script {
     lost_after: Cell<Option<usize>>,
     /// The case that can no longer be drawn once it has been verified.
     failing: Cell<Option<usize>>,
+    /// What the case in front costs by turns, the last again and again; empty: always the same.
+    costs: RefCell<Vec<f64>>,
     /// What a recheck answers.
     recheck_status: Cell<Status>,
 }
@@ -212,7 +214,10 @@ impl Session for MadeUpSession {
         if script.failing.get() == Some(case) {
             return Err("out of memory".to_owned());
         }
-        Ok(vec![("cost_ms", 1.0 + case as f64)])
+        let costs = script.costs.borrow();
+        let taken = script.sampled.borrow().len();
+        let cost = costs.get(taken - 1).or(costs.last()).copied();
+        Ok(vec![("cost_ms", cost.unwrap_or(1.0 + case as f64))])
     }
 }
 
@@ -640,4 +645,65 @@ fn samples_are_taken_as_turns_release_them_and_no_other() {
     assert!(ran.expect_err("no such place").contains("turn of case 99"));
     let (ran, _) = by_turns(3, vec![Turn::Block]);
     assert!(ran.expect_err("no end").contains("no more turns"));
+}
+
+/// Times that a run keeps, and its notes of unsteady clocks.
+fn settled(costs: Vec<f64>, max_looks: u32, each_group: bool) -> (Vec<f64>, Vec<String>) {
+    let script = fresh_script();
+    *script.costs.borrow_mut() = costs;
+    let place = tempfile::tempdir().expect("a folder");
+    let settling = Settling {
+        max_looks,
+        each_group,
+    };
+    let options = RunOptions {
+        warm_up: 0,
+        ..options()
+    };
+    let plan = planned(2, &options).with_settling(settling);
+    let folder = create(place.path(), &plan);
+    measure(&plan, &folder, &options);
+    let run = Run::load(place.path()).expect("a run");
+    let times = run.cases.iter().filter_map(|case| case.samples("cost_ms"));
+    let times = times.flat_map(BTreeMap::values).flat_map(BTreeMap::values);
+    let notes = run.cases.iter().flat_map(|case| case.notes());
+    let notes = notes.filter(|(name, _)| name.starts_with(UNSTEADY_CLOCK));
+    (
+        times.copied().collect(),
+        notes.map(|(_, text)| text.clone()).collect(),
+    )
+}
+
+#[test]
+fn nothing_is_timed_before_the_clock_is_steady() {
+    let rising = vec![370.0, 280.0, 190.0, 120.0, 100.0];
+    let (times, notes) = settled(rising.clone(), 20, false);
+    assert!(
+        times.iter().all(|ms| *ms <= 100.0) && !times.is_empty(),
+        "{times:?}"
+    );
+    assert!(notes.is_empty(), "{notes:?}");
+    // Twin: without the wait the first values are kept.
+    let (times, _) = settled(rising, 0, false);
+    assert!(
+        times.contains(&370.0) && times.contains(&120.0),
+        "{times:?}"
+    );
+}
+
+#[test]
+fn a_clock_that_never_settles_is_waited_for_so_often_and_said() {
+    let waves: Vec<f64> = (0..500)
+        .map(|at| if at % 2 == 0 { 100.0 } else { 200.0 })
+        .collect();
+    let (times, notes) = settled(waves.clone(), 7, false);
+    assert!(!times.is_empty());
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    assert!(
+        notes[0].contains("process 0") && notes[0].contains("7 looks"),
+        "{notes:?}"
+    );
+    assert!(notes[0].contains("100 %"), "{notes:?}");
+    // Each group waits where a device rests while the CPU verifies.
+    assert_eq!(settled(waves, 7, true).1.len(), 2);
 }

@@ -8,6 +8,9 @@ use std::collections::BTreeMap;
 /// much identical work differs.
 pub const REPEATS: &str = "repeats";
 
+/// What the notes begin with of processes that timed before their clock was steady.
+pub const UNSTEADY_CLOCK: &str = "unsteady_clock_";
+
 /// What tells a case from all others.
 ///
 /// The name is for people and for joining tables; nobody has to take it apart, since every condition

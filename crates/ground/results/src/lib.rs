@@ -31,7 +31,9 @@ pub use block::{
     Answers, Block, Cell, CellClass, Chapter, ChapterError, Choice, DerivedTable, Finding, Heading,
     Picture, PictureFigure, Pictures, Plot, Row, Standing, Table, TableLayout,
 };
-pub use case::{CaseId, CaseRow, Measurement, Note, PlannedCase, REPEATS, Status, Verdict};
+pub use case::{
+    CaseId, CaseRow, Measurement, Note, PlannedCase, REPEATS, Status, UNSTEADY_CLOCK, Verdict,
+};
 pub use duration::{DURATION_COLUMNS, GroupDuration, append_durations, read_durations};
 pub use environment::{Clock, RunEnvironment};
 pub use folder::{
@@ -40,7 +42,7 @@ pub use folder::{
 pub use front::{Candidate, front, front_survival};
 pub use merge::{MergeError, merge};
 pub use metric::{Direction, Kind, Metric, MetricRow};
-pub use noise::Noise;
+pub use noise::{Between, Noise, has_two_groups};
 pub use paired::{Shift, rate_bounds};
 pub use plan::{RunPlan, Shard, Skipped};
 pub use random::SplitMix64;

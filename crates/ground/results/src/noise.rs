@@ -7,7 +7,7 @@
 //! that is no larger than the largest noise of a pair is a tie.
 
 use crate::threshold::{MIN_DIFFERENCE, MIN_REPLICATES};
-use crate::{Case, Estimate, REPEATS, Standing, ratio};
+use crate::{Case, Estimate, REPEATS, Standing, process_medians, ratio};
 
 /// By how much identical work differed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +20,67 @@ pub struct Noise {
     pub pairs: usize,
     /// Largest |ln end| of a pair's 95 % interval; of its gap where too few processes give an interval.
     pub reach: f64,
+    /// Between processes; `None` where one process measured, or none any case twice.
+    pub between: Option<Between>,
+}
+
+/// By how much the same case differed between processes: the largest over the smallest of their medians, as |ln|.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Between {
+    /// Of the case that differed most.
+    pub max: f64,
+    /// Median over cases.
+    pub median: f64,
+}
+
+impl Between {
+    fn of<'a>(cases: impl Iterator<Item = &'a Case>, metric: &str) -> Option<Self> {
+        let counted = cases.filter(|case| case.counts());
+        let spreads: Vec<f64> = counted
+            .filter_map(|case| {
+                let times = sorted_medians(case, metric);
+                let (low, high) = (*times.first()?, *times.last()?);
+                (times.len() > 1).then(|| (high / low).ln())
+            })
+            .collect();
+        Some(Self {
+            max: spreads.iter().copied().fold(0.0, f64::max),
+            median: crate::median(&spreads)?,
+        })
+    }
+}
+
+/// A case's processes fall into two groups where one of the gaps between their sorted medians is this factor at
+/// least: more than what a busy machine does to process CPU time, less than two clocks of a GPU.
+const GROUP_GAP: f64 = 1.2;
+
+/// And so many times as wide, as a logarithm, as either group: what is scattered has no groups.
+const GAP_OVER_GROUP: f64 = 3.0;
+
+/// Whether the processes of a case fall into two groups, as at two clocks: its median is then that of the larger
+/// group, and no measure of the work.
+#[must_use]
+pub fn has_two_groups(case: &Case, metric: &str) -> bool {
+    let times = sorted_medians(case, metric);
+    (1..times.len()).any(|first| {
+        let (low, high) = times.split_at(first);
+        let width = |group: &[f64]| (group[group.len() - 1] / group[0]).ln();
+        let gap = (high[0] / low[low.len() - 1]).ln();
+        // Two processes that differ are scattered or in two groups: nothing says which.
+        times.len() > 2
+            && gap >= GROUP_GAP.ln()
+            && gap >= GAP_OVER_GROUP * width(low).max(width(high))
+    })
+}
+
+/// Medians of processes in which it took longer than nothing.
+fn sorted_medians(case: &Case, metric: &str) -> Vec<f64> {
+    let medians = process_medians(case, metric).into_values();
+    let mut times: Vec<f64> = medians
+        .filter(|time| time.is_finite() && *time > 0.0)
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times
 }
 
 impl Noise {
@@ -46,6 +107,7 @@ impl Noise {
             median: crate::median(&gaps)?,
             pairs: gaps.len(),
             reach: ends.fold(0.0, f64::max),
+            between: Between::of(cases, metric),
         })
     }
 
@@ -228,6 +290,55 @@ mod tests {
         assert!(reason.contains("3 of the 5 processes"), "{reason}");
         assert_eq!(of(&[10.4; 5], &[10.0; 5], None).0, CannotTell);
         assert_eq!(of(&[10.6; 5], &[10.0; 5], None).0, Holds);
+    }
+
+    #[test]
+    fn what_one_process_pairs_alike_and_processes_do_not_is_noise_between_them() {
+        let clocks = [1.07, 0.293, 0.294];
+        let found = noise_of(&clocks, &clocks).expect("two pairs");
+        assert!((found.max_factor() - 1.02).abs() < 1e-12, "{found:?}");
+        let between = found.between.expect("three processes");
+        assert!(
+            (between.max.exp() - 1.07 / 0.293).abs() < 1e-9,
+            "{between:?}"
+        );
+        // Half of the cases do not differ at all.
+        assert!(between.median < between.max, "{between:?}");
+        // Twins: alike, and one process alone.
+        let alike = noise_of(&[10.0; 3], &[10.0; 3]).expect("two pairs");
+        assert!(alike.between.expect("three processes").max < 1e-12);
+        let mut run = MadeUpRun::default();
+        run.case(case_id("filling", "a", &[])).timed(METRIC, &[1.0]);
+        run.case(case_id("filling", "a", &[]).twin())
+            .timed(METRIC, &[1.0]);
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = run.write(folder.path()).expect("a run");
+        let one = Noise::of(run.cases.iter(), METRIC).expect("a pair");
+        assert_eq!(one.between, None);
+    }
+
+    #[test]
+    fn processes_at_two_clocks_are_marked_and_alike_or_scattered_ones_are_not() {
+        let is_marked = |times: &[f64]| {
+            let mut run = MadeUpRun::default();
+            run.case(case_id("filling", "a", &[])).timed(METRIC, times);
+            let folder = tempfile::tempdir().expect("a folder");
+            let run = run.write(folder.path()).expect("a run");
+            has_two_groups(&run.cases[0], METRIC)
+        };
+        assert!(is_marked(&[1.07, 0.293, 0.294]));
+        assert!(is_marked(&[0.3, 1.0, 0.301, 1.01, 0.299]));
+        for times in [
+            &[0.293, 0.294, 0.295][..],
+            &[1.0, 1.3, 1.6, 1.9],
+            &[1.0, 1.1, 1.0],
+            // Nothing says which of two is which, and one is one.
+            &[1.07, 0.293],
+            &[1.07],
+            &[],
+        ] {
+            assert!(!is_marked(times), "{times:?}");
+        }
     }
 
     #[test]

@@ -5,7 +5,9 @@
 use serde::Serialize;
 use terrafill_plot::number::{count, significant};
 use terrafill_results::threshold::MIN_REPLICATES;
-use terrafill_results::{Case, Chapter, Clock, Noise, Outcome, Run};
+use terrafill_results::{
+    Case, Chapter, Clock, Noise, Outcome, Run, UNSTEADY_CLOCK, has_two_groups,
+};
 
 /// How a run ended as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -114,6 +116,8 @@ pub(crate) struct StudyNoise {
     pub(crate) metric: &'static str,
     /// `None` where no right case was measured twice.
     pub(crate) noise: Option<Noise>,
+    /// Cases whose processes fall into two groups.
+    pub(crate) split: Vec<String>,
 }
 
 /// Noise of every study of the run that times something.
@@ -130,6 +134,9 @@ pub(crate) fn noise(run: &Run, chapters: &[&dyn Chapter]) -> Vec<StudyNoise> {
                 run.cases.iter().filter(|case| case.id().study == study),
                 metric,
             ),
+            split: named(run, |case| {
+                case.id().study == study && has_two_groups(case, metric)
+            }),
         })
     });
     studies.collect()
@@ -190,7 +197,12 @@ pub(crate) fn sentences(run: &Run, counts: &Counts, noise: &[StudyNoise]) -> Sen
     Sentences {
         verdict,
         clock: clock_sentence(run),
-        noise: noise.iter().map(noise_sentence).collect(),
+        noise: noise
+            .iter()
+            .map(noise_sentence)
+            .chain(noise.iter().filter_map(split_sentence))
+            .chain(unsteady_sentence(run))
+            .collect(),
         replicates: replicate_sentence(run),
     }
 }
@@ -209,16 +221,45 @@ fn noise_sentence(of: &StudyNoise) -> String {
     let (study, metric) = (of.study, of.metric);
     match &of.noise {
         Some(noise) => format!(
-            "In {study}, identical work differed by up to {} % ({metric}, {}, median {} %); smaller \
-             gaps are ties.",
+            "In {study}, identical work differed by up to {} % ({metric}, {}, median {} %) within a process{}; \
+             smaller gaps are ties.",
             percent(noise.max_factor()),
             plural(noise.pairs, "pair"),
             percent(noise.median_factor()),
+            match noise.between {
+                Some(between) => format!(
+                    ", and by up to {} % between processes (median {} %)",
+                    percent(between.max.exp()),
+                    percent(between.median.exp())
+                ),
+                None => String::new(),
+            }
         ),
         None => format!(
             "In {study}, no identical work was measured twice, so it is unknown which gaps are ties."
         ),
     }
+}
+
+/// Marks cases whose processes fall into two groups.
+fn split_sentence(of: &StudyNoise) -> Option<String> {
+    (!of.split.is_empty()).then(|| {
+        format!(
+            "In {}, the processes of {} fall into two groups, as at two clocks, so that the median is of one of \
+             them: {}.",
+            of.study,
+            plural(of.split.len(), "case"),
+            first_few(&of.split)
+        )
+    })
+}
+
+/// Which processes timed before their clock was steady.
+fn unsteady_sentence(run: &Run) -> Option<String> {
+    let notes = run.cases.iter().flat_map(|case| case.notes());
+    let unsteady = notes.filter(|(name, _)| name.starts_with(UNSTEADY_CLOCK));
+    let unsteady: Vec<String> = unsteady.map(|(_, text)| text.clone()).collect();
+    (!unsteady.is_empty()).then(|| format!("Clocks were not steady: {}.", first_few(&unsteady)))
 }
 
 /// How much more than 1 a factor is.
@@ -232,7 +273,10 @@ fn replicate_sentence(run: &Run) -> Option<String> {
         return None;
     }
     Some(match run.plan.processes {
-        0 | 1 => "One process: no spread between processes, so no interval.".to_owned(),
+        0 | 1 => {
+            "One process: no spread between processes, so no interval, and it decides nothing."
+                .to_owned()
+        }
         some if (some as usize) < MIN_REPLICATES => format!(
             "{some} processes, each one replicate: fewer than {MIN_REPLICATES} give no interval."
         ),

@@ -412,7 +412,8 @@ fn noise_clock_and_replicates_are_said() {
     };
     let noisy = timed(&[12.0, 13.2]);
     let sentence = "In filling, identical work differed by up to 20.0 % (fill_cpu_ms, 1 pair, median \
-                    20.0 %); smaller gaps are ties.";
+                    20.0 %) within a process, and by up to 10.0 % between processes (median \
+                    10.0 %); smaller gaps are ties.";
     assert!(noisy.html.contains(sentence), "{}", noisy.markdown);
     assert!(
         noisy

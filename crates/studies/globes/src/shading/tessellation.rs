@@ -255,6 +255,7 @@ mod tests {
             median: 0.01,
             pairs: 4,
             reach: 0.1,
+            between: None,
         };
         let of = |ratios: &[f64]| standing(&growth_of(ratios, 5), Some(noise));
         assert_eq!(of(&[]), Standing::CannotTell);
