@@ -18,7 +18,7 @@ const STEPS_PER_SECOND: [u32; 6] = [30, 120, 480, 1_920, 7_680, 30_720];
 /// Stiffness k/m by its name in tables, 1/s².
 const STIFFNESS: [(&str, f64); 3] = [("1e3", 1e3), ("1e5", 1e5), ("1e7", 1e7)];
 /// Timed runs of each case in a process, unless the request says otherwise.
-const SAMPLES: u32 = 3;
+const SAMPLES: u32 = 2;
 
 /// Balls on flat ground, by every integrator.
 #[derive(Debug, Clone, Copy)]

@@ -28,12 +28,12 @@ const APPROXIMATE_SCENE: &str = "hills";
 
 /// Timed frames of a case in a process. Few: a process is one number, and more processes say more than
 /// more frames of one.
-const FRAMES: u32 = 3;
+const FRAMES: u32 = 2;
 /// The same in a full run, whose intervals are to be narrow.
-const FULL_FRAMES: u32 = 10;
+const FULL_FRAMES: u32 = 6;
 /// Timed frames of a rung in a process: few, since the first rungs take seconds where the last take
 /// milliseconds.
-const LADDER_FRAMES: u32 = 5;
+const LADDER_FRAMES: u32 = 3;
 
 /// Scene and first step of `SCENE:STEP`; no step where all are wanted.
 pub(crate) fn ladder_part(wanted: &str) -> (&str, Option<&str>) {

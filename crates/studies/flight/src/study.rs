@@ -39,7 +39,7 @@ const COMPARED_OF: u32 = 6;
 const COMPARED_OF_QUICK: u32 = 20;
 
 /// Flights of each case in a process, unless the request says otherwise.
-const SAMPLES: u32 = 3;
+const SAMPLES: u32 = 2;
 
 const METRICS: [Metric; 15] = [
     Metric::less(

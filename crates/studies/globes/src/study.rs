@@ -22,7 +22,7 @@ use terrafill_surface::SurfaceKind;
 
 /// Timed frames of each case in a process, unless the request says otherwise. Odd, so that the median
 /// is one of them.
-const SAMPLES: u32 = 11;
+const SAMPLES: u32 = 7;
 const QUICK_SAMPLES: u32 = 5;
 
 /// Pixels a side of a quick run that names no size.

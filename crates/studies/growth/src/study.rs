@@ -13,7 +13,7 @@ const SIZES: [u32; 5] = [1_000, 10_000, 100_000, 300_000, 1_000_000];
 const QUICK_SIZES: usize = 3;
 
 /// Builds of each shape and size in a process, unless the request says otherwise.
-const SAMPLES: u32 = 3;
+const SAMPLES: u32 = 2;
 
 const METRICS: [Metric; 2] = [
     Metric::less(

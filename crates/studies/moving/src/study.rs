@@ -25,7 +25,7 @@ const BASES: [&str; 2] = ["countries-110m", "planet-134"];
 
 /// Timed frames of each case in a process, unless the request says otherwise. Odd, so that the median
 /// is one of them.
-const SAMPLES: u32 = 21;
+const SAMPLES: u32 = 13;
 
 /// Frames that further processes compare, and a quick run's first one.
 const FEW_FRAMES: u32 = 3;

@@ -31,9 +31,8 @@ const AMPLIFIED_CELLS: [u32; 2] = [512, 1_024];
 const QUICK_AMPLIFIED_CELLS: [u32; 1] = [256];
 /// Cells a side of what one point makes.
 const CELLS_PER_POINT: [u32; 4] = [1, 2, 4, 8];
-/// Timed frames of each case in a process, unless the request says otherwise. Odd, so that the median
-/// is one of them.
-const SAMPLES: u32 = 3;
+/// Timed frames of each case in a process, unless the request says otherwise: few, since a process is one number.
+const SAMPLES: u32 = 2;
 
 /// Grids and geometry by every stage of the pipeline.
 #[derive(Debug, Clone, Copy)]

@@ -13,7 +13,7 @@ use terrafill_results::{CaseId, Chapter, Metric, PlannedCase, Status, Verdict};
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
 
 /// Timed passes of each formula in a process, unless the request says otherwise.
-const SAMPLES: u32 = 7;
+const SAMPLES: u32 = 5;
 
 /// Errors and costs of the formulas from a fragment to its texture coordinate.
 #[derive(Debug, Clone, Copy)]

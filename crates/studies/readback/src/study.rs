@@ -16,7 +16,7 @@ const QUICK_SIZES: usize = 4;
 
 /// Timed reads of each case in a process, unless the request says otherwise. Odd, so that the median
 /// is one of them.
-const SAMPLES: u32 = 11;
+const SAMPLES: u32 = 7;
 
 const METRICS: [Metric; 4] = [
     Metric::less(

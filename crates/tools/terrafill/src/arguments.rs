@@ -125,12 +125,15 @@ pub(crate) struct BenchArguments {
     /// Every study, variant, ladder, matrix and sweep
     #[arg(long)]
     pub(crate) full: bool,
-    /// Processes, each a replicate [default: 3, quick 1, ladders to 12]
+    /// Processes, each a replicate [default: 5, quick 1, ladders to 36]
     #[arg(long, value_parser = parse_processes)]
     pub(crate) processes: Option<u32>,
     /// Which of the processes this is: `bench` starts the others with it
     #[arg(long, hide = true, default_value = "0")]
     pub(crate) process: u32,
+    /// How many processes there are at most, where what is undecided takes more than planned
+    #[arg(long, hide = true)]
+    pub(crate) process_of: Option<u32>,
     /// File of case keys, one a line, that this process times alone: `gate` starts replicates with it
     #[arg(long, hide = true, value_name = "FILE")]
     pub(crate) time_only: Option<PathBuf>,

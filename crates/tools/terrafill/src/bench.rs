@@ -22,16 +22,21 @@ use terrafill_gpu::shared_gpu;
 use terrafill_results::{Run, RunFolder, Skipped, read_durations};
 use terrafill_scene::data_dir;
 use terrafill_study::{
-    Depth, FramesPerSample, Request, RunOptions, RunOutcome, Share, Study, StudyError, Turn, Turns,
-    plan_shared,
+    Depth, FramesPerSample, Request, RunOptions, RunOutcome, Settling, Share, Study, StudyError,
+    Turn, Turns, plan_shared,
 };
 
-/// Processes of a run: fewer than three show no spread.
-const PROCESSES: u32 = 3;
+/// Processes of a run: fewer than five give no interval.
+const PROCESSES: u32 = 5;
 
 /// Processes of a run at most where something is still undecided after [`PROCESSES`]: these narrow an
 /// interval to 40 % of what six give. Only what is undecided is measured in them, which takes seconds each.
 const MAX_PROCESSES: u32 = 36;
+
+/// Looks at a baseline at most before a process times anything: on hardware in each group, since a GPU rests while
+/// the CPU verifies; on a software device once, since it has no clock of its own.
+const LOOKS: u32 = 40;
+const SOFTWARE_LOOKS: u32 = 8;
 
 /// Blocks dropped at the start of each process: caches, clock rates and lazily made pipelines settle.
 const WARM_UP: u32 = 2;
@@ -83,6 +88,9 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         plan = plan.timing_only(keys).map_err(failure)?;
     }
     if options.process == 0 {
+        if let Some(line) = first_line(depth, processes, arguments) {
+            complain(line);
+        }
         // Whoever did not ask for a rival reads in the report what it takes.
         let is_rival = |skipped: &&Skipped| {
             let mut rivals = RIVALS.iter();
@@ -106,10 +114,11 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     let mut described = describe(&studies, &request, &options);
     described.extend(sharing);
     let folder = open_folder(arguments, &studies, &request, described, &plan, &devices)?;
+    let plan = plan.with_settling(settling(&devices));
     if options.process == 0 {
         say_when_stopped(&arguments.out)?;
     }
-    let said = Said::new(options.process, processes);
+    let said = Said::new(options.process, processes, arguments.process_of);
     let mut progress = Timed::new(said, &folder, options.process);
     let ran = match lines {
         Some(lines) if arguments.stepped => {
@@ -209,6 +218,28 @@ fn share(arguments: &BenchArguments) -> Result<(Share, Option<String>), Failure>
 fn fingerprint(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
+}
+
+/// How long processes wait for a steady clock.
+fn settling(devices: &Devices) -> Settling {
+    let is_software = shared_gpu(devices).map_or(true, |gpu| gpu.facts.device_type == "cpu");
+    Settling {
+        max_looks: if is_software { SOFTWARE_LOOKS } else { LOOKS },
+        each_group: !is_software,
+    }
+}
+
+/// How many processes a run takes, and what they can say; nothing where whoever measures said how many.
+fn first_line(depth: Depth, processes: u32, arguments: &BenchArguments) -> Option<String> {
+    if arguments.processes.is_some() || arguments.in_suite {
+        return None;
+    }
+    Some(match depth {
+        Depth::Quick => "a quick run takes one process and decides nothing".to_owned(),
+        Depth::Main | Depth::Full => format!(
+            "{processes} processes, each one replicate; what is undecided then takes more, {MAX_PROCESSES} at most"
+        ),
     })
 }
 
@@ -312,12 +343,15 @@ fn decide(arguments: &BenchArguments, processes: u32) -> Result<(), Failure> {
             break;
         }
         complain(format!(
-            "process {process}: {} cases once more, of which something is undecided",
+            "process {} of {MAX_PROCESSES} at most: {} cases once more, of which something is undecided",
+            process + 1,
             undecided.len()
         ));
         let file = arguments.out.join("undecided.txt");
         std::fs::write(&file, undecided.join("\n")).map_err(Failure::bad_input)?;
-        run_process(process, &[OsStr::new("--time-only"), file.as_os_str()])?;
+        let bound = format!("--process-of={MAX_PROCESSES}");
+        let more = ["--time-only".as_ref(), file.as_os_str(), bound.as_ref()];
+        run_process(process, &more)?;
         std::fs::remove_file(&file).map_err(Failure::bad_input)?;
     }
     Ok(())

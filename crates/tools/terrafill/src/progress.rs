@@ -24,8 +24,9 @@ pub(crate) enum Said {
 
 impl Said {
     /// - `process`, `processes`: which of how many, from 0
-    pub(crate) fn new(process: u32, processes: u32) -> Self {
-        Self::titled(format!("process {}/{processes}", process + 1))
+    /// - `at_most`: how many there are at most, where more than these are taken
+    pub(crate) fn new(process: u32, processes: u32, at_most: Option<u32>) -> Self {
+        Self::titled(title(process, processes, at_most))
     }
 
     /// - `prefix`: what every line begins with
@@ -43,6 +44,17 @@ impl Said {
             steps: Some(steps),
             writer: Some(std::thread::spawn(move || write_lines(&prefix, &said))),
         }
+    }
+}
+
+/// Which process it is, and how many are left.
+fn title(process: u32, processes: u32, at_most: Option<u32>) -> String {
+    let all = at_most.unwrap_or(processes);
+    let bound = if at_most.is_some() { " at most" } else { "" };
+    let number = process + 1;
+    match all.saturating_sub(number) {
+        0 => format!("process {number}/{all}"),
+        left => format!("process {number}/{all}{bound}, {left}{bound} left"),
     }
 }
 
@@ -136,5 +148,22 @@ impl Drop for Said {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn processes_are_numbered_and_what_is_left_is_said() {
+        assert_eq!(title(0, 1, None), "process 1/1");
+        assert_eq!(title(0, 5, None), "process 1/5, 4 left");
+        assert_eq!(title(4, 5, None), "process 5/5");
+        // A ladder that goes on says its bound.
+        assert_eq!(
+            title(5, 5, Some(36)),
+            "process 6/36 at most, 30 at most left"
+        );
     }
 }
