@@ -88,9 +88,6 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         plan = plan.timing_only(keys).map_err(failure)?;
     }
     if options.process == 0 {
-        if let Some(line) = first_line(depth, processes, arguments) {
-            complain(line);
-        }
         // Whoever did not ask for a rival reads in the report what it takes.
         let is_rival = |skipped: &&Skipped| {
             let mut rivals = RIVALS.iter();
@@ -117,6 +114,9 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     let plan = plan.with_settling(settling(&devices));
     if options.process == 0 {
         say_when_stopped(&arguments.out)?;
+        if let Some(line) = first_line(depth, processes, arguments) {
+            print(format!("{line}\n"))?;
+        }
     }
     let said = Said::new(options.process, processes, arguments.process_of);
     let mut progress = Timed::new(said, &folder, options.process);

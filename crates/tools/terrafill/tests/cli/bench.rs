@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `bench`, `report` and `merge`: what a run writes, what it is asked for, and how it ends.
 
-use crate::harness::{Desk, NAMED, collection, has_device, polygon, rectangle};
+use crate::harness::{Desk, NAMED, QUICK, collection, has_device, polygon, rectangle};
 use std::collections::{BTreeMap, BTreeSet};
 use terrafill_results::{Case, Outcome, REPEATS, Run};
 
@@ -56,7 +56,7 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
     // In each view nine full-screen passes and fills, six full plans and what it needs; two textured ones, bytes of
     // seven layouts.
     let all = 3 * (9 + 6 + 1) + 2 + 7 * REGION_COUNTS;
-    let counts = format!("{all} right, 0 wrong, 0 failed, 0 skipped");
+    let counts = format!("{QUICK}{all} right, 0 wrong, 0 failed, 0 skipped");
     assert!(text.starts_with(&counts), "{text}");
     assert!(text.ends_with("report: run/index.html\n"), "{text}");
     assert_eq!(desk.names(), ["run"]);
@@ -163,7 +163,8 @@ fn a_wrong_picture_ends_with_1() {
     let ran = bench("wrong");
     assert_eq!(ran.code, 1, "{}", ran.stdout);
     assert!(
-        ran.stdout.starts_with(&format!("{other} right, 14 wrong")),
+        ran.stdout
+            .starts_with(&format!("{QUICK}{other} right, 14 wrong")),
         "{}",
         ran.stdout
     );
@@ -172,7 +173,7 @@ fn a_wrong_picture_ends_with_1() {
     let right = bench("right").succeeded();
     let all = other + 14;
     assert!(
-        right.starts_with(&format!("{all} right, 0 wrong")),
+        right.starts_with(&format!("{QUICK}{all} right, 0 wrong")),
         "{right}"
     );
 }
@@ -222,7 +223,11 @@ fn a_study_is_named_as_it_is_listed() {
     let growth = ["bench", "--study", "growth", "--study", "growth"];
     let options = ["--quick", "--samples", "1", "--out", "run"];
     let ran = desk.run_without_device(&[&growth[..], &options].concat());
-    assert!(ran.succeeded().starts_with("24 right, 0 wrong"));
+    let text = ran.succeeded();
+    assert!(
+        text.starts_with(&format!("{QUICK}24 right, 0 wrong")),
+        "{text}"
+    );
     let run = load(&desk, "run");
     assert!(run.cases.iter().all(|case| case.id().study == "growth"));
     assert!(!desk.path("run/summary.csv").exists(), "of filling alone");

@@ -7,6 +7,9 @@ use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
+/// What a quick run says first; the counts stand behind it.
+pub(crate) const QUICK: &str = "a quick run takes one process and decides nothing\n";
+
 /// Techniques that tests count cases of, named so that a new one changes no count.
 pub(crate) const NAMED: [&str; 6] = [
     "--technique",

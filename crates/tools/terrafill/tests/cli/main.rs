@@ -16,5 +16,6 @@ mod locate;
 mod mesh;
 mod readme;
 mod render;
+mod sizes;
 mod surfaces;
 mod usage;
