@@ -24,6 +24,7 @@ mod random;
 mod ratio;
 mod read;
 mod resample;
+mod scope;
 mod statistic;
 pub mod threshold;
 
@@ -51,4 +52,5 @@ pub use ratio::{
     share, typical,
 };
 pub use read::{Case, Outcome, Run, Samples, repeated_cases};
+pub use scope::Scope;
 pub use statistic::{Spread, median, quantile, spread};

@@ -84,6 +84,7 @@ impl MadeUpRun {
                     kind: Kind::Counter,
                     better: Direction::Neither,
                     meaning: "made up",
+                    scope: crate::Scope::NOTHING,
                 });
             }
         }

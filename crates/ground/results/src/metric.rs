@@ -4,6 +4,7 @@
 //! `GLOSSARY.md`'s list of metrics, `metrics.csv` and `schema.json` are made from these declarations,
 //! so a figure cannot be written under a name that is explained nowhere.
 
+use crate::Scope;
 use serde::{Deserialize, Serialize};
 
 /// How a figure comes about, which decides how it may be compared.
@@ -74,9 +75,23 @@ pub struct Metric {
     pub better: Direction,
     /// One or two sentences for the glossary.
     pub meaning: &'static str,
+    /// What it covers, of times; nothing of other figures.
+    pub scope: Scope,
 }
 
 impl Metric {
+    /// The same time, which covers `scope`.
+    #[must_use]
+    pub const fn covering(self, scope: Scope) -> Self {
+        Self { scope, ..self }
+    }
+
+    /// Whether its scope fits its kind: a time covers something, and nothing else does.
+    #[must_use]
+    pub fn has_scope_of_its_kind(&self) -> bool {
+        (self.kind == Kind::Time) != self.scope.is_empty()
+    }
+
     /// A figure that is better when it is smaller.
     #[must_use]
     pub const fn less(
@@ -91,6 +106,7 @@ impl Metric {
             kind,
             better: Direction::Less,
             meaning,
+            scope: Scope::NOTHING,
         }
     }
 
@@ -108,6 +124,7 @@ impl Metric {
             kind,
             better: Direction::Neither,
             meaning,
+            scope: Scope::NOTHING,
         }
     }
 }

@@ -6,7 +6,9 @@ use crate::globe::{byte_count, check, fingerprint, globe};
 use crate::{STUDY, chapter::ReadbackChapter};
 use std::collections::BTreeMap;
 use terrafill_fill::{CpuStopwatch, DeviceError, FillInput, Picture};
-use terrafill_results::{CaseId, Chapter, Direction, Kind, Metric, PlannedCase, Status, Verdict};
+use terrafill_results::{
+    CaseId, Chapter, Direction, Kind, Metric, PlannedCase, Scope, Status, Verdict,
+};
 use terrafill_scene::ImageSize;
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
 
@@ -25,13 +27,15 @@ const METRICS: [Metric; 4] = [
         Kind::Time,
         "Process CPU time of reading colour and depth of the render targets back to the CPU: \
          allocation, copy, wait, and packing of rows.",
-    ),
+    )
+    .covering(Scope::READ_BACK),
     Metric::less(
         "readback_wall_ms",
         "ms",
         Kind::Time,
         "Wall clock over the same span.",
-    ),
+    )
+    .covering(Scope::READ_BACK),
     Metric::neither(
         "readback_bytes",
         "bytes",
@@ -44,6 +48,7 @@ const METRICS: [Metric; 4] = [
         kind: Kind::Time,
         better: Direction::More,
         meaning: "Bytes of a read-back over its wall clock time, 1 MB = 10⁶ bytes.",
+        scope: Scope::READ_BACK,
     },
 ];
 

@@ -78,6 +78,8 @@ fn declaration(row: &MetricRow) -> Metric {
         kind: row.kind,
         better: row.better,
         meaning: keep(&row.meaning),
+        // Not in the file that is read, and not written.
+        scope: terrafill_results::Scope::NOTHING,
     }
 }
 
