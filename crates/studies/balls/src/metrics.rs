@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What is measured.
 
-use terrafill_results::{Kind, Metric};
+use terrafill_results::{Kind, Metric, Scope};
 
 pub(crate) const METRICS: [Metric; 35] = [
     Metric::less(
@@ -9,7 +9,8 @@ pub(crate) const METRICS: [Metric; 35] = [
         "µs",
         Kind::Time,
         "Process CPU time of one second of one ball.",
-    ),
+    )
+    .covering(Scope::PLAN),
     Metric::less(
         "ball_rms_m",
         "m",
@@ -81,19 +82,22 @@ pub(crate) const METRICS: [Metric; 35] = [
         "µs",
         Kind::Time,
         "Process CPU time of one step of all balls on a device, nothing drawn.",
-    ),
+    )
+    .covering(Scope::DISPATCH),
     Metric::less(
         "ball_step_gpu_us",
         "µs",
         Kind::Time,
         "GPU time of one step of all balls on a device, nothing drawn.",
-    ),
+    )
+    .covering(Scope::DISPATCH),
     Metric::less(
         "ball_step_wall_us",
         "µs",
         Kind::Time,
         "Wall time of one step of all balls on a device, nothing drawn.",
-    ),
+    )
+    .covering(Scope::DISPATCH),
     Metric::less(
         "ball_device_max_m",
         "m",
@@ -190,23 +194,27 @@ pub(crate) const METRICS: [Metric; 35] = [
         "µs",
         Kind::Time,
         "Process CPU time of a frame: a step over terrain and the draws, each waited for.",
-    ),
+    )
+    .covering(Scope::DISPATCH.and(Scope::DRAW)),
     Metric::less(
         "ball_frame_wall_us",
         "µs",
         Kind::Time,
         "Wall clock over the same span.",
-    ),
+    )
+    .covering(Scope::DISPATCH.and(Scope::DRAW)),
     Metric::less(
         "ball_draw_cpu_us",
         "µs",
         Kind::Time,
         "Process CPU time of the draws of a frame alone.",
-    ),
+    )
+    .covering(Scope::DRAW),
     Metric::less(
         "ball_draw_gpu_us",
         "µs",
         Kind::Time,
         "GPU time of the draws of a frame, where the device keeps it.",
-    ),
+    )
+    .covering(Scope::DRAW),
 ];

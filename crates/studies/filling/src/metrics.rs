@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Everything that the study measures. `GLOSSARY.md` and `schema.json` are made from these.
 
-use terrafill_results::{Kind, Metric};
+use terrafill_results::{Kind, Metric, Scope};
 
 /// Times first, then bytes, counters, errors, textured fills and bytes of layouts.
 pub(crate) const METRICS: [Metric; 74] = [
@@ -10,49 +10,49 @@ pub(crate) const METRICS: [Metric; 74] = [
         "ms",
         Kind::Time,
         "CPU time of the whole process from recording the fill until the device is done with it. On a software driver it contains the driver's threads and is the steadiest clock on a busy machine.",
-    ),
+    ).covering(Scope::FRAME),
     Metric::less(
         "fill_gpu_ms",
         "ms",
         Kind::Time,
         "The whole fill, by the GPU's clock.",
-    ),
+    ).covering(Scope::DEVICE),
     Metric::less(
         "fill_wall_ms",
         "ms",
         Kind::Time,
         "Wall clock over the same span.",
-    ),
+    ).covering(Scope::FRAME),
     Metric::neither(
         "surface_gpu_ms",
         "ms",
         Kind::Time,
         "The pass that draws the planet and leaves depth behind, by the GPU's clock. Not part of the fill.",
-    ),
+    ).covering(Scope::DRAW),
     Metric::less(
         "stencil_gpu_ms",
         "ms",
         Kind::Time,
         "The pass that marks the regions' pixels in the stencil, by the GPU's clock. Not measured where stencil and colour alternate region by region.",
-    ),
+    ).covering(Scope::DISPATCH.and(Scope::DRAW)),
     Metric::less(
         "colour_gpu_ms",
         "ms",
         Kind::Time,
         "The pass that colours the marked pixels, by the GPU's clock. Not measured as above.",
-    ),
+    ).covering(Scope::DRAW),
     Metric::less(
         "plan_cpu_ms",
         "ms",
         Kind::Time,
         "Process CPU time of planning one frame: culling, cap heights and screen rectangles of every region. Not part of the fill's times, since an unchanged view is not planned again.",
-    ),
+    ).covering(Scope::PLAN),
     Metric::less(
         "prepare_cpu_ms",
         "ms",
         Kind::Time,
         "Process CPU time of making the probe frame ready, once: pipelines, geometry, uploads, a mesh cut along the surface, a mask drawn. Not part of the fill's times, since an unchanged view needs it once.",
-    ),
+    ).covering(Scope::PLAN.and(Scope::UPLOAD)),
     Metric::less(
         "geometry_bytes",
         "bytes",

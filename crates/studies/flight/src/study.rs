@@ -18,7 +18,7 @@ use terrafill_fill::{
 };
 use terrafill_reference::{CloseLook, ReferenceBackend};
 use terrafill_results::{
-    CaseId, Chapter, Kind, Metric, PlannedCase, Skipped, Status, Verdict, median,
+    CaseId, Chapter, Kind, Metric, PlannedCase, Scope, Skipped, Status, Verdict, median,
 };
 use terrafill_scene::{ImageSize, PlanOptions, Scene, View};
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
@@ -47,31 +47,31 @@ const METRICS: [Metric; 15] = [
         "ms",
         Kind::Time,
         "Process CPU time of a frame: surface, plan, upload and fill, pieces made by the way included; median of a flight.",
-    ),
+    ).covering(Scope::PLAN.and(Scope::FRAME)),
     Metric::less(
         "flight_worst_frame_cpu_ms",
         "ms",
         Kind::Time,
         "The same of the worst frame of a flight after its first.",
-    ),
+    ).covering(Scope::PLAN.and(Scope::FRAME)),
     Metric::less(
         "flight_frame_wall_ms",
         "ms",
         Kind::Time,
         "Wall clock of a frame; median of a flight.",
-    ),
+    ).covering(Scope::PLAN.and(Scope::FRAME)),
     Metric::less(
         "flight_worst_frame_wall_ms",
         "ms",
         Kind::Time,
         "Wall clock of the worst frame of a flight after its first.",
-    ),
+    ).covering(Scope::PLAN.and(Scope::FRAME)),
     Metric::less(
         "flight_first_frame_wall_ms",
         "ms",
         Kind::Time,
         "Wall clock of the first frame, for which no piece is there.",
-    ),
+    ).covering(Scope::PLAN.and(Scope::FRAME)),
     Metric::less(
         "flight_changed_px",
         "px",

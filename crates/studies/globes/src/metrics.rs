@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Every figure of the study.
 
-use terrafill_results::{Kind, Metric};
+use terrafill_results::{Kind, Metric, Scope};
 
 pub(crate) const METRICS: [Metric; 79] = [
     Metric::less(
@@ -9,43 +9,43 @@ pub(crate) const METRICS: [Metric; 79] = [
         "ms",
         Kind::Time,
         "Process CPU time of a frame whose eye has moved: making, uploading and drawing the surface.",
-    ),
+    ).covering(Scope::PLAN.and(Scope::FRAME)),
     Metric::less(
         "globe_whole_gpu_ms",
         "ms",
         Kind::Time,
         "Process CPU time of making and uploading, and the GPU's time of drawing.",
-    ),
+    ).covering(Scope::PLAN.and(Scope::FRAME)),
     Metric::less(
         "globe_whole_wall_ms",
         "ms",
         Kind::Time,
         "Wall clock of making, uploading and drawing.",
-    ),
+    ).covering(Scope::PLAN.and(Scope::FRAME)),
     Metric::less(
         "globe_make_cpu_ms",
         "ms",
         Kind::Time,
         "Process CPU time of making the view's triangles.",
-    ),
+    ).covering(Scope::PLAN),
     Metric::less(
         "globe_upload_cpu_ms",
         "ms",
         Kind::Time,
         "Process CPU time of handing them to the device.",
-    ),
+    ).covering(Scope::UPLOAD),
     Metric::less(
         "globe_draw_cpu_ms",
         "ms",
         Kind::Time,
         "Process CPU time of drawing them, until the device is done.",
-    ),
+    ).covering(Scope::DEVICE),
     Metric::less(
         "globe_draw_gpu_ms",
         "ms",
         Kind::Time,
         "GPU time of the pass that draws them.",
-    ),
+    ).covering(Scope::DEVICE),
     Metric::less(
         "globe_upload_bytes",
         "bytes",
@@ -389,13 +389,13 @@ pub(crate) const METRICS: [Metric; 79] = [
         "ms",
         Kind::Time,
         "Process CPU time of handing a frame's new pictures to the device, mean of the frames.",
-    ),
+    ).covering(Scope::UPLOAD),
     Metric::less(
         "globe_count_page_max_cpu_ms",
         "ms",
         Kind::Time,
         "The same, largest.",
-    ),
+    ).covering(Scope::UPLOAD),
     Metric::less(
         "globe_zone_hides",
         "",
@@ -407,13 +407,13 @@ pub(crate) const METRICS: [Metric; 79] = [
         "ms",
         Kind::Time,
         "Process CPU time of a frame whose pixels are counted by node and read back at once.",
-    ),
+    ).covering(Scope::FRAME.and(Scope::READ_BACK)),
     Metric::less(
         "globe_uncounted_cpu_ms",
         "ms",
         Kind::Time,
         "Process CPU time of the same frame without counts.",
-    ),
+    ).covering(Scope::FRAME),
     Metric::neither(
         "globe_shade_px",
         "px",

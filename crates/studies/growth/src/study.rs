@@ -4,7 +4,7 @@
 use crate::measure::{GrowthProgram, measure_here};
 use crate::{STUDY, chapter::GrowthChapter};
 use tempfile::NamedTempFile;
-use terrafill_results::{CaseId, Chapter, Kind, Metric, PlannedCase, Status, Verdict};
+use terrafill_results::{CaseId, Chapter, Kind, Metric, PlannedCase, Scope, Status, Verdict};
 use terrafill_scene::ShapeFamily;
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
 
@@ -21,7 +21,8 @@ const METRICS: [Metric; 2] = [
         "ms",
         Kind::Time,
         "Process CPU time from the outline as GeoJSON text to its mesh, in a process of its own.",
-    ),
+    )
+    .covering(Scope::PLAN),
     Metric::neither(
         "vertices_of_outline",
         "",

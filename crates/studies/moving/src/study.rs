@@ -14,7 +14,7 @@ use terrafill_fill::{
 };
 use terrafill_reference::{CloseLook, ReferenceBackend};
 use terrafill_results::{
-    CaseId, Chapter, Kind, Metric, PlannedCase, RunError, Skipped, Status, Verdict,
+    CaseId, Chapter, Kind, Metric, PlannedCase, RunError, Scope, Skipped, Status, Verdict,
 };
 use terrafill_scene::{ImageSize, Overlap, Scene, SceneError};
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
@@ -36,43 +36,50 @@ const METRICS: [Metric; 14] = [
         "ms",
         Kind::Time,
         "Process CPU time of meshing all moved regions of a frame.",
-    ),
+    )
+    .covering(Scope::PLAN),
     Metric::less(
         "moving_plan_cpu_ms",
         "ms",
         Kind::Time,
         "Process CPU time of joining the moved meshes with the scene and planning the frame.",
-    ),
+    )
+    .covering(Scope::PLAN),
     Metric::less(
         "moving_update_cpu_ms",
         "ms",
         Kind::Time,
         "Process CPU time of handing the changed scene to the technique, uploads included.",
-    ),
+    )
+    .covering(Scope::UPLOAD),
     Metric::less(
         "moving_fill_cpu_ms",
         "ms",
         Kind::Time,
         "Process CPU time of filling the frame, from recording until the device is done.",
-    ),
+    )
+    .covering(Scope::FRAME),
     Metric::less(
         "moving_fill_gpu_ms",
         "ms",
         Kind::Time,
         "GPU time of filling the frame.",
-    ),
+    )
+    .covering(Scope::DEVICE),
     Metric::less(
         "moving_frame_cpu_ms",
         "ms",
         Kind::Time,
         "Process CPU time of a frame with moved regions: mesh, plan, update and fill.",
-    ),
+    )
+    .covering(Scope::PLAN.and(Scope::FRAME)),
     Metric::less(
         "moving_frame_wall_ms",
         "ms",
         Kind::Time,
         "Wall clock over the same span.",
-    ),
+    )
+    .covering(Scope::PLAN.and(Scope::FRAME)),
     Metric::less(
         "moving_upload_bytes",
         "bytes",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What is measured.
 
-use terrafill_results::{Kind, Metric};
+use terrafill_results::{Kind, Metric, Scope};
 
 pub(crate) const METRICS: [Metric; 56] = [
     Metric::less(
@@ -9,19 +9,19 @@ pub(crate) const METRICS: [Metric; 56] = [
         "ms",
         Kind::Time,
         "Process CPU time of a frame of a grid: sending what is sent, recording, and waiting for the device.",
-    ),
+    ).covering(Scope::PLAN.and(Scope::FRAME)),
     Metric::less(
         "pipeline_wall_ms",
         "ms",
         Kind::Time,
         "Wall clock over the same span.",
-    ),
+    ).covering(Scope::PLAN.and(Scope::FRAME)),
     Metric::less(
         "pipeline_gpu_ms",
         "ms",
         Kind::Time,
         "GPU time of drawing a grid; on Vulkan with the dispatch before it.",
-    ),
+    ).covering(Scope::DEVICE),
     Metric::less(
         "pipeline_mismatched_px",
         "px",
@@ -154,13 +154,13 @@ pub(crate) const METRICS: [Metric; 56] = [
         "µs",
         Kind::Time,
         "Process CPU time of writing a block of 64 × 64 texels anew and waiting for the device.",
-    ),
+    ).covering(Scope::UPLOAD),
     Metric::less(
         "cache_update_wall_us",
         "µs",
         Kind::Time,
         "Wall clock over the same span.",
-    ),
+    ).covering(Scope::UPLOAD),
     Metric::less(
         "lights_passes",
         "",
@@ -184,13 +184,13 @@ pub(crate) const METRICS: [Metric; 56] = [
         "ms",
         Kind::Time,
         "Process CPU time of the depth maps alone.",
-    ),
+    ).covering(Scope::DRAW),
     Metric::less(
         "lights_maps_gpu_ms",
         "ms",
         Kind::Time,
         "GPU time of the depth maps alone.",
-    ),
+    ).covering(Scope::DRAW),
     Metric::less(
         "layered_wrong_texels",
         "",

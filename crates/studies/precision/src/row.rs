@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One formula under one condition: what is measured of it, and under which names it is written.
 
-use terrafill_results::{CaseId, Kind, Metric, Status, Verdict};
+use terrafill_results::{CaseId, Kind, Metric, Scope, Status, Verdict};
 
 /// Which question a row answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
@@ -464,8 +464,8 @@ pub(crate) const TIMES: [Metric; 2] = [
         "CPU time of the process for one evaluation of a formula beyond that of the empty one in the \
          same block. On a software device this is the device's time. It may be negative where the \
          formula costs less than the clock's noise.",
-    ),
-    Metric::less("gpu_ns", "ns", Kind::Time, "The same by the GPU's clock."),
+    ).covering(Scope::DISPATCH),
+    Metric::less("gpu_ns", "ns", Kind::Time, "The same by the GPU's clock.").covering(Scope::DISPATCH),
 ];
 
 /// Everything that the study measures.

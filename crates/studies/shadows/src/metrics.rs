@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the study measures.
 
-use terrafill_results::{Kind, Metric};
+use terrafill_results::{Kind, Metric, Scope};
 
 // Those that the chapter reads in several places.
 pub(crate) const TIME: &str = "shadow_silhouette_cpu_ms";
@@ -19,31 +19,31 @@ pub(crate) const METRICS: [Metric; 44] = [
         "ms",
         Kind::Time,
         "Process CPU time of finding the silhouette; facing bits and adjacency are there already.",
-    ),
+    ).covering(Scope::PLAN),
     Metric::less(
         "shadow_fill_cpu_ms",
         "ms",
         Kind::Time,
         "Process CPU time in which a device draws the shadows of the channel that has most, in a picture of `size_px`; surface and volumes are there already.",
-    ),
+    ).covering(Scope::FRAME),
     Metric::less(
         "shadow_fill_gpu_ms",
         "ms",
         Kind::Time,
         "GPU time of the same.",
-    ),
+    ).covering(Scope::DEVICE),
     Metric::less(
         "shadow_volumes_cpu_ms",
         "ms",
         Kind::Time,
         "Process CPU time of finding the volumes of all casters for a frame; none where they are kept.",
-    ),
+    ).covering(Scope::PLAN),
     Metric::less(
         "shadow_build_gpu_ms",
         "ms",
         Kind::Time,
         "GPU time of building the device's tree of triangles, once for casters that rest.",
-    ),
+    ).covering(Scope::DISPATCH),
     Metric::less(
         "shadow_fragments",
         "",
@@ -79,13 +79,13 @@ pub(crate) const METRICS: [Metric; 44] = [
         "ms",
         Kind::Time,
         "Process CPU time of drawing a shadow map on the CPU and asking it for every pixel of all channels.",
-    ),
+    ).covering(Scope::PLAN),
     Metric::less(
         "shadow_map_gpu_ms",
         "ms",
         Kind::Time,
         "GPU time of drawing a device's shadow map.",
-    ),
+    ).covering(Scope::DRAW),
     Metric::less(
         "shadow_map_differs",
         "%",

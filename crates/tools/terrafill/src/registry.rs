@@ -114,6 +114,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
     use terrafill_fill::{Role, Rung, Switches, Values, layouts, matrix_row};
+    use terrafill_results::{Kind, Metric, Scope};
     use terrafill_scene::{Overlap, Scene};
 
     const OVERLAPS: [Overlap; 2] = [Overlap::Disjoint, Overlap::Ordered];
@@ -128,6 +129,23 @@ mod tests {
         for study in STUDIES {
             assert_eq!(study.chapter().study(), study.name());
         }
+    }
+
+    #[test]
+    fn every_time_says_what_it_covers_and_no_other_figure_does() {
+        let lacking = |metrics: &[Metric]| -> Vec<&'static str> {
+            let lacking = metrics
+                .iter()
+                .filter(|metric| !metric.has_scope_of_its_kind());
+            lacking.map(|metric| metric.name).collect()
+        };
+        assert_eq!(lacking(metrics()), Vec::<&str>::new());
+        // Negative controls: a time without a scope, and bytes with one.
+        let time = Metric::less("time_ms", "ms", Kind::Time, "Time.");
+        let bytes = Metric::less("held_bytes", "bytes", Kind::Bytes, "Bytes.");
+        let faulty = [time, bytes.covering(Scope::DRAW)];
+        assert_eq!(lacking(&faulty), ["time_ms", "held_bytes"]);
+        assert!(lacking(&[time.covering(Scope::DRAW), bytes]).is_empty());
     }
 
     #[test]

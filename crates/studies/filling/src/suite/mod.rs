@@ -16,7 +16,7 @@ pub use plan::EXTREME;
 pub use session::IN_HAND;
 
 use crate::subject::{Surfaces, Techniques};
-use terrafill_results::{Chapter, Kind, Metric};
+use terrafill_results::{Chapter, Kind, Metric, Scope};
 use terrafill_study::{Depth, Planned, Request, Study, StudyError};
 
 const METRICS: [Metric; 2] = [
@@ -25,7 +25,7 @@ const METRICS: [Metric; 2] = [
         "s",
         Kind::Time,
         "Wall clock of one technique in one view of a suite, with its part of reading, meshing and the reference.",
-    ),
+    ).covering(Scope::PLAN.and(Scope::FRAME).and(Scope::READ_BACK)),
     Metric::less(
         "validation_messages",
         "",
