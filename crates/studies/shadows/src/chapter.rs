@@ -174,10 +174,13 @@ impl<'a> Own<'a> {
                 (Outcome::Ok | Outcome::Wrong, _) => "there is none",
                 (_, reason) => reason,
             };
-            let figures = section
-                .columns
-                .iter()
-                .map(|(_, metric)| Cell::or_absent(value(case, metric).map(number), why));
+            let figures = section.columns.iter().map(|(_, metric)| {
+                let why = match (*metric, why) {
+                    ("shadow_fragments", "there is none") => "not counted by the device",
+                    _ => why,
+                };
+                Cell::or_absent(value(case, metric).map(number), why)
+            });
             // What is wrong stands in the row's figures.
             let is_said = case.outcome == Outcome::Wrong && section.question != "scissors";
             Row {
