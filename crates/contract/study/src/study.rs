@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use terrafill_fill::Devices;
-use terrafill_results::{Chapter, Metric, PlannedCase, Skipped, Status, Verdict};
+use terrafill_results::{Chapter, ConditionKey, Metric, PlannedCase, Skipped, Status, Verdict};
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
@@ -114,6 +114,11 @@ pub trait Study: Sync {
 
     /// Everything that it measures.
     fn metrics(&self) -> &'static [Metric];
+
+    /// Every condition that a case of it may have.
+    fn conditions(&self) -> Vec<ConditionKey> {
+        Vec::new()
+    }
 
     /// From which depth on it is part of a run that names no study.
     fn least_depth(&self) -> Depth {

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A case: one point of a study, under named conditions.
 
+use crate::condition::REPEATS;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// Condition that names the case whose work this one repeats: an A/A twin, measured to see by how
-/// much identical work differs.
-pub const REPEATS: &str = "repeats";
 
 /// What the notes begin with of processes that timed before their clock was steady.
 pub const UNSTEADY_CLOCK: &str = "unsteady_clock_";
@@ -51,7 +48,13 @@ impl CaseId {
 
     /// Value of a condition; empty where the case has none of that name.
     #[must_use]
-    pub fn condition(&self, key: &str) -> &str {
+    pub fn condition(&self, key: impl AsRef<str>) -> &str {
+        self.condition_named(key.as_ref())
+    }
+
+    /// The same for readers of any study, which have names from tables.
+    #[must_use]
+    pub fn condition_named(&self, key: &str) -> &str {
         self.conditions.get(key).map_or("", String::as_str)
     }
 
@@ -60,7 +63,7 @@ impl CaseId {
     pub fn twin(&self) -> Self {
         let mut twin = self.clone();
         twin.name.push_str(" (again)");
-        twin.conditions.insert(REPEATS.to_owned(), self.key());
+        twin.conditions.insert(REPEATS.into(), self.key());
         twin
     }
 }

@@ -297,7 +297,7 @@ impl RunFolder {
         let conditions = self
             .conditions
             .iter()
-            .map(|key| case.id.condition(key).to_owned());
+            .map(|key| case.id.condition_named(key).to_owned());
         fixed.into_iter().chain(conditions).collect()
     }
 

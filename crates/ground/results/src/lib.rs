@@ -10,6 +10,7 @@
 
 mod block;
 mod case;
+pub mod condition;
 mod duration;
 mod environment;
 mod folder;
@@ -32,9 +33,8 @@ pub use block::{
     Answers, Block, Cell, CellClass, Chapter, ChapterError, Choice, DerivedTable, Finding, Heading,
     Picture, PictureFigure, Pictures, Plot, Row, Standing, Table, TableLayout,
 };
-pub use case::{
-    CaseId, CaseRow, Measurement, Note, PlannedCase, REPEATS, Status, UNSTEADY_CLOCK, Verdict,
-};
+pub use case::{CaseId, CaseRow, Measurement, Note, PlannedCase, Status, UNSTEADY_CLOCK, Verdict};
+pub use condition::{ConditionKey, REPEATS};
 pub use duration::{DURATION_COLUMNS, GroupDuration, append_durations, read_durations};
 pub use environment::{Clock, RunEnvironment};
 pub use folder::{

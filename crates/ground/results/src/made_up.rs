@@ -111,18 +111,18 @@ impl MadeUpRun {
 
 impl MadeUpCase {
     /// A counter, or an error figure.
-    pub fn figure(&mut self, metric: &'static str, value: f64) -> &mut Self {
-        self.take(metric, 0, &[&[value]])
+    pub fn figure(&mut self, metric: impl Into<&'static str>, value: f64) -> &mut Self {
+        self.take(metric.into(), 0, &[&[value]])
     }
 
     /// A time: one sample in each process.
-    pub fn timed(&mut self, metric: &'static str, processes: &[f64]) -> &mut Self {
+    pub fn timed(&mut self, metric: impl Into<&'static str>, processes: &[f64]) -> &mut Self {
         self.sampled(metric, &processes.chunks(1).collect::<Vec<_>>())
     }
 
     /// A time: samples of each process.
-    pub fn sampled(&mut self, metric: &'static str, processes: &[&[f64]]) -> &mut Self {
-        self.take(metric, 1, processes)
+    pub fn sampled(&mut self, metric: impl Into<&'static str>, processes: &[&[f64]]) -> &mut Self {
+        self.take(metric.into(), 1, processes)
     }
 
     fn take(&mut self, metric: &'static str, first: u32, processes: &[&[f64]]) -> &mut Self {

@@ -129,6 +129,53 @@ impl Metric {
     }
 }
 
+impl Metric {
+    /// The declaration of this name: chapters read by constants made so, and a name that the study did
+    /// not declare does not compile.
+    ///
+    /// # Panics
+    /// Where no metric of `declared` has the name.
+    #[must_use]
+    pub const fn of(declared: &'static [Self], name: &str) -> &'static Self {
+        let mut at = 0;
+        while at < declared.len() {
+            if is_same(declared[at].name, name) {
+                return &declared[at];
+            }
+            at += 1;
+        }
+        panic!("no declared metric has this name")
+    }
+}
+
+/// `==`, which constants cannot use on texts.
+const fn is_same(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    let mut at = 0;
+    while at < a.len() && at < b.len() && a[at] == b[at] {
+        at += 1;
+    }
+    at == a.len() && at == b.len()
+}
+
+impl From<&'static Metric> for &'static str {
+    fn from(metric: &'static Metric) -> Self {
+        metric.name
+    }
+}
+
+impl From<&Metric> for String {
+    fn from(metric: &Metric) -> Self {
+        metric.name.to_owned()
+    }
+}
+
+impl AsRef<str> for Metric {
+    fn as_ref(&self) -> &str {
+        self.name
+    }
+}
+
 /// A row of `metrics.csv`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MetricRow {
@@ -152,6 +199,27 @@ impl From<&Metric> for MetricRow {
             kind: metric.kind,
             better: metric.better,
             meaning: metric.meaning.to_owned(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const METRICS: [Metric; 2] = [
+        Metric::less("cost_ms", "ms", Kind::Time, "Cost."),
+        Metric::less("cost", "", Kind::Counter, "Cost."),
+    ];
+
+    #[test]
+    fn a_metric_is_found_by_its_whole_name() {
+        const COST: &Metric = Metric::of(&METRICS, "cost");
+        assert_eq!(COST, &METRICS[1]);
+        assert_eq!(Metric::of(&METRICS, "cost_ms"), &METRICS[0]);
+        for other in ["cos", "cost_", "cost_ns", ""] {
+            let found = std::panic::catch_unwind(|| Metric::of(&METRICS, other));
+            assert!(found.is_err(), "{other:?}");
         }
     }
 }

@@ -87,7 +87,11 @@ impl Noise {
     /// Noise of `metric` among these cases: of a group, or of a whole run. `None` where no right
     /// case was measured twice.
     #[must_use]
-    pub fn of<'a>(cases: impl Iterator<Item = &'a Case> + Clone, metric: &str) -> Option<Self> {
+    pub fn of<'a>(
+        cases: impl Iterator<Item = &'a Case> + Clone,
+        metric: impl AsRef<str>,
+    ) -> Option<Self> {
+        let metric = metric.as_ref();
         let ratios: Vec<Estimate> = cases
             .clone()
             .filter(|case| case.is_twin() && case.counts())

@@ -87,7 +87,7 @@ impl Claim {
 /// One number for each process: the median over the usable samples of a time, which are finite and
 /// positive.
 #[must_use]
-pub fn process_medians(case: &Case, metric: &str) -> BTreeMap<u32, f64> {
+pub fn process_medians(case: &Case, metric: impl AsRef<str>) -> BTreeMap<u32, f64> {
     let processes = case.samples(metric).into_iter().flatten();
     processes
         .filter_map(|(process, samples)| {
@@ -104,7 +104,7 @@ pub fn process_medians(case: &Case, metric: &str) -> BTreeMap<u32, f64> {
 /// Spread of all usable samples of a time over all processes: what a reader may expect of one frame,
 /// and no interval of anything.
 #[must_use]
-pub fn sample_spread(case: &Case, metric: &str) -> Option<Spread> {
+pub fn sample_spread(case: &Case, metric: impl AsRef<str>) -> Option<Spread> {
     let samples = case.samples(metric)?.values();
     let usable: Vec<f64> = samples
         .flat_map(|samples| samples.values().copied())
@@ -120,7 +120,8 @@ fn is_usable(time: f64) -> bool {
 /// `metric` of `case` over that of `other`, paired by process; `None` without a process that measured
 /// both.
 #[must_use]
-pub fn ratio(case: &Case, other: &Case, metric: &str) -> Option<Estimate> {
+pub fn ratio(case: &Case, other: &Case, metric: impl AsRef<str>) -> Option<Estimate> {
+    let metric = metric.as_ref();
     let others = process_medians(other, metric);
     let ratios: Vec<f64> = process_medians(case, metric)
         .iter()
@@ -167,7 +168,7 @@ pub fn over_processes(figures: &[f64]) -> Option<Estimate> {
 /// Share of `part` in the sum of two metrics of one case that every sample has, over processes; `None`
 /// without a process that measured both.
 #[must_use]
-pub fn share(case: &Case, part: &str, rest: &str) -> Option<Estimate> {
+pub fn share(case: &Case, part: impl AsRef<str>, rest: impl AsRef<str>) -> Option<Estimate> {
     let rests = process_medians(case, rest);
     let shares: Vec<f64> = process_medians(case, part)
         .iter()
@@ -178,7 +179,7 @@ pub fn share(case: &Case, part: &str, rest: &str) -> Option<Estimate> {
 
 /// `metric` of one case: the median over its processes; `None` without a process that measured it.
 #[must_use]
-pub fn typical(case: &Case, metric: &str) -> Option<Estimate> {
+pub fn typical(case: &Case, metric: impl AsRef<str>) -> Option<Estimate> {
     let medians: Vec<f64> = process_medians(case, metric).into_values().collect();
     over_processes(&medians)
 }

@@ -100,14 +100,20 @@ impl Case {
 
     /// Value of a condition; empty where the case has none of that name.
     #[must_use]
-    pub fn condition(&self, key: &str) -> &str {
-        self.planned.id.condition(key)
+    pub fn condition(&self, key: impl AsRef<str>) -> &str {
+        self.condition_named(key.as_ref())
+    }
+
+    /// The same for readers of any study, which have names from tables.
+    #[must_use]
+    pub fn condition_named(&self, key: &str) -> &str {
+        self.planned.id.condition_named(key)
     }
 
     /// Whether it repeats the work of another case, to see by how much identical work differs.
     #[must_use]
     pub fn is_twin(&self) -> bool {
-        self.planned.id.conditions.contains_key(REPEATS)
+        self.planned.id.conditions.contains_key(REPEATS.name())
     }
 
     /// Whether its figures may be compared with others'.
@@ -118,14 +124,14 @@ impl Case {
 
     /// Every value of a metric; `None` where it was not measured.
     #[must_use]
-    pub fn samples(&self, metric: &str) -> Option<&Samples> {
-        self.figures.get(metric)
+    pub fn samples(&self, metric: impl AsRef<str>) -> Option<&Samples> {
+        self.figures.get(metric.as_ref())
     }
 
     /// One number per process, its median over the process's samples: the replicates.
     #[must_use]
-    pub fn replicates(&self, metric: &str) -> Vec<f64> {
-        let processes = self.figures.get(metric).into_iter().flatten();
+    pub fn replicates(&self, metric: impl AsRef<str>) -> Vec<f64> {
+        let processes = self.samples(metric).into_iter().flatten();
         processes
             .filter_map(|(_, samples)| {
                 let values: Vec<f64> = samples.values().copied().collect();
@@ -136,7 +142,8 @@ impl Case {
 
     /// The metric's value: the median over processes of their medians. A counter has one sample.
     #[must_use]
-    pub fn value(&self, metric: &str) -> Option<f64> {
+    pub fn value(&self, metric: impl AsRef<str>) -> Option<f64> {
+        let metric = metric.as_ref();
         let all = self.replicates(metric);
         match all.as_slice() {
             [only] => Some(*only),
@@ -355,7 +362,7 @@ fn read_cases(
             return Err(cell(path, row, "commit", of(5), expected));
         }
         for (index, column) in columns.iter().enumerate().skip(CASE_COLUMNS.len()) {
-            let expected = case.id.condition(column);
+            let expected = case.id.condition_named(column);
             if of(index) != expected {
                 let expected = format!("{expected:?}, as in plan.json");
                 return Err(cell(path, row, column, of(index), expected));

@@ -39,7 +39,7 @@ const NO_SWITCHES: [&str; 13] = [
     "role",
     "rung",
     "step",
-    REPEATS,
+    REPEATS.name(),
 ];
 
 /// Least band of no difference: clocks of software devices step by less, and what two of three pairs of

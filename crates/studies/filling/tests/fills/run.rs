@@ -211,7 +211,7 @@ fn a_small_run_is_right_and_resumes_without_measuring_twice() {
     let allocated = |run: &Run| {
         let bytes = run.cases.iter().map(|case| {
             let bytes =
-                ["vertex", "index"].map(|part| case.value(&format!("allocated_{part}_bytes")));
+                ["vertex", "index"].map(|part| case.value(format!("allocated_{part}_bytes")));
             (
                 case.id().clone(),
                 bytes.map(|bytes| bytes.map(f64::to_bits)),
@@ -409,8 +409,8 @@ fn check_bytes(run: &Run) {
     for case in held {
         assert_eq!(case.condition("regions"), "1", "as the scene has");
         for part in ["vertex", "index"] {
-            let formula = case.value(&format!("formula_{part}_bytes"));
-            let allocated = case.value(&format!("allocated_{part}_bytes"));
+            let formula = case.value(format!("formula_{part}_bytes"));
+            let allocated = case.value(format!("allocated_{part}_bytes"));
             assert!(formula.is_some(), "{}", case.id());
             assert_eq!(formula, allocated, "{}: {part}", case.id());
         }

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Names of conditions: declared once by the study whose cases have them, read by these constants.
+
+/// The name of a condition. Studies make theirs with [`conditions!`](crate::conditions), which lists
+/// all of them as well: a name that is declared nowhere cannot be written by mistake.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ConditionKey(&'static str);
+
+impl ConditionKey {
+    /// For declarations alone; `cargo xtask check-keys` refuses it elsewhere.
+    #[must_use]
+    pub const fn declare(name: &'static str) -> Self {
+        Self(name)
+    }
+
+    /// The column in `cases.csv`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        self.0
+    }
+}
+
+impl AsRef<str> for ConditionKey {
+    fn as_ref(&self) -> &str {
+        self.0
+    }
+}
+
+impl From<ConditionKey> for String {
+    fn from(key: ConditionKey) -> Self {
+        key.0.to_owned()
+    }
+}
+
+impl std::fmt::Display for ConditionKey {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+/// Declares the conditions of a study: a constant for each, and the list `CONDITIONS` of all.
+///
+/// - `shared`: names in [`condition`](crate::condition) that other studies have as well
+#[macro_export]
+macro_rules! conditions {
+    (shared $($shared:ident),*; $($key:ident = $name:literal;)*) => {
+        pub(crate) use $crate::condition::{$($shared),*};
+        $(pub(crate) const $key: $crate::ConditionKey = $crate::ConditionKey::declare($name);)*
+        /// Every condition of the study's cases.
+        pub(crate) const CONDITIONS: &[$crate::ConditionKey] = &[$($shared,)* $($key,)*];
+    };
+}
+
+/// The scene that is drawn.
+pub const SCENE: ConditionKey = ConditionKey::declare("scene");
+/// The camera, by its name.
+pub const VIEW: ConditionKey = ConditionKey::declare("view");
+/// How regions are filled.
+pub const TECHNIQUE: ConditionKey = ConditionKey::declare("technique");
+/// The technique's switches, as one text.
+pub const VARIANT: ConditionKey = ConditionKey::declare("variant");
+/// Graphics interface.
+pub const API: ConditionKey = ConditionKey::declare("api");
+/// Part of the study: its cases have conditions of their own.
+pub const PART: ConditionKey = ConditionKey::declare("part");
+/// Pixels a side.
+pub const SIZE_PX: ConditionKey = ConditionKey::declare("size_px");
+/// The case whose work this one repeats: an A/A twin, measured to see by how much identical work
+/// differs.
+pub const REPEATS: ConditionKey = ConditionKey::declare("repeats");
