@@ -1,28 +1,33 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter on flights: time against what missing pieces of terrain change, by the way of making pieces.
 
+use crate::keys::{
+    FLIGHT_FRAME_CPU_MS, FLIGHT_FRAME_WALL_MS, FLIGHT_WORST_FRAME_CPU_MS,
+    FLIGHT_WORST_FRAME_WALL_MS, PIECES, SCENE, TECHNIQUE,
+};
+use crate::metrics::METRICS;
 use terrafill_plot::number::{measured_bytes, significant};
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
 use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Finding, Heading, Plot, Row, Run,
-    Standing, Table, process_medians, sample_spread,
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Finding, Heading, Metric, Plot, Row,
+    Run, Standing, Table, process_medians, sample_spread,
 };
 
-const FRAME: [&str; 2] = ["flight_frame_wall_ms", "flight_frame_cpu_ms"];
-const WORST: [&str; 2] = ["flight_worst_frame_wall_ms", "flight_worst_frame_cpu_ms"];
-const FIRST: &str = "flight_first_frame_wall_ms";
-const ERROR: &str = "flight_changed_px";
-const LAST_ERROR: &str = "flight_last_changed_px";
-const LATE: &str = "flight_late_frames";
-const MADE: &str = "flight_pieces_made";
-const EVICTED: &str = "flight_pieces_evicted";
-const BYTES: &str = "flight_piece_bytes";
-const BUDGET: &str = "flight_budget_bytes";
-const COMPARED: &str = "flight_frames_compared";
-const WRONG: &str = "flight_frames_wrong";
-const OUTSIDE: &str = "flight_outside_px";
+const FRAME: [&Metric; 2] = [FLIGHT_FRAME_WALL_MS, FLIGHT_FRAME_CPU_MS];
+const WORST: [&Metric; 2] = [FLIGHT_WORST_FRAME_WALL_MS, FLIGHT_WORST_FRAME_CPU_MS];
+const FIRST: &Metric = Metric::of(&METRICS, "flight_first_frame_wall_ms");
+const ERROR: &Metric = Metric::of(&METRICS, "flight_changed_px");
+const LAST_ERROR: &Metric = Metric::of(&METRICS, "flight_last_changed_px");
+const LATE: &Metric = Metric::of(&METRICS, "flight_late_frames");
+const MADE: &Metric = Metric::of(&METRICS, "flight_pieces_made");
+const EVICTED: &Metric = Metric::of(&METRICS, "flight_pieces_evicted");
+const BYTES: &Metric = Metric::of(&METRICS, "flight_piece_bytes");
+const BUDGET: &Metric = Metric::of(&METRICS, "flight_budget_bytes");
+const COMPARED: &Metric = Metric::of(&METRICS, "flight_frames_compared");
+const WRONG: &Metric = Metric::of(&METRICS, "flight_frames_wrong");
+const OUTSIDE: &Metric = Metric::of(&METRICS, "flight_outside_px");
 
 const WHAT_IS_COMPARED: &str = "The eye flies through the views of a scene, from the highest to the lowest, and rests there. At \
      first no piece of the terrain is there. “anew”: every frame makes all that it draws. “wait”: a frame \
@@ -45,7 +50,7 @@ impl Chapter for FlightChapter {
     }
 
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
-        Some(clock.pick(FRAME[0], FRAME[1]))
+        Some(pick(clock, FRAME).name)
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
@@ -104,7 +109,7 @@ fn cases(run: &Run) -> impl Iterator<Item = &Case> {
 fn scenes(run: &Run) -> Vec<&str> {
     let mut scenes = Vec::new();
     for case in cases(run) {
-        let scene = case.condition("scene");
+        let scene = case.condition(SCENE);
         if !scenes.contains(&scene) {
             scenes.push(scene);
         }
@@ -113,15 +118,15 @@ fn scenes(run: &Run) -> Vec<&str> {
 }
 
 fn of<'a>(run: &'a Run, scene: &str) -> Vec<&'a Case> {
-    let cases = cases(run).filter(|case| case.condition("scene") == scene);
+    let cases = cases(run).filter(|case| case.condition(SCENE) == scene);
     cases.collect()
 }
 
-fn value(case: &Case, metric: &str) -> Option<f64> {
+fn value(case: &Case, metric: &Metric) -> Option<f64> {
     case.value(metric).filter(|_| case.counts())
 }
 
-fn pick(clock: Clock, metrics: [&'static str; 2]) -> &'static str {
+fn pick(clock: Clock, metrics: [&'static Metric; 2]) -> &'static Metric {
     clock.pick(metrics[0], metrics[1])
 }
 
@@ -131,7 +136,7 @@ fn answer(run: &Run, scene: &str) -> Option<String> {
     let clock = run.clock();
     let by = |pieces: &str| {
         let mut cases = cases.iter();
-        cases.find(|case| case.condition("pieces") == pieces)
+        cases.find(|case| case.condition(PIECES) == pieces)
     };
     let worst = pick(clock, WORST);
     let wait_ms = by("wait").and_then(|case| value(case, worst))?;
@@ -147,7 +152,7 @@ fn answer(run: &Run, scene: &str) -> Option<String> {
          picture into another region; when the eye has rested, {} px.",
         significant(wait_ms),
         clock.pick("wall clock", "process CPU time"),
-        least.condition("pieces"),
+        least.condition(PIECES),
         significant(least_ms),
         figure(least, LATE),
         figure(least, ERROR),
@@ -198,8 +203,8 @@ fn table(run: &Run, scene: &str) -> Table {
         let size = |metric| Cell::or_absent(value(case, metric).map(measured_bytes), why);
         Row {
             cells: vec![
-                Cell::name(case.condition("pieces")),
-                Cell::plain(case.condition("technique")),
+                Cell::name(case.condition(PIECES)),
+                Cell::plain(case.condition(TECHNIQUE)),
                 cell(pick(clock, FRAME)),
                 cell(pick(clock, WORST)),
                 cell(FIRST),
@@ -247,10 +252,10 @@ fn plot(run: &Run, scene: &str) -> Result<Option<String>, ChapterError> {
     let clock = run.clock();
     let cases = of(run, scene);
     // One technique shows every way.
-    let technique = cases.first().map(|case| case.condition("technique"));
+    let technique = cases.first().map(|case| case.condition(TECHNIQUE));
     let cases = cases.into_iter();
     let cases: Vec<&Case> = cases
-        .filter(|case| case.counts() && Some(case.condition("technique")) == technique)
+        .filter(|case| case.counts() && Some(case.condition(TECHNIQUE)) == technique)
         .collect();
     let across = format!(
         "worst frame, ms of {}",
@@ -272,16 +277,16 @@ fn plot(run: &Run, scene: &str) -> Result<Option<String>, ChapterError> {
         curves: cases.iter().filter_map(|case| curve(case, time)).collect(),
         lines: Vec::new(),
     });
-    let names = cases.iter().map(|case| case.condition("pieces").to_owned());
+    let names = cases.iter().map(|case| case.condition(PIECES).to_owned());
     let palette = Palette::new(names.collect());
     let title = format!("time and error of flights over {scene}");
     Ok(panels(&title, &plots, Arrangement::SideBySide, &palette)?)
 }
 
-fn curve(case: &Case, time: &str) -> Option<Curve> {
+fn curve(case: &Case, time: &Metric) -> Option<Curve> {
     let replicates: Vec<f64> = process_medians(case, time).into_values().collect();
     Some(Curve {
-        name: case.condition("pieces").to_owned(),
+        name: case.condition(PIECES).to_owned(),
         points: vec![Point {
             knob: 0.0,
             label: String::new(),

@@ -3,6 +3,8 @@
 
 use crate::STUDY;
 use crate::chapter::FlightChapter;
+use crate::keys::{PIECES, SCENE, TECHNIQUE, VARIANT};
+use crate::metrics::METRICS;
 use crate::pace::{Making, Pace};
 use crate::path::path;
 use std::cell::OnceCell;
@@ -18,7 +20,7 @@ use terrafill_fill::{
 };
 use terrafill_reference::{CloseLook, ReferenceBackend};
 use terrafill_results::{
-    CaseId, Chapter, Kind, Metric, PlannedCase, Scope, Skipped, Status, Verdict, median,
+    CaseId, Chapter, ConditionKey, Metric, PlannedCase, Skipped, Status, Verdict, median,
 };
 use terrafill_scene::{ImageSize, PlanOptions, Scene, View};
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
@@ -41,99 +43,6 @@ const COMPARED_OF_QUICK: u32 = 20;
 /// Flights of each case in a process, unless the request says otherwise.
 const SAMPLES: u32 = 2;
 
-const METRICS: [Metric; 15] = [
-    Metric::less(
-        "flight_frame_cpu_ms",
-        "ms",
-        Kind::Time,
-        "Process CPU time of a frame: surface, plan, upload and fill, pieces made by the way included; median of a flight.",
-    ).covering(Scope::PLAN.and(Scope::FRAME)),
-    Metric::less(
-        "flight_worst_frame_cpu_ms",
-        "ms",
-        Kind::Time,
-        "The same of the worst frame of a flight after its first.",
-    ).covering(Scope::PLAN.and(Scope::FRAME)),
-    Metric::less(
-        "flight_frame_wall_ms",
-        "ms",
-        Kind::Time,
-        "Wall clock of a frame; median of a flight.",
-    ).covering(Scope::PLAN.and(Scope::FRAME)),
-    Metric::less(
-        "flight_worst_frame_wall_ms",
-        "ms",
-        Kind::Time,
-        "Wall clock of the worst frame of a flight after its first.",
-    ).covering(Scope::PLAN.and(Scope::FRAME)),
-    Metric::less(
-        "flight_first_frame_wall_ms",
-        "ms",
-        Kind::Time,
-        "Wall clock of the first frame, for which no piece is there.",
-    ).covering(Scope::PLAN.and(Scope::FRAME)),
-    Metric::less(
-        "flight_changed_px",
-        "px",
-        Kind::Error,
-        "Pixels that show another region than over the terrain that the view asks for, by the reference; worst frame compared.",
-    ),
-    Metric::less(
-        "flight_last_changed_px",
-        "px",
-        Kind::Error,
-        "The same of the last frame, when the eye has rested.",
-    ),
-    Metric::less(
-        "flight_late_frames",
-        "",
-        Kind::Counter,
-        "Frames that were drawn while pieces they asked for were missing.",
-    ),
-    Metric::less(
-        "flight_pieces_made",
-        "",
-        Kind::Counter,
-        "Pieces made during a flight.",
-    ),
-    Metric::less(
-        "flight_pieces_evicted",
-        "",
-        Kind::Counter,
-        "Of these, let go because the memory was full.",
-    ),
-    Metric::less(
-        "flight_piece_bytes",
-        "bytes",
-        Kind::Bytes,
-        "Memory of all pieces; largest of all frames.",
-    ),
-    Metric::neither(
-        "flight_budget_bytes",
-        "bytes",
-        Kind::Bytes,
-        "Memory that pieces may take.",
-    ),
-    Metric::neither(
-        "flight_frames_compared",
-        "",
-        Kind::Counter,
-        "Frames that were compared with the reference over the triangles of that very frame.",
-    ),
-    Metric::less(
-        "flight_frames_wrong",
-        "",
-        Kind::Error,
-        "Frames that were not within the tolerances of a fill.",
-    ),
-    Metric::less(
-        "flight_outside_px",
-        "px",
-        Kind::Error,
-        "Pixels outside the boundary band that differ from the reference; largest of all frames.",
-    ),
-];
-
 /// What a flight costs and shows while terrain is being made.
 #[derive(Debug, Clone, Copy)]
 pub struct FlightStudy {
@@ -154,6 +63,10 @@ impl Study for FlightStudy {
 
     fn metrics(&self) -> &'static [Metric] {
         &METRICS
+    }
+
+    fn conditions(&self) -> Vec<ConditionKey> {
+        crate::keys::CONDITIONS.to_vec()
     }
 
     fn least_depth(&self) -> Depth {
@@ -260,10 +173,10 @@ impl Flights {
         let samples = request.samples.unwrap_or(SAMPLES);
         let planned = cases.iter().map(|case| {
             let parts = [
-                ("scene", scene.name.clone()),
-                ("technique", case.technique.name().to_owned()),
-                ("variant", case.variant.name()),
-                ("pieces", case.pace.name()),
+                (SCENE, scene.name.clone()),
+                (TECHNIQUE, case.technique.name().to_owned()),
+                (VARIANT, case.variant.name()),
+                (PIECES, case.pace.name()),
             ];
             let name: Vec<&str> = parts.iter().map(|(_, value)| value.as_str()).collect();
             let name = name.join("/");

@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter on growth: what a mesh costs by the vertices of its outline, one curve per shape.
 
+use crate::keys::{OUTLINE_VERTICES, SHAPE};
+use crate::metrics::METRICS;
 use terrafill_plot::number::significant;
 use terrafill_plot::{
     Curve, Palette, Point, PointStanding, Reading, ReferenceLine, Upwards, WorkPrecision,
     named_aside,
 };
 use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Plot, Row, Run, Spread,
-    Table, process_medians, sample_spread,
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Metric, Plot, Row, Run,
+    Spread, Table, process_medians, sample_spread,
 };
 
 /// Process CPU time from text to mesh: a mesh is made on the CPU, whatever the device.
-const TIME: &str = "mesh_cpu_ms";
+const TIME: &Metric = Metric::of(&METRICS, "mesh_cpu_ms");
 /// Vertices that the shape came to have; about as many as were asked for.
-const VERTICES: &str = "vertices_of_outline";
+const VERTICES: &Metric = Metric::of(&METRICS, "vertices_of_outline");
 
 /// Sizes of the ratio, as in the condition `outline_vertices`.
 const RATIO_SIZES: [&str; 2] = ["100000", "1000000"];
@@ -60,7 +62,7 @@ impl Chapter for GrowthChapter {
     }
 
     fn primary_metric(&self, _clock: Clock) -> Option<&'static str> {
-        Some(TIME)
+        Some(TIME.name)
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
@@ -99,7 +101,7 @@ impl Chapter for GrowthChapter {
 fn shapes(run: &Run) -> Vec<Shape<'_>> {
     let mut shapes: Vec<Shape<'_>> = Vec::new();
     for case in run.of_study(crate::STUDY).filter(|case| !case.is_twin()) {
-        let name = case.condition("shape");
+        let name = case.condition(SHAPE);
         let index = shapes.iter().position(|shape| shape.name == name);
         let index = index.unwrap_or_else(|| {
             shapes.push(Shape {
@@ -124,7 +126,7 @@ fn size(case: &Case) -> Option<Size<'_>> {
         return None;
     }
     Some(Size {
-        asked: case.condition("outline_vertices"),
+        asked: case.condition(OUTLINE_VERTICES),
         vertices: case.value(VERTICES)?,
         time: sample_spread(case, TIME)?,
         replicates: process_medians(case, TIME).into_values().collect(),

@@ -5,7 +5,9 @@
 //! of them alike.
 
 mod chapter;
+mod keys;
 mod measure;
+mod metrics;
 mod study;
 
 pub use chapter::GrowthChapter;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The cases: families of shapes × sizes.
 
+use crate::keys::{OUTLINE_VERTICES, SHAPE};
 use crate::measure::{GrowthProgram, measure_here};
+use crate::metrics::METRICS;
 use crate::{STUDY, chapter::GrowthChapter};
 use tempfile::NamedTempFile;
-use terrafill_results::{CaseId, Chapter, Kind, Metric, PlannedCase, Scope, Status, Verdict};
+use terrafill_results::{CaseId, Chapter, ConditionKey, Metric, PlannedCase, Status, Verdict};
 use terrafill_scene::ShapeFamily;
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
 
@@ -14,22 +16,6 @@ const QUICK_SIZES: usize = 3;
 
 /// Builds of each shape and size in a process, unless the request says otherwise.
 const SAMPLES: u32 = 2;
-
-const METRICS: [Metric; 2] = [
-    Metric::less(
-        "mesh_cpu_ms",
-        "ms",
-        Kind::Time,
-        "Process CPU time from the outline as GeoJSON text to its mesh, in a process of its own.",
-    )
-    .covering(Scope::PLAN),
-    Metric::neither(
-        "vertices_of_outline",
-        "",
-        Kind::Counter,
-        "Vertices of the shape's outline: about as many as the case is named after.",
-    ),
-];
 
 /// How the cost of a mesh grows with its vertices.
 #[derive(Debug, Clone, Copy)]
@@ -49,6 +35,10 @@ impl Study for GrowthStudy {
 
     fn metrics(&self) -> &'static [Metric] {
         &METRICS
+    }
+
+    fn conditions(&self) -> Vec<ConditionKey> {
+        crate::keys::CONDITIONS.to_vec()
     }
 
     fn least_depth(&self) -> Depth {
@@ -98,8 +88,8 @@ impl Shapes {
                 STUDY,
                 format!("{}/{size}", family.name()),
                 [
-                    ("shape", family.name().to_owned()),
-                    ("outline_vertices", size.to_string()),
+                    (SHAPE, family.name().to_owned()),
+                    (OUTLINE_VERTICES, size.to_string()),
                 ],
             ),
             samples,
@@ -205,7 +195,7 @@ mod tests {
             };
             let planned = study.plan(&request).expect("planned");
             let sizes = planned.groups[0].cases().iter();
-            let sizes = sizes.map(|case| case.id.condition("outline_vertices").parse::<u32>());
+            let sizes = sizes.map(|case| case.id.condition(OUTLINE_VERTICES).parse::<u32>());
             sizes.map(|size| size.expect("a number")).max()
         };
         assert_eq!(largest(Depth::Quick), Some(100_000));

@@ -1,26 +1,28 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter on regions that move: what a frame costs by technique, part by part.
 
+use crate::keys::{SCENE, SENSORS, TECHNIQUE, UPKEEP, VARIANT};
+use crate::metrics::METRICS;
 use terrafill_plot::number::{measured_bytes, significant};
 use terrafill_results::{
     Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Estimate, Finding,
-    Heading, Noise, Picture, PictureFigure, Pictures, Row, Run, Standing, Table, over_processes,
-    process_medians,
+    Heading, Metric, Noise, Picture, PictureFigure, Pictures, Row, Run, Standing, Table,
+    over_processes, process_medians,
 };
 
-const MESH: &str = "moving_mesh_cpu_ms";
-const PLAN: &str = "moving_plan_cpu_ms";
-const UPDATE: &str = "moving_update_cpu_ms";
-const FILL_CPU: &str = "moving_fill_cpu_ms";
-const FILL_GPU: &str = "moving_fill_gpu_ms";
-const FRAME_CPU: &str = "moving_frame_cpu_ms";
-const FRAME_WALL: &str = "moving_frame_wall_ms";
-const BYTES: &str = "moving_upload_bytes";
-const COMPARED: &str = "moving_frames_compared";
-const WRONG: &str = "moving_frames_wrong";
-const OUTSIDE: &str = "moving_outside_px";
-const BOUND_M: &str = "moving_bound_m";
-const BOUND_PX: &str = "moving_bound_px";
+const MESH: &Metric = Metric::of(&METRICS, "moving_mesh_cpu_ms");
+const PLAN: &Metric = Metric::of(&METRICS, "moving_plan_cpu_ms");
+const UPDATE: &Metric = Metric::of(&METRICS, "moving_update_cpu_ms");
+const FILL_CPU: &Metric = Metric::of(&METRICS, "moving_fill_cpu_ms");
+const FILL_GPU: &Metric = Metric::of(&METRICS, "moving_fill_gpu_ms");
+const FRAME_CPU: &Metric = Metric::of(&METRICS, "moving_frame_cpu_ms");
+const FRAME_WALL: &Metric = Metric::of(&METRICS, "moving_frame_wall_ms");
+const BYTES: &Metric = Metric::of(&METRICS, "moving_upload_bytes");
+const COMPARED: &Metric = Metric::of(&METRICS, "moving_frames_compared");
+const WRONG: &Metric = Metric::of(&METRICS, "moving_frames_wrong");
+const OUTSIDE: &Metric = Metric::of(&METRICS, "moving_outside_px");
+const BOUND_M: &Metric = Metric::of(&METRICS, "moving_bound_m");
+const BOUND_PX: &Metric = Metric::of(&METRICS, "moving_bound_px");
 
 /// Ways whose cost a frame is compared: the others show what they spare.
 const WAYS: [&str; 2] = ["bend", "rewrite"];
@@ -55,7 +57,7 @@ impl Chapter for MovingChapter {
     }
 
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
-        Some(primary(clock))
+        Some(primary(clock).name)
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
@@ -108,7 +110,7 @@ struct Sweep<'a> {
     cases: Vec<&'a Case>,
 }
 
-fn primary(clock: Clock) -> &'static str {
+fn primary(clock: Clock) -> &'static Metric {
     clock.pick(FRAME_WALL, FRAME_CPU)
 }
 
@@ -120,7 +122,7 @@ fn cases(run: &Run) -> impl Iterator<Item = &Case> {
 fn sweeps(run: &Run) -> Vec<Sweep<'_>> {
     let mut sweeps: Vec<Sweep<'_>> = Vec::new();
     for case in cases(run) {
-        let key = (case.condition("scene"), case.condition("sensors"));
+        let key = (case.condition(SCENE), case.condition(SENSORS));
         let mut known = sweeps.iter_mut();
         match known.find(|sweep| (sweep.scene, sweep.sensors) == key) {
             Some(sweep) => sweep.cases.push(case),
@@ -134,23 +136,19 @@ fn sweeps(run: &Run) -> Vec<Sweep<'_>> {
     sweeps
 }
 
-fn value(case: &Case, metric: &str) -> Option<f64> {
+fn value(case: &Case, metric: &Metric) -> Option<f64> {
     case.value(metric).filter(|_| case.counts())
 }
 
 fn name(case: &Case) -> String {
-    format!(
-        "{} {}",
-        case.condition("technique"),
-        case.condition("variant")
-    )
+    format!("{} {}", case.condition(TECHNIQUE), case.condition(VARIANT))
 }
 
 impl<'a> Sweep<'a> {
     /// Cases that count, by this way of keeping up to date, with a value of theirs.
     fn by(&self, upkeep: &'static str, of: impl Fn(&Case) -> Option<f64>) -> Vec<(&'a Case, f64)> {
         let cases = self.cases.iter().copied();
-        let cases = cases.filter(|case| case.condition("upkeep") == upkeep);
+        let cases = cases.filter(|case| case.condition(UPKEEP) == upkeep);
         cases.filter_map(|case| Some((case, of(case)?))).collect()
     }
 
@@ -193,12 +191,11 @@ fn answer(sweep: &Sweep<'_>, clock: Clock) -> Option<String> {
     let (best, ms) = sweep.least(&WAYS, frame)?;
     let part = |metric| value(best, metric).map_or_else(|| "–".to_owned(), significant);
     let ways = ["bend", "rewrite", "reload", "remesh"].into_iter();
-    let ways = ways.filter(|way| *way != best.condition("upkeep"));
+    let ways = ways.filter(|way| *way != best.condition(UPKEEP));
     let others = ways.filter_map(|way| {
         // Of the same technique, where that way was measured; its fastest layout.
         let cases = sweep.by(way, frame).into_iter();
-        let same =
-            cases.filter(|(case, _)| case.condition("technique") == best.condition("technique"));
+        let same = cases.filter(|(case, _)| case.condition(TECHNIQUE) == best.condition(TECHNIQUE));
         let other = same.min_by(|a, b| a.1.total_cmp(&b.1));
         other.map(|(_, other)| format!("by {way} {} ms", significant(other)))
     });
@@ -251,7 +248,7 @@ fn table(sweep: &Sweep<'_>, clock: Clock) -> Table {
         Row {
             cells: vec![
                 Cell::name(name(case)),
-                Cell::plain(case.condition("upkeep")),
+                Cell::plain(case.condition(UPKEEP)),
                 cell(primary(clock)),
                 cell(MESH),
                 cell(PLAN),
@@ -381,7 +378,7 @@ fn findings(sweeps: &[Sweep<'_>], noise: Option<Noise>) -> Vec<Finding> {
         return Vec::new();
     };
     let is_native = |case: &Case| {
-        case.condition("technique") == "native" && !case.condition("variant").starts_with("vs-")
+        case.condition(TECHNIQUE) == "native" && !case.condition(VARIANT).starts_with("vs-")
     };
     let compare = |what: &str,
                    of: &dyn Fn(&Case) -> Option<f64>,
@@ -389,7 +386,7 @@ fn findings(sweeps: &[Sweep<'_>], noise: Option<Noise>) -> Vec<Finding> {
                    judge: Judge<'_>| {
         let shader = sweep.least(&["rewrite"], |case| of(case).filter(|_| is_native(case)));
         let copied = sweep.least(&["rewrite"], |case| {
-            of(case).filter(|_| case.condition("technique") == "vertex")
+            of(case).filter(|_| case.condition(TECHNIQUE) == "vertex")
         });
         let claim = format!(
             "where regions change, extruding in a geometry shader takes less {what} than volumes \

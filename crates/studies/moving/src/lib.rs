@@ -6,6 +6,8 @@
 //! compared with the reference of that frame.
 
 mod chapter;
+mod keys;
+mod metrics;
 mod sensors;
 mod stage;
 mod study;

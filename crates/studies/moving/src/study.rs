@@ -3,6 +3,8 @@
 
 use crate::STUDY;
 use crate::chapter::MovingChapter;
+use crate::keys::{SCENE, SENSORS, TECHNIQUE, UPKEEP, VARIANT};
+use crate::metrics::METRICS;
 use crate::sensors::{FRAMES, Sensors};
 use crate::stage::{Stage, StageError, StepCost, Upkeep};
 use std::cell::{OnceCell, RefCell};
@@ -14,7 +16,7 @@ use terrafill_fill::{
 };
 use terrafill_reference::{CloseLook, ReferenceBackend};
 use terrafill_results::{
-    CaseId, Chapter, Kind, Metric, PlannedCase, RunError, Scope, Skipped, Status, Verdict,
+    CaseId, Chapter, ConditionKey, Metric, PlannedCase, RunError, Skipped, Status, Verdict,
 };
 use terrafill_scene::{ImageSize, Overlap, Scene, SceneError};
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
@@ -29,100 +31,6 @@ const SAMPLES: u32 = 13;
 
 /// Frames that further processes compare, and a quick run's first one.
 const FEW_FRAMES: u32 = 3;
-
-const METRICS: [Metric; 14] = [
-    Metric::less(
-        "moving_mesh_cpu_ms",
-        "ms",
-        Kind::Time,
-        "Process CPU time of meshing all moved regions of a frame.",
-    )
-    .covering(Scope::PLAN),
-    Metric::less(
-        "moving_plan_cpu_ms",
-        "ms",
-        Kind::Time,
-        "Process CPU time of joining the moved meshes with the scene and planning the frame.",
-    )
-    .covering(Scope::PLAN),
-    Metric::less(
-        "moving_update_cpu_ms",
-        "ms",
-        Kind::Time,
-        "Process CPU time of handing the changed scene to the technique, uploads included.",
-    )
-    .covering(Scope::UPLOAD),
-    Metric::less(
-        "moving_fill_cpu_ms",
-        "ms",
-        Kind::Time,
-        "Process CPU time of filling the frame, from recording until the device is done.",
-    )
-    .covering(Scope::FRAME),
-    Metric::less(
-        "moving_fill_gpu_ms",
-        "ms",
-        Kind::Time,
-        "GPU time of filling the frame.",
-    )
-    .covering(Scope::DEVICE),
-    Metric::less(
-        "moving_frame_cpu_ms",
-        "ms",
-        Kind::Time,
-        "Process CPU time of a frame with moved regions: mesh, plan, update and fill.",
-    )
-    .covering(Scope::PLAN.and(Scope::FRAME)),
-    Metric::less(
-        "moving_frame_wall_ms",
-        "ms",
-        Kind::Time,
-        "Wall clock over the same span.",
-    )
-    .covering(Scope::PLAN.and(Scope::FRAME)),
-    Metric::less(
-        "moving_upload_bytes",
-        "bytes",
-        Kind::Bytes,
-        "Bytes handed to the device for a frame, constants included; largest of all frames.",
-    ),
-    Metric::less(
-        "moving_uploaded_regions",
-        "",
-        Kind::Counter,
-        "Regions whose geometry was uploaded for a frame; largest of all frames.",
-    ),
-    Metric::neither(
-        "moving_frames_compared",
-        "",
-        Kind::Counter,
-        "Frames that were compared with the reference of that frame.",
-    ),
-    Metric::less(
-        "moving_frames_wrong",
-        "",
-        Kind::Error,
-        "Frames that were not within the tolerances of a fill.",
-    ),
-    Metric::less(
-        "moving_outside_px",
-        "px",
-        Kind::Error,
-        "Pixels outside the boundary band that differ from the reference; largest of all frames.",
-    ),
-    Metric::less(
-        "moving_bound_m",
-        "m",
-        Kind::Error,
-        "Upper bound on how far vertices that the device computes are off; largest of all frames.",
-    ),
-    Metric::less(
-        "moving_bound_px",
-        "px",
-        Kind::Error,
-        "The same in pixels at the distance of the nearest ground.",
-    ),
-];
 
 /// What regions cost that change in every frame.
 #[derive(Debug, Clone, Copy)]
@@ -144,6 +52,10 @@ impl Study for MovingStudy {
 
     fn metrics(&self) -> &'static [Metric] {
         &METRICS
+    }
+
+    fn conditions(&self) -> Vec<ConditionKey> {
+        crate::keys::CONDITIONS.to_vec()
     }
 
     fn least_depth(&self) -> Depth {
@@ -244,11 +156,11 @@ impl Sweep {
         let samples = request.samples.unwrap_or(SAMPLES);
         let planned = cases.iter().map(|case| {
             let parts = [
-                ("scene", scene.name.clone()),
-                ("sensors", sensors.to_string()),
-                ("technique", case.technique.name().to_owned()),
-                ("variant", case.variant.name()),
-                ("upkeep", case.upkeep.name().to_owned()),
+                (SCENE, scene.name.clone()),
+                (SENSORS, sensors.to_string()),
+                (TECHNIQUE, case.technique.name().to_owned()),
+                (VARIANT, case.variant.name()),
+                (UPKEEP, case.upkeep.name().to_owned()),
             ];
             let name: Vec<&str> = parts.iter().map(|(_, value)| value.as_str()).collect();
             let name = name.join("/");
@@ -603,7 +515,7 @@ mod tests {
             let planned = STUDY_OF_TWO.plan(&request(depth)).expect("planned");
             let groups = planned.groups.iter();
             groups
-                .map(|group| group.cases()[0].id.condition("sensors").to_owned())
+                .map(|group| group.cases()[0].id.condition(SENSORS).to_owned())
                 .collect()
         };
         assert_eq!(sensors(Depth::Quick), ["10"]);

@@ -5,20 +5,22 @@
 //! residuals, since noise grows with time; by absolute ones the largest image alone would set both.
 //! Every process has a line of its own, and the range over processes is the fit's spread.
 
+use crate::keys::{API, SIZE_PX};
+use crate::metrics::METRICS;
 use terrafill_plot::number::{bytes, significant};
 use terrafill_plot::{
     Curve, Palette, Point, PointStanding, Reading, ReferenceLine, Upwards, WorkPrecision,
     named_aside,
 };
 use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Plot, Row, Run, Spread,
-    Table, median, process_medians, sample_spread,
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Metric, Plot, Row, Run,
+    Spread, Table, median, process_medians, sample_spread,
 };
 
-const CPU: &str = "readback_cpu_ms";
-const WALL: &str = "readback_wall_ms";
-const BYTES: &str = "readback_bytes";
-const RATE: &str = "readback_rate";
+const CPU: &Metric = Metric::of(&METRICS, "readback_cpu_ms");
+const WALL: &Metric = Metric::of(&METRICS, "readback_wall_ms");
+const BYTES: &Metric = Metric::of(&METRICS, "readback_bytes");
+const RATE: &Metric = Metric::of(&METRICS, "readback_rate");
 
 /// A line through two sizes has no residual that could speak against it.
 const MIN_SIZES_FOR_FIT: usize = 3;
@@ -75,7 +77,7 @@ impl Chapter for ReadbackChapter {
     }
 
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
-        Some(metric(clock))
+        Some(metric(clock).name)
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
@@ -114,7 +116,7 @@ impl Chapter for ReadbackChapter {
     }
 }
 
-fn metric(clock: Clock) -> &'static str {
+fn metric(clock: Clock) -> &'static Metric {
     clock.pick(WALL, CPU)
 }
 
@@ -130,7 +132,7 @@ fn cases(run: &Run) -> impl Iterator<Item = &Case> {
 fn apis(run: &Run) -> Vec<ApiTimes<'_>> {
     let mut apis: Vec<ApiTimes<'_>> = Vec::new();
     for case in cases(run) {
-        let name = case.condition("api");
+        let name = case.condition(API);
         let index = apis.iter().position(|api| api.name == name);
         let index = index.unwrap_or_else(|| {
             apis.push(ApiTimes {
@@ -153,7 +155,7 @@ fn size(case: &Case, clock: Clock) -> Option<Size<'_>> {
         return None;
     }
     Some(Size {
-        side: case.condition("size_px"),
+        side: case.condition(SIZE_PX),
         bytes: case.value(BYTES)?,
         ms: case.value(metric(clock))?,
         time: sample_spread(case, metric(clock))?,
@@ -214,8 +216,8 @@ fn table(run: &Run, clock: Clock) -> Table {
         let each = (case.counts() && !each.is_empty()).then(|| each.join(", "));
         Row {
             cells: vec![
-                Cell::name(case.condition("api")),
-                Cell::plain(case.condition("size_px")),
+                Cell::name(case.condition(API)),
+                Cell::plain(case.condition(SIZE_PX)),
                 Cell::or_absent(value(BYTES).map(megabytes), why()),
                 cell(value(metric(clock))),
                 cell(value(clock.pick(CPU, WALL))),
@@ -226,7 +228,7 @@ fn table(run: &Run, clock: Clock) -> Table {
             remark: case.reason.clone(),
         }
     });
-    let time = |name: &'static str| {
+    let time = |name: &'static Metric| {
         let text = if name == CPU { "CPU, ms" } else { "wall, ms" };
         Heading::metric(text, name)
     };

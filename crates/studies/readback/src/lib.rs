@@ -8,6 +8,8 @@
 mod api;
 mod chapter;
 mod globe;
+mod keys;
+mod metrics;
 mod study;
 
 pub use chapter::ReadbackChapter;

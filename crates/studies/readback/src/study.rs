@@ -3,12 +3,12 @@
 
 use crate::api::{INTERFACES, Interface, Readable};
 use crate::globe::{byte_count, check, fingerprint, globe};
+use crate::keys::{API, SIZE_PX};
+use crate::metrics::METRICS;
 use crate::{STUDY, chapter::ReadbackChapter};
 use std::collections::BTreeMap;
 use terrafill_fill::{CpuStopwatch, DeviceError, FillInput, Picture};
-use terrafill_results::{
-    CaseId, Chapter, Direction, Kind, Metric, PlannedCase, Scope, Status, Verdict,
-};
+use terrafill_results::{CaseId, Chapter, ConditionKey, Metric, PlannedCase, Status, Verdict};
 use terrafill_scene::ImageSize;
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
 
@@ -19,38 +19,6 @@ const QUICK_SIZES: usize = 4;
 /// Timed reads of each case in a process, unless the request says otherwise. Odd, so that the median
 /// is one of them.
 const SAMPLES: u32 = 7;
-
-const METRICS: [Metric; 4] = [
-    Metric::less(
-        "readback_cpu_ms",
-        "ms",
-        Kind::Time,
-        "Process CPU time of reading colour and depth of the render targets back to the CPU: \
-         allocation, copy, wait, and packing of rows.",
-    )
-    .covering(Scope::READ_BACK),
-    Metric::less(
-        "readback_wall_ms",
-        "ms",
-        Kind::Time,
-        "Wall clock over the same span.",
-    )
-    .covering(Scope::READ_BACK),
-    Metric::neither(
-        "readback_bytes",
-        "bytes",
-        Kind::Bytes,
-        "Bytes of colour and depth that one read-back returns.",
-    ),
-    Metric {
-        name: "readback_rate",
-        unit: "MB/s",
-        kind: Kind::Time,
-        better: Direction::More,
-        meaning: "Bytes of a read-back over its wall clock time, 1 MB = 10⁶ bytes.",
-        scope: Scope::READ_BACK,
-    },
-];
 
 /// What reading an image back costs.
 #[derive(Debug, Clone, Copy)]
@@ -67,6 +35,10 @@ impl Study for ReadbackStudy {
 
     fn metrics(&self) -> &'static [Metric] {
         &METRICS
+    }
+
+    fn conditions(&self) -> Vec<ConditionKey> {
+        crate::keys::CONDITIONS.to_vec()
     }
 
     fn least_depth(&self) -> Depth {
@@ -108,7 +80,7 @@ impl Readings {
                 id: CaseId::new(
                     STUDY,
                     format!("{api}/{side}"),
-                    [("api", api.to_owned()), ("size_px", side.to_string())],
+                    [(API, api.to_owned()), (SIZE_PX, side.to_string())],
                 ),
                 samples,
                 may_be_wrong: false,
@@ -240,7 +212,7 @@ mod tests {
             };
             let planned = ReadbackStudy.plan(&request).expect("planned");
             let cases = planned.groups[0].cases().iter();
-            let sides = cases.map(|case| case.id.condition("size_px").to_owned());
+            let sides = cases.map(|case| case.id.condition(SIZE_PX).to_owned());
             sides.collect::<Vec<_>>()
         };
         let quick = ["64", "256", "512", "1024"];
@@ -296,7 +268,7 @@ mod tests {
             let [cpu_ms, wall_ms, rate] = ["readback_cpu_ms", "readback_wall_ms", "readback_rate"]
                 .map(|metric| case.value(metric).expect("measured"));
             assert!(cpu_ms >= 0.0 && wall_ms > 0.0, "{name}");
-            let side: f64 = case.condition("size_px").parse().expect("a number");
+            let side: f64 = case.condition(SIZE_PX).parse().expect("a number");
             let bytes = 8.0 * side * side;
             assert!((rate * wall_ms * 1e3 / bytes - 1.0).abs() < 1e-9, "{name}");
             if !case.is_twin() {

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What the study measures.
+
+use terrafill_results::{Direction, Kind, Metric, Scope};
+
+/// Everything that the study measures.
+pub(crate) const METRICS: [Metric; 4] = [
+    Metric::less(
+        "readback_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time of reading colour and depth of the render targets back to the CPU: \
+         allocation, copy, wait, and packing of rows.",
+    )
+    .covering(Scope::READ_BACK),
+    Metric::less(
+        "readback_wall_ms",
+        "ms",
+        Kind::Time,
+        "Wall clock over the same span.",
+    )
+    .covering(Scope::READ_BACK),
+    Metric::neither(
+        "readback_bytes",
+        "bytes",
+        Kind::Bytes,
+        "Bytes of colour and depth that one read-back returns.",
+    ),
+    Metric {
+        name: "readback_rate",
+        unit: "MB/s",
+        kind: Kind::Time,
+        better: Direction::More,
+        meaning: "Bytes of a read-back over its wall clock time, 1 MB = 10⁶ bytes.",
+        scope: Scope::READ_BACK,
+    },
+];
