@@ -5,18 +5,24 @@ use crate::contact::worst_symplectic;
 use crate::drop::MOSTLY;
 use crate::finding::finding;
 use crate::integrator::Integrator;
+use crate::keys::{
+    ARITHMETIC, BALL_CONTACT_ENERGY_MAX, BALL_CONTACT_ENERGY_MEAN, BALL_CONTACT_ENERGY_RMS,
+    BALL_ENERGY_CHANGE, BALL_REST_GAP_M, BALL_REST_SPEED, BALL_SUNK_SHARE, DATUM_M, INTEGRATOR,
+    OMEGA_DT, PART, RESTITUTION, STATE, STEPS_PER_SECOND, STIFFNESS,
+};
+use crate::metrics::METRICS;
 use terrafill_plot::number::significant;
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
 use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Finding, Heading, Outcome, Plot, Row,
-    Run, Table, process_medians, sample_spread,
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, ConditionKey, Finding, Heading,
+    Metric, Outcome, Plot, Row, Run, Table, process_medians, sample_spread,
 };
 
-const TIME: &str = "ball_cpu_us";
-const RMS: &str = "ball_rms_m";
-const BLOWN: &str = "ball_blown_share";
+const TIME: &Metric = Metric::of(&METRICS, "ball_cpu_us");
+const RMS: &Metric = Metric::of(&METRICS, "ball_rms_m");
+const BLOWN: &Metric = Metric::of(&METRICS, "ball_blown_share");
 /// Largest `ω·dt` at which a contact counts as resolved: 31 steps long.
 const RESOLVED: f64 = 0.1;
 /// What compensated exact events are held to, metres.
@@ -50,7 +56,7 @@ impl Chapter for BallsChapter {
     }
 
     fn primary_metric(&self, _clock: Clock) -> Option<&'static str> {
-        Some(TIME)
+        Some(TIME.name)
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
@@ -87,37 +93,34 @@ impl Chapter for BallsChapter {
 type TableOf = (
     &'static str,
     &'static str,
-    &'static [&'static str],
-    &'static [(&'static str, &'static str)],
+    &'static [ConditionKey],
+    &'static [(&'static str, &'static Metric)],
 );
 const TABLES: [TableOf; 3] = [
     (
         "Energy of one contact",
         "contact",
-        &["integrator", "omega_dt"],
+        &[INTEGRATOR, OMEGA_DT],
         &[
-            ("mean", "ball_contact_energy_mean"),
-            ("largest", "ball_contact_energy_max"),
-            ("change, rms", "ball_contact_energy_rms"),
+            ("mean", BALL_CONTACT_ENERGY_MEAN),
+            ("largest", BALL_CONTACT_ENERGY_MAX),
+            ("change, rms", BALL_CONTACT_ENERGY_RMS),
         ],
     ),
     (
         "Reflection, 2 000 balls, 10 s",
         "reflect",
-        &["integrator", "restitution", "steps_per_second"],
+        &[INTEGRATOR, RESTITUTION, STEPS_PER_SECOND],
         &[
-            ("sunk", "ball_sunk_share"),
-            ("energy change", "ball_energy_change"),
+            ("sunk", BALL_SUNK_SHARE),
+            ("energy change", BALL_ENERGY_CHANGE),
         ],
     ),
     (
         "A ball at rest, by the height that its state includes",
         "rest",
-        &["stiffness", "arithmetic", "datum_m"],
-        &[
-            ("gap, m", "ball_rest_gap_m"),
-            ("speed, m/s", "ball_rest_speed"),
-        ],
+        &[STIFFNESS, ARITHMETIC, DATUM_M],
+        &[("gap, m", BALL_REST_GAP_M), ("speed, m/s", BALL_REST_SPEED)],
     ),
 ];
 
@@ -130,7 +133,7 @@ fn cases(run: &Run) -> Vec<&Case> {
 }
 
 /// Of the conditions named.
-fn of<'a>(cases: &[&'a Case], conditions: &[(&str, &str)]) -> Vec<&'a Case> {
+fn of<'a>(cases: &[&'a Case], conditions: &[(ConditionKey, &str)]) -> Vec<&'a Case> {
     let fits = |case: &&Case| {
         conditions
             .iter()
@@ -139,7 +142,7 @@ fn of<'a>(cases: &[&'a Case], conditions: &[(&str, &str)]) -> Vec<&'a Case> {
     cases.iter().copied().filter(fits).collect()
 }
 
-fn number(case: &Case, key: &str) -> f64 {
+fn number(case: &Case, key: ConditionKey) -> f64 {
     case.condition(key).parse().unwrap_or(f64::NAN)
 }
 
@@ -151,16 +154,16 @@ fn drawings(cases: &[&Case], stiffness: &str) -> Result<Vec<Block>, ChapterError
     let mut blocks = Vec::new();
     for arithmetic in ["f64", "f32", "compensated-f32"] {
         let conditions = [
-            ("part", "drop"),
-            ("stiffness", stiffness),
-            ("arithmetic", arithmetic),
-            ("state", "gap"),
+            (PART, "drop"),
+            (STIFFNESS, stiffness),
+            (ARITHMETIC, arithmetic),
+            (STATE, "gap"),
         ];
         let own = of(cases, &conditions);
         let blown = own.iter().filter(|case| is_blown(case)).count();
         let mut names: Vec<String> = Vec::new();
         for case in &own {
-            let name = case.condition("integrator").to_owned();
+            let name = case.condition(INTEGRATOR).to_owned();
             if !names.contains(&name) {
                 names.push(name);
             }
@@ -198,9 +201,9 @@ fn drawings(cases: &[&Case], stiffness: &str) -> Result<Vec<Block>, ChapterError
 }
 
 fn curve(cases: &[&Case], integrator: &str, by_time: bool) -> Curve {
-    let own = of(cases, &[("integrator", integrator)]);
+    let own = of(cases, &[(INTEGRATOR, integrator)]);
     let point = |case: &&Case| {
-        let steps = number(case, "steps_per_second");
+        let steps = number(case, STEPS_PER_SECOND);
         let x = if by_time {
             sample_spread(case, TIME).map(|spread| {
                 let replicates: Vec<f64> = process_medians(case, TIME).into_values().collect();
@@ -229,11 +232,11 @@ fn curve(cases: &[&Case], integrator: &str, by_time: bool) -> Curve {
 }
 
 /// Step and error of the cases of one curve that did not blow up, by falling step.
-fn errors(cases: &[&Case], conditions: &[(&str, &str)]) -> Vec<(f64, f64)> {
+fn errors(cases: &[&Case], conditions: &[(ConditionKey, &str)]) -> Vec<(f64, f64)> {
     let own = of(cases, conditions);
     let sound = own.iter().filter(|case| !is_blown(case));
     let mut errors: Vec<(f64, f64)> = sound
-        .filter_map(|case| Some((1.0 / number(case, "steps_per_second"), case.value(RMS)?)))
+        .filter_map(|case| Some((1.0 / number(case, STEPS_PER_SECOND), case.value(RMS)?)))
         .collect();
     errors.sort_by(|a, b| b.0.total_cmp(&a.0));
     errors
@@ -243,13 +246,13 @@ fn drop_of<'a>(
     integrator: &'a str,
     stiffness: &'a str,
     arithmetic: &'a str,
-) -> [(&'a str, &'a str); 5] {
+) -> [(ConditionKey, &'a str); 5] {
     [
-        ("part", "drop"),
-        ("integrator", integrator),
-        ("stiffness", stiffness),
-        ("arithmetic", arithmetic),
-        ("state", "gap"),
+        (PART, "drop"),
+        (INTEGRATOR, integrator),
+        (STIFFNESS, stiffness),
+        (ARITHMETIC, arithmetic),
+        (STATE, "gap"),
     ]
 }
 
@@ -337,17 +340,17 @@ fn table(
     cases: &[&Case],
     caption: &str,
     part: &str,
-    keys: &[&str],
-    metrics: &[(&'static str, &'static str)],
+    keys: &[ConditionKey],
+    metrics: &[(&'static str, &'static Metric)],
 ) -> Table {
-    let rows = of(cases, &[("part", part)]).into_iter().map(|case| {
+    let rows = of(cases, &[(PART, part)]).into_iter().map(|case| {
         let mut cells: Vec<Cell> = Vec::new();
         cells.extend(keys.iter().map(|key| Cell::name(case.condition(key))));
         let values = metrics.iter().map(|(_, metric)| case.value(metric));
         cells.extend(values.map(|value| Cell::or_absent(value.map(significant), "no ball left")));
         Row::new(cells)
     });
-    let plain = keys.iter().map(|key| Heading::plain(*key));
+    let plain = keys.iter().map(|key| Heading::plain(key.name()));
     let measured = metrics
         .iter()
         .map(|(text, metric)| Heading::metric(*text, *metric));
@@ -365,7 +368,7 @@ fn recommended(run: &Run) -> Option<Block> {
     let cheapest = |stiffness: &str| {
         let own = of(
             &cases,
-            &[("part", "drop"), ("stiffness", stiffness), ("state", "gap")],
+            &[(PART, "drop"), (STIFFNESS, stiffness), (STATE, "gap")],
         );
         let near = own
             .into_iter()
@@ -377,9 +380,9 @@ fn recommended(run: &Run) -> Option<Block> {
             "Contact {stiffness} is taken to {} cm with least work by {} in {} at {} steps a second: {} µs a second \
              of a ball, {error} m off.",
             significant(100.0 * NEAR_M),
-            best.condition("integrator"),
-            best.condition("arithmetic"),
-            best.condition("steps_per_second"),
+            best.condition(INTEGRATOR),
+            best.condition(ARITHMETIC),
+            best.condition(STEPS_PER_SECOND),
             significant(us),
         ))
     };
@@ -435,13 +438,10 @@ fn findings(cases: &[&Case]) -> Vec<Finding> {
             }),
         ));
     }
-    let gains = of(
-        cases,
-        &[("part", "contact"), ("integrator", "explicit-euler")],
-    );
+    let gains = of(cases, &[(PART, "contact"), (INTEGRATOR, "explicit-euler")]);
     let gains: Vec<f64> = gains
         .iter()
-        .filter_map(|case| case.value("ball_contact_energy_mean"))
+        .filter_map(|case| case.value(BALL_CONTACT_ENERGY_MEAN))
         .collect();
     let least = gains.iter().copied().min_by(f64::total_cmp);
     findings.push(finding(
@@ -452,12 +452,12 @@ fn findings(cases: &[&Case]) -> Vec<Finding> {
         }),
     ));
     let near_limit = [
-        ("part", "contact"),
-        ("integrator", "symplectic-euler"),
-        ("omega_dt", "1.9"),
+        (PART, "contact"),
+        (INTEGRATOR, "symplectic-euler"),
+        (OMEGA_DT, "1.9"),
     ];
     let largest = of(cases, &near_limit).first().copied();
-    let largest = largest.and_then(|case| case.value("ball_contact_energy_max"));
+    let largest = largest.and_then(|case| case.value(BALL_CONTACT_ENERGY_MAX));
     let formula = worst_symplectic(1.9);
     findings.push(finding(
         format!(
@@ -478,13 +478,13 @@ fn findings(cases: &[&Case]) -> Vec<Finding> {
     ));
     let sunk = |integrator| {
         let conditions = [
-            ("part", "reflect"),
-            ("integrator", integrator),
-            ("restitution", "1"),
-            ("steps_per_second", "60"),
+            (PART, "reflect"),
+            (INTEGRATOR, integrator),
+            (RESTITUTION, "1"),
+            (STEPS_PER_SECOND, "60"),
         ];
         let case = of(cases, &conditions).first().copied();
-        case.and_then(|case| case.value("ball_sunk_share"))
+        case.and_then(|case| case.value(BALL_SUNK_SHARE))
     };
     let literal = sunk("reflect-symplectic");
     findings.push(finding(

@@ -2,15 +2,19 @@
 //! The chapter's section on balls that step on devices.
 
 use crate::finding::finding;
+use crate::keys::{BALL_DEVICE_MAX_M, BALL_DEVICE_RMS_M, BALLS, INTERFACE, PART, WAY};
+use crate::metrics::METRICS;
 use crate::on_devices::{STEPS, TIMED};
 use crate::stepping::Way;
 use terrafill_plot::number::significant;
-use terrafill_results::{Block, Case, Cell, Clock, Finding, Heading, Outcome, Row, Run, Table};
+use terrafill_results::{
+    Block, Case, Cell, Clock, Finding, Heading, Metric, Outcome, Row, Run, Table,
+};
 
-const CPU: &str = "ball_step_cpu_us";
-const WALL: &str = "ball_step_wall_us";
-const GPU: &str = "ball_step_gpu_us";
-const UPLOADED: &str = "ball_upload_bytes";
+const CPU: &Metric = Metric::of(&METRICS, "ball_step_cpu_us");
+const WALL: &Metric = Metric::of(&METRICS, "ball_step_wall_us");
+const GPU: &Metric = Metric::of(&METRICS, "ball_step_gpu_us");
+const UPLOADED: &Metric = Metric::of(&METRICS, "ball_upload_bytes");
 /// Numbers of balls between which the slope is taken.
 const SLOPE: [&str; 2] = ["10000", "1000000"];
 /// Slopes of log time over log number of balls that count as proportional.
@@ -23,7 +27,7 @@ const WHAT_IS_COMPARED: &str = "Balls are dropped from 0.1 to 0.3 m onto a sprin
 
 fn cases(run: &Run) -> Vec<&Case> {
     let own = run.of_study(crate::STUDY);
-    own.filter(|case| !case.is_twin() && case.condition("part") == "device")
+    own.filter(|case| !case.is_twin() && case.condition(PART) == "device")
         .collect()
 }
 
@@ -56,12 +60,12 @@ fn table(cases: &[&Case]) -> Table {
         Row::new(vec![
             Cell::name(format!(
                 "{} {}",
-                case.condition("interface"),
-                case.condition("way")
+                case.condition(INTERFACE),
+                case.condition(WAY)
             )),
-            Cell::name(case.condition("balls")),
-            shown(value("ball_device_max_m")),
-            shown(value("ball_device_rms_m")),
+            Cell::name(case.condition(BALLS)),
+            shown(value(BALL_DEVICE_MAX_M)),
+            shown(value(BALL_DEVICE_RMS_M)),
             shown(value(CPU)),
             shown(value(CPU).map(|us| us * 1e3 / balls)),
             shown(value(WALL)),
@@ -69,14 +73,14 @@ fn table(cases: &[&Case]) -> Table {
             shown(value(UPLOADED).map(|bytes| bytes / f64::from(STEPS / TIMED))),
         ])
     });
-    let measured = |text: &str, metric: &str| Heading::metric(text, metric);
+    let measured = |text: &str, metric: &Metric| Heading::metric(text, metric);
     Table {
         caption: "Balls on devices, by way and number of balls".to_owned(),
         headings: vec![
             Heading::plain("way"),
             Heading::plain("balls"),
-            measured("largest error, m", "ball_device_max_m"),
-            measured("rms error, m", "ball_device_rms_m"),
+            measured("largest error, m", BALL_DEVICE_MAX_M),
+            measured("rms error, m", BALL_DEVICE_RMS_M),
             measured("CPU µs a step", CPU),
             measured("CPU ns a step and ball", CPU),
             measured("wall µs a step", WALL),
@@ -89,12 +93,12 @@ fn table(cases: &[&Case]) -> Table {
 }
 
 /// What devices are compared by.
-fn time(clock: Clock) -> &'static str {
+fn time(clock: Clock) -> &'static Metric {
     clock.pick(GPU, CPU)
 }
 
 fn balls(case: &Case) -> f64 {
-    case.condition("balls").parse().unwrap_or(f64::NAN)
+    case.condition(BALLS).parse().unwrap_or(f64::NAN)
 }
 
 /// Slope of log time over log number of balls.
@@ -107,9 +111,9 @@ fn slope_of(cases: &[&Case], way: Way, clock: Clock) -> Option<f64> {
     let point = |count: &str| {
         let of_way = |case: &&&Case| {
             case.counts()
-                && case.condition("interface") == interface
-                && case.condition("way") == name
-                && case.condition("balls") == count
+                && case.condition(INTERFACE) == interface
+                && case.condition(WAY) == name
+                && case.condition(BALLS) == count
         };
         let case = cases.iter().find(of_way)?;
         Some((balls(case), case.value(time(clock))?))
@@ -131,8 +135,8 @@ pub(crate) fn recommended(run: &Run) -> Option<String> {
     let uploaded = best.value(UPLOADED).map(significant).unwrap_or_default();
     Some(format!(
         "{most} balls are stepped fastest by {} {}: {} ns of {} a ball and step, {uploaded} bytes uploaded.",
-        best.condition("interface"),
-        best.condition("way"),
+        best.condition(INTERFACE),
+        best.condition(WAY),
         significant(1e3 * us / most),
         clock.name(),
     ))

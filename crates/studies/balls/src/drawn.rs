@@ -3,6 +3,7 @@
 
 use crate::STUDY;
 use crate::drawing::{Drawn, DrawsBalls};
+use crate::keys::{BALLS, DRAWN, GROUND, INTERFACE, PART, SIZE_PX, WAY};
 use crate::on_devices::{TIMED, constants, take_all};
 use crate::stepping::{Steps, Way};
 use crate::terrain::{BallView, JudgedBalls, State, Terrain, judge};
@@ -58,17 +59,17 @@ impl DrawnBalls {
                         continue;
                     }
                     let conditions = [
-                        ("part", "drawn".to_owned()),
-                        ("interface", interface.to_owned()),
-                        ("way", name.to_owned()),
-                        ("ground", "terrain".to_owned()),
-                        ("drawn", drawn.name().to_owned()),
-                        ("balls", balls.to_string()),
+                        (PART, "drawn".to_owned()),
+                        (INTERFACE, interface.to_owned()),
+                        (WAY, name.to_owned()),
+                        (GROUND, "terrain".to_owned()),
+                        (DRAWN, drawn.name().to_owned()),
+                        (BALLS, balls.to_string()),
                     ];
                     let values: Vec<&str> =
                         conditions.iter().map(|(_, value)| value.as_str()).collect();
                     let name = values.join("/");
-                    let side = ("size_px", size.width.to_string());
+                    let side = (SIZE_PX, size.width.to_string());
                     let conditions = conditions.into_iter().chain([side]);
                     planned.push(PlannedCase {
                         id: CaseId::new(STUDY, name, conditions),

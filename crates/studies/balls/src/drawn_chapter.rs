@@ -3,17 +3,23 @@
 
 use crate::drawing::Drawn;
 use crate::finding::finding;
+use crate::keys::{
+    BALL_DIFFERING_PX, BALL_DRAW_GPU_US, BALL_DRAWS, BALL_MISMATCHED_PX, BALL_TERRAIN_BEYOND,
+    BALL_TERRAIN_GUIDED_M, BALL_TERRAIN_MAX_M, BALL_TERRAIN_P95_M, BALL_TERRAIN_STEP_M,
+    BALL_TERRAIN_UNEXPLAINED, BALL_UPLOAD_BYTES, BALLS, DRAWN, INTERFACE, PART, WAY,
+};
+use crate::metrics::METRICS;
 use crate::stepping::Way;
 use crate::walk::ALLOWED_M;
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
-    Block, Case, Cell, Claim, Clock, Estimate, Finding, Heading, Outcome, Row, Run, Standing,
-    Table, ratio,
+    Block, Case, Cell, Claim, Clock, Estimate, Finding, Heading, Metric, Outcome, Row, Run,
+    Standing, Table, ratio,
 };
 
-const FRAME_CPU: &str = "ball_frame_cpu_us";
-const FRAME_WALL: &str = "ball_frame_wall_us";
-const DRAW_CPU: &str = "ball_draw_cpu_us";
+const FRAME_CPU: &Metric = Metric::of(&METRICS, "ball_frame_cpu_us");
+const FRAME_WALL: &Metric = Metric::of(&METRICS, "ball_frame_wall_us");
+const DRAW_CPU: &Metric = Metric::of(&METRICS, "ball_draw_cpu_us");
 /// The one number that was published with balls.
 const PUBLISHED_BALLS: u32 = 4_000;
 const WHAT_IS_COMPARED: &str = "Balls fall from 0.1 to 0.3 m onto bilinear terrain of 64 × 64 m, whose spring of k/m = 1e3 1/s² pushes along the \
@@ -28,7 +34,7 @@ const WHAT_FIGURE_12_CANNOT_SHOW: &str = "Published is a figure of seconds a ste
 
 fn cases(run: &Run) -> Vec<&Case> {
     let own = run.of_study(crate::STUDY);
-    own.filter(|case| !case.is_twin() && case.condition("part") == "drawn")
+    own.filter(|case| !case.is_twin() && case.condition(PART) == "drawn")
         .collect()
 }
 
@@ -36,10 +42,10 @@ fn one<'a>(cases: &[&'a Case], way: Way, drawn: Drawn, balls: u32) -> Option<&'a
     let (interface, name) = way.names();
     let balls = balls.to_string();
     let is_it = |case: &&&Case| {
-        case.condition("interface") == interface
-            && case.condition("way") == name
-            && case.condition("drawn") == drawn.name()
-            && case.condition("balls") == balls
+        case.condition(INTERFACE) == interface
+            && case.condition(WAY) == name
+            && case.condition(DRAWN) == drawn.name()
+            && case.condition(BALLS) == balls
     };
     cases.iter().find(is_it).copied()
 }
@@ -78,7 +84,7 @@ pub(crate) fn recommended(run: &Run) -> Vec<String> {
     let of_way = |way: Way| {
         let (interface, name) = way.names();
         let slowdown = slowdown(&cases, way, PUBLISHED_BALLS, run.clock())?;
-        let draws = |drawn| one(&cases, way, drawn, PUBLISHED_BALLS)?.value("ball_draws");
+        let draws = |drawn| one(&cases, way, drawn, PUBLISHED_BALLS)?.value(BALL_DRAWS);
         let (each, all) = (draws(Drawn::Each)?, draws(Drawn::All)?);
         let how = match slowdown.middle > 1.0 {
             true => "by one draw for all",
@@ -115,39 +121,39 @@ fn table(cases: &[&Case]) -> Table {
             reason => reason,
         };
         let shown = |value: Option<f64>| Cell::or_absent(value.map(significant), why);
-        let of_drawn = |value: Option<f64>| match case.condition("drawn") {
+        let of_drawn = |value: Option<f64>| match case.condition(DRAWN) {
             "none" => Cell::absent("nothing is drawn"),
             _ => shown(value),
         };
-        let balls: Option<f64> = case.condition("balls").parse().ok();
+        let balls: Option<f64> = case.condition(BALLS).parse().ok();
         let frame = case.value(FRAME_CPU).filter(|_| case.counts());
         let each_ns = frame.zip(balls).map(|(us, balls)| 1e3 * us / balls);
         Row {
             cells: vec![
                 Cell::name(format!(
                     "{} {}",
-                    case.condition("interface"),
-                    case.condition("way")
+                    case.condition(INTERFACE),
+                    case.condition(WAY)
                 )),
-                Cell::name(case.condition("drawn")),
-                Cell::name(case.condition("balls")),
+                Cell::name(case.condition(DRAWN)),
+                Cell::name(case.condition(BALLS)),
                 shown(frame),
                 shown(each_ns),
                 of_drawn(case.value(DRAW_CPU)),
-                of_drawn(case.value("ball_draw_gpu_us")),
-                shown(case.value("ball_draws")),
-                shown(case.value("ball_upload_bytes")),
-                shown(case.value("ball_terrain_step_m")),
-                shown(case.value("ball_terrain_guided_m")),
-                shown(case.value("ball_terrain_p95_m")),
-                shown(case.value("ball_terrain_max_m")),
-                of_drawn(case.value("ball_mismatched_px")),
+                of_drawn(case.value(BALL_DRAW_GPU_US)),
+                shown(case.value(BALL_DRAWS)),
+                shown(case.value(BALL_UPLOAD_BYTES)),
+                shown(case.value(BALL_TERRAIN_STEP_M)),
+                shown(case.value(BALL_TERRAIN_GUIDED_M)),
+                shown(case.value(BALL_TERRAIN_P95_M)),
+                shown(case.value(BALL_TERRAIN_MAX_M)),
+                of_drawn(case.value(BALL_MISMATCHED_PX)),
             ],
             status: case.outcome.name().to_owned(),
             remark: case.reason.clone(),
         }
     });
-    let measured = |text: &str, metric: &str| Heading::metric(text, metric);
+    let measured = |text: &str, metric: &Metric| Heading::metric(text, metric);
     Table {
         caption: "Balls over terrain, by way, draws and number of balls".to_owned(),
         headings: vec![
@@ -157,17 +163,14 @@ fn table(cases: &[&Case]) -> Table {
             measured("CPU µs a frame", FRAME_CPU),
             Heading::plain("CPU ns a frame and ball"),
             measured("CPU µs of the draws", DRAW_CPU),
-            measured("GPU µs of the draws", "ball_draw_gpu_us"),
-            measured("draws", "ball_draws"),
-            measured("uploaded, B", "ball_upload_bytes"),
-            measured("a step's error, m", "ball_terrain_step_m"),
-            measured(
-                "largest error in the same cells, m",
-                "ball_terrain_guided_m",
-            ),
-            measured("95 % within, m", "ball_terrain_p95_m"),
-            measured("largest error, m", "ball_terrain_max_m"),
-            measured("wrong pixels", "ball_mismatched_px"),
+            measured("GPU µs of the draws", BALL_DRAW_GPU_US),
+            measured("draws", BALL_DRAWS),
+            measured("uploaded, B", BALL_UPLOAD_BYTES),
+            measured("a step's error, m", BALL_TERRAIN_STEP_M),
+            measured("largest error in the same cells, m", BALL_TERRAIN_GUIDED_M),
+            measured("95 % within, m", BALL_TERRAIN_P95_M),
+            measured("largest error, m", BALL_TERRAIN_MAX_M),
+            measured("wrong pixels", BALL_MISMATCHED_PX),
         ],
         rows: rows.collect(),
         ..Table::default()
@@ -191,13 +194,10 @@ pub(crate) fn findings(run: &Run) -> Vec<Finding> {
         .iter()
         .filter(|case| case.outcome == Outcome::Wrong)
         .count();
-    let pixels = [most("ball_mismatched_px"), most("ball_differing_px")];
-    let sent = most("ball_upload_bytes");
-    let (step, guided) = (most("ball_terrain_step_m"), most("ball_terrain_guided_m"));
-    let (beyond, unexplained) = (
-        most("ball_terrain_beyond"),
-        most("ball_terrain_unexplained"),
-    );
+    let pixels = [most(BALL_MISMATCHED_PX), most(BALL_DIFFERING_PX)];
+    let sent = most(BALL_UPLOAD_BYTES);
+    let (step, guided) = (most(BALL_TERRAIN_STEP_M), most(BALL_TERRAIN_GUIDED_M));
+    let (beyond, unexplained) = (most(BALL_TERRAIN_BEYOND), most(BALL_TERRAIN_UNEXPLAINED));
     vec![
         finding(
             "Every step of a ball over terrain is that of f64 from the same state, to the last places".to_owned(),
@@ -212,7 +212,7 @@ pub(crate) fn findings(run: &Run) -> Vec<Finding> {
         finding(
             "Balls farther from f64 of its own have all touched ground in another cell".to_owned(),
             unexplained.map(|unexplained| unexplained <= 0.0),
-            beyond.zip(most("ball_terrain_max_m")).map_or_else(String::new, |(beyond, far)| {
+            beyond.zip(most(BALL_TERRAIN_MAX_M)).map_or_else(String::new, |(beyond, far)| {
                 format!("at most {beyond} such balls in a case, up to {} m", significant(far))
             }),
         ),

@@ -17,6 +17,7 @@ mod drawn_chapter;
 mod drop;
 mod finding;
 mod integrator;
+mod keys;
 mod metrics;
 mod on_devices;
 mod stepping;

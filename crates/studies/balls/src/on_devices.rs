@@ -4,6 +4,7 @@
 use crate::STUDY;
 use crate::closed_form::GRAVITY;
 use crate::integrator::{Ball, Forces, Integrator, step};
+use crate::keys::{BALLS, INTERFACE, PART, WAY};
 use crate::stepping::{BallConstants, Steps, Way};
 use crate::terrain::{CELL_M, CELLS, State};
 use std::collections::BTreeMap;
@@ -42,10 +43,10 @@ impl DeviceBalls {
             let (interface, name) = way.names();
             for &balls in counts {
                 let conditions = [
-                    ("part", "device".to_owned()),
-                    ("interface", interface.to_owned()),
-                    ("way", name.to_owned()),
-                    ("balls", balls.to_string()),
+                    (PART, "device".to_owned()),
+                    (INTERFACE, interface.to_owned()),
+                    (WAY, name.to_owned()),
+                    (BALLS, balls.to_string()),
                 ];
                 cases.push(PlannedCase {
                     id: CaseId::new(

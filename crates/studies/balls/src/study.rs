@@ -6,11 +6,13 @@ use crate::contact::{STEPS, energy_ratio};
 use crate::drawn::{DrawnBalls, size_of};
 use crate::drop::{Arithmetic, Drop, GROUND_M, MOSTLY, Rest};
 use crate::integrator::Integrator;
+use crate::keys;
+use crate::keys::{ARITHMETIC, DATUM_M, INTEGRATOR, OMEGA_DT, PART, RESTITUTION, STATE};
 use crate::on_devices::DeviceBalls;
 use crate::{STUDY, metrics::METRICS};
 use std::collections::BTreeMap;
 use terrafill_fill::CpuStopwatch;
-use terrafill_results::{CaseId, Chapter, Metric, PlannedCase, Status, Verdict};
+use terrafill_results::{CaseId, Chapter, ConditionKey, Metric, PlannedCase, Status, Verdict};
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
 
 /// Steps a second; a quick run leaves out the last.
@@ -35,6 +37,10 @@ impl Study for BallsStudy {
 
     fn metrics(&self) -> &'static [Metric] {
         &METRICS
+    }
+
+    fn conditions(&self) -> Vec<ConditionKey> {
+        crate::keys::CONDITIONS.to_vec()
     }
 
     fn least_depth(&self) -> Depth {
@@ -84,7 +90,7 @@ enum Experiment {
 }
 
 /// Conditions of a case, in the order of its name.
-type Conditions = Vec<(&'static str, String)>;
+type Conditions = Vec<(ConditionKey, String)>;
 
 fn state(datum_m: f64) -> String {
     if datum_m > 0.0 { "height" } else { "gap" }.to_owned()
@@ -114,11 +120,11 @@ fn drops(is_quick: bool) -> Vec<(Conditions, Experiment)> {
                             seconds: 5,
                         };
                         let conditions = vec![
-                            ("integrator", integrator.name().to_owned()),
-                            ("stiffness", name.to_owned()),
-                            ("arithmetic", arithmetic.name().to_owned()),
-                            ("state", state(datum_m)),
-                            ("steps_per_second", steps.to_string()),
+                            (INTEGRATOR, integrator.name().to_owned()),
+                            (keys::STIFFNESS, name.to_owned()),
+                            (ARITHMETIC, arithmetic.name().to_owned()),
+                            (STATE, state(datum_m)),
+                            (keys::STEPS_PER_SECOND, steps.to_string()),
                         ];
                         drops.push((conditions, Experiment::Drop(drop)));
                     }
@@ -133,8 +139,8 @@ fn contacts() -> Vec<(Conditions, Experiment)> {
     let of = |integrator: Integrator| {
         STEPS.map(|length| {
             let conditions = vec![
-                ("integrator", integrator.name().to_owned()),
-                ("omega_dt", length.to_string()),
+                (INTEGRATOR, integrator.name().to_owned()),
+                (OMEGA_DT, length.to_string()),
             ];
             (conditions, Experiment::Contact(integrator, length))
         })
@@ -158,9 +164,9 @@ fn reflections() -> Vec<(Conditions, Experiment)> {
                     seconds: 10,
                 };
                 let conditions = vec![
-                    ("integrator", integrator.name().to_owned()),
-                    ("restitution", restitution.to_string()),
-                    ("steps_per_second", steps.to_string()),
+                    (INTEGRATOR, integrator.name().to_owned()),
+                    (RESTITUTION, restitution.to_string()),
+                    (keys::STEPS_PER_SECOND, steps.to_string()),
                 ];
                 reflections.push((conditions, Experiment::Reflect(drop)));
             }
@@ -180,9 +186,9 @@ fn rests() -> Vec<(Conditions, Experiment)> {
                     datum_m,
                 };
                 let conditions = vec![
-                    ("stiffness", name.to_owned()),
-                    ("arithmetic", arithmetic.name().to_owned()),
-                    ("datum_m", datum_m.to_string()),
+                    (keys::STIFFNESS, name.to_owned()),
+                    (ARITHMETIC, arithmetic.name().to_owned()),
+                    (DATUM_M, datum_m.to_string()),
                 ];
                 rests.push((conditions, Experiment::Rest(rest)));
             }
@@ -205,7 +211,7 @@ impl Balls {
             let values = conditions.iter().map(|(_, value)| value.as_str());
             let name: Vec<&str> = [part].into_iter().chain(values).collect();
             let name = name.join("/");
-            let all = [("part", part.to_owned())].into_iter().chain(conditions);
+            let all = [(PART, part.to_owned())].into_iter().chain(conditions);
             cases.push(PlannedCase {
                 id: CaseId::new(STUDY, name, all),
                 // Shares and energies are exact; only drops are timed.

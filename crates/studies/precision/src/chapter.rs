@@ -9,6 +9,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
+use crate::keys::{CPU_NS, GPU_NS, POINTS};
 use data::{Data, MIN_NS};
 use std::collections::BTreeSet;
 use terrafill_plot::number::{count, significant};
@@ -28,7 +29,7 @@ impl Chapter for PrecisionChapter {
     }
 
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
-        Some(clock.pick("gpu_ns", "cpu_ns"))
+        Some(clock.pick(GPU_NS, CPU_NS).name)
     }
 
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
@@ -73,7 +74,7 @@ impl Chapter for PrecisionChapter {
         let compared = data
             .formulas
             .iter()
-            .filter(|row| row.count("points").is_some());
+            .filter(|row| row.count(POINTS).is_some());
         let meant = data
             .formulas
             .iter()
@@ -100,7 +101,7 @@ fn summary(data: &Data<'_>) -> String {
             .filter(|row| row.0.outcome == status)
             .count()
     };
-    let points = data.formulas.iter().filter_map(|row| row.count("points"));
+    let points = data.formulas.iter().filter_map(|row| row.count(POINTS));
     let points: u64 = points.sum();
     let routes: BTreeSet<&str> = data.of("coordinate").map(|row| row.route()).collect();
     format!(

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One formula under one condition: what is measured of it, and under which names it is written.
 
-use terrafill_results::{CaseId, Kind, Metric, Scope, Status, Verdict};
+use crate::conditions::{
+    ANCHOR, CONDITION, DEPTH_FORMAT, DISTANCE_M, EXTENT_DEG, FAMILY, HIGHEST_M, KNOB, LATITUDE_DEG,
+    LOWEST_M, PART, ROUTE,
+};
+use terrafill_results::{CaseId, ConditionKey, Kind, Metric, Scope, Status, Verdict};
 
 /// Which question a row answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
@@ -142,21 +146,23 @@ impl PrecisionRow {
     /// What this row is in the tables.
     pub(crate) fn id(&self) -> CaseId {
         let name = format!("{}/{}/{}", self.part.name(), self.route, self.condition);
-        let number = |key, value: Option<f64>| value.map(|value| (key, value.to_string()));
-        let text = |key, value: &str| (!value.is_empty()).then(|| (key, value.to_owned()));
+        let number =
+            |key: ConditionKey, value: Option<f64>| value.map(|value| (key, value.to_string()));
+        let text =
+            |key: ConditionKey, value: &str| (!value.is_empty()).then(|| (key, value.to_owned()));
         let conditions = [
-            text("part", self.part.name()),
-            text("route", &self.route),
-            text("family", &self.family),
-            number("knob", self.knob),
-            text("condition", &self.condition),
-            number("extent_deg", self.extent_deg),
-            number("latitude_deg", self.latitude_deg),
-            number("lowest_m", self.lowest_m),
-            number("highest_m", self.highest_m),
-            number("distance_m", self.distance_m),
-            text("depth_format", &self.depth_format),
-            text("anchor", &self.anchor),
+            text(PART, self.part.name()),
+            text(ROUTE, &self.route),
+            text(FAMILY, &self.family),
+            number(KNOB, self.knob),
+            text(CONDITION, &self.condition),
+            number(EXTENT_DEG, self.extent_deg),
+            number(LATITUDE_DEG, self.latitude_deg),
+            number(LOWEST_M, self.lowest_m),
+            number(HIGHEST_M, self.highest_m),
+            number(DISTANCE_M, self.distance_m),
+            text(DEPTH_FORMAT, &self.depth_format),
+            text(ANCHOR, &self.anchor),
         ];
         CaseId::new(crate::STUDY, name, conditions.into_iter().flatten())
     }

@@ -2,6 +2,7 @@
 //! The suite as a study: a group of all formulas that are timed together, and one for each condition.
 
 use crate::STUDY;
+use crate::conditions::{CONDITION, OF_PART, PART, ROUTE};
 use crate::kernel::{Kernels, TimedFormula};
 use crate::row::{METRICS, PrecisionRow};
 use crate::suite::{Condition, Suite};
@@ -9,7 +10,7 @@ use crate::timing::LoopTime;
 use std::cell::RefCell;
 use std::rc::Rc;
 use terrafill_gpu::shared_gpu;
-use terrafill_results::{CaseId, Chapter, Metric, PlannedCase, Status, Verdict};
+use terrafill_results::{CaseId, Chapter, ConditionKey, Metric, PlannedCase, Status, Verdict};
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
 
 /// Timed passes of each formula in a process, unless the request says otherwise.
@@ -30,6 +31,10 @@ impl Study for PrecisionStudy {
 
     fn metrics(&self) -> &'static [Metric] {
         &METRICS
+    }
+
+    fn conditions(&self) -> Vec<ConditionKey> {
+        crate::conditions::CONDITIONS.to_vec()
     }
 
     fn least_depth(&self) -> Depth {
@@ -84,9 +89,9 @@ impl Timing {
                     STUDY,
                     format!("time/{part}/{route}"),
                     [
-                        ("part", "time".to_owned()),
-                        ("of_part", part.to_owned()),
-                        ("route", route),
+                        (PART, "time".to_owned()),
+                        (OF_PART, part.to_owned()),
+                        (ROUTE, route),
                     ],
                 ),
                 samples,
@@ -191,11 +196,11 @@ impl Group for Errors {
         let part = self
             .cases
             .first()
-            .map_or("", |case| case.id.condition("part"));
+            .map_or("", |case| case.id.condition(PART));
         let condition = self
             .cases
             .first()
-            .map_or("", |case| case.id.condition("condition"));
+            .map_or("", |case| case.id.condition(CONDITION));
         format!("{STUDY}/{part}/{condition}")
     }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the chapter reads from a run: formulas with their figures, and times of routes.
 
+use crate::conditions::{ANCHOR, CONDITION, FAMILY, OF_PART, PART, ROUTE};
+use crate::keys::{CHOSEN, CPU_NS, GPU_NS, NON_FINITE_DEVICE, NON_FINITE_EMULATED};
 use std::collections::BTreeMap;
 use terrafill_plot::Reading;
-use terrafill_results::{Case, Clock, Outcome, Run, median, spread};
+use terrafill_results::{Case, Clock, ConditionKey, Metric, Outcome, Run, median, spread};
 
 /// A formula that costs less than this much beyond the loop around it is below the timer's resolution
 /// and is drawn here. Nanoseconds.
@@ -44,36 +46,36 @@ pub(super) struct Formula<'a>(pub(super) &'a Case);
 
 impl<'a> Formula<'a> {
     pub(super) fn part(self) -> &'a str {
-        self.0.condition("part")
+        self.0.condition(PART)
     }
 
     pub(super) fn route(self) -> &'a str {
-        self.0.condition("route")
+        self.0.condition(ROUTE)
     }
 
     pub(super) fn family(self) -> &'a str {
-        self.0.condition("family")
+        self.0.condition(FAMILY)
     }
 
     pub(super) fn condition(self) -> &'a str {
-        self.0.condition("condition")
+        self.0.condition(CONDITION)
     }
 
     pub(super) fn anchor(self) -> &'a str {
-        self.0.condition("anchor")
+        self.0.condition(ANCHOR)
     }
 
     /// A condition that is a number.
-    pub(super) fn number(self, condition: &str) -> Option<f64> {
+    pub(super) fn number(self, condition: ConditionKey) -> Option<f64> {
         self.0.condition(condition).parse().ok()
     }
 
-    pub(super) fn figure(self, metric: &str) -> Option<f64> {
+    pub(super) fn figure(self, metric: &Metric) -> Option<f64> {
         self.0.value(metric)
     }
 
     pub(super) fn is_chosen(self) -> bool {
-        self.figure("chosen").is_some_and(|chosen| chosen > 0.5)
+        self.figure(CHOSEN).is_some_and(|chosen| chosen > 0.5)
     }
 
     pub(super) fn is_ok(self) -> bool {
@@ -86,7 +88,7 @@ impl<'a> Formula<'a> {
         clippy::cast_sign_loss,
         reason = "counts are whole, not negative and far below 2^53"
     )]
-    pub(super) fn count(self, metric: &str) -> Option<u64> {
+    pub(super) fn count(self, metric: &Metric) -> Option<u64> {
         let value = self.figure(metric)?;
         (value.is_finite() && value >= 0.0).then(|| value.round() as u64)
     }
@@ -94,7 +96,7 @@ impl<'a> Formula<'a> {
     /// Answers that are not finite, emulated or on the device.
     pub(super) fn non_finite(self) -> u64 {
         let counted = |metric| self.count(metric).unwrap_or(0);
-        counted("non_finite_emulated") + counted("non_finite_device")
+        counted(NON_FINITE_EMULATED) + counted(NON_FINITE_DEVICE)
     }
 }
 
@@ -110,13 +112,13 @@ pub(super) struct Data<'a> {
 impl<'a> Data<'a> {
     pub(super) fn new(run: &'a Run) -> Self {
         let own = || run.of_study(crate::STUDY).filter(|case| !case.is_twin());
-        let is_time = |case: &&Case| case.condition("part") == "time";
+        let is_time = |case: &&Case| case.condition(PART) == "time";
         let timed = own().filter(is_time);
-        let timed = timed.filter(|case| case.condition("of_part") == "coordinate");
+        let timed = timed.filter(|case| case.condition(OF_PART) == "coordinate");
         Self {
             clock: run.clock(),
             formulas: own().filter(|case| !is_time(case)).map(Formula).collect(),
-            times: timed.map(|case| (case.condition("route"), case)).collect(),
+            times: timed.map(|case| (case.condition(ROUTE), case)).collect(),
         }
     }
 
@@ -128,7 +130,7 @@ impl<'a> Data<'a> {
     /// Time of a coordinate route, as a plot has it.
     pub(super) fn time(&self, route: &str) -> Option<Reading> {
         let case = self.times.get(route).filter(|case| case.counts())?;
-        let samples = case.samples(self.clock.pick("gpu_ns", "cpu_ns"))?;
+        let samples = case.samples(self.clock.pick(GPU_NS, CPU_NS))?;
         let seen = |ns: &f64| ns.max(MIN_NS);
         let all: Vec<f64> = samples
             .values()

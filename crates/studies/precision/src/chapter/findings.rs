@@ -2,9 +2,12 @@
 //! What was computed before the measurement, and whether the measurement agrees.
 
 use super::data::{DEFAULT_POSITION, Data, Formula, MIDDLE, NO_REASON, PLAN, QUARTER, agrees};
+use crate::conditions::{DEPTH_FORMAT, DISTANCE_M};
+use crate::keys;
+use crate::keys::{DEVICE_MAX_M, MAX_OVER_RESIDUAL, MAX_PX, MEASURED_OVER_EXPECTED, RMS_TEXELS};
 use std::collections::BTreeSet;
 use terrafill_plot::number::{count, significant};
-use terrafill_results::{Finding, Standing};
+use terrafill_results::{Finding, Metric, Standing};
 
 /// Largest error of a plan's route, texels.
 const MAX_TEXELS: f64 = 0.5;
@@ -26,7 +29,7 @@ fn finding(holds: bool, text: String) -> Finding {
 
 fn largest<'a>(
     rows: impl Iterator<Item = Formula<'a>>,
-    metric: &str,
+    metric: &Metric,
 ) -> Option<(f64, Formula<'a>)> {
     rows.filter_map(|row| Some((row.figure(metric)?, row)))
         .max_by(|a, b| a.0.total_cmp(&b.0))
@@ -38,8 +41,8 @@ pub(super) fn findings(data: &Data<'_>) -> Vec<Finding> {
     let non_finite: u64 = chosen().map(Formula::non_finite).sum();
     let contradicted = chosen().filter(|row| !row.is_ok()).count();
     let places: BTreeSet<&str> = data.of("coordinate").map(|row| row.condition()).collect();
-    let rms = largest(chosen(), "rms_texels");
-    let max = largest(chosen(), "max_texels");
+    let rms = largest(chosen(), RMS_TEXELS);
+    let max = largest(chosen(), keys::MAX_TEXELS);
     if let (Some((rms, rms_at)), Some((max, max_at))) = (rms, max) {
         let unchosen = places.len() - chosen().count();
         let within = rms <= QUARTER && max <= MAX_TEXELS;
@@ -62,12 +65,12 @@ pub(super) fn findings(data: &Data<'_>) -> Vec<Finding> {
     }
     let default = || {
         data.of("position")
-            .filter(|row| (row.route(), row.0.condition("depth_format")) == DEFAULT_POSITION)
+            .filter(|row| (row.route(), row.0.condition(DEPTH_FORMAT)) == DEFAULT_POSITION)
     };
     let anchored = |anchor: &'static str| default().filter(move |row| row.anchor() == anchor);
     let at_20_m = |anchor| {
-        let near = anchored(anchor).filter(|row| row.number("distance_m") == Some(DEFAULT_LIMIT.0));
-        largest(near, "device_max_m")
+        let near = anchored(anchor).filter(|row| row.number(DISTANCE_M) == Some(DEFAULT_LIMIT.0));
+        largest(near, DEVICE_MAX_M)
     };
     let beside = |middle: Option<(f64, Formula<'_>)>, unit: &str| {
         middle.map_or_else(String::new, |(most, row)| {
@@ -90,8 +93,8 @@ pub(super) fn findings(data: &Data<'_>) -> Vec<Finding> {
             ),
         ));
     }
-    if let Some((pixels, row)) = largest(anchored(PLAN), "max_px") {
-        let middle = largest(anchored(MIDDLE), "max_px");
+    if let Some((pixels, row)) = largest(anchored(PLAN), MAX_PX) {
+        let middle = largest(anchored(MIDDLE), MAX_PX);
         findings.push(finding(
             pixels <= QUARTER,
             format!(
@@ -108,14 +111,14 @@ pub(super) fn findings(data: &Data<'_>) -> Vec<Finding> {
         data.formulas
             .iter()
             .copied()
-            .filter(|row| row.figure("measured_over_expected").is_some())
+            .filter(|row| row.figure(MEASURED_OVER_EXPECTED).is_some())
     };
     let is_above = |row: &Formula<'_>| {
-        row.figure("max_over_residual")
+        row.figure(MAX_OVER_RESIDUAL)
             .is_some_and(|r| r > BOUND_SLACK)
     };
     let above = measured().filter(is_above).count();
-    if let Some((ratio, row)) = largest(measured(), "max_over_residual") {
+    if let Some((ratio, row)) = largest(measured(), MAX_OVER_RESIDUAL) {
         findings.push(finding(
             above == 0,
             format!(
@@ -128,8 +131,7 @@ pub(super) fn findings(data: &Data<'_>) -> Vec<Finding> {
             ),
         ));
     }
-    let agreeing =
-        measured().filter(|row| row.figure("measured_over_expected").is_some_and(agrees));
+    let agreeing = measured().filter(|row| row.figure(MEASURED_OVER_EXPECTED).is_some_and(agrees));
     let unexplained = measured()
         .filter(|row| row.0.note("residual_reason").contains(NO_REASON))
         .count();

@@ -2,6 +2,10 @@
 //! The plots: error against time and against operations, a curve for each family.
 
 use super::data::{DRAWN, Data, Formula, QUARTER};
+use crate::conditions::{EXTENT_DEG, KNOB, LATITUDE_DEG};
+use crate::keys::{
+    DEVICE_MAX_M, DEVICE_RMS_M, MEASURED_OVER_EXPECTED, OPERATIONS_COST, TEXTURE_PX,
+};
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, ReferenceLine, Upwards,
     WorkPrecision, panels,
@@ -109,7 +113,7 @@ fn plot(
         lines: reference_lines(*first),
     };
     let time = |row: Formula<'_>| data.time(row.route());
-    let operations = |row: Formula<'_>| row.figure("operations_cost").map(Reading::exact);
+    let operations = |row: Formula<'_>| row.figure(OPERATIONS_COST).map(Reading::exact);
     let both = [
         panel(by_time.as_str(), clock.as_str(), curves(rows, time)),
         panel(
@@ -127,11 +131,11 @@ fn curves(rows: &[Formula<'_>], cost: impl Fn(Formula<'_>) -> Option<Reading>) -
     let mut curves: Vec<Curve> = Vec::new();
     for &row in rows {
         let point = Point {
-            knob: row.number("knob").unwrap_or_default(),
-            label: row.0.condition("knob").to_owned(),
+            knob: row.number(KNOB).unwrap_or_default(),
+            label: row.0.condition(KNOB).to_owned(),
             x: cost(row),
-            y: row.figure("device_max_m").map(Reading::exact),
-            y_rms: row.figure("device_rms_m"),
+            y: row.figure(DEVICE_MAX_M).map(Reading::exact),
+            y_rms: row.figure(DEVICE_RMS_M),
             standing: standing(row),
             command: String::new(),
         };
@@ -151,9 +155,7 @@ fn curves(rows: &[Formula<'_>], cost: impl Fn(Formula<'_>) -> Option<Reading>) -
 fn standing(row: Formula<'_>) -> PointStanding {
     match row.0.outcome {
         Outcome::Ok => PointStanding::Right,
-        Outcome::Wrong
-            if row.non_finite() == 0 && row.figure("measured_over_expected").is_some() =>
-        {
+        Outcome::Wrong if row.non_finite() == 0 && row.figure(MEASURED_OVER_EXPECTED).is_some() => {
             PointStanding::Wrong
         }
         _ => PointStanding::Failed,
@@ -168,14 +170,13 @@ fn reference_lines(row: Formula<'_>) -> Vec<ReferenceLine> {
         y,
         power: 0.0,
     };
-    let (Some(extent_deg), Some(latitude_deg)) =
-        (row.number("extent_deg"), row.number("latitude_deg"))
+    let (Some(extent_deg), Some(latitude_deg)) = (row.number(EXTENT_DEG), row.number(LATITUDE_DEG))
     else {
         return Vec::new();
     };
     let height_rad = extent_deg.min(180.0).to_radians();
     let mut lines = Vec::new();
-    if let Some(texels) = row.figure("texture_px") {
+    if let Some(texels) = row.figure(TEXTURE_PX) {
         let texel_m = height_rad * EARTH_M / texels;
         lines.push(line("¼ texel", QUARTER * texel_m));
     }

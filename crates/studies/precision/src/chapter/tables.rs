@@ -2,9 +2,14 @@
 //! The tables: what a plan takes, errors of positions, and where formulas break.
 
 use super::data::{DEFAULT_POSITION, Data, Formula, MIDDLE, NO_REASON, PLAN, QUARTER, agrees};
+use crate::conditions::{DEPTH_FORMAT, DISTANCE_M, EXTENT_DEG, HIGHEST_M, LATITUDE_DEG};
+use crate::keys::{
+    DEVICE_MAX_M, EMULATED_MAX_M, MAX_PX, MEASURED_OVER_EXPECTED, NON_FINITE_DEVICE,
+    NON_FINITE_EMULATED, PIXEL_M, RMS_OVER_RESIDUAL, RMS_TEXELS,
+};
 use std::collections::{BTreeMap, BTreeSet};
 use terrafill_plot::number::{count, significant};
-use terrafill_results::{Block, Cell, Heading, Outcome, Row, Table};
+use terrafill_results::{Block, Cell, ConditionKey, Heading, Metric, Outcome, Row, Table};
 
 /// Distances of the position tables, metres, with their headings.
 const DISTANCES: [(f64, &str); 4] = [
@@ -124,23 +129,23 @@ pub(super) fn tables(data: &Data<'_>) -> Vec<Block> {
 fn chosen_table(data: &Data<'_>) -> Grid {
     let formulas = data.formulas.iter().copied();
     let rows: Vec<Formula<'_>> = formulas
-        .filter(|row| row.is_chosen() && row.number("highest_m") == Some(9_000.0))
+        .filter(|row| row.is_chosen() && row.number(HIGHEST_M) == Some(9_000.0))
         .collect();
-    let distinct = |of: &str| {
+    let distinct = |of: ConditionKey| {
         let mut values: Vec<f64> = rows.iter().filter_map(|row| row.number(of)).collect();
         values.sort_by(f64::total_cmp);
         values.dedup();
         values
     };
-    let extents = distinct("extent_deg");
-    let latitudes = distinct("latitude_deg");
+    let extents = distinct(EXTENT_DEG);
+    let latitudes = distinct(LATITUDE_DEG);
     let cell = |latitude: f64, extent: f64| {
         let here = |row: &&Formula<'_>| {
-            row.number("latitude_deg") == Some(latitude) && row.number("extent_deg") == Some(extent)
+            row.number(LATITUDE_DEG) == Some(latitude) && row.number(EXTENT_DEG) == Some(extent)
         };
         let row = rows.iter().find(here)?;
         let texels = row
-            .figure("rms_texels")
+            .figure(RMS_TEXELS)
             .map_or_else(|| "–".to_owned(), significant);
         Some(format!("{} · {texels}", row.route()))
     };
@@ -166,7 +171,7 @@ fn metres_and_pixels(row: Option<Formula<'_>>, metres: Option<f64>) -> String {
     let Some(row) = row else {
         return "–".to_owned();
     };
-    match (metres, row.figure("pixel_m")) {
+    match (metres, row.figure(PIXEL_M)) {
         _ if row.non_finite() > 0 => "not finite".to_owned(),
         (Some(metres), Some(pixel)) => {
             format!(
@@ -203,14 +208,14 @@ fn position_row(data: &Data<'_>, route: &str, depth: &str, anchor: &str) -> Opti
     let worst = |distance: f64| {
         let here = data.of("position").filter(|row| {
             row.route() == route
-                && row.0.condition("depth_format") == depth
+                && row.0.condition(DEPTH_FORMAT) == depth
                 && row.anchor() == anchor
-                && row.number("distance_m") == Some(distance)
+                && row.number(DISTANCE_M) == Some(distance)
         });
         // What is not finite has no largest error and is worse than any.
         here.max_by(|a, b| {
             let worth =
-                |row: Formula<'_>| (row.non_finite(), row.figure("device_max_m").unwrap_or(-1.0));
+                |row: Formula<'_>| (row.non_finite(), row.figure(DEVICE_MAX_M).unwrap_or(-1.0));
             let (a, b) = (worth(*a), worth(*b));
             a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
         })
@@ -228,12 +233,12 @@ fn position_row(data: &Data<'_>, route: &str, depth: &str, anchor: &str) -> Opti
         name: format!("{route}, {depth}{aside}"),
         cells: found
             .iter()
-            .map(|row| metres_and_pixels(*row, row.and_then(|row| row.figure("device_max_m"))))
+            .map(|row| metres_and_pixels(*row, row.and_then(|row| row.figure(DEVICE_MAX_M))))
             .collect(),
         is_bad: found
             .iter()
             .flatten()
-            .any(|row| row.non_finite() > 0 || row.figure("max_px").is_some_and(|px| px > QUARTER)),
+            .any(|row| row.non_finite() > 0 || row.figure(MAX_PX).is_some_and(|px| px > QUARTER)),
     })
 }
 
@@ -256,8 +261,8 @@ fn vertex_table(data: &Data<'_>) -> Grid {
         let at = |distance: f64| {
             data.of("vertex").find(|row| {
                 row.route() == format
-                    && row.number("distance_m") == Some(distance)
-                    && row.number("extent_deg") == Some(1.0)
+                    && row.number(DISTANCE_M) == Some(distance)
+                    && row.number(EXTENT_DEG) == Some(1.0)
             })
         };
         let found = DISTANCES.map(|(distance, _)| at(distance));
@@ -265,14 +270,12 @@ fn vertex_table(data: &Data<'_>) -> Grid {
             name: format.to_owned(),
             cells: found
                 .iter()
-                .map(|row| {
-                    metres_and_pixels(*row, row.and_then(|row| row.figure("emulated_max_m")))
-                })
+                .map(|row| metres_and_pixels(*row, row.and_then(|row| row.figure(EMULATED_MAX_M))))
                 .collect(),
             is_bad: found
                 .iter()
                 .flatten()
-                .any(|row| row.figure("max_px").is_some_and(|px| px > QUARTER)),
+                .any(|row| row.figure(MAX_PX).is_some_and(|px| px > QUARTER)),
         }
     });
     Grid {
@@ -286,7 +289,7 @@ pub(super) fn reason_table(data: &Data<'_>) -> Grid {
     let mut groups: BTreeMap<(&str, bool), Vec<Formula<'_>>> = BTreeMap::new();
     for &row in &data.formulas {
         if let Some(ratio) = row
-            .figure("measured_over_expected")
+            .figure(MEASURED_OVER_EXPECTED)
             .filter(|ratio| !agrees(*ratio))
         {
             let group = (row.0.note("residual_reason"), ratio > 1.0);
@@ -337,7 +340,7 @@ pub(super) fn disagreement_table(data: &Data<'_>) -> Grid {
     let mut groups: BTreeMap<(&str, &str), Vec<Formula<'_>>> = BTreeMap::new();
     for &row in &data.formulas {
         if row
-            .figure("measured_over_expected")
+            .figure(MEASURED_OVER_EXPECTED)
             .is_some_and(|ratio| !agrees(ratio))
         {
             let group = (row.0.note("residual_reason"), row.family());
@@ -347,13 +350,13 @@ pub(super) fn disagreement_table(data: &Data<'_>) -> Grid {
     let rows = groups.into_iter().filter_map(|((reason, family), rows)| {
         let ratios = || {
             rows.iter()
-                .filter_map(|row| Some((row.figure("measured_over_expected")?, row)))
+                .filter_map(|row| Some((row.figure(MEASURED_OVER_EXPECTED)?, row)))
         };
         let (least, at) = ratios().min_by(|a, b| a.0.total_cmp(&b.0))?;
         let (most, _) = ratios().max_by(|a, b| a.0.total_cmp(&b.0))?;
         let rms_agrees = rows
             .iter()
-            .filter(|row| row.figure("rms_over_residual").is_some_and(agrees))
+            .filter(|row| row.figure(RMS_OVER_RESIDUAL).is_some_and(agrees))
             .count();
         Some(Line {
             name: family.to_owned(),
@@ -400,13 +403,13 @@ fn special_table(data: &Data<'_>) -> Grid {
             .of("special")
             .filter(|row| row.condition() == condition)
             .collect();
-        let non_finite = |of: &str| {
+        let non_finite = |of: &Metric| {
             rows.iter()
                 .filter(|row| row.count(of).is_some_and(|n| n > 0))
                 .count()
         };
-        let emulated = non_finite("non_finite_emulated");
-        let device = non_finite("non_finite_device");
+        let emulated = non_finite(NON_FINITE_EMULATED);
+        let device = non_finite(NON_FINITE_DEVICE);
         let native = rows.iter().find(|row| row.family() == "atan2-native");
         let wrong: BTreeSet<&str> = rows
             .iter()
@@ -446,9 +449,9 @@ fn special_table(data: &Data<'_>) -> Grid {
 fn cleared_row(data: &Data<'_>) -> Option<Line> {
     let rows: Vec<Formula<'_>> = data
         .of("position")
-        .filter(|row| row.number("distance_m").is_none())
+        .filter(|row| row.number(DISTANCE_M).is_none())
         .collect();
-    let count = |of: &str| {
+    let count = |of: &Metric| {
         let found = rows
             .iter()
             .filter(|row| row.count(of).is_some_and(|n| n > 0));
@@ -457,8 +460,8 @@ fn cleared_row(data: &Data<'_>) -> Option<Line> {
     (!rows.is_empty()).then(|| Line {
         name: "cleared depth (position routes × depth formats)".to_owned(),
         cells: vec![
-            count("non_finite_emulated"),
-            count("non_finite_device"),
+            count(NON_FINITE_EMULATED),
+            count(NON_FINITE_DEVICE),
             "–".to_owned(),
             String::new(),
         ],
