@@ -115,7 +115,7 @@ pub trait Study: Sync {
     /// Everything that it measures.
     fn metrics(&self) -> &'static [Metric];
 
-    /// Every condition that a case of it may have.
+    /// Every condition that a case of it may have; empty where the study still names them by text.
     fn conditions(&self) -> Vec<ConditionKey> {
         Vec::new()
     }

@@ -35,7 +35,7 @@ struct Script {
     lost_after: Cell<Option<usize>>,
     /// The case that can no longer be drawn once it has been verified.
     failing: Cell<Option<usize>>,
-    /// What the case in front costs by turns, the last again and again; empty: always the same.
+    /// Costs of the first case, sample by sample; the last one repeats. Empty: a constant cost.
     costs: RefCell<Vec<f64>>,
     /// What a recheck answers.
     recheck_status: Cell<Status>,

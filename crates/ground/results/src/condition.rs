@@ -7,7 +7,7 @@
 pub struct ConditionKey(&'static str);
 
 impl ConditionKey {
-    /// For declarations alone; `cargo xtask check-keys` refuses it elsewhere.
+    /// For declarations alone: a study lists its keys by [`conditions!`](crate::conditions).
     #[must_use]
     pub const fn declare(name: &'static str) -> Self {
         Self(name)

@@ -50,8 +50,8 @@ impl Between {
     }
 }
 
-/// A case's processes fall into two groups where one of the gaps between their sorted medians is this factor at
-/// least: more than what a busy machine does to process CPU time, less than two clocks of a GPU.
+/// Two groups are at least this factor apart: the largest gap between neighbours among sorted medians. A busy
+/// machine changes process CPU time by less, and two clocks of a GPU differ by more.
 const GROUP_GAP: f64 = 1.2;
 
 /// And so many times as wide, as a logarithm, as either group: what is scattered has no groups.

@@ -33,9 +33,10 @@ const PROCESSES: u32 = 5;
 /// interval to 40 % of what six give. Only what is undecided is measured in them, which takes seconds each.
 const MAX_PROCESSES: u32 = 36;
 
-/// Looks at a baseline at most before a process times anything: on hardware in each group, since a GPU rests while
-/// the CPU verifies; on a software device once, since it has no clock of its own.
+/// Maximum number of looks at a case before a group is timed on hardware. Each group waits, since a GPU rests
+/// while the CPU verifies.
 const LOOKS: u32 = 40;
+/// The same on a software device, which has no clock of its own: once in a process.
 const SOFTWARE_LOOKS: u32 = 8;
 
 /// Blocks dropped at the start of each process: caches, clock rates and lazily made pipelines settle.

@@ -114,8 +114,9 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
     use terrafill_fill::{Role, Rung, Switches, Values, layouts, matrix_row};
-    use terrafill_results::{Kind, Metric, Scope};
+    use terrafill_results::{ConditionKey, Kind, Metric, Scope};
     use terrafill_scene::{Overlap, Scene};
+    use terrafill_study::{Depth, Request};
 
     const OVERLAPS: [Overlap; 2] = [Overlap::Disjoint, Overlap::Ordered];
 
@@ -146,6 +147,36 @@ mod tests {
         let faulty = [time, bytes.covering(Scope::DRAW)];
         assert_eq!(lacking(&faulty), ["time_ms", "held_bytes"]);
         assert!(lacking(&[time.covering(Scope::DRAW), bytes]).is_empty());
+    }
+
+    #[test]
+    fn planned_conditions_are_those_that_a_study_declares() {
+        let request = Request {
+            depth: Depth::Quick,
+            size: [64; 2],
+            ..Request::default()
+        };
+        let planned = |study: &dyn Study| -> BTreeSet<String> {
+            let planned = study.plan(&request).expect("a plan");
+            let cases = planned.groups.iter().flat_map(|group| group.cases());
+            let names = cases.flat_map(|case| case.id.conditions.keys());
+            names.cloned().collect()
+        };
+        let undeclared = |names: &BTreeSet<String>, declared: &[ConditionKey]| -> Vec<String> {
+            let is_declared = |name: &str| declared.iter().any(|key| key.name() == name);
+            let names = names.iter().filter(|name| !is_declared(name));
+            names.cloned().collect()
+        };
+        let declaring = STUDIES.iter().map(|study| (study, study.conditions()));
+        let declaring: Vec<_> = declaring.filter(|(_, keys)| !keys.is_empty()).collect();
+        // The others still name their conditions by text.
+        assert_eq!(declaring.len(), 6);
+        for (study, keys) in &declaring {
+            let names = planned(**study);
+            assert_eq!(undeclared(&names, keys), [""; 0], "{}", study.name());
+            // Negative control: without declarations every planned condition is noticed.
+            assert!(!names.is_empty() && undeclared(&names, &[]).len() == names.len());
+        }
     }
 
     #[test]
