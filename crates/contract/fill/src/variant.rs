@@ -183,14 +183,13 @@ impl Variant {
     /// Every parameter, every switch of the fill and every option of the plan with its value,
     /// defaults included.
     #[must_use]
-    pub fn settings(&self) -> Vec<(String, String)> {
+    pub fn settings(&self) -> Vec<(&'static str, String)> {
         let own = self.parameters.iter().map(|parameter| {
             let value = self.value(parameter.key).unwrap_or_default();
             (parameter.key, value.to_owned())
         });
         own.chain(self.switches.settings())
             .chain(plan_settings(&self.plan))
-            .map(|(key, value)| (key.to_owned(), value))
             .collect()
     }
 

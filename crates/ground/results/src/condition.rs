@@ -51,6 +51,14 @@ macro_rules! conditions {
     };
 }
 
+/// Declares the constants by which metrics are read, each found in the study's declarations.
+#[macro_export]
+macro_rules! metrics {
+    ($declared:ident; $($key:ident = $name:literal;)*) => {
+        $(pub(crate) const $key: &$crate::Metric = $crate::Metric::of(&$declared, $name);)*
+    };
+}
+
 /// The scene that is drawn.
 pub const SCENE: ConditionKey = ConditionKey::declare("scene");
 /// The camera, by its name.

@@ -134,7 +134,8 @@ pub fn ratio(case: &Case, other: &Case, metric: impl AsRef<str>) -> Option<Estim
 /// cases as these do. None is less than 1 over the case whose figure is least, as medians of ratios can be.
 /// Its interval is over processes that measured both, resampled together.
 #[must_use]
-pub fn over_typical(case: &Case, other: &Case, metric: &str) -> Option<Estimate> {
+pub fn over_typical(case: &Case, other: &Case, metric: impl AsRef<str>) -> Option<Estimate> {
+    let metric = metric.as_ref();
     let [own, others] = [case, other].map(|case| process_medians(case, metric));
     let middle_of =
         |costs: &BTreeMap<u32, f64>| median(&costs.values().copied().collect::<Vec<_>>());

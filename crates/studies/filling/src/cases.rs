@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which cases a view of a scene gives, and what each is measured for.
 
+use crate::keys::{
+    APPROXIMATE, ASIDE, CAP_STEP, LAYOUT, NEEDS_RUNG, NEEDS_STEP, PICTURE, REGIONS, ROLE, RUNG,
+    SCENE, STEP, TECHNIQUE, TOLERANCE_M, VARIANT, VIEW,
+};
 use crate::memory::{LayoutOfScene, REGION_COUNTS};
 use crate::request::{STUDY, Wishes};
 use crate::subject::Subject;
@@ -9,11 +13,8 @@ use std::sync::Arc;
 use terrafill_core::MeshOptions;
 use terrafill_fill::{Role, Technique, matrix_row, needs_ladder};
 use terrafill_gpu::BaselineKind;
-use terrafill_results::{CaseId, PlannedCase};
+use terrafill_results::{CaseId, ConditionKey, PlannedCase};
 use terrafill_scene::{LazyMesh, PlanOptions, Scene, View, WallHeights};
-
-/// Condition of fills whose pictures differ from the reference by nature: `yes`.
-pub(crate) const APPROXIMATE: &str = "approximate";
 
 /// What a case is measured for; it may be several things at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -424,7 +425,7 @@ impl Builder<'_> {
                 (name, self.conditions(case, &variant))
             }
         };
-        let conditions = conditions.into_iter().chain([("role".to_owned(), role)]);
+        let conditions = conditions.into_iter().chain([(ROLE, role)]);
         PlannedCase {
             id: CaseId::new(STUDY, name, conditions),
             samples: case.frames,
@@ -442,30 +443,28 @@ impl Builder<'_> {
         layout: &str,
         technique: &str,
         regions: usize,
-    ) -> Vec<(String, String)> {
-        let condition = |key: &str, value: String| (key.to_owned(), value);
+    ) -> Vec<(ConditionKey, String)> {
         vec![
-            condition("scene", self.scene.name.clone()),
-            condition("technique", technique.to_owned()),
-            condition("layout", layout.to_owned()),
-            condition("regions", regions.to_string()),
+            (SCENE, self.scene.name.clone()),
+            (TECHNIQUE, technique.to_owned()),
+            (LAYOUT, layout.to_owned()),
+            (REGIONS, regions.to_string()),
         ]
     }
 
     /// One for each thing that tells the case from others; switches with their defaults.
-    fn conditions(&self, case: &FillCase, variant: &str) -> Vec<(String, String)> {
-        let condition = |key: &str, value: String| (key.to_owned(), value);
+    fn conditions(&self, case: &FillCase, variant: &str) -> Vec<(ConditionKey, String)> {
         let mut conditions = case.subject.settings();
         if let (true, Subject::Fill(rival, _)) = (case.is(Purpose::Rival), &case.subject) {
             // Nothing of our switches, plans and meshes is its own.
             let own = |key: &str| rival.parameters().iter().any(|own| own.key == key);
-            conditions.retain(|(key, _)| key == "layout" || own(key));
+            conditions.retain(|(key, _)| *key == LAYOUT || own(key.name()));
         }
         conditions.extend([
-            condition("scene", self.scene.name.clone()),
-            condition("view", self.view.name.clone()),
-            condition("technique", case.subject.backend().to_owned()),
-            condition("variant", variant.to_owned()),
+            (SCENE, self.scene.name.clone()),
+            (VIEW, self.view.name.clone()),
+            (TECHNIQUE, case.subject.backend().to_owned()),
+            (VARIANT, variant.to_owned()),
         ]);
         if !case.is(Purpose::Baseline) && !case.is(Purpose::Rival) {
             let own = case.mesh.as_ref().map(|(mesh, _)| *mesh);
@@ -476,32 +475,29 @@ impl Builder<'_> {
                 ShownPicture::Small => "32",
             };
             conditions.extend([
-                condition(
-                    "boundary-tolerance-m",
-                    mesh.boundary_tolerance_m.to_string(),
-                ),
-                condition("cap-step-deg", mesh.cap_step_deg.to_string()),
+                (TOLERANCE_M, mesh.boundary_tolerance_m.to_string()),
+                (CAP_STEP, mesh.cap_step_deg.to_string()),
             ]);
             if case.is(Purpose::Texture) {
-                conditions.push(condition("picture", picture.to_owned()));
+                conditions.push((PICTURE, picture.to_owned()));
             }
         }
         if case.subject.is_approximate() {
-            conditions.push(condition(APPROXIMATE, "yes".to_owned()));
+            conditions.push((APPROXIMATE, "yes".to_owned()));
         }
         if let Some(place) = case.needs_place {
             conditions.extend([
-                condition("needs-rung", place.rung.to_string()),
-                condition("needs-step", place.step.to_owned()),
+                (NEEDS_RUNG, place.rung.to_string()),
+                (NEEDS_STEP, place.step.to_owned()),
             ]);
         }
         if let Some(place) = case.place {
             conditions.extend([
-                condition("rung", place.rung.to_string()),
-                condition("step", place.step.to_owned()),
+                (RUNG, place.rung.to_string()),
+                (STEP, place.step.to_owned()),
             ]);
             if place.is_aside {
-                conditions.push(condition("aside", "yes".to_owned()));
+                conditions.push((ASIDE, "yes".to_owned()));
             }
         }
         conditions

@@ -15,6 +15,7 @@ mod chapter;
 mod claims;
 mod driver_fault;
 mod images;
+mod keys;
 mod memory;
 mod metrics;
 mod probe;

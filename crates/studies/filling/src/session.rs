@@ -5,6 +5,7 @@
 use crate::cases::{FillCase, Purpose, ViewGroup};
 use crate::driver_fault::{Driver, DriverFault};
 use crate::images::{file_stem, write_rgb, zoomed};
+use crate::keys::WALL_SHIFT_M;
 use crate::probe::{Probe, failed, tallest_wall_allowed};
 use crate::rounding::{objection, rounding_px};
 use crate::scenes::{build_meshes, mesh_error};
@@ -325,7 +326,7 @@ impl<'a> ViewSession<'a> {
             .is(Purpose::Subdivision)
             .then(|| tallest_wall_allowed(&drawn.input, &mesh))
             .flatten();
-        probe.wall_shift_m = case.subject.figure("wall_shift_m", &drawn.input);
+        probe.wall_shift_m = case.subject.figure(WALL_SHIFT_M.name, &drawn.input);
         probe.prepare_cpu_ms = Some(drawn.prepare_cpu_ms).filter(|_| !is_rival);
         if tells_needs(case) {
             match drawn.backend.needs(&drawn.input) {

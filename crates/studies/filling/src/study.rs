@@ -3,12 +3,14 @@
 
 use crate::cases::ViewGroup;
 use crate::chapter::FillingChapter;
+use crate::keys::CONDITIONS;
 use crate::metrics::METRICS;
 use crate::request::{STUDY, Wishes};
 use crate::scenes::plan_scenes;
 use crate::session::ViewSession;
-use crate::subject::{Surfaces, Techniques};
-use terrafill_results::{Chapter, Metric, PlannedCase};
+use crate::subject::{Subject, Surfaces, Techniques};
+use terrafill_results::{Chapter, ConditionKey, Metric, PlannedCase};
+use terrafill_scene::Overlap;
 use terrafill_study::{Context, Group, Planned, Request, Session, Study, StudyError};
 
 /// Which technique fills regions with which error, at which cost.
@@ -33,6 +35,17 @@ impl Study for FillingStudy {
 
     fn metrics(&self) -> &'static [Metric] {
         &METRICS
+    }
+
+    fn conditions(&self) -> Vec<ConditionKey> {
+        // Switches and parameters are conditions under their own names.
+        let fills = self.techniques.iter().chain(self.rivals);
+        let settings = fills.flat_map(|technique| {
+            let main = technique.main(Overlap::Disjoint);
+            Subject::Fill(*technique, main).settings()
+        });
+        let keys = settings.map(|(key, _)| key);
+        CONDITIONS.iter().copied().chain(keys).collect()
     }
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What draws a case: a full-screen pass, or a variant of a technique.
 
+use crate::keys::LAYOUT;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{Api, FillInput, GeometryBytes, PositionFormat, Switches, Technique, Variant};
 use terrafill_gpu::BaselineKind;
+use terrafill_results::ConditionKey;
 use terrafill_scene::{LazyMesh, PlanOptions};
 use terrafill_surface::SurfaceKind;
 
@@ -75,7 +77,7 @@ impl Subject {
     /// Every choice with its value, defaults included, but for switches that mean nothing to the
     /// technique. The first of its own parameters is called `layout`, whatever it is called there, so
     /// that it is one column for all.
-    pub(crate) fn settings(&self) -> Vec<(String, String)> {
+    pub(crate) fn settings(&self) -> Vec<(ConditionKey, String)> {
         let Self::Fill(technique, variant) = self else {
             return Vec::new();
         };
@@ -83,14 +85,15 @@ impl Subject {
             .parameters()
             .first()
             .map(|parameter| parameter.key);
-        let layout = ("layout".to_owned(), variant.layout().to_owned());
+        let layout = (LAYOUT, variant.layout().to_owned());
         let others = variant.settings().into_iter();
-        let others = others.filter(|(key, _)| Some(key.as_str()) != first);
+        let others = others.filter(|(key, _)| Some(*key) != first);
         let of_stencil = match technique.has_stencil_switches() {
             true => Vec::new(),
             false => variant.switches.settings().to_vec(),
         };
         let others = others.filter(|(key, _)| of_stencil.iter().all(|(own, _)| own != key));
+        let others = others.map(|(key, value)| (ConditionKey::declare(key), value));
         [layout].into_iter().chain(others).collect()
     }
 

@@ -393,7 +393,11 @@ mod tests {
     use terrafill_scene::Overlap;
 
     /// What `render` draws with these switches.
-    fn set(scene: &Scene, technique: &dyn Technique, switches: &str) -> Vec<(String, String)> {
+    fn set(
+        scene: &Scene,
+        technique: &dyn Technique,
+        switches: &str,
+    ) -> Vec<(&'static str, String)> {
         let line = format!(
             "terrafill render {} --view globe --technique {} --set {switches} --out a.png",
             scene.name,

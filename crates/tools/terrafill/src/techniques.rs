@@ -44,9 +44,9 @@ struct ListedTechnique {
 impl ListedTechnique {
     fn new(technique: &dyn Technique) -> Self {
         let main = technique.main(Overlap::Disjoint);
-        let mut defaults: BTreeMap<String, String> = main.settings().into_iter().collect();
+        let mut defaults: BTreeMap<&str, String> = main.settings().into_iter().collect();
         let tolerance_m = MeshOptions::default().boundary_tolerance_m;
-        defaults.insert(BOUNDARY_TOLERANCE.to_owned(), tolerance_m.to_string());
+        defaults.insert(BOUNDARY_TOLERANCE, tolerance_m.to_string());
         let all = allowed_switches(&main);
         let switches = all.split(", ").filter_map(|usage| {
             let (key, values) = usage.split_once('=')?;
@@ -148,8 +148,8 @@ mod tests {
             let main = technique.main(Overlap::Disjoint);
             let keys: Vec<&str> = listed.switches.iter().map(|s| s.key.as_str()).collect();
             for (key, value) in main.settings() {
-                assert!(keys.contains(&key.as_str()), "{key}");
-                assert_eq!(main.clone().set(&key, &value), Ok(true), "{key}={value}");
+                assert!(keys.contains(&key), "{key}");
+                assert_eq!(main.clone().set(key, &value), Ok(true), "{key}={value}");
             }
             assert_eq!(keys.len(), main.settings().len() + 1);
             for switch in &listed.switches {

@@ -7,11 +7,15 @@
 
 use super::data::{Data, View, competes, counter, distinct, has_role, is_approximate};
 use super::{fronts, memory, needs, textured};
+use crate::keys::{
+    BOUNDARY_MOVED_PX, GEOMETRY_BYTES, HAUSDORFF_PX, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND,
+    REGIONS_DRAWN, STENCIL_FRAGMENTS, VERTICES,
+};
 use terrafill_plot::Palette;
 use terrafill_plot::number::{bytes, count, figure, significant, spread};
 use terrafill_results::{
-    Answers, Block, Case, Cell, ChapterError, Finding, Heading, Row, Spread, Standing, Table,
-    TableLayout, typical,
+    Answers, Block, Case, Cell, ChapterError, Finding, Heading, Metric, Row, Spread, Standing,
+    Table, TableLayout, typical,
 };
 
 /// From so many regions in view on, their number decides.
@@ -53,9 +57,9 @@ fn candidates<'a>(data: &Data<'a>, view: &View<'a>) -> Vec<(&'a Case, f64)> {
 
 /// Distance of the drawn boundary from the reference's and mismatched pixels: less is more exact.
 fn error(case: &Case) -> Option<[f64; 2]> {
-    let px = case.value("mismatched_px")?;
+    let px = case.value(MISMATCHED_PX)?;
     // Without a boundary in the picture there is no distance.
-    Some([case.value("hausdorff_px").unwrap_or(0.0), px])
+    Some([case.value(HAUSDORFF_PX).unwrap_or(0.0), px])
 }
 
 /// The winners of a view, out of its candidates, fastest first.
@@ -73,8 +77,8 @@ fn winners<'a>(data: &Data<'a>, candidates: &[(&'a Case, f64)]) -> Option<Winner
     let ties = cases().skip(1).filter(|case| data.ties_with(case, fastest));
     let ties: Vec<&Case> = ties.collect();
     // The first of several is the fastest of them.
-    let sized = |case: &&'a Case| counter(case, "geometry_bytes").unwrap_or(u64::MAX);
-    let smallest = cases().filter(|case| counter(case, "geometry_bytes").is_some());
+    let sized = |case: &&'a Case| counter(case, GEOMETRY_BYTES).unwrap_or(u64::MAX);
+    let smallest = cases().filter(|case| counter(case, GEOMETRY_BYTES).is_some());
     let exact = cases().filter_map(|case| Some((case, error(case)?)));
     let by_error = |a: &[f64; 2], b: &[f64; 2]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]));
     let close = std::iter::once(fastest).chain(ties.iter().copied());
@@ -181,10 +185,10 @@ fn winner(data: &Data<'_>, palette: &Palette, case: &Case) -> Cell {
             samples.map_or_else(String::new, spread)
         }
     };
-    let size = counter(case, "geometry_bytes").map_or_else(|| "bytes unknown".to_owned(), bytes);
-    let wrong = counter(case, "mismatched_px").map(count);
-    let distance = case.value("hausdorff_px").map(significant);
-    let moved = case.value("boundary_moved_px");
+    let size = counter(case, GEOMETRY_BYTES).map_or_else(|| "bytes unknown".to_owned(), bytes);
+    let wrong = counter(case, MISMATCHED_PX).map(count);
+    let distance = case.value(HAUSDORFF_PX).map(significant);
+    let moved = case.value(BOUNDARY_MOVED_PX);
     let moved = moved.map_or_else(String::new, |px| format!(" (moved {})", significant(px)));
     Cell {
         detail: format!(
@@ -259,15 +263,12 @@ fn guide(data: &Data<'_>) -> Vec<Block> {
             .flat_map(move |scene| scene.views.iter().map(move |view| (of_scene(scene), view)))
     };
     // Every fill of a view draws the same regions; the first one that counted stands for all.
-    let counted = |view: &View<'_>, metric: &str| {
+    let counted = |view: &View<'_>, metric: &Metric| {
         let all = candidates(data, view);
         all.iter().find_map(|(case, _)| case.value(metric))
     };
     let fragments_a_vertex = |view: &View<'_>| {
-        let (fragments, vertices) = (
-            counted(view, "stencil_fragments")?,
-            counted(view, "vertices")?,
-        );
+        let (fragments, vertices) = (counted(view, STENCIL_FRAGMENTS)?, counted(view, VERTICES)?);
         (vertices > 0.0).then(|| fragments / vertices)
     };
     let advice = |kind: String, is_it: &dyn Fn(&View<'_>) -> bool| {
@@ -287,7 +288,7 @@ fn guide(data: &Data<'_>) -> Vec<Block> {
                 "Many regions in view (from {} on)",
                 count(MANY_REGIONS.into())
             ),
-            &|view| counted(view, "regions_drawn").is_some_and(|n| n >= MANY_REGIONS.into()),
+            &|view| counted(view, REGIONS_DRAWN).is_some_and(|n| n >= MANY_REGIONS.into()),
         ),
         advice(
             format!(
@@ -361,7 +362,7 @@ fn memory_advice(data: &Data<'_>) -> Option<String> {
         let cases = views.iter().flat_map(|view| candidates(data, view));
         let own = cases.filter(|(case, _)| data.label(case) == name);
         let bytes: Vec<f64> = own
-            .filter_map(|(case, _)| case.value("geometry_bytes"))
+            .filter_map(|(case, _)| case.value(GEOMETRY_BYTES))
             .filter(|bytes| *bytes > 0.0)
             .collect();
         let logs: f64 = bytes.iter().map(|bytes| bytes.ln()).sum();
@@ -387,7 +388,7 @@ fn exact_advice(data: &Data<'_>) -> Option<String> {
     let all = ranked(data, &views);
     let moves = |name: &str| {
         let mut cases = views.iter().flat_map(|view| &view.cases);
-        cases.any(|case| data.label(case) == name && case.value("boundary_moved_px").is_some())
+        cases.any(|case| data.label(case) == name && case.value(BOUNDARY_MOVED_PX).is_some())
     };
     let (fastest, ..) = all.first()?;
     if !moves(fastest) {
@@ -408,7 +409,7 @@ fn scope(data: &Data<'_>) -> Option<String> {
     if drawn.is_empty() {
         return None;
     }
-    let outside = |case: &&&&Case| counter(case, "mismatched_px_outside_band");
+    let outside = |case: &&&&Case| counter(case, MISMATCHED_PX_OUTSIDE_BAND);
     let compared = drawn.iter().filter(|case| outside(case).is_some());
     let meant = drawn.iter().filter(|case| case.planned.may_be_wrong);
     let compared: Vec<_> = compared.collect();
@@ -475,7 +476,7 @@ fn pictures(data: &Data<'_>) -> Finding {
         .cases
         .iter()
         .filter(|case| !case.planned.may_be_wrong && !super::is_baseline(case));
-    let outside = own.filter_map(|case| case.value("mismatched_px_outside_band"));
+    let outside = own.filter_map(|case| case.value(MISMATCHED_PX_OUTSIDE_BAND));
     let outside: Vec<f64> = outside.collect();
     let wrong = outside.iter().filter(|px| **px > 0.0).count();
     Finding {

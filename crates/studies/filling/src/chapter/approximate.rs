@@ -8,19 +8,25 @@ use super::data::{
     Data, View, competes, counter, distinct, is_approximate, is_baseline, name, setting, standing,
 };
 use super::error_time::point;
+use crate::keys::{
+    BOUNDARY_MOVED_PX, GEOMETRY_BYTES, HAUSDORFF_PX, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND,
+    PREPARE_CPU_MS, TARGET_BYTES, TECHNIQUE,
+};
 use terrafill_conformance::MAX_HAUSDORFF_PX;
 use terrafill_plot::number::{bytes, count, significant, spread, times};
 use terrafill_plot::{Arrangement, Curve, Palette, Upwards, WorkPrecision, panels};
-use terrafill_results::{Block, Case, Cell, ChapterError, Heading, Plot, Row, Table, over_typical};
+use terrafill_results::{
+    Block, Case, Cell, ChapterError, Heading, Metric, Plot, Row, Table, over_typical,
+};
 
 /// Title, axis and metric of each panel.
-const ERRORS: [(&str, &str, &str); 2] = [
+const ERRORS: [(&str, &str, &Metric); 2] = [
     (
         "Error of the boundary",
         "Hausdorff distance, px",
-        "hausdorff_px",
+        HAUSDORFF_PX,
     ),
-    ("Wrong pixels", "mismatched pixels", "mismatched_px"),
+    ("Wrong pixels", "mismatched pixels", MISMATCHED_PX),
 ];
 
 /// The section; nothing where no approximate fill was drawn.
@@ -69,13 +75,13 @@ fn within_tolerances(data: &Data<'_>) -> Vec<String> {
             .iter()
             .copied()
             .filter(|case| is_approximate(case));
-        cases.filter(|case| case.value("mismatched_px").is_some())
+        cases.filter(|case| case.value(MISMATCHED_PX).is_some())
     };
     let sentence = |fill: String| {
         let own = || drawn().filter(|case| name(case) == fill);
         let is_within = |case: &&Case| {
-            let distance = case.value("hausdorff_px").unwrap_or(0.0);
-            case.value("mismatched_px_outside_band") == Some(0.0) && distance <= MAX_HAUSDORFF_PX
+            let distance = case.value(HAUSDORFF_PX).unwrap_or(0.0);
+            case.value(MISMATCHED_PX_OUTSIDE_BAND) == Some(0.0) && distance <= MAX_HAUSDORFF_PX
         };
         let (within, all) = (own().filter(is_within).count(), own().count());
         format!(
@@ -94,9 +100,9 @@ fn shown<'a>(data: &Data<'a>, view: &View<'a>) -> Vec<&'a Case> {
         let own = view.cases.iter().copied();
         own.filter(|case| competes(case) && !is_baseline(case) && case.counts())
     };
-    let techniques = distinct(volumes().map(|case| case.condition("technique")));
+    let techniques = distinct(volumes().map(|case| case.condition(TECHNIQUE)));
     let fastest = techniques.into_iter().filter_map(|technique| {
-        let own = volumes().filter(|case| case.condition("technique") == technique);
+        let own = volumes().filter(|case| case.condition(TECHNIQUE) == technique);
         data.fastest(own)
     });
     let approximate = view.cases.iter().copied();
@@ -114,7 +120,7 @@ fn plot(
     let across = format!("fill, {}: median, 5–95 % of samples", data.unit());
     let shown = shown(data, view);
     let names = distinct(shown.iter().map(|case| data.marked(case)));
-    let curves = |metric: &str| {
+    let curves = |metric: &Metric| {
         let curve = |name: &String| {
             let own = shown.iter().filter(|case| data.marked(case) == *name);
             let drawn =
@@ -163,12 +169,12 @@ fn table(data: &Data<'_>, palette: &Palette, view: &View<'_>) -> Table {
                 "÷\u{a0}fastest right",
                 "medians over processes; no right fill is below 1, an approximate one may be",
             ),
-            Heading::metric("px that differ", "mismatched_px"),
-            Heading::metric("Hausdorff, px", "hausdorff_px"),
-            Heading::metric("moved, px", "boundary_moved_px"),
-            Heading::metric("to prepare, CPU\u{a0}ms", "prepare_cpu_ms"),
-            Heading::metric("geometry", "geometry_bytes"),
-            Heading::metric("targets", "target_bytes"),
+            Heading::metric("px that differ", MISMATCHED_PX),
+            Heading::metric("Hausdorff, px", HAUSDORFF_PX),
+            Heading::metric("moved, px", BOUNDARY_MOVED_PX),
+            Heading::metric("to prepare, CPU\u{a0}ms", PREPARE_CPU_MS),
+            Heading::metric("geometry", GEOMETRY_BYTES),
+            Heading::metric("targets", TARGET_BYTES),
         ],
         is_main: true,
         ..Table::default()
@@ -187,8 +193,8 @@ fn row(
         reason => reason,
     };
     let cell = |text: Option<String>| Cell::or_absent(text, why);
-    let figure = |metric: &str| cell(case.value(metric).map(significant));
-    let sized = |metric: &str| cell(counter(case, metric).map(bytes));
+    let figure = |metric: &Metric| cell(case.value(metric).map(significant));
+    let sized = |metric: &Metric| cell(counter(case, metric).map(bytes));
     let over = fastest.and_then(|fastest| over_typical(case, fastest, data.metric));
     let cells = vec![
         Cell {
@@ -203,16 +209,16 @@ fn row(
         Cell::plain(standing(case)),
         cell(data.time(case).map(spread)),
         cell(over.map(|over| times(&over))),
-        cell(counter(case, "mismatched_px").map(count)),
-        figure("hausdorff_px"),
-        match case.value("boundary_moved_px") {
+        cell(counter(case, MISMATCHED_PX).map(count)),
+        figure(HAUSDORFF_PX),
+        match case.value(BOUNDARY_MOVED_PX) {
             Some(px) => Cell::plain(significant(px)),
             None if is_approximate(case) => Cell::absent("by more than 64 pixels"),
             None => Cell::absent("moves no boundary on purpose"),
         },
-        figure("prepare_cpu_ms"),
-        sized("geometry_bytes"),
-        sized("target_bytes"),
+        figure(PREPARE_CPU_MS),
+        sized(GEOMETRY_BYTES),
+        sized(TARGET_BYTES),
     ];
     Row {
         cells,

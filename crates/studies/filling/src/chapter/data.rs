@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The study's cases as its chapter reads them, in scenes and views, with the run's clock.
 
-use crate::cases::APPROXIMATE;
+use crate::keys::{
+    APPROXIMATE, ASIDE, BOUNDARY_LOD_PX, BOUNDARY_TOLERANCE_M, LAYOUT, NEEDS_RUNG, NEEDS_STEP,
+    PICTURE, ROLE, RUNG, SCENE, STEP, TECHNIQUE, TOLERANCE_M, VARIANT, VIEW,
+};
 use crate::request::STUDY;
 use std::collections::{BTreeMap, BTreeSet};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::threshold::MIN_DIFFERENCE;
 use terrafill_results::{
-    Case, Cell, Claim, Estimate, Heading, Noise, Outcome, REPEATS, Run, Spread, Standing,
-    over_typical, process_medians, ratio, sample_spread, typical,
+    Case, Cell, Claim, ConditionKey, Estimate, Heading, Metric, Noise, Outcome, REPEATS, Run,
+    Spread, Standing, over_typical, process_medians, ratio, sample_spread, typical,
 };
 
 /// Full-screen pass that reads depth in a shader and writes a constant.
@@ -17,29 +20,29 @@ pub(super) const DEPTH_PASS: &str = "depth-pass";
 pub(super) const STENCIL_PASS: &str = "stencil-pass";
 
 /// The condition whose values are the knob of the error-against-time plots, metres.
-const KNOB: &str = "boundary-tolerance-m";
+const KNOB: ConditionKey = TOLERANCE_M;
 
 /// Pixels of a picture that `render` draws unless it is given a size.
 const DEFAULT_SIZE: (u32, u32) = (1024, 1024);
 
 /// By how many pixels levels of detail may move a boundary.
-const LEVELS: &str = "boundary-lod-px";
+const LEVELS: ConditionKey = BOUNDARY_LOD_PX;
 
 /// Conditions that say which case it is and not how its technique is set.
-const NO_SWITCHES: [&str; 13] = [
-    "aside",
-    "needs-rung",
-    "needs-step",
+const NO_SWITCHES: [ConditionKey; 13] = [
+    ASIDE,
+    NEEDS_RUNG,
+    NEEDS_STEP,
     APPROXIMATE,
-    "scene",
-    "view",
-    "technique",
-    "variant",
-    "layout",
-    "role",
-    "rung",
-    "step",
-    REPEATS.name(),
+    SCENE,
+    VIEW,
+    TECHNIQUE,
+    VARIANT,
+    LAYOUT,
+    ROLE,
+    RUNG,
+    STEP,
+    REPEATS,
 ];
 
 /// Least band of no difference: clocks of software devices step by less, and what two of three pairs of
@@ -73,7 +76,7 @@ pub(super) struct Data<'a> {
     /// Bytes of layouts.
     pub(super) memory: Vec<&'a Case>,
     /// The fill's time by the run's clock.
-    pub(super) metric: &'static str,
+    pub(super) metric: &'static Metric,
     pub(super) noise: Option<Noise>,
     /// Full-screen passes by scene, view and technique.
     passes: BTreeMap<[&'a str; 3], &'a Case>,
@@ -99,18 +102,18 @@ pub(super) struct View<'a> {
 }
 
 impl<'a> Data<'a> {
-    pub(super) fn new(run: &'a Run, metric: &'static str) -> Self {
+    pub(super) fn new(run: &'a Run, metric: &'static Metric) -> Self {
         let own = || run.cases.iter().filter(|case| case.id().study == STUDY);
         let (memory, cases): (Vec<&Case>, Vec<&Case>) = own()
             .filter(|case| !case.is_twin())
             .partition(|case| has_role(case, "memory"));
-        let key = |case: &'a Case| ["scene", "view", "technique"].map(|key| case.condition(key));
+        let key = |case: &'a Case| [SCENE, VIEW, TECHNIQUE].map(|key| case.condition(key));
         // Backwards, so that of several the first one stays.
         let passes = cases.iter().rev().filter(|case| is_baseline(case));
         let passes = passes.map(|case| (key(case), *case)).collect();
         let mut shortest: BTreeMap<Curve, &str> = BTreeMap::new();
         for case in &cases {
-            let variant = case.condition("variant");
+            let variant = case.condition(VARIANT);
             let known = shortest.entry(Curve::of(case)).or_insert(variant);
             if (variant.len(), variant) < (known.len(), *known) {
                 *known = variant;
@@ -181,7 +184,7 @@ impl<'a> Data<'a> {
 
     /// The full-screen pass of the case's scene and view.
     pub(super) fn baseline(&self, case: &Case, technique: &str) -> Option<&'a Case> {
-        let [scene, view] = ["scene", "view"].map(|key| case.condition(key));
+        let [scene, view] = [SCENE, VIEW].map(|key| case.condition(key));
         self.passes.get(&[scene, view, technique]).copied()
     }
 
@@ -218,13 +221,13 @@ impl<'a> Data<'a> {
                 .iter()
                 .filter(|case| case.id().study == STUDY)
         };
-        let of_scene = || own().filter(|case| case.condition("scene") == scene);
+        let of_scene = || own().filter(|case| case.condition(SCENE) == scene);
         let of_ladder = of_scene().filter(|case| has_role(case, "ladder"));
         Noise::of(of_ladder, self.metric).or_else(|| Noise::of(of_scene(), self.metric))
     }
 
     /// By how much identical work differed in a metric of this study.
-    pub(super) fn noise_of(&self, metric: &str) -> Option<Noise> {
+    pub(super) fn noise_of(&self, metric: impl AsRef<str>) -> Option<Noise> {
         let own = self.run.cases.iter();
         Noise::of(own.filter(|case| case.id().study == STUDY), metric)
     }
@@ -254,9 +257,9 @@ impl<'a> Data<'a> {
             .cases
             .iter()
             .filter(|case| keys.contains(&case.id().key()));
-        let scenes = distinct(scenes.map(|case| case.condition("scene")));
+        let scenes = distinct(scenes.map(|case| case.condition(SCENE)));
         let twins = self.run.cases.iter().filter(|case| {
-            case.is_twin() && has_role(case, "ladder") && scenes.contains(&case.condition("scene"))
+            case.is_twin() && has_role(case, "ladder") && scenes.contains(&case.condition(SCENE))
         });
         let both = twins.flat_map(|twin| [twin.id().key(), twin.condition(REPEATS).to_owned()]);
         let new = both.filter(|key| !keys.contains(key));
@@ -272,7 +275,7 @@ impl<'a> Data<'a> {
     pub(super) fn scenes(&self) -> Vec<Scene<'a>> {
         let mut scenes: Vec<Scene<'a>> = Vec::new();
         for &case in self.cases.iter().filter(|case| is_listed(case)) {
-            let (scene, view) = (case.condition("scene"), case.condition("view"));
+            let (scene, view) = (case.condition(SCENE), case.condition(VIEW));
             let scene = find_or_push(
                 &mut scenes,
                 |known| known.name == scene,
@@ -311,7 +314,7 @@ impl<'a> Data<'a> {
             .filter(|case| is_listed(case) && !is_baseline(case));
         let mut views: BTreeMap<String, BTreeSet<[&str; 2]>> = BTreeMap::new();
         for case in listed {
-            let view = ["scene", "view"].map(|key| case.condition(key));
+            let view = [SCENE, VIEW].map(|key| case.condition(key));
             views.entry(self.marked(case)).or_default().insert(view);
         }
         for case in &self.memory {
@@ -338,7 +341,7 @@ impl<'a> Data<'a> {
         let is_drawn = !is_baseline(case)
             && !has_role(case, "subdivision")
             && !is_rival(case)
-            && ["", "scene"].contains(&case.condition("picture"));
+            && ["", "scene"].contains(&case.condition(PICTURE));
         if !is_drawn {
             return String::new();
         }
@@ -348,12 +351,12 @@ impl<'a> Data<'a> {
             (width, height) => format!(" --size {width}x{height}"),
         };
         // Every switch by name and value: what a word sets changes from commit to commit.
-        let variant = case.condition("variant");
+        let variant = case.condition(VARIANT);
         format!(
             "terrafill render {} --view {} --technique {} --set {variant}{size} --out picture.png",
-            case.condition("scene"),
-            case.condition("view"),
-            case.condition("technique"),
+            case.condition(SCENE),
+            case.condition(VIEW),
+            case.condition(TECHNIQUE),
         )
     }
 
@@ -361,8 +364,8 @@ impl<'a> Data<'a> {
     /// which is the one that leaves the knob alone where there is one.
     pub(super) fn series(&self, case: &Case) -> String {
         let shortest = self.shortest.get(&Curve::of(case)).copied();
-        let variant = shortest.unwrap_or_else(|| case.condition("variant"));
-        format!("{}/{variant}", case.condition("technique"))
+        let variant = shortest.unwrap_or_else(|| case.condition(VARIANT));
+        format!("{}/{variant}", case.condition(TECHNIQUE))
     }
 
     /// A case's name as a plot has room for it: the knob, in short, after the rest.
@@ -389,7 +392,7 @@ fn is_full_plan(case: &Case) -> bool {
 /// Technique and layout.
 fn layout_name(case: &Case) -> String {
     let of = |key| case.condition(key);
-    format!("{}/{}", of("technique"), of("layout"))
+    format!("{}/{}", of(TECHNIQUE), of(LAYOUT))
 }
 
 /// Technique, layout and switches without the knob.
@@ -403,12 +406,12 @@ struct Curve {
 impl Curve {
     fn of(case: &Case) -> Self {
         // Whatever is chosen of an approximate fill says how far it is off.
-        let is_knob = |key: &str| key == KNOB || is_approximate(case);
+        let is_knob = |key: &str| key == KNOB.name() || is_approximate(case);
         let set = switches(case).into_iter();
         let set = set.filter(|(key, _)| !is_knob(key));
         Self {
-            technique: case.condition("technique").to_owned(),
-            layout: case.condition("layout").to_owned(),
+            technique: case.condition(TECHNIQUE).to_owned(),
+            layout: case.condition(LAYOUT).to_owned(),
             set: set
                 .map(|(key, value)| (key.to_owned(), value.to_owned()))
                 .collect(),
@@ -418,20 +421,16 @@ impl Curve {
 
 /// Technique and variant.
 pub(super) fn name(case: &Case) -> String {
-    format!(
-        "{}/{}",
-        case.condition("technique"),
-        case.condition("variant")
-    )
+    format!("{}/{}", case.condition(TECHNIQUE), case.condition(VARIANT))
 }
 
 /// `scene, view`.
 pub(super) fn title(case: &Case) -> String {
-    format!("{}, {}", case.condition("scene"), case.condition("view"))
+    format!("{}, {}", case.condition(SCENE), case.condition(VIEW))
 }
 
 pub(super) fn has_role(case: &Case, role: &str) -> bool {
-    case.condition("role").split('+').any(|own| own == role)
+    case.condition(ROLE).split('+').any(|own| own == role)
 }
 
 /// Whether a case stands in every view's comparison: as it should be used, or a layout without its plan.
@@ -453,11 +452,11 @@ pub(super) fn competes(case: &Case) -> bool {
 
 /// The value by which an approximate case differs from the others of its technique in a view.
 pub(super) fn setting<'a>(case: &'a Case, view: &View<'_>) -> Option<&'a str> {
-    let technique = case.condition("technique");
+    let technique = case.condition(TECHNIQUE);
     let differs = |(key, value): &(&str, &str)| {
         let mut others = view.cases.iter();
         others.any(|other| {
-            other.condition("technique") == technique && other.condition(key) != *value
+            other.condition(TECHNIQUE) == technique && other.condition_named(key) != *value
         })
     };
     let chosen = switches(case).into_iter().find(differs);
@@ -473,7 +472,7 @@ pub(super) fn standing(case: &Case) -> &'static str {
 }
 
 pub(super) fn is_baseline(case: &Case) -> bool {
-    [DEPTH_PASS, STENCIL_PASS].contains(&case.condition("technique"))
+    [DEPTH_PASS, STENCIL_PASS].contains(&case.condition(TECHNIQUE))
 }
 
 /// Whether it is what users would pick instead.
@@ -482,7 +481,7 @@ pub(super) fn is_rival(case: &Case) -> bool {
 }
 
 fn is_listed(case: &Case) -> bool {
-    let roles = case.condition("role").split('+');
+    let roles = case.condition(ROLE).split('+');
     roles
         .into_iter()
         .any(|role| !UNLISTED_ROLES.contains(&role))
@@ -493,15 +492,17 @@ pub(super) fn switches(case: &Case) -> Vec<(&str, &str)> {
     let conditions = case.id().conditions.iter();
     conditions
         .map(|(key, value)| (key.as_str(), value.as_str()))
-        .filter(|(key, value)| !NO_SWITCHES.contains(key) && !value.is_empty())
+        .filter(|(key, value)| {
+            NO_SWITCHES.iter().all(|own| own.name() != *key) && !value.is_empty()
+        })
         .collect()
 }
 
 /// Whether two cases have these conditions in common.
-pub(super) fn is_same(a: &Case, b: &Case, conditions: &[&str]) -> bool {
+pub(super) fn is_same(a: &Case, b: &Case, conditions: &[ConditionKey]) -> bool {
     conditions
         .iter()
-        .all(|key| a.condition(key) == b.condition(key))
+        .all(|key| a.condition(*key) == b.condition(*key))
 }
 
 /// Value of the knob, metres: as the switch names it, else as the mesh was built.
@@ -509,7 +510,7 @@ pub(super) fn knob_m(case: &Case) -> Option<f64> {
     case.condition(KNOB)
         .parse()
         .ok()
-        .or(case.value("boundary_tolerance_m"))
+        .or(case.value(BOUNDARY_TOLERANCE_M))
 }
 
 /// A counter.
@@ -518,7 +519,7 @@ pub(super) fn knob_m(case: &Case) -> Option<f64> {
     clippy::cast_sign_loss,
     reason = "counters are whole, not negative and far below 2^53"
 )]
-pub(super) fn counter(case: &Case, metric: &str) -> Option<u64> {
+pub(super) fn counter(case: &Case, metric: impl AsRef<str>) -> Option<u64> {
     let value = case
         .value(metric)
         .filter(|value| value.is_finite() && *value >= 0.0)?;
@@ -526,7 +527,7 @@ pub(super) fn counter(case: &Case, metric: &str) -> Option<u64> {
 }
 
 /// Columns of tables whose first one holds names.
-pub(super) fn headings(first: &str, metrics: &[(&str, &str)]) -> Vec<Heading> {
+pub(super) fn headings(first: &str, metrics: &[(&str, &Metric)]) -> Vec<Heading> {
     let columns = metrics
         .iter()
         .map(|(text, metric)| Heading::metric(*text, *metric));

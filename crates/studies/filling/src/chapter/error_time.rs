@@ -5,24 +5,25 @@
 //! question stands where its figures put it; any other wrong or failed case stands on the edge.
 
 use super::data::{Data, View, has_role, is_approximate, knob_m, name, setting, standing};
+use crate::keys::{BOUNDARY_DEVIATION_M, MISMATCHED_PX};
 use std::collections::BTreeMap;
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, length,
     panels,
 };
-use terrafill_results::{Case, ChapterError, Outcome};
+use terrafill_results::{Case, ChapterError, Metric, Outcome};
 
 /// Title, axis and metric of each panel.
-const QUANTITIES: [(&str, &str, &str); 2] = [
+const QUANTITIES: [(&str, &str, &Metric); 2] = [
     (
         "Error against the reference",
         "mismatched pixels",
-        "mismatched_px",
+        MISMATCHED_PX,
     ),
     (
         "Error of the drawn boundary",
         "boundary deviation, m",
-        "boundary_deviation_m",
+        BOUNDARY_DEVIATION_M,
     ),
 ];
 
@@ -49,7 +50,7 @@ pub(super) fn plot(
 }
 
 /// The cases as curves, one for each layout.
-pub(super) fn curves(data: &Data<'_>, view: &View<'_>, metric: &str) -> Vec<Curve> {
+pub(super) fn curves(data: &Data<'_>, view: &View<'_>, metric: &Metric) -> Vec<Curve> {
     let mut curves: BTreeMap<String, Vec<Point>> = BTreeMap::new();
     for case in &view.cases {
         let is_shown = match case.outcome {
@@ -67,7 +68,7 @@ pub(super) fn curves(data: &Data<'_>, view: &View<'_>, metric: &str) -> Vec<Curv
 }
 
 /// A case by its time and an error.
-pub(super) fn point(data: &Data<'_>, view: &View<'_>, case: &Case, metric: &str) -> Point {
+pub(super) fn point(data: &Data<'_>, view: &View<'_>, case: &Case, metric: &Metric) -> Point {
     let time = |spread| Reading::sampled(spread, &data.replicates(case));
     let setting = setting(case, view).filter(|_| is_approximate(case));
     let number = setting.and_then(|value| value.parse().ok());

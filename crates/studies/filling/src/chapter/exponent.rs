@@ -2,6 +2,7 @@
 //! How fill time grows with vertices: one map in two scales, seen by the same camera.
 
 use super::data::{Data, has_role, name};
+use crate::keys::VERTICES;
 use terrafill_plot::number::{count, figure, significant};
 use terrafill_results::{Block, Case, Cell, Heading, Row, Table, exponent};
 
@@ -43,8 +44,8 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
         Block::Table(Table {
             headings: vec![
                 Heading::plain("technique"),
-                Heading::metric(format!("vertices, {few}"), "vertices"),
-                Heading::metric(format!("vertices, {many}"), "vertices"),
+                Heading::metric(format!("vertices, {few}"), VERTICES),
+                Heading::metric(format!("vertices, {many}"), VERTICES),
                 Heading::metric(format!("fill, {unit}, {few}"), data.metric),
                 Heading::metric(format!("fill, {unit}, {many}"), data.metric),
                 Heading::plain("exponent"),
@@ -57,11 +58,11 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
 }
 
 fn row(data: &Data<'_>, few: &Case, many: &Case) -> Option<Row> {
-    let vertices = [few.value("vertices")?, many.value("vertices")?];
+    let vertices = [few.value(VERTICES)?, many.value(VERTICES)?];
     let times = [data.right_time(few)?, data.right_time(many)?];
     let [of_few, of_many] = [few, many].map(|case| data.replicates(case));
     let found = exponent(vertices, [&of_few, &of_many])?;
-    let counted = |case: &Case| super::data::counter(case, "vertices").map(count);
+    let counted = |case: &Case| super::data::counter(case, VERTICES).map(count);
     Some(Row::new(vec![
         Cell::name(name(few)),
         Cell::plain(counted(few)?),

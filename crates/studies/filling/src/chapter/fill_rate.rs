@@ -8,6 +8,7 @@
 
 use super::data::Data;
 use super::rungs::{Ladder, Rung};
+use crate::keys::{FRAGMENT_SHADER_INVOCATIONS, STENCIL_FRAGMENTS, VERTICES};
 use terrafill_plot::number::{figure, significant};
 use terrafill_results::{Block, Cell, Estimate, Finding, Heading, Row, Standing, Table};
 
@@ -74,12 +75,12 @@ pub(super) fn slopes<'a>(ladders: &'a [Ladder<'_>]) -> Vec<Slopes<'a>> {
 }
 
 fn vertices(case: &terrafill_results::Case) -> Option<f64> {
-    case.value("vertices")
+    case.value(VERTICES)
 }
 
 /// Of both passes.
 fn fragments(case: &terrafill_results::Case) -> Option<f64> {
-    Some(case.value("stencil_fragments")? + case.value("fragment_shader_invocations")?)
+    Some(case.value(STENCIL_FRAGMENTS)? + case.value(FRAGMENT_SHADER_INVOCATIONS)?)
 }
 
 type Work = fn(&terrafill_results::Case) -> Option<f64>;

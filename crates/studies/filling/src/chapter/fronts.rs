@@ -2,19 +2,22 @@
 //! Error against cost, one panel a scene: the sum over the scene's views, by each clock and by work.
 
 use super::data::{Data, Scene, competes, counter, distinct};
+use crate::keys::{
+    FILL_CPU_MS, FILL_GPU_MS, FILL_WALL_MS, GEOMETRY_BYTES, MISMATCHED_PX, STENCIL_FRAGMENTS,
+};
 use terrafill_plot::{FrontPanel, FrontPoint, Fronts, Palette};
-use terrafill_results::{Block, Case, ChapterError, Choice, Plot, process_medians};
+use terrafill_results::{Block, Case, ChapterError, Choice, Metric, Plot, process_medians};
 
 /// Costs of a fill other than its time by the run's clock: name and metric.
-const COSTS: [(&str, &str); 4] = [
-    ("process CPU ms", "fill_cpu_ms"),
-    ("GPU ms", "fill_gpu_ms"),
-    ("wall-clock ms", "fill_wall_ms"),
+const COSTS: [(&str, &Metric); 4] = [
+    ("process CPU ms", FILL_CPU_MS),
+    ("GPU ms", FILL_GPU_MS),
+    ("wall-clock ms", FILL_WALL_MS),
     ("stencil-tested fragments", WORK),
 ];
 
 /// Work that no noise reaches.
-const WORK: &str = "stencil_fragments";
+const WORK: &Metric = STENCIL_FRAGMENTS;
 
 const UP: &str = "mismatched pixels";
 
@@ -35,7 +38,7 @@ pub(super) fn section(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
 /// The plot by each of these costs that was measured, that of the run's clock first.
 fn choice(
     data: &Data<'_>,
-    is_wanted: impl Fn(&str) -> bool,
+    is_wanted: impl Fn(&Metric) -> bool,
 ) -> Result<Option<Block>, ChapterError> {
     let scenes = data.scenes();
     let palette = Palette::new(data.all_series());
@@ -81,7 +84,7 @@ fn caption(cost: &str) -> String {
     )
 }
 
-fn panel(data: &Data<'_>, scene: &Scene<'_>, metric: &str) -> FrontPanel {
+fn panel(data: &Data<'_>, scene: &Scene<'_>, metric: &Metric) -> FrontPanel {
     let competes = |case: &&&Case| competes(case);
     let cases = scene.views.iter().flat_map(|view| &view.cases);
     let names = distinct(cases.filter(competes).map(|case| data.label(case)));
@@ -101,7 +104,7 @@ fn panel(data: &Data<'_>, scene: &Scene<'_>, metric: &str) -> FrontPanel {
 }
 
 /// `None` unless every view's case has the cost and the error.
-fn point(data: &Data<'_>, name: String, cases: &[&Case], metric: &str) -> Option<FrontPoint> {
+fn point(data: &Data<'_>, name: String, cases: &[&Case], metric: &Metric) -> Option<FrontPoint> {
     let medians = cases.iter().map(|case| process_medians(case, metric));
     let medians: Vec<_> = medians.collect();
     let value = |case: &&Case| match metric == data.metric {
@@ -110,17 +113,14 @@ fn point(data: &Data<'_>, name: String, cases: &[&Case], metric: &str) -> Option
         false => case.value(metric),
     };
     let costs: Option<Vec<f64>> = cases.iter().map(value).collect();
-    let errors: Option<Vec<f64>> = cases
-        .iter()
-        .map(|case| case.value("mismatched_px"))
-        .collect();
+    let errors: Option<Vec<f64>> = cases.iter().map(|case| case.value(MISMATCHED_PX)).collect();
     // A process counts where it measured all views.
     let first = medians.first()?.keys();
     let sums = first.filter_map(|process| medians.iter().map(|own| own.get(process)).sum());
     let cost: f64 = costs?.iter().sum();
     let sizes = cases
         .iter()
-        .filter_map(|case| counter(case, "geometry_bytes"));
+        .filter_map(|case| counter(case, GEOMETRY_BYTES));
     (cost > 0.0).then_some(FrontPoint {
         series: data.marked(cases.first()?),
         name,

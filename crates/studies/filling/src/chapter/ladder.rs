@@ -7,6 +7,9 @@
 use super::data::{Data, counter, name, standing};
 use super::rungs::{Ladder, Rung, SOURCE, counters};
 use super::{claims, fill_rate};
+use crate::keys::{
+    DRAWS, GEOMETRY_BYTES, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND, STENCIL_FRAGMENTS, VERTICES,
+};
 use terrafill_plot::number::{bytes, count, significant};
 use terrafill_plot::{RatioAxis, Step, Steps};
 use terrafill_results::{
@@ -84,12 +87,12 @@ fn table(data: &Data<'_>, rungs: &[Rung<'_>]) -> Table {
         ),
     ];
     let metrics = [
-        ("geometry bytes", "geometry_bytes"),
-        ("draws", "draws"),
-        ("vertices", "vertices"),
-        ("stencil-tested fragments", "stencil_fragments"),
-        ("px that differ", "mismatched_px"),
-        ("outside band", "mismatched_px_outside_band"),
+        ("geometry bytes", GEOMETRY_BYTES),
+        ("draws", DRAWS),
+        ("vertices", VERTICES),
+        ("stencil-tested fragments", STENCIL_FRAGMENTS),
+        ("px that differ", MISMATCHED_PX),
+        ("outside band", MISMATCHED_PX_OUTSIDE_BAND),
     ];
     headings.extend(metrics.map(|(text, metric)| Heading::metric(text, metric)));
     headings.push(Heading::explained(
@@ -125,7 +128,7 @@ fn table(data: &Data<'_>, rungs: &[Rung<'_>]) -> Table {
             },
         ];
         cells.extend(metrics.map(|(_, metric)| {
-            let print = if metric.ends_with("bytes") {
+            let print = if metric.name.ends_with("bytes") {
                 bytes
             } else {
                 count

@@ -6,16 +6,17 @@
 //! techniques agree, and stands beside the reference's verdict, never instead.
 
 use super::data::{Data, counter, distinct, has_role, is_same, name, switches};
-use terrafill_results::{Block, Case, Cell, CellClass, Heading, Outcome, Row, Table, TableLayout};
+use crate::keys::{
+    BOUNDARY_LOD_PX, LAYOUT, MISMATCHED_PX_OUTSIDE_BAND, NORMALS, POSITIONS, SCENE, TECHNIQUE,
+    TOLERANCE_M, VARIANT, VIEW,
+};
+use terrafill_results::{
+    Block, Case, Cell, CellClass, ConditionKey, Heading, Outcome, Row, Table, TableLayout,
+};
 
 /// Switches that draw another boundary, other positions or other walls: their pictures are compared among
 /// themselves.
-const GEOMETRY_SWITCHES: [&str; 4] = [
-    "boundary-lod-px",
-    "boundary-tolerance-m",
-    "normals",
-    "positions",
-];
+const GEOMETRY: [ConditionKey; 5] = [VIEW, BOUNDARY_LOD_PX, TOLERANCE_M, NORMALS, POSITIONS];
 
 /// What is said of one case.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -49,18 +50,18 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
                 .to_owned(),
         ),
     ];
-    for scene in distinct(cells.iter().map(|case| case.condition("scene"))) {
+    for scene in distinct(cells.iter().map(|case| case.condition(SCENE))) {
         let own = cells
             .iter()
             .copied()
-            .filter(|case| case.condition("scene") == scene);
+            .filter(|case| case.condition(SCENE) == scene);
         blocks.extend(scene_blocks(scene, &own.collect::<Vec<_>>()));
     }
     blocks
 }
 
 fn scene_blocks(scene: &str, cells: &[&Case]) -> Vec<Block> {
-    let views = distinct(cells.iter().map(|case| case.condition("view")));
+    let views = distinct(cells.iter().map(|case| case.condition(VIEW)));
     let sets = distinct(cells.iter().map(|case| set_switches(case, cells)));
     let found: Vec<(&Case, Found)> = cells
         .iter()
@@ -119,14 +120,14 @@ fn scene_blocks(scene: &str, cells: &[&Case]) -> Vec<Block> {
 }
 
 fn layout(case: &Case) -> (&str, &str) {
-    (case.condition("technique"), case.condition("layout"))
+    (case.condition(TECHNIQUE), case.condition(LAYOUT))
 }
 
 /// Switches in which a case differs from the plainest one of its technique and layout, which is the
 /// one with the shortest variant.
 fn set_switches(case: &Case, cells: &[&Case]) -> Vec<String> {
     let kin = cells.iter().filter(|other| layout(other) == layout(case));
-    let plainest = kin.min_by_key(|other| other.condition("variant").len());
+    let plainest = kin.min_by_key(|other| other.condition(VARIANT).len());
     let plain = plainest.map_or_else(Vec::new, |case| switches(case));
     let own = switches(case);
     let set = own.iter().filter(|switch| !plain.contains(switch));
@@ -161,7 +162,7 @@ fn cell(found: &[&(&Case, Found)]) -> Cell {
             Found::Equal => "right, and the same picture",
             Found::Skipped(why) | Found::Red(why) => why,
         };
-        format!("{}: {what}", case.condition("view"))
+        format!("{}: {what}", case.condition(VIEW))
     });
     let has = |of: fn(&Found) -> bool| found.iter().any(|(_, found)| of(found));
     Cell {
@@ -194,16 +195,15 @@ fn skipped(found: &[(&Case, Found)]) -> Vec<String> {
 fn name_in_view(case: &Case) -> String {
     format!(
         "{}/{}/{}",
-        case.condition("scene"),
-        case.condition("view"),
+        case.condition(SCENE),
+        case.condition(VIEW),
         name(case)
     )
 }
 
 /// The first case of the same view and geometry that has such a hash.
 fn first_of_kind<'a>(case: &Case, cells: &[&'a Case], hash: &str) -> Option<&'a Case> {
-    let geometry: Vec<&str> = ["view"].into_iter().chain(GEOMETRY_SWITCHES).collect();
-    let is_kin = |other: &&&Case| is_same(other, case, &geometry) && !other.note(hash).is_empty();
+    let is_kin = |other: &&&Case| is_same(other, case, &GEOMETRY) && !other.note(hash).is_empty();
     cells.iter().find(is_kin).copied()
 }
 
@@ -219,7 +219,7 @@ fn examine(case: &Case, cells: &[&Case]) -> Found {
         }
         Outcome::Ok => {}
     }
-    match counter(case, "mismatched_px_outside_band") {
+    match counter(case, MISMATCHED_PX_OUTSIDE_BAND) {
         Some(0) => {}
         Some(px) => return Found::Red(format!("{px} wrong pixels outside the band")),
         None => return Found::Red("never compared with the reference".to_owned()),

@@ -3,10 +3,15 @@
 
 use super::data::{Data, counter, distinct, headings};
 use super::rungs::SOURCE;
+use crate::keys::{
+    ALLOCATED_INDEX_BYTES, ALLOCATED_VERTEX_BYTES, BOUNDARY_EDGES, BOUNDARY_LOOPS,
+    FORMULA_INDEX_BYTES, FORMULA_VERTEX_BYTES, LAYOUT, MESH_TRIANGLES, MESH_VERTICES,
+    REGION_BYTES_LARGEST, REGION_BYTES_MEDIAN, REGION_BYTES_SMALLEST, REGIONS, SCENE, TECHNIQUE,
+};
 use terrafill_plot::number::{bytes, count, significant};
 use terrafill_plot::{Line, LinePanel, Lines, Palette};
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Finding, Heading, Plot, Row, Standing, Table,
+    Block, Case, Cell, ChapterError, Finding, Heading, Metric, Plot, Row, Standing, Table,
 };
 
 /// The layout whose bytes the others' are divided by: every vertex twice, as a vertex shader needs.
@@ -43,39 +48,35 @@ const LAYOUT_2007: &str = "native/gs-degenerate/list";
 const GEOMETRY_SHADER: (&str, &str) = ("native", "gs-");
 
 /// Columns before the bytes of a region.
-const COLUMNS: [(&str, &str); 4] = [
-    ("vertices of meshes", "mesh_vertices"),
-    ("triangles of one cap", "mesh_triangles"),
-    ("boundary edges", "boundary_edges"),
-    ("boundary loops", "boundary_loops"),
+const COLUMNS: [(&str, &Metric); 4] = [
+    ("vertices of meshes", MESH_VERTICES),
+    ("triangles of one cap", MESH_TRIANGLES),
+    ("boundary edges", BOUNDARY_EDGES),
+    ("boundary loops", BOUNDARY_LOOPS),
 ];
 
 /// Bytes of a region by formula.
-const REGION_COLUMNS: [(&str, &str); 3] = [
-    ("smallest", "region_bytes_smallest"),
-    ("median", "region_bytes_median"),
-    ("largest", "region_bytes_largest"),
+const REGION_COLUMNS: [(&str, &Metric); 3] = [
+    ("smallest", REGION_BYTES_SMALLEST),
+    ("median", REGION_BYTES_MEDIAN),
+    ("largest", REGION_BYTES_LARGEST),
 ];
 
 fn name(case: &Case) -> String {
-    format!(
-        "{}/{}",
-        case.condition("technique"),
-        case.condition("layout")
-    )
+    format!("{}/{}", case.condition(TECHNIQUE), case.condition(LAYOUT))
 }
 
 fn regions(case: &Case) -> u64 {
-    case.condition("regions").parse().unwrap_or(0)
+    case.condition(REGIONS).parse().unwrap_or(0)
 }
 
 fn formula_bytes(case: &Case) -> Option<u64> {
-    Some(counter(case, "formula_vertex_bytes")? + counter(case, "formula_index_bytes")?)
+    Some(counter(case, FORMULA_VERTEX_BYTES)? + counter(case, FORMULA_INDEX_BYTES)?)
 }
 
 /// `None` for a layout that nothing allocated: of a scene's regions repeated in turn.
 fn allocated_bytes(case: &Case) -> Option<u64> {
-    Some(counter(case, "allocated_vertex_bytes")? + counter(case, "allocated_index_bytes")?)
+    Some(counter(case, ALLOCATED_VERTEX_BYTES)? + counter(case, ALLOCATED_INDEX_BYTES)?)
 }
 
 /// Tables of every scene that some technique allocated, and its growth over regions.
@@ -102,30 +103,26 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         .iter()
         .filter_map(|case| {
             let what = disagreement(case)?;
-            Some(format!(
-                "{}/{}: {what}",
-                case.condition("scene"),
-                name(case)
-            ))
+            Some(format!("{}/{}: {what}", case.condition(SCENE), name(case)))
         })
         .collect();
     if !red.is_empty() {
         blocks.push(Block::Alarm("Formula and allocation differ:".to_owned()));
         blocks.push(Block::List(red));
     }
-    let scenes = distinct(rows.iter().map(|case| case.condition("scene")));
+    let scenes = distinct(rows.iter().map(|case| case.condition(SCENE)));
     blocks.extend(plot(data, &scenes)?);
     for scene in scenes {
         let own = rows
             .iter()
             .copied()
-            .filter(|case| case.condition("scene") == scene);
+            .filter(|case| case.condition(SCENE) == scene);
         let mut own: Vec<&Case> = own.collect();
-        let techniques = distinct(own.iter().map(|case| case.condition("technique")));
+        let techniques = distinct(own.iter().map(|case| case.condition(TECHNIQUE)));
         own.sort_by_key(|case| {
             techniques
                 .iter()
-                .position(|known| *known == case.condition("technique"))
+                .position(|known| *known == case.condition(TECHNIQUE))
         });
         blocks.push(Block::Heading {
             level: 4,
@@ -180,7 +177,7 @@ fn table(rows: &[&Case]) -> Table {
     columns.push(Heading::plain("÷\u{a0}vertex/doubled"));
     let row = |case: &&Case| {
         let counted =
-            |metric: &str| Cell::or_absent(counter(case, metric).map(count), "not recorded");
+            |metric: &Metric| Cell::or_absent(counter(case, metric).map(count), "not recorded");
         let formula = formula_bytes(case);
         let mean = formula.map(|bytes| significant(bytes as f64 / regions(case).max(1) as f64));
         let ratio = formula
@@ -214,10 +211,10 @@ fn disagreement(case: &Case) -> Option<String> {
     let pairs = [
         (
             "positions and flags",
-            "formula_vertex_bytes",
-            "allocated_vertex_bytes",
+            FORMULA_VERTEX_BYTES,
+            ALLOCATED_VERTEX_BYTES,
         ),
-        ("indices", "formula_index_bytes", "allocated_index_bytes"),
+        ("indices", FORMULA_INDEX_BYTES, ALLOCATED_INDEX_BYTES),
     ];
     let differing = pairs.iter().filter_map(|(what, formula, allocated)| {
         let (formula, allocated) = (counter(case, formula)?, counter(case, allocated)?);
@@ -247,7 +244,7 @@ fn ratios_to_base(rows: &[&Case]) -> Vec<(String, f64)> {
     let base = base(rows);
     let (technique, beginning) = GEOMETRY_SHADER;
     let of_geometry_shader = rows.iter().filter(|case| {
-        case.condition("technique") == technique && case.condition("layout").starts_with(beginning)
+        case.condition(TECHNIQUE) == technique && case.condition(LAYOUT).starts_with(beginning)
     });
     of_geometry_shader
         .filter_map(|case| Some((name(case), formula_bytes(case)? as f64 / base? as f64)))
@@ -301,13 +298,13 @@ pub(super) fn geometry_shader_ratios(data: &Data<'_>) -> Vec<(String, f64)> {
     let allocated = data.memory.iter().copied();
     let allocated = allocated.filter(|case| allocated_bytes(case).is_some());
     let rows: Vec<&Case> = allocated.collect();
-    let ratios = distinct(rows.iter().map(|case| case.condition("scene")))
+    let ratios = distinct(rows.iter().map(|case| case.condition(SCENE)))
         .into_iter()
         .map(|scene| {
             let own = rows
                 .iter()
                 .copied()
-                .filter(|case| case.condition("scene") == scene);
+                .filter(|case| case.condition(SCENE) == scene);
             ratios_to_base(&own.collect::<Vec<_>>())
         });
     let mut with_any = ratios.filter(|ratios| !ratios.is_empty());
@@ -346,7 +343,7 @@ fn lines(data: &Data<'_>, scene: &str) -> Vec<Line> {
     for &case in data
         .memory
         .iter()
-        .filter(|case| case.condition("scene") == scene)
+        .filter(|case| case.condition(SCENE) == scene)
     {
         let known = lines.iter().position(|line| line.name == name(case));
         let index = known.unwrap_or_else(|| {

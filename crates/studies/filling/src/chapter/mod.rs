@@ -30,6 +30,7 @@ mod tests;
 mod textured;
 mod walls;
 
+use crate::keys::{FILL_CPU_MS, FILL_GPU_MS, MISMATCHED_PX_OUTSIDE_BAND};
 use crate::request::STUDY;
 use data::{Data, is_baseline};
 use terrafill_results::{Answers, Block, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run};
@@ -40,7 +41,7 @@ pub struct FillingChapter;
 
 impl FillingChapter {
     fn data<'a>(&self, run: &'a Run) -> Data<'a> {
-        Data::new(run, run.clock().pick("fill_gpu_ms", "fill_cpu_ms"))
+        Data::new(run, run.clock().pick(FILL_GPU_MS, FILL_CPU_MS))
     }
 }
 
@@ -54,7 +55,7 @@ impl Chapter for FillingChapter {
     }
 
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
-        Some(clock.pick("fill_gpu_ms", "fill_cpu_ms"))
+        Some(clock.pick(FILL_GPU_MS, FILL_CPU_MS).name)
     }
 
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
@@ -117,7 +118,7 @@ impl Chapter for FillingChapter {
 
 /// What in a case's figures contradicts its outcome.
 fn contradiction(data: &Data<'_>, case: &terrafill_results::Case) -> Option<String> {
-    let outside = case.value("mismatched_px_outside_band");
+    let outside = case.value(MISMATCHED_PX_OUTSIDE_BAND);
     let name = case.id();
     let samples = case.samples(data.metric).into_iter().flatten();
     let times = samples.flat_map(|(_, of_process)| of_process.values());
@@ -145,8 +146,7 @@ fn pictures_sentence(data: &Data<'_>) -> Option<Block> {
     if data.cases.is_empty() {
         return None;
     }
-    let outside =
-        |case: &terrafill_results::Case| data::counter(case, "mismatched_px_outside_band");
+    let outside = |case: &terrafill_results::Case| data::counter(case, MISMATCHED_PX_OUTSIDE_BAND);
     let has_to_match = |case: &&&terrafill_results::Case| {
         !case.planned.may_be_wrong && case.outcome != Outcome::DriverFault
     };

@@ -7,11 +7,15 @@
 use super::data::{Data, counter, distinct, has_role, name, title};
 use super::ladder;
 use super::rungs::counters;
+use crate::keys::{
+    HELD_BYTES, HELD_PIPELINES, MADE_BYTES, MADE_PIPELINES, NEEDS_RUNG, NEEDS_STEP, SCENE,
+    SPARED_BYTES, TECHNIQUE, VARIANT, VIEW,
+};
 use terrafill_fill::{Feature, Need};
 use terrafill_plot::number::{bytes, count, significant, spread};
 use terrafill_plot::{RatioAxis, Step, Steps};
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Estimate, Finding, Heading, Plot, Row, Standing, Table,
+    Block, Case, Cell, ChapterError, Estimate, Finding, Heading, Metric, Plot, Row, Standing, Table,
 };
 
 /// Title of the section.
@@ -56,7 +60,7 @@ fn shown(feature: Feature) -> String {
 }
 
 fn rung(case: &Case) -> Option<u32> {
-    case.condition("needs-rung").parse().ok()
+    case.condition(NEEDS_RUNG).parse().ok()
 }
 
 /// Every case that says what it holds.
@@ -67,7 +71,7 @@ fn all<'a>(data: &Data<'a>) -> Vec<Told<'a>> {
 /// Whether a case holds only what its view needs: the last of the rungs, or the only one.
 fn is_needed(told: &Told<'_>, all: &[Told<'_>]) -> bool {
     let key = |case: &Case| {
-        let keys = ["scene", "view", "technique"];
+        let keys = [SCENE, VIEW, TECHNIQUE];
         keys.map(|key| case.condition(key).to_owned())
     };
     has_role(told.case, "needs")
@@ -101,8 +105,8 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         ));
         blocks.push(Block::List(red));
     }
-    for scene in distinct(all.iter().map(|told| told.case.condition("scene"))) {
-        let of_scene = |told: &&Told<'_>| told.case.condition("scene") == scene;
+    for scene in distinct(all.iter().map(|told| told.case.condition(SCENE))) {
+        let of_scene = |told: &&Told<'_>| told.case.condition(SCENE) == scene;
         blocks.push(Block::Heading {
             level: 4,
             text: format!("Needs of {scene}"),
@@ -112,10 +116,10 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
             .filter(of_scene)
             .filter(|told| is_needed(told, &all))
             .collect();
-        for technique in distinct(needed.iter().map(|told| told.case.condition("technique"))) {
+        for technique in distinct(needed.iter().map(|told| told.case.condition(TECHNIQUE))) {
             let own = needed.iter().copied();
             let own: Vec<&Told<'_>> = own
-                .filter(|told| told.case.condition("technique") == technique)
+                .filter(|told| told.case.condition(TECHNIQUE) == technique)
                 .collect();
             blocks.push(Block::Table(features(&own)));
         }
@@ -150,20 +154,23 @@ fn disagreement(told: &Told<'_>) -> Option<String> {
     let declared = [
         (
             "bytes",
+            MADE_BYTES,
             told.needs.iter().map(|need| need.bytes).sum::<u64>(),
         ),
         (
             "pipelines",
+            MADE_PIPELINES,
             told.needs.iter().map(|need| need.pipelines).sum(),
         ),
     ];
-    let differing = declared.iter().filter_map(|(what, declared)| {
-        match counter(case, &format!("made_{what}")) {
-            Some(made) if made == *declared => None,
-            Some(made) => Some(format!("{declared} {what} declared, {made} made")),
-            None => Some(format!("{what} made were not recorded")),
-        }
-    });
+    let differing =
+        declared
+            .iter()
+            .filter_map(|(what, metric, declared)| match counter(case, metric) {
+                Some(made) if made == *declared => None,
+                Some(made) => Some(format!("{declared} {what} declared, {made} made")),
+                None => Some(format!("{what} made were not recorded")),
+            });
     let differing: Vec<String> = differing.collect();
     (!differing.is_empty())
         .then(|| format!("{}: {}: {}", title(case), name(case), differing.join("; ")))
@@ -179,7 +186,7 @@ fn features(needed: &[&Told<'_>]) -> Table {
             let Some(need) = own.find(|need| need.feature == feature) else {
                 continue;
             };
-            let view = told.case.condition("view");
+            let view = told.case.condition(VIEW);
             match groups.iter_mut().find(|(known, _)| *known == need) {
                 Some((_, views)) => views.push(view),
                 None => groups.push((need, vec![view])),
@@ -199,8 +206,8 @@ fn features(needed: &[&Told<'_>]) -> Table {
     }
     let of = needed
         .first()
-        .map_or("", |told| told.case.condition("technique"));
-    let variants = distinct(needed.iter().map(|told| told.case.condition("variant")));
+        .map_or("", |told| told.case.condition(TECHNIQUE));
+    let variants = distinct(needed.iter().map(|told| told.case.condition(VARIANT)));
     Table {
         caption: format!("Only what is needed, by {of}: {}.", variants.join("; ")),
         headings: vec![
@@ -247,7 +254,7 @@ fn row(need: &Need, views: String) -> Row {
 fn sums(told: &[&Told<'_>], all: &[Told<'_>]) -> Table {
     let row = |told: &&Told<'_>| {
         let case = told.case;
-        let print = |metric: &str, print: fn(u64) -> String| {
+        let print = |metric: &Metric, print: fn(u64) -> String| {
             Cell::or_absent(counter(case, metric).map(print), "not recorded by this run")
         };
         let detail = if is_needed(told, all) {
@@ -256,14 +263,14 @@ fn sums(told: &[&Told<'_>], all: &[Told<'_>]) -> Table {
             String::new()
         };
         Row::new(vec![
-            Cell::name(case.condition("view")),
+            Cell::name(case.condition(VIEW)),
             Cell {
                 detail,
                 ..Cell::name(name(case))
             },
-            print("held_bytes", count),
-            print("spared_bytes", count),
-            print("held_pipelines", count),
+            print(HELD_BYTES, count),
+            print(SPARED_BYTES, count),
+            print(HELD_PIPELINES, count),
             Cell::plain(count(told.features(true) as u64)),
             Cell::plain(count(told.features(false) as u64)),
         ])
@@ -274,9 +281,9 @@ fn sums(told: &[&Told<'_>], all: &[Told<'_>]) -> Table {
         headings: vec![
             Heading::plain("view"),
             Heading::plain("fill"),
-            Heading::metric("bytes held", "held_bytes"),
-            Heading::metric("bytes spared", "spared_bytes"),
-            Heading::metric("pipelines", "held_pipelines"),
+            Heading::metric("bytes held", HELD_BYTES),
+            Heading::metric("bytes spared", SPARED_BYTES),
+            Heading::metric("pipelines", HELD_PIPELINES),
             Heading::plain("features built in"),
             Heading::plain("left out"),
         ],
@@ -292,8 +299,7 @@ fn ladders(data: &Data<'_>, told: &[&Told<'_>]) -> Result<Vec<Block>, ChapterErr
             .copied()
             .filter(|told| rung(told.case).is_some())
     };
-    let key =
-        |told: &Told<'_>| ["view", "technique"].map(|key| told.case.condition(key).to_owned());
+    let key = |told: &Told<'_>| [VIEW, TECHNIQUE].map(|key| told.case.condition(key).to_owned());
     let mut blocks = Vec::new();
     for of in distinct(rungs().map(key)) {
         let mut own: Vec<&Told<'_>> = rungs().filter(|told| key(told) == of).collect();
@@ -318,7 +324,7 @@ fn ladders(data: &Data<'_>, told: &[&Told<'_>]) -> Result<Vec<Block>, ChapterErr
 /// What all of leaving out is worth.
 fn sentence(data: &Data<'_>, rungs: &[&Told<'_>]) -> Option<String> {
     let (first, last) = (rungs.first()?.case, rungs.last()?.case);
-    let held = |case| counter(case, "held_bytes");
+    let held = |case| counter(case, HELD_BYTES);
     let (before, after) = (held(first)?, held(last)?);
     let share = match before {
         0 => String::new(),
@@ -349,7 +355,7 @@ fn steps(data: &Data<'_>, rungs: &[&Told<'_>]) -> Table {
             "" => case.outcome.name(),
             reason => reason,
         };
-        let print = |metric: &str, print: fn(u64) -> String| {
+        let print = |metric: &Metric, print: fn(u64) -> String| {
             Cell::or_absent(counter(case, metric).map(print), why)
         };
         let gain = gain(data, rungs, index);
@@ -379,13 +385,13 @@ fn steps(data: &Data<'_>, rungs: &[&Told<'_>]) -> Table {
                     ..Cell::name(format!(
                         "{} · {}: {}",
                         index + 1,
-                        case.condition("needs-step"),
+                        case.condition(NEEDS_STEP),
                         case.note("needs_change")
                     ))
                 },
                 Cell::plain(case.outcome.name()),
-                print("held_bytes", count),
-                print("held_pipelines", count),
+                print(HELD_BYTES, count),
+                print(HELD_PIPELINES, count),
                 Cell::or_absent(data.spread_over_depth_pass(case).map(spread), why),
                 data.ratio_cell(
                     gain.as_ref(),
@@ -401,8 +407,8 @@ fn steps(data: &Data<'_>, rungs: &[&Told<'_>]) -> Table {
         headings: vec![
             Heading::plain("step"),
             Heading::plain("status"),
-            Heading::metric("bytes held", "held_bytes"),
-            Heading::metric("pipelines", "held_pipelines"),
+            Heading::metric("bytes held", HELD_BYTES),
+            Heading::metric("pipelines", HELD_PIPELINES),
             Heading::explained(
                 "÷\u{a0}depth-pass (5\u{2060}–\u{2060}95\u{a0}%)",
                 "times over the median of the full-screen depth-pass of the same view",
@@ -423,10 +429,10 @@ fn plot(data: &Data<'_>, rungs: &[&Told<'_>]) -> Result<Option<String>, ChapterE
     let rows = rungs.iter().enumerate().map(|(index, told)| {
         let case = told.case;
         let ratio = data.spread_over_depth_pass(case);
-        let held = counter(case, "held_bytes")
+        let held = counter(case, HELD_BYTES)
             .map_or_else(String::new, |held| format!(" · {}", bytes(held)));
         Step {
-            label: format!("{} · {}", index + 1, case.condition("needs-step")),
+            label: format!("{} · {}", index + 1, case.condition(NEEDS_STEP)),
             value: ratio.map_or_else(String::new, |ratio| {
                 format!("{} ×{held}", significant(ratio.median))
             }),

@@ -6,6 +6,7 @@
 //! newer world-cell path, which looks a pixel's edges up in a grid instead of using the stencil.
 
 use super::data::{Data, Scene, counter, distinct, name};
+use crate::keys::{FILL_CPU_MS, GEOMETRY_BYTES};
 use terrafill_plot::number::{bytes, significant};
 use terrafill_results::{Block, Cell, Heading, Row, Table, sample_spread};
 
@@ -157,7 +158,7 @@ fn our_row(scene: &Scene<'_>, wanted: &str, published: &[Published], is_comparab
             None => Cell::absent("not measured in this view"),
             Some(case) if !case.counts() => Cell::absent(case.outcome.name()),
             Some(case) => {
-                let ours = sample_spread(case, "fill_cpu_ms").map(|ms| ms.median);
+                let ours = sample_spread(case, FILL_CPU_MS).map(|ms| ms.median);
                 let text = ours.map(|ms| {
                     let theirs = published.iter().map(|row| row.fill_cpu_ms[index]).collect();
                     format!("{} ms{}", significant(ms), ratios(theirs, ms))
@@ -168,7 +169,7 @@ fn our_row(scene: &Scene<'_>, wanted: &str, published: &[Published], is_comparab
     }
     let held = VIEWS
         .iter()
-        .filter_map(|view| counter(of_view(view)?, "geometry_bytes"));
+        .filter_map(|view| counter(of_view(view)?, GEOMETRY_BYTES));
     let text = held.max().map(|held| {
         let theirs = published.iter().map(|row| row.bytes as f64).collect();
         format!("{}{}", bytes(held), ratios(theirs, held as f64))

@@ -3,8 +3,9 @@
 
 use super::data::{Data, View, counter, name};
 use super::scenes::best;
+use crate::keys::{GEOMETRY_BYTES, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND};
 use terrafill_plot::number::{bytes, count, significant, times};
-use terrafill_results::{Block, Case, Cell, Heading, Row, Table, ratio};
+use terrafill_results::{Block, Case, Cell, Heading, Metric, Row, Table, ratio};
 
 /// A row for every rival in every view.
 pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
@@ -47,10 +48,10 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
                 Heading::plain("fastest of ours"),
                 Heading::plain(format!("ours, {}", data.unit())),
                 Heading::plain("rival ÷ ours"),
-                Heading::metric("px that differ", "mismatched_px"),
-                Heading::metric("outside band", "mismatched_px_outside_band"),
+                Heading::metric("px that differ", MISMATCHED_PX),
+                Heading::metric("outside band", MISMATCHED_PX_OUTSIDE_BAND),
                 Heading::plain("ours: px that differ"),
-                Heading::metric("bytes", "geometry_bytes"),
+                Heading::metric("bytes", GEOMETRY_BYTES),
                 Heading::plain("bytes of ours"),
             ],
             rows,
@@ -67,7 +68,7 @@ fn row(data: &Data<'_>, scene: &str, view: &View<'_>, rival: &Case) -> Row {
         reason => reason,
     };
     let no_ours = "no correct technique was timed in this view";
-    let of = |case: Option<&Case>, metric: &str| case.and_then(|case| counter(case, metric));
+    let of = |case: Option<&Case>, metric: &Metric| case.and_then(|case| counter(case, metric));
     let px = |case, metric, why| Cell::or_absent(of(case, metric).map(count), why);
     let over = ours.and_then(|ours| ratio(rival, ours, data.metric));
     Row {
@@ -83,11 +84,11 @@ fn row(data: &Data<'_>, scene: &str, view: &View<'_>, rival: &Case) -> Row {
                 no_ours,
             ),
             Cell::or_absent(over.map(|over| times(&over)), why),
-            px(Some(rival), "mismatched_px", why),
-            px(Some(rival), "mismatched_px_outside_band", why),
-            px(ours, "mismatched_px", no_ours),
-            Cell::or_absent(of(Some(rival), "geometry_bytes").map(bytes), why),
-            Cell::or_absent(of(ours, "geometry_bytes").map(bytes), no_ours),
+            px(Some(rival), MISMATCHED_PX, why),
+            px(Some(rival), MISMATCHED_PX_OUTSIDE_BAND, why),
+            px(ours, MISMATCHED_PX, no_ours),
+            Cell::or_absent(of(Some(rival), GEOMETRY_BYTES).map(bytes), why),
+            Cell::or_absent(of(ours, GEOMETRY_BYTES).map(bytes), no_ours),
         ],
         status: rival.outcome.name().to_owned(),
         remark: rival.reason.clone(),

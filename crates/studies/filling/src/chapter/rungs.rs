@@ -5,6 +5,10 @@
 //! on no way.
 
 use super::data::{Data, counter, distinct};
+use crate::keys::{
+    ASIDE, DRAWS, FRAGMENT_SHADER_INVOCATIONS, GEOMETRY_BYTES, RUNG, SCENE, STENCIL_FRAGMENTS,
+    STEP, TECHNIQUE, UPLOAD_BYTES, VERTICES, VIEW,
+};
 use terrafill_plot::number::{bytes, count};
 use terrafill_results::{Case, Estimate};
 
@@ -46,9 +50,9 @@ pub(super) fn ladders<'a>(data: &Data<'a>) -> Vec<Ladder<'a>> {
         data.cases
             .iter()
             .copied()
-            .filter(|case| !case.condition("rung").is_empty())
+            .filter(|case| !case.condition(RUNG).is_empty())
     };
-    let key = |case: &'a Case| ["scene", "view", "technique"].map(|key| case.condition(key));
+    let key = |case: &'a Case| [SCENE, VIEW, TECHNIQUE].map(|key| case.condition(key));
     let ladder = |of: [&'a str; 3]| {
         let [scene, view, technique] = of;
         Ladder {
@@ -64,7 +68,7 @@ pub(super) fn ladders<'a>(data: &Data<'a>) -> Vec<Ladder<'a>> {
 
 /// Rungs by number, each with its gain.
 fn climb<'a>(data: &Data<'a>, cases: impl Iterator<Item = &'a Case>) -> Vec<Rung<'a>> {
-    let numbered = cases.filter_map(|case| Some((case.condition("rung").parse().ok()?, case)));
+    let numbered = cases.filter_map(|case| Some((case.condition(RUNG).parse().ok()?, case)));
     let mut cases: Vec<(u32, &Case)> = numbered.collect();
     cases.sort_by_key(|(number, _)| *number);
     let mut before: Option<&Case> = None;
@@ -72,7 +76,7 @@ fn climb<'a>(data: &Data<'a>, cases: impl Iterator<Item = &'a Case>) -> Vec<Rung
     for (number, case) in cases {
         let rung = Rung {
             number,
-            step: case.condition("step"),
+            step: case.condition(STEP),
             case,
             is_aside: is_aside(case),
             before,
@@ -85,22 +89,22 @@ fn climb<'a>(data: &Data<'a>, cases: impl Iterator<Item = &'a Case>) -> Vec<Rung
 }
 
 fn is_aside(case: &Case) -> bool {
-    case.condition("aside") == "yes"
+    case.condition(ASIDE) == "yes"
 }
 
 /// What a step changes of the work that is done, in a sentence: why its gain may be what it is.
 pub(super) fn counters(before: &Case, after: &Case) -> String {
     let metrics = [
-        ("vertices", "vertices"),
-        ("stencil fragments", "stencil_fragments"),
-        ("fragments shaded", "fragment_shader_invocations"),
-        ("draws", "draws"),
-        ("geometry bytes", "geometry_bytes"),
-        ("bytes handed over a frame", "upload_bytes"),
+        ("vertices", VERTICES),
+        ("stencil fragments", STENCIL_FRAGMENTS),
+        ("fragments shaded", FRAGMENT_SHADER_INVOCATIONS),
+        ("draws", DRAWS),
+        ("geometry bytes", GEOMETRY_BYTES),
+        ("bytes handed over a frame", UPLOAD_BYTES),
     ];
     let changed = metrics.iter().filter_map(|(name, metric)| {
         let values = [counter(before, metric)?, counter(after, metric)?];
-        let print = if metric.ends_with("bytes") {
+        let print = if metric.name.ends_with("bytes") {
             bytes
         } else {
             count

@@ -7,11 +7,17 @@ use super::data::{
 };
 use super::ladder::no_ratio;
 use super::{error_time, memory, published};
+use crate::keys::{
+    BOUNDARY_DEVIATION_M, BOUNDARY_MOVED_PX, COLOUR_GPU_MS, CONSTANT_BYTES, DRAWS, FILL_CPU_MS,
+    FILL_GPU_MS, FOREIGN_PX, GEOMETRY_BYTES, HAUSDORFF_PX, INDEX_BYTES, MISMATCHED_PX,
+    MISMATCHED_PX_OUTSIDE_BAND, MOVED_PX_TRUE, REGIONS_LEFT_OUT, SCENE, STENCIL_GPU_MS,
+    SURFACE_BYTES, SURFACE_GPU_MS, TECHNIQUE, VERTEX_BYTES, VERTICES, VIEW,
+};
 use terrafill_plot::number::{bytes, count, significant, spread};
 use terrafill_plot::{Bar, Bars, Palette, RatioAxis, RatioGroup, RatioPlot, RatioRow};
 use terrafill_results::{
-    Block, Case, Cell, CellClass, ChapterError, Estimate, Heading, Outcome, Picture, PictureFigure,
-    Pictures, Plot, Row, Spread, Table, sample_spread,
+    Block, Case, Cell, CellClass, ChapterError, Estimate, Heading, Metric, Outcome, Picture,
+    PictureFigure, Pictures, Plot, Row, Spread, Table, sample_spread,
 };
 
 const NO_GPU_TIME: &str = "the device gave no GPU time";
@@ -41,73 +47,63 @@ enum Print {
 
 /// Columns after those by the run's clock: heading, metric, how it is printed, and why a case that is
 /// right may lack it.
-const COLUMNS: [(&str, &str, Print, &str); 14] = [
+const COLUMNS: [(&str, &Metric, Print, &str); 14] = [
     (
         "surface, GPU\u{a0}ms",
-        "surface_gpu_ms",
+        SURFACE_GPU_MS,
         Print::Time,
         "the technique draws a surface of its own, untimed, or the device gave no GPU time",
     ),
-    ("surface bytes", "surface_bytes", Print::Count, NOT_COUNTED),
+    ("surface bytes", SURFACE_BYTES, Print::Count, NOT_COUNTED),
     (
         "stencil, GPU\u{a0}ms",
-        "stencil_gpu_ms",
+        STENCIL_GPU_MS,
         Print::Time,
         NO_PASS_TIME,
     ),
     (
         "colour, GPU\u{a0}ms",
-        "colour_gpu_ms",
+        COLOUR_GPU_MS,
         Print::Time,
         NO_PASS_TIME,
     ),
-    (
-        "geometry bytes",
-        "geometry_bytes",
-        Print::Count,
-        NOT_COUNTED,
-    ),
-    ("draws", "draws", Print::Count, NOT_COUNTED),
-    ("vertices", "vertices", Print::Count, NOT_COUNTED),
+    ("geometry bytes", GEOMETRY_BYTES, Print::Count, NOT_COUNTED),
+    ("draws", DRAWS, Print::Count, NOT_COUNTED),
+    ("vertices", VERTICES, Print::Count, NOT_COUNTED),
     (
         "regions left out",
-        "regions_left_out",
+        REGIONS_LEFT_OUT,
         Print::Count,
         NOT_RECORDED,
     ),
-    (
-        "px that differ",
-        "mismatched_px",
-        Print::Count,
-        NOT_COMPARED,
-    ),
+    ("px that differ", MISMATCHED_PX, Print::Count, NOT_COMPARED),
     (
         "outside band",
-        "mismatched_px_outside_band",
+        MISMATCHED_PX_OUTSIDE_BAND,
         Print::Count,
         NOT_COMPARED,
     ),
     (
         "Hausdorff, px",
-        "hausdorff_px",
+        HAUSDORFF_PX,
         Print::Figure,
         "one of the two pictures has no boundary, or they were not compared",
     ),
     (
         "moved, px",
-        "boundary_moved_px",
+        BOUNDARY_MOVED_PX,
         Print::Figure,
         "only levels of detail move boundaries on purpose; or too many pixels mismatch to compare",
     ),
     (
         "by the surface, px",
-        "moved_px_true",
+        MOVED_PX_TRUE,
         Print::Figure,
         "the surface does not say where the ground truly is, or they were not compared",
     ),
     (
         "boundary,\u{a0}m",
-        "boundary_deviation_m",
+        BOUNDARY_DEVIATION_M,
         Print::Figure,
         NOT_RECORDED,
     ),
@@ -227,7 +223,7 @@ fn ratio_plot(
         let order = |case: &Case| ratio(case).map_or(f64::INFINITY, |ratio| ratio.middle);
         cases.sort_by(|a, b| order(a).total_cmp(&order(b)));
         let dashed = view.baselines.iter().find_map(|pass| {
-            let ratio = ratio(pass).filter(|_| pass.condition("technique") == DEPTH_PASS)?;
+            let ratio = ratio(pass).filter(|_| pass.condition(TECHNIQUE) == DEPTH_PASS)?;
             let name = format!("depth-pass {} × (dashed)", significant(ratio.middle));
             Some((ratio.middle, name))
         });
@@ -293,12 +289,12 @@ fn bytes_plot(
 ) -> Result<Option<String>, ChapterError> {
     let mut variants: Vec<(&Case, [u64; 3], u64)> = Vec::new();
     for case in scene.views.iter().flat_map(|view| &view.cases) {
-        let Some(geometry) = counter(case, "geometry_bytes") else {
+        let Some(geometry) = counter(case, GEOMETRY_BYTES) else {
             continue;
         };
-        let index = counter(case, "index_bytes").unwrap_or(0);
-        let vertex = counter(case, "vertex_bytes").unwrap_or(geometry.saturating_sub(index));
-        let parts = [vertex, index, counter(case, "constant_bytes").unwrap_or(0)];
+        let index = counter(case, INDEX_BYTES).unwrap_or(0);
+        let vertex = counter(case, VERTEX_BYTES).unwrap_or(geometry.saturating_sub(index));
+        let parts = [vertex, index, counter(case, CONSTANT_BYTES).unwrap_or(0)];
         match variants
             .iter_mut()
             .find(|(known, ..)| name(known) == name(case))
@@ -373,8 +369,8 @@ fn view_blocks(
 fn table(data: &Data<'_>, palette: &Palette, view: &View<'_>) -> Table {
     let clock = data.run.clock();
     let other = clock.pick(
-        ("fill, CPU\u{a0}ms", "fill_cpu_ms"),
-        ("fill, GPU\u{a0}ms", "fill_gpu_ms"),
+        ("fill, CPU\u{a0}ms", FILL_CPU_MS),
+        ("fill, GPU\u{a0}ms", FILL_GPU_MS),
     );
     let mut headings = vec![
         Heading::plain("case"),
@@ -402,7 +398,7 @@ fn table(data: &Data<'_>, palette: &Palette, view: &View<'_>) -> Table {
     }
 }
 
-fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &str) -> Row {
+fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &Metric) -> Row {
     let over = |technique| match data.over_baseline(case, technique) {
         Some(ratio) => Cell::plain(significant(ratio.middle)),
         None => absent(case, "this pass was not measured in this run"),
@@ -489,7 +485,7 @@ fn pictures(data: &Data<'_>, scene: &Scene<'_>, view: &View<'_>) -> Option<Pictu
     };
     let listed: Vec<&Case> = view.cases.iter().chain(&view.rivals).copied().collect();
     let wrong = data.cases.iter().copied().filter(|case| {
-        let is_here = case.condition("scene") == scene.name && case.condition("view") == view.name;
+        let is_here = case.condition(SCENE) == scene.name && case.condition(VIEW) == view.name;
         // Textured fills have their pictures in their own section.
         is_here
             && case.outcome == Outcome::Wrong
@@ -506,7 +502,7 @@ fn pictures(data: &Data<'_>, scene: &Scene<'_>, view: &View<'_>) -> Option<Pictu
         });
     let own = cases.iter().filter_map(|case| {
         // Where nothing differs, a difference shows nothing.
-        let differs = counter(case, "mismatched_px") != Some(0);
+        let differs = counter(case, MISMATCHED_PX) != Some(0);
         let worst = format!("worst pixel ({})", case.note("worst_px"));
         let pictures = [
             picture(case, "image", "picture".to_owned()),
@@ -543,15 +539,15 @@ fn caption(case: &Case) -> String {
             Outcome::Ok => String::new(),
             _ => format!(" ({})", standing(case)),
         },
-        counted("mismatched_px"),
-        counted("mismatched_px_outside_band"),
-        case.value("hausdorff_px")
+        counted(MISMATCHED_PX),
+        counted(MISMATCHED_PX_OUTSIDE_BAND),
+        case.value(HAUSDORFF_PX)
             .map_or_else(|| "–".to_owned(), significant),
     );
-    if let Some(px) = case.value("boundary_moved_px") {
+    if let Some(px) = case.value(BOUNDARY_MOVED_PX) {
         text.push_str(&format!(", moved {} px", significant(px)));
     }
-    if let Some(px) = counter(case, "foreign_px").filter(|px| *px > 0) {
+    if let Some(px) = counter(case, FOREIGN_PX).filter(|px| *px > 0) {
         text.push_str(&format!(", {} foreign", count(px)));
     }
     text

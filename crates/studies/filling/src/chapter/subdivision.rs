@@ -7,16 +7,21 @@
 
 use super::data::{Data, Timed, counter, distinct, has_role, title};
 use super::rungs::SOURCE;
+use crate::keys::{
+    CAP_STEP, CAP_TRIANGLES, HAUSDORFF_PX, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND, SCENE,
+    STENCIL_FRAGMENTS, WALL_BOUND_M, WALL_HEIGHT_M,
+};
 use terrafill_plot::number::{count, significant};
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Finding, Heading, Outcome, Plot, Row, Standing, Table,
+    Block, Case, Cell, ChapterError, ConditionKey, Finding, Heading, Metric, Outcome, Plot, Row,
+    Standing, Table,
 };
 
 /// The switch whose values are swept.
-const KNOB: &str = "cap-step-deg";
+const KNOB: ConditionKey = CAP_STEP;
 
 /// Meshes of one view by their cap steps, degrees, finest first.
 struct Sweep<'a> {
@@ -78,9 +83,7 @@ fn sweeps<'a>(data: &Data<'a>) -> Vec<Sweep<'a>> {
         let mut cases: Vec<(f64, &Case)> = swept().filter(|(_, case)| title(case) == of).collect();
         cases.sort_by(|a, b| a.0.total_cmp(&b.0));
         // A step that cuts nothing gives the mesh of a finer one, and says nothing of steps.
-        cases.dedup_by_key(|(_, case)| {
-            counter(case, "cap_triangles").ok_or_else(|| case.id().key())
-        });
+        cases.dedup_by_key(|(_, case)| counter(case, CAP_TRIANGLES).ok_or_else(|| case.id().key()));
         Sweep { title: of, cases }
     });
     sweeps.filter(|sweep| sweep.cases.len() >= 2).collect()
@@ -93,20 +96,20 @@ fn table(data: &Data<'_>, sweep: &Sweep<'_>) -> Table {
             reason => reason,
         };
         let cell = |text: Option<String>| Cell::or_absent(text, why);
-        let counted = |metric: &str| cell(counter(case, metric).map(count));
-        let figure = |metric: &str| cell(case.value(metric).map(significant));
+        let counted = |metric: &Metric| cell(counter(case, metric).map(count));
+        let figure = |metric: &Metric| cell(case.value(metric).map(significant));
         let over = data.over_baseline(case, super::data::DEPTH_PASS);
         Row::new(vec![
             Cell::name(format!("{step}°")),
-            counted("cap_triangles"),
-            figure("wall_height_m"),
-            figure("wall_bound_m"),
+            counted(CAP_TRIANGLES),
+            figure(WALL_HEIGHT_M),
+            figure(WALL_BOUND_M),
             cell(data.right_time(case).map(|ms| significant(ms.median))),
             cell(over.map(|ratio| significant(ratio.middle))),
-            counted("stencil_fragments"),
-            counted("mismatched_px"),
-            counted("mismatched_px_outside_band"),
-            figure("hausdorff_px"),
+            counted(STENCIL_FRAGMENTS),
+            counted(MISMATCHED_PX),
+            counted(MISMATCHED_PX_OUTSIDE_BAND),
+            figure(HAUSDORFF_PX),
         ])
         .bad_if(case.outcome != Outcome::Ok)
     });
@@ -114,15 +117,15 @@ fn table(data: &Data<'_>, sweep: &Sweep<'_>) -> Table {
         rows: rows.collect(),
         headings: vec![
             Heading::plain("cap step"),
-            Heading::metric("triangles of caps", "cap_triangles"),
-            Heading::metric("tallest wall, m", "wall_height_m"),
-            Heading::metric("at most by formula, m", "wall_bound_m"),
+            Heading::metric("triangles of caps", CAP_TRIANGLES),
+            Heading::metric("tallest wall, m", WALL_HEIGHT_M),
+            Heading::metric("at most by formula, m", WALL_BOUND_M),
             Heading::metric(format!("fill, {}", data.unit()), data.metric),
             Heading::plain("÷\u{a0}depth-pass"),
-            Heading::metric("stencil fragments", "stencil_fragments"),
-            Heading::metric("px that differ", "mismatched_px"),
-            Heading::metric("outside band", "mismatched_px_outside_band"),
-            Heading::metric("Hausdorff, px", "hausdorff_px"),
+            Heading::metric("stencil fragments", STENCIL_FRAGMENTS),
+            Heading::metric("px that differ", MISMATCHED_PX),
+            Heading::metric("outside band", MISMATCHED_PX_OUTSIDE_BAND),
+            Heading::metric("Hausdorff, px", HAUSDORFF_PX),
         ],
         ..Table::default()
     }
@@ -134,7 +137,7 @@ pub(super) fn coarsest_over_finest<'a>(data: &Data<'a>) -> Vec<Timed<'a>> {
         let (fine, coarse) = (sweep.cases.first()?.1, sweep.cases.last()?.1);
         Some(Timed {
             ratio: data.over(coarse, fine)?,
-            scene: fine.condition("scene"),
+            scene: fine.condition(SCENE),
             title: sweep.title,
             cases: [coarse, fine],
         })
@@ -165,7 +168,7 @@ fn finding(data: &Data<'_>, sweep: &Sweep<'_>) -> Option<Finding> {
 fn walls_by_formula(sweep: &Sweep<'_>) -> Option<Finding> {
     let walls = sweep.cases.iter().filter_map(|(step, case)| {
         let metric = |name| case.value(name);
-        Some((*step, metric("wall_height_m")?, metric("wall_bound_m")?))
+        Some((*step, metric(WALL_HEIGHT_M)?, metric(WALL_BOUND_M)?))
     });
     let walls: Vec<(f64, f64, f64)> = walls.collect();
     let texts = walls.iter().map(|(step, found, bound)| {
@@ -188,7 +191,7 @@ fn plot(data: &Data<'_>, sweeps: &[Sweep<'_>]) -> Result<Option<String>, Chapter
         let spread = data.right_time(case)?;
         Some(Reading::sampled(spread, &data.replicates(case)))
     };
-    let wall = |case: &Case| case.value("wall_height_m").map(Reading::exact);
+    let wall = |case: &Case| case.value(WALL_HEIGHT_M).map(Reading::exact);
     let up = format!("fill, {}: median, 5–95 %", data.unit());
     let panel = |title, up, curves| WorkPrecision {
         title,

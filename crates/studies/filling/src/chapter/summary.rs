@@ -3,6 +3,8 @@
 //! `bound` and `floor` are the old names of the depth-pass and the stencil-pass and stay there.
 
 use super::data::{DEPTH_PASS, Data, STENCIL_PASS};
+use crate::keys::{FILL_CPU_MS, FILL_GPU_MS, ROLE, SCENE, TECHNIQUE, VARIANT, VIEW};
+use crate::metrics::METRICS;
 use terrafill_results::{Case, ChapterError, DerivedTable, Outcome, quantile};
 
 /// What a column shows.
@@ -12,7 +14,7 @@ enum Column {
     /// A metric of the case.
     Metric,
     /// A metric of a full-screen pass of the same scene and view.
-    Baseline(&'static str, &'static str),
+    Baseline(&'static str, &'static terrafill_results::Metric),
     /// `fill_cpu_ms / bound_cpu_ms` of a right case.
     FillOverBound,
     /// A quantile of the process CPU time.
@@ -25,18 +27,18 @@ use Column::{Baseline, FillOverBound, Metric, Quantile, Samples, Text};
 
 /// The columns, left to right; those up to `left_out` are stable.
 const COLUMNS: [(&str, Column); 68] = [
-    ("scene", Text(|case| case.condition("scene").to_owned())),
-    ("view", Text(|case| case.condition("view").to_owned())),
+    ("scene", Text(|case| case.condition(SCENE).to_owned())),
+    ("view", Text(|case| case.condition(VIEW).to_owned())),
     ("backend", Text(backend)),
-    ("variant", Text(|case| case.condition("variant").to_owned())),
+    ("variant", Text(|case| case.condition(VARIANT).to_owned())),
     ("status", Text(|case| case.outcome.name().to_owned())),
     ("reason", Text(|case| case.reason.clone())),
     ("surface_gpu_ms", Metric),
     ("fill_gpu_ms", Metric),
     ("fill_cpu_ms", Metric),
-    ("bound_gpu_ms", Baseline(DEPTH_PASS, "fill_gpu_ms")),
-    ("bound_cpu_ms", Baseline(DEPTH_PASS, "fill_cpu_ms")),
-    ("floor_cpu_ms", Baseline(STENCIL_PASS, "fill_cpu_ms")),
+    ("bound_gpu_ms", Baseline(DEPTH_PASS, FILL_GPU_MS)),
+    ("bound_cpu_ms", Baseline(DEPTH_PASS, FILL_CPU_MS)),
+    ("floor_cpu_ms", Baseline(STENCIL_PASS, FILL_CPU_MS)),
     ("fill_over_bound_cpu", FillOverBound),
     ("geometry_bytes", Metric),
     ("upload_bytes", Metric),
@@ -80,7 +82,7 @@ const COLUMNS: [(&str, Column); 68] = [
         Text(|case| case.note("reference_image").to_owned()),
     ),
     ("plan_cpu_ms", Metric),
-    ("role", Text(|case| case.condition("role").to_owned())),
+    ("role", Text(|case| case.condition(ROLE).to_owned())),
     ("mask_hash", Text(|case| case.note("mask_hash").to_owned())),
     ("ids_hash", Text(|case| case.note("ids_hash").to_owned())),
     ("stencil_fragments", Metric),
@@ -104,6 +106,17 @@ const COLUMNS: [(&str, Column); 68] = [
     ("foreign_px", Metric),
 ];
 
+// Columns of metrics have the names of declared ones.
+const _: () = {
+    let mut at = 0;
+    while at < COLUMNS.len() {
+        if let Metric = COLUMNS[at].1 {
+            let _ = terrafill_results::Metric::of(&METRICS, COLUMNS[at].0);
+        }
+        at += 1;
+    }
+};
+
 /// The table; a missing case has no row.
 pub(super) fn table(data: &Data<'_>) -> Result<DerivedTable, ChapterError> {
     let header = COLUMNS.each_ref().map(|(name, _)| *name);
@@ -122,7 +135,7 @@ pub(super) fn table(data: &Data<'_>) -> Result<DerivedTable, ChapterError> {
 
 /// Techniques are named as ever in this table.
 fn backend(case: &Case) -> String {
-    match case.condition("technique") {
+    match case.condition(TECHNIQUE) {
         DEPTH_PASS => "bound".to_owned(),
         STENCIL_PASS => "floor".to_owned(),
         technique => technique.to_owned(),
@@ -130,13 +143,15 @@ fn backend(case: &Case) -> String {
 }
 
 fn cell(data: &Data<'_>, case: &Case, name: &str, column: &Column) -> String {
-    let baseline = |technique: &str, metric: &str| data.baseline(case, technique)?.value(metric);
+    let baseline = |technique: &str, metric: &terrafill_results::Metric| {
+        data.baseline(case, technique)?.value(metric)
+    };
     let value = match column {
         Text(text) => return text(case),
         Samples => return samples(case).len().to_string(),
         Metric => case.value(name),
         Baseline(technique, metric) => baseline(technique, metric),
-        FillOverBound => fill_over_bound(case, baseline(DEPTH_PASS, "fill_cpu_ms")),
+        FillOverBound => fill_over_bound(case, baseline(DEPTH_PASS, FILL_CPU_MS)),
         Quantile(q) => quantile(&samples(case), *q),
     };
     value.map_or_else(String::new, |value| value.to_string())
@@ -144,11 +159,11 @@ fn cell(data: &Data<'_>, case: &Case, name: &str, column: &Column) -> String {
 
 fn fill_over_bound(case: &Case, bound_ms: Option<f64>) -> Option<f64> {
     let bound_ms = bound_ms.filter(|_| case.counts())?;
-    Some(case.value("fill_cpu_ms")? / bound_ms)
+    Some(case.value(FILL_CPU_MS)? / bound_ms)
 }
 
 fn samples(case: &Case) -> Vec<f64> {
-    let processes = case.samples("fill_cpu_ms").into_iter().flatten();
+    let processes = case.samples(FILL_CPU_MS).into_iter().flatten();
     processes
         .flat_map(|(_, samples)| samples.values().copied())
         .collect()

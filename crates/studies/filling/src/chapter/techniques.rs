@@ -4,6 +4,7 @@
 
 use super::data::{Data, Scene, View, competes, counter, distinct, name, title};
 use super::scenes::best;
+use crate::keys::{GEOMETRY_BYTES, HAUSDORFF_PX, LAYOUT, MISMATCHED_PX, SCENE, TECHNIQUE};
 use terrafill_plot::Palette;
 use terrafill_plot::number::{bytes, count, significant, spread};
 use terrafill_results::{Block, Case, Cell, Heading, Outcome, Row, Table, ratio};
@@ -15,7 +16,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     let views = || scenes.iter().flat_map(|scene| &scene.views);
     let cases = views().flat_map(|view| &view.cases);
     let cases = cases.filter(|case| competes(case));
-    let names = distinct(cases.map(|case| case.condition("technique")));
+    let names = distinct(cases.map(|case| case.condition(TECHNIQUE)));
     let section = |technique| section(data, &scenes, &palette, technique);
     names.into_iter().flat_map(section).collect()
 }
@@ -26,7 +27,7 @@ fn section(
     palette: &Palette,
     technique: &str,
 ) -> Vec<Block> {
-    let is_own = |case: &&&Case| case.condition("technique") == technique;
+    let is_own = |case: &&&Case| case.condition(TECHNIQUE) == technique;
     let mut own: Vec<&Case> = Vec::new();
     let mut rows = Vec::new();
     for scene in scenes {
@@ -42,7 +43,7 @@ fn section(
         }
     }
     let right = own.iter().filter(|case| case.counts()).count();
-    let layouts = distinct(own.iter().map(|case| case.condition("layout")));
+    let layouts = distinct(own.iter().map(|case| case.condition(LAYOUT)));
     let mut blocks = vec![
         Block::section(format!("Technique {technique}")),
         Block::Text(format!(
@@ -61,9 +62,9 @@ fn section(
                 Heading::metric(format!("fill, {} (5–95 %)", data.unit()), data.metric),
                 Heading::plain("÷\u{a0}fastest"),
                 Heading::plain("the fastest"),
-                Heading::metric("geometry bytes", "geometry_bytes"),
-                Heading::metric("px that differ", "mismatched_px"),
-                Heading::metric("Hausdorff, px", "hausdorff_px"),
+                Heading::metric("geometry bytes", GEOMETRY_BYTES),
+                Heading::metric("px that differ", MISMATCHED_PX),
+                Heading::metric("Hausdorff, px", HAUSDORFF_PX),
             ],
             rows,
             is_main: true,
@@ -95,7 +96,7 @@ fn row(data: &Data<'_>, palette: &Palette, fastest: Option<&Case>, own: &View<'_
     let over = fastest.and_then(|fastest| ratio(case, fastest, data.metric));
     Some(Row::new(vec![
         Cell {
-            section: case.condition("scene").to_owned(),
+            section: case.condition(SCENE).to_owned(),
             ..Cell::name(place)
         },
         Cell {
@@ -107,15 +108,15 @@ fn row(data: &Data<'_>, palette: &Palette, fastest: Option<&Case>, own: &View<'_
         data.ratio_cell(over.as_ref(), "no process measured both"),
         Cell::or_absent(fastest.map(|case| data.label(case)), "nothing was timed"),
         Cell::or_absent(
-            counter(case, "geometry_bytes").map(bytes),
+            counter(case, GEOMETRY_BYTES).map(bytes),
             "not counted by this technique",
         ),
         Cell::or_absent(
-            counter(case, "mismatched_px").map(count),
+            counter(case, MISMATCHED_PX).map(count),
             "not compared with the reference",
         ),
         Cell::or_absent(
-            case.value("hausdorff_px").map(significant),
+            case.value(HAUSDORFF_PX).map(significant),
             "one of the two pictures has no boundary",
         ),
     ]))

@@ -1444,14 +1444,14 @@ fn summary_has_its_stable_columns_old_names_and_empty_cells() {
 /// The curves of a view's panel of wrong pixels.
 fn curves(run: &MadeUpRun) -> Vec<terrafill_plot::Curve> {
     let (_folder, run) = written(run);
-    let data = Data::new(&run, TIME);
+    let data = Data::new(&run, crate::keys::FILL_CPU_MS);
     let view = View {
         name: "v",
         baselines: Vec::new(),
         cases: run.cases.iter().collect(),
         rivals: Vec::new(),
     };
-    error_time::curves(&data, &view, "mismatched_px")
+    error_time::curves(&data, &view, crate::keys::MISMATCHED_PX)
 }
 
 #[test]

@@ -6,20 +6,24 @@
 //! on. Findings are compared with the measured interval; nothing here knows what came out.
 
 use super::data::{DEPTH_PASS, Data, Timed, counter, distinct, is_same, name, switches, title};
+use crate::keys::{
+    COLOUR_MAX, COLOUR_MEAN, LAYOUT, NORMALIZE, PICTURE, POSITION, SCENE, TECHNIQUE,
+    TEXEL_COMPARED_PX, TEXEL_MAX, TEXEL_NON_FINITE, TEXEL_RMS, TEXTURE, TEXTURE_BYTES, VIEW,
+};
 use terrafill_plot::number::{bytes, count, significant, spread};
 use terrafill_results::{
-    Block, Case, Cell, Claim, Estimate, Finding, Heading, Outcome, Picture, PictureFigure,
-    Pictures, Row, Standing, Table, ratio,
+    Block, Case, Cell, Claim, ConditionKey, Estimate, Finding, Heading, Outcome, Picture,
+    PictureFigure, Pictures, Row, Standing, Table, ratio,
 };
 
 /// Switches that a plain fill of the same layout has not.
-const TEXTURE_KEYS: [&str; 4] = ["normalize", "picture", "position", "texture"];
+const TEXTURE_KEYS: [ConditionKey; 4] = [NORMALIZE, PICTURE, POSITION, TEXTURE];
 
 /// What they are in a textured fill that names none; a run records every switch.
-const TEXTURE_DEFAULTS: [(&str, &str); 3] = [
-    ("normalize", "needed"),
-    ("picture", "scene"),
-    ("position", "eye-region"),
+const TEXTURE_DEFAULTS: [(ConditionKey, &str); 3] = [
+    (NORMALIZE, "needed"),
+    (PICTURE, "scene"),
+    (POSITION, "eye-region"),
 ];
 
 /// How many times the plain fill a textured one may take.
@@ -28,7 +32,7 @@ const MAX_OVER_PLAIN: f64 = 1.3;
 /// The view for which that is asked.
 const TOP_DOWN: &str = "top-down";
 
-type TextureSwitches = &'static [(&'static str, &'static str)];
+type TextureSwitches = &'static [(ConditionKey, &'static str)];
 
 /// What is compared: time of the one over time of the other, by their texture switches, sorted.
 #[derive(Debug, Clone, Copy)]
@@ -39,31 +43,31 @@ pub(super) struct Comparison {
     pub(super) control: TextureSwitches,
 }
 
-const CHOSEN: TextureSwitches = &[("texture", "chosen")];
-const NATIVE: TextureSwitches = &[("texture", "atan2-native+bowring-1")];
+const CHOSEN: TextureSwitches = &[(TEXTURE, "chosen")];
+const NATIVE: TextureSwitches = &[(TEXTURE, "atan2-native+bowring-1")];
 /// What any textured fill must pay that looks at depth.
-const FLOOR: TextureSwitches = &[("texture", "floor")];
+const FLOOR: TextureSwitches = &[(TEXTURE, "floor")];
 
 /// The document's fill as it was.
 const AS_IN_2007: TextureSwitches = &[
-    ("normalize", "superfluous"),
-    ("position", "inverse-ecef"),
-    ("texture", "atan2-native+geocentric"),
+    (NORMALIZE, "superfluous"),
+    (POSITION, "inverse-ecef"),
+    (TEXTURE, "atan2-native+geocentric"),
 ];
 /// The same without the normalisation that nothing needs.
 const ATAN_2007: TextureSwitches = &[
-    ("position", "inverse-ecef"),
-    ("texture", "atan2-native+geocentric"),
+    (POSITION, "inverse-ecef"),
+    (TEXTURE, "atan2-native+geocentric"),
 ];
 
 /// Barycentric coordinates in a flat mesh, from the region's own offset.
-const BARYCENTRIC: TextureSwitches = &[("texture", "barycentric")];
+const BARYCENTRIC: TextureSwitches = &[(TEXTURE, "barycentric")];
 
 /// Of each view with both: its title, and the largest texel error by angles about the body's centre in f32
 /// and by barycentric coordinates.
 pub(super) fn flat_mesh_errors(data: &Data<'_>) -> Vec<(String, [f64; 2])> {
     let of = |view: &TexturedView<'_>| {
-        let worst = |wanted| view.case(wanted)?.value("texel_max");
+        let worst = |wanted| view.case(wanted)?.value(TEXEL_MAX);
         Some((view.title.clone(), [worst(NATIVE)?, worst(BARYCENTRIC)?]))
     };
     views(data).iter().filter_map(of).collect()
@@ -99,10 +103,10 @@ pub(super) const COMPARISONS: [Comparison; 13] = [
     Comparison {
         heading: "as in 2007, a picture each ÷ one for all",
         case: &[
-            ("normalize", "superfluous"),
-            ("picture", "each"),
-            ("position", "inverse-ecef"),
-            ("texture", "atan2-native+geocentric"),
+            (NORMALIZE, "superfluous"),
+            (PICTURE, "each"),
+            (POSITION, "inverse-ecef"),
+            (TEXTURE, "atan2-native+geocentric"),
         ],
         control: AS_IN_2007,
     },
@@ -110,10 +114,10 @@ pub(super) const COMPARISONS: [Comparison; 13] = [
         heading: "as in 2007, picture of the scene ÷ of 32²",
         case: AS_IN_2007,
         control: &[
-            ("normalize", "superfluous"),
-            ("picture", "32"),
-            ("position", "inverse-ecef"),
-            ("texture", "atan2-native+geocentric"),
+            (NORMALIZE, "superfluous"),
+            (PICTURE, "32"),
+            (POSITION, "inverse-ecef"),
+            (TEXTURE, "atan2-native+geocentric"),
         ],
     },
     Comparison {
@@ -125,22 +129,19 @@ pub(super) const COMPARISONS: [Comparison; 13] = [
         heading: "2007, native atan2 ÷ 1D texture",
         case: ATAN_2007,
         control: &[
-            ("position", "inverse-ecef"),
-            ("texture", "lut-256-r16-linear+geocentric"),
+            (POSITION, "inverse-ecef"),
+            (TEXTURE, "lut-256-r16-linear+geocentric"),
         ],
     },
     Comparison {
         heading: "2007, native atan2 ÷ series",
         case: ATAN_2007,
-        control: &[
-            ("position", "inverse-ecef"),
-            ("texture", "odd-7+geocentric"),
-        ],
+        control: &[(POSITION, "inverse-ecef"), (TEXTURE, "odd-7+geocentric")],
     },
     Comparison {
         heading: "2007, native atan2 ÷ texture of spherical coordinates",
         case: ATAN_2007,
-        control: &[("position", "inverse-ecef"), ("texture", "cube-512")],
+        control: &[(POSITION, "inverse-ecef"), (TEXTURE, "cube-512")],
     },
     Comparison {
         heading: "2007, native atan2 ÷ the two reads alone",
@@ -211,7 +212,7 @@ pub(super) fn requirements(data: &Data<'_>) -> Vec<Finding> {
 
 /// Whether the case is a textured fill.
 pub(super) fn is_textured(case: &Case) -> bool {
-    !["", "none", "plain"].contains(&case.condition("texture"))
+    !["", "none", "plain"].contains(&case.condition(TEXTURE))
 }
 
 /// A view with textured fills.
@@ -304,8 +305,8 @@ fn recommended(data: &Data<'_>, views: &[TexturedView<'_>]) -> Option<Block> {
             "{}, by the recommended route ({}): {cost}; texels off by {} RMS and {} at most.",
             view.title,
             route.unwrap_or_default(),
-            texels("texel_rms"),
-            texels("texel_max"),
+            texels(TEXEL_RMS),
+            texels(TEXEL_MAX),
         ))
     });
     let lines: Vec<String> = lines.collect();
@@ -331,12 +332,13 @@ fn views<'a>(data: &Data<'a>) -> Vec<TexturedView<'a>> {
 }
 
 /// Switches that make the fill a textured one and are not as usual, by name; none of a plain fill.
-fn texture_switches(case: &Case) -> Vec<(&str, &str)> {
+fn texture_switches(case: &Case) -> Vec<(ConditionKey, &str)> {
     if !is_textured(case) {
         return Vec::new();
     }
-    let own = switches(case).into_iter();
-    own.filter(|switch| TEXTURE_KEYS.contains(&switch.0) && !TEXTURE_DEFAULTS.contains(switch))
+    let own = TEXTURE_KEYS.map(|key| (key, case.condition(key)));
+    let own = own.into_iter().filter(|(_, value)| !value.is_empty());
+    own.filter(|switch| !TEXTURE_DEFAULTS.contains(switch))
         .collect()
 }
 
@@ -344,12 +346,12 @@ fn texture_switches(case: &Case) -> Vec<(&str, &str)> {
 fn plain_of<'a>(data: &Data<'a>, case: &Case) -> Option<&'a Case> {
     let others = |of: &Case| -> Vec<(String, String)> {
         let own = switches(of).into_iter();
-        let own = own.filter(|(key, _)| !TEXTURE_KEYS.contains(key));
+        let own = own.filter(|(key, _)| TEXTURE_KEYS.iter().all(|own| own.name() != *key));
         own.map(|(key, value)| (key.to_owned(), value.to_owned()))
             .collect()
     };
     let wanted = others(case);
-    let same = ["scene", "view", "technique", "layout"];
+    let same = [SCENE, VIEW, TECHNIQUE, LAYOUT];
     let is_plain = |other: &&&Case| {
         !is_textured(other) && is_same(other, case, &same) && others(other) == wanted
     };
@@ -393,7 +395,7 @@ pub(super) fn compared<'a>(data: &Data<'a>, index: usize) -> Vec<Timed<'a>> {
         let cases = both(data, &view, &COMPARISONS[index])?;
         Some(Timed {
             ratio: ratio(cases[0], cases[1], data.metric)?,
-            scene: view.cases.first()?.condition("scene"),
+            scene: view.cases.first()?.condition(SCENE),
             title: view.title,
             cases,
         })
@@ -450,7 +452,7 @@ fn ratios(data: &Data<'_>, views: &[TexturedView<'_>]) -> Option<Block> {
 /// One for each view with such times.
 fn findings(data: &Data<'_>, views: &[TexturedView<'_>], claim: &TextureClaim) -> Vec<Finding> {
     let is_about = |view: &&TexturedView<'_>| {
-        let name = view.cases.first().map_or("", |case| case.condition("view"));
+        let name = view.cases.first().map_or("", |case| case.condition(VIEW));
         claim.view.is_none_or(|wanted| wanted == name)
     };
     let measured = views.iter().filter(is_about).filter_map(|view| {
@@ -483,11 +485,11 @@ fn table(data: &Data<'_>, view: &TexturedView<'_>) -> Table {
             Heading::metric(format!("fill, {}", data.unit()), data.metric),
             Heading::plain("÷\u{a0}depth-pass"),
             Heading::plain("÷\u{a0}plain"),
-            Heading::metric("texels, RMS", "texel_rms"),
-            Heading::metric("texels, largest", "texel_max"),
-            Heading::metric("non-finite", "texel_non_finite"),
-            Heading::metric("px compared", "texel_compared_px"),
-            Heading::metric("texture bytes", "texture_bytes"),
+            Heading::metric("texels, RMS", TEXEL_RMS),
+            Heading::metric("texels, largest", TEXEL_MAX),
+            Heading::metric("non-finite", TEXEL_NON_FINITE),
+            Heading::metric("px compared", TEXEL_COMPARED_PX),
+            Heading::metric("texture bytes", TEXTURE_BYTES),
         ],
         rows: view.cases.iter().map(|case| row(data, case)).collect(),
         ..Table::default()
@@ -522,11 +524,11 @@ fn row(data: &Data<'_>, case: &Case) -> Row {
             ),
             cell(over_depth_pass.map(|ratio| significant(ratio.middle))),
             cell(over_plain.map(|ratio| data.ratio_text(&ratio))),
-            cell(case.value("texel_rms").map(significant)),
-            cell(case.value("texel_max").map(significant)),
-            cell(counter(case, "texel_non_finite").map(count)),
-            cell(counter(case, "texel_compared_px").map(count)),
-            cell(counter(case, "texture_bytes").map(bytes)),
+            cell(case.value(TEXEL_RMS).map(significant)),
+            cell(case.value(TEXEL_MAX).map(significant)),
+            cell(counter(case, TEXEL_NON_FINITE).map(count)),
+            cell(counter(case, TEXEL_COMPARED_PX).map(count)),
+            cell(counter(case, TEXTURE_BYTES).map(bytes)),
         ],
         status: case.outcome.name().to_owned(),
         remark: match is_textured(case) {
@@ -541,16 +543,16 @@ pub(super) fn label(case: &Case) -> String {
     let mut words = Vec::new();
     for (key, value) in texture_switches(case) {
         match (key, value) {
-            ("texture", "chosen") => words.insert(0, "chosen route".to_owned()),
-            ("texture", "floor") => words.insert(0, "least textured fill".to_owned()),
-            ("texture", route) if route.starts_with("atan2-native") => {
+            (TEXTURE, "chosen") => words.insert(0, "chosen route".to_owned()),
+            (TEXTURE, "floor") => words.insert(0, "least textured fill".to_owned()),
+            (TEXTURE, route) if route.starts_with("atan2-native") => {
                 words.insert(0, "native atan2".to_owned());
             }
-            ("picture", "each") => words.push("a picture for each region".to_owned()),
-            ("picture", size) => words.push(format!("a picture of {size}²")),
-            ("normalize", _) => words.push("normalised in vain".to_owned()),
-            ("position", "inverse-ecef") => words.push("position as in 2007".to_owned()),
-            ("texture", route) => words.insert(0, route.to_owned()),
+            (PICTURE, "each") => words.push("a picture for each region".to_owned()),
+            (PICTURE, size) => words.push(format!("a picture of {size}²")),
+            (NORMALIZE, _) => words.push("normalised in vain".to_owned()),
+            (POSITION, "inverse-ecef") => words.push("position as in 2007".to_owned()),
+            (TEXTURE, route) => words.insert(0, route.to_owned()),
             (key, value) => words.push(format!("{key}={value}")),
         }
     }
@@ -569,7 +571,7 @@ fn not_measured(data: &Data<'_>, views: &[TexturedView<'_>]) -> Vec<String> {
             if case.outcome != Outcome::Ok {
                 lines.push(format!("{key}: {}: {}", case.outcome.name(), case.reason));
             } else if texture_switches(case) != FLOOR
-                && counter(case, "texel_compared_px").unwrap_or(0) == 0
+                && counter(case, TEXEL_COMPARED_PX).unwrap_or(0) == 0
             {
                 lines.push(format!("{key}: its texture coordinates were not compared"));
             }
@@ -594,7 +596,7 @@ fn not_measured(data: &Data<'_>, views: &[TexturedView<'_>]) -> Vec<String> {
 /// The pictures of the view's first case that has them.
 fn figure(view: &TexturedView<'_>) -> Option<PictureFigure> {
     let mut textured = view.cases.iter().filter(|case| is_textured(case));
-    let case = textured.find(|case| case.value("colour_max").is_some())?;
+    let case = textured.find(|case| case.value(COLOUR_MAX).is_some())?;
     let figure = |metric| {
         case.value(metric)
             .map_or_else(|| "–".to_owned(), significant)
@@ -617,10 +619,10 @@ fn figure(view: &TexturedView<'_>) -> Option<PictureFigure> {
                 Outcome::Ok => "",
                 _ => " (wrong)",
             },
-            figure("texel_rms"),
-            figure("texel_max"),
-            figure("colour_mean"),
-            counter(case, "colour_max").map_or_else(|| "–".to_owned(), count),
+            figure(TEXEL_RMS),
+            figure(TEXEL_MAX),
+            figure(COLOUR_MEAN),
+            counter(case, COLOUR_MAX).map_or_else(|| "–".to_owned(), count),
         )],
     })
 }

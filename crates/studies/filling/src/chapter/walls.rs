@@ -6,6 +6,7 @@
 
 use super::data::{Data, counter};
 use super::rungs::{Ladder, SOURCE};
+use crate::keys::{MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND, STENCIL_FRAGMENTS, WALL_HEIGHT_M};
 use terrafill_plot::number::{count, significant};
 use terrafill_results::{Block, Case, Cell, Heading, Row, Table};
 
@@ -38,8 +39,8 @@ pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Block> {
                     "time [95\u{a0}%]",
                     "of the whole fill, paired by process; both pictures must be right",
                 ),
-                Heading::metric("fragments of volumes", "stencil_fragments"),
-                Heading::metric("tallest wall, m", "wall_height_m"),
+                Heading::metric("fragments of volumes", STENCIL_FRAGMENTS),
+                Heading::metric("tallest wall, m", WALL_HEIGHT_M),
                 Heading::explained(
                     "px that differ in the band",
                     "mismatched_px − mismatched_px_outside_band",
@@ -68,11 +69,11 @@ fn row(data: &Data<'_>, ladder: &Ladder<'_>) -> Option<Row> {
                 "one of the two is not right or was not timed",
             ),
             of(
-                |case| counter(case, "stencil_fragments"),
+                |case| counter(case, STENCIL_FRAGMENTS),
                 "the device does not count them",
             ),
             of(
-                |case| counter(case, "wall_height_m"),
+                |case| counter(case, WALL_HEIGHT_M),
                 "not recorded by this run",
             ),
             of(wrong_in_band, "not compared with the reference"),
@@ -83,8 +84,8 @@ fn row(data: &Data<'_>, ladder: &Ladder<'_>) -> Option<Row> {
 
 /// Pixels that differ from the reference beside its boundaries.
 fn wrong_in_band(case: &Case) -> Option<u64> {
-    let outside = counter(case, "mismatched_px_outside_band")?;
-    counter(case, "mismatched_px")?.checked_sub(outside)
+    let outside = counter(case, MISMATCHED_PX_OUTSIDE_BAND)?;
+    counter(case, MISMATCHED_PX)?.checked_sub(outside)
 }
 
 /// Both figures, and their ratio where there is one.

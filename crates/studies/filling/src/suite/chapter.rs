@@ -4,10 +4,14 @@
 
 use super::plan::{EXTREME, WHOLE};
 use super::session::REFUSED;
+use super::{EXPECTED, SCENE, SCENE_REASON, SUITE_CASE_S, VIEW};
+use crate::keys::{
+    FILL_CPU_MS, FILL_GPU_MS, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND, REGIONS_DRAWN,
+};
 use terrafill_plot::number::significant;
 use terrafill_results::{
-    Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Finding, Heading, Outcome,
-    Picture, PictureFigure, Pictures, Row, Run, Standing, Table, median, process_medians,
+    Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Finding, Heading, Metric,
+    Outcome, Picture, PictureFigure, Pictures, Row, Run, Standing, Table, median, process_medians,
 };
 
 /// What came of scenes that globes usually break at.
@@ -57,13 +61,13 @@ impl View<'_> {
     /// Why its scene is in the suite.
     fn scene_reason(&self) -> &str {
         let first = self.cases.first();
-        first.map_or("", |case| case.condition("scene-reason"))
+        first.map_or("", |case| case.condition(SCENE_REASON))
     }
 
     /// Wall clock of all its techniques, seconds.
     fn seconds(&self) -> f64 {
         let cases = self.cases.iter();
-        cases.filter_map(|case| case.value("suite_case_s")).sum()
+        cases.filter_map(|case| case.value(SUITE_CASE_S)).sum()
     }
 
     /// The worst of its techniques.
@@ -77,7 +81,7 @@ impl View<'_> {
 fn views(run: &Run) -> Vec<View<'_>> {
     let mut views: Vec<View<'_>> = Vec::new();
     for case in run.of_study(EXTREME).filter(|case| !case.is_twin()) {
-        let (scene, name) = (case.condition("scene"), case.condition("view"));
+        let (scene, name) = (case.condition(SCENE), case.condition(VIEW));
         match views.last_mut() {
             Some(last) if (last.scene, last.name) == (scene, name) => last.cases.push(case),
             _ => views.push(View {
@@ -163,7 +167,7 @@ impl Chapter for ExtremeChapter {
             return Ok(Vec::new());
         };
         let views = views(run);
-        let metric = run.clock().pick("fill_gpu_ms", "fill_cpu_ms");
+        let metric = run.clock().pick(FILL_GPU_MS, FILL_CPU_MS);
         let unit = run.clock().pick("GPU ms", "process CPU ms");
         let mut blocks = vec![Block::Text(sentence), Block::Remark(KEY.to_owned())];
         let failed: Vec<String> = views.iter().flat_map(failures).collect();
@@ -217,7 +221,7 @@ impl Chapter for ExtremeChapter {
         let passed = cases.filter(|case| Came::of(case) == Came::Passed);
         let found = passed.filter_map(|case| {
             let name = case.id();
-            match case.value("mismatched_px_outside_band") {
+            match case.value(MISMATCHED_PX_OUTSIDE_BAND) {
                 None => Some(format!("{name}: ok, but never compared with the reference")),
                 Some(px) if px > 0.0 => Some(format!(
                     "{name}: ok, though {px} pixels outside the boundary band are wrong"
@@ -295,10 +299,10 @@ fn summary(views: &[View<'_>]) -> Table {
     }
 }
 
-fn row(view: &View<'_>, metric: &str) -> Row {
+fn row(view: &View<'_>, metric: &Metric) -> Row {
     let came = view.came();
     let first = view.cases.first().copied();
-    let most = |name: &str| {
+    let most = |name: &Metric| {
         let values = view.cases.iter().filter_map(|case| case.value(name));
         values.reduce(f64::max)
     };
@@ -313,9 +317,9 @@ fn row(view: &View<'_>, metric: &str) -> Row {
         let replicates: Vec<f64> = process_medians(case, metric).into_values().collect();
         median(&replicates)
     });
-    let expected = first.map_or("", |case| case.condition("expected"));
+    let expected = first.map_or("", |case| case.condition(EXPECTED));
     let left_out = first.map_or("", |case| case.note("left_out"));
-    let drawn = first.and_then(|case| case.value("regions_drawn"));
+    let drawn = first.and_then(|case| case.value(REGIONS_DRAWN));
     let mut result = Cell::name(came.name());
     result.class = match came {
         Came::Failed => CellClass::Bad,
@@ -340,8 +344,8 @@ fn row(view: &View<'_>, metric: &str) -> Row {
             },
             Cell::name(expected),
             result,
-            figure(most("mismatched_px")),
-            figure(most("mismatched_px_outside_band")),
+            figure(most(MISMATCHED_PX)),
+            figure(most(MISMATCHED_PX_OUTSIDE_BAND)),
             Cell::or_absent(time.map(significant), "no frame was timed"),
             Cell::plain(significant(view.seconds())),
             figure(drawn),

@@ -16,8 +16,17 @@ pub use plan::EXTREME;
 pub use session::IN_HAND;
 
 use crate::subject::{Surfaces, Techniques};
-use terrafill_results::{Chapter, Kind, Metric, Scope};
+use terrafill_results::{Chapter, ConditionKey, Kind, Metric, Scope, conditions, metrics};
 use terrafill_study::{Depth, Planned, Request, Study, StudyError};
+
+conditions! {
+    shared SCENE, TECHNIQUE, VIEW;
+    EXPECTED = "expected";
+    ROLE = "role";
+    SCENE_REASON = "scene-reason";
+}
+
+metrics! { METRICS; SUITE_CASE_S = "suite_case_s"; }
 
 const METRICS: [Metric; 2] = [
     Metric::less(
@@ -54,6 +63,10 @@ impl Study for ExtremeStudy {
 
     fn metrics(&self) -> &'static [Metric] {
         &METRICS
+    }
+
+    fn conditions(&self) -> Vec<ConditionKey> {
+        CONDITIONS.to_vec()
     }
 
     fn least_depth(&self) -> Depth {

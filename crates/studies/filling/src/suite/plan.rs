@@ -4,6 +4,7 @@
 //! Only reasons and expectations are read here. The scenes themselves are opened by their groups.
 
 use super::session::{Closed, SuiteSession, words_of};
+use super::{EXPECTED, ROLE, SCENE, SCENE_REASON, TECHNIQUE, VIEW};
 use crate::cases::{FillCase, Purpose, ViewGroup};
 use crate::scenes::build_meshes;
 use crate::subject::{Subject, Surfaces, Techniques};
@@ -203,12 +204,12 @@ impl SuiteGroup {
         let scene = &self.header.name;
         let case = |technique: &str, samples: u32| {
             let conditions = [
-                ("scene", scene.clone()),
-                ("view", view.to_owned()),
-                ("technique", technique.to_owned()),
-                ("role", Purpose::Suite.name().to_owned()),
-                ("expected", self.expect().text()),
-                ("scene-reason", self.header.reason.clone()),
+                (SCENE, scene.clone()),
+                (VIEW, view.to_owned()),
+                (TECHNIQUE, technique.to_owned()),
+                (ROLE, Purpose::Suite.name().to_owned()),
+                (EXPECTED, self.expect().text()),
+                (SCENE_REASON, self.header.reason.clone()),
             ];
             PlannedCase {
                 id: CaseId::new(EXTREME, format!("{scene}/{view}/{technique}"), conditions),

@@ -517,7 +517,7 @@ fn columns(technique: &str) -> Vec<String> {
     let found = TECHNIQUES.iter().find(|known| known.name() == technique);
     let found = found.expect("a technique");
     let settings = found.main(Overlap::Disjoint).settings();
-    let keys = settings.into_iter().map(|(key, _)| key);
+    let keys = settings.into_iter().map(|(key, _)| key.to_owned());
     // The first is its layout, whatever it is called there.
     ["layout".to_owned()]
         .into_iter()
