@@ -425,13 +425,27 @@ pub enum Standing {
     Holds,
     /// The whole interval disagrees.
     DoesNotHold,
+    /// The whole interval lies within what identical work differs by, and the claim is of a difference.
+    NoDifference,
     /// The interval has both, or there is none.
     CannotTell,
     /// No case of it was measured.
     NotMeasured,
+    /// Nothing that can be measured here says anything of it.
+    CannotBeTested,
 }
 
 impl Standing {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::Holds,
+        Self::DoesNotHold,
+        Self::NoDifference,
+        Self::CannotTell,
+        Self::NotMeasured,
+        Self::CannotBeTested,
+    ];
+
     /// Of something that is exact.
     #[must_use]
     pub fn holds_if(holds: bool) -> Self {
@@ -448,8 +462,10 @@ impl Standing {
         match self {
             Self::Holds => "holds",
             Self::DoesNotHold => "does not hold",
-            Self::CannotTell => "cannot tell",
+            Self::NoDifference => "no difference",
+            Self::CannotTell => "undecided",
             Self::NotMeasured => "not measured",
+            Self::CannotBeTested => "cannot be tested",
         }
     }
 }

@@ -42,7 +42,7 @@ pub use folder::{
 };
 pub use front::{Candidate, front, front_survival};
 pub use merge::{MergeError, merge};
-pub use metric::{Direction, Kind, Metric, MetricRow};
+pub use metric::{Direction, Kind, Metric, MetricRow, Timer};
 pub use noise::{Between, Noise, has_two_groups};
 pub use paired::{Shift, rate_bounds};
 pub use plan::{RunPlan, Shard, Skipped};

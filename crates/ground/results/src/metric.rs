@@ -62,6 +62,17 @@ pub enum Direction {
     Neither,
 }
 
+/// What a time is read from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Timer {
+    /// Timestamps of the device.
+    Gpu,
+    /// CPU time of the whole process.
+    ProcessCpu,
+    /// The wall clock, around work that has been waited for.
+    Wall,
+}
+
 /// One declared figure. Names are unique over all studies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Metric {
@@ -90,6 +101,19 @@ impl Metric {
     #[must_use]
     pub fn has_scope_of_its_kind(&self) -> bool {
         (self.kind == Kind::Time) != self.scope.is_empty()
+    }
+
+    /// What a time is read from, which its name ends in; `None` for a figure that is no time, or is made
+    /// of one.
+    #[must_use]
+    pub fn timer(&self) -> Option<Timer> {
+        let timers = [
+            ("_gpu_ms", Timer::Gpu),
+            ("_cpu_ms", Timer::ProcessCpu),
+            ("_wall_ms", Timer::Wall),
+        ];
+        let named = timers.iter().find(|(end, _)| self.name.ends_with(end));
+        named.map(|(_, timer)| *timer)
     }
 
     /// A figure that is better when it is smaller.

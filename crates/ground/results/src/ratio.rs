@@ -11,6 +11,7 @@
 use crate::resample::{generator, resampled_median};
 use crate::threshold::{BOOTSTRAP_RESAMPLES, INTERVAL_COVERAGE, MIN_DIFFERENCE, MIN_REPLICATES};
 use crate::{Case, Spread, Standing, median, quantile, spread};
+use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// A figure from several processes.
@@ -24,8 +25,10 @@ pub struct Estimate {
     pub processes: usize,
 }
 
-/// A claim about how many times faster something became.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A claim about how many times faster something became. In files: `"faster"`, `{ at-least = 2.0 }`,
+/// `{ factor = { of = 0.5, within = 1.25 } }`.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Claim {
     /// It is faster by more than nothing.
     Faster,
@@ -64,6 +67,7 @@ impl Claim {
             return Standing::CannotTell;
         };
         let least = 1.0 / band;
+        let is_none = low >= least && high <= band;
         let (holds, fails) = match self {
             Self::Faster => (low > band, high <= band),
             Self::NotFaster => (high <= band, low > band),
@@ -78,6 +82,8 @@ impl Claim {
         };
         match (holds, fails) {
             (true, false) => Standing::Holds,
+            // Of a claim that something changes by much this is an answer as well.
+            (false, true) if is_none && self != Self::NoDifference => Standing::NoDifference,
             (false, true) => Standing::DoesNotHold,
             _ => Standing::CannotTell,
         }
@@ -371,7 +377,7 @@ mod tests {
             interval: Some([1.03, 1.049]),
             processes: 9,
         };
-        assert_eq!(Claim::Faster.standing(&gain), Standing::DoesNotHold);
+        assert_eq!(Claim::Faster.standing(&gain), Standing::NoDifference);
         assert_eq!(Claim::Faster.standing_beyond(&gain, 1.02), Standing::Holds);
         let nothing = Claim::NoDifference;
         assert_eq!(nothing.standing(&gain), Standing::Holds);
@@ -390,11 +396,11 @@ mod tests {
             interval: Some([low, high]),
             processes: 5,
         };
-        use Standing::{CannotTell, DoesNotHold, Holds};
+        use Standing::{CannotTell, DoesNotHold, Holds, NoDifference};
         let cases = [
             (Claim::Faster, estimate(1.06, 1.3), Holds),
             (Claim::Faster, estimate(1.01, 1.3), CannotTell),
-            (Claim::Faster, estimate(0.99, 1.01), DoesNotHold),
+            (Claim::Faster, estimate(0.99, 1.01), NoDifference),
             (Claim::NoDifference, estimate(0.99, 1.01), Holds),
             (Claim::NoDifference, estimate(0.99, 1.06), CannotTell),
             (Claim::NoDifference, estimate(1.06, 1.3), DoesNotHold),

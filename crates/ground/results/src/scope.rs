@@ -37,10 +37,33 @@ impl Scope {
         self.0 & needed.0 == needed.0
     }
 
+    /// Whether they have a part in common.
+    #[must_use]
+    pub const fn meets(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
     /// Whether it holds no part.
     #[must_use]
     pub const fn is_empty(self) -> bool {
         self.0 == 0
+    }
+}
+
+impl std::fmt::Display for Scope {
+    /// `upload, dispatch, draw`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let parts = [
+            (Self::PLAN, "plan"),
+            (Self::UPLOAD, "upload"),
+            (Self::DISPATCH, "dispatch"),
+            (Self::DRAW, "draw"),
+            (Self::RESOLVE, "resolve"),
+            (Self::READ_BACK, "read-back"),
+        ];
+        let own = parts.iter().filter(|(part, _)| self.covers(*part));
+        let names: Vec<&str> = own.map(|(_, name)| *name).collect();
+        f.write_str(&names.join(", "))
     }
 }
 
@@ -56,5 +79,8 @@ mod tests {
         assert!(!Scope::DEVICE.covers(Scope::UPLOAD.and(Scope::DRAW)));
         assert!(!Scope::DRAW.covers(Scope::DEVICE));
         assert!(Scope::NOTHING.is_empty() && !Scope::PLAN.is_empty());
+        assert!(Scope::FRAME.meets(Scope::DEVICE) && !Scope::PLAN.meets(Scope::DEVICE));
+        let names = Scope::FRAME.to_string();
+        assert_eq!(names, "upload, dispatch, draw, resolve");
     }
 }

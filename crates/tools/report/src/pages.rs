@@ -490,11 +490,15 @@ fn requirements<'a>(report: &'a Report<'_>) -> Vec<RequirementGroup<'a>> {
     };
     vec![
         group("Met", "met", &[Standing::Holds]),
-        group("Not met", "not-met", &[Standing::DoesNotHold]),
+        group("Not met", "not-met", &[Standing::DoesNotHold, Standing::NoDifference]),
         group(
             "Inconclusive",
             "inconclusive",
-            &[Standing::CannotTell, Standing::NotMeasured],
+            &[
+                Standing::CannotTell,
+                Standing::NotMeasured,
+                Standing::CannotBeTested,
+            ],
         ),
     ]
 }

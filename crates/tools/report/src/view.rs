@@ -542,7 +542,10 @@ fn finding_view(finding: &Finding) -> FindingView<'_> {
         class: match finding.standing {
             Standing::Holds => "holds",
             Standing::DoesNotHold => "does-not",
-            Standing::CannotTell | Standing::NotMeasured => "cannot-tell",
+            Standing::NoDifference
+            | Standing::CannotTell
+            | Standing::NotMeasured
+            | Standing::CannotBeTested => "cannot-tell",
         },
     }
 }

@@ -2,22 +2,33 @@
 //! The table of every claim of Cozzi (2007): what it says, what was measured here, and whether they agree.
 //!
 //! Steps are those of the vertex shader's ladder, which is the version that the document timed. What is
-//! no difference is taken from the run: how far intervals of identical work reach in the ladder's scene. A claim whose rows are not in the run has an empty cell.
+//! no difference is taken from the run: how far intervals of identical work reach in the ladder's scene. A
+//! claim whose rows are not in the run has an empty cell.
 
 use super::data::{
-    Data, Timed, counter, distinct, has_role, is_approximate, is_baseline, is_compared,
+    Data, Pairing, Timed, counter, declared, distinct, has_role, is_approximate, is_baseline,
+    is_compared,
 };
 use super::rungs::{Ladder, Rung, SOURCE, counters};
+use super::textured::AS_IN_2007_OVER_PLAIN;
 use super::{fill_rate, memory, subdivision, textured};
-use crate::claims::{Basis, CLAIMS, Claimed, EVERY_VIEW, Rival, Test};
+use crate::claims::{Only, PAPER, Rival, Step, Test};
+use crate::keys::{
+    COLOUR_GPU_MS, FRAGMENT_SHADER_INVOCATIONS, MISMATCHED_PX_OUTSIDE_BAND, NORMALS,
+    REGIONS_LEFT_OUT, SCENE, STENCIL_FRAGMENTS, STENCIL_GPU_MS, STEP, TECHNIQUE, VARIANT, VERTICES,
+    VIEW, WALL_SHIFT_M,
+};
+use terrafill_lab::{
+    Answer, Claimed, Comparison, Follows, Told, claims_blocks, claims_table, overall,
+};
 use terrafill_plot::number::{count, significant, times};
 use terrafill_results::{
-    Block, Case, Cell, CellClass, ChapterError, Claim, DerivedTable, Estimate, Finding, Heading,
-    Outcome, Row, Standing, Table, TableLayout, ratio, share,
+    Block, Case, ChapterError, Claim, DerivedTable, Estimate, Finding, Outcome, Scope, Standing,
+    ratio, share,
 };
 
 /// The technique whose ladder the document climbed.
-const TECHNIQUE: &str = "vertex";
+const VOLUMES: &str = "vertex";
 
 /// Scenes whose surface is terrain, which is made by another crate than the bare ellipsoid.
 const ON_TERRAIN: [&str; 1] = ["hills"];
@@ -25,98 +36,58 @@ const ON_TERRAIN: [&str; 1] = ["hills"];
 /// Half of the document's smallest gain, 5.4 %: a wider band of no difference would hide it.
 const MAX_BAND: f64 = 1.027;
 
+/// The condition that says whether a frame hands over what it draws.
+const UPLOADS: &str = "buffers";
+
 /// What the document expects of the coarsest mesh's time over the finest's.
 const SUBDIVISION: Claim = Claim::NotFaster;
 
-/// What came out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Verdict {
-    Agrees,
-    Disagrees,
-    Undecided,
-    NotMeasured,
-    CannotBeTested,
-}
+/// Parts of an answer, each with its words.
+type Parts = Vec<(String, Standing)>;
 
-impl Verdict {
-    const ALL: [Self; 5] = [
-        Self::Agrees,
-        Self::Disagrees,
-        Self::Undecided,
-        Self::NotMeasured,
-        Self::CannotBeTested,
-    ];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Agrees => "agrees",
-            Self::Disagrees => "disagrees",
-            Self::Undecided => "undecided",
-            Self::NotMeasured => "not measured",
-            Self::CannotBeTested => "cannot be tested",
-        }
-    }
-
-    /// Of several standings: one that disagrees is enough, and one that cannot tell leaves it open.
-    fn of(standings: &[Standing]) -> Self {
-        let has = |wanted| standings.contains(&wanted);
-        if standings.is_empty()
-            || standings
-                .iter()
-                .all(|found| *found == Standing::NotMeasured)
-        {
-            Self::NotMeasured
-        } else if has(Standing::DoesNotHold) {
-            Self::Disagrees
-        } else if has(Standing::CannotTell) || has(Standing::NotMeasured) {
-            Self::Undecided
-        } else {
-            Self::Agrees
-        }
+/// - `reason`: from counters where there are any
+fn told(parts: Parts, reason: String) -> Told {
+    let standings: Vec<Standing> = parts.iter().map(|(_, standing)| *standing).collect();
+    let ours: Vec<String> = parts.into_iter().map(|(text, _)| text).collect();
+    let standing = overall(&standings);
+    Told {
+        ours: ours.join("; "),
+        standing,
+        reason: match standing {
+            Standing::NotMeasured => "its rows are not in this run".to_owned(),
+            _ => reason,
+        },
     }
 }
 
-/// What the run says of a claim.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Judged {
-    /// With intervals; empty where nothing was measured.
-    ours: String,
-    pub(super) verdict: Verdict,
-    /// From counters where there are any, else why there is no verdict.
-    reason: String,
+fn not_measured(why: &str) -> Told {
+    Told {
+        ours: String::new(),
+        standing: Standing::NotMeasured,
+        reason: why.to_owned(),
+    }
 }
 
-impl Judged {
-    fn new(parts: Vec<(String, Standing)>, reason: String) -> Self {
-        let standings: Vec<Standing> = parts.iter().map(|(_, standing)| *standing).collect();
-        let ours: Vec<String> = parts.into_iter().map(|(text, _)| text).collect();
-        let verdict = Verdict::of(&standings);
-        Self {
-            ours: ours.join("; "),
-            verdict,
-            reason: match verdict {
-                Verdict::NotMeasured => "its rows are not in this run".to_owned(),
-                _ => reason,
-            },
-        }
-    }
-
-    fn not_measured(why: &str) -> Self {
-        Self {
-            ours: String::new(),
-            verdict: Verdict::NotMeasured,
-            reason: why.to_owned(),
-        }
-    }
+/// Ratios with what each says of a claim, and what would settle the first that is open.
+fn of_answers(answers: Vec<(&str, Answer)>, reason: String) -> Told {
+    let open = answers
+        .iter()
+        .find(|(_, answer)| answer.standing == Standing::CannotTell && !answer.because.is_empty());
+    let reason = match open {
+        Some((_, answer)) if reason.is_empty() => answer.because.clone(),
+        Some((_, answer)) => format!("{reason}. {}", answer.because),
+        None => reason,
+    };
+    let parts = answers.iter().map(|(title, answer)| {
+        let ours = answer.figure.as_ref().map_or("–".to_owned(), times);
+        (format!("{title} {ours}"), answer.standing)
+    });
+    told(parts.collect(), reason)
 }
 
 /// The ladders that speak of the document: of one technique, on the first scene that has them.
 pub(super) fn documents<'l, 'a>(ladders: &'l [Ladder<'a>]) -> Vec<&'l Ladder<'a>> {
-    let own = || {
-        ladders
-            .iter()
-            .filter(|ladder| ladder.technique == TECHNIQUE)
-    };
+    let own = || ladders.iter().filter(|ladder| ladder.technique == VOLUMES);
     let scene = own().next().map(|ladder| ladder.scene);
     own().filter(|ladder| Some(ladder.scene) == scene).collect()
 }
@@ -125,92 +96,95 @@ pub(super) fn documents<'l, 'a>(ladders: &'l [Ladder<'a>]) -> Vec<&'l Ladder<'a>
 fn steps<'l, 'a>(
     ladders: &[&'l Ladder<'a>],
     step: &str,
-    views: &[&str],
+    views: &[String],
 ) -> Vec<(&'l Ladder<'a>, &'l Rung<'a>)> {
-    let of_views = ladders.iter().filter(|ladder| views.contains(&ladder.view));
-    let found = of_views.filter_map(|ladder| {
+    let is_of_view = |ladder: &&&Ladder<'_>| views.iter().any(|view| view == ladder.view);
+    let found = ladders.iter().filter(is_of_view).filter_map(|ladder| {
         let rung = ladder.rungs.iter().find(|rung| rung.step == step)?;
         Some((*ladder, rung))
     });
     found.collect()
 }
 
-/// The same where the frustum holds every region.
-fn steps_with_all_in_sight<'l, 'a>(
+/// The same, those that say something of the claim.
+fn telling_steps<'l, 'a>(
     ladders: &[&'l Ladder<'a>],
     step: &str,
+    views: &[String],
+    only: Only,
 ) -> Vec<(&'l Ladder<'a>, &'l Rung<'a>)> {
-    let mut found = steps(ladders, step, EVERY_VIEW);
-    found.retain(|(_, rung)| counter(rung.case, "regions_left_out") == Some(0));
-    found
-}
-
-/// The same where the step changes how many vertices are drawn.
-fn steps_that_act<'l, 'a>(
-    ladders: &[&'l Ladder<'a>],
-    step: &str,
-    views: &[&str],
-) -> Vec<(&'l Ladder<'a>, &'l Rung<'a>)> {
-    let vertices = |case: &Case| counter(case, "vertices");
+    let vertices = |case: &Case| counter(case, VERTICES);
     let mut found = steps(ladders, step, views);
-    found.retain(|(_, rung)| {
-        let before = rung.before.and_then(vertices);
-        before != vertices(rung.case)
+    found.retain(|(_, rung)| match only {
+        Only::Any => true,
+        Only::AllInSight => counter(rung.case, REGIONS_LEFT_OUT) == Some(0),
+        Only::WhereItActs => rung.before.and_then(vertices) != vertices(rung.case),
     });
     found
 }
 
-/// What the run says of `claimed`.
-pub(super) fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed) -> Judged {
+/// What the run says of a claim.
+pub(super) fn judge(
+    data: &Data<'_>,
+    ladders: &[Ladder<'_>],
+    claimed: &Claimed<Test>,
+) -> Result<Told, ChapterError> {
     let own = documents(ladders);
-    match claimed.test {
-        Test::Step(step, claim, views) => of_step(data, &steps(&own, step, views), claim),
-        Test::StepWithAllInSight(step, claim) => {
-            of_step(data, &steps_with_all_in_sight(&own, step), claim)
-        }
-        Test::StepWhereItActs(step, claim, views) => {
-            let acting = steps_that_act(&own, step, views);
-            match acting.is_empty() && !steps(&own, step, views).is_empty() {
-                true => Judged::not_measured(
+    let in_views = |of: &Step| steps(&own, &of.step, &of.views);
+    Ok(match &claimed.test {
+        Test::Step {
+            name,
+            expects,
+            views,
+            only,
+        } => {
+            let found = telling_steps(&own, name, views, *only);
+            let acts_nowhere = *only == Only::WhereItActs && found.is_empty();
+            if acts_nowhere && !steps(&own, name, views).is_empty() {
+                return Ok(not_measured(
                     "in these views the eye is inside every volume, or so near that the step changes nothing",
-                ),
-                false => of_step(data, &acting, claim),
+                ));
             }
+            of_step(data, &found, *expects)?
         }
-        Test::Counter(step, metric, claim, views) => {
-            of_counter(&steps(&own, step, views), metric, claim)
+        Test::Counter {
+            step,
+            metric,
+            expects,
+            views,
+        } => of_counter(&steps(&own, step, views), metric, *expects),
+        Test::LargestGain(step) => largest(data, &step.step, &in_views(step)),
+        Test::RightPicture(step) => {
+            let found = in_views(step).into_iter();
+            let parts = found.map(|(ladder, rung)| picture(ladder.view, rung.case));
+            told(parts.collect(), String::new())
         }
-        Test::LargestGain(step, views) => largest(data, &own, step, views),
-        Test::RightPicture(step, views) => {
-            let found = steps(&own, step, views);
-            let parts = found
-                .iter()
-                .map(|(ladder, rung)| picture(ladder.view, rung.case));
-            Judged::new(parts.collect(), String::new())
-        }
-        Test::SecondPass(views) => second_pass(&steps(&own, "bottom-cap", views)),
+        Test::SecondPass(step) => second_pass(&in_views(step)),
         Test::FillRate => of_fill_rate(&own),
-        Test::Textured(index, claim) => of_ratios(
+        Test::Textured { ratio, expects } => of_ratios(
             data,
-            &textured::compared(data, index),
-            claim,
-            textured::heading(index).to_owned(),
-        ),
+            &textured::compared(data, ratio),
+            *expects,
+            ratio.to_owned(),
+        )?,
         Test::FlatMesh => flat_mesh(data),
         Test::TexturedWorstAtHorizon => worst_at_horizon(data),
         Test::Sum {
             formula,
-            gives,
+            terms,
             says,
-        } => Judged {
-            ours: format!("{} B", count(gives)),
-            verdict: match gives == says {
-                true => Verdict::Agrees,
-                false => Verdict::Disagrees,
-            },
-            reason: formula.to_owned(),
-        },
-        Test::GeometryShaderBytes(claim) => of_geometry_shader(data, claim),
+        } => {
+            let gives: u64 = terms
+                .iter()
+                .map(|factors| factors.iter().product::<u64>())
+                .sum();
+            Told {
+                ours: format!("{} B", count(gives)),
+                standing: Standing::holds_if(gives == *says),
+                reason: formula.clone(),
+            }
+        }
+        Test::GeometryShaderBytes(claim) => of_geometry_shader(data, *claim),
         Test::CentricNormals => centric_normals(data),
         Test::SurfaceIndependence => surface_independence(data),
         Test::Subdivision => of_ratios(
@@ -218,44 +192,68 @@ pub(super) fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed) 
             &subdivision::coarsest_over_finest(data),
             SUBDIVISION,
             "time of the coarsest ÷ that of the finest".to_owned(),
-        ),
-        Test::CostsMore(rival, metrics) => costs_more(data, rival, metrics),
-        Test::TimeOverVolumes(rival, claim) => of_ratios(
+        )?,
+        Test::CostsMore { rival, metrics } => costs_more(data, rival, metrics)?,
+        Test::TimeOverVolumes { rival, expects } => of_ratios(
             data,
             &over_volumes(data, rival),
-            claim,
-            format!("{} ÷ {TECHNIQUE}/doubled", rival.0),
-        ),
-        Test::WrongPixels(rival) => wrong_pixels(data, rival),
-        Test::No(why) => Judged {
+            *expects,
+            format!("{} ÷ {VOLUMES}/doubled", rival.technique),
+        )?,
+        Test::WrongPixels { rival } => wrong_pixels(data, rival),
+        Test::No(why) => Told {
             ours: String::new(),
-            verdict: Verdict::CannotBeTested,
-            reason: why.to_owned(),
+            standing: Standing::CannotBeTested,
+            reason: why.clone(),
         },
-    }
+    })
 }
 
-fn of_step(data: &Data<'_>, found: &[(&Ladder<'_>, &Rung<'_>)], claim: Claim) -> Judged {
-    let parts = found.iter().map(|(ladder, rung)| {
-        let standing = standing(data, ladder, rung, claim);
-        let ours = rung.gain.as_ref().map_or("–".to_owned(), times);
-        (format!("{} {ours}", ladder.view), standing)
-    });
-    Judged::new(parts.collect(), reason(found))
+fn of_step(
+    data: &Data<'_>,
+    found: &[(&Ladder<'_>, &Rung<'_>)],
+    claim: Claim,
+) -> Result<Told, ChapterError> {
+    let answers: Result<Vec<(&str, Answer)>, ChapterError> = found
+        .iter()
+        .map(|(ladder, rung)| Ok((ladder.view, answer(data, rung, claim)?)))
+        .collect();
+    Ok(of_answers(answers?, reason(found)))
 }
 
 /// What a rung's gain says of a claim, by the noise of its scene.
-pub(super) fn standing(
+pub(super) fn answer(
     data: &Data<'_>,
-    ladder: &Ladder<'_>,
     rung: &Rung<'_>,
     claim: Claim,
-) -> Standing {
-    let band = data.band(ladder.scene);
-    let gain = rung.gain.as_ref();
-    gain.map_or(Standing::NotMeasured, |gain| {
-        claim.standing_beyond(gain, band)
-    })
+) -> Result<Answer, ChapterError> {
+    let Some(before) = rung.before else {
+        return Ok(Answer::not_measured("no kept step comes before it"));
+    };
+    if let Some(skipped) = rung.skipped {
+        let why = format!("a step that is not right, {skipped}, comes before it");
+        return Ok(Answer::not_measured(&why));
+    }
+    // What a step sets is the ladder's to say; a test holds this list against it.
+    let set = PAPER.steps.get(rung.step).into_iter().flatten();
+    let follows = set.map(|key| Follows {
+        key,
+        because: "the step sets it",
+    });
+    let follows: Vec<Follows<'_>> = follows.collect();
+    // A step that changes what is handed over in a frame is compared by a clock that covers it.
+    let needs = match follows.iter().any(|follows| follows.key == UPLOADS) {
+        true => Scope::UPLOAD.and(Scope::DRAW),
+        false => Scope::DRAW,
+    };
+    let comparison = Comparison {
+        changed: STEP.name(),
+        follows: &follows,
+        one_sided: None,
+        metric: data.time_covering(needs),
+        needs,
+    };
+    data.judge(comparison, [before, rung.case], claim)
 }
 
 /// What the step that moved most changed in counters.
@@ -282,7 +280,7 @@ fn exactly(value: f64) -> Estimate {
     }
 }
 
-fn of_counter(found: &[(&Ladder<'_>, &Rung<'_>)], metric: &str, claim: Claim) -> Judged {
+fn of_counter(found: &[(&Ladder<'_>, &Rung<'_>)], metric: &str, claim: Claim) -> Told {
     let parts = found.iter().filter_map(|(ladder, rung)| {
         let ratio = rung.before?.value(metric)? / rung.case.value(metric)?;
         let standing = claim.standing_beyond(&exactly(ratio), 1.0);
@@ -291,7 +289,7 @@ fn of_counter(found: &[(&Ladder<'_>, &Rung<'_>)], metric: &str, claim: Claim) ->
             standing,
         ))
     });
-    Judged::new(parts.collect(), reason(found))
+    told(parts.collect(), reason(found))
 }
 
 fn picture(view: &str, case: &Case) -> (String, Standing) {
@@ -300,7 +298,7 @@ fn picture(view: &str, case: &Case) -> (String, Standing) {
         Outcome::Wrong => Standing::DoesNotHold,
         _ => Standing::NotMeasured,
     };
-    let outside = counter(case, "mismatched_px_outside_band");
+    let outside = counter(case, MISMATCHED_PX_OUTSIDE_BAND);
     let px = outside.map_or("–".to_owned(), count);
     (format!("{view}: {px} px outside the band"), standing)
 }
@@ -312,8 +310,7 @@ fn own_steps<'l, 'a>(ladder: &'l Ladder<'a>) -> impl Iterator<Item = &'l Rung<'a
     own.filter(|rung| !rung.is_aside)
 }
 
-fn largest(data: &Data<'_>, ladders: &[&Ladder<'_>], step: &str, views: &[&str]) -> Judged {
-    let found = steps(ladders, step, views);
+fn largest(data: &Data<'_>, step: &str, found: &[(&Ladder<'_>, &Rung<'_>)]) -> Told {
     let parts = found.iter().filter_map(|(ladder, rung)| {
         let gain = rung.gain.as_ref()?;
         let others = own_steps(ladder).filter(|other| other.step != step);
@@ -330,12 +327,12 @@ fn largest(data: &Data<'_>, ladders: &[&Ladder<'_>], step: &str, views: &[&str])
             standing,
         ))
     });
-    Judged::new(parts.collect(), reason(&found))
+    told(parts.collect(), reason(found))
 }
 
-fn second_pass(found: &[(&Ladder<'_>, &Rung<'_>)]) -> Judged {
+fn second_pass(found: &[(&Ladder<'_>, &Rung<'_>)]) -> Told {
     let parts = found.iter().filter_map(|(ladder, rung)| {
-        let share = share(rung.case, "colour_gpu_ms", "stencil_gpu_ms")?;
+        let share = share(rung.case, COLOUR_GPU_MS, STENCIL_GPU_MS)?;
         let standing = Claim::AtLeast(0.5).standing(&share);
         let text = terrafill_plot::number::figure(&share);
         Some((format!("{} {text}", ladder.view), standing))
@@ -345,14 +342,14 @@ fn second_pass(found: &[(&Ladder<'_>, &Rung<'_>)]) -> Judged {
         format!(
             "{}: {} fragments in the first pass, {} shaded in the second",
             ladder.view,
-            of("stencil_fragments"),
-            of("fragment_shader_invocations")
+            of(STENCIL_FRAGMENTS),
+            of(FRAGMENT_SHADER_INVOCATIONS)
         )
     });
-    Judged::new(parts.collect(), fragments.unwrap_or_default())
+    told(parts.collect(), fragments.unwrap_or_default())
 }
 
-fn of_fill_rate(ladders: &[&Ladder<'_>]) -> Judged {
+fn of_fill_rate(ladders: &[&Ladder<'_>]) -> Told {
     let all = ladders
         .iter()
         .flat_map(|ladder| fill_rate::slopes(std::slice::from_ref(*ladder)));
@@ -369,22 +366,27 @@ fn of_fill_rate(ladders: &[&Ladder<'_>]) -> Judged {
             slopes.standing(),
         ))
     });
-    Judged::new(
+    told(
         parts.collect(),
         "exponents of time, on every view after culling".to_owned(),
     )
 }
 
-fn of_ratios(data: &Data<'_>, found: &[Timed<'_>], claim: Claim, reason: String) -> Judged {
-    let parts = found.iter().map(|timed| {
-        let text = format!("{} {}", timed.title, times(&timed.ratio));
-        (text, timed.standing(data, claim))
-    });
-    Judged::new(parts.collect(), reason)
+fn of_ratios(
+    data: &Data<'_>,
+    found: &[Timed<'_>],
+    claim: Claim,
+    reason: String,
+) -> Result<Told, ChapterError> {
+    let answers: Result<Vec<(&str, Answer)>, ChapterError> = found
+        .iter()
+        .map(|timed| Ok((timed.title.as_str(), timed.answer(data, claim)?)))
+        .collect();
+    Ok(of_answers(answers?, reason))
 }
 
 /// Barycentric coordinates have no more error than angles in f32 where a region is flat enough.
-fn flat_mesh(data: &Data<'_>) -> Judged {
+fn flat_mesh(data: &Data<'_>) -> Told {
     let found = super::textured::flat_mesh_errors(data).into_iter();
     let parts = found.map(|(view, [angles, barycentric])| {
         let standing = match barycentric <= angles {
@@ -394,7 +396,7 @@ fn flat_mesh(data: &Data<'_>) -> Judged {
         let [angles, barycentric] = [angles, barycentric].map(significant);
         (format!("{view} {angles} ÷ {barycentric}"), standing)
     });
-    Judged::new(
+    told(
         parts.collect(),
         "in a flat triangle a meridian is its chord: that error grows with the square of a region's size, and \
          the study precision measures it from 10 m up"
@@ -402,16 +404,18 @@ fn flat_mesh(data: &Data<'_>) -> Judged {
     )
 }
 
-fn worst_at_horizon(data: &Data<'_>) -> Judged {
-    let all = textured::compared(data, 0);
-    let scenes = distinct(all.iter().map(|timed| timed.scene));
+fn worst_at_horizon(data: &Data<'_>) -> Told {
+    let all = textured::compared(data, AS_IN_2007_OVER_PLAIN);
+    let scenes = distinct(all.iter().map(Timed::scene));
     let parts = scenes.into_iter().filter_map(|scene| {
-        let own = || all.iter().filter(|timed| timed.scene == scene);
+        let own = || all.iter().filter(|timed| timed.scene() == scene);
         let at_horizon = |timed: &&Timed<'_>| timed.title.ends_with("horizon");
-        let horizon = &own().find(at_horizon)?.ratio;
+        let over = |timed: &Timed<'_>| ratio(timed.cases[0], timed.cases[1], data.metric);
+        let horizon = own().find(at_horizon).and_then(over)?;
         let others = own().filter(|timed| !at_horizon(timed));
-        let others = others.map(|timed| &timed.ratio);
-        let next = others.max_by(|a, b| a.middle.total_cmp(&b.middle))?;
+        let next = others
+            .filter_map(over)
+            .max_by(|a, b| a.middle.total_cmp(&b.middle))?;
         let standing = match (horizon.interval, next.interval) {
             (Some([low, _]), Some([_, high])) if low > high => Standing::Holds,
             (Some([_, high]), Some([low, _])) if high < low => Standing::DoesNotHold,
@@ -419,15 +423,15 @@ fn worst_at_horizon(data: &Data<'_>) -> Judged {
         };
         let text = format!(
             "{scene}: {}, elsewhere at most {}",
-            times(horizon),
-            times(next)
+            times(&horizon),
+            times(&next)
         );
         Some((text, standing))
     });
-    Judged::new(parts.collect(), textured::heading(0).to_owned())
+    told(parts.collect(), AS_IN_2007_OVER_PLAIN.to_owned())
 }
 
-fn of_geometry_shader(data: &Data<'_>, claim: Claim) -> Judged {
+fn of_geometry_shader(data: &Data<'_>, claim: Claim) -> Told {
     let found = memory::geometry_shader_ratios(data);
     let parts = found.iter().map(|(name, ratio)| {
         let standing = claim.standing_beyond(&exactly(*ratio), 1.0);
@@ -445,26 +449,24 @@ fn of_geometry_shader(data: &Data<'_>, claim: Claim) -> Judged {
         true => parts.collect(),
         false => Vec::new(),
     };
-    Judged::new(parts, memory::why_strips_are_smaller())
+    told(parts, memory::why_strips_are_smaller())
 }
 
-fn centric_normals(data: &Data<'_>) -> Judged {
+fn centric_normals(data: &Data<'_>) -> Told {
     let own = data
         .cases
         .iter()
-        .filter(|case| case.condition("normals") == "centric" && is_compared(case));
+        .filter(|case| case.condition(NORMALS) == "centric" && is_compared(case));
     let parts = own.map(|case| {
-        let (pixels, standing) = picture(case.condition("view"), case);
-        let shift = case
-            .value("wall_shift_m")
-            .map_or("–".to_owned(), significant);
-        let scene = case.condition("scene");
+        let (pixels, standing) = picture(case.condition(VIEW), case);
+        let shift = case.value(WALL_SHIFT_M).map_or("–".to_owned(), significant);
+        let scene = case.condition(SCENE);
         (
             format!("{scene} {pixels}, walls off by up to {shift} m"),
             standing,
         )
     });
-    Judged::new(
+    told(
         parts.collect(),
         "walls through the same vertices are |h| sin δ apart at height h, δ the angle between both normals: \
          on the Earth 0.34 % of the height at most"
@@ -473,69 +475,64 @@ fn centric_normals(data: &Data<'_>) -> Judged {
 }
 
 /// Each case of a rival with that of volumes of the same view, and what to call the two.
-fn beside_volumes<'a>(
-    data: &Data<'a>,
-    (technique, (knob, value)): Rival,
-) -> Vec<(String, &'a Case, &'a Case)> {
+fn beside_volumes<'a>(data: &Data<'a>, rival: &Rival) -> Vec<(String, &'a Case, &'a Case)> {
     let cases = || data.cases.iter().copied();
-    let is_own =
-        |case: &&Case| case.condition("technique") == technique && case.condition(knob) == value;
+    let is_own = |case: &&Case| {
+        case.condition(TECHNIQUE) == rival.technique
+            && case.condition_named(&rival.key) == rival.value
+    };
     let pairs = cases().filter(is_own).filter_map(|own| {
-        let of = ["scene", "view"].map(|key| own.condition(key));
+        let of = [SCENE, VIEW].map(|key| own.condition(key));
         let is_volumes = |case: &&Case| {
-            ["scene", "view"].map(|key| case.condition(key)) == of
-                && case.condition("technique") == TECHNIQUE
-                && case.condition("variant") == "doubled"
+            [SCENE, VIEW].map(|key| case.condition(key)) == of
+                && case.condition(TECHNIQUE) == VOLUMES
+                && case.condition(VARIANT) == "doubled"
         };
         Some((of.join(" "), own, cases().find(is_volumes)?))
     });
     pairs.collect()
 }
 
-/// Time of a rival over that of volumes.
-fn over_volumes<'a>(data: &Data<'a>, rival: Rival) -> Vec<Timed<'a>> {
+/// A technique and volumes.
+const RIVALS: Pairing = Pairing {
+    changed: TECHNIQUE,
+    follows: &[],
+    one_sided: Some("a switch that only one of the two techniques has"),
+};
+
+/// A rival and volumes, view by view.
+fn over_volumes<'a>(data: &Data<'a>, rival: &Rival) -> Vec<Timed<'a>> {
     let found = beside_volumes(data, rival).into_iter();
-    let timed = found.filter_map(|(title, own, volumes)| {
-        Some(Timed {
-            title,
-            scene: own.condition("scene"),
-            cases: [own, volumes],
-            ratio: ratio(own, volumes, data.metric)?,
-        })
+    let timed = found.map(|(title, own, volumes)| Timed {
+        title,
+        pairing: RIVALS,
+        cases: [own, volumes],
     });
     timed.collect()
 }
 
-fn costs_more(data: &Data<'_>, rival: Rival, metrics: &[&str]) -> Judged {
-    let found = beside_volumes(data, rival);
-    let parts = found.iter().flat_map(|(title, own, volumes)| {
-        metrics.iter().filter_map(move |metric| {
-            let (over, standing) = match metric.ends_with("_ms") {
-                true => {
-                    let over = ratio(own, volumes, metric)?;
-                    (
-                        over.middle,
-                        Standing::of_times(&over, data.noise_of(metric)).0,
-                    )
-                }
-                false => {
-                    let over = own.value(metric)? / volumes.value(metric)?;
-                    (over, Standing::holds_if(over > 1.0))
-                }
+fn costs_more(data: &Data<'_>, rival: &Rival, metrics: &[String]) -> Result<Told, ChapterError> {
+    let mut parts = Vec::new();
+    for timed in over_volumes(data, rival) {
+        for name in metrics {
+            let metric = declared(name);
+            let answer = timed.answer_in(data, metric, metric.scope, Claim::Faster)?;
+            let Some(figure) = answer.figure else {
+                continue;
             };
-            let text = format!("{title}, {metric} {} ×", significant(over));
-            Some((text, standing))
-        })
-    });
-    Judged::new(
-        parts.collect(),
-        format!("{} ÷ {TECHNIQUE}/doubled", rival.0),
-    )
+            let over = significant(figure.middle);
+            parts.push((format!("{}, {name} {over} ×", timed.title), answer.standing));
+        }
+    }
+    Ok(told(
+        parts,
+        format!("{} ÷ {VOLUMES}/doubled", rival.technique),
+    ))
 }
 
-fn wrong_pixels(data: &Data<'_>, rival: Rival) -> Judged {
+fn wrong_pixels(data: &Data<'_>, rival: &Rival) -> Told {
     let found = beside_volumes(data, rival);
-    let outside = |case: &Case| counter(case, "mismatched_px_outside_band");
+    let outside = |case: &Case| counter(case, MISMATCHED_PX_OUTSIDE_BAND);
     let parts = found.iter().filter_map(|(title, own, _)| {
         let pixels = outside(own)?;
         Some((format!("{title} {} px", count(pixels)), pixels))
@@ -546,13 +543,13 @@ fn wrong_pixels(data: &Data<'_>, rival: Rival) -> Judged {
     let parts = parts.into_iter().map(|(text, _)| (text, standing));
     let volumes = found.iter().filter_map(|(_, _, volumes)| outside(volumes));
     let most = volumes.max().map_or("–".to_owned(), count);
-    Judged::new(
+    told(
         parts.collect(),
         format!("outside the boundary band; of volumes at most {most}"),
     )
 }
 
-fn surface_independence(data: &Data<'_>) -> Judged {
+fn surface_independence(data: &Data<'_>) -> Told {
     let plain = |case: &&&Case| {
         !is_baseline(case)
             && !textured::is_textured(case)
@@ -564,14 +561,14 @@ fn surface_independence(data: &Data<'_>) -> Judged {
     let cases = || data.cases.iter().filter(plain);
     let tally = |on_terrain: bool| {
         let own = || {
-            cases().filter(move |case| ON_TERRAIN.contains(&case.condition("scene")) == on_terrain)
+            cases().filter(move |case| ON_TERRAIN.contains(&case.condition(SCENE)) == on_terrain)
         };
         let ended = |outcome| own().filter(|case| case.outcome == outcome).count();
         (ended(Outcome::Ok), ended(Outcome::Wrong))
     };
     let [(ok_bare, wrong_bare), (ok_terrain, wrong_terrain)] = [tally(false), tally(true)];
     if ok_bare + wrong_bare == 0 || ok_terrain + wrong_terrain == 0 {
-        return Judged::not_measured("the run has surfaces of one kind only");
+        return not_measured("the run has surfaces of one kind only");
     }
     let text = |what: &str, ok: usize, wrong: usize| {
         let standing = Standing::holds_if(wrong == 0);
@@ -580,7 +577,7 @@ fn surface_independence(data: &Data<'_>) -> Judged {
             standing,
         )
     };
-    Judged::new(
+    told(
         vec![
             text("bare ellipsoid", ok_bare, wrong_bare),
             text("terrain", ok_terrain, wrong_terrain),
@@ -589,203 +586,129 @@ fn surface_independence(data: &Data<'_>) -> Judged {
     )
 }
 
-/// Every claim with what the run says of it.
-fn all(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<(&'static Claimed, Judged)> {
-    let judged = |claimed: &'static Claimed| (claimed, judge(data, ladders, claimed));
-    CLAIMS.iter().map(judged).collect()
+/// What the run says of each claim, in order.
+fn all(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Told>, ChapterError> {
+    let claims = PAPER.claims.iter();
+    claims
+        .map(|claimed| judge(data, ladders, claimed))
+        .collect()
 }
 
 /// The table, and how many claims ended how; nothing for a run that measured none of it.
-pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Block> {
-    let all = all(data, ladders);
-    let is_measured = |(claimed, judged): &(&Claimed, Judged)| {
+pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Block>, ChapterError> {
+    let all = all(data, ladders)?;
+    let is_measured = |(claimed, told): (&Claimed<Test>, &Told)| {
         !matches!(claimed.test, Test::Sum { .. })
             && !matches!(
-                judged.verdict,
-                Verdict::NotMeasured | Verdict::CannotBeTested
+                told.standing,
+                Standing::NotMeasured | Standing::CannotBeTested
             )
     };
-    if !all.iter().any(is_measured) {
-        return Vec::new();
+    if !PAPER.claims.iter().zip(&all).any(is_measured) {
+        return Ok(Vec::new());
     }
-    let rows = all.iter().map(|(claimed, judged)| row(claimed, judged));
-    vec![
-        Block::section("The claims of 2007"),
-        Block::Text(format!(
-            "Every claim of {SOURCE}, quoted to the letter, in the document's order. Gain = time without ÷ \
-             time with, with its 95 % interval; above 1 is faster. The document timed a vertex shader \
-             on a GeForce 6800 Ultra; its tables are pictures and not handed down, so many of its \
-             figures are missing. {} {}",
-            data.band_sentence(ladders.first().map(|ladder| ladder.scene)),
-            tally(&all)
-        )),
-        Block::Table(Table {
-            headings: [
-                "claim",
-                "basis",
-                "its figure",
-                "experiment here",
-                "our figure",
-                "verdict",
-                "reason",
-            ]
-            .map(Heading::plain)
-            .into(),
-            rows: rows.collect(),
-            layout: TableLayout::Cards,
-            ..Table::default()
-        }),
-    ]
+    let bound = data.band_sentence(ladders.first().map(|ladder| ladder.scene));
+    Ok(claims_blocks("The claims of 2007", &PAPER, &all, &bound))
 }
 
-fn row(claimed: &Claimed, judged: &Judged) -> Row {
-    let or_absent = |text: &str, why: &str| match text {
-        "" => Cell::absent(why),
-        text => Cell::name(text),
-    };
-    let no_figure = "the document's text has none";
-    let cannot = match judged.verdict {
-        Verdict::CannotBeTested | Verdict::NotMeasured => judged.reason.as_str(),
-        _ => "none",
-    };
-    Row::new(vec![
-        Cell {
-            detail: claimed.place.to_owned(),
-            ..Cell::name(format!("“{}”", claimed.words))
-        },
-        Cell::plain(claimed.basis.name()),
-        or_absent(claimed.figure, no_figure),
-        or_absent(claimed.experiment, cannot),
-        or_absent(&judged.ours, cannot),
-        Cell {
-            class: match judged.verdict {
-                Verdict::Agrees => CellClass::Good,
-                Verdict::Disagrees => CellClass::Bad,
-                _ => CellClass::Plain,
-            },
-            ..Cell::plain(judged.verdict.name())
-        },
-        Cell::name(&judged.reason),
-    ])
-}
-
-fn tally(all: &[(&'static Claimed, Judged)]) -> String {
-    let bases = Basis::ALL.map(|basis| {
-        let of_basis = all.iter().filter(|(claimed, _)| claimed.basis == basis);
-        format!("{} {}", of_basis.count(), basis.name())
-    });
-    let verdicts = Verdict::ALL.map(|verdict| {
-        let ended = all.iter().filter(|(_, judged)| judged.verdict == verdict);
-        format!("{}: {}", verdict.name(), ended.count())
-    });
-    format!(
-        "{} claims: {}. Verdicts: {}.",
-        all.len(),
-        bases.join(", "),
-        verdicts.join(", ")
-    )
+/// `claims.csv`: the table as data.
+pub(super) fn table(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<DerivedTable, ChapterError> {
+    claims_table(&PAPER, &all(data, ladders)?)
 }
 
 /// What the document says of the steps of a ladder that it climbed.
-pub(super) fn of_ladder(data: &Data<'_>, ladder: &Ladder<'_>) -> Vec<Finding> {
-    if ladder.technique != TECHNIQUE {
-        return Vec::new();
+pub(super) fn of_ladder(
+    data: &Data<'_>,
+    ladder: &Ladder<'_>,
+) -> Result<Vec<Finding>, ChapterError> {
+    if ladder.technique != VOLUMES {
+        return Ok(Vec::new());
     }
-    let findings = CLAIMS.iter().filter_map(|claimed| {
-        let (found, claim) = match claimed.test {
-            Test::Step(step, claim, views) => (steps(&[ladder], step, views), claim),
-            Test::StepWhereItActs(step, claim, views) => {
-                (steps_that_act(&[ladder], step, views), claim)
-            }
-            _ => return None,
+    let finding = |claimed: &Claimed<Test>| {
+        let Test::Step {
+            name,
+            expects,
+            views,
+            only,
+        } = &claimed.test
+        else {
+            return Ok(None);
         };
-        let (_, rung) = found.first()?;
-        let gain = rung.gain.as_ref().map(|gain| data.ratio_text(gain));
-        let figure = match claimed.figure {
+        let found = telling_steps(&[ladder], name, views, *only);
+        let Some((_, rung)) = found.first() else {
+            return Ok(None);
+        };
+        let answer = answer(data, rung, *expects)?;
+        let figure = match claimed.figure.as_str() {
             "" => String::new(),
             figure => format!(" ({figure})"),
         };
-        Some(Finding {
+        let gain = answer.figure.as_ref().map(|gain| data.ratio_text(gain));
+        let gain = gain.map(|gain| format!("{}: {gain}", rung.step));
+        let because = [gain.unwrap_or_default(), answer.because];
+        let because = because.into_iter().filter(|text| !text.is_empty());
+        Ok(Some(Finding {
             claim: format!(
                 "{SOURCE}, {}, {}{figure}: “{}”",
                 claimed.place,
                 claimed.basis.name(),
                 claimed.words
             ),
-            standing: standing(data, ladder, rung, claim),
-            because: gain.map_or(String::new(), |gain| format!("{}: {gain}", rung.step)),
-        })
-    });
+            standing: answer.standing,
+            because: because.collect::<Vec<_>>().join(". "),
+        }))
+    };
+    let findings = PAPER
+        .claims
+        .iter()
+        .filter_map(|claimed| finding(claimed).transpose());
     findings.collect()
 }
 
 /// Keys of the cases that further processes may decide a claim by: what is undecided, or all steps while
 /// noise is larger than [`MAX_BAND`].
-pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> {
+pub(super) fn undecided(
+    data: &Data<'_>,
+    ladders: &[Ladder<'_>],
+) -> Result<Vec<String>, ChapterError> {
     let own = documents(ladders);
     let Some(scene) = own.first().map(|ladder| ladder.scene) else {
-        return Vec::new();
+        return Ok(Vec::new());
     };
     let noise = data.ladder_noise(scene);
     let is_noisy = noise.is_some_and(|noise| noise.reach_factor() > MAX_BAND);
     let mut keys = textured::undecided(data);
-    for claimed in &CLAIMS {
-        let (rungs, timed, claim) = match claimed.test {
-            Test::Step(step, claim, views) => (steps(&own, step, views), Vec::new(), claim),
-            Test::StepWithAllInSight(step, claim) => {
-                (steps_with_all_in_sight(&own, step), Vec::new(), claim)
+    for claimed in &PAPER.claims {
+        let (timed, claim) = match &claimed.test {
+            Test::Step {
+                name,
+                expects,
+                views,
+                only,
+            } => {
+                for (_, rung) in telling_steps(&own, name, views, *only) {
+                    let is_open = answer(data, rung, *expects)?.standing == Standing::CannotTell;
+                    if is_open || (is_noisy && rung.gain.is_some()) {
+                        let cases = rung.before.into_iter().chain([rung.case]);
+                        keys.extend(cases.map(|case| case.id().key()));
+                    }
+                }
+                continue;
             }
-            Test::StepWhereItActs(step, claim, views) => {
-                (steps_that_act(&own, step, views), Vec::new(), claim)
-            }
-            Test::Textured(index, claim) => (Vec::new(), textured::compared(data, index), claim),
-            Test::Subdivision => {
-                let timed = subdivision::coarsest_over_finest(data);
-                (Vec::new(), timed, SUBDIVISION)
-            }
-            Test::TimeOverVolumes(rival, claim) => (Vec::new(), over_volumes(data, rival), claim),
+            Test::Textured { ratio, expects } => (textured::compared(data, ratio), *expects),
+            Test::Subdivision => (subdivision::coarsest_over_finest(data), SUBDIVISION),
+            Test::TimeOverVolumes { rival, expects } => (over_volumes(data, rival), *expects),
             _ => continue,
         };
-        let rungs = rungs.into_iter().filter(|(ladder, rung)| {
-            standing(data, ladder, rung, claim) == Standing::CannotTell
-                || (is_noisy && rung.gain.is_some())
-        });
-        let of_rungs = rungs.flat_map(|(_, rung)| rung.before.into_iter().chain([rung.case]));
-        let timed = timed.iter();
-        let open = timed.filter(|timed| timed.standing(data, claim) == Standing::CannotTell);
-        let cases = of_rungs.chain(open.flat_map(|timed| timed.cases));
-        keys.extend(cases.map(|case| case.id().key()));
+        for timed in &timed {
+            if timed.answer(data, claim)?.standing == Standing::CannotTell {
+                keys.extend(timed.cases.map(|case| case.id().key()));
+            }
+        }
     }
     keys.sort_unstable();
     keys.dedup();
     let twins = data.ladder_twins(&keys);
     keys.extend(twins);
-    keys
-}
-
-/// `claims.csv`: the table as data.
-pub(super) fn table(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<DerivedTable, ChapterError> {
-    let header = [
-        "words",
-        "place",
-        "basis",
-        "figure",
-        "experiment",
-        "ours",
-        "verdict",
-        "reason",
-    ];
-    let rows = all(data, ladders).into_iter().map(|(claimed, judged)| {
-        vec![
-            claimed.words.to_owned(),
-            claimed.place.to_owned(),
-            claimed.basis.name().to_owned(),
-            claimed.figure.to_owned(),
-            claimed.experiment.to_owned(),
-            judged.ours,
-            judged.verdict.name().to_owned(),
-            judged.reason,
-        ]
-    });
-    DerivedTable::new("claims.csv", &header, rows)
+    Ok(keys)
 }

@@ -2,16 +2,17 @@
 //! The study's cases as its chapter reads them, in scenes and views, with the run's clock.
 
 use crate::keys::{
-    APPROXIMATE, ASIDE, BOUNDARY_LOD_PX, BOUNDARY_TOLERANCE_M, LAYOUT, NEEDS_RUNG, NEEDS_STEP,
-    PICTURE, ROLE, RUNG, SCENE, STEP, TECHNIQUE, TOLERANCE_M, VARIANT, VIEW,
+    APPROXIMATE, ASIDE, BOUNDARY_LOD_PX, BOUNDARY_TOLERANCE_M, FILL_WALL_MS, LAYOUT, NEEDS_RUNG,
+    NEEDS_STEP, PICTURE, ROLE, RUNG, SCENE, STEP, TECHNIQUE, TOLERANCE_M, VARIANT, VIEW,
 };
+use crate::metrics::METRICS;
 use crate::request::STUDY;
 use std::collections::{BTreeMap, BTreeSet};
+use terrafill_lab::{Answer, Comparison, Follows, band};
 use terrafill_plot::number::{significant, times};
-use terrafill_results::threshold::MIN_DIFFERENCE;
 use terrafill_results::{
-    Case, Cell, Claim, ConditionKey, Estimate, Heading, Metric, Noise, Outcome, REPEATS, Run,
-    Spread, Standing, over_typical, process_medians, ratio, sample_spread, typical,
+    Case, Cell, ChapterError, Claim, ConditionKey, Estimate, Heading, Metric, Noise, Outcome,
+    REPEATS, Run, Scope, Spread, over_typical, process_medians, ratio, sample_spread, typical,
 };
 
 /// Full-screen pass that reads depth in a shader and writes a constant.
@@ -45,23 +46,55 @@ const NO_SWITCHES: [ConditionKey; 13] = [
     REPEATS,
 ];
 
-/// Least band of no difference: clocks of software devices step by less, and what two of three pairs of
-/// identical work happen to agree by says little.
-const MIN_BAND: f64 = 1.005;
+/// Conditions that say what a case is for, or name the switches that it has anyway.
+const BOOKKEEPING: [ConditionKey; 7] = [ASIDE, NEEDS_RUNG, NEEDS_STEP, ROLE, RUNG, STEP, VARIANT];
+
+/// What a pair of cases may differ in.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pairing {
+    pub(super) changed: ConditionKey,
+    pub(super) follows: &'static [Follows<'static>],
+    pub(super) one_sided: Option<&'static str>,
+}
 
 /// Two times that a claim compares.
 pub(super) struct Timed<'a> {
     pub(super) title: String,
-    pub(super) scene: &'a str,
+    pub(super) pairing: Pairing,
     pub(super) cases: [&'a Case; 2],
-    /// Time of the first over that of the second.
-    pub(super) ratio: Estimate,
 }
 
 impl Timed<'_> {
-    /// What the ratio says of a claim, by the noise of its scene.
-    pub(super) fn standing(&self, data: &Data<'_>, claim: Claim) -> Standing {
-        claim.standing_beyond(&self.ratio, data.band(self.scene))
+    pub(super) fn scene(&self) -> &str {
+        self.cases[0].condition(SCENE)
+    }
+
+    /// What the time of the first over that of the second says of a claim, by the noise of its scene.
+    pub(super) fn answer(&self, data: &Data<'_>, claim: Claim) -> Result<Answer, ChapterError> {
+        self.answer_in(data, data.time_covering(Scope::DRAW), Scope::DRAW, claim)
+    }
+
+    /// The same of another figure.
+    pub(super) fn answer_in(
+        &self,
+        data: &Data<'_>,
+        metric: &'static Metric,
+        needs: Scope,
+        claim: Claim,
+    ) -> Result<Answer, ChapterError> {
+        let Pairing {
+            changed,
+            follows,
+            one_sided,
+        } = self.pairing;
+        let comparison = Comparison {
+            changed: changed.name(),
+            follows,
+            one_sided,
+            metric,
+            needs,
+        };
+        data.judge(comparison, self.cases, claim)
     }
 }
 
@@ -128,6 +161,38 @@ impl<'a> Data<'a> {
             metric,
             noise: Noise::of(own(), metric),
         }
+    }
+
+    /// The fill's time by the run's clock, or by the wall clock where that one does not cover what is compared.
+    pub(super) fn time_covering(&self, needs: Scope) -> &'static Metric {
+        match self.metric.scope.covers(needs) {
+            true => self.metric,
+            false => FILL_WALL_MS,
+        }
+    }
+
+    /// What two cases say of a claim, by the noise of their scene's ladder.
+    pub(super) fn judge(
+        &self,
+        comparison: Comparison<'_>,
+        cases: [&Case; 2],
+        claim: Claim,
+    ) -> Result<Answer, ChapterError> {
+        let own = BOOKKEEPING.map(|key| Follows {
+            key: key.name(),
+            because: "says what the case is for, or names what it has anyway",
+        });
+        let follows: Vec<Follows<'_>> = comparison.follows.iter().copied().chain(own).collect();
+        let comparison = Comparison {
+            follows: &follows,
+            ..comparison
+        };
+        let noise = self.noise_on(cases[0].condition(SCENE), comparison.metric);
+        let judged = comparison.judge(self.run, cases, claim, noise);
+        judged.map_err(|refused| ChapterError::Block {
+            what: format!("comparison in {}", comparison.changed),
+            message: refused.to_string(),
+        })
     }
 
     /// `process CPU ms`, for headings and axes.
@@ -208,13 +273,16 @@ impl<'a> Data<'a> {
     /// Ratios closer to 1 than this factor are no difference in a scene's ladder: so far reach the intervals
     /// of identical work there. A narrower band could not call identical work no difference.
     pub(super) fn band(&self, scene: &str) -> f64 {
-        let noise = self.ladder_noise(scene);
-        noise.map_or(MIN_DIFFERENCE, |noise| noise.reach_factor().max(MIN_BAND))
+        band(self.ladder_noise(scene))
     }
 
     /// By how much identical work differed on a scene's ladder; anywhere in the scene where none of the
     /// ladder was measured twice.
     pub(super) fn ladder_noise(&self, scene: &str) -> Option<Noise> {
+        self.noise_on(scene, self.metric)
+    }
+
+    fn noise_on(&self, scene: &str, metric: &Metric) -> Option<Noise> {
         let own = || {
             self.run
                 .cases
@@ -223,13 +291,7 @@ impl<'a> Data<'a> {
         };
         let of_scene = || own().filter(|case| case.condition(SCENE) == scene);
         let of_ladder = of_scene().filter(|case| has_role(case, "ladder"));
-        Noise::of(of_ladder, self.metric).or_else(|| Noise::of(of_scene(), self.metric))
-    }
-
-    /// By how much identical work differed in a metric of this study.
-    pub(super) fn noise_of(&self, metric: impl AsRef<str>) -> Option<Noise> {
-        let own = self.run.cases.iter();
-        Noise::of(own.filter(|case| case.id().study == STUDY), metric)
+        Noise::of(of_ladder, metric).or_else(|| Noise::of(of_scene(), metric))
     }
 
     /// What is taken as no difference, in a sentence.
@@ -511,6 +573,11 @@ pub(super) fn knob_m(case: &Case) -> Option<f64> {
         .parse()
         .ok()
         .or(case.value(BOUNDARY_TOLERANCE_M))
+}
+
+/// The declaration of a metric that the study has.
+pub(super) fn declared(name: &str) -> &'static Metric {
+    Metric::of(&METRICS, name)
 }
 
 /// A counter.

@@ -24,6 +24,8 @@ pub(super) struct Rung<'a> {
     pub(super) is_aside: bool,
     /// The last kept rung before it.
     pub(super) before: Option<&'a Case>,
+    /// The step between both that is not right: what differs is its work as well as this one's.
+    pub(super) skipped: Option<&'a str>,
     /// Time of that rung over this one's.
     pub(super) gain: Option<Estimate>,
 }
@@ -72,6 +74,7 @@ fn climb<'a>(data: &Data<'a>, cases: impl Iterator<Item = &'a Case>) -> Vec<Rung
     let mut cases: Vec<(u32, &Case)> = numbered.collect();
     cases.sort_by_key(|(number, _)| *number);
     let mut before: Option<&Case> = None;
+    let mut skipped = None;
     let mut rungs = Vec::new();
     for (number, case) in cases {
         let rung = Rung {
@@ -80,9 +83,14 @@ fn climb<'a>(data: &Data<'a>, cases: impl Iterator<Item = &'a Case>) -> Vec<Rung
             case,
             is_aside: is_aside(case),
             before,
+            skipped,
             gain: before.and_then(|before| data.over(before, case)),
         };
-        before = Some(case).filter(|_| rung.is_kept()).or(before);
+        if rung.is_kept() {
+            (before, skipped) = (Some(case), None);
+        } else if !rung.is_aside {
+            skipped = Some(rung.step);
+        }
         rungs.push(rung);
     }
     rungs

@@ -5,10 +5,10 @@
 //! Cozzi (2007, 2.1.7.2) expected coarse meshes with tall walls to win and left it unmeasured. How tall they
 //! must be at most follows from the step: `terrafill_core::MeshOptions::sagitta_bound_m`.
 
-use super::data::{Data, Timed, counter, distinct, has_role, title};
+use super::data::{Data, Pairing, Timed, counter, distinct, has_role, title};
 use super::rungs::SOURCE;
 use crate::keys::{
-    CAP_STEP, CAP_TRIANGLES, HAUSDORFF_PX, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND, SCENE,
+    CAP_STEP, CAP_TRIANGLES, HAUSDORFF_PX, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND,
     STENCIL_FRAGMENTS, WALL_BOUND_M, WALL_HEIGHT_M,
 };
 use terrafill_plot::number::{count, significant};
@@ -16,8 +16,8 @@ use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, ConditionKey, Finding, Heading, Metric, Outcome, Plot, Row,
-    Standing, Table,
+    Block, Case, Cell, ChapterError, Claim, ConditionKey, Finding, Heading, Metric, Outcome, Plot,
+    Row, Standing, Table,
 };
 
 /// The switch whose values are swept.
@@ -63,7 +63,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
             text: format!("Cap steps of {}", sweep.title),
         });
         blocks.push(Block::Table(table(data, sweep)));
-        blocks.extend(finding(data, sweep).map(Block::Finding));
+        blocks.extend(finding(data, sweep)?.map(Block::Finding));
         blocks.extend(walls_by_formula(sweep).map(Block::Finding));
     }
     Ok(blocks)
@@ -131,14 +131,20 @@ fn table(data: &Data<'_>, sweep: &Sweep<'_>) -> Table {
     }
 }
 
+/// Two meshes of one region.
+const STEPS: Pairing = Pairing {
+    changed: KNOB,
+    follows: &[],
+    one_sided: None,
+};
+
 /// Time of the coarsest mesh over that of the finest, for each view.
 pub(super) fn coarsest_over_finest<'a>(data: &Data<'a>) -> Vec<Timed<'a>> {
     let of = |sweep: Sweep<'a>| {
         let (fine, coarse) = (sweep.cases.first()?.1, sweep.cases.last()?.1);
         Some(Timed {
-            ratio: data.over(coarse, fine)?,
-            scene: fine.condition(SCENE),
             title: sweep.title,
+            pairing: STEPS,
             cases: [coarse, fine],
         })
     };
@@ -146,22 +152,32 @@ pub(super) fn coarsest_over_finest<'a>(data: &Data<'a>) -> Vec<Timed<'a>> {
 }
 
 /// Whether the coarsest mesh is faster than the finest.
-fn finding(data: &Data<'_>, sweep: &Sweep<'_>) -> Option<Finding> {
-    let (fine, coarse) = (sweep.cases.first()?, sweep.cases.last()?);
-    let gain = data.over(fine.1, coarse.1)?;
-    Some(Finding {
+fn finding(data: &Data<'_>, sweep: &Sweep<'_>) -> Result<Option<Finding>, ChapterError> {
+    let (Some(fine), Some(coarse)) = (sweep.cases.first(), sweep.cases.last()) else {
+        return Ok(None);
+    };
+    let timed = Timed {
+        title: sweep.title.clone(),
+        pairing: STEPS,
+        cases: [fine.1, coarse.1],
+    };
+    let answer = timed.answer(data, Claim::Faster)?;
+    Ok(answer.figure.as_ref().map(|gain| Finding {
         claim: format!(
             "{SOURCE}, 2.1.7.2, anticipated: “the extra subdivision is not going to payoff”. Coarse and \
              tall is faster."
         ),
-        standing: Standing::of_times(&gain, data.noise).0,
+        standing: answer.standing,
         because: format!(
-            "{}° fills {} as fast as {}°",
+            "{}° fills {} as fast as {}° {}",
             coarse.0,
-            data.ratio_text(&gain),
-            fine.0
-        ),
-    })
+            data.ratio_text(gain),
+            fine.0,
+            answer.because
+        )
+        .trim_end()
+        .to_owned(),
+    }))
 }
 
 /// Whether walls are as low as the formula says; nothing where no case has both figures.

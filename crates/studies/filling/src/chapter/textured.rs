@@ -5,15 +5,18 @@
 //! Cozzi (2007) named the two arctangents of the texture coordinates as what textured fill loses most
 //! on. Findings are compared with the measured interval; nothing here knows what came out.
 
-use super::data::{DEPTH_PASS, Data, Timed, counter, distinct, is_same, name, switches, title};
+use super::data::{
+    DEPTH_PASS, Data, Pairing, Timed, counter, distinct, is_same, name, switches, title,
+};
 use crate::keys::{
     COLOUR_MAX, COLOUR_MEAN, LAYOUT, NORMALIZE, PICTURE, POSITION, SCENE, TECHNIQUE,
     TEXEL_COMPARED_PX, TEXEL_MAX, TEXEL_NON_FINITE, TEXEL_RMS, TEXTURE, TEXTURE_BYTES, VIEW,
 };
+use terrafill_lab::Follows;
 use terrafill_plot::number::{bytes, count, significant, spread};
 use terrafill_results::{
-    Block, Case, Cell, Claim, ConditionKey, Estimate, Finding, Heading, Outcome, Picture,
-    PictureFigure, Pictures, Row, Standing, Table, ratio,
+    Block, Case, Cell, ChapterError, Claim, ConditionKey, Estimate, Finding, Heading, Outcome,
+    Picture, PictureFigure, Pictures, Row, Standing, Table, ratio,
 };
 
 /// Switches that a plain fill of the same layout has not.
@@ -41,7 +44,48 @@ pub(super) struct Comparison {
     pub(super) case: TextureSwitches,
     /// Empty: the plain fill.
     pub(super) control: TextureSwitches,
+    /// What of the two may differ.
+    pairing: Pairing,
 }
+
+const fn one_change(changed: ConditionKey) -> Pairing {
+    Pairing {
+        changed,
+        follows: &[],
+        one_sided: None,
+    }
+}
+
+/// Two routes to a texel.
+const ROUTES: Pairing = one_change(TEXTURE);
+
+/// Two routes of which one starts from another position.
+const STARTS: Pairing = Pairing {
+    follows: &[Follows {
+        key: POSITION.name(),
+        because: "where the route starts is part of it",
+    }],
+    ..ROUTES
+};
+
+/// A textured fill and the plain one of its layout.
+const OVER_PLAIN: Pairing = Pairing {
+    follows: &[
+        Follows {
+            key: POSITION.name(),
+            because: "a plain fill looks for none",
+        },
+        Follows {
+            key: NORMALIZE.name(),
+            because: "it has none to normalise",
+        },
+        Follows {
+            key: PICTURE.name(),
+            because: "it shows none",
+        },
+    ],
+    ..ROUTES
+};
 
 const CHOSEN: TextureSwitches = &[(TEXTURE, "chosen")];
 const NATIVE: TextureSwitches = &[(TEXTURE, "atan2-native+bowring-1")];
@@ -73,32 +117,40 @@ pub(super) fn flat_mesh_errors(data: &Data<'_>) -> Vec<(String, [f64; 2])> {
     views(data).iter().filter_map(of).collect()
 }
 
+/// The document's fill beside the plain one.
+pub(super) const AS_IN_2007_OVER_PLAIN: &str = "as in 2007 ÷ plain";
+
 /// The document's comparisons.
 pub(super) const COMPARISONS: [Comparison; 13] = [
     Comparison {
-        heading: "as in 2007 ÷ plain",
+        heading: AS_IN_2007_OVER_PLAIN,
         case: AS_IN_2007,
         control: &[],
+        pairing: OVER_PLAIN,
     },
     Comparison {
         heading: "chosen route ÷ plain",
         case: CHOSEN,
         control: &[],
+        pairing: OVER_PLAIN,
     },
     Comparison {
         heading: "least textured fill ÷ plain",
         case: FLOOR,
         control: &[],
+        pairing: OVER_PLAIN,
     },
     Comparison {
         heading: "chosen route ÷ least",
         case: CHOSEN,
         control: FLOOR,
+        pairing: ROUTES,
     },
     Comparison {
         heading: "native atan2 ÷ chosen route",
         case: NATIVE,
         control: CHOSEN,
+        pairing: ROUTES,
     },
     Comparison {
         heading: "as in 2007, a picture each ÷ one for all",
@@ -109,6 +161,7 @@ pub(super) const COMPARISONS: [Comparison; 13] = [
             (TEXTURE, "atan2-native+geocentric"),
         ],
         control: AS_IN_2007,
+        pairing: one_change(PICTURE),
     },
     Comparison {
         heading: "as in 2007, picture of the scene ÷ of 32²",
@@ -119,11 +172,13 @@ pub(super) const COMPARISONS: [Comparison; 13] = [
             (POSITION, "inverse-ecef"),
             (TEXTURE, "atan2-native+geocentric"),
         ],
+        pairing: one_change(PICTURE),
     },
     Comparison {
         heading: "as in 2007 ÷ without the superfluous normalize",
         case: AS_IN_2007,
         control: ATAN_2007,
+        pairing: one_change(NORMALIZE),
     },
     Comparison {
         heading: "2007, native atan2 ÷ 1D texture",
@@ -132,33 +187,39 @@ pub(super) const COMPARISONS: [Comparison; 13] = [
             (POSITION, "inverse-ecef"),
             (TEXTURE, "lut-256-r16-linear+geocentric"),
         ],
+        pairing: ROUTES,
     },
     Comparison {
         heading: "2007, native atan2 ÷ series",
         case: ATAN_2007,
         control: &[(POSITION, "inverse-ecef"), (TEXTURE, "odd-7+geocentric")],
+        pairing: ROUTES,
     },
     Comparison {
         heading: "2007, native atan2 ÷ texture of spherical coordinates",
         case: ATAN_2007,
         control: &[(POSITION, "inverse-ecef"), (TEXTURE, "cube-512")],
+        pairing: ROUTES,
     },
     Comparison {
         heading: "2007, native atan2 ÷ the two reads alone",
         case: ATAN_2007,
         control: FLOOR,
+        pairing: STARTS,
     },
     Comparison {
         heading: "2007, native atan2 ÷ barycentric coordinates",
         case: ATAN_2007,
         control: BARYCENTRIC,
+        pairing: STARTS,
     },
 ];
 
 /// A sentence, the comparison that speaks of it, and what it claims.
 struct TextureClaim {
     sentence: &'static str,
-    comparison: usize,
+    /// By its heading.
+    comparison: &'static str,
     claim: Claim,
     /// The one view that it is about; all without.
     view: Option<&'static str>,
@@ -167,32 +228,32 @@ struct TextureClaim {
 const CLAIMS: [TextureClaim; 5] = [
     TextureClaim {
         sentence: "Cozzi (2007), observed: “two atan() calls which are very expensive”.",
-        comparison: 10,
+        comparison: "2007, native atan2 ÷ texture of spherical coordinates",
         claim: Claim::Faster,
         view: None,
     },
     TextureClaim {
         sentence: "Cozzi (2007), anticipated: without them “the performance could double”.",
-        comparison: 10,
+        comparison: "2007, native atan2 ÷ texture of spherical coordinates",
         claim: Claim::AtLeast(2.0),
         view: None,
     },
     TextureClaim {
         sentence: "This project's goal: by the chosen route, less than 1.3 times the plain fill.",
-        comparison: 1,
+        comparison: "chosen route ÷ plain",
         claim: Claim::LessThan(MAX_OVER_PLAIN),
         view: Some(TOP_DOWN),
     },
     TextureClaim {
         sentence: "Whether this device can reach it: the least textured fill takes less than 1.3 times \
                    the plain one.",
-        comparison: 2,
+        comparison: "least textured fill ÷ plain",
         claim: Claim::LessThan(MAX_OVER_PLAIN),
         view: Some(TOP_DOWN),
     },
     TextureClaim {
         sentence: "By the chosen route, less than 1.3 times the least textured fill.",
-        comparison: 3,
+        comparison: "chosen route ÷ least",
         claim: Claim::LessThan(MAX_OVER_PLAIN),
         view: None,
     },
@@ -202,11 +263,10 @@ const CLAIMS: [TextureClaim; 5] = [
 const REQUIRED: usize = 2;
 
 /// What is required of textured fills; nothing for a run that plans none.
-pub(super) fn requirements(data: &Data<'_>) -> Vec<Finding> {
-    let views = views(data);
-    match views.is_empty() {
-        true => Vec::new(),
-        false => findings(data, &views, &CLAIMS[REQUIRED]),
+pub(super) fn requirements(data: &Data<'_>) -> Result<Vec<Finding>, ChapterError> {
+    match views(data).is_empty() {
+        true => Ok(Vec::new()),
+        false => findings(data, &CLAIMS[REQUIRED]),
     }
 }
 
@@ -231,10 +291,10 @@ impl<'a> TexturedView<'a> {
 }
 
 /// Nothing for a run that plans no textured fill.
-pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
+pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
     let views = views(data);
     if views.is_empty() {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let mut blocks = vec![
         Block::section("Textured fill"),
@@ -251,12 +311,9 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     ];
     blocks.splice(1..1, recommended(data, &views));
     blocks.extend(ratios(data, &views));
-    blocks.extend(
-        CLAIMS
-            .iter()
-            .flat_map(|claim| findings(data, &views, claim))
-            .map(Block::Finding),
-    );
+    for claim in &CLAIMS {
+        blocks.extend(findings(data, claim)?.into_iter().map(Block::Finding));
+    }
     blocks.extend(Block::folded_list(
         "Not measured",
         not_measured(data, &views),
@@ -280,7 +337,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
             ..Pictures::default()
         }));
     }
-    blocks
+    Ok(blocks)
 }
 
 /// What the recommended route costs and how exact it is, view by view.
@@ -384,19 +441,21 @@ fn may_be_compared(case: &Case) -> bool {
     case.counts() || case.planned.may_be_wrong && case.outcome == Outcome::Wrong
 }
 
-/// What a comparison compares.
-pub(super) fn heading(index: usize) -> &'static str {
-    COMPARISONS[index].heading
-}
-
-/// A comparison in every view that has it.
-pub(super) fn compared<'a>(data: &Data<'a>, index: usize) -> Vec<Timed<'a>> {
+/// The comparison with this heading in every view that has it.
+///
+/// # Panics
+/// Where there is none of that name.
+pub(super) fn compared<'a>(data: &Data<'a>, heading: &str) -> Vec<Timed<'a>> {
+    let mut comparisons = COMPARISONS.iter();
+    let comparison = comparisons.find(|comparison| comparison.heading == heading);
+    let Some(comparison) = comparison else {
+        panic!("no comparison of textured fills is called {heading:?}");
+    };
     let of = |view: TexturedView<'a>| {
-        let cases = both(data, &view, &COMPARISONS[index])?;
+        let cases = both(data, &view, comparison)?;
         Some(Timed {
-            ratio: ratio(cases[0], cases[1], data.metric)?,
-            scene: view.cases.first()?.condition(SCENE),
             title: view.title,
+            pairing: comparison.pairing,
             cases,
         })
     };
@@ -450,23 +509,27 @@ fn ratios(data: &Data<'_>, views: &[TexturedView<'_>]) -> Option<Block> {
 }
 
 /// One for each view with such times.
-fn findings(data: &Data<'_>, views: &[TexturedView<'_>], claim: &TextureClaim) -> Vec<Finding> {
-    let is_about = |view: &&TexturedView<'_>| {
-        let name = view.cases.first().map_or("", |case| case.condition(VIEW));
-        claim.view.is_none_or(|wanted| wanted == name)
-    };
-    let measured = views.iter().filter(is_about).filter_map(|view| {
-        let ratio = compare(data, view, &COMPARISONS[claim.comparison])?;
-        Some(Finding {
+fn findings(data: &Data<'_>, claim: &TextureClaim) -> Result<Vec<Finding>, ChapterError> {
+    let mut findings = Vec::new();
+    for timed in compared(data, claim.comparison) {
+        let view = timed.cases[0].condition(VIEW);
+        if claim.view.is_some_and(|wanted| wanted != view) {
+            continue;
+        }
+        let answer = timed.answer(data, claim.claim)?;
+        let Some(ratio) = &answer.figure else {
+            continue;
+        };
+        let ours = format!("{}: {}", timed.title, data.ratio_text(ratio));
+        findings.push(Finding {
             claim: claim.sentence.to_owned(),
-            standing: match claim.claim {
-                Claim::Faster => Standing::of_times(&ratio, data.noise).0,
-                limit => limit.standing(&ratio),
+            standing: answer.standing,
+            because: match answer.because.as_str() {
+                "" => ours,
+                because => format!("{ours}. {because}"),
             },
-            because: format!("{}: {}", view.title, data.ratio_text(&ratio)),
-        })
-    });
-    let mut findings: Vec<Finding> = measured.collect();
+        });
+    }
     if findings.is_empty() {
         findings.push(Finding {
             claim: claim.sentence.to_owned(),
@@ -474,7 +537,7 @@ fn findings(data: &Data<'_>, views: &[TexturedView<'_>], claim: &TextureClaim) -
             because: String::new(),
         });
     }
-    findings
+    Ok(findings)
 }
 
 fn table(data: &Data<'_>, view: &TexturedView<'_>) -> Table {
