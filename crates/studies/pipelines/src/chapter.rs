@@ -13,6 +13,9 @@ mod published;
 mod series;
 
 use crate::cache::Keep;
+use crate::keys::{
+    KEPT_IN, PIPELINE_DIFFERING_PX, PIPELINE_MISMATCHED_PX, PIPELINE_SHOWN_PX, TEST,
+};
 use cells::time;
 use terrafill_results::{
     Answers, Block, Case, Chapter, ChapterError, Clock, Finding, Outcome, Run, Standing,
@@ -38,7 +41,7 @@ impl Chapter for PipelinesChapter {
     }
 
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
-        Some(time(clock))
+        Some(time(clock).name)
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
@@ -92,8 +95,7 @@ fn cases(run: &Run) -> Vec<&Case> {
 fn is_wrong_by_design(case: &Case) -> bool {
     let rounds = Keep::ALL.into_iter().filter(|keep| keep.rounds());
     let mut rounds = rounds.map(Keep::name);
-    case.condition("test").starts_with("point")
-        || rounds.any(|name| case.condition("kept_in") == name)
+    case.condition(TEST).starts_with("point") || rounds.any(|name| case.condition(KEPT_IN) == name)
 }
 
 /// What is required of every picture.
@@ -101,7 +103,7 @@ fn requirements(cases: &[&Case]) -> Vec<Finding> {
     let drawn: Vec<&Case> = cases
         .iter()
         .copied()
-        .filter(|case| case.value("pipeline_shown_px").is_some() && !is_wrong_by_design(case))
+        .filter(|case| case.value(PIPELINE_SHOWN_PX).is_some() && !is_wrong_by_design(case))
         .collect();
     let most = |metric| {
         let values = drawn.iter().filter_map(|case| case.value(metric));
@@ -127,11 +129,11 @@ fn requirements(cases: &[&Case]) -> Vec<Finding> {
     let mut findings = vec![
         of_pictures(
             "Every way of a grid shows the same picture on one interface",
-            "pipeline_differing_px",
+            PIPELINE_DIFFERING_PX,
         ),
         of_pictures(
             "No pixel outside of the band differs from the rays",
-            "pipeline_mismatched_px",
+            PIPELINE_MISMATCHED_PX,
         ),
     ];
     findings.extend(amplification::bytes_finding(cases));

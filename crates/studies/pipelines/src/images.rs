@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pictures of numbers: cells as a chessboard of two shades each, the sky, and in red what is wrong.
 
+use crate::keys::SIZE_PX;
 use image::{ImageFormat, RgbImage};
 use std::path::Path;
+use terrafill_results::ConditionKey;
 use terrafill_scene::ImageSize;
 use terrafill_study::{Request, size_name};
 
@@ -23,8 +25,8 @@ pub(crate) fn size_of(request: &Request) -> ImageSize {
 }
 
 /// The size as a condition.
-pub(crate) fn size_px(size: ImageSize) -> (&'static str, String) {
-    ("size_px", size_name([size.width, size.height]))
+pub(crate) fn size_px(size: ImageSize) -> (ConditionKey, String) {
+    (SIZE_PX, size_name([size.width, size.height]))
 }
 
 /// Red of a pixel that shows what it may not.

@@ -17,6 +17,7 @@ mod draws;
 mod geometry_image;
 mod grid;
 mod images;
+mod keys;
 mod layered;
 mod lights;
 mod metrics;

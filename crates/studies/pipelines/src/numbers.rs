@@ -4,11 +4,13 @@
 use crate::STUDY;
 use crate::blur::{self, Filter, Resolve, blur_error, resolve_error};
 use crate::geometry_image::{CellCut, Texels, image_error};
+use crate::keys;
+use crate::keys::{CUT, DEPTH, EXPERIMENT, FILTER, FLOOR, MOMENTS, RESOLVE, SIGMA, STORED};
 use crate::variance::{
     DepthFormat, Moments, NO_FLOOR, bleeding, hard_shadow, lit_plane, noise, worst_bleeding,
 };
 use std::collections::BTreeMap;
-use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
+use terrafill_results::{CaseId, ConditionKey, PlannedCase, Status, Verdict};
 use terrafill_study::{Context, Group, Session, StudyError};
 
 /// Texels a side; a quick run leaves out the last two.
@@ -40,21 +42,21 @@ enum Number {
 
 impl Number {
     /// The experiment, and the case's conditions in the order of its name.
-    fn conditions(self) -> (&'static str, Vec<(&'static str, String)>) {
+    fn conditions(self) -> (&'static str, Vec<(ConditionKey, String)>) {
         match self {
             Self::Image(texels, cut, stored) => (
                 "geometry-image",
                 vec![
-                    ("cut", cut.name().to_owned()),
-                    ("stored", stored.name()),
-                    ("texels", texels.to_string()),
+                    (CUT, cut.name().to_owned()),
+                    (STORED, stored.name()),
+                    (keys::TEXELS, texels.to_string()),
                 ],
             ),
             Self::Noise(moments, sigma) => (
                 "variance-noise",
                 vec![
-                    ("moments", moments.name().to_owned()),
-                    ("sigma", format!("{sigma:e}")),
+                    (MOMENTS, moments.name().to_owned()),
+                    (SIGMA, format!("{sigma:e}")),
                 ],
             ),
             Self::LitPlane(moments, format, floor) => {
@@ -65,27 +67,27 @@ impl Number {
                 (
                     "lit-plane",
                     vec![
-                        ("moments", moments.name().to_owned()),
-                        ("depth", format.name()),
-                        ("floor", floor),
+                        (MOMENTS, moments.name().to_owned()),
+                        (DEPTH, format.name()),
+                        (FLOOR, floor),
                     ],
                 )
             }
-            Self::Bleeding(gaps) => ("bleeding", vec![("gaps", gaps.to_string())]),
-            Self::HardShadow(texels) => ("hard-shadow", vec![("texels", texels.to_string())]),
+            Self::Bleeding(gaps) => ("bleeding", vec![(keys::GAPS, gaps.to_string())]),
+            Self::HardShadow(texels) => ("hard-shadow", vec![(keys::TEXELS, texels.to_string())]),
             Self::Blur(filter, moments, layers) => (
                 "motion-blur",
                 vec![
-                    ("filter", filter.name().to_owned()),
-                    ("moments", moments.name().to_owned()),
-                    ("layers", layers.to_string()),
+                    (FILTER, filter.name().to_owned()),
+                    (MOMENTS, moments.name().to_owned()),
+                    (keys::LAYERS, layers.to_string()),
                 ],
             ),
             Self::Resolve(resolve, layers) => (
                 "blur-resolve",
                 vec![
-                    ("resolve", resolve.name().to_owned()),
-                    ("layers", layers.to_string()),
+                    (RESOLVE, resolve.name().to_owned()),
+                    (keys::LAYERS, layers.to_string()),
                 ],
             ),
         }
@@ -225,7 +227,7 @@ impl Numbers {
             let values = conditions.iter().map(|(_, value)| value.as_str());
             let name: Vec<&str> = [experiment].into_iter().chain(values).collect();
             let name = name.join("/");
-            let experiment = ("experiment", experiment.to_owned());
+            let experiment = (EXPERIMENT, experiment.to_owned());
             let all = [experiment].into_iter().chain(conditions.iter().cloned());
             PlannedCase {
                 id: CaseId::new(STUDY, name, all),

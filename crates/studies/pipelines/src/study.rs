@@ -7,6 +7,8 @@ use crate::culling::Culling;
 use crate::draws::{Counted, Draws, verdict_of};
 use crate::grid::{Grid, View};
 use crate::images::{size_of, size_px, write};
+use crate::keys;
+use crate::keys::{API, EXPERIMENT, SOURCE, STRIP, WAY};
 use crate::layered::{Blurs, Shades};
 use crate::lights::Lights;
 use crate::metrics::METRICS;
@@ -17,7 +19,7 @@ use crate::way::{GRID_WAYS, Interface, Source, Strips, Way};
 use crate::{STUDY, way};
 use std::collections::BTreeMap;
 use terrafill_fill::ids_of;
-use terrafill_results::{CaseId, Chapter, Metric, PlannedCase, Status, Verdict};
+use terrafill_results::{CaseId, Chapter, ConditionKey, Metric, PlannedCase, Status, Verdict};
 use terrafill_scene::ImageSize;
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
 
@@ -49,6 +51,10 @@ impl Study for PipelinesStudy {
 
     fn metrics(&self) -> &'static [Metric] {
         &METRICS
+    }
+
+    fn conditions(&self) -> Vec<ConditionKey> {
+        crate::keys::CONDITIONS.to_vec()
     }
 
     fn least_depth(&self) -> Depth {
@@ -148,11 +154,11 @@ fn conditions(
     interface: Interface,
     way: Way,
     cells: u32,
-) -> Vec<(&'static str, String)> {
+) -> Vec<(ConditionKey, String)> {
     let mut conditions = vec![
-        ("experiment", experiment.to_owned()),
-        ("api", interface.name().to_owned()),
-        ("way", way.name()),
+        (EXPERIMENT, experiment.to_owned()),
+        (API, interface.name().to_owned()),
+        (WAY, way.name()),
     ];
     if let (
         "amplify",
@@ -171,11 +177,11 @@ fn conditions(
             Source::Sent => "sent",
             Source::Stored => "stored",
         };
-        conditions.push(("cells_per_point", (cells * cells).to_string()));
-        conditions.push(("strip", strips.to_owned()));
-        conditions.push(("source", source.to_owned()));
+        conditions.push((keys::CELLS_PER_POINT, (cells * cells).to_string()));
+        conditions.push((STRIP, strips.to_owned()));
+        conditions.push((SOURCE, source.to_owned()));
     }
-    conditions.push(("grid_cells", cells.to_string()));
+    conditions.push((keys::GRID_CELLS, cells.to_string()));
     conditions
 }
 

@@ -7,6 +7,8 @@ use super::queries::{Access, Blocks, SIDE, TexelQuery, answer, queries};
 use super::{on_vulkan, on_wgpu};
 use crate::STUDY;
 use crate::draws::verdict_of;
+use crate::keys;
+use crate::keys::{ACCESS, API, EXPERIMENT, KEPT_IN};
 use crate::way::Interface;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -42,11 +44,11 @@ impl Caches {
                 let asked = all.filter(|(on, keep)| *on == Interface::Wgpu || !keep.rounds());
                 for (interface, keep) in asked {
                     let conditions = [
-                        ("experiment", "cache".to_owned()),
-                        ("api", interface.name().to_owned()),
-                        ("kept_in", keep.name().to_owned()),
-                        ("access", access.name().to_owned()),
-                        ("blocks", count.to_string()),
+                        (EXPERIMENT, "cache".to_owned()),
+                        (API, interface.name().to_owned()),
+                        (KEPT_IN, keep.name().to_owned()),
+                        (ACCESS, access.name().to_owned()),
+                        (keys::BLOCKS, count.to_string()),
                     ];
                     let values = conditions.iter().map(|(_, value)| value.as_str());
                     let name: Vec<&str> = values.collect();

@@ -6,6 +6,10 @@ use super::cells::{
     what_times_cover, why,
 };
 use super::published::AMPLIFICATION;
+use crate::keys::{
+    CELLS_PER_POINT, EXPERIMENT, GRID_CELLS, PIPELINE_EMITTED_VERTICES,
+    PIPELINE_GEOMETRY_INVOCATIONS, PIPELINE_PRIMITIVES, PIPELINE_SENT_BYTES, SOURCE, STRIP,
+};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
     Block, Case, Cell, Claim, Clock, Estimate, Finding, Heading, Row, Standing, Table,
@@ -19,7 +23,7 @@ const WHAT_THEY_CANNOT_SHOW: &str = "The published table counts k × k generated
      numbers here.";
 
 pub(super) fn section(cases: &[&Case], clock: Clock) -> Vec<Block> {
-    let own = of(cases, &[("experiment", "amplify")]);
+    let own = of(cases, &[(EXPERIMENT, "amplify")]);
     if own.is_empty() {
         return Vec::new();
     }
@@ -32,24 +36,24 @@ pub(super) fn section(cases: &[&Case], clock: Clock) -> Vec<Block> {
 
 /// How many cells a point should make, by the largest grid.
 pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Option<String> {
-    let own = of(cases, &[("experiment", "amplify"), ("source", "stored")]);
+    let own = of(cases, &[(EXPERIMENT, "amplify"), (SOURCE, "stored")]);
     let measured = own
         .into_iter()
         .filter(|case| case.counts() && case.value(frame_time(clock)).is_some());
     let measured: Vec<&Case> = measured.collect();
-    let cells = values(&measured, "grid_cells").last()?.to_string();
-    let of_largest = of(&measured, &[("grid_cells", &cells)]);
+    let cells = values(&measured, GRID_CELLS).last()?.to_string();
+    let of_largest = of(&measured, &[(GRID_CELLS, &cells)]);
     let ms = |case: &&Case| case.value(frame_time(clock)).unwrap_or(f64::INFINITY);
     let best = of_largest
         .iter()
         .copied()
         .min_by(|a, b| ms(a).total_cmp(&ms(b)))?;
-    let given = best.value("pipeline_emitted_vertices").map(significant);
+    let given = best.value(PIPELINE_EMITTED_VERTICES).map(significant);
     Some(format!(
         "Geometry shaders make {cells}² cells of stored points fastest with {} cells a point in strips of a \
          {}: {} ms for {} vertices given.",
-        best.condition("cells_per_point"),
-        best.condition("strip"),
+        best.condition(CELLS_PER_POINT),
+        best.condition(STRIP),
         significant(ms(&best)),
         given.unwrap_or_else(|| "–".to_owned()),
     ))
@@ -64,23 +68,23 @@ fn one<'a>(
 ) -> Option<&'a Case> {
     let (cells, per_point) = (cells.to_string(), per_point.to_string());
     let conditions = [
-        ("grid_cells", cells.as_str()),
-        ("cells_per_point", per_point.as_str()),
-        ("strip", strip),
-        ("source", source),
+        (GRID_CELLS, cells.as_str()),
+        (CELLS_PER_POINT, per_point.as_str()),
+        (STRIP, strip),
+        (SOURCE, source),
     ];
     of(cases, &conditions).first().copied()
 }
 
 /// That bytes fall as points do.
 pub(super) fn bytes_finding(cases: &[&Case]) -> Option<Finding> {
-    let own = of(cases, &[("experiment", "amplify")]);
+    let own = of(cases, &[(EXPERIMENT, "amplify")]);
     let mut falls = Vec::new();
-    for cells in values(&own, "grid_cells") {
+    for cells in values(&own, GRID_CELLS) {
         for (per_point, expected) in [(4, 4.0), (16, 16.0)] {
             let bytes = |per_point| {
                 let case = one(&own, cells, per_point, "cell", "sent")?;
-                case.value("pipeline_sent_bytes")
+                case.value(PIPELINE_SENT_BYTES)
             };
             let fall: Option<f64> = bytes(1).zip(bytes(per_point)).map(|(all, few)| all / few);
             falls.extend(fall.map(|fall| (fall, expected)));
@@ -122,7 +126,7 @@ fn slowdown(
 }
 
 fn findings(cases: &[&Case], clock: Clock) -> Vec<Finding> {
-    let sizes = values(cases, "grid_cells");
+    let sizes = values(cases, GRID_CELLS);
     let all = |per_point: u32| -> Vec<Estimate> {
         let of_size = |cells: &u32| {
             ["sent", "stored"].map(|source| {
@@ -172,9 +176,9 @@ fn published(cells: u32, per_point: u32, source: &str) -> Option<f64> {
 
 fn table(cases: &[&Case], clock: Clock) -> Table {
     let mut rows = Vec::new();
-    for cells in values(cases, "grid_cells") {
+    for cells in values(cases, GRID_CELLS) {
         for source in ["sent", "stored"] {
-            for per_point in values(cases, "cells_per_point") {
+            for per_point in values(cases, CELLS_PER_POINT) {
                 for strip in ["cell", "row"] {
                     let Some(case) = one(cases, cells, per_point, strip, source) else {
                         continue;
@@ -190,13 +194,13 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
                             Cell::name(source),
                             Cell::plain(per_point.to_string()),
                             Cell::name(strip),
-                            byte_cell(case, "pipeline_sent_bytes"),
+                            byte_cell(case, PIPELINE_SENT_BYTES),
                             time_cell(case, frame_time(clock)),
                             Cell::or_absent(slowdown.as_ref().map(times), why(case)),
                             Cell::or_absent(published.map(significant), "not published"),
-                            count(case, "pipeline_emitted_vertices"),
-                            count(case, "pipeline_geometry_invocations"),
-                            count(case, "pipeline_primitives"),
+                            count(case, PIPELINE_EMITTED_VERTICES),
+                            count(case, PIPELINE_GEOMETRY_INVOCATIONS),
+                            count(case, PIPELINE_PRIMITIVES),
                         ],
                         status: case.outcome.name().to_owned(),
                         remark: case.reason.clone(),
@@ -210,16 +214,13 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
         ("points", None),
         ("cells a point", None),
         ("strip", None),
-        ("sent a frame", Some("pipeline_sent_bytes")),
+        ("sent a frame", Some(PIPELINE_SENT_BYTES)),
         ("time, ms", Some(frame_time(clock))),
         ("time ÷ that of a cell a point", None),
         ("the same, published", None),
-        ("vertices given", Some("pipeline_emitted_vertices")),
-        (
-            "geometry invocations",
-            Some("pipeline_geometry_invocations"),
-        ),
-        ("primitives", Some("pipeline_primitives")),
+        ("vertices given", Some(PIPELINE_EMITTED_VERTICES)),
+        ("geometry invocations", Some(PIPELINE_GEOMETRY_INVOCATIONS)),
+        ("primitives", Some(PIPELINE_PRIMITIVES)),
     ]);
     headings[6] = Heading::explained("time ÷ that of a cell a point", "with its 95 % interval");
     headings[7] = Heading::explained(

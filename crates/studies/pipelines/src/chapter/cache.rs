@@ -3,6 +3,10 @@
 
 use super::cells::{byte_cell, gain, headings, of, standing, time, time_cell, values, why};
 use crate::cache::Keep;
+use crate::keys::{
+    ACCESS, API, BLOCKS, CACHE_BINDS, CACHE_BYTES, CACHE_DIFFERING, CACHE_UPDATE_CPU_US,
+    CACHE_UPDATE_WALL_US, EXPERIMENT, KEPT_IN,
+};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{Block, Case, Cell, Claim, Clock, Estimate, Finding, Row, Standing, Table};
 
@@ -20,7 +24,7 @@ const WHAT_ROUNDS: &str = "Loading a texel by its number is exact everywhere. Th
      layer were found in the shader. These are asked how often they differ, on wgpu, and are not timed.";
 
 fn own<'a>(cases: &[&'a Case]) -> Vec<&'a Case> {
-    of(cases, &[("experiment", "cache")])
+    of(cases, &[(EXPERIMENT, "cache")])
 }
 
 const INTERFACES: [&str; 2] = ["wgpu", "vulkan"];
@@ -34,10 +38,10 @@ fn one<'a>(
 ) -> Option<&'a Case> {
     let blocks = blocks.to_string();
     let conditions = [
-        ("api", api),
-        ("kept_in", keep.name()),
-        ("access", access),
-        ("blocks", blocks.as_str()),
+        (API, api),
+        (KEPT_IN, keep.name()),
+        (ACCESS, access),
+        (BLOCKS, blocks.as_str()),
     ];
     of(cases, &conditions).first().copied()
 }
@@ -64,9 +68,9 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
         return Vec::new();
     }
     let exact = Keep::ALL.into_iter().filter(|keep| !keep.rounds());
-    let exact = exact.flat_map(|keep| of(&own, &[("kept_in", keep.name())]));
+    let exact = exact.flat_map(|keep| of(&own, &[(KEPT_IN, keep.name())]));
     let differing: Vec<f64> = exact
-        .filter_map(|case| case.value("cache_differing"))
+        .filter_map(|case| case.value(CACHE_DIFFERING))
         .collect();
     let most = differing.iter().copied().max_by(f64::total_cmp);
     vec![Finding {
@@ -83,7 +87,7 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
 fn claims(cases: &[&Case], clock: Clock) -> Vec<Finding> {
     let on = |api: &str| {
         let mut gains: Vec<Estimate> = Vec::new();
-        for blocks in values(cases, "blocks")
+        for blocks in values(cases, BLOCKS)
             .into_iter()
             .filter(|blocks| *blocks >= LEAST_CLAIMED)
         {
@@ -112,21 +116,15 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
 }
 
 fn recommended_on(cases: &[&Case], api: &str, clock: Clock) -> Option<String> {
-    let own = of(&own(cases), &[("api", api)]);
+    let own = of(&own(cases), &[(API, api)]);
     let timed = own
         .into_iter()
         .filter(|case| case.counts() && case.value(time(clock)).is_some());
     let timed: Vec<&Case> = timed.collect();
     // The most blocks that an array holds.
-    let arrays = of(
-        &timed,
-        &[("kept_in", Keep::Array.name()), ("access", "random")],
-    );
-    let blocks = *values(&arrays, "blocks").last()?;
-    let of_most = of(
-        &timed,
-        &[("blocks", &blocks.to_string()), ("access", "random")],
-    );
+    let arrays = of(&timed, &[(KEPT_IN, Keep::Array.name()), (ACCESS, "random")]);
+    let blocks = *values(&arrays, BLOCKS).last()?;
+    let of_most = of(&timed, &[(BLOCKS, &blocks.to_string()), (ACCESS, "random")]);
     let ms = |case: &&Case| case.value(time(clock)).unwrap_or(f64::INFINITY);
     let best = of_most
         .iter()
@@ -134,22 +132,19 @@ fn recommended_on(cases: &[&Case], api: &str, clock: Clock) -> Option<String> {
         .min_by(|a, b| ms(a).total_cmp(&ms(b)))?;
     let array = arrays
         .into_iter()
-        .find(|case| case.condition("blocks") == blocks.to_string());
+        .find(|case| case.condition(BLOCKS) == blocks.to_string());
     let against = array
         .filter(|array| array.id() != best.id())
         .map(|array| format!(", against {} ms of the array", significant(ms(&array))));
-    let binds = best
-        .value("cache_binds")
-        .map(significant)
-        .unwrap_or_default();
+    let binds = best.value(CACHE_BINDS).map(significant).unwrap_or_default();
     let update = best
-        .value("cache_update_wall_us")
+        .value(CACHE_UPDATE_WALL_US)
         .map(significant)
         .unwrap_or_default();
     Some(format!(
         "On {api} {blocks} blocks of ground are read fastest anywhere from: {} ({} ms, {binds} bind groups{}); writing \
          one anew takes {update} µs.",
-        best.condition("kept_in"),
+        best.condition(KEPT_IN),
         significant(ms(&best)),
         against.unwrap_or_default(),
     ))
@@ -157,7 +152,7 @@ fn recommended_on(cases: &[&Case], api: &str, clock: Clock) -> Option<String> {
 
 fn table(cases: &[&Case], clock: Clock) -> Table {
     let mut rows = Vec::new();
-    for blocks in values(cases, "blocks") {
+    for blocks in values(cases, BLOCKS) {
         let accesses = ["coherent", "random"];
         let asked = INTERFACES
             .iter()
@@ -177,13 +172,13 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
                         Cell::name(api),
                         Cell::name(access),
                         Cell::name(keep.name()),
-                        figure("cache_differing"),
+                        figure(CACHE_DIFFERING),
                         time_cell(case, time(clock)),
                         Cell::or_absent(ratio.as_ref().map(times), why(case)),
-                        figure("cache_binds"),
-                        byte_cell(case, "cache_bytes"),
-                        time_cell(case, "cache_update_cpu_us"),
-                        time_cell(case, "cache_update_wall_us"),
+                        figure(CACHE_BINDS),
+                        byte_cell(case, CACHE_BYTES),
+                        time_cell(case, CACHE_UPDATE_CPU_US),
+                        time_cell(case, CACHE_UPDATE_WALL_US),
                     ],
                     status: case.outcome.name().to_owned(),
                     remark: case.reason.clone(),
@@ -198,13 +193,13 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
             ("interface", None),
             ("read", None),
             ("kept in", None),
-            ("texels that differ", Some("cache_differing")),
+            ("texels that differ", Some(CACHE_DIFFERING)),
             ("time, ms", Some(time(clock))),
             ("time ÷ that of the array", None),
-            ("bind groups", Some("cache_binds")),
-            ("held", Some("cache_bytes")),
-            ("CPU µs to write a block", Some("cache_update_cpu_us")),
-            ("wall µs to write a block", Some("cache_update_wall_us")),
+            ("bind groups", Some(CACHE_BINDS)),
+            ("held", Some(CACHE_BYTES)),
+            ("CPU µs to write a block", Some(CACHE_UPDATE_CPU_US)),
+            ("wall µs to write a block", Some(CACHE_UPDATE_WALL_US)),
         ]),
         rows,
         is_main: true,

@@ -1,21 +1,25 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Cases by their conditions, and cells of tables with the reason of each that is empty.
 
+use crate::keys::API;
+use crate::metrics::METRICS;
 use terrafill_plot::number::{bytes, significant};
-use terrafill_results::{Block, Case, Cell, Claim, Clock, Estimate, Heading, Standing, ratio};
+use terrafill_results::{
+    Block, Case, Cell, Claim, Clock, ConditionKey, Estimate, Heading, Metric, Standing, ratio,
+};
 
-const CPU: &str = "pipeline_cpu_ms";
-const GPU: &str = "pipeline_gpu_ms";
-const WALL: &str = "pipeline_wall_ms";
+const CPU: &Metric = Metric::of(&METRICS, "pipeline_cpu_ms");
+const GPU: &Metric = Metric::of(&METRICS, "pipeline_gpu_ms");
+const WALL: &Metric = Metric::of(&METRICS, "pipeline_wall_ms");
 
 /// The metric of times.
-pub(super) fn time(clock: Clock) -> &'static str {
+pub(super) fn time(clock: Clock) -> &'static Metric {
     clock.pick(GPU, CPU)
 }
 
 /// The metric of times of ways that differ in what the CPU does and sends each frame, of which a device's clock knows
 /// nothing.
-pub(super) fn frame_time(clock: Clock) -> &'static str {
+pub(super) fn frame_time(clock: Clock) -> &'static Metric {
     clock.pick(WALL, CPU)
 }
 
@@ -31,17 +35,17 @@ pub(super) fn what_times_cover(clock: Clock) -> Block {
 }
 
 /// Of the conditions named.
-pub(super) fn of<'a>(cases: &[&'a Case], conditions: &[(&str, &str)]) -> Vec<&'a Case> {
+pub(super) fn of<'a>(cases: &[&'a Case], conditions: &[(ConditionKey, &str)]) -> Vec<&'a Case> {
     let fits = |case: &&Case| {
         conditions
             .iter()
-            .all(|(key, value)| case.condition(key) == *value)
+            .all(|(key, value)| case.condition(*key) == *value)
     };
     cases.iter().copied().filter(fits).collect()
 }
 
 /// Values of a condition in rising order.
-pub(super) fn values(cases: &[&Case], key: &str) -> Vec<u32> {
+pub(super) fn values(cases: &[&Case], key: ConditionKey) -> Vec<u32> {
     let values = cases
         .iter()
         .filter_map(|case| case.condition(key).parse().ok());
@@ -59,9 +63,9 @@ pub(super) fn why(case: &Case) -> &str {
     }
 }
 
-pub(super) fn count(case: &Case, metric: &str) -> Cell {
+pub(super) fn count(case: &Case, metric: &Metric) -> Cell {
     let text = case.value(metric).map(significant);
-    let absent = match (case.counts(), case.condition("api")) {
+    let absent = match (case.counts(), case.condition(API)) {
         (false, _) => why(case),
         (_, "wgpu") => "counted on Vulkan alone",
         _ => "not counted by the device for this stage",
@@ -75,18 +79,18 @@ pub(super) fn count(case: &Case, metric: &str) -> Cell {
     clippy::cast_sign_loss,
     reason = "a count of bytes below 2⁵³"
 )]
-pub(super) fn byte_cell(case: &Case, metric: &str) -> Cell {
+pub(super) fn byte_cell(case: &Case, metric: &Metric) -> Cell {
     let text = case.value(metric).map(|count| bytes(count as u64));
     Cell::or_absent(text, why(case))
 }
 
-pub(super) fn time_cell(case: &Case, metric: &str) -> Cell {
+pub(super) fn time_cell(case: &Case, metric: &Metric) -> Cell {
     let value = case.value(metric).filter(|_| case.counts());
     Cell::or_absent(value.map(significant), why(case))
 }
 
 /// How many times as fast `fast` is as `slow`: time of the second over time of the first.
-pub(super) fn gain(slow: Option<&Case>, fast: Option<&Case>, metric: &str) -> Option<Estimate> {
+pub(super) fn gain(slow: Option<&Case>, fast: Option<&Case>, metric: &Metric) -> Option<Estimate> {
     let (slow, fast) = (
         slow.filter(|case| case.counts())?,
         fast.filter(|case| case.counts())?,
@@ -105,8 +109,8 @@ pub(super) fn standing(claim: Claim, gains: &[Estimate]) -> Standing {
     }
 }
 
-pub(super) fn headings(names: &[(&str, Option<&'static str>)]) -> Vec<Heading> {
-    let heading = |(name, metric): &(&str, Option<&'static str>)| match metric {
+pub(super) fn headings(names: &[(&str, Option<&'static Metric>)]) -> Vec<Heading> {
+    let heading = |(name, metric): &(&str, Option<&'static Metric>)| match metric {
         Some(metric) => Heading::metric(*name, *metric),
         None => Heading::plain(*name),
     };

@@ -6,6 +6,12 @@ use super::cells::{
     what_times_cover, why,
 };
 use crate::culling::{Place, VIEWS};
+use crate::keys::{
+    API, CULL_EXTRA_SHARE, CULL_IN_TILES, CULL_KEPT, CULL_LOST, CULL_NEEDED, CULL_TILES,
+    EXPERIMENT, FLIGHT_S, PIPELINE_DIFFERING_PX, PIPELINE_GEOMETRY_INVOCATIONS,
+    PIPELINE_PRIMITIVES, PIPELINE_SENT_BYTES, PIPELINE_VERTEX_INVOCATIONS, PLACE, TEST, TILE_CELLS,
+    VIEW,
+};
 use terrafill_plot::number::{significant, times};
 use terrafill_plot::{Palette, RatioAxis, RatioGroup, RatioPlot, RatioRow};
 use terrafill_results::{
@@ -35,18 +41,18 @@ const WHAT_FIGURE_8_CANNOT_SHOW: &str = "The published figure shows frames per s
      be read from its text, which says that level 2 is faster. The flight here is its own.";
 
 pub(super) fn section(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, ChapterError> {
-    let own = of(cases, &[("experiment", "culling")]);
+    let own = of(cases, &[(EXPERIMENT, "culling")]);
     if own.is_empty() {
         return Ok(Vec::new());
     }
-    let flown = of(cases, &[("experiment", "culling-flight")]);
+    let flown = of(cases, &[(EXPERIMENT, "culling-flight")]);
     let mut blocks = vec![
         Block::section("Two-level culling"),
         Block::Text(WHAT_IS_CULLED.to_owned()),
         what_times_cover(clock),
     ];
     blocks.extend(claims(cases, clock).into_iter().map(Block::Finding));
-    let counted = of(cases, &[("experiment", "culling-count")]);
+    let counted = of(cases, &[(EXPERIMENT, "culling-count")]);
     for cases in [&counted, &own] {
         if !cases.is_empty() {
             blocks.push(Block::Table(tests(cases)));
@@ -68,12 +74,7 @@ pub(super) fn section(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, Chapt
 }
 
 fn one<'a>(cases: &[&'a Case], api: &str, place: &str, test: &str, view: &str) -> Option<&'a Case> {
-    let conditions = [
-        ("api", api),
-        ("place", place),
-        ("test", test),
-        ("view", view),
-    ];
+    let conditions = [(API, api), (PLACE, place), (TEST, test), (VIEW, view)];
     of(cases, &conditions).first().copied()
 }
 
@@ -88,7 +89,7 @@ fn untested(place: &str) -> &str {
 /// Of a test in compute, on whichever interface counted it.
 fn by_compute<'a>(cases: &[&'a Case], test: &str, view: &str) -> Option<&'a Case> {
     let on = |api| one(cases, api, "compute", test, view);
-    let is_counted = |case: &&Case| case.value("cull_lost").is_some();
+    let is_counted = |case: &&Case| case.value(CULL_LOST).is_some();
     on("vulkan")
         .filter(is_counted)
         .or_else(|| on("wgpu").filter(is_counted))
@@ -99,16 +100,16 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
     let boxes: Vec<&Case> = cases
         .iter()
         .copied()
-        .filter(|case| case.condition("test") == "box" && case.value("cull_lost").is_some())
+        .filter(|case| case.condition(TEST) == "box" && case.value(CULL_LOST).is_some())
         .collect();
     let all = |metric| -> Vec<f64> { boxes.iter().filter_map(|case| case.value(metric)).collect() };
     let most = |metric| all(metric).into_iter().max_by(f64::total_cmp);
     let in_views = |metric| {
-        let own = of(&boxes, &[("experiment", "culling-count")]);
+        let own = of(&boxes, &[(EXPERIMENT, "culling-count")]);
         let values = own.into_iter().filter_map(|case| case.value(metric));
         values.max_by(f64::total_cmp)
     };
-    if of(cases, &[("experiment", "culling")]).is_empty() {
+    if of(cases, &[(EXPERIMENT, "culling")]).is_empty() {
         return Vec::new();
     }
     let holds = |limit: f64, found: Option<f64>| {
@@ -116,11 +117,11 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
             Standing::holds_if(found <= limit)
         })
     };
-    let (lost, extra) = (most("cull_lost"), in_views("cull_extra_share"));
-    let counted = of(cases, &[("experiment", "culling-count")]);
+    let (lost, extra) = (most(CULL_LOST), in_views(CULL_EXTRA_SHARE));
+    let counted = of(cases, &[(EXPERIMENT, "culling-count")]);
     let tile_cells = counted
         .first()
-        .map_or("256", |case| case.condition("tile_cells"));
+        .map_or("256", |case| case.condition(TILE_CELLS));
     vec![
         Finding {
             claim: "A box of least and greatest height loses no patch in view:".to_owned(),
@@ -143,18 +144,18 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
 
 /// Time without level 2 over time with it, at every second of the flight.
 fn flight_gains(cases: &[&Case], api: &str, place: &str, clock: Clock) -> Vec<(u32, Estimate)> {
-    let flown = of(cases, &[("experiment", "culling-flight"), ("api", api)]);
+    let flown = of(cases, &[(EXPERIMENT, "culling-flight"), (API, api)]);
     let without = untested(place);
     let of_second = |second: u32| {
         let at = second.to_string();
         let case = |place, test| {
-            let conditions = [("place", place), ("test", test), ("flight_s", at.as_str())];
+            let conditions = [(PLACE, place), (TEST, test), (FLIGHT_S, at.as_str())];
             of(&flown, &conditions).first().copied()
         };
         let gain = gain(case(without, "none"), case(place, "box"), frame_time(clock))?;
         Some((second, gain))
     };
-    values(&flown, "flight_s")
+    values(&flown, FLIGHT_S)
         .into_iter()
         .filter_map(of_second)
         .collect()
@@ -188,11 +189,11 @@ fn claims(cases: &[&Case], clock: Clock) -> Vec<Finding> {
     }
     let lost = |test: &str| -> Vec<f64> {
         let own = VIEWS.iter().filter_map(|view| {
-            let counted = of(cases, &[("experiment", "culling-count")]);
-            let own = of(cases, &[("experiment", "culling")]);
+            let counted = of(cases, &[(EXPERIMENT, "culling-count")]);
+            let own = of(cases, &[(EXPERIMENT, "culling")]);
             by_compute(&counted, test, view.name).or_else(|| by_compute(&own, test, view.name))
         });
-        own.filter_map(|case| case.value("cull_lost")).collect()
+        own.filter_map(|case| case.value(CULL_LOST)).collect()
     };
     for (test, apart) in COMPUTED_APART {
         let lost = lost(test);
@@ -215,7 +216,7 @@ fn claims(cases: &[&Case], clock: Clock) -> Vec<Finding> {
 
 /// The place to cull in, by the sum of the five views' times, with the counters behind it.
 pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
-    let own = of(cases, &[("experiment", "culling")]);
+    let own = of(cases, &[(EXPERIMENT, "culling")]);
     let mut sentences = Vec::new();
     for api in ["vulkan", "wgpu"] {
         let sum = |place: &str, test: &str| -> Option<(f64, f64, Option<f64>)> {
@@ -223,8 +224,8 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
             for view in VIEWS {
                 let case = one(&own, api, place, test, view.name).filter(|case| case.counts())?;
                 sums.0 += case.value(frame_time(clock))?;
-                sums.1 += case.value("cull_kept")?;
-                let shaded = case.value("pipeline_vertex_invocations");
+                sums.1 += case.value(CULL_KEPT)?;
+                let shaded = case.value(PIPELINE_VERTEX_INVOCATIONS);
                 sums.2 = sums.2.zip(shaded).map(|(sum, shaded)| sum + shaded);
             }
             Some(sums)
@@ -265,13 +266,13 @@ fn pictures(cases: &[&Case]) -> Option<Block> {
         .map(|case| PictureFigure {
             pictures: vec![Picture {
                 path: case.note("picture").to_owned(),
-                caption: case.condition("view").to_owned(),
+                caption: case.condition(VIEW).to_owned(),
             }],
             notes: vec![format!(
                 "{}, test {}, on {}",
-                case.condition("place"),
-                case.condition("test"),
-                case.condition("api")
+                case.condition(PLACE),
+                case.condition(TEST),
+                case.condition(API)
             )],
         })
         .collect();
@@ -293,27 +294,27 @@ fn tests(cases: &[&Case]) -> Table {
         let Some(boxed) = by_compute(cases, "box", view.name) else {
             continue;
         };
-        tile_cells = boxed.condition("tile_cells").to_owned();
+        tile_cells = boxed.condition(TILE_CELLS).to_owned();
         let figure = |case: Option<&Case>, metric| {
             let value = case.and_then(|case| case.value(metric));
             Cell::or_absent(value.map(significant), case.map_or("not measured", why))
         };
         let extra = boxed
-            .value("cull_extra_share")
+            .value(CULL_EXTRA_SHARE)
             .map(|share| significant(100.0 * share));
         let mut cells = vec![
             Cell::name(view.name),
-            figure(Some(boxed), "cull_tiles"),
-            figure(Some(boxed), "cull_in_tiles"),
-            figure(Some(boxed), "cull_needed"),
-            figure(Some(boxed), "cull_kept"),
-            figure(Some(boxed), "cull_lost"),
+            figure(Some(boxed), CULL_TILES),
+            figure(Some(boxed), CULL_IN_TILES),
+            figure(Some(boxed), CULL_NEEDED),
+            figure(Some(boxed), CULL_KEPT),
+            figure(Some(boxed), CULL_LOST),
             Cell::or_absent(extra, why(boxed)),
         ];
         for test in ["point-1", "point-1.25", "point-2"] {
             let case = by_compute(cases, test, view.name);
-            cells.push(figure(case, "cull_kept"));
-            cells.push(figure(case, "cull_lost"));
+            cells.push(figure(case, CULL_KEPT));
+            cells.push(figure(case, CULL_LOST));
         }
         rows.push(Row::new(cells));
     }
@@ -323,12 +324,12 @@ fn tests(cases: &[&Case]) -> Table {
         ),
         headings: headings(&[
             ("view", None),
-            ("tiles kept", Some("cull_tiles")),
-            ("patches in them", Some("cull_in_tiles")),
-            ("needed", Some("cull_needed")),
-            ("box keeps", Some("cull_kept")),
-            ("box loses", Some("cull_lost")),
-            ("box keeps too many, %", Some("cull_extra_share")),
+            ("tiles kept", Some(CULL_TILES)),
+            ("patches in them", Some(CULL_IN_TILES)),
+            ("needed", Some(CULL_NEEDED)),
+            ("box keeps", Some(CULL_KEPT)),
+            ("box loses", Some(CULL_LOST)),
+            ("box keeps too many, %", Some(CULL_EXTRA_SHARE)),
             ("point, range 1, keeps", None),
             ("loses", None),
             ("range 1.25 keeps", None),
@@ -346,26 +347,26 @@ fn tests(cases: &[&Case]) -> Table {
 fn ways(cases: &[&Case], clock: Clock) -> Table {
     let mut rows = Vec::new();
     for view in VIEWS {
-        for case in of(cases, &[("view", view.name)]) {
-            let api = case.condition("api");
-            let place = untested(case.condition("place"));
+        for case in of(cases, &[(VIEW, view.name)]) {
+            let api = case.condition(API);
+            let place = untested(case.condition(PLACE));
             let without = one(cases, api, place, "none", view.name);
             let gain = gain(without, Some(case), frame_time(clock));
             rows.push(Row {
                 cells: vec![
                     Cell::name(view.name),
-                    Cell::name(case.condition("api")),
-                    Cell::name(case.condition("place")),
-                    Cell::name(case.condition("test")),
+                    Cell::name(case.condition(API)),
+                    Cell::name(case.condition(PLACE)),
+                    Cell::name(case.condition(TEST)),
                     time_cell(case, frame_time(clock)),
                     Cell::or_absent(gain.as_ref().map(times), why(case)),
-                    Cell::or_absent(case.value("cull_kept").map(significant), why(case)),
-                    count(case, "pipeline_vertex_invocations"),
-                    count(case, "pipeline_geometry_invocations"),
-                    count(case, "pipeline_primitives"),
-                    byte_cell(case, "pipeline_sent_bytes"),
+                    Cell::or_absent(case.value(CULL_KEPT).map(significant), why(case)),
+                    count(case, PIPELINE_VERTEX_INVOCATIONS),
+                    count(case, PIPELINE_GEOMETRY_INVOCATIONS),
+                    count(case, PIPELINE_PRIMITIVES),
+                    byte_cell(case, PIPELINE_SENT_BYTES),
                     Cell::or_absent(
-                        case.value("pipeline_differing_px").map(significant),
+                        case.value(PIPELINE_DIFFERING_PX).map(significant),
                         why(case),
                     ),
                 ],
@@ -383,15 +384,12 @@ fn ways(cases: &[&Case], clock: Clock) -> Table {
             ("test", None),
             ("time, ms", Some(frame_time(clock))),
             ("time without the test ÷ time", None),
-            ("patches drawn", Some("cull_kept")),
-            ("vertices shaded", Some("pipeline_vertex_invocations")),
-            (
-                "geometry invocations",
-                Some("pipeline_geometry_invocations"),
-            ),
-            ("primitives", Some("pipeline_primitives")),
-            ("sent a frame", Some("pipeline_sent_bytes")),
-            ("pixels that differ", Some("pipeline_differing_px")),
+            ("patches drawn", Some(CULL_KEPT)),
+            ("vertices shaded", Some(PIPELINE_VERTEX_INVOCATIONS)),
+            ("geometry invocations", Some(PIPELINE_GEOMETRY_INVOCATIONS)),
+            ("primitives", Some(PIPELINE_PRIMITIVES)),
+            ("sent a frame", Some(PIPELINE_SENT_BYTES)),
+            ("pixels that differ", Some(PIPELINE_DIFFERING_PX)),
         ]),
         rows,
         ..Table::default()
@@ -405,12 +403,12 @@ fn drawing(flown: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError
         let name = format!("{place} on {api}");
         let gains = flight_gains(flown, api, place, clock);
         let rows = gains.into_iter().map(|(second, gain)| {
-            let conditions = [("api", api), ("place", place), ("test", "box")];
+            let conditions = [(API, api), (PLACE, place), (TEST, "box")];
             let at = second.to_string();
             let own = of(flown, &conditions);
-            let case = of(&own, &[("flight_s", at.as_str())]).first().copied();
+            let case = of(&own, &[(FLIGHT_S, at.as_str())]).first().copied();
             let share =
-                case.and_then(|case| Some(case.value("cull_kept")? / case.value("cull_in_tiles")?));
+                case.and_then(|case| Some(case.value(CULL_KEPT)? / case.value(CULL_IN_TILES)?));
             let [p5, p95] = gain.interval.unwrap_or([gain.middle; 2]);
             let median = gain.middle;
             RatioRow {

@@ -6,6 +6,10 @@ use super::cells::{
     what_times_cover, why,
 };
 use super::published::{CARDS, GRIDS, GridRow};
+use crate::keys::{
+    API, EXPERIMENT, GRID_CELLS, PIPELINE_BAND_PX, PIPELINE_DRAWS, PIPELINE_EMITTED_VERTICES,
+    PIPELINE_HELD_BYTES, PIPELINE_SENT_BYTES, PIPELINE_VERTEX_INVOCATIONS, WAY,
+};
 use crate::way::GRID_WAYS;
 use terrafill_plot::number::{significant, times};
 use terrafill_plot::{
@@ -61,14 +65,14 @@ const COMPARISONS: [Comparison; 3] = [
 ];
 
 pub(super) fn section(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, ChapterError> {
-    let own = of(cases, &[("experiment", "grid")]);
+    let own = of(cases, &[(EXPERIMENT, "grid")]);
     if own.is_empty() {
         return Ok(Vec::new());
     }
     let mut blocks = vec![Block::section("Height grids"), what_times_cover(clock)];
     blocks.extend(findings(&own, clock).into_iter().map(Block::Finding));
     for api in ["vulkan", "wgpu"] {
-        let svg = drawing(&of(&own, &[("api", api)]), clock)?;
+        let svg = drawing(&of(&own, &[(API, api)]), clock)?;
         blocks.extend(svg.map(|svg| {
             Block::Plot(Plot {
                 caption: format!(
@@ -89,18 +93,18 @@ pub(super) fn section(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, Chapt
 /// The fastest way to draw the triangles of the largest grid on each interface, with the counters behind
 /// it, and by how much each published way of triangles is slower.
 pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
-    let own = of(cases, &[("experiment", "grid")]);
+    let own = of(cases, &[(EXPERIMENT, "grid")]);
     let mut sentences = Vec::new();
     for api in ["vulkan", "wgpu"] {
-        let of_triangles = of(&own, &[("api", api)]).into_iter().filter(|case| {
-            let is_triangles = !case.condition("way").ends_with("-points");
+        let of_triangles = of(&own, &[(API, api)]).into_iter().filter(|case| {
+            let is_triangles = !case.condition(WAY).ends_with("-points");
             is_triangles && case.counts() && case.value(frame_time(clock)).is_some()
         });
         let of_triangles: Vec<&Case> = of_triangles.collect();
-        let Some(&cells) = values(&of_triangles, "grid_cells").last() else {
+        let Some(&cells) = values(&of_triangles, GRID_CELLS).last() else {
             continue;
         };
-        let of_largest = of(&of_triangles, &[("grid_cells", &cells.to_string())]);
+        let of_largest = of(&of_triangles, &[(GRID_CELLS, &cells.to_string())]);
         let ms = |case: &&Case| case.value(frame_time(clock)).unwrap_or(f64::INFINITY);
         let Some(best) = of_largest
             .iter()
@@ -109,14 +113,14 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
         else {
             continue;
         };
-        let given = best.value("pipeline_emitted_vertices").map(significant);
+        let given = best.value(PIPELINE_EMITTED_VERTICES).map(significant);
         let mut sentence = format!(
             "On {api} the fastest way to triangles of {cells}² cells is {}: {} ms for {} vertices given",
-            best.condition("way"),
+            best.condition(WAY),
             significant(ms(&best)),
             given.unwrap_or_else(|| "–".to_owned()),
         );
-        if let Some(shaded) = best.value("pipeline_vertex_invocations") {
+        if let Some(shaded) = best.value(PIPELINE_VERTEX_INVOCATIONS) {
             let shaded = significant(shaded);
             sentence.push_str(&format!(" and {shaded} vertex shader invocations"));
         }
@@ -124,7 +128,7 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
             let other = of_largest
                 .iter()
                 .copied()
-                .find(|case| case.condition("way") == way);
+                .find(|case| case.condition(WAY) == way);
             let slower = other.filter(|other| other.id() != best.id());
             if let Some(slower) = gain(slower, Some(best), frame_time(clock)) {
                 sentence.push_str(&format!("; {way} takes {} times as long", times(&slower)));
@@ -138,7 +142,7 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
 
 fn one<'a>(cases: &[&'a Case], api: &str, way: &str, cells: u32) -> Option<&'a Case> {
     let cells = cells.to_string();
-    let conditions = [("api", api), ("way", way), ("grid_cells", cells.as_str())];
+    let conditions = [(API, api), (WAY, way), (GRID_CELLS, cells.as_str())];
     of(cases, &conditions).first().copied()
 }
 
@@ -149,7 +153,7 @@ fn gains(
     clock: Clock,
 ) -> Vec<(u32, Estimate)> {
     let [slow, fast] = comparison.ways;
-    let sizes = values(cases, "grid_cells");
+    let sizes = values(cases, GRID_CELLS);
     let of_size = |cells| {
         let [slow, fast] = [slow, fast].map(|way| one(cases, api, way, cells));
         Some((cells, gain(slow, fast, frame_time(clock))?))
@@ -179,7 +183,7 @@ fn findings(cases: &[&Case], clock: Clock) -> Vec<Finding> {
 fn pictures(cases: &[&Case]) -> Option<Block> {
     let mut figures: Vec<PictureFigure> = Vec::new();
     for case in cases.iter().filter(|case| !case.note("picture").is_empty()) {
-        let kind = match case.condition("way").ends_with("-points") {
+        let kind = match case.condition(WAY).ends_with("-points") {
             true => "points",
             false => "triangles",
         };
@@ -190,8 +194,8 @@ fn pictures(cases: &[&Case]) -> Option<Block> {
             }],
             notes: vec![format!(
                 "{} on {}",
-                case.condition("way"),
-                case.condition("api")
+                case.condition(WAY),
+                case.condition(API)
             )],
         });
     }
@@ -209,7 +213,7 @@ fn pictures(cases: &[&Case]) -> Option<Block> {
 /// A row for each way, interface and size.
 fn table(cases: &[&Case], clock: Clock) -> Table {
     let mut rows = Vec::new();
-    for cells in values(cases, "grid_cells") {
+    for cells in values(cases, GRID_CELLS) {
         for way in GRID_WAYS {
             for api in ["vulkan", "wgpu"] {
                 let Some(case) = one(cases, api, &way.name(), cells) else {
@@ -225,12 +229,12 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
                         Cell::name(api),
                         time_cell(case, frame_time(clock)),
                         Cell::or_absent(rate, why(case)),
-                        byte_cell(case, "pipeline_sent_bytes"),
-                        byte_cell(case, "pipeline_held_bytes"),
-                        count(case, "pipeline_emitted_vertices"),
-                        count(case, "pipeline_vertex_invocations"),
-                        count(case, "pipeline_draws"),
-                        count(case, "pipeline_band_px"),
+                        byte_cell(case, PIPELINE_SENT_BYTES),
+                        byte_cell(case, PIPELINE_HELD_BYTES),
+                        count(case, PIPELINE_EMITTED_VERTICES),
+                        count(case, PIPELINE_VERTEX_INVOCATIONS),
+                        count(case, PIPELINE_DRAWS),
+                        count(case, PIPELINE_BAND_PX),
                     ],
                     status: case.outcome.name().to_owned(),
                     remark: case.reason.clone(),
@@ -249,12 +253,12 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
             ("interface", None),
             ("time, ms", Some(frame_time(clock))),
             ("million points a second", None),
-            ("sent a frame", Some("pipeline_sent_bytes")),
-            ("held", Some("pipeline_held_bytes")),
-            ("vertices given", Some("pipeline_emitted_vertices")),
-            ("vertices shaded", Some("pipeline_vertex_invocations")),
-            ("draws", Some("pipeline_draws")),
-            ("pixels in the band", Some("pipeline_band_px")),
+            ("sent a frame", Some(PIPELINE_SENT_BYTES)),
+            ("held", Some(PIPELINE_HELD_BYTES)),
+            ("vertices given", Some(PIPELINE_EMITTED_VERTICES)),
+            ("vertices shaded", Some(PIPELINE_VERTEX_INVOCATIONS)),
+            ("draws", Some(PIPELINE_DRAWS)),
+            ("pixels in the band", Some(PIPELINE_BAND_PX)),
         ]),
         rows,
         is_main: true,
@@ -266,7 +270,7 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
 fn comparisons(cases: &[&Case], clock: Clock) -> Table {
     let mut rows = Vec::new();
     for comparison in &COMPARISONS {
-        for cells in values(cases, "grid_cells") {
+        for cells in values(cases, GRID_CELLS) {
             let row = GRIDS.iter().find(|row| row.cells == cells);
             let published = |card| {
                 let ratio = row.and_then(|row| (comparison.published)(row, card));
@@ -319,7 +323,7 @@ fn comparisons(cases: &[&Case], clock: Clock) -> Table {
 fn drawing(cases: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError> {
     let metric = frame_time(clock);
     let point = |case: &&Case| {
-        let cells: f64 = case.condition("grid_cells").parse().ok()?;
+        let cells: f64 = case.condition(GRID_CELLS).parse().ok()?;
         let spread = sample_spread(case, metric).filter(|_| case.counts())?;
         let replicates: Vec<f64> = process_medians(case, metric).into_values().collect();
         Some(Point {
@@ -334,7 +338,7 @@ fn drawing(cases: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError
     };
     let mut curves = Vec::new();
     for way in GRID_WAYS {
-        let own = of(cases, &[("way", &way.name())]);
+        let own = of(cases, &[(WAY, &way.name())]);
         let mut points: Vec<Point> = own.iter().filter_map(point).collect();
         points.sort_by(|a, b| a.knob.total_cmp(&b.knob));
         if !points.is_empty() {

@@ -6,10 +6,18 @@ use super::cells::{byte_cell, gain, headings, of, standing, time, time_cell, val
 use super::numbers::{EDGE_SHARE, EDGE_TOLERANCE, RELATIVE_NOISE, SLOPE_TOLERANCE};
 use super::series::{curve, draw, finding, plot, range, series, slope, table};
 use crate::blur::MOTION_PX;
+use crate::keys::{
+    API, BLUR_MAX, BLUR_RMS, DEPTH, EXPERIMENT, FILTER, FLOOR, HARD_AREA_SHARE,
+    HARD_DEVIATION_TEXELS, HARD_WRONG_AREA, LAYERED_JUDGED_PX, LAYERED_OPEN_PX, LAYERED_WRONG_PX,
+    LAYERED_WRONG_TEXELS, LAYERS, LAYERS_BY, LIGHTS_DEPTHS_DIFFERING, LIGHTS_PASSES, MOMENTS,
+    PIPELINE_HELD_BYTES, RESOLVE, SIGMA, TEXELS, VARIANCE_ABSOLUTE_MAX, VARIANCE_ABSOLUTE_RMS,
+    VARIANCE_BLACK_PX, VARIANCE_DARK_SHARE, VARIANCE_NON_FINITE, VARIANCE_OUTSIDE_SHARE,
+    VARIANCE_RELATIVE_RMS,
+};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, Clock, Estimate, Finding, Picture, PictureFigure,
-    Pictures, Row, Table,
+    Block, Case, Cell, ChapterError, Claim, Clock, ConditionKey, Estimate, Finding, Metric,
+    Picture, PictureFigure, Pictures, Row, Table,
 };
 
 const SHADOWS: &str = "A level plane is seen from straight above, and looked up in the depth maps of distant lights: 25 depths a light \
@@ -36,23 +44,23 @@ fn shaded<'a>(cases: &[&'a Case]) -> Vec<&'a Case> {
         "shaded-hard",
     ];
     own.into_iter()
-        .flat_map(|experiment| of(cases, &[("experiment", experiment)]))
+        .flat_map(|experiment| of(cases, &[(EXPERIMENT, experiment)]))
         .collect()
 }
 
 fn blurred<'a>(cases: &[&'a Case]) -> Vec<&'a Case> {
     let own = ["blurred", "blurred-resolve"];
     own.into_iter()
-        .flat_map(|experiment| of(cases, &[("experiment", experiment)]))
+        .flat_map(|experiment| of(cases, &[(EXPERIMENT, experiment)]))
         .collect()
 }
 
-fn most(cases: &[&Case], metric: &str) -> Option<f64> {
+fn most(cases: &[&Case], metric: &Metric) -> Option<f64> {
     let all = cases.iter().filter_map(|case| case.value(metric));
     all.max_by(f64::total_cmp)
 }
 
-fn all(cases: &[&Case], conditions: &[(&str, &str)], metric: &str) -> Vec<f64> {
+fn all(cases: &[&Case], conditions: &[(ConditionKey, &str)], metric: &Metric) -> Vec<f64> {
     let own = of(cases, conditions);
     own.into_iter()
         .filter_map(|case| case.value(metric))
@@ -72,29 +80,29 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
 }
 
 fn shadow_findings(cases: &[&Case]) -> Vec<Finding> {
-    let wrong = most(cases, "layered_wrong_px").zip(most(cases, "layered_wrong_texels"));
+    let wrong = most(cases, LAYERED_WRONG_PX).zip(most(cases, LAYERED_WRONG_TEXELS));
     let subtracted = [
-        ("experiment", "shaded-variance"),
-        ("moments", "receiver subtracted"),
+        (EXPERIMENT, "shaded-variance"),
+        (MOMENTS, "receiver subtracted"),
     ];
-    let subtracted = all(cases, &subtracted, "variance_relative_rms");
+    let subtracted = all(cases, &subtracted, VARIANCE_RELATIVE_RMS);
     let published = [
-        ("experiment", "shaded-variance"),
-        ("moments", "published"),
-        ("sigma", "1e-4"),
+        (EXPERIMENT, "shaded-variance"),
+        (MOMENTS, "published"),
+        (SIGMA, "1e-4"),
     ];
-    let noise = all(cases, &published, "variance_absolute_rms");
+    let noise = all(cases, &published, VARIANCE_ABSOLUTE_RMS);
     let plane = |floor| {
         let conditions = [
-            ("experiment", "shaded-plane"),
-            ("moments", "published"),
-            ("depth", "f32"),
-            ("floor", floor),
+            (EXPERIMENT, "shaded-plane"),
+            (MOMENTS, "published"),
+            (DEPTH, "f32"),
+            (FLOOR, floor),
         ];
-        all(cases, &conditions, "variance_black_px")
+        all(cases, &conditions, VARIANCE_BLACK_PX)
     };
     let (bare, floored) = (plane("none"), plane("1e-7"));
-    let shares = all(cases, &[("experiment", "shaded-hard")], "hard_area_share");
+    let shares = all(cases, &[(EXPERIMENT, "shaded-hard")], HARD_AREA_SHARE);
     let is_edge = |share: &f64| (share - EDGE_SHARE).abs() <= EDGE_TOLERANCE;
     let list = |counts: &[f64]| {
         counts
@@ -150,26 +158,21 @@ fn slopes(cases: &[&Case], filter: &str) -> Vec<f64> {
     let own = of(
         cases,
         &[
-            ("experiment", "blurred"),
-            ("filter", filter),
-            ("moments", "middle"),
+            (EXPERIMENT, "blurred"),
+            (FILTER, filter),
+            (MOMENTS, "middle"),
         ],
     );
     let mut ways: Vec<(&str, &str)> = own
         .iter()
-        .map(|case| (case.condition("api"), case.condition("layers_by")))
+        .map(|case| (case.condition(API), case.condition(LAYERS_BY)))
         // Those of 8 and 16 bits have errors of their own.
         .filter(|(_, by)| !matches!(*by, "blended-f16" | "blended-8-bit"))
         .collect();
     ways.sort_unstable();
     ways.dedup();
     let of_way = |(api, by): (&str, &str)| {
-        let errors = series(
-            &own,
-            &[("api", api), ("layers_by", by)],
-            "layers",
-            "blur_rms",
-        );
+        let errors = series(&own, &[(API, api), (LAYERS_BY, by)], LAYERS, BLUR_RMS);
         let fine: Vec<(f64, f64)> = errors
             .into_iter()
             .filter(|pair| pair.0 >= MOTION_PX)
@@ -180,7 +183,7 @@ fn slopes(cases: &[&Case], filter: &str) -> Vec<f64> {
 }
 
 fn blur_findings(cases: &[&Case]) -> Vec<Finding> {
-    let wrong = most(cases, "layered_wrong_px").zip(most(cases, "lights_depths_differing"));
+    let wrong = most(cases, LAYERED_WRONG_PX).zip(most(cases, LIGHTS_DEPTHS_DIFFERING));
     let mut findings = vec![finding(
         "No pixel of blur on devices is outside of what its definition allows, and all ways to layers leave the same \
          bits",
@@ -206,11 +209,11 @@ fn blur_findings(cases: &[&Case]) -> Vec<Finding> {
     }
     let resolved = |resolve| {
         let conditions = [
-            ("experiment", "blurred-resolve"),
-            ("resolve", resolve),
-            ("layers", "32"),
+            (EXPERIMENT, "blurred-resolve"),
+            (RESOLVE, resolve),
+            (LAYERS, "32"),
         ];
-        all(cases, &conditions, "blur_rms")
+        all(cases, &conditions, BLUR_RMS)
     };
     let (published, first) = (resolved("published"), resolved("current pose first"));
     findings.push(finding(
@@ -229,18 +232,18 @@ fn blur_findings(cases: &[&Case]) -> Vec<Finding> {
 fn blur<'a>(cases: &[&'a Case], api: &str, by: &str, layers: u32) -> Option<&'a Case> {
     let layers = layers.to_string();
     let conditions = [
-        ("experiment", "blurred"),
-        ("filter", "box"),
-        ("api", api),
-        ("layers_by", by),
-        ("layers", &layers),
+        (EXPERIMENT, "blurred"),
+        (FILTER, "box"),
+        (API, api),
+        (LAYERS_BY, by),
+        (LAYERS, &layers),
     ];
     of(cases, &conditions).first().copied()
 }
 
 /// Published in words: blur in two passes beats a pass a layer.
 fn claim(cases: &[&Case], clock: Clock) -> Finding {
-    let several = values(cases, "layers")
+    let several = values(cases, LAYERS)
         .into_iter()
         .filter(|layers| *layers >= 4);
     let gains = several.filter_map(|layers| {
@@ -262,18 +265,18 @@ fn claim(cases: &[&Case], clock: Clock) -> Finding {
 pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
     let mut sentences = Vec::new();
     let plane = [
-        ("experiment", "shaded-plane"),
-        ("moments", "receiver subtracted"),
-        ("depth", "f32"),
-        ("floor", "1e-7"),
+        (EXPERIMENT, "shaded-plane"),
+        (MOMENTS, "receiver subtracted"),
+        (DEPTH, "f32"),
+        (FLOOR, "1e-7"),
     ];
     let own = shaded(cases);
     let variance = [
-        ("experiment", "shaded-variance"),
-        ("moments", "receiver subtracted"),
+        (EXPERIMENT, "shaded-variance"),
+        (MOMENTS, "receiver subtracted"),
     ];
-    let noise = most(&of(&own, &variance), "variance_relative_rms");
-    if let Some((dark, noise)) = most(&of(&own, &plane), "variance_dark_share").zip(noise) {
+    let noise = most(&of(&own, &variance), VARIANCE_RELATIVE_RMS);
+    if let Some((dark, noise)) = most(&of(&own, &plane), VARIANCE_DARK_SHARE).zip(noise) {
         sentences.push(format!(
             "Variance shadows are best summed from depths less the receiver's, over a floor of 1e-7: the variance \
              errs by {} of itself, and {} % of a lit plane's pixels are dark.",
@@ -281,15 +284,15 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
             significant(100.0 * dark)
         ));
     }
-    let own = of(cases, &[("experiment", "blurred"), ("filter", "box")]);
+    let own = of(cases, &[(EXPERIMENT, "blurred"), (FILTER, "box")]);
     for api in ["vulkan", "wgpu"] {
-        let timed = of(&own, &[("api", api)]).into_iter();
+        let timed = of(&own, &[(API, api)]).into_iter();
         let timed = timed.filter(|case| case.counts() && case.value(time(clock)).is_some());
         let timed: Vec<&Case> = timed.collect();
-        let Some(layers) = values(&timed, "layers").last().copied() else {
+        let Some(layers) = values(&timed, LAYERS).last().copied() else {
             continue;
         };
-        let of_most = of(&timed, &[("layers", &layers.to_string())]);
+        let of_most = of(&timed, &[(LAYERS, &layers.to_string())]);
         let ms = |case: &&Case| case.value(time(clock)).unwrap_or(f64::INFINITY);
         let Some(best) = of_most.into_iter().min_by(|a, b| ms(a).total_cmp(&ms(b))) else {
             continue;
@@ -297,11 +300,11 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
         let figure = |metric| best.value(metric).map(significant).unwrap_or_default();
         sentences.push(format!(
             "On {api} blur by {layers} moments is fastest by {}: {} ms in {} passes, {} bytes of layers, rms {}.",
-            best.condition("layers_by"),
+            best.condition(LAYERS_BY),
             significant(ms(&best)),
-            figure("lights_passes"),
-            figure("pipeline_held_bytes"),
-            figure("blur_rms"),
+            figure(LIGHTS_PASSES),
+            figure(PIPELINE_HELD_BYTES),
+            figure(BLUR_RMS),
         ));
     }
     sentences
@@ -334,12 +337,12 @@ fn pictures(cases: &[&Case]) -> Option<Block> {
         .map(|case| PictureFigure {
             pictures: vec![Picture {
                 path: case.note("picture").to_owned(),
-                caption: match case.condition("experiment") {
-                    "shaded-hard" => format!("hard, {} texels", case.condition("texels")),
+                caption: match case.condition(EXPERIMENT) {
+                    "shaded-hard" => format!("hard, {} texels", case.condition(TEXELS)),
                     _ => format!(
                         "{}, floor {}",
-                        case.condition("moments"),
-                        case.condition("floor")
+                        case.condition(MOMENTS),
+                        case.condition(FLOOR)
                     ),
                 },
             }],
@@ -359,17 +362,17 @@ fn pictures(cases: &[&Case]) -> Option<Block> {
 
 fn shadow_tables(cases: &[&Case]) -> [Table; 4] {
     let judged = [
-        ("wrong texels", "layered_wrong_texels"),
-        ("wrong pixels", "layered_wrong_px"),
-        ("left open", "layered_open_px"),
-        ("of", "layered_judged_px"),
-        ("not finite", "variance_non_finite"),
+        ("wrong texels", LAYERED_WRONG_TEXELS),
+        ("wrong pixels", LAYERED_WRONG_PX),
+        ("left open", LAYERED_OPEN_PX),
+        ("of", LAYERED_JUDGED_PX),
+        ("not finite", VARIANCE_NON_FINITE),
     ];
-    let way = [("interface", "api"), ("layers by", "layers_by")];
+    let way = [("interface", API), ("layers by", LAYERS_BY)];
     let make = |caption,
                 experiment,
-                keys: &[(&'static str, &'static str)],
-                metrics: &[(&'static str, &'static str)]| {
+                keys: &[(&'static str, ConditionKey)],
+                metrics: &[(&'static str, &'static Metric)]| {
         let keys = [keys, &way[..]].concat();
         let metrics = [metrics, &judged[..]].concat();
         table(cases, caption, experiment, &keys, &metrics)
@@ -378,41 +381,37 @@ fn shadow_tables(cases: &[&Case]) -> [Table; 4] {
         make(
             "Terraces that nothing shadows, on devices",
             "shaded-plane",
+            &[("moments", MOMENTS), ("depth", DEPTH), ("floor", FLOOR)],
             &[
-                ("moments", "moments"),
-                ("depth", "depth"),
-                ("floor", "floor"),
-            ],
-            &[
-                ("below 0.99 of the light", "variance_dark_share"),
-                ("black pixels", "variance_black_px"),
-                ("outside of 0 to 1", "variance_outside_share"),
+                ("below 0.99 of the light", VARIANCE_DARK_SHARE),
+                ("black pixels", VARIANCE_BLACK_PX),
+                ("outside of 0 to 1", VARIANCE_OUTSIDE_SHARE),
             ],
         ),
         make(
             "Variance of rough ground near depth 1, on devices",
             "shaded-variance",
-            &[("moments", "moments"), ("spread of depths", "sigma")],
+            &[("moments", MOMENTS), ("spread of depths", SIGMA)],
             &[
-                ("relative, rms", "variance_relative_rms"),
-                ("absolute, rms", "variance_absolute_rms"),
-                ("absolute, largest", "variance_absolute_max"),
+                ("relative, rms", VARIANCE_RELATIVE_RMS),
+                ("absolute, rms", VARIANCE_ABSOLUTE_RMS),
+                ("absolute, largest", VARIANCE_ABSOLUTE_MAX),
             ],
         ),
         make(
             "A plane under a disc and four lights: the product of their variance shadows",
             "shaded-disc",
-            &[("moments", "moments"), ("floor", "floor")],
-            &[("passes", "lights_passes")],
+            &[("moments", MOMENTS), ("floor", FLOOR)],
+            &[("passes", LIGHTS_PASSES)],
         ),
         make(
             "The same by one texel a light",
             "shaded-hard",
-            &[("texels", "texels")],
+            &[("texels", TEXELS)],
             &[
-                ("wrong area", "hard_wrong_area"),
-                ("over perimeter · texel", "hard_area_share"),
-                ("largest deviation, texels", "hard_deviation_texels"),
+                ("wrong area", HARD_WRONG_AREA),
+                ("over perimeter · texel", HARD_AREA_SHARE),
+                ("largest deviation, texels", HARD_DEVIATION_TEXELS),
             ],
         ),
     ]
@@ -431,13 +430,13 @@ fn blur_plot(cases: &[&Case]) -> Result<Option<Block>, ChapterError> {
     let of_filter = |filter| {
         let of_way = |(name, api, by, moments)| {
             let conditions = [
-                ("experiment", "blurred"),
-                ("filter", filter),
-                ("api", api),
-                ("layers_by", by),
-                ("moments", moments),
+                (EXPERIMENT, "blurred"),
+                (FILTER, filter),
+                (API, api),
+                (LAYERS_BY, by),
+                (MOMENTS, moments),
             ];
-            curve(name, &series(cases, &conditions, "layers", "blur_rms"))
+            curve(name, &series(cases, &conditions, LAYERS, BLUR_RMS))
         };
         shown.map(of_way).into()
     };
@@ -455,27 +454,23 @@ fn blur_plot(cases: &[&Case]) -> Result<Option<Block>, ChapterError> {
 fn blur_table(cases: &[&Case], clock: Clock) -> Table {
     let rows = cases.iter().map(|case| {
         let figure = |metric| Cell::or_absent(case.value(metric).map(significant), why(case));
-        let made = match case.condition("resolve") {
-            "" => format!(
-                "{} at {}",
-                case.condition("filter"),
-                case.condition("moments")
-            ),
+        let made = match case.condition(RESOLVE) {
+            "" => format!("{} at {}", case.condition(FILTER), case.condition(MOMENTS)),
             resolve => format!("resolve: {resolve}"),
         };
         Row {
             cells: vec![
                 Cell::name(made),
-                Cell::name(case.condition("api")),
-                Cell::name(case.condition("layers_by")),
-                Cell::name(case.condition("layers")),
-                figure("blur_rms"),
-                figure("blur_max"),
+                Cell::name(case.condition(API)),
+                Cell::name(case.condition(LAYERS_BY)),
+                Cell::name(case.condition(LAYERS)),
+                figure(BLUR_RMS),
+                figure(BLUR_MAX),
                 time_cell(case, time(clock)),
-                figure("lights_passes"),
-                byte_cell(case, "pipeline_held_bytes"),
-                figure("lights_depths_differing"),
-                figure("layered_wrong_px"),
+                figure(LIGHTS_PASSES),
+                byte_cell(case, PIPELINE_HELD_BYTES),
+                figure(LIGHTS_DEPTHS_DIFFERING),
+                figure(LAYERED_WRONG_PX),
             ],
             status: case.outcome.name().to_owned(),
             remark: case.reason.clone(),
@@ -488,13 +483,13 @@ fn blur_table(cases: &[&Case], clock: Clock) -> Table {
             ("interface", None),
             ("layers by", None),
             ("layers", None),
-            ("rms", Some("blur_rms")),
-            ("largest", Some("blur_max")),
+            ("rms", Some(BLUR_RMS)),
+            ("largest", Some(BLUR_MAX)),
             ("time, ms", Some(time(clock))),
-            ("passes", Some("lights_passes")),
-            ("layers hold", Some("pipeline_held_bytes")),
-            ("texels that differ", Some("lights_depths_differing")),
-            ("wrong pixels", Some("layered_wrong_px")),
+            ("passes", Some(LIGHTS_PASSES)),
+            ("layers hold", Some(PIPELINE_HELD_BYTES)),
+            ("texels that differ", Some(LIGHTS_DEPTHS_DIFFERING)),
+            ("wrong pixels", Some(LAYERED_WRONG_PX)),
         ]),
         rows: rows.collect(),
         ..Table::default()

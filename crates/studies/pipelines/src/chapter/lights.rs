@@ -2,15 +2,21 @@
 //! Shadows of several lights: depth maps in one pass or in many, with the counters behind their times.
 
 use super::cells::{byte_cell, count, gain, headings, of, standing, time, time_cell, values, why};
+use crate::keys::{
+    EXPERIMENT, LAYERS_BY, LIGHTS, LIGHTS_DEPTHS_DIFFERING, LIGHTS_MAP_ERROR, LIGHTS_PASSES,
+    PIPELINE_GEOMETRY_INVOCATIONS, PIPELINE_HELD_BYTES, PIPELINE_MISMATCHED_PX,
+    PIPELINE_PRIMITIVES, PIPELINE_VERTEX_INVOCATIONS,
+};
 use crate::lights::LightWay;
+use crate::metrics::METRICS;
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
-    Block, Case, Cell, Claim, Clock, Estimate, Finding, Picture, PictureFigure, Pictures, Row,
-    Standing, Table,
+    Block, Case, Cell, Claim, Clock, Estimate, Finding, Metric, Picture, PictureFigure, Pictures,
+    Row, Standing, Table,
 };
 
-const MAPS_CPU: &str = "lights_maps_cpu_ms";
-const MAPS_GPU: &str = "lights_maps_gpu_ms";
+const MAPS_CPU: &Metric = Metric::of(&METRICS, "lights_maps_cpu_ms");
+const MAPS_GPU: &Metric = Metric::of(&METRICS, "lights_maps_gpu_ms");
 
 const WHAT_IS_COMPARED: &str = "Distant lights stand all round the ground. Their depth maps are the layers of one image; the picture's pixels \
      say which lights reach them, by one lookup each. The published way draws all maps in one pass, in which \
@@ -23,12 +29,12 @@ const WHAT_WAS_PUBLISHED: &str = "Published are \"2 passes\" in words, without n
 
 fn one<'a>(cases: &[&'a Case], way: LightWay, lights: u32) -> Option<&'a Case> {
     let lights = lights.to_string();
-    let conditions = [("layers_by", way.name()), ("lights", lights.as_str())];
+    let conditions = [(LAYERS_BY, way.name()), (LIGHTS, lights.as_str())];
     of(cases, &conditions).first().copied()
 }
 
 fn own<'a>(cases: &[&'a Case]) -> Vec<&'a Case> {
-    of(cases, &[("experiment", "lights")])
+    of(cases, &[(EXPERIMENT, "lights")])
 }
 
 pub(super) fn section(cases: &[&Case], clock: Clock) -> Vec<Block> {
@@ -55,7 +61,7 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
     }
     let differing = own
         .iter()
-        .filter_map(|case| case.value("lights_depths_differing"));
+        .filter_map(|case| case.value(LIGHTS_DEPTHS_DIFFERING));
     let differing: Vec<f64> = differing.collect();
     let most = differing.iter().copied().max_by(f64::total_cmp);
     vec![Finding {
@@ -71,7 +77,7 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
 }
 
 fn claim(cases: &[&Case], clock: Clock) -> Finding {
-    let several = values(cases, "lights")
+    let several = values(cases, LIGHTS)
         .into_iter()
         .filter(|lights| *lights >= 4);
     let maps = clock.pick(MAPS_GPU, MAPS_CPU);
@@ -98,8 +104,8 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Option<String> {
         .into_iter()
         .filter(|case| case.counts() && case.value(maps).is_some());
     let timed: Vec<&Case> = timed.collect();
-    let lights = *values(&timed, "lights").last()?;
-    let of_most = of(&timed, &[("lights", &lights.to_string())]);
+    let lights = *values(&timed, LIGHTS).last()?;
+    let of_most = of(&timed, &[(LIGHTS, &lights.to_string())]);
     let ms = |case: &&Case| case.value(maps).unwrap_or(f64::INFINITY);
     let best = of_most
         .iter()
@@ -115,16 +121,16 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Option<String> {
             format!(
                 "; the published copies take {} ms with {} vertex shader invocations",
                 significant(ms(&copied)),
-                figure(copied, "pipeline_vertex_invocations"),
+                figure(copied, PIPELINE_VERTEX_INVOCATIONS),
             )
         });
     Some(format!(
         "Maps of {lights} lights are drawn fastest by {}: {} ms in {} passes with the picture, {} vertex shader \
          invocations{}.",
-        best.condition("layers_by"),
+        best.condition(LAYERS_BY),
         significant(ms(&best)),
-        figure(best, "lights_passes"),
-        figure(best, "pipeline_vertex_invocations"),
+        figure(best, LIGHTS_PASSES),
+        figure(best, PIPELINE_VERTEX_INVOCATIONS),
         against.unwrap_or_default(),
     ))
 }
@@ -135,9 +141,9 @@ fn pictures(cases: &[&Case]) -> Option<Block> {
         .map(|case| PictureFigure {
             pictures: vec![Picture {
                 path: case.note("picture").to_owned(),
-                caption: format!("{} lights", case.condition("lights")),
+                caption: format!("{} lights", case.condition(LIGHTS)),
             }],
-            notes: vec![case.condition("layers_by").to_owned()],
+            notes: vec![case.condition(LAYERS_BY).to_owned()],
         })
         .collect();
     (!figures.is_empty()).then(|| {
@@ -154,7 +160,7 @@ fn pictures(cases: &[&Case]) -> Option<Block> {
 fn table(cases: &[&Case], clock: Clock) -> Table {
     let maps = clock.pick(MAPS_GPU, MAPS_CPU);
     let mut rows = Vec::new();
-    for lights in values(cases, "lights") {
+    for lights in values(cases, LIGHTS) {
         for way in LightWay::ALL {
             let Some(case) = one(cases, way, lights) else {
                 continue;
@@ -162,7 +168,7 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
             let figure = |metric| Cell::or_absent(case.value(metric).map(significant), why(case));
             let ratio = gain(Some(case), one(cases, LightWay::Passes, lights), maps);
             let error = case
-                .value("lights_map_error")
+                .value(LIGHTS_MAP_ERROR)
                 .map(|share| significant(100.0 * share));
             rows.push(Row {
                 cells: vec![
@@ -171,13 +177,13 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
                     time_cell(case, maps),
                     Cell::or_absent(ratio.as_ref().map(times), why(case)),
                     time_cell(case, time(clock)),
-                    figure("lights_passes"),
-                    count(case, "pipeline_vertex_invocations"),
-                    count(case, "pipeline_geometry_invocations"),
-                    count(case, "pipeline_primitives"),
-                    byte_cell(case, "pipeline_held_bytes"),
-                    figure("lights_depths_differing"),
-                    figure("pipeline_mismatched_px"),
+                    figure(LIGHTS_PASSES),
+                    count(case, PIPELINE_VERTEX_INVOCATIONS),
+                    count(case, PIPELINE_GEOMETRY_INVOCATIONS),
+                    count(case, PIPELINE_PRIMITIVES),
+                    byte_cell(case, PIPELINE_HELD_BYTES),
+                    figure(LIGHTS_DEPTHS_DIFFERING),
+                    figure(PIPELINE_MISMATCHED_PX),
                     Cell::or_absent(error, why(case)),
                 ],
                 status: case.outcome.name().to_owned(),
@@ -193,17 +199,14 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
             ("maps, ms", Some(maps)),
             ("time ÷ that of passes", None),
             ("maps and picture, ms", Some(time(clock))),
-            ("passes", Some("lights_passes")),
-            ("vertices shaded", Some("pipeline_vertex_invocations")),
-            (
-                "geometry invocations",
-                Some("pipeline_geometry_invocations"),
-            ),
-            ("primitives", Some("pipeline_primitives")),
-            ("maps", Some("pipeline_held_bytes")),
-            ("depths that differ", Some("lights_depths_differing")),
-            ("wrong pixels", Some("pipeline_mismatched_px")),
-            ("map's error, %", Some("lights_map_error")),
+            ("passes", Some(LIGHTS_PASSES)),
+            ("vertices shaded", Some(PIPELINE_VERTEX_INVOCATIONS)),
+            ("geometry invocations", Some(PIPELINE_GEOMETRY_INVOCATIONS)),
+            ("primitives", Some(PIPELINE_PRIMITIVES)),
+            ("maps", Some(PIPELINE_HELD_BYTES)),
+            ("depths that differ", Some(LIGHTS_DEPTHS_DIFFERING)),
+            ("wrong pixels", Some(PIPELINE_MISMATCHED_PX)),
+            ("map's error, %", Some(LIGHTS_MAP_ERROR)),
         ]),
         rows,
         is_main: true,

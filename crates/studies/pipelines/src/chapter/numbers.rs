@@ -4,9 +4,16 @@
 use super::cells::of;
 use super::series::{curve, draw, finding, plot, range, series, slope, table};
 use crate::blur::MOTION_PX;
+use crate::keys::{
+    BLUR_MAX, BLUR_RMS, CUT, DEPTH, EXPERIMENT, FILTER, FLOOR, GAPS, HARD_AREA_SHARE,
+    HARD_DEVIATION_TEXELS, HARD_WRONG_AREA, IMAGE_MAX_M, IMAGE_MAX_PX, IMAGE_NORMAL_DEG,
+    IMAGE_OPEN_TEXELS, IMAGE_RMS_M, LAYERS, MOMENTS, RESOLVE, SIGMA, STORED, TEXELS,
+    VARIANCE_ABSOLUTE_MAX, VARIANCE_ABSOLUTE_RMS, VARIANCE_BLACK_SHARE, VARIANCE_BLEEDING,
+    VARIANCE_DARK_SHARE, VARIANCE_NON_FINITE, VARIANCE_OUTSIDE_SHARE, VARIANCE_RELATIVE_RMS,
+};
 use crate::variance::worst_bleeding;
 use terrafill_plot::number::significant;
-use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Heading, Table};
+use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Heading, Metric, Table};
 
 /// Fewest texels from which errors of images fall as they should.
 const RESOLVED_TEXELS: u32 = 65;
@@ -42,7 +49,7 @@ const BLUR: &str = "A bar of 20 pixels moves by 32 while the shutter is open. A 
      published resolve divides by alpha, so that a trail is opaque wherever a layer covers it.";
 
 pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
-    if of(cases, &[("experiment", "geometry-image")]).is_empty() {
+    if of(cases, &[(EXPERIMENT, "geometry-image")]).is_empty() {
         return Vec::new();
     }
     [
@@ -61,7 +68,7 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
 }
 
 pub(super) fn sections(cases: &[&Case]) -> Result<Vec<Block>, ChapterError> {
-    let is_there = |experiment| !of(cases, &[("experiment", experiment)]).is_empty();
+    let is_there = |experiment| !of(cases, &[(EXPERIMENT, experiment)]).is_empty();
     let mut blocks = Vec::new();
     if is_there("geometry-image") {
         blocks.push(Block::section("Geometry images"));
@@ -88,13 +95,9 @@ pub(super) fn sections(cases: &[&Case]) -> Result<Vec<Block>, ChapterError> {
     Ok(blocks)
 }
 
-fn images(cases: &[&Case], cut: &str, metric: &str) -> Vec<(f64, f64)> {
-    let conditions = [
-        ("experiment", "geometry-image"),
-        ("cut", cut),
-        ("stored", "f64"),
-    ];
-    series(cases, &conditions, "texels", metric)
+fn images(cases: &[&Case], cut: &str, metric: &Metric) -> Vec<(f64, f64)> {
+    let conditions = [(EXPERIMENT, "geometry-image"), (CUT, cut), (STORED, "f64")];
+    series(cases, &conditions, TEXELS, metric)
 }
 
 fn resolved(all: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
@@ -105,7 +108,7 @@ fn resolved(all: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 fn image_ratios(cases: &[&Case]) -> Finding {
     let mut ratios = Vec::new();
     for cut in ["published", "fold"] {
-        for metric in ["image_max_m", "image_rms_m"] {
+        for metric in [IMAGE_MAX_M, IMAGE_RMS_M] {
             let errors = resolved(images(cases, cut, metric));
             ratios.extend(errors.windows(2).map(|pair| pair[0].1 / pair[1].1));
         }
@@ -120,8 +123,8 @@ fn image_ratios(cases: &[&Case]) -> Finding {
 }
 
 fn better_cut(cases: &[&Case]) -> Finding {
-    let published = resolved(images(cases, "published", "image_max_m"));
-    let fold = resolved(images(cases, "fold", "image_max_m"));
+    let published = resolved(images(cases, "published", IMAGE_MAX_M));
+    let fold = resolved(images(cases, "fold", IMAGE_MAX_M));
     let gains: Vec<f64> = published
         .iter()
         .zip(&fold)
@@ -136,10 +139,10 @@ fn better_cut(cases: &[&Case]) -> Finding {
 }
 
 fn closed_borders(cases: &[&Case]) -> Finding {
-    let own = of(cases, &[("experiment", "geometry-image")]);
+    let own = of(cases, &[(EXPERIMENT, "geometry-image")]);
     let open: Vec<f64> = own
         .iter()
-        .filter_map(|case| case.value("image_open_texels"))
+        .filter_map(|case| case.value(IMAGE_OPEN_TEXELS))
         .collect();
     let most = open.iter().copied().max_by(f64::total_cmp);
     finding(
@@ -151,13 +154,13 @@ fn closed_borders(cases: &[&Case]) -> Finding {
     )
 }
 
-fn noises(cases: &[&Case], moments: &str, metric: &str) -> Vec<(f64, f64)> {
-    let conditions = [("experiment", "variance-noise"), ("moments", moments)];
-    series(cases, &conditions, "sigma", metric)
+fn noises(cases: &[&Case], moments: &str, metric: &Metric) -> Vec<(f64, f64)> {
+    let conditions = [(EXPERIMENT, "variance-noise"), (MOMENTS, moments)];
+    series(cases, &conditions, SIGMA, metric)
 }
 
 fn subtracted(cases: &[&Case]) -> Finding {
-    let all = noises(cases, "receiver subtracted", "variance_relative_rms");
+    let all = noises(cases, "receiver subtracted", VARIANCE_RELATIVE_RMS);
     let most = all.iter().map(|pair| pair.1).max_by(f64::total_cmp);
     finding(
         "With the receiver subtracted the variance is right to 2·10⁻⁶ of itself at every spread",
@@ -168,7 +171,7 @@ fn subtracted(cases: &[&Case]) -> Finding {
 }
 
 fn published_noise(cases: &[&Case]) -> Finding {
-    let all = noises(cases, "published", "variance_absolute_rms");
+    let all = noises(cases, "published", VARIANCE_ABSOLUTE_RMS);
     // The narrowest spread: noise alone.
     let least = all.first().map(|pair| pair.1);
     finding(
@@ -183,15 +186,13 @@ fn lit(cases: &[&Case]) -> Finding {
         let own = of(
             cases,
             &[
-                ("experiment", "lit-plane"),
-                ("moments", "published"),
-                ("floor", floor),
+                (EXPERIMENT, "lit-plane"),
+                (MOMENTS, "published"),
+                (FLOOR, floor),
             ],
         );
-        let of_fine = own
-            .iter()
-            .filter(|case| case.condition("depth") != "8 bits");
-        let shares = of_fine.filter_map(|case| case.value("variance_dark_share"));
+        let of_fine = own.iter().filter(|case| case.condition(DEPTH) != "8 bits");
+        let shares = of_fine.filter_map(|case| case.value(VARIANCE_DARK_SHARE));
         shares.max_by(f64::total_cmp)
     };
     let (bare, floored) = (of_floor("none"), of_floor("1e-7"));
@@ -210,7 +211,7 @@ fn lit(cases: &[&Case]) -> Finding {
 fn finite(cases: &[&Case]) -> Finding {
     let counts: Vec<f64> = cases
         .iter()
-        .filter_map(|case| case.value("variance_non_finite"))
+        .filter_map(|case| case.value(VARIANCE_NON_FINITE))
         .collect();
     let most = counts.iter().copied().max_by(f64::total_cmp);
     finding(
@@ -224,9 +225,9 @@ fn finite(cases: &[&Case]) -> Finding {
 fn edge(cases: &[&Case]) -> Finding {
     let all = series(
         cases,
-        &[("experiment", "hard-shadow")],
-        "texels",
-        "hard_area_share",
+        &[(EXPERIMENT, "hard-shadow")],
+        TEXELS,
+        HARD_AREA_SHARE,
     );
     let shares: Vec<f64> = all.iter().map(|pair| pair.1).collect();
     let is_right = |share: &f64| (share - EDGE_SHARE).abs() <= EDGE_TOLERANCE;
@@ -239,11 +240,11 @@ fn edge(cases: &[&Case]) -> Finding {
 
 fn blurs(cases: &[&Case], filter: &str, moments: &str) -> Vec<(f64, f64)> {
     let conditions = [
-        ("experiment", "motion-blur"),
-        ("filter", filter),
-        ("moments", moments),
+        (EXPERIMENT, "motion-blur"),
+        (FILTER, filter),
+        (MOMENTS, moments),
     ];
-    series(cases, &conditions, "layers", "blur_rms")
+    series(cases, &conditions, LAYERS, BLUR_RMS)
 }
 
 fn blur_slope(cases: &[&Case], filter: &str, expected: f64) -> Finding {
@@ -273,21 +274,21 @@ fn image_plot(cases: &[&Case]) -> Result<Option<Block>, ChapterError> {
                 "distance",
                 across,
                 "largest distance, m",
-                of_cuts("image_max_m"),
+                of_cuts(IMAGE_MAX_M),
             ),
             plot(
                 "normals",
                 across,
                 "normals, rms in degrees",
-                of_cuts("image_normal_deg"),
+                of_cuts(IMAGE_NORMAL_DEG),
             ),
         ],
     )
 }
 
 fn hard_plot(cases: &[&Case]) -> Result<Option<Block>, ChapterError> {
-    let all = |metric| series(cases, &[("experiment", "hard-shadow")], "texels", metric);
-    let area = curve("nearest texel", &all("hard_wrong_area"));
+    let all = |metric| series(cases, &[(EXPERIMENT, "hard-shadow")], TEXELS, metric);
+    let area = curve("nearest texel", &all(HARD_WRONG_AREA));
     draw(
         "error of a hard shadow",
         "Area that a map of nearest texels shows wrongly against its resolution.",
@@ -323,16 +324,16 @@ fn image_table(cases: &[&Case]) -> Table {
         "Geometry images by cut, storage and resolution",
         "geometry-image",
         &[
-            ("cut", "cut"),
-            ("stored in", "stored"),
-            ("texels a side", "texels"),
+            ("cut", CUT),
+            ("stored in", STORED),
+            ("texels a side", TEXELS),
         ],
         &[
-            ("largest distance, m", "image_max_m"),
-            ("rms, m", "image_rms_m"),
-            ("largest, px of 1,024", "image_max_px"),
-            ("normals, rms °", "image_normal_deg"),
-            ("open texels", "image_open_texels"),
+            ("largest distance, m", IMAGE_MAX_M),
+            ("rms, m", IMAGE_RMS_M),
+            ("largest, px of 1,024", IMAGE_MAX_PX),
+            ("normals, rms °", IMAGE_NORMAL_DEG),
+            ("open texels", IMAGE_OPEN_TEXELS),
         ],
     )
 }
@@ -342,12 +343,12 @@ fn noise_table(cases: &[&Case]) -> Table {
         cases,
         "Error of the variance of 25 taps near depth 1, in f32",
         "variance-noise",
-        &[("moments", "moments"), ("spread of depths", "sigma")],
+        &[("moments", MOMENTS), ("spread of depths", SIGMA)],
         &[
-            ("relative, rms", "variance_relative_rms"),
-            ("absolute, rms", "variance_absolute_rms"),
-            ("absolute, largest", "variance_absolute_max"),
-            ("not finite", "variance_non_finite"),
+            ("relative, rms", VARIANCE_RELATIVE_RMS),
+            ("absolute, rms", VARIANCE_ABSOLUTE_RMS),
+            ("absolute, largest", VARIANCE_ABSOLUTE_MAX),
+            ("not finite", VARIANCE_NON_FINITE),
         ],
     )
 }
@@ -357,16 +358,12 @@ fn lit_table(cases: &[&Case]) -> Table {
         cases,
         "A flat plane that nothing shadows: shares of its pixels",
         "lit-plane",
+        &[("moments", MOMENTS), ("depth", DEPTH), ("floor", FLOOR)],
         &[
-            ("moments", "moments"),
-            ("depth", "depth"),
-            ("floor", "floor"),
-        ],
-        &[
-            ("below 0.99 of the light", "variance_dark_share"),
-            ("below 0.01", "variance_black_share"),
-            ("outside of 0 to 1", "variance_outside_share"),
-            ("not finite", "variance_non_finite"),
+            ("below 0.99 of the light", VARIANCE_DARK_SHARE),
+            ("below 0.01", VARIANCE_BLACK_SHARE),
+            ("outside of 0 to 1", VARIANCE_OUTSIDE_SHARE),
+            ("not finite", VARIANCE_NON_FINITE),
         ],
     )
 }
@@ -377,12 +374,12 @@ fn bleeding_table(cases: &[&Case]) -> Table {
         cases,
         "Light through two occluders that hide a place wholly, where 0 is right",
         "bleeding",
-        &[("gap between them over gap to the receiver", "gaps")],
-        &[("largest light of 25 taps", "variance_bleeding")],
+        &[("gap between them over gap to the receiver", GAPS)],
+        &[("largest light of 25 taps", VARIANCE_BLEEDING)],
     );
-    let own = of(cases, &[("experiment", "bleeding")]);
+    let own = of(cases, &[(EXPERIMENT, "bleeding")]);
     for (row, case) in table.rows.iter_mut().zip(own) {
-        let gaps: Option<f64> = case.condition("gaps").parse().ok();
+        let gaps: Option<f64> = case.condition(GAPS).parse().ok();
         let most = gaps.map(|gaps| significant(worst_bleeding(gaps)));
         row.cells.push(Cell::or_absent(most, "no number"));
     }
@@ -396,11 +393,11 @@ fn hard_table(cases: &[&Case]) -> Table {
         cases,
         "A disc's hard shadow by a map of nearest texels",
         "hard-shadow",
-        &[("texels a side", "texels")],
+        &[("texels a side", TEXELS)],
         &[
-            ("wrong area, share of the map", "hard_wrong_area"),
-            ("over perimeter · texel", "hard_area_share"),
-            ("largest deviation, texels", "hard_deviation_texels"),
+            ("wrong area, share of the map", HARD_WRONG_AREA),
+            ("over perimeter · texel", HARD_AREA_SHARE),
+            ("largest deviation, texels", HARD_DEVIATION_TEXELS),
         ],
     )
 }
@@ -410,7 +407,7 @@ fn resolve_table(cases: &[&Case]) -> Table {
         cases,
         "Resolves of layers against a trail that fades linearly with age",
         "blur-resolve",
-        &[("resolve", "resolve"), ("layers", "layers")],
-        &[("rms", "blur_rms"), ("largest", "blur_max")],
+        &[("resolve", RESOLVE), ("layers", LAYERS)],
+        &[("rms", BLUR_RMS), ("largest", BLUR_MAX)],
     )
 }

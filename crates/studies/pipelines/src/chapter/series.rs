@@ -2,11 +2,14 @@
 //! What sections of figures are made of: series over a condition, slopes, curves, and tables of a row a case.
 
 use super::cells::{headings, of};
+use crate::keys::EXPERIMENT;
 use terrafill_plot::number::significant;
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
-use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Plot, Row, Standing, Table};
+use terrafill_results::{
+    Block, Case, Cell, ChapterError, ConditionKey, Finding, Metric, Plot, Row, Standing, Table,
+};
 
 pub(super) fn finding(claim: &str, holds: Option<bool>, because: String) -> Finding {
     Finding {
@@ -19,9 +22,9 @@ pub(super) fn finding(claim: &str, holds: Option<bool>, because: String) -> Find
 /// Figure by a condition that is a number, in rising order.
 pub(super) fn series(
     cases: &[&Case],
-    conditions: &[(&str, &str)],
-    key: &str,
-    metric: &str,
+    conditions: &[(ConditionKey, &str)],
+    key: ConditionKey,
+    metric: &Metric,
 ) -> Vec<(f64, f64)> {
     let own = of(cases, conditions);
     let pair = |case: &&Case| Some((case.condition(key).parse().ok()?, case.value(metric)?));
@@ -109,14 +112,14 @@ pub(super) fn table(
     cases: &[&Case],
     caption: &str,
     experiment: &str,
-    keys: &[(&str, &str)],
-    metrics: &[(&str, &'static str)],
+    keys: &[(&str, ConditionKey)],
+    metrics: &[(&str, &'static Metric)],
 ) -> Table {
-    let rows = of(cases, &[("experiment", experiment)])
+    let rows = of(cases, &[(EXPERIMENT, experiment)])
         .into_iter()
         .map(|case| {
             let mut cells: Vec<Cell> = Vec::new();
-            cells.extend(keys.iter().map(|(_, key)| Cell::name(case.condition(key))));
+            cells.extend(keys.iter().map(|(_, key)| Cell::name(case.condition(*key))));
             let values = metrics.iter().map(|(_, metric)| case.value(metric));
             cells.extend(values.map(|value| Cell::or_absent(value.map(significant), "not finite")));
             Row::new(cells)

@@ -12,6 +12,8 @@ use crate::STUDY;
 use crate::draws::verdict_of;
 use crate::grid::View;
 use crate::images::{size_px, write};
+use crate::keys;
+use crate::keys::{API, EXPERIMENT, PLACE, TEST, VIEW};
 use crate::rays::{Cut, Judged, Rays};
 use crate::way::Interface;
 use std::collections::BTreeMap;
@@ -96,16 +98,16 @@ impl Culling {
     ) -> Self {
         let planned = |case: &CullCase| {
             let place = match experiment {
-                "culling-flight" => ("flight_s", case.second.to_string()),
-                _ => ("view", case.view.name.to_owned()),
+                "culling-flight" => (keys::FLIGHT_S, case.second.to_string()),
+                _ => (VIEW, case.view.name.to_owned()),
             };
             let conditions = [
-                ("experiment", experiment.to_owned()),
-                ("api", case.way.interface.name().to_owned()),
-                ("place", case.way.place.name().to_owned()),
-                ("test", case.way.test.name()),
+                (EXPERIMENT, experiment.to_owned()),
+                (API, case.way.interface.name().to_owned()),
+                (PLACE, case.way.place.name().to_owned()),
+                (TEST, case.way.test.name()),
                 place,
-                ("tile_cells", tile_cells.to_string()),
+                (keys::TILE_CELLS, tile_cells.to_string()),
             ];
             let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
             PlannedCase {

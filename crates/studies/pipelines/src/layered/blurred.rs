@@ -12,6 +12,8 @@ use crate::blur::{
     moment_of, starts,
 };
 use crate::draws::verdict_of;
+use crate::keys;
+use crate::keys::{API, EXPERIMENT, FILTER, LAYERS_BY, MOMENTS, RESOLVE, SIZE_PX};
 use crate::lights::{LightColumns, LightWay, differing};
 use crate::way::Interface;
 use bytemuck::{Pod, Zeroable};
@@ -143,21 +145,21 @@ impl BlurCase {
     fn planned(&self, samples: u32) -> PlannedCase {
         let mut conditions = match self.made {
             Made::Mean(MeanOf { filter, moments }) => vec![
-                ("experiment", "blurred".to_owned()),
-                ("filter", filter.name().to_owned()),
-                ("moments", moments.name().to_owned()),
+                (EXPERIMENT, "blurred".to_owned()),
+                (FILTER, filter.name().to_owned()),
+                (MOMENTS, moments.name().to_owned()),
             ],
             Made::Resolved(resolve) => vec![
-                ("experiment", "blurred-resolve".to_owned()),
-                ("resolve", resolve.name().to_owned()),
+                (EXPERIMENT, "blurred-resolve".to_owned()),
+                (RESOLVE, resolve.name().to_owned()),
             ],
         };
-        conditions.push(("api", self.way.interface().name().to_owned()));
-        conditions.push(("layers_by", self.way.name().to_owned()));
-        conditions.push(("layers", self.layers.to_string()));
+        conditions.push((API, self.way.interface().name().to_owned()));
+        conditions.push((LAYERS_BY, self.way.name().to_owned()));
+        conditions.push((keys::LAYERS, self.layers.to_string()));
         let values: Vec<&str> = conditions.iter().map(|(_, value)| &**value).collect();
         let name = values.join("/");
-        conditions.push(("size_px", SIDE.to_string()));
+        conditions.push((SIZE_PX, SIDE.to_string()));
         PlannedCase {
             id: CaseId::new(STUDY, name, conditions),
             samples,

@@ -6,11 +6,12 @@ use super::shaded::{SHEARS, Shade};
 use crate::STUDY;
 use crate::draws::verdict_of;
 use crate::images::write_shares;
+use crate::keys::{API, DEPTH, EXPERIMENT, FLOOR, LAYERS_BY, MOMENTS, SIGMA, SIZE_PX, TEXELS};
 use crate::lights::LightWay;
 use crate::variance::{DepthFormat, Moments};
 use crate::way::Interface;
 use std::collections::BTreeMap;
-use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
+use terrafill_results::{CaseId, ConditionKey, PlannedCase, Status, Verdict};
 use terrafill_study::{Context, Group, Session, StudyError, size_name};
 
 /// Under the variance.
@@ -70,10 +71,10 @@ fn shades(is_quick: bool) -> Vec<Shade> {
 
 impl Shade {
     /// In the order of a case's name.
-    fn conditions(self) -> Vec<(&'static str, String)> {
+    fn conditions(self) -> Vec<(ConditionKey, String)> {
         let floor = |least: Option<f32>| {
             let shown = least.map(|least| format!("{least:e}"));
-            ("floor", shown.unwrap_or_else(|| "none".to_owned()))
+            (FLOOR, shown.unwrap_or_else(|| "none".to_owned()))
         };
         match self {
             Self::Terraces {
@@ -81,29 +82,29 @@ impl Shade {
                 format,
                 least,
             } => vec![
-                ("experiment", "shaded-plane".to_owned()),
-                ("moments", moments.name().to_owned()),
-                ("depth", format.name()),
+                (EXPERIMENT, "shaded-plane".to_owned()),
+                (MOMENTS, moments.name().to_owned()),
+                (DEPTH, format.name()),
                 floor(least),
             ],
             Self::Rough { moments, sigma } => vec![
-                ("experiment", "shaded-variance".to_owned()),
-                ("moments", moments.name().to_owned()),
-                ("sigma", format!("{sigma:e}")),
+                (EXPERIMENT, "shaded-variance".to_owned()),
+                (MOMENTS, moments.name().to_owned()),
+                (SIGMA, format!("{sigma:e}")),
             ],
             Self::Disc {
                 moments,
                 texels,
                 least,
             } => vec![
-                ("experiment", "shaded-disc".to_owned()),
-                ("moments", moments.name().to_owned()),
+                (EXPERIMENT, "shaded-disc".to_owned()),
+                (MOMENTS, moments.name().to_owned()),
                 floor(least),
-                ("texels", texels.to_string()),
+                (TEXELS, texels.to_string()),
             ],
             Self::Hard { texels } => vec![
-                ("experiment", "shaded-hard".to_owned()),
-                ("texels", texels.to_string()),
+                (EXPERIMENT, "shaded-hard".to_owned()),
+                (TEXELS, texels.to_string()),
             ],
         }
     }
@@ -126,11 +127,11 @@ impl Shades {
             }
             for (interface, way) in ways {
                 let mut conditions = shade.conditions();
-                conditions.push(("api", interface.name().to_owned()));
-                conditions.push(("layers_by", way.name().to_owned()));
+                conditions.push((API, interface.name().to_owned()));
+                conditions.push((LAYERS_BY, way.name().to_owned()));
                 let values: Vec<&str> = conditions.iter().map(|(_, value)| &**value).collect();
                 let name = values.join("/");
-                conditions.push(("size_px", size_name(shade.size())));
+                conditions.push((SIZE_PX, size_name(shade.size())));
                 planned.push(PlannedCase {
                     id: CaseId::new(STUDY, name, conditions),
                     // What is drawn once says all but of several lights.

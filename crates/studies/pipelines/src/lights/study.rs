@@ -9,6 +9,8 @@ use crate::STUDY;
 use crate::draws::verdict_of;
 use crate::grid::{Grid, View};
 use crate::images::{size_px, write_lit};
+use crate::keys;
+use crate::keys::{EXPERIMENT, GRID_CELLS, LAYERS_BY, MAP_TEXELS};
 use crate::rays::{Cut, Rays};
 use std::collections::BTreeMap;
 use terrafill_fill::{DeviceError, ids_of};
@@ -47,11 +49,11 @@ impl Lights {
     fn new(count: u32, [cells, side]: [u32; 2], (size, samples): (ImageSize, u32)) -> Self {
         let planned = |way: &LightWay| {
             let conditions = [
-                ("experiment", "lights".to_owned()),
-                ("layers_by", way.name().to_owned()),
-                ("lights", count.to_string()),
-                ("map_texels", side.to_string()),
-                ("grid_cells", cells.to_string()),
+                (EXPERIMENT, "lights".to_owned()),
+                (LAYERS_BY, way.name().to_owned()),
+                (keys::LIGHTS, count.to_string()),
+                (MAP_TEXELS, side.to_string()),
+                (GRID_CELLS, cells.to_string()),
             ];
             let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
             PlannedCase {
