@@ -7,15 +7,21 @@ mod findings;
 mod sections;
 mod steps;
 
-use crate::metrics::{FILL_CPU, LOST, MAP_WRONG, MISSED, TIME, UPDATES};
+use crate::keys::{
+    API, BIAS, DEPTH_BOUNDS, EXTENT, EYE_TEST, FACES, FILL_CPU, LENGTH_M, LOST, MAP_WRONG, MESH,
+    MISSED, NEAR_M, QUESTION, RULE, SCISSOR, SHADOW_BAND_PX, SHADOW_BYTES, SHADOW_FALSE_DARK_PX,
+    SHADOW_FALSE_LIT_PX, SHADOW_FRAGMENTS, SHADOW_MESH_TRIANGLES, SHADOW_RECEIVER_PX, SILHOUETTE,
+    SUN, TEXEL_M, TIME, UPDATES,
+};
 use sections::{SECTIONS, Section};
 use terrafill_plot::number::{count, significant};
 use terrafill_plot::{
     Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, named_aside,
 };
 use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Noise, Outcome, Picture,
-    PictureFigure, Pictures, Plot, Row, Run, Table, process_medians, sample_spread,
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, ConditionKey, Heading, Metric, Noise,
+    Outcome, Picture, PictureFigure, Pictures, Plot, Row, Run, Table, process_medians,
+    sample_spread,
 };
 
 const PORT: &str = "A procedural port: a trestle dock, cranes, ships, containers, in seven channels \
@@ -43,7 +49,7 @@ impl Chapter for ShadowsChapter {
     }
 
     fn primary_metric(&self, _clock: Clock) -> Option<&'static str> {
-        Some(TIME)
+        Some(TIME.name)
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
@@ -89,20 +95,16 @@ struct Own<'a> {
 }
 
 /// What was computed; a wrong answer is one.
-fn value(case: &Case, metric: &str) -> Option<f64> {
+fn value(case: &Case, metric: &Metric) -> Option<f64> {
     let is_known = matches!(case.outcome, Outcome::Ok | Outcome::Wrong);
     case.value(metric).filter(|_| is_known)
 }
 
 /// Wrong pixels of volumes, the band included, in per cent of what is seen.
 fn own_share(case: &Case) -> Option<f64> {
-    let px = [
-        "shadow_false_lit_px",
-        "shadow_false_dark_px",
-        "shadow_band_px",
-    ];
+    let px = [SHADOW_FALSE_LIT_PX, SHADOW_FALSE_DARK_PX, SHADOW_BAND_PX];
     let px: Option<f64> = px.iter().map(|metric| value(case, metric)).sum();
-    Some(100.0 * px? / value(case, "shadow_receiver_px")?)
+    Some(100.0 * px? / value(case, SHADOW_RECEIVER_PX)?)
 }
 
 /// Counts as they are, everything else in three digits.
@@ -128,14 +130,14 @@ impl<'a> Own<'a> {
     }
 
     /// By how much identical work differed in a time.
-    fn noise(&self, metric: &str) -> Option<Noise> {
+    fn noise(&self, metric: &Metric) -> Option<Noise> {
         let all: Vec<&Case> = self.run.of_study(crate::STUDY).collect();
         Noise::of(all.iter().copied(), metric)
     }
 
     fn of_question(&self, question: &str) -> impl Iterator<Item = &'a Case> {
         let all = self.cases.iter().copied();
-        all.filter(move |case| case.condition("question") == question)
+        all.filter(move |case| case.condition(QUESTION) == question)
     }
 
     fn has(&self, question: &str) -> bool {
@@ -143,17 +145,27 @@ impl<'a> Own<'a> {
     }
 
     /// Values of a metric where all conditions hold.
-    fn values(&self, question: &str, conditions: &[(&str, &str)], metric: &str) -> Vec<f64> {
+    fn values(
+        &self,
+        question: &str,
+        conditions: &[(ConditionKey, &str)],
+        metric: &Metric,
+    ) -> Vec<f64> {
         let all = self.of_question(question);
         let own = all.filter(|case| {
             conditions
                 .iter()
-                .all(|(key, value)| case.condition(key) == *value)
+                .all(|(key, value)| case.condition(*key) == *value)
         });
         own.filter_map(|case| value(case, metric)).collect()
     }
 
-    fn value(&self, question: &str, conditions: &[(&str, &str)], metric: &str) -> Option<f64> {
+    fn value(
+        &self,
+        question: &str,
+        conditions: &[(ConditionKey, &str)],
+        metric: &Metric,
+    ) -> Option<f64> {
         self.values(question, conditions, metric).first().copied()
     }
 
@@ -161,8 +173,8 @@ impl<'a> Own<'a> {
     fn suns(&self, question: &str) -> Vec<&'a str> {
         let mut suns = Vec::new();
         for case in self.of_question(question) {
-            if !suns.contains(&case.condition("sun")) {
-                suns.push(case.condition("sun"));
+            if !suns.contains(&case.condition(SUN)) {
+                suns.push(case.condition(SUN));
             }
         }
         suns
@@ -176,7 +188,7 @@ impl<'a> Own<'a> {
             };
             let figures = section.columns.iter().map(|(_, metric)| {
                 let why = match (*metric, why) {
-                    ("shadow_fragments", "there is none") => "not counted by the device",
+                    (SHADOW_FRAGMENTS, "there is none") => "not counted by the device",
                     _ => why,
                 };
                 Cell::or_absent(value(case, metric).map(number), why)
@@ -202,7 +214,7 @@ impl<'a> Own<'a> {
         let names: Vec<String> = section
             .named_by
             .iter()
-            .map(|key| key.replace('_', " "))
+            .map(|key| key.name().replace('_', " "))
             .collect();
         Table {
             caption: section.title.to_owned(),
@@ -318,46 +330,42 @@ impl<'a> Own<'a> {
         let suns = self.suns(question);
         let others = self.of_question("updates").filter(|case| {
             question == "finite"
-                && case.condition("rule") == "z-fail"
-                && suns.contains(&case.condition("sun"))
+                && case.condition(RULE) == "z-fail"
+                && suns.contains(&case.condition(SUN))
         });
         let volumes = self.of_question("devices").filter(|case| {
             question == "device-maps"
-                && case.condition("api") == "wgpu"
+                && case.condition(API) == "wgpu"
                 && is_plain(case)
-                && suns.contains(&case.condition("sun"))
+                && suns.contains(&case.condition(SUN))
         });
         let others = others.chain(volumes);
         for case in self.of_question(question).chain(others) {
-            let number = |key: &str| case.condition(key).parse::<f64>().ok();
-            let elevation = || case.condition("sun").split('°').next()?.parse::<f64>().ok();
-            let of = |metric: &str| value(case, metric);
+            let number = |key: ConditionKey| case.condition(key).parse::<f64>().ok();
+            let elevation = || case.condition(SUN).split('°').next()?.parse::<f64>().ok();
+            let of = |metric: &Metric| value(case, metric);
             let (name, knob, x, y, label) = match question {
                 "eyes" => {
-                    let name = format!(
-                        "{}, sun {}",
-                        case.condition("eye_test"),
-                        case.condition("sun")
-                    );
+                    let name = format!("{}, sun {}", case.condition(EYE_TEST), case.condition(SUN));
                     (
                         name,
-                        number("near_m"),
-                        number("near_m"),
+                        number(NEAR_M),
+                        number(NEAR_M),
                         of(MISSED),
                         String::new(),
                     )
                 }
                 "updates" => {
-                    let name = format!("{}, {}", case.condition("rule"), case.condition("extent"));
+                    let name = format!("{}, {}", case.condition(RULE), case.condition(EXTENT));
                     (name, elevation(), elevation(), of(UPDATES), String::new())
                 }
                 "finite" => {
-                    let length = case.condition("length_m");
-                    let name = match case.condition("extent") {
+                    let length = case.condition(LENGTH_M);
+                    let name = match case.condition(EXTENT) {
                         "" => "finite",
                         extent => extent,
                     };
-                    let knob = number("length_m").or(Some(f64::INFINITY));
+                    let knob = number(LENGTH_M).or(Some(f64::INFINITY));
                     (
                         name.to_owned(),
                         knob,
@@ -367,37 +375,37 @@ impl<'a> Own<'a> {
                     )
                 }
                 "maps" => {
-                    let name = format!("sun {}, {}", case.condition("sun"), case.condition("bias"));
-                    let texel = case.condition("texel_m").to_owned();
+                    let name = format!("sun {}, {}", case.condition(SUN), case.condition(BIAS));
+                    let texel = case.condition(TEXEL_M).to_owned();
                     (
                         name,
-                        number("texel_m"),
-                        of("shadow_bytes"),
+                        number(TEXEL_M),
+                        of(SHADOW_BYTES),
                         of(MAP_WRONG),
                         texel,
                     )
                 }
                 "device-maps" => {
-                    let (sun, texel) = (case.condition("sun"), case.condition("texel_m"));
+                    let (sun, texel) = (case.condition(SUN), case.condition(TEXEL_M));
                     let wrong = match texel {
                         "" => own_share(case),
                         _ => of(MAP_WRONG),
                     };
                     let name = match texel {
                         "" => format!("volumes, sun {sun}"),
-                        _ => format!("map, sun {sun}, {}", case.condition("bias")),
+                        _ => format!("map, sun {sun}, {}", case.condition(BIAS)),
                     };
-                    let knob = number("texel_m").or(Some(0.0));
+                    let knob = number(TEXEL_M).or(Some(0.0));
                     (name, knob, of(FILL_CPU), wrong, texel.to_owned())
                 }
                 _ => {
-                    let kind = match case.condition("mesh").split('-').next() {
+                    let kind = match case.condition(MESH).split('-').next() {
                         None | Some("") => "the model",
                         Some(kind) => kind,
                     };
-                    let name = format!("{}, {kind}", case.condition("silhouette"));
-                    let triangles = of("shadow_mesh_triangles");
-                    let is_whole = !case.condition("mesh").contains("turned");
+                    let name = format!("{}, {kind}", case.condition(SILHOUETTE));
+                    let triangles = of(SHADOW_MESH_TRIANGLES);
+                    let is_whole = !case.condition(MESH).contains("turned");
                     (
                         name,
                         triangles,
@@ -407,7 +415,7 @@ impl<'a> Own<'a> {
                     )
                 }
             };
-            let is_printed = case.condition("rule").contains("printed");
+            let is_printed = case.condition(RULE).contains("printed");
             let (Some(knob), Some(x), Some(y), false) = (knob, x, y, is_printed) else {
                 continue;
             };
@@ -445,16 +453,16 @@ impl<'a> Own<'a> {
 /// Volumes closed at the sea as the rows of a device begin with them.
 fn is_plain(case: &Case) -> bool {
     let plain = [
-        ("extent", "sea-closed"),
-        ("rule", "z-fail"),
-        ("faces", "two-sided"),
-        ("scissor", "off"),
-        ("depth_bounds", "off"),
-        ("silhouette", "adjacency"),
+        (EXTENT, "sea-closed"),
+        (RULE, "z-fail"),
+        (FACES, "two-sided"),
+        (SCISSOR, "off"),
+        (DEPTH_BOUNDS, "off"),
+        (SILHOUETTE, "adjacency"),
     ];
     plain
         .iter()
-        .all(|(key, value)| case.condition(key) == *value)
+        .all(|(key, value)| case.condition(*key) == *value)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //! What cases compute.
 
 use crate::count::Rule;
+use crate::keys::{CHECKED_PX, SIZE_PX};
 use crate::ladder::Rung;
 use crate::maps::Bias;
 use crate::near::EyeTest;
@@ -12,6 +13,7 @@ use crate::views::{Chooser, Eyes, Place};
 use crate::way::DeviceWay;
 use crate::work::{End, Scissor};
 use terrafill_casters::Policy;
+use terrafill_results::ConditionKey;
 
 /// How a silhouette is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,17 +68,17 @@ impl Job {
     ///
     /// - `checked`: of all channels
     /// - `timed`: of the one that is timed and kept as a picture
-    pub(crate) fn sizes(self, checked: [u32; 2], timed: [u32; 2]) -> Vec<(&'static str, [u32; 2])> {
+    pub(crate) fn sizes(self, checked: [u32; 2], timed: [u32; 2]) -> Vec<(ConditionKey, [u32; 2])> {
         match self {
             Self::Model | Self::Outline(..) | Self::Silhouette(..) => Vec::new(),
-            Self::Eye(..) => vec![("size_px", EYE_SIZE)],
+            Self::Eye(..) => vec![(SIZE_PX, EYE_SIZE)],
             Self::Device(..)
             | Self::Near(..)
             | Self::DeviceRow(..)
             | Self::DeviceMap(..)
             | Self::Rival(..)
-            | Self::Rung(..) => vec![("size_px", timed), ("checked_px", checked)],
-            _ => vec![("size_px", checked)],
+            | Self::Rung(..) => vec![(SIZE_PX, timed), (CHECKED_PX, checked)],
+            _ => vec![(SIZE_PX, checked)],
         }
     }
 }

@@ -15,6 +15,7 @@ mod drawing;
 mod eyes;
 mod images;
 mod job;
+mod keys;
 mod ladder;
 mod list;
 mod loading;

@@ -3,16 +3,6 @@
 
 use terrafill_results::{Kind, Metric, Scope};
 
-// Those that the chapter reads in several places.
-pub(crate) const TIME: &str = "shadow_silhouette_cpu_ms";
-pub(crate) const UPDATES: &str = "shadow_updates";
-pub(crate) const MISSED: &str = "shadow_eyes_missed";
-pub(crate) const MOSTLY: &str = "shadow_eyes_missed_mostly";
-pub(crate) const LOST: &str = "shadow_lost_share";
-pub(crate) const MAP_WRONG: &str = "shadow_map_wrong";
-pub(crate) const FILL_CPU: &str = "shadow_fill_cpu_ms";
-pub(crate) const FILL_GPU: &str = "shadow_fill_gpu_ms";
-
 pub(crate) const METRICS: [Metric; 44] = [
     Metric::less(
         "shadow_silhouette_cpu_ms",

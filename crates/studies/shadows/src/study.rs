@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use terrafill_casters::EdgeTable;
 use terrafill_fill::{CpuStopwatch, DeviceError, FrameTimes};
-use terrafill_results::{Chapter, Metric, PlannedCase, Verdict};
+use terrafill_results::{Chapter, ConditionKey, Metric, PlannedCase, Verdict};
 use terrafill_study::{
     Context, Depth, Group, Planned, Request, Session, Study, StudyError, size_name,
 };
@@ -63,6 +63,10 @@ impl Study for ShadowsStudy {
         false
     }
 
+    fn conditions(&self) -> Vec<ConditionKey> {
+        crate::keys::CONDITIONS.to_vec()
+    }
+
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let is_quick = request.depth == Depth::Quick;
         let size = if is_quick { QUICK_SIZE } else { SIZE };
@@ -72,7 +76,7 @@ impl Study for ShadowsStudy {
         let groups = groups.map(|(name, cases)| -> Box<dyn Group> {
             let sized = |(job, mut case): (Job, PlannedCase)| {
                 let sizes = job.sizes(size, timed_size).into_iter();
-                let sizes = sizes.map(|(key, size)| (key.to_owned(), size_name(size)));
+                let sizes = sizes.map(|(key, size)| (key.into(), size_name(size)));
                 case.id.conditions.extend(sizes);
                 (job, case)
             };

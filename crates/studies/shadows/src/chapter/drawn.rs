@@ -3,7 +3,10 @@
 
 use super::findings::{Two, is_same_but, of_all};
 use super::{Own, is_plain, number, value};
-use crate::metrics::{FILL_CPU, FILL_GPU, LOST};
+use crate::keys::{
+    API, CASTERS, COUNTING, FILL_CPU, FILL_GPU, LOST, POSITIONS, RULE, SHADOW_BAND_PX,
+    SHADOW_FALSE_LIT_PX, SILHOUETTE, SUN, VIEW,
+};
 use terrafill_plot::number::significant;
 use terrafill_results::{Case, Clock, Finding, Outcome, Standing, ratio};
 
@@ -19,7 +22,7 @@ impl Own<'_> {
     }
 
     pub(super) fn near(&self) -> Option<Finding> {
-        let rule = |case: &Case| case.condition("rule").to_owned();
+        let rule = |case: &Case| case.condition(RULE).to_owned();
         let is_published = |case: &Case| rule(case) == "automatic, eye";
         let [others, published] =
             self.wrong_by("near", |case| rule(case) == "z-pass" || is_published(case));
@@ -40,13 +43,13 @@ impl Own<'_> {
     }
 
     pub(super) fn device_rows(&self) -> Option<Finding> {
-        let is_wrapping = |case: &Case| case.condition("counting").contains("wrapping");
+        let is_wrapping = |case: &Case| case.condition(COUNTING).contains("wrapping");
         let cases = self.of_question("device-rows");
         let cases: Option<Vec<(&str, bool, f64)>> = cases
             .filter(|case| matches!(case.outcome, Outcome::Ok | Outcome::Wrong))
             .map(|case| {
                 Some((
-                    case.condition("casters"),
+                    case.condition(CASTERS),
                     is_wrapping(case),
                     value(case, LOST)?,
                 ))
@@ -77,7 +80,7 @@ impl Own<'_> {
     }
 
     pub(super) fn facings(&self) -> Option<Finding> {
-        let by_corners = |case: &Case| case.condition("silhouette").contains("by corners");
+        let by_corners = |case: &Case| case.condition(SILHOUETTE).contains("by corners");
         let [bits, corners] = self.wrong_by("facings", by_corners);
         let most = corners.iter().copied().reduce(f64::max)?;
         let total: f64 = bits.iter().sum();
@@ -99,7 +102,7 @@ impl Own<'_> {
         let known: Vec<&Case> = own
             .iter()
             .copied()
-            .filter(|case| value(case, "shadow_false_lit_px").is_some())
+            .filter(|case| value(case, SHADOW_FALSE_LIT_PX).is_some())
             .collect();
         let right = known.iter().filter(|case| case.outcome == Outcome::Ok);
         let right = right.count();
@@ -107,8 +110,8 @@ impl Own<'_> {
         let (mut pairs, mut equal) = ([0; 2], [0; 2]);
         for (at, case) in known.iter().enumerate() {
             for other in &known[at + 1..] {
-                if is_same_but(&["api", "silhouette"], case, other) {
-                    let is_other = case.condition("silhouette") != other.condition("silhouette");
+                if is_same_but(&[API, SILHOUETTE], case, other) {
+                    let is_other = case.condition(SILHOUETTE) != other.condition(SILHOUETTE);
                     let kind = usize::from(is_other);
                     pairs[kind] += 1;
                     equal[kind] += u32::from(case.note("mask_hash") == other.note("mask_hash"));
@@ -176,12 +179,12 @@ impl Own<'_> {
         let mut all: Vec<(&str, [f64; 2])> = Vec::new();
         let near = self.of_question("origins");
         // From the bridge a pixel is wider than a step of f32 at 100 km.
-        for case in near.filter(|case| case.condition("view") != "bridge") {
-            let band = value(case, "shadow_band_px");
+        for case in near.filter(|case| case.condition(VIEW) != "bridge") {
+            let band = value(case, SHADOW_BAND_PX);
             let Some((outside, band)) = Self::wrong_px(case).zip(band) else {
                 continue;
             };
-            let name = case.condition("positions");
+            let name = case.condition(POSITIONS);
             match all.iter_mut().find(|(known, _)| *known == name) {
                 Some((_, [most, in_band])) => {
                     (*most, *in_band) = (most.max(outside), in_band.max(band));
@@ -215,7 +218,7 @@ impl Own<'_> {
         // Of what was timed.
         let all_wrong = |case: &Case| {
             value(case, metric)?;
-            Some(Self::wrong_px(case)? + value(case, "shadow_band_px")?)
+            Some(Self::wrong_px(case)? + value(case, SHADOW_BAND_PX)?)
         };
         let noise = self.noise(metric);
         let (mut better, mut open) = (Vec::new(), Vec::new());
@@ -223,10 +226,10 @@ impl Own<'_> {
         for sun in self.suns("device-maps") {
             let own = |question| {
                 let all = self.of_question(question);
-                all.filter(move |case: &&Case| case.condition("sun") == sun)
+                all.filter(move |case: &&Case| case.condition(SUN) == sun)
             };
             let volumes = own("devices");
-            let volumes = volumes.filter(|case| case.condition("api") == "wgpu" && is_plain(case));
+            let volumes = volumes.filter(|case| case.condition(API) == "wgpu" && is_plain(case));
             let mut volumes = volumes.filter_map(|case| Some((case, all_wrong(case)?)));
             let Some((volumes, px)) = volumes.next() else {
                 continue;

@@ -4,7 +4,10 @@
 //! That port has the same kinds and counts of parts as ours. Where its cranes, ships and eyes stand is not recorded.
 
 use super::Own;
-use crate::metrics::{MISSED, MOSTLY, UPDATES};
+use crate::keys::{
+    BIAS, EXTENT, EYE_TEST, MAP_WRONG, MISSED, MOSTLY, NEAR_M, RULE, SHADOW_MAP_WRONG_IN_THREE,
+    SUN, TEXEL_M, UPDATES,
+};
 use crate::work::EYES;
 use terrafill_plot::number::significant;
 use terrafill_results::{Finding, Standing};
@@ -41,12 +44,12 @@ impl Own<'_> {
     /// Wrong pixels of maps by texel.
     pub(super) fn map_curve(&self) -> Option<Finding> {
         let of = |bias, texel: &str, metric| {
-            let conditions = [("sun", "10° from -60°"), ("bias", bias), ("texel_m", texel)];
+            let conditions = [(SUN, "10° from -60°"), (BIAS, bias), (TEXEL_M, texel)];
             self.value("maps", &conditions, metric)
         };
         let known = OTHER_CURVE.iter().filter_map(|(texel, other)| {
-            let own = of("constant, no normals", texel, "shadow_map_wrong_in_three")?;
-            let strict = of("constant", texel, "shadow_map_wrong");
+            let own = of("constant, no normals", texel, SHADOW_MAP_WRONG_IN_THREE)?;
+            let strict = of("constant", texel, MAP_WRONG);
             Some((*texel, own, strict, *other))
         });
         let known: Vec<(&str, f64, Option<f64>, f64)> = known.collect();
@@ -73,7 +76,7 @@ impl Own<'_> {
     pub(super) fn writes_elsewhere(&self) -> Option<Finding> {
         let known = OTHER_WRITES.iter().filter_map(|(sun, other)| {
             let of = |extent, rule| {
-                let conditions = [("sun", *sun), ("extent", extent), ("rule", rule)];
+                let conditions = [(SUN, *sun), (EXTENT, extent), (RULE, rule)];
                 self.value("updates", &conditions, UPDATES)
             };
             let own = [
@@ -111,7 +114,7 @@ impl Own<'_> {
     /// Eyes that the published test misses, by near plane.
     pub(super) fn eyes_elsewhere(&self) -> Option<Finding> {
         let of = |sun, near, metric| {
-            let conditions = [("sun", sun), ("near_m", near), ("eye_test", "eye")];
+            let conditions = [(SUN, sun), (NEAR_M, near), (EYE_TEST, "eye")];
             self.value("eyes", &conditions, metric)
         };
         let known = OTHER_EYES.iter().filter_map(|(sun, others)| {

@@ -3,57 +3,62 @@
 
 use super::sections::DEVICE_KEYS;
 use super::{Own, number, value};
-use crate::metrics::{LOST, MAP_WRONG, MISSED, UPDATES};
+use crate::keys;
+use crate::keys::{
+    BIAS, CASTERS, COUNTING, EXTENT, EYE_TEST, LOST, MAP_WRONG, MESH, MISSED, MODELS, OUTLINE,
+    POLICY, RULE, SCISSOR, SHADOW_CLEARS, SHADOW_CONTOUR_PX, SHADOW_FALSE_DARK_PX,
+    SHADOW_FALSE_LIT_PX, SHADOW_OPEN_EDGES, SILHOUETTE, SUN, TEXEL_M, UPDATES,
+};
 use terrafill_plot::number::significant;
-use terrafill_results::{Case, Clock, Finding, Standing};
+use terrafill_results::{Case, Clock, ConditionKey, Finding, Standing};
 
 /// Two ways of a device that differ in one condition: its key, the way said to be faster, the other one.
-pub(super) type Two = (&'static str, &'static str, &'static str);
+pub(super) type Two = (ConditionKey, &'static str, &'static str);
 
-const RULES: Two = ("rule", "z-pass", "z-fail");
-const FACES: Two = ("faces", "two-sided", "two-pass");
-const PULLED: Two = ("silhouette", "pulled", "adjacency");
-const COMPUTED: Two = ("silhouette", "compute", "adjacency");
-const TRIANGLES: Two = ("silhouette", "gs-adjacency", "adjacency");
+const RULES: Two = (RULE, "z-pass", "z-fail");
+const FACES: Two = (keys::FACES, "two-sided", "two-pass");
+const PULLED: Two = (SILHOUETTE, "pulled", "adjacency");
+const COMPUTED: Two = (SILHOUETTE, "compute", "adjacency");
+const TRIANGLES: Two = (SILHOUETTE, "gs-adjacency", "adjacency");
 
 /// Twins that must be wrong: name, question, and the condition that tells them.
-const TWINS: [(&str, &str, &str, &str); 10] = [
-    ("z-pass as printed", "updates", "rule", "z-pass as printed"),
-    ("the horizon as a scissor", "scissors", "scissor", "horizon"),
-    ("8 bits that wrap", "rows", "counting", "8 bits, wrapping"),
-    ("an open hull as it is", "casters", "policy", "as-is"),
+const TWINS: [(&str, &str, ConditionKey, &str); 10] = [
+    ("z-pass as printed", "updates", RULE, "z-pass as printed"),
+    ("the horizon as a scissor", "scissors", SCISSOR, "horizon"),
+    ("8 bits that wrap", "rows", COUNTING, "8 bits, wrapping"),
+    ("an open hull as it is", "casters", POLICY, "as-is"),
     (
         "contours where the stencil is S",
         "outlines",
-        "outline",
+        OUTLINE,
         "value as printed",
     ),
     (
         "values never cleared",
         "outlines",
-        "outline",
+        OUTLINE,
         "value, never cleared",
     ),
     (
         "a turned face",
         "silhouettes",
-        "mesh",
+        MESH,
         "port-s, one face turned",
     ),
     (
         "facing by corners",
         "facings",
-        "silhouette",
+        SILHOUETTE,
         "pulled, f32 by corners",
     ),
-    ("z-pass at a dark near plane", "near", "rule", "z-pass"),
-    ("the eye's test there", "near", "rule", "automatic, eye"),
+    ("z-pass at a dark near plane", "near", RULE, "z-pass"),
+    ("the eye's test there", "near", RULE, "automatic, eye"),
 ];
 
 /// Whether two cases have the same conditions of a device, but for some.
-pub(super) fn is_same_but(keys: &[&str], a: &Case, b: &Case) -> bool {
+pub(super) fn is_same_but(keys: &[ConditionKey], a: &Case, b: &Case) -> bool {
     let mut others = DEVICE_KEYS.iter().filter(|key| !keys.contains(key));
-    others.all(|key| a.condition(key) == b.condition(key))
+    others.all(|key| a.condition(*key) == b.condition(*key))
 }
 
 /// Holds where all do.
@@ -122,18 +127,18 @@ impl Own<'_> {
 
     /// Wrong pixels of a case, outside the band.
     pub(super) fn wrong_px(case: &Case) -> Option<f64> {
-        let px = ["shadow_false_lit_px", "shadow_false_dark_px"].map(|metric| value(case, metric));
+        let px = [SHADOW_FALSE_LIT_PX, SHADOW_FALSE_DARK_PX].map(|metric| value(case, metric));
         px.into_iter().try_fold(0.0, |sum, px| Some(sum + px?))
     }
 
     /// What must be wrong, and by how much it is.
     fn twins(&self) -> Option<Finding> {
-        let of = |(name, question, key, twin): &(&'static str, &str, &str, &str)| {
+        let of = |(name, question, key, twin): &(&'static str, &str, ConditionKey, &str)| {
             let all = self.of_question(question);
-            let own = all.filter(|case| case.condition(key) == *twin);
+            let own = all.filter(|case| case.condition(*key) == *twin);
             let wrong = own.filter_map(|case| {
                 let of = |metric| value(case, metric);
-                let other = of("shadow_contour_px").or_else(|| of("shadow_open_edges"));
+                let other = of(SHADOW_CONTOUR_PX).or_else(|| of(SHADOW_OPEN_EDGES));
                 other.or_else(|| Self::wrong_px(case))
             });
             let most = wrong.reduce(f64::max)?;
@@ -157,7 +162,7 @@ impl Own<'_> {
     fn masks(&self) -> Option<Finding> {
         let own: Vec<&Case> = self
             .of_question("updates")
-            .filter(|case| !case.condition("rule").contains("printed"))
+            .filter(|case| !case.condition(RULE).contains("printed"))
             .collect();
         let all: Option<Vec<f64>> = own.iter().map(|case| Self::wrong_px(case)).collect();
         let total: f64 = all?.iter().sum();
@@ -173,12 +178,10 @@ impl Own<'_> {
         let of_sun = |sun: &&str| {
             let mut texels: Vec<(f64, f64)> = self
                 .of_question("maps")
-                .filter(|case| {
-                    case.condition("sun") == *sun && case.condition("bias") == "constant"
-                })
+                .filter(|case| case.condition(SUN) == *sun && case.condition(BIAS) == "constant")
                 .filter_map(|case| {
                     Some((
-                        case.condition("texel_m").parse().ok()?,
+                        case.condition(TEXEL_M).parse().ok()?,
                         value(case, MAP_WRONG)?,
                     ))
                 })
@@ -208,8 +211,8 @@ impl Own<'_> {
     }
 
     fn eye_test(&self) -> Option<Finding> {
-        let published = self.values("eyes", &[("eye_test", "eye")], MISSED);
-        let exact = self.values("eyes", &[("eye_test", "near-exact")], MISSED);
+        let published = self.values("eyes", &[(EYE_TEST, "eye")], MISSED);
+        let exact = self.values("eyes", &[(EYE_TEST, "near-exact")], MISSED);
         let most = published.iter().copied().reduce(f64::max)?;
         let least = published.iter().copied().reduce(f64::min)?;
         let missed = exact.iter().copied().reduce(f64::max)?;
@@ -230,7 +233,7 @@ impl Own<'_> {
     fn writes(&self, sun: &str, extent: &str, rule: &str) -> Option<f64> {
         self.value(
             "updates",
-            &[("sun", sun), ("extent", extent), ("rule", rule)],
+            &[(SUN, sun), (EXTENT, extent), (RULE, rule)],
             UPDATES,
         )
     }
@@ -316,7 +319,7 @@ impl Own<'_> {
         let mut texts = Vec::new();
         let (mut is_less, mut lost) = (true, 0.0);
         for case in self.of_question("bounds") {
-            let (sun, rule) = (case.condition("sun"), case.condition("rule"));
+            let (sun, rule) = (case.condition(SUN), case.condition(RULE));
             let (whole, within) = (self.writes(sun, "sea-closed", rule)?, value(case, UPDATES)?);
             is_less &= within < whole;
             lost += Self::wrong_px(case)?;
@@ -335,7 +338,7 @@ impl Own<'_> {
     }
 
     fn horizon(&self) -> Option<Finding> {
-        let lost = |scissor: &str| self.value("scissors", &[("scissor", scissor)], LOST);
+        let lost = |scissor: &str| self.value("scissors", &[(SCISSOR, scissor)], LOST);
         let (horizon, caster) = (lost("horizon")?, lost("caster-rect")?);
         Some(Finding {
             claim: "There is no shadow below the horizon, so a scissor there loses none (Yang & Jin, 2006, considered)."
@@ -352,12 +355,12 @@ impl Own<'_> {
     fn clears(&self) -> Option<Finding> {
         let all = self
             .of_question("outlines")
-            .filter(|case| case.condition("outline") == "value");
+            .filter(|case| case.condition(OUTLINE) == "value");
         let pairs: Option<Vec<(f64, f64)>> = all
             .map(|case| {
                 Some((
-                    case.condition("models").parse().ok()?,
-                    value(case, "shadow_clears")?,
+                    case.condition(MODELS).parse().ok()?,
+                    value(case, SHADOW_CLEARS)?,
                 ))
             })
             .collect();
@@ -378,11 +381,7 @@ impl Own<'_> {
 
     fn wrap(&self) -> Option<Finding> {
         let lost = |casters: &str, counting: &str| {
-            self.value(
-                "rows",
-                &[("casters", casters), ("counting", counting)],
-                LOST,
-            )
+            self.value("rows", &[(CASTERS, casters), (COUNTING, counting)], LOST)
         };
         let wrapping = "8 bits, wrapping";
         let counts = ["255", "256", "257", "511", "512"];

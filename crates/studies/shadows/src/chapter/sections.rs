@@ -1,11 +1,24 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the chapter asks, in order.
 
-use crate::metrics::{LOST, MAP_WRONG, MISSED, MOSTLY, TIME, UPDATES};
-use terrafill_results::Case;
+use crate::keys::{
+    API, BIAS, BOXES, CASTERS, COUNTING, DEPTH_BOUNDS, EXTENT, EYE_TEST, FACES, FILL_CPU, FILL_GPU,
+    LENGTH_M, LOST, MAP_WRONG, MESH, MISSED, MODEL, MODELS, MOSTLY, NEAR_M, OUTLINE, PAPER, POLICY,
+    POSITIONS, RIVAL, RULE, SCISSOR, SHADOW_BAND_PX, SHADOW_BUILD_GPU_MS, SHADOW_BYTES,
+    SHADOW_CASTERS_LEFT_OUT, SHADOW_CLEARS, SHADOW_CONTOUR_PX, SHADOW_DRAWS, SHADOW_EDGE_ON_PX,
+    SHADOW_EYES_MISSED_AT_CORNERS, SHADOW_EYES_NEEDLESS, SHADOW_FAIL_TRIANGLES,
+    SHADOW_FALSE_DARK_PX, SHADOW_FALSE_LIT_PX, SHADOW_FRAGMENTS, SHADOW_MAP_BIAS_M,
+    SHADOW_MAP_CPU_MS, SHADOW_MAP_DIFFERS, SHADOW_MAP_GPU_MS, SHADOW_MAP_WRONG_IN_THREE,
+    SHADOW_MAP_WRONG_UNBIASED, SHADOW_MAX_OVERLAP, SHADOW_MESH_MODELS, SHADOW_MESH_PARTS,
+    SHADOW_MESH_TRIANGLES, SHADOW_NEAR_DARK, SHADOW_OPEN_EDGES, SHADOW_PX, SHADOW_RIM_PX,
+    SHADOW_SIDES, SHADOW_SUN_BYTES, SHADOW_UNDECIDED_FACINGS, SHADOW_UNDECIDED_PX,
+    SHADOW_VOLUME_TRIANGLES, SHADOW_VOLUMES_CPU_MS, SILHOUETTE, STEP, SUN, TEXEL_M, TIME, UPDATES,
+    VIEW,
+};
+use terrafill_results::{Case, ConditionKey, Metric};
 
 /// A column: its heading and its metric.
-type Column = (&'static str, &'static str);
+type Column = (&'static str, &'static Metric);
 
 /// A question's section.
 pub(super) struct Section {
@@ -13,20 +26,20 @@ pub(super) struct Section {
     pub(super) title: &'static str,
     pub(super) text: &'static str,
     /// Conditions that name a row.
-    pub(super) named_by: &'static [&'static str],
+    pub(super) named_by: &'static [ConditionKey],
     pub(super) columns: &'static [Column],
 }
 
 /// What tells ways of a device apart.
-pub(super) const DEVICE_KEYS: [&str; 8] = [
-    "sun",
-    "api",
-    "extent",
-    "rule",
-    "faces",
-    "scissor",
-    "depth_bounds",
-    "silhouette",
+pub(super) const DEVICE_KEYS: [ConditionKey; 8] = [
+    SUN,
+    API,
+    EXTENT,
+    RULE,
+    FACES,
+    SCISSOR,
+    DEPTH_BOUNDS,
+    SILHOUETTE,
 ];
 
 pub(super) const SECTIONS: [Section; 20] = [
@@ -35,11 +48,11 @@ pub(super) const SECTIONS: [Section; 20] = [
         title: "The model",
         text: "What the file holds, what keeps it from being closed, and the policy that was applied. Each part hangs \
                together; parts may touch.",
-        named_by: &["model"],
+        named_by: &[MODEL],
         columns: &[
-            ("triangles", "shadow_mesh_triangles"),
-            ("models", "shadow_mesh_models"),
-            ("parts", "shadow_mesh_parts"),
+            ("triangles", SHADOW_MESH_TRIANGLES),
+            ("models", SHADOW_MESH_MODELS),
+            ("parts", SHADOW_MESH_PARTS),
         ],
     },
     Section {
@@ -48,17 +61,14 @@ pub(super) const SECTIONS: [Section; 20] = [
         text: "400 eyes on deck, 1.7 m over it. Published: z-fail where the segment from the eye to the light \
                meets a caster. z-pass is right where the near rectangle is outside the volumes. An eye in the \
                light whose near rectangle is partly in shadow is missed.",
-        named_by: &["sun", "near_m", "eye_test"],
+        named_by: &[SUN, NEAR_M, EYE_TEST],
         columns: &[
             ("missed, %", MISSED),
-            ("by five samples, %", "shadow_eyes_missed_at_corners"),
+            ("by five samples, %", SHADOW_EYES_MISSED_AT_CORNERS),
             ("by more than half, %", MOSTLY),
-            ("needless, %", "shadow_eyes_needless"),
-            ("triangles by z-fail, %", "shadow_fail_triangles"),
-            (
-                "near rectangle in shadow where missed, %",
-                "shadow_near_dark",
-            ),
+            ("needless, %", SHADOW_EYES_NEEDLESS),
+            ("triangles by z-fail, %", SHADOW_FAIL_TRIANGLES),
+            ("near rectangle in shadow where missed, %", SHADOW_NEAR_DARK),
         ],
     },
     Section {
@@ -67,17 +77,17 @@ pub(super) const SECTIONS: [Section; 20] = [
         text: "Volumes end at infinity, or in a plane 1 m below the curved sea for waves, or 0.2 m on a calm sea. What \
                reaches below the sea counts under z-fail, so casters are cut there too. \"Whole hulls\" are not: piles go \
                down to 12 m, hulls to 8. Stencil writes per pixel are a cost without noise.",
-        named_by: &["sun", "extent", "rule"],
+        named_by: &[SUN, EXTENT, RULE],
         columns: &[
             ("writes per pixel", UPDATES),
-            ("triangles", "shadow_volume_triangles"),
-            ("largest count", "shadow_max_overlap"),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("in the band", "shadow_band_px"),
-            ("edge-on px", "shadow_edge_on_px"),
-            ("undecided px", "shadow_undecided_px"),
-            ("shadow px", "shadow_px"),
+            ("triangles", SHADOW_VOLUME_TRIANGLES),
+            ("largest count", SHADOW_MAX_OVERLAP),
+            ("false lit px", SHADOW_FALSE_LIT_PX),
+            ("false dark px", SHADOW_FALSE_DARK_PX),
+            ("in the band", SHADOW_BAND_PX),
+            ("edge-on px", SHADOW_EDGE_ON_PX),
+            ("undecided px", SHADOW_UNDECIDED_PX),
+            ("shadow px", SHADOW_PX),
         ],
     },
     Section {
@@ -85,16 +95,16 @@ pub(super) const SECTIONS: [Section; 20] = [
         title: "Other eyes",
         text: "Between the legs of a crane; on deck, where a rail's shadow runs through the near rectangle; and from 250 m \
                up. Volumes are closed at the sea, and a rule is chosen for all or by a test.",
-        named_by: &["sun", "view", "rule"],
+        named_by: &[SUN, VIEW, RULE],
         columns: &[
             ("writes per pixel", UPDATES),
-            ("largest count", "shadow_max_overlap"),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("in the band", "shadow_band_px"),
-            ("edge-on px", "shadow_edge_on_px"),
-            ("undecided px", "shadow_undecided_px"),
-            ("shadow px", "shadow_px"),
+            ("largest count", SHADOW_MAX_OVERLAP),
+            ("false lit px", SHADOW_FALSE_LIT_PX),
+            ("false dark px", SHADOW_FALSE_DARK_PX),
+            ("in the band", SHADOW_BAND_PX),
+            ("edge-on px", SHADOW_EDGE_ON_PX),
+            ("undecided px", SHADOW_UNDECIDED_PX),
+            ("shadow px", SHADOW_PX),
         ],
     },
     Section {
@@ -103,11 +113,11 @@ pub(super) const SECTIONS: [Section; 20] = [
         text: "Three readings of \"what lies above the sea\". One is rows above the horizon, one a rectangle round each \
                caster's volume, closed at the sea. The third is the same, cut by the rectangle round everything above \
                the sea. The last leaves shadows on the sea out. z-fail, infinite volumes.",
-        named_by: &["sun", "scissor"],
+        named_by: &[SUN, SCISSOR],
         columns: &[
             ("shadow pixels lost, %", LOST),
             ("writes per pixel", UPDATES),
-            ("false dark px", "shadow_false_dark_px"),
+            ("false dark px", SHADOW_FALSE_DARK_PX),
         ],
     },
     Section {
@@ -116,24 +126,24 @@ pub(super) const SECTIONS: [Section; 20] = [
         text: "A fragment writes only where the depth of what is seen lies in the range of its part's volume, closed at \
                the sea: exact under either rule. Counted as an eight-bit stencil would; \"Volumes, rules and suns\" has \
                the same without bounds. Devices that have the test are measured with it below.",
-        named_by: &["sun", "rule"],
+        named_by: &[SUN, RULE],
         columns: &[
             ("writes per pixel", UPDATES),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("in the band", "shadow_band_px"),
+            ("false lit px", SHADOW_FALSE_LIT_PX),
+            ("false dark px", SHADOW_FALSE_DARK_PX),
+            ("in the band", SHADOW_BAND_PX),
         ],
     },
     Section {
         question: "finite",
         title: "Finite volumes",
         text: "Volumes that end after so many metres, with a dark cap, by z-fail, beside those of the section above.",
-        named_by: &["sun", "length_m"],
+        named_by: &[SUN, LENGTH_M],
         columns: &[
             ("shadow pixels lost, %", LOST),
             ("writes per pixel", UPDATES),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
+            ("false lit px", SHADOW_FALSE_LIT_PX),
+            ("false dark px", SHADOW_FALSE_DARK_PX),
         ],
     },
     Section {
@@ -141,12 +151,12 @@ pub(super) const SECTIONS: [Section; 20] = [
         title: "Eight bits",
         text: "Plates in a row, all of which lie before the same water. A count that is a multiple of 256 wraps to \
                0. The guard draws passes of at most 255 casters.",
-        named_by: &["casters", "counting"],
+        named_by: &[CASTERS, COUNTING],
         columns: &[
-            ("largest count", "shadow_max_overlap"),
-            ("shadow px", "shadow_px"),
+            ("largest count", SHADOW_MAX_OVERLAP),
+            ("shadow px", SHADOW_PX),
             ("shadow pixels lost, %", LOST),
-            ("false lit px", "shadow_false_lit_px"),
+            ("false lit px", SHADOW_FALSE_LIT_PX),
             ("writes per pixel", UPDATES),
         ],
     },
@@ -155,13 +165,13 @@ pub(super) const SECTIONS: [Section; 20] = [
         title: "Casters that are not closed",
         text: "A hull of 1,022 triangles with a tenth of its deck missing, under each policy, against the shadow of \
                the whole hull. What passes the hole meets the bottom. z-fail, volumes closed at the sea.",
-        named_by: &["policy"],
+        named_by: &[POLICY],
         columns: &[
-            ("triangles", "shadow_mesh_triangles"),
-            ("shadow px", "shadow_px"),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("largest count", "shadow_max_overlap"),
+            ("triangles", SHADOW_MESH_TRIANGLES),
+            ("shadow px", SHADOW_PX),
+            ("false lit px", SHADOW_FALSE_LIT_PX),
+            ("false dark px", SHADOW_FALSE_DARK_PX),
+            ("largest count", SHADOW_MAX_OVERLAP),
             ("writes per pixel", UPDATES),
         ],
     },
@@ -170,10 +180,10 @@ pub(super) const SECTIONS: [Section; 20] = [
         title: "Outlines by a stencil value",
         text: "Not a shadow technique: a value S for each model instead of a clear (McGuire & Hughes, 2004). The \
                test is printed as \"stencil == S\"; inner contours are suppressed by ≠.",
-        named_by: &["models", "outline"],
+        named_by: &[MODELS, OUTLINE],
         columns: &[
-            ("clears", "shadow_clears"),
-            ("contour pixels wrong", "shadow_contour_px"),
+            ("clears", SHADOW_CLEARS),
+            ("contour pixels wrong", SHADOW_CONTOUR_PX),
         ],
     },
     Section {
@@ -182,12 +192,12 @@ pub(super) const SECTIONS: [Section; 20] = [
         text: "The published stack of borders, the same toggle by a hash, and stored adjacency with a directed \
                count. All read the same facing bits. With a face turned, two lit triangles have an edge the same \
                way round: the toggles delete it, and the volume is open.",
-        named_by: &["mesh", "silhouette"],
+        named_by: &[MESH, SILHOUETTE],
         columns: &[
             ("CPU ms", TIME),
-            ("triangles", "shadow_mesh_triangles"),
-            ("sides", "shadow_sides"),
-            ("open edges", "shadow_open_edges"),
+            ("triangles", SHADOW_MESH_TRIANGLES),
+            ("sides", SHADOW_SIDES),
+            ("open edges", SHADOW_OPEN_EDGES),
         ],
     },
     Section {
@@ -207,17 +217,17 @@ pub(super) const SECTIONS: [Section; 20] = [
                shadow of others.",
         named_by: &DEVICE_KEYS,
         columns: &[
-            ("CPU ms", "shadow_fill_cpu_ms"),
-            ("GPU ms", "shadow_fill_gpu_ms"),
-            ("fragments per pixel", "shadow_fragments"),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("in the band", "shadow_band_px"),
-            ("at rims", "shadow_rim_px"),
-            ("draws", "shadow_draws"),
-            ("casters left out", "shadow_casters_left_out"),
-            ("bytes", "shadow_bytes"),
-            ("bytes of another sun", "shadow_sun_bytes"),
+            ("CPU ms", FILL_CPU),
+            ("GPU ms", FILL_GPU),
+            ("fragments per pixel", SHADOW_FRAGMENTS),
+            ("false lit px", SHADOW_FALSE_LIT_PX),
+            ("false dark px", SHADOW_FALSE_DARK_PX),
+            ("in the band", SHADOW_BAND_PX),
+            ("at rims", SHADOW_RIM_PX),
+            ("draws", SHADOW_DRAWS),
+            ("casters left out", SHADOW_CASTERS_LEFT_OUT),
+            ("bytes", SHADOW_BYTES),
+            ("bytes of another sun", SHADOW_SUN_BYTES),
         ],
     },
     Section {
@@ -227,20 +237,20 @@ pub(super) const SECTIONS: [Section; 20] = [
                stencil and all else are over all channels. A frame finds its volumes and hands them over until they are \
                kept, so that its time is that of finding and that of drawing. What Yang & Jin (2006) say of a step stands \
                beside it: they measured none apart. A rule by part is chosen by the near rectangle, not by the eye.",
-        named_by: &["sun", "api", "step", "paper"],
+        named_by: &[SUN, API, STEP, PAPER],
         columns: &[
-            ("draw, CPU ms", "shadow_fill_cpu_ms"),
-            ("draw, GPU ms", "shadow_fill_gpu_ms"),
-            ("find volumes, CPU ms", "shadow_volumes_cpu_ms"),
+            ("draw, CPU ms", FILL_CPU),
+            ("draw, GPU ms", FILL_GPU),
+            ("find volumes, CPU ms", SHADOW_VOLUMES_CPU_MS),
             ("writes per pixel", UPDATES),
-            ("fragments per pixel", "shadow_fragments"),
-            ("draws", "shadow_draws"),
-            ("casters left out", "shadow_casters_left_out"),
-            ("bytes", "shadow_bytes"),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("in the band", "shadow_band_px"),
-            ("at rims", "shadow_rim_px"),
+            ("fragments per pixel", SHADOW_FRAGMENTS),
+            ("draws", SHADOW_DRAWS),
+            ("casters left out", SHADOW_CASTERS_LEFT_OUT),
+            ("bytes", SHADOW_BYTES),
+            ("false lit px", SHADOW_FALSE_LIT_PX),
+            ("false dark px", SHADOW_FALSE_DARK_PX),
+            ("in the band", SHADOW_BAND_PX),
+            ("at rims", SHADOW_RIM_PX),
         ],
     },
     Section {
@@ -252,18 +262,18 @@ pub(super) const SECTIONS: [Section; 20] = [
                are handed the depth that the surface left, in the channel with most shadow; times are from there to an \
                answer a pixel. A place 1/256 of a pixel below a triangle counts as on it. They need no closed mesh, no \
                test of the near plane and no count. Volumes stand in \"Drawn by devices\".",
-        named_by: &["sun", "api", "rival"],
+        named_by: &[SUN, API, RIVAL],
         columns: &[
-            ("CPU ms", "shadow_fill_cpu_ms"),
-            ("GPU ms", "shadow_fill_gpu_ms"),
-            ("tree, GPU ms", "shadow_build_gpu_ms"),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("in the band", "shadow_band_px"),
-            ("at rims", "shadow_rim_px"),
-            ("shadow px", "shadow_px"),
-            ("bytes", "shadow_bytes"),
-            ("bytes of another sun", "shadow_sun_bytes"),
+            ("CPU ms", FILL_CPU),
+            ("GPU ms", FILL_GPU),
+            ("tree, GPU ms", SHADOW_BUILD_GPU_MS),
+            ("false lit px", SHADOW_FALSE_LIT_PX),
+            ("false dark px", SHADOW_FALSE_DARK_PX),
+            ("in the band", SHADOW_BAND_PX),
+            ("at rims", SHADOW_RIM_PX),
+            ("shadow px", SHADOW_PX),
+            ("bytes", SHADOW_BYTES),
+            ("bytes of another sun", SHADOW_SUN_BYTES),
         ],
     },
     Section {
@@ -272,17 +282,17 @@ pub(super) const SECTIONS: [Section; 20] = [
         text: "Of 400 eyes on deck, 1 m of near plane, the one in the light whose near rectangle has most shadow. The \
                published test chooses z-pass there. zp-plus draws the lit triangles between the near plane and the sun \
                into the near plane, then z-pass; preload draws everything twice. Volumes are closed at the sea.",
-        named_by: &["sun", "api", "rule"],
+        named_by: &[SUN, API, RULE],
         columns: &[
-            ("CPU ms", "shadow_fill_cpu_ms"),
-            ("GPU ms", "shadow_fill_gpu_ms"),
-            ("fragments per pixel", "shadow_fragments"),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("in the band", "shadow_band_px"),
-            ("at rims", "shadow_rim_px"),
-            ("shadow px", "shadow_px"),
-            ("draws", "shadow_draws"),
+            ("CPU ms", FILL_CPU),
+            ("GPU ms", FILL_GPU),
+            ("fragments per pixel", SHADOW_FRAGMENTS),
+            ("false lit px", SHADOW_FALSE_LIT_PX),
+            ("false dark px", SHADOW_FALSE_DARK_PX),
+            ("in the band", SHADOW_BAND_PX),
+            ("at rims", SHADOW_RIM_PX),
+            ("shadow px", SHADOW_PX),
+            ("draws", SHADOW_DRAWS),
         ],
     },
     Section {
@@ -290,15 +300,15 @@ pub(super) const SECTIONS: [Section; 20] = [
         title: "Eight bits of a device",
         text: "The plates of \"Eight bits\", each a volume, by z-pass: counted in one pass, or in passes of 255 at most \
                that darken one after the other.",
-        named_by: &["casters", "api", "counting"],
+        named_by: &[CASTERS, API, COUNTING],
         columns: &[
-            ("CPU ms", "shadow_fill_cpu_ms"),
-            ("GPU ms", "shadow_fill_gpu_ms"),
-            ("shadow px", "shadow_px"),
+            ("CPU ms", FILL_CPU),
+            ("GPU ms", FILL_GPU),
+            ("shadow px", SHADOW_PX),
             ("shadow pixels lost, %", LOST),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("draws", "shadow_draws"),
+            ("false lit px", SHADOW_FALSE_LIT_PX),
+            ("false dark px", SHADOW_FALSE_DARK_PX),
+            ("draws", SHADOW_DRAWS),
         ],
     },
     Section {
@@ -308,15 +318,15 @@ pub(super) const SECTIONS: [Section; 20] = [
                sun, or at random. A facing bit is decided once a triangle, in f64, and all edges read it. Rows \"f32 by corners\" \
                have none: every edge computes the facing of its two triangles from their corners as it has them. Where \
                edges of one triangle disagree, a side is missing or one too many, and the volume leaks.",
-        named_by: &["boxes", "api", "silhouette"],
+        named_by: &[BOXES, API, SILHOUETTE],
         columns: &[
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("in the band", "shadow_band_px"),
-            ("at rims", "shadow_rim_px"),
-            ("undecided facings, %", "shadow_undecided_facings"),
-            ("bytes", "shadow_bytes"),
-            ("bytes of another sun", "shadow_sun_bytes"),
+            ("false lit px", SHADOW_FALSE_LIT_PX),
+            ("false dark px", SHADOW_FALSE_DARK_PX),
+            ("in the band", SHADOW_BAND_PX),
+            ("at rims", SHADOW_RIM_PX),
+            ("undecided facings, %", SHADOW_UNDECIDED_FACINGS),
+            ("bytes", SHADOW_BYTES),
+            ("bytes of another sun", SHADOW_SUN_BYTES),
         ],
     },
     Section {
@@ -328,13 +338,13 @@ pub(super) const SECTIONS: [Section; 20] = [
                the port is 100 m away and more, where a pixel is tens of centimetres wide. At the quay's edge the rail is 1 m \
                away, and under a sun at 3° a step in height is twenty in its shadow. The shadow of a rail on a crane's leg is \
                seen from 70 cm, as the middle of a channel 1,024 px wide has it: a pixel is half a millimetre there.",
-        named_by: &["sun", "view", "api", "positions"],
+        named_by: &[SUN, VIEW, API, POSITIONS],
         columns: &[
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("in the band", "shadow_band_px"),
+            ("false lit px", SHADOW_FALSE_LIT_PX),
+            ("false dark px", SHADOW_FALSE_DARK_PX),
+            ("in the band", SHADOW_BAND_PX),
             ("shadow pixels lost, %", LOST),
-            ("shadow px", "shadow_px"),
+            ("shadow px", SHADOW_PX),
         ],
     },
     Section {
@@ -344,17 +354,17 @@ pub(super) const SECTIONS: [Section; 20] = [
                texel, no filter. The bias is the best of 13 constants from 0 to 40 m, or of 7 multiples of texel and \
                slope from 0 to 2. Faces turned away from the sun are dark without asking. With \"no normals\" they ask the map \
                too, so that a bias lights them where their caster is thinner than it. Wrong pixels are of all that the reference judges, the band included.",
-        named_by: &["sun", "texel_m", "bias"],
+        named_by: &[SUN, TEXEL_M, BIAS],
         columns: &[
             ("wrong, %", MAP_WRONG),
-            ("of three channels, %", "shadow_map_wrong_in_three"),
-            ("wrong without bias, %", "shadow_map_wrong_unbiased"),
-            ("best bias, m", "shadow_map_bias_m"),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("in the band", "shadow_band_px"),
-            ("CPU ms", "shadow_map_cpu_ms"),
-            ("bytes", "shadow_bytes"),
+            ("of three channels, %", SHADOW_MAP_WRONG_IN_THREE),
+            ("wrong without bias, %", SHADOW_MAP_WRONG_UNBIASED),
+            ("best bias, m", SHADOW_MAP_BIAS_M),
+            ("false lit px", SHADOW_FALSE_LIT_PX),
+            ("false dark px", SHADOW_FALSE_DARK_PX),
+            ("in the band", SHADOW_BAND_PX),
+            ("CPU ms", SHADOW_MAP_CPU_MS),
+            ("bytes", SHADOW_BYTES),
         ],
     },
     Section {
@@ -363,18 +373,18 @@ pub(super) const SECTIONS: [Section; 20] = [
         text: "The same map and biases on wgpu: a depth pass from the sun, then every fragment of sea and casters in \
                the channel with most shadow asks its texel. Times are of both passes, the second draws what is seen \
                too. Maps wider than the device's textures are left out.",
-        named_by: &["sun", "texel_m", "bias"],
+        named_by: &[SUN, TEXEL_M, BIAS],
         columns: &[
-            ("CPU ms", "shadow_fill_cpu_ms"),
-            ("GPU ms", "shadow_fill_gpu_ms"),
-            ("map alone, GPU ms", "shadow_map_gpu_ms"),
+            ("CPU ms", FILL_CPU),
+            ("GPU ms", FILL_GPU),
+            ("map alone, GPU ms", SHADOW_MAP_GPU_MS),
             ("wrong, %", MAP_WRONG),
-            ("unlike the CPU's, %", "shadow_map_differs"),
-            ("bias, m", "shadow_map_bias_m"),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("in the band", "shadow_band_px"),
-            ("bytes", "shadow_bytes"),
+            ("unlike the CPU's, %", SHADOW_MAP_DIFFERS),
+            ("bias, m", SHADOW_MAP_BIAS_M),
+            ("false lit px", SHADOW_FALSE_LIT_PX),
+            ("false dark px", SHADOW_FALSE_DARK_PX),
+            ("in the band", SHADOW_BAND_PX),
+            ("bytes", SHADOW_BYTES),
         ],
     },
 ];
@@ -385,7 +395,7 @@ impl Section {
         let names: Vec<&str> = self
             .named_by
             .iter()
-            .map(|key| case.condition(key))
+            .map(|key| case.condition(*key))
             // A user's model has no name of a mesh.
             .filter(|name| !name.is_empty())
             .collect();

@@ -3,8 +3,8 @@
 
 use super::findings::{is_same_but, of_all, range};
 use super::{Own, is_plain, number};
-use crate::metrics::{FILL_CPU, FILL_GPU};
-use terrafill_results::{Case, Clock, Estimate, Finding, Outcome, Standing, ratio};
+use crate::keys::{API, DEPTH_BOUNDS, FILL_CPU, FILL_GPU, PAPER, RIVAL, STEP, SUN};
+use terrafill_results::{Case, Clock, Estimate, Finding, Metric, Outcome, Standing, ratio};
 
 /// Depth bounds of casters and of their parts.
 const EMULATED: [&str; 6] = [
@@ -28,11 +28,11 @@ impl<'a> Own<'a> {
             let of_devices = || self.of_question("devices");
             let is_ok = |case: &&Case| case.outcome == Outcome::Ok;
             let all = of_devices().filter(is_ok);
-            for case in all.filter(|case| case.condition("depth_bounds") == how) {
+            for case in all.filter(|case| case.condition(DEPTH_BOUNDS) == how) {
                 let mut plain = of_devices().filter(is_ok);
                 let plain = plain.find(|other| {
-                    other.condition("depth_bounds") == "off"
-                        && is_same_but(&["depth_bounds"], case, other)
+                    other.condition(DEPTH_BOUNDS) == "off"
+                        && is_same_but(&[DEPTH_BOUNDS], case, other)
                 });
                 if let Some(gain) = plain.and_then(|plain| ratio(plain, case, metric)) {
                     gains.push(gain.middle);
@@ -53,16 +53,16 @@ impl<'a> Own<'a> {
     }
 
     /// Steps of the ladder with what each gains over the last one that could be drawn.
-    fn gains(&self, metric: &str) -> Vec<(&'a Case, f64, Standing)> {
+    fn gains(&self, metric: &Metric) -> Vec<(&'a Case, f64, Standing)> {
         let noise = self.noise(metric);
         let mut gains = Vec::new();
         let mut last: Option<&Case> = None;
         let done = |case: &&Case| case.outcome == Outcome::Ok;
         for case in self.of_question("ladder").filter(done) {
             let is_next = |before: &&Case| {
-                ["sun", "api"]
+                [SUN, API]
                     .iter()
-                    .all(|key| before.condition(key) == case.condition(key))
+                    .all(|key| before.condition(*key) == case.condition(*key))
             };
             let gain = last
                 .filter(is_next)
@@ -79,21 +79,21 @@ impl<'a> Own<'a> {
         let gains = self.gains(metric);
         let mut steps: Vec<&str> = Vec::new();
         for (case, ..) in &gains {
-            if !steps.contains(&case.condition("step")) {
-                steps.push(case.condition("step"));
+            if !steps.contains(&case.condition(STEP)) {
+                steps.push(case.condition(STEP));
             }
         }
         let text = steps.iter().filter_map(|step| {
             let own = gains
                 .iter()
-                .filter(|(case, ..)| case.condition("step") == *step);
+                .filter(|(case, ..)| case.condition(STEP) == *step);
             let own: Vec<f64> = own.map(|(_, gain, _)| *gain).collect();
             Some(format!("{step}: {}", range(&own)?))
         });
         let text: Vec<String> = text.collect();
         let anticipated = gains
             .iter()
-            .filter(|(case, ..)| case.condition("paper").contains("anticipated"));
+            .filter(|(case, ..)| case.condition(PAPER).contains("anticipated"));
         let standings: Vec<Standing> = anticipated.map(|(.., standing)| *standing).collect();
         (!standings.is_empty()).then(|| Finding {
             claim: "Each step of the ladder that was anticipated to be faster is (Yang & Jin, 2006, anticipated).".to_owned(),
@@ -114,14 +114,14 @@ impl<'a> Own<'a> {
         let all: Vec<&Case> = self.of_question("rivals").filter(known).collect();
         let wrong: Option<Vec<f64>> = all.iter().map(|case| Self::wrong_px(case)).collect();
         let wrong: f64 = wrong?.iter().sum();
-        let mut names: Vec<&str> = all.iter().map(|case| case.condition("rival")).collect();
+        let mut names: Vec<&str> = all.iter().map(|case| case.condition(RIVAL)).collect();
         names.dedup();
         names.sort_unstable();
         names.dedup();
         let mut standings = vec![Standing::holds_if(wrong == 0.0)];
         let mut texts = Vec::new();
         for name in names {
-            let own = all.iter().filter(|case| case.condition("rival") == name);
+            let own = all.iter().filter(|case| case.condition(RIVAL) == name);
             let gains = own.filter_map(|case| {
                 let mut volumes = self
                     .of_question("devices")
@@ -148,8 +148,8 @@ impl<'a> Own<'a> {
 
 /// Volumes as the rows of an interface begin with them, under a rival's sun.
 fn is_volumes(case: &Case, rival: &Case) -> bool {
-    let same = ["sun", "api"]
+    let same = [SUN, API]
         .iter()
-        .all(|key| case.condition(key) == rival.condition(key));
+        .all(|key| case.condition(*key) == rival.condition(*key));
     same && is_plain(case)
 }

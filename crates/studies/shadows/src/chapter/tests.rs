@@ -18,7 +18,7 @@ pub(super) fn finding(run: &MadeUpRun, claim: &str) -> Option<Standing> {
 pub(super) fn with(
     question: &str,
     conditions: &[(&str, &str)],
-    metric: &'static str,
+    metric: impl Into<&'static str>,
     value: f64,
     run: &mut MadeUpRun,
 ) {

@@ -5,6 +5,11 @@ use crate::STUDY;
 use crate::brought::Brought;
 use crate::count::Rule;
 use crate::job::{Job, Method, sun_name};
+use crate::keys::{
+    API, BIAS, BOXES, CASTERS, COUNTING, DEPTH_BOUNDS, EXTENT, EYE_TEST, FACES, LENGTH_M, MESH,
+    MODEL, MODELS, NEAR_M, OUTLINE, PAPER, POLICY, POSITIONS, QUESTION, RIVAL, RULE, SCISSOR,
+    SILHOUETTE, STEP, SUN, TEXEL_M, VIEW,
+};
 use crate::near::EyeTest;
 use crate::outline::Way;
 use crate::views::Chooser;
@@ -12,7 +17,7 @@ use crate::way::{Counting, Positions};
 use crate::work::Scissor;
 use terrafill_casters::Policy;
 use terrafill_fill::FacePasses;
-use terrafill_results::{CaseId, PlannedCase};
+use terrafill_results::{CaseId, ConditionKey, PlannedCase};
 
 fn counting(is_guarded: bool) -> &'static str {
     match is_guarded {
@@ -22,76 +27,73 @@ fn counting(is_guarded: bool) -> &'static str {
 }
 
 pub(super) fn planned(job: Job, samples: u32, brought: Option<&Brought>) -> PlannedCase {
-    let (question, conditions, may_be_wrong): (_, Vec<(&str, String)>, _) = match job {
+    let (question, conditions, may_be_wrong): (_, Vec<(ConditionKey, String)>, _) = match job {
         Job::Model => ("model", Vec::new(), false),
         Job::Eye(sun, near, test) => (
             "eyes",
             vec![
-                ("sun", sun_name(sun)),
-                ("near_m", near.to_string()),
-                ("eye_test", test.name().to_owned()),
+                (SUN, sun_name(sun)),
+                (NEAR_M, near.to_string()),
+                (EYE_TEST, test.name().to_owned()),
             ],
             test == EyeTest::Eye,
         ),
         Job::Updates(sun, end, rule) => (
             "updates",
             vec![
-                ("sun", sun_name(sun)),
-                ("extent", end.name().to_owned()),
-                ("rule", rule.name().to_owned()),
+                (SUN, sun_name(sun)),
+                (EXTENT, end.name().to_owned()),
+                (RULE, rule.name().to_owned()),
             ],
             rule == Rule::PassAsPrinted,
         ),
         Job::Scissor(sun, scissor) => (
             "scissors",
-            vec![
-                ("sun", sun_name(sun)),
-                ("scissor", scissor.name().to_owned()),
-            ],
+            vec![(SUN, sun_name(sun)), (SCISSOR, scissor.name().to_owned())],
             !matches!(scissor, Scissor::Off | Scissor::CasterRectangle),
         ),
         Job::Bounds(sun, rule) => (
             "bounds",
             vec![
-                ("sun", sun_name(sun)),
-                ("rule", rule.name().to_owned()),
-                ("depth_bounds", "on".to_owned()),
+                (SUN, sun_name(sun)),
+                (RULE, rule.name().to_owned()),
+                (DEPTH_BOUNDS, "on".to_owned()),
             ],
             false,
         ),
         Job::Finite(sun, length) => (
             "finite",
-            vec![("sun", sun_name(sun)), ("length_m", length.to_string())],
+            vec![(SUN, sun_name(sun)), (LENGTH_M, length.to_string())],
             true,
         ),
         Job::Row(count, guard) => (
             "rows",
             vec![
-                ("casters", count.to_string()),
-                ("counting", counting(guard).to_owned()),
+                (CASTERS, count.to_string()),
+                (COUNTING, counting(guard).to_owned()),
             ],
             !guard,
         ),
         Job::Casters(policy) => (
             "casters",
-            vec![("policy", policy.name().to_owned())],
+            vec![(POLICY, policy.name().to_owned())],
             policy == Policy::AsIs,
         ),
         Job::Outline(count, way) => (
             "outlines",
             vec![
-                ("models", count.to_string()),
-                ("outline", way.name().to_owned()),
+                (MODELS, count.to_string()),
+                (OUTLINE, way.name().to_owned()),
             ],
             matches!(way, Way::ValueAsPrinted | Way::ValueNeverCleared),
         ),
         Job::Silhouette(mesh, method) => (
             "silhouettes",
             match brought {
-                Some(_) => vec![("silhouette", method.name().to_owned())],
+                Some(_) => vec![(SILHOUETTE, method.name().to_owned())],
                 None => vec![
-                    ("mesh", mesh.to_owned()),
-                    ("silhouette", method.name().to_owned()),
+                    (MESH, mesh.to_owned()),
+                    (SILHOUETTE, method.name().to_owned()),
                 ],
             },
             mesh.contains("turned") && method != Method::Adjacency,
@@ -103,18 +105,18 @@ pub(super) fn planned(job: Job, samples: u32, brought: Option<&Brought>) -> Plan
                 "device-maps"
             },
             vec![
-                ("sun", sun_name(sun)),
-                ("texel_m", texel.to_string()),
-                ("bias", bias.name().to_owned()),
+                (SUN, sun_name(sun)),
+                (TEXEL_M, texel.to_string()),
+                (BIAS, bias.name().to_owned()),
             ],
             true,
         ),
         Job::View(sun, place, chooser) => (
             "views",
             vec![
-                ("sun", sun_name(sun)),
-                ("view", place.name().to_owned()),
-                ("rule", chooser.name()),
+                (SUN, sun_name(sun)),
+                (VIEW, place.name().to_owned()),
+                (RULE, chooser.name()),
             ],
             matches!(
                 chooser,
@@ -124,29 +126,29 @@ pub(super) fn planned(job: Job, samples: u32, brought: Option<&Brought>) -> Plan
         Job::Rival(sun, rival) => (
             "rivals",
             vec![
-                ("sun", sun_name(sun)),
-                ("api", rival.api().to_owned()),
-                ("rival", rival.name().to_owned()),
+                (SUN, sun_name(sun)),
+                (API, rival.api().to_owned()),
+                (RIVAL, rival.name().to_owned()),
             ],
             false,
         ),
         Job::Rung(sun, rung) => (
             "ladder",
             vec![
-                ("sun", sun_name(sun)),
-                ("api", rung.way.interface.name().to_owned()),
-                ("step", format!("{} {}", rung.number, rung.name)),
-                ("paper", rung.paper.to_owned()),
+                (SUN, sun_name(sun)),
+                (API, rung.way.interface.name().to_owned()),
+                (STEP, format!("{} {}", rung.number, rung.name)),
+                (PAPER, rung.paper.to_owned()),
             ],
             false,
         ),
         Job::Origin(sun, eyes, way) => (
             "origins",
             vec![
-                ("sun", sun_name(sun)),
-                ("view", eyes.name().to_owned()),
-                ("api", way.interface.name().to_owned()),
-                ("positions", way.positions.name()),
+                (SUN, sun_name(sun)),
+                (VIEW, eyes.name().to_owned()),
+                (API, way.interface.name().to_owned()),
+                (POSITIONS, way.positions.name()),
             ],
             way.positions != Positions::Eye,
         ),
@@ -156,31 +158,31 @@ pub(super) fn planned(job: Job, samples: u32, brought: Option<&Brought>) -> Plan
                 counting => counting == Counting::Chosen(EyeTest::Eye),
             };
             let conditions = vec![
-                ("sun", sun_name(sun)),
-                ("api", way.interface.name().to_owned()),
-                ("rule", way.rule_name()),
+                (SUN, sun_name(sun)),
+                (API, way.interface.name().to_owned()),
+                (RULE, way.rule_name()),
             ];
             ("near", conditions, may_be_wrong)
         }
         Job::DeviceRow(count, way) => {
             let is_guarded = way.counting == Counting::Parts { is_guarded: true };
             let conditions = vec![
-                ("casters", count.to_string()),
-                ("api", way.interface.name().to_owned()),
-                ("counting", counting(is_guarded).to_owned()),
+                (CASTERS, count.to_string()),
+                (API, way.interface.name().to_owned()),
+                (COUNTING, counting(is_guarded).to_owned()),
             ];
             ("device-rows", conditions, !is_guarded)
         }
         Job::Facing(sun, is_edge_on, way) => (
             "facings",
             vec![
-                ("sun", sun_name(sun)),
+                (SUN, sun_name(sun)),
                 (
-                    "boxes",
+                    BOXES,
                     if is_edge_on { "edge-on" } else { "at random" }.to_owned(),
                 ),
-                ("api", way.interface.name().to_owned()),
-                ("silhouette", way.silhouettes.name().to_owned()),
+                (API, way.interface.name().to_owned()),
+                (SILHOUETTE, way.silhouettes.name().to_owned()),
             ],
             way.silhouettes.decides_by_corners(),
         ),
@@ -190,23 +192,23 @@ pub(super) fn planned(job: Job, samples: u32, brought: Option<&Brought>) -> Plan
                 FacePasses::TwoPass => "two-pass",
             };
             let conditions = [
-                ("sun", sun_name(sun)),
-                ("api", way.interface.name().to_owned()),
-                ("extent", way.end.name().to_owned()),
-                ("rule", way.rule_name()),
-                ("faces", faces.to_owned()),
-                ("scissor", way.cut.name().to_owned()),
-                ("depth_bounds", way.bounds_name()),
-                ("silhouette", way.silhouettes.name().to_owned()),
+                (SUN, sun_name(sun)),
+                (API, way.interface.name().to_owned()),
+                (EXTENT, way.end.name().to_owned()),
+                (RULE, way.rule_name()),
+                (FACES, faces.to_owned()),
+                (SCISSOR, way.cut.name().to_owned()),
+                (DEPTH_BOUNDS, way.bounds_name()),
+                (SILHOUETTE, way.silhouettes.name().to_owned()),
             ];
             ("devices", conditions.into(), false)
         }
     };
-    let model = brought.map(|brought| ("model", brought.name.clone()));
-    let conditions: Vec<(&str, String)> = model.into_iter().chain(conditions).collect();
+    let model = brought.map(|brought| (MODEL, brought.name.clone()));
+    let conditions: Vec<(ConditionKey, String)> = model.into_iter().chain(conditions).collect();
     let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
     let name = format!("{question}/{}", values.join("/"));
-    let conditions = std::iter::once(("question", question.to_owned())).chain(conditions.clone());
+    let conditions = std::iter::once((QUESTION, question.to_owned())).chain(conditions.clone());
     // Of a mesh that is not closed, any answer but the verdict may be wrong.
     let may_leak = brought.is_some_and(|brought| brought.policy == Policy::AsIs);
     PlannedCase {

@@ -7,7 +7,7 @@ use crate::count::{Rule, Wrong};
 use crate::eyes::EyeTable;
 use crate::images;
 use crate::job::{Job, Method};
-use crate::metrics::MOSTLY;
+use crate::keys::MOSTLY;
 use crate::near::EyeTest;
 use crate::outline::{Way, outlines};
 use crate::view::sun;
@@ -232,7 +232,10 @@ impl Answering<'_> {
                 "shadow_eyes_missed_at_corners",
                 percent(result.missed_at_corners as f64, result.eyes),
             ),
-            (MOSTLY, percent(result.missed_mostly as f64, result.eyes)),
+            (
+                MOSTLY.name,
+                percent(result.missed_mostly as f64, result.eyes),
+            ),
             (
                 "shadow_eyes_needless",
                 percent(result.needless as f64, result.eyes),
