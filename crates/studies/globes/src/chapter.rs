@@ -2,6 +2,13 @@
 //! The chapter on surfaces of a globe: error against time and against triangles, a plot for each view.
 
 use crate::clock::{draw, whole};
+use crate::keys::{
+    API, GLOBE_DEPTH_M_MAX, GLOBE_EXPECTED_LOWEST_M, GLOBE_EXPECTED_MAP_M_MAX,
+    GLOBE_EXPECTED_PX_MAX, GLOBE_EXTRA_PX, GLOBE_LOWEST_M, GLOBE_MAKE_CPU_MS, GLOBE_MAP_M_MAX,
+    GLOBE_MAP_PX_MAX, GLOBE_MAP_PX_MEDIAN, GLOBE_MAP_PX_P99, GLOBE_PX_MEDIAN, GLOBE_UNCOVERED_PX,
+    GLOBE_UPLOAD_BYTES, GLOBE_UPLOAD_CPU_MS, KNOB, PART, SURFACE, VALUE, VIEW,
+};
+use crate::metrics::METRICS;
 use crate::{
     controllers, counts, forms, grid_facts, made, projection, published, shading, tiled, zones,
 };
@@ -10,13 +17,13 @@ use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
 use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Noise, Plot, Row, Run,
-    Table, process_medians, sample_spread,
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Metric, Noise, Plot, Row,
+    Run, Table, process_medians, sample_spread,
 };
 
-const PX_MAX: &str = "globe_px_max";
-const PX_P99: &str = "globe_px_p99";
-const TRIANGLES: &str = "globe_triangles";
+const PX_MAX: &Metric = Metric::of(&METRICS, "globe_px_max");
+const PX_P99: &Metric = Metric::of(&METRICS, "globe_px_p99");
+const TRIANGLES: &Metric = Metric::of(&METRICS, "globe_triangles");
 /// A quarter of a pixel: what no one sees.
 const FINE_PX: f64 = 0.25;
 
@@ -44,7 +51,7 @@ impl Chapter for GlobesChapter {
     }
 
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
-        Some(whole(clock))
+        Some(whole(clock).name)
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
@@ -126,9 +133,9 @@ fn sights(run: &Run) -> Vec<Sight<'_>> {
     let mut sights: Vec<Sight<'_>> = Vec::new();
     let own = run.of_study(crate::STUDY);
     // Other parts of the study say which they are.
-    let own = own.filter(|case| !case.is_twin() && case.condition("part").is_empty());
+    let own = own.filter(|case| !case.is_twin() && case.condition(PART).is_empty());
     for case in own {
-        let view = case.condition("view");
+        let view = case.condition(VIEW);
         match sights.iter_mut().find(|sight| sight.view == view) {
             Some(sight) => sight.cases.push(case),
             None => sights.push(Sight {
@@ -142,15 +149,15 @@ fn sights(run: &Run) -> Vec<Sight<'_>> {
 
 /// A curve's name: the surface, and the interface where it is not the first one.
 fn curve_name(case: &Case) -> String {
-    match case.condition("api") {
-        "wgpu" => case.condition("surface").to_owned(),
-        api => format!("{}, {api}", case.condition("surface")),
+    match case.condition(API) {
+        "wgpu" => case.condition(SURFACE).to_owned(),
+        api => format!("{}, {api}", case.condition(SURFACE)),
     }
 }
 
 /// Vulkan itself draws the same triangles: its times stand in tables, since twice as many curves would hide each other.
 fn is_drawn(case: &Case) -> bool {
-    case.condition("api") != "vulkan"
+    case.condition(API) != "vulkan"
 }
 
 fn series(sights: &[Sight<'_>]) -> Vec<String> {
@@ -166,13 +173,13 @@ fn series(sights: &[Sight<'_>]) -> Vec<String> {
 }
 
 fn case_name(case: &Case) -> String {
-    match case.condition("knob") {
+    match case.condition(KNOB) {
         "" => curve_name(case),
-        knob => format!("{} {knob}={}", curve_name(case), case.condition("value")),
+        knob => format!("{} {knob}={}", curve_name(case), case.condition(VALUE)),
     }
 }
 
-fn value(case: &Case, metric: &str) -> Option<f64> {
+fn value(case: &Case, metric: &Metric) -> Option<f64> {
     case.value(metric).filter(|_| case.counts())
 }
 
@@ -184,7 +191,7 @@ fn answer(sight: &Sight<'_>, clock: Clock, noise: Option<Noise>) -> Option<Strin
     let with: Vec<(&Case, f64, f64)> = with.collect();
     let fine = with
         .iter()
-        .filter(|(case, _, px)| *px <= FINE_PX && value(case, "globe_uncovered_px") == Some(0.0));
+        .filter(|(case, _, px)| *px <= FINE_PX && value(case, GLOBE_UNCOVERED_PX) == Some(0.0));
     let best = fine.clone().min_by(|a, b| a.1.total_cmp(&b.1));
     let unit = clock.pick("ms, GPU and CPU", "ms of process CPU time");
     Some(match best {
@@ -228,7 +235,7 @@ fn answer(sight: &Sight<'_>, clock: Clock, noise: Option<Noise>) -> Option<Strin
 fn drawing(
     sight: &Sight<'_>,
     across: &str,
-    by: &'static str,
+    by: &'static Metric,
     palette: &Palette,
 ) -> Result<Option<String>, ChapterError> {
     let plots = [("largest", PX_MAX), ("99 % of the pixels", PX_P99)];
@@ -244,21 +251,21 @@ fn drawing(
     Ok(panels(&title, &plots, Arrangement::SideBySide, palette)?)
 }
 
-fn curves(sight: &Sight<'_>, by: &str, error: &str) -> Vec<Curve> {
+fn curves(sight: &Sight<'_>, by: &Metric, error: &Metric) -> Vec<Curve> {
     let mut curves: Vec<Curve> = Vec::new();
     for case in sight.cases.iter().filter(|case| is_drawn(case)) {
         let spread = sample_spread(case, by).filter(|_| case.counts());
-        let x = match by {
-            TRIANGLES => value(case, by).map(Reading::exact),
-            _ => spread.map(|spread| {
+        let x = match by == TRIANGLES {
+            true => value(case, by).map(Reading::exact),
+            false => spread.map(|spread| {
                 let replicates: Vec<f64> = process_medians(case, by).into_values().collect();
                 Reading::sampled(spread, &replicates)
             }),
         };
         let Some(x) = x else { continue };
         let point = Point {
-            knob: case.condition("value").parse().unwrap_or(0.0),
-            label: case.condition("value").to_owned(),
+            knob: case.condition(VALUE).parse().unwrap_or(0.0),
+            label: case.condition(VALUE).to_owned(),
             x: Some(x),
             y: value(case, error).map(Reading::exact),
             y_rms: None,
@@ -290,25 +297,25 @@ fn table(sight: &Sight<'_>, clock: Clock) -> Table {
     let columns = [
         ("triangles", TRIANGLES),
         ("frame, ms", whole(clock)),
-        ("make, ms", "globe_make_cpu_ms"),
-        ("upload, ms", "globe_upload_cpu_ms"),
+        ("make, ms", GLOBE_MAKE_CPU_MS),
+        ("upload, ms", GLOBE_UPLOAD_CPU_MS),
         ("draw, ms", draw(clock)),
         ("px, largest", PX_MAX),
         ("px, 99 %", PX_P99),
-        ("px, median", "globe_px_median"),
-        ("map px, largest", "globe_map_px_max"),
-        ("map px, 99 %", "globe_map_px_p99"),
-        ("map px, median", "globe_map_px_median"),
-        ("depth, m", "globe_depth_m_max"),
-        ("uncovered px", "globe_uncovered_px"),
-        ("extra px", "globe_extra_px"),
+        ("px, median", GLOBE_PX_MEDIAN),
+        ("map px, largest", GLOBE_MAP_PX_MAX),
+        ("map px, 99 %", GLOBE_MAP_PX_P99),
+        ("map px, median", GLOBE_MAP_PX_MEDIAN),
+        ("depth, m", GLOBE_DEPTH_M_MAX),
+        ("uncovered px", GLOBE_UNCOVERED_PX),
+        ("extra px", GLOBE_EXTRA_PX),
     ];
     let rows = sight.cases.iter().map(|case| {
         let mut cells = vec![Cell::name(case_name(case))];
-        let upload = value(case, "globe_upload_bytes").map(measured_bytes);
+        let upload = value(case, GLOBE_UPLOAD_BYTES).map(measured_bytes);
         cells.push(Cell::or_absent(upload, why(case)));
         cells.extend(columns.iter().map(|(_, metric)| {
-            let reason = match case.condition("knob") {
+            let reason = match case.condition(KNOB) {
                 "" if case.counts() => "there are no triangles",
                 _ => why(case),
             };
@@ -322,7 +329,7 @@ fn table(sight: &Sight<'_>, clock: Clock) -> Table {
     });
     let mut headings = vec![
         Heading::plain("surface"),
-        Heading::metric("upload", "globe_upload_bytes"),
+        Heading::metric("upload", GLOBE_UPLOAD_BYTES),
     ];
     let metrics = columns.iter();
     headings.extend(metrics.map(|(text, metric)| Heading::metric(*text, *metric)));
@@ -338,9 +345,9 @@ fn table(sight: &Sight<'_>, clock: Clock) -> Table {
 /// What was measured beside what formulas say.
 fn against_formulas(sight: &Sight<'_>) -> Table {
     let figures = [
-        ("px, largest", PX_MAX, "globe_expected_px_max"),
-        ("map, m", "globe_map_m_max", "globe_expected_map_m_max"),
-        ("lowest, m", "globe_lowest_m", "globe_expected_lowest_m"),
+        ("px, largest", PX_MAX, GLOBE_EXPECTED_PX_MAX),
+        ("map, m", GLOBE_MAP_M_MAX, GLOBE_EXPECTED_MAP_M_MAX),
+        ("lowest, m", GLOBE_LOWEST_M, GLOBE_EXPECTED_LOWEST_M),
     ];
     let with = sight.cases.iter().filter(|case| {
         let mut expected = figures.iter().map(|(_, _, expected)| value(case, expected));

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The watch of a frame's steps, and which times are compared, by the clock that a device is read by.
 
+use crate::keys::{GLOBE_DRAW_CPU_MS, GLOBE_DRAW_GPU_MS, GLOBE_WHOLE_CPU_MS, GLOBE_WHOLE_GPU_MS};
 use crate::session::Figures;
 use terrafill_fill::CpuStopwatch;
-use terrafill_results::Clock;
+use terrafill_results::{Clock, Metric};
 
 /// Of a whole frame.
-pub(crate) fn whole(clock: Clock) -> &'static str {
-    clock.pick("globe_whole_gpu_ms", "globe_whole_cpu_ms")
+pub(crate) fn whole(clock: Clock) -> &'static Metric {
+    clock.pick(GLOBE_WHOLE_GPU_MS, GLOBE_WHOLE_CPU_MS)
 }
 
 /// Of drawing it.
-pub(crate) fn draw(clock: Clock) -> &'static str {
-    clock.pick("globe_draw_gpu_ms", "globe_draw_cpu_ms")
+pub(crate) fn draw(clock: Clock) -> &'static Metric {
+    clock.pick(GLOBE_DRAW_GPU_MS, GLOBE_DRAW_CPU_MS)
 }
 
 /// Times the steps of a frame, one after the other.

@@ -9,6 +9,8 @@ mod section;
 pub(crate) use section::blocks;
 
 use crate::STUDY;
+use crate::keys;
+use crate::keys::{API, COUNTED_BY, DELAY, HYSTERESIS, PATH, SIZE_PX, TRANSFERS};
 use crate::list::{Eye, List};
 use crate::session::{Failure, Figures, Part, PartSession, judged};
 use device::{Counters, NODE_TEXELS, Way};
@@ -128,14 +130,14 @@ fn case(work: &Work, samples: u32) -> PlannedCase {
     };
     let [api, way] = work.way.names();
     let conditions = [
-        ("part", PART.to_owned()),
-        ("path", path.clone()),
-        ("api", api.to_owned()),
-        ("counted_by", way.to_owned()),
-        ("hysteresis", work.hysteresis.to_string()),
-        ("delay", work.delay.to_string()),
-        ("transfers", transfers.clone()),
-        ("size_px", SIDE_PX.to_string()),
+        (keys::PART, PART.to_owned()),
+        (PATH, path.clone()),
+        (API, api.to_owned()),
+        (COUNTED_BY, way.to_owned()),
+        (HYSTERESIS, work.hysteresis.to_string()),
+        (DELAY, work.delay.to_string()),
+        (TRANSFERS, transfers.clone()),
+        (SIZE_PX, SIDE_PX.to_string()),
     ];
     let name = format!(
         "{PART}/{path}/{way}/hysteresis={}/delay={}/transfers={transfers}",

@@ -7,6 +7,8 @@ mod section;
 pub(crate) use section::blocks;
 
 use crate::STUDY;
+use crate::keys;
+use crate::keys::{FORM, HEIGHT_M, WHAT};
 use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
 use crate::session::{Failure, Figures, Part, PartSession, judged};
@@ -88,10 +90,10 @@ impl Forms {
         let cases = work.iter().map(|(what, height_m)| {
             let [group, name] = what.names();
             let conditions = [
-                ("part", PART.to_owned()),
-                ("what", group.to_owned()),
-                ("form", name.to_owned()),
-                ("height_m", height_m.to_string()),
+                (keys::PART, PART.to_owned()),
+                (WHAT, group.to_owned()),
+                (FORM, name.to_owned()),
+                (HEIGHT_M, height_m.to_string()),
             ];
             // A slash parts what a case's name is made of.
             let name = name.replace('/', "-");

@@ -13,6 +13,8 @@ pub(crate) use section::blocks;
 
 use crate::STUDY;
 use crate::error::on_map;
+use crate::keys;
+use crate::keys::{HEIGHT_M, LATITUDE_DEG, LIMIT, WHAT};
 use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
 use crate::session::{Failure, Figures, Part, PartSession, judged};
@@ -78,22 +80,22 @@ impl GridFacts {
                 What::Nadir(n, latitude_deg, height_m) => (
                     format!("nadir/n={n}/latitude={latitude_deg}/height={height_m}"),
                     vec![
-                        ("what", "nadir".to_owned()),
-                        ("n", n.to_string()),
-                        ("latitude_deg", latitude_deg.to_string()),
-                        ("height_m", height_m.to_string()),
+                        (WHAT, "nadir".to_owned()),
+                        (keys::CELLS, n.to_string()),
+                        (LATITUDE_DEG, latitude_deg.to_string()),
+                        (HEIGHT_M, height_m.to_string()),
                     ],
                 ),
                 What::Seam(limit) => (
                     format!("seam/limit={limit}"),
                     vec![
-                        ("what", "seam".to_owned()),
-                        ("limit", limit.to_string()),
-                        ("views", VIEWS.to_string()),
+                        (WHAT, "seam".to_owned()),
+                        (LIMIT, limit.to_string()),
+                        (keys::VIEWS, VIEWS.to_string()),
                     ],
                 ),
             };
-            let conditions = [("part", PART.to_owned())].into_iter().chain(set);
+            let conditions = [(keys::PART, PART.to_owned())].into_iter().chain(set);
             PlannedCase {
                 id: CaseId::new(STUDY, format!("{PART}/{name}"), conditions),
                 samples: 0,

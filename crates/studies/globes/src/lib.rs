@@ -16,6 +16,7 @@ mod expected;
 mod forms;
 mod grid_facts;
 mod image;
+mod keys;
 mod list;
 mod made;
 mod metrics;

@@ -13,6 +13,8 @@ pub(crate) use section::blocks;
 use crate::STUDY;
 use crate::clock::FrameWatch;
 use crate::forms;
+use crate::keys;
+use crate::keys::{HEIGHTS, LAW, LOOKUP, SIZE_PX, TRIG, VERTICES, VIEW};
 use crate::list::{Eye, List};
 use crate::opened::Opened;
 use crate::session::{Failure, Figures, Part, PartSession, judged};
@@ -163,14 +165,14 @@ impl Made {
             });
             let (field, lookup) = terrain.unwrap_or(("none", ""));
             let conditions = [
-                ("part", PART.to_owned()),
-                ("view", work.view.to_owned()),
-                ("vertices", work.source.name().to_owned()),
-                ("trig", trig.to_owned()),
-                ("law", law.to_owned()),
-                ("heights", field.to_owned()),
-                ("lookup", lookup.to_owned()),
-                ("size_px", side_px.to_string()),
+                (keys::PART, PART.to_owned()),
+                (VIEW, work.view.to_owned()),
+                (VERTICES, work.source.name().to_owned()),
+                (TRIG, trig.to_owned()),
+                (LAW, law.to_owned()),
+                (HEIGHTS, field.to_owned()),
+                (LOOKUP, lookup.to_owned()),
+                (SIZE_PX, side_px.to_string()),
             ];
             let mut name = format!("{PART}/{}/{}/{trig}/{law}", work.view, work.source.name());
             if let Some((field, lookup)) = terrain {

@@ -14,6 +14,8 @@ pub(crate) use section::blocks;
 use crate::STUDY;
 use crate::clock::FrameWatch;
 use crate::image::write_png;
+use crate::keys;
+use crate::keys::{CELLS, FAULT, PICTURES, PROJECTION, SIZE_PX, VIEW, WHAT};
 use crate::list::{Eye, List};
 use crate::opened::Opened;
 use crate::projection::Projection;
@@ -159,15 +161,15 @@ impl Shadings {
             };
             let fault = fault_name(work.shading.fault);
             let conditions = [
-                ("part", PART.to_owned()),
-                ("what", work.what.to_owned()),
-                ("view", work.view.to_owned()),
-                ("n", work.n.to_string()),
-                ("removed", work.shading.removed.to_string()),
-                ("pictures", pictures.to_owned()),
-                ("fault", fault.to_owned()),
-                ("projection", work.projection.name().to_owned()),
-                ("size_px", work.size_px.to_string()),
+                (keys::PART, PART.to_owned()),
+                (WHAT, work.what.to_owned()),
+                (VIEW, work.view.to_owned()),
+                (CELLS, work.n.to_string()),
+                (keys::REMOVED, work.shading.removed.to_string()),
+                (PICTURES, pictures.to_owned()),
+                (FAULT, fault.to_owned()),
+                (PROJECTION, work.projection.name().to_owned()),
+                (SIZE_PX, work.size_px.to_string()),
             ];
             let name = format!(
                 "{PART}/{}/{}/n={}/removed={}/{pictures}/{fault}/{}/{}",

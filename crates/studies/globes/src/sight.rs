@@ -7,6 +7,7 @@ use crate::canvas::no_triangles;
 use crate::clock::FrameWatch;
 use crate::error::{Errors, of_depth, of_frame};
 use crate::expected::{Expected, expected};
+use crate::keys::{API, KNOB, SIZE_PX, SURFACE, VALUE, VIEW};
 use crate::list::{Eye, Formula, SurfaceRow, ViewRow, number};
 use crate::opened::Opened;
 use crate::session::{self, Failure, Figures, Part, PartSession};
@@ -133,12 +134,12 @@ impl Sight {
                     STUDY,
                     format!("{}/{}{set}/{api}", view.name, work.name),
                     [
-                        ("view", view.name.clone()),
-                        ("surface", work.name.clone()),
-                        ("knob", knob),
-                        ("value", value),
-                        ("api", api.to_owned()),
-                        ("size_px", eye.size.width.to_string()),
+                        (VIEW, view.name.clone()),
+                        (SURFACE, work.name.clone()),
+                        (KNOB, knob),
+                        (VALUE, value),
+                        (API, api.to_owned()),
+                        (SIZE_PX, eye.size.width.to_string()),
                     ],
                 ),
                 samples,

@@ -16,7 +16,7 @@ use crate::tiled::{self, Tiled};
 use crate::zones::Zones;
 use crate::{STUDY, chapter::GlobesChapter};
 use std::rc::Rc;
-use terrafill_results::{Chapter, Metric, Skipped};
+use terrafill_results::{Chapter, ConditionKey, Metric, Skipped};
 use terrafill_study::{Depth, Group, Planned, Request, Study, StudyError};
 use terrafill_surface::SurfaceKind;
 
@@ -50,6 +50,10 @@ impl Study for GlobesStudy {
 
     fn least_depth(&self) -> Depth {
         Depth::Full
+    }
+
+    fn conditions(&self) -> Vec<ConditionKey> {
+        crate::keys::CONDITIONS.to_vec()
     }
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {

@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Cases of a part, and tables with a row for each of them.
 
+use crate::keys::PART;
 use terrafill_plot::number::{measured_bytes, significant};
-use terrafill_results::{Case, Cell, Heading, Row, Run, Table};
+use terrafill_results::{Case, Cell, ConditionKey, Heading, Metric, Row, Run, Table};
 
 /// Headings of the columns that name a case, and their texts.
 pub(crate) type Names<'a> = (&'a [&'a str], &'a dyn Fn(&Case) -> Vec<String>);
 
 /// A heading, and the metric below it.
-pub(crate) type Column<'a> = (&'a str, &'static str);
+pub(crate) type Column<'a> = (&'a str, &'static Metric);
 
 /// Cases of a part, without those that repeat another.
 pub(crate) fn cases<'a>(run: &'a Run, part: &str) -> Vec<&'a Case> {
     let own = run.of_study(crate::STUDY);
-    own.filter(|case| !case.is_twin() && case.condition("part") == part)
+    own.filter(|case| !case.is_twin() && case.condition(PART) == part)
         .collect()
 }
 
 /// Those of which a condition has a value.
-pub(crate) fn with<'a>(cases: &[&'a Case], condition: &str, value: &str) -> Vec<&'a Case> {
+pub(crate) fn with<'a>(cases: &[&'a Case], condition: ConditionKey, value: &str) -> Vec<&'a Case> {
     let own = cases.iter().copied();
     own.filter(|case| case.condition(condition) == value)
         .collect()
@@ -49,7 +50,7 @@ pub(crate) fn by_case(
         cells.extend(figures.iter().map(|(_, metric)| {
             let text = case
                 .value(metric)
-                .map(|value| match metric.ends_with("_bytes") {
+                .map(|value| match metric.name.ends_with("_bytes") {
                     true => measured_bytes(value),
                     false => significant(value),
                 });
@@ -73,9 +74,9 @@ pub(crate) fn by_case(
 }
 
 /// Texts of conditions, for [`by_case`].
-pub(crate) fn conditions<'a>(names: &'a [&'a str]) -> impl Fn(&Case) -> Vec<String> + 'a {
+pub(crate) fn conditions<'a>(names: &'a [ConditionKey]) -> impl Fn(&Case) -> Vec<String> + 'a {
     move |case| {
         let names = names.iter();
-        names.map(|key| case.condition(key).to_owned()).collect()
+        names.map(|key| case.condition(*key).to_owned()).collect()
     }
 }

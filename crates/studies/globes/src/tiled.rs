@@ -15,6 +15,8 @@ pub(crate) use section::{blocks, frame_times_by_cells};
 
 use crate::STUDY;
 use crate::clock::FrameWatch;
+use crate::keys;
+use crate::keys::{CELLS, LEVEL, MERCATOR, SEAM, SIZE_PX, TILES, VIEW};
 use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
 use crate::session::{Failure, Figures, Part, PartSession, judged};
@@ -57,14 +59,14 @@ impl Tiled {
         let eye = view.eye(side_px);
         let cases = options.iter().map(|options| {
             let conditions = [
-                ("part", PART.to_owned()),
-                ("view", view.name.clone()),
-                ("n", options.n.to_string()),
-                ("seam", options.seam.name()),
-                ("tiles", options.drawing.name().to_owned()),
-                ("mercator", options.mercator().to_owned()),
-                ("level", options.level().to_owned()),
-                ("size_px", side_px.to_string()),
+                (keys::PART, PART.to_owned()),
+                (VIEW, view.name.clone()),
+                (CELLS, options.n.to_string()),
+                (SEAM, options.seam.name()),
+                (TILES, options.drawing.name().to_owned()),
+                (MERCATOR, options.mercator().to_owned()),
+                (LEVEL, options.level().to_owned()),
+                (SIZE_PX, side_px.to_string()),
             ];
             let set: Vec<String> = conditions[2..7]
                 .iter()

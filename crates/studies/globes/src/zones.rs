@@ -11,6 +11,8 @@ pub(crate) use section::blocks;
 use crate::STUDY;
 use crate::counts::device::{Counters, Way};
 use crate::counts::scene::{ByRays, Drawn};
+use crate::keys;
+use crate::keys::{API, COUNTED_BY, HYSTERESIS, SIZE_PX, SPIKE_M};
 use crate::list::{Eye, ViewRow};
 use crate::session::{Failure, Figures, Part, PartSession, judged};
 use field::{COARSE_TRIANGLES, FINEST, Field, Levels, ZONES, node, number};
@@ -73,14 +75,14 @@ impl Zones {
         let cases = work.iter().map(|work| {
             let [api, way] = work.way.names();
             let conditions = [
-                ("part", PART.to_owned()),
-                ("api", api.to_owned()),
-                ("counted_by", way.to_owned()),
-                ("spike_m", work.spike_m.to_string()),
-                ("wanted", work.wanted.to_string()),
-                ("hysteresis", work.hysteresis.to_string()),
-                ("delay", DELAY.to_string()),
-                ("size_px", SIDE_PX.to_string()),
+                (keys::PART, PART.to_owned()),
+                (API, api.to_owned()),
+                (COUNTED_BY, way.to_owned()),
+                (SPIKE_M, work.spike_m.to_string()),
+                (keys::WANTED, work.wanted.to_string()),
+                (HYSTERESIS, work.hysteresis.to_string()),
+                (keys::DELAY, DELAY.to_string()),
+                (SIZE_PX, SIDE_PX.to_string()),
             ];
             let name = format!(
                 "{PART}/{way}/spike={}/wanted={}/hysteresis={}",

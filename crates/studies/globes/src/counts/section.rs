@@ -2,15 +2,23 @@
 //! The section on level of detail by counted pixels.
 
 use super::{ENOUGH, PART};
+use crate::keys;
+use crate::keys::{
+    COUNTED_BY, DELAY, GLOBE_COUNT_CYCLES, GLOBE_COUNT_LEAVES, GLOBE_COUNT_NODES,
+    GLOBE_COUNT_OFF_PX, GLOBE_COUNT_PAGE_CPU_MS, GLOBE_COUNT_SETTLE_FRAMES,
+    GLOBE_COUNT_TEXELS_PER_PX, GLOBE_COUNT_WRONG_NODES, GLOBE_COUNTED_CPU_MS,
+    GLOBE_UNCOUNTED_CPU_MS, HYSTERESIS, PATH, TRANSFERS,
+};
+use crate::metrics::METRICS;
 use crate::table::{by_case, cases, conditions, with};
 use terrafill_plot::number::significant;
 use terrafill_plot::{Course, Courses};
 use terrafill_results::{
-    Block, Case, ChapterError, Finding, Noise, Plot, Run, Standing, Table, ratio,
+    Block, Case, ChapterError, Finding, Metric, Noise, Plot, Run, Standing, Table, ratio,
 };
 
 /// Longest paging of a frame.
-const LARGEST_PAGE: &str = "globe_count_page_max_cpu_ms";
+const LARGEST_PAGE: &Metric = Metric::of(&METRICS, "globe_count_page_max_cpu_ms");
 
 /// What is measured.
 const WHAT_IS_COMPARED: &str = "A picture of 40° × 40° below the eye is drawn by the leaves of a quadtree, each with 64² texels and 10 × 10 \
@@ -27,7 +35,9 @@ pub(crate) fn blocks(run: &Run) -> Result<Vec<Block>, ChapterError> {
         return Ok(Vec::new());
     }
     let own = run.of_study(crate::STUDY);
-    let own: Vec<&Case> = own.filter(|case| case.condition("part") == PART).collect();
+    let own: Vec<&Case> = own
+        .filter(|case| case.condition(keys::PART) == PART)
+        .collect();
     let noise = Noise::of(own.iter().copied(), LARGEST_PAGE);
     let mut blocks = vec![
         Block::section("Level of detail by counted pixels"),
@@ -49,17 +59,17 @@ pub(crate) fn blocks(run: &Run) -> Result<Vec<Block>, ChapterError> {
 
 fn table(cases: &[&Case]) -> Table {
     let columns = [
-        ("settled after, frames", "globe_count_settle_frames"),
-        ("leaves", "globe_count_leaves"),
-        ("texels a pixel", "globe_count_texels_per_px"),
-        ("off rays, px", "globe_count_off_px"),
+        ("settled after, frames", GLOBE_COUNT_SETTLE_FRAMES),
+        ("leaves", GLOBE_COUNT_LEAVES),
+        ("texels a pixel", GLOBE_COUNT_TEXELS_PER_PX),
+        ("off rays, px", GLOBE_COUNT_OFF_PX),
         (
             "nodes off by more than their edges",
-            "globe_count_wrong_nodes",
+            GLOBE_COUNT_WRONG_NODES,
         ),
-        ("frame with counts, CPU ms", "globe_counted_cpu_ms"),
-        ("without", "globe_uncounted_cpu_ms"),
-        ("paging, CPU ms", "globe_count_page_cpu_ms"),
+        ("frame with counts, CPU ms", GLOBE_COUNTED_CPU_MS),
+        ("without", GLOBE_UNCOUNTED_CPU_MS),
+        ("paging, CPU ms", GLOBE_COUNT_PAGE_CPU_MS),
         ("largest", LARGEST_PAGE),
     ];
     let names = [
@@ -69,13 +79,13 @@ fn table(cases: &[&Case]) -> Table {
         "delay",
         "transfers a frame",
     ];
-    let keys = ["path", "counted_by", "hysteresis", "delay", "transfers"];
+    let keys = [PATH, COUNTED_BY, HYSTERESIS, DELAY, TRANSFERS];
     by_case(
         "Quadtrees by counted pixels",
         cases,
         (&names, &conditions(&keys)),
         &columns,
-        &|case| match case.value("globe_count_cycles") {
+        &|case| match case.value(GLOBE_COUNT_CYCLES) {
             Some(1.0) => "it does not settle",
             _ => "the eye moves, or it was not measured",
         },
@@ -84,18 +94,18 @@ fn table(cases: &[&Case]) -> Table {
 
 fn courses(cases: &[&Case]) -> Courses<'static> {
     let shown = cases.iter().filter(|case| {
-        case.condition("counted_by") == "histogram"
-            && case.condition("delay") == "1"
-            && ["1", "4"].contains(&case.condition("hysteresis"))
+        case.condition(COUNTED_BY) == "histogram"
+            && case.condition(DELAY) == "1"
+            && ["1", "4"].contains(&case.condition(HYSTERESIS))
     });
     let panels = shown.map(|case| {
         let values = case.note("leaves").split(' ');
         Course {
             name: format!(
                 "{}, hysteresis {}{}",
-                case.condition("path"),
-                case.condition("hysteresis"),
-                match case.condition("transfers") {
+                case.condition(PATH),
+                case.condition(HYSTERESIS),
+                match case.condition(TRANSFERS) {
                     "any" => String::new(),
                     capped => format!(", {capped} transfer"),
                 }
@@ -111,26 +121,26 @@ fn courses(cases: &[&Case]) -> Courses<'static> {
     }
 }
 
-fn sum(cases: &[&Case], metric: &str) -> (f64, usize) {
+fn sum(cases: &[&Case], metric: &Metric) -> (f64, usize) {
     let values = cases.iter().filter_map(|case| case.value(metric));
     values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1))
 }
 
 fn exact_finding(cases: &[&Case]) -> Finding {
-    let of = |way: &str| with(cases, "counted_by", way);
+    let of = |way: &str| with(cases, COUNTED_BY, way);
     let words: Vec<String> = ["histogram", "queries"]
         .iter()
         .map(|way| {
             let own = of(way);
-            let (nodes, count) = sum(&own, "globe_count_nodes");
-            let (wrong, _) = sum(&own, "globe_count_wrong_nodes");
+            let (nodes, count) = sum(&own, GLOBE_COUNT_NODES);
+            let (wrong, _) = sum(&own, GLOBE_COUNT_WRONG_NODES);
             match count {
                 0 => format!("{way}: not measured"),
                 _ => format!("{way}: {wrong} of {nodes} nodes off by more than their edges"),
             }
         })
         .collect();
-    let (wrong, count) = sum(cases, "globe_count_wrong_nodes");
+    let (wrong, count) = sum(cases, GLOBE_COUNT_WRONG_NODES);
     Finding {
         claim: "Counts by precise queries and by a histogram of node numbers are the pixels that rays see".to_owned(),
         standing: match count {
@@ -142,11 +152,11 @@ fn exact_finding(cases: &[&Case]) -> Finding {
 }
 
 fn cycle_finding(cases: &[&Case]) -> Finding {
-    let hysteresis = |case: &Case| case.condition("hysteresis").parse().unwrap_or(f64::NAN);
+    let hysteresis = |case: &Case| case.condition(HYSTERESIS).parse().unwrap_or(f64::NAN);
     let still: Vec<&Case> = cases
         .iter()
         .copied()
-        .filter(|case| case.value("globe_count_cycles").is_some())
+        .filter(|case| case.value(GLOBE_COUNT_CYCLES).is_some())
         .collect();
     let mut all: Vec<f64> = still.iter().map(|case| hysteresis(case)).collect();
     all.sort_by(f64::total_cmp);
@@ -157,7 +167,7 @@ fn cycle_finding(cases: &[&Case]) -> Finding {
             .copied()
             .filter(|case| hysteresis(case) == share)
             .collect();
-        let (sum, count) = sum(&own, "globe_count_cycles");
+        let (sum, count) = sum(&own, GLOBE_COUNT_CYCLES);
         (sum, count)
     };
     let words: Vec<String> = all
@@ -186,7 +196,7 @@ fn cycle_finding(cases: &[&Case]) -> Finding {
 fn transfer_finding(cases: &[&Case], noise: Option<Noise>) -> Finding {
     let largest = |transfers: &str| {
         let own = cases.iter().filter(|case| {
-            case.condition("path") == "zoom" && case.condition("transfers") == transfers
+            case.condition(PATH) == "zoom" && case.condition(TRANSFERS) == transfers
         });
         let timed = own.filter_map(|case| Some((*case, case.value(LARGEST_PAGE)?)));
         timed.max_by(|a, b| a.1.total_cmp(&b.1))

@@ -2,9 +2,12 @@
 //! The section on the spiral's vertices.
 
 use super::{FINE_PX, PART, SERIES};
+use crate::keys::{
+    FORM, GLOBE_FORM_EXPECTED_RINGS, GLOBE_FORM_PX_MAX, GLOBE_FORM_RINGS, HEIGHT_M, WHAT,
+};
 use crate::table::{cases, with};
 use terrafill_plot::number::significant;
-use terrafill_results::{Block, Case, Cell, Finding, Heading, Row, Run, Standing, Table};
+use terrafill_results::{Block, Case, Cell, Finding, Heading, Metric, Row, Run, Standing, Table};
 
 /// The section; nothing where no case was planned.
 pub(crate) fn blocks(run: &Run) -> Vec<Block> {
@@ -12,7 +15,7 @@ pub(crate) fn blocks(run: &Run) -> Vec<Block> {
     if cases.is_empty() {
         return Vec::new();
     }
-    let of = |what: &str| with(&cases, "what", what);
+    let of = |what: &str| with(&cases, WHAT, what);
     vec![
         Block::section("Vertices of the spiral"),
         Block::Text(
@@ -23,8 +26,8 @@ pub(crate) fn blocks(run: &Run) -> Vec<Block> {
              more than ¼ px."
                 .to_owned(),
         ),
-        Block::Table(grid("f32 against f64, largest, px", &of("f32"), "globe_form_px_max")),
-        Block::Table(grid("Series against sine and cosine, largest, px", &of("series"), "globe_form_px_max")),
+        Block::Table(grid("f32 against f64, largest, px", &of("f32"), GLOBE_FORM_PX_MAX)),
+        Block::Table(grid("Series against sine and cosine, largest, px", &of("series"), GLOBE_FORM_PX_MAX)),
         Block::Table(rings(&of("rings"))),
         Block::Finding(local_finding(&of("f32"))),
         Block::Finding(series_finding(&of("series"))),
@@ -35,7 +38,7 @@ pub(crate) fn blocks(run: &Run) -> Vec<Block> {
 fn heights(cases: &[&Case]) -> Vec<String> {
     let mut heights: Vec<String> = Vec::new();
     for case in cases {
-        let height = case.condition("height_m").to_owned();
+        let height = case.condition(HEIGHT_M).to_owned();
         if !heights.contains(&height) {
             heights.push(height);
         }
@@ -46,22 +49,22 @@ fn heights(cases: &[&Case]) -> Vec<String> {
 fn names<'a>(cases: &[&'a Case]) -> Vec<&'a str> {
     let mut names: Vec<&str> = Vec::new();
     for case in cases {
-        if !names.contains(&case.condition("form")) {
-            names.push(case.condition("form"));
+        if !names.contains(&case.condition(FORM)) {
+            names.push(case.condition(FORM));
         }
     }
     names
 }
 
-fn value(cases: &[&Case], form: &str, height: &str, metric: &str) -> Option<f64> {
+fn value(cases: &[&Case], form: &str, height: &str, metric: &Metric) -> Option<f64> {
     let mut cases = cases.iter().filter(|case| {
-        case.condition("form") == form && case.condition("height_m") == height && case.counts()
+        case.condition(FORM) == form && case.condition(HEIGHT_M) == height && case.counts()
     });
     cases.next()?.value(metric)
 }
 
 /// A row a form, a column a height.
-fn grid(caption: &str, cases: &[&Case], metric: &'static str) -> Table {
+fn grid(caption: &str, cases: &[&Case], metric: &'static Metric) -> Table {
     let heights = heights(cases);
     let rows = names(cases).into_iter().map(|name| {
         let mut cells = vec![Cell::name(name)];
@@ -87,7 +90,7 @@ fn grid(caption: &str, cases: &[&Case], metric: &'static str) -> Table {
 
 fn rings(cases: &[&Case]) -> Table {
     let heights = heights(cases);
-    let metrics = ["globe_form_rings", "globe_form_expected_rings"];
+    let metrics = [GLOBE_FORM_RINGS, GLOBE_FORM_EXPECTED_RINGS];
     let rows = names(cases).into_iter().map(|name| {
         let mut cells = vec![Cell::name(name)];
         for height in &heights {
@@ -117,7 +120,7 @@ const GROUND_M: &str = "1.7";
 const LOCAL_PX: f64 = 1e-4;
 
 fn local_finding(cases: &[&Case]) -> Finding {
-    let px = |form: &str| value(cases, form, GROUND_M, "globe_form_px_max");
+    let px = |form: &str| value(cases, form, GROUND_M, GLOBE_FORM_PX_MAX);
     let words: Vec<String> = names(cases)
         .into_iter()
         .filter_map(|form| Some(format!("{form}: {} px", significant(px(form)?))))
@@ -142,7 +145,7 @@ fn ring_finding(cases: &[&Case]) -> Finding {
         ("published", 12.0),
         ("quadratic", 7.0),
     ];
-    let rings = |law: &str| value(cases, law, "2000", "globe_form_rings");
+    let rings = |law: &str| value(cases, law, "2000", GLOBE_FORM_RINGS);
     let words: Vec<String> = targets
         .iter()
         .filter_map(|(law, target)| {
@@ -168,7 +171,7 @@ fn series_finding(cases: &[&Case]) -> Finding {
         let all = heights(cases);
         let values = all
             .iter()
-            .map(|height| value(cases, name, height, "globe_form_px_max"));
+            .map(|height| value(cases, name, height, GLOBE_FORM_PX_MAX));
         let values: Option<Vec<f64>> = values.collect();
         values
             .filter(|values| !values.is_empty())?

@@ -2,9 +2,14 @@
 //! The section on what is known of the grid on the screen without a device.
 
 use super::PART;
+use crate::keys::{
+    CELLS, GLOBE_CLOSED_MAP_M_MAX, GLOBE_EXPECTED_MAP_M_MAX, GLOBE_MAP_M_MAX, GLOBE_TILE_CROSSING,
+    GLOBE_TILE_CROSSING_MET, GLOBE_TILE_MISSED, GLOBE_TILE_UNTOUCHED, GLOBE_TILE_UNTOUCHED_MET,
+    GLOBE_TILE_WITH_POLE, HEIGHT_M, LATITUDE_DEG, LIMIT, VIEWS, WHAT,
+};
 use crate::table::{cases, why, with};
 use terrafill_plot::number::significant;
-use terrafill_results::{Block, Case, Cell, Finding, Heading, Row, Run, Standing, Table};
+use terrafill_results::{Block, Case, Cell, Finding, Heading, Metric, Row, Run, Standing, Table};
 
 /// By how much the fit may be off (facts on globes, 7.1).
 const FIT_SHARE: f64 = 0.12;
@@ -19,7 +24,7 @@ pub(crate) fn blocks(run: &Run) -> Vec<Block> {
     if cases.is_empty() {
         return Vec::new();
     }
-    let (nadir, seam) = (with(&cases, "what", "nadir"), with(&cases, "what", "seam"));
+    let (nadir, seam) = (with(&cases, WHAT, "nadir"), with(&cases, WHAT, "seam"));
     vec![
         Block::section("The grid on the screen, computed"),
         Block::Text(
@@ -39,8 +44,8 @@ pub(crate) fn blocks(run: &Run) -> Vec<Block> {
 }
 
 /// Found over what a formula says, less 1.
-fn off(case: &Case, formula: &str) -> Option<f64> {
-    let found = case.value("globe_map_m_max")?;
+fn off(case: &Case, formula: &Metric) -> Option<f64> {
+    let found = case.value(GLOBE_MAP_M_MAX)?;
     Some(found / case.value(formula)? - 1.0)
 }
 
@@ -50,17 +55,17 @@ fn per_cent(share: f64) -> String {
 
 fn nadir_table(cases: &[&Case]) -> Table {
     let rows = cases.iter().map(|case| {
-        let names = ["height_m", "latitude_deg", "n"];
+        let names = [HEIGHT_M, LATITUDE_DEG, CELLS];
         let mut cells = names.map(|key| Cell::name(case.condition(key))).to_vec();
         for metric in [
-            "globe_map_m_max",
-            "globe_expected_map_m_max",
-            "globe_closed_map_m_max",
+            GLOBE_MAP_M_MAX,
+            GLOBE_EXPECTED_MAP_M_MAX,
+            GLOBE_CLOSED_MAP_M_MAX,
         ] {
             let value = case.value(metric).map(significant);
             cells.push(Cell::or_absent(value, why(case, "not computed")));
         }
-        for formula in ["globe_expected_map_m_max", "globe_closed_map_m_max"] {
+        for formula in [GLOBE_EXPECTED_MAP_M_MAX, GLOBE_CLOSED_MAP_M_MAX] {
             let share = off(case, formula).map(per_cent);
             cells.push(Cell::or_absent(share, why(case, "not computed")));
         }
@@ -76,9 +81,9 @@ fn nadir_table(cases: &[&Case]) -> Table {
             Heading::plain("height, m"),
             Heading::plain("latitude, °"),
             Heading::plain("N"),
-            Heading::metric("found, m", "globe_map_m_max"),
-            Heading::metric("fit, m", "globe_expected_map_m_max"),
-            Heading::metric("closed form, m", "globe_closed_map_m_max"),
+            Heading::metric("found, m", GLOBE_MAP_M_MAX),
+            Heading::metric("fit, m", GLOBE_EXPECTED_MAP_M_MAX),
+            Heading::metric("closed form, m", GLOBE_CLOSED_MAP_M_MAX),
             Heading::plain("found over the fit"),
             Heading::plain("found over the closed form"),
         ],
@@ -96,23 +101,24 @@ fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
 }
 
 fn fit_finding(cases: &[&Case]) -> Finding {
-    let ten = with(cases, "n", "10");
-    let over =
-        |cases: &[&Case], formula: &str| range(cases.iter().filter_map(|case| off(case, formula)));
+    let ten = with(cases, CELLS, "10");
+    let over = |cases: &[&Case], formula: &Metric| {
+        range(cases.iter().filter_map(|case| off(case, formula)))
+    };
     let fit = |is_equator: bool| {
         let own: Vec<&Case> = ten
             .iter()
             .copied()
-            .filter(|case| (case.condition("latitude_deg") == "0") == is_equator)
+            .filter(|case| (case.condition(LATITUDE_DEG) == "0") == is_equator)
             .collect();
-        over(&own, "globe_expected_map_m_max")
+        over(&own, GLOBE_EXPECTED_MAP_M_MAX)
     };
     let text = |range: Option<[f64; 2]>| match range {
         Some([low, high]) => format!("{} … {}", per_cent(low), per_cent(high)),
         None => "not computed".to_owned(),
     };
-    let all = over(&ten, "globe_expected_map_m_max");
-    let closed = over(cases, "globe_closed_map_m_max");
+    let all = over(&ten, GLOBE_EXPECTED_MAP_M_MAX);
+    let closed = over(cases, GLOBE_CLOSED_MAP_M_MAX);
     Finding {
         claim: "Straight down from up to 100 km the largest error is within 12 % of (1.3 + 2 tan φ) s²/8R, N = 10".to_owned(),
         standing: match all {
@@ -132,15 +138,15 @@ fn fit_finding(cases: &[&Case]) -> Finding {
 /// By how much the error falls with the number of cells, in each view.
 fn slopes(cases: &[&Case]) -> Vec<f64> {
     let of = |n: &str, like: &Case| {
-        let mut own = with(cases, "n", n).into_iter();
-        let same = ["height_m", "latitude_deg"];
+        let mut own = with(cases, CELLS, n).into_iter();
+        let same = [HEIGHT_M, LATITUDE_DEG];
         own.find(|case| {
             same.iter()
-                .all(|key| case.condition(key) == like.condition(key))
+                .all(|key| case.condition(*key) == like.condition(*key))
         })?
-        .value("globe_map_m_max")
+        .value(GLOBE_MAP_M_MAX)
     };
-    let coarse = with(cases, "n", "5");
+    let coarse = with(cases, CELLS, "5");
     let pairs = coarse
         .iter()
         .filter_map(|case| of("5", case).zip(of("20", case)));
@@ -171,19 +177,19 @@ fn slope_finding(cases: &[&Case]) -> Finding {
 
 fn seam_table(cases: &[&Case]) -> Table {
     let columns = [
-        ("crossing triangles", "globe_tile_crossing"),
-        ("untouched", "globe_tile_untouched"),
-        ("not split on both edges", "globe_tile_missed"),
-        ("with a pole", "globe_tile_with_pole"),
-        ("crossing, a corner met", "globe_tile_crossing_met"),
-        ("of them untouched", "globe_tile_untouched_met"),
+        ("crossing triangles", GLOBE_TILE_CROSSING),
+        ("untouched", GLOBE_TILE_UNTOUCHED),
+        ("not split on both edges", GLOBE_TILE_MISSED),
+        ("with a pole", GLOBE_TILE_WITH_POLE),
+        ("crossing, a corner met", GLOBE_TILE_CROSSING_MET),
+        ("of them untouched", GLOBE_TILE_UNTOUCHED_MET),
     ];
     crate::table::by_case(
         "Triangles across ±180° by the rule that splits them",
         cases,
         (
             &["where U differs by", "views"],
-            &crate::table::conditions(&["limit", "views"]),
+            &crate::table::conditions(&[LIMIT, VIEWS]),
         ),
         &columns,
         &|_| "not computed",
@@ -191,15 +197,15 @@ fn seam_table(cases: &[&Case]) -> Table {
 }
 
 fn seam_finding(cases: &[&Case]) -> Finding {
-    let of = |limit: &str, metric: &str| with(cases, "limit", limit).first()?.value(metric);
+    let of = |limit: &str, metric: &Metric| with(cases, LIMIT, limit).first()?.value(metric);
     let share =
-        |limit: &str, metric: &str| Some(of(limit, metric)? / of(limit, "globe_tile_crossing")?);
+        |limit: &str, metric: &Metric| Some(of(limit, metric)? / of(limit, GLOBE_TILE_CROSSING)?);
     let shares = [
-        share("0.7", "globe_tile_untouched"),
-        share("0.7", "globe_tile_missed"),
-        share("0.5", "globe_tile_missed"),
-        of("0.7", "globe_tile_untouched_met"),
-        of("0.7", "globe_tile_crossing_met"),
+        share("0.7", GLOBE_TILE_UNTOUCHED),
+        share("0.7", GLOBE_TILE_MISSED),
+        share("0.5", GLOBE_TILE_MISSED),
+        of("0.7", GLOBE_TILE_UNTOUCHED_MET),
+        of("0.7", GLOBE_TILE_CROSSING_MET),
     ];
     let [
         Some(untouched),

@@ -2,6 +2,10 @@
 //! The section on vertices made on the GPU.
 
 use super::PART;
+use crate::keys::{
+    GLOBE_MADE_DIFFERS_PX, GLOBE_MADE_M_MAX, GLOBE_MADE_PX_MAX, GLOBE_UPLOAD_BYTES,
+    GLOBE_UPLOAD_CPU_MS, GLOBE_VERTICES, HEIGHTS, LAW, LOOKUP, TRIG, VERTICES, VIEW,
+};
 use crate::table::{by_case, cases, conditions};
 use terrafill_plot::number::significant;
 use terrafill_results::{Block, Case, Clock, Finding, Run, Standing, Table};
@@ -44,10 +48,9 @@ pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
 fn displaced(cases: &[&Case]) -> Option<Finding> {
     let worst = |lookup: &str, view: Option<&str>| {
         let own = cases.iter().filter(|case| {
-            case.condition("lookup") == lookup
-                && view.is_none_or(|view| case.condition("view") == view)
+            case.condition(LOOKUP) == lookup && view.is_none_or(|view| case.condition(VIEW) == view)
         });
-        own.filter_map(|case| case.value("globe_made_px_max"))
+        own.filter_map(|case| case.value(GLOBE_MADE_PX_MAX))
             .max_by(f64::total_cmp)
     };
     let (absolute, local) = (worst("absolute", Some(NEAR))?, worst("local", None)?);
@@ -65,13 +68,13 @@ fn displaced(cases: &[&Case]) -> Option<Finding> {
 
 fn table(cases: &[&Case], clock: Clock) -> Table {
     let columns = [
-        ("sent a frame", "globe_upload_bytes"),
-        ("px off f64, largest", "globe_made_px_max"),
-        ("m off f64, largest", "globe_made_m_max"),
-        ("px that differ from compute's", "globe_made_differs_px"),
-        ("vertices", "globe_vertices"),
+        ("sent a frame", GLOBE_UPLOAD_BYTES),
+        ("px off f64, largest", GLOBE_MADE_PX_MAX),
+        ("m off f64, largest", GLOBE_MADE_M_MAX),
+        ("px that differ from compute's", GLOBE_MADE_DIFFERS_PX),
+        ("vertices", GLOBE_VERTICES),
         ("frame, ms", crate::clock::whole(clock)),
-        ("make and send, CPU ms", "globe_upload_cpu_ms"),
+        ("make and send, CPU ms", GLOBE_UPLOAD_CPU_MS),
         ("draw, ms", crate::clock::draw(clock)),
     ];
     by_case(
@@ -86,7 +89,7 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
                 "heights",
                 "looked up",
             ],
-            &conditions(&["view", "vertices", "trig", "law", "heights", "lookup"]),
+            &conditions(&[VIEW, VERTICES, TRIG, LAW, HEIGHTS, LOOKUP]),
         ),
         &columns,
         &|_| "not measured",
@@ -96,17 +99,17 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
 fn finding(cases: &[&Case]) -> Finding {
     let worst = |trig: &str| {
         let own = cases.iter().filter(|case| {
-            case.condition("trig") == trig
-                && case.condition("vertices") == "compute"
-                && case.condition("heights") == "none"
+            case.condition(TRIG) == trig
+                && case.condition(VERTICES) == "compute"
+                && case.condition(HEIGHTS) == "none"
         });
-        own.filter_map(|case| case.value("globe_made_px_max"))
+        own.filter_map(|case| case.value(GLOBE_MADE_PX_MAX))
             .max_by(f64::total_cmp)
     };
     let differs: Vec<f64> = cases
         .iter()
-        .filter(|case| case.condition("vertices") == "number")
-        .filter_map(|case| case.value("globe_made_differs_px"))
+        .filter(|case| case.condition(VERTICES) == "number")
+        .filter_map(|case| case.value(GLOBE_MADE_DIFFERS_PX))
         .collect();
     let words: Vec<String> = ["native", "series"]
         .iter()

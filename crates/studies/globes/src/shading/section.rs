@@ -3,12 +3,16 @@
 
 use super::rows::{cases, noise, value};
 use super::{FAULTS, tessellation};
+use crate::keys::{
+    FAULT, GLOBE_NON_FINITE, GLOBE_SHADE_MAX, GLOBE_SHADE_P99, GLOBE_SHADE_POLAR_MAX,
+    GLOBE_SHADE_POLAR_P99, PICTURES, PROJECTION, REMOVED, VIEW, WHAT,
+};
 use crate::published::TABLE_3;
 use crate::table::{by_case, conditions};
 use terrafill_plot::number::significant;
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Clock, Estimate, Finding, Heading, Noise, Picture,
-    PictureFigure, Pictures, Row, Run, Standing, Table, over_processes, process_medians,
+    Block, Case, Cell, ChapterError, Clock, ConditionKey, Estimate, Finding, Heading, Noise,
+    Picture, PictureFigure, Pictures, Row, Run, Standing, Table, over_processes, process_medians,
 };
 
 /// What is measured.
@@ -31,13 +35,13 @@ pub(crate) fn blocks(run: &Run, clock: Clock) -> Result<Vec<Block>, ChapterError
         Block::Table(errors(
             "Cube maps against pictures by angles",
             &cases(run, "pictures"),
-            "pictures",
+            PICTURES,
         )),
         Block::Finding(pole_finding(&cases(run, "pictures"))),
         Block::Table(errors(
             "Faults of the printed shader",
             &cases(run, "faults"),
-            "fault",
+            FAULT,
         )),
         Block::Finding(fault_finding(&cases(run, "faults"))),
     ];
@@ -75,7 +79,7 @@ fn ladder_table(cases: &[&Case], clock: Clock) -> Table {
                 Cell::or_absent(step.map(|step| format!("{:.1} %", 100.0 * step)), why),
                 Cell::or_absent(ms.map(significant), why),
                 Cell::or_absent(value(case, metric).map(significant), why),
-                Cell::or_absent(value(case, "globe_shade_p99").map(significant), why),
+                Cell::or_absent(value(case, GLOBE_SHADE_P99).map(significant), why),
             ])
         });
     Table {
@@ -89,7 +93,7 @@ fn ladder_table(cases: &[&Case], clock: Clock) -> Table {
             Heading::plain("saved of the whole"),
             Heading::metric("draw, ms", drawing),
             Heading::metric("frame, ms", metric),
-            Heading::metric("off the functions, 99 %", "globe_shade_p99"),
+            Heading::metric("off the functions, 99 %", GLOBE_SHADE_P99),
         ],
         rows: rows.collect(),
         ..Table::default()
@@ -156,18 +160,18 @@ fn bump_finding(cases: &[&Case], clock: Clock, noise: Option<Noise>) -> Finding 
     }
 }
 
-fn errors(caption: &str, cases: &[&Case], key: &str) -> Table {
+fn errors(caption: &str, cases: &[&Case], key: ConditionKey) -> Table {
     let columns = [
-        ("largest", "globe_shade_max"),
-        ("99 %", "globe_shade_p99"),
-        ("within 5° of a pole, largest", "globe_shade_polar_max"),
-        ("99 %", "globe_shade_polar_p99"),
-        ("not finite", "globe_non_finite"),
+        ("largest", GLOBE_SHADE_MAX),
+        ("99 %", GLOBE_SHADE_P99),
+        ("within 5° of a pole, largest", GLOBE_SHADE_POLAR_MAX),
+        ("99 %", GLOBE_SHADE_POLAR_P99),
+        ("not finite", GLOBE_NON_FINITE),
     ];
     by_case(
         caption,
         cases,
-        (&["view", key], &conditions(&["view", key])),
+        (&["view", key.name()], &conditions(&[VIEW, key])),
         &columns,
         &|_| "no pixel is there",
     )
@@ -176,10 +180,10 @@ fn errors(caption: &str, cases: &[&Case], key: &str) -> Table {
 fn pole_finding(cases: &[&Case]) -> Finding {
     let polar = |pictures: &str| {
         let mut own = cases.iter().filter(|case| {
-            case.condition("view") == "globe-pole" && case.condition("pictures") == pictures
+            case.condition(VIEW) == "globe-pole" && case.condition(PICTURES) == pictures
         });
         own.next()
-            .and_then(|case| value(case, "globe_shade_polar_p99"))
+            .and_then(|case| value(case, GLOBE_SHADE_POLAR_P99))
     };
     let pair = polar("cube").zip(polar("angles"));
     Finding {
@@ -204,15 +208,15 @@ fn fault_finding(cases: &[&Case]) -> Finding {
     let words: Vec<String> = FAULTS
         .iter()
         .map(|(_, name)| {
-            let own = cases.iter().filter(|case| case.condition("fault") == *name);
+            let own = cases.iter().filter(|case| case.condition(FAULT) == *name);
             let own: Vec<&&Case> = own.collect();
             let lost: f64 = own
                 .iter()
-                .filter_map(|case| case.value("globe_non_finite"))
+                .filter_map(|case| case.value(GLOBE_NON_FINITE))
                 .sum();
             let worst = own
                 .iter()
-                .filter_map(|case| case.value("globe_shade_max"))
+                .filter_map(|case| case.value(GLOBE_SHADE_MAX))
                 .max_by(f64::total_cmp);
             match worst {
                 Some(worst) => format!(
@@ -224,10 +228,9 @@ fn fault_finding(cases: &[&Case]) -> Finding {
         })
         .collect();
     let shows = cases.iter().any(|case| {
-        case.value("globe_non_finite")
-            .is_some_and(|lost| lost > 0.0)
+        case.value(GLOBE_NON_FINITE).is_some_and(|lost| lost > 0.0)
             || case
-                .value("globe_shade_max")
+                .value(GLOBE_SHADE_MAX)
                 .is_some_and(|worst| worst > super::ALLOWED)
     });
     Finding {
@@ -248,14 +251,14 @@ fn pictures(cases: &[&Case]) -> Option<Block> {
         .map(|case| PictureFigure {
             pictures: vec![Picture {
                 path: case.note("picture").to_owned(),
-                caption: match case.condition("what") {
-                    "projections" => case.condition("projection").to_owned(),
-                    "faults" => case.condition("fault").to_owned(),
-                    "pictures" => case.condition("pictures").to_owned(),
-                    _ => format!("{} removed", case.condition("removed")),
+                caption: match case.condition(WHAT) {
+                    "projections" => case.condition(PROJECTION).to_owned(),
+                    "faults" => case.condition(FAULT).to_owned(),
+                    "pictures" => case.condition(PICTURES).to_owned(),
+                    _ => format!("{} removed", case.condition(REMOVED)),
                 },
             }],
-            notes: vec![case.condition("view").to_owned()],
+            notes: vec![case.condition(VIEW).to_owned()],
         })
         .collect();
     (!figures.is_empty()).then(|| {

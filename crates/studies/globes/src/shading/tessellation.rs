@@ -5,6 +5,8 @@
 use super::REMOVED;
 use super::rows::{cases, noise, value};
 use crate::clock::draw;
+use crate::keys;
+use crate::keys::{CELLS, GLOBE_TRIANGLES, SIZE_PX};
 use crate::published::tessellation_published;
 use crate::table::with;
 use terrafill_plot::number::significant;
@@ -48,8 +50,8 @@ pub(super) fn blocks(run: &Run, clock: Clock) -> Result<Vec<Block>, ChapterError
 fn windows<'a>(cases: &[&'a Case]) -> Vec<&'a str> {
     let mut windows: Vec<&str> = Vec::new();
     for case in cases {
-        if !windows.contains(&case.condition("size_px")) {
-            windows.push(case.condition("size_px"));
+        if !windows.contains(&case.condition(SIZE_PX)) {
+            windows.push(case.condition(SIZE_PX));
         }
     }
     windows
@@ -61,7 +63,7 @@ fn drawing(cases: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError
     let palette = Palette::new(windows.iter().map(|window| name(window)).collect());
     let metric = draw(clock);
     let point = |case: &&Case| -> Option<Point> {
-        let triangles = value(case, "globe_triangles")?;
+        let triangles = value(case, GLOBE_TRIANGLES)?;
         let spread = sample_spread(case, metric).filter(|_| case.counts())?;
         let replicates: Vec<f64> = process_medians(case, metric).into_values().collect();
         Some(Point {
@@ -85,8 +87,8 @@ fn drawing(cases: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError
             .map(|window| Curve {
                 name: name(window),
                 points: with(
-                    &with(cases, "removed", &removed.to_string()),
-                    "size_px",
+                    &with(cases, keys::REMOVED, &removed.to_string()),
+                    SIZE_PX,
                     window,
                 )
                 .iter()
@@ -102,29 +104,30 @@ fn drawing(cases: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError
 
 fn tessellation_table(cases: &[&Case], clock: Clock) -> Table {
     let drawing = draw(clock);
-    let [full, white] = SHADERS.map(|(removed, _)| with(cases, "removed", &removed.to_string()));
+    let [full, white] =
+        SHADERS.map(|(removed, _)| with(cases, keys::REMOVED, &removed.to_string()));
     let largest = windows(cases).last().copied().unwrap_or_default();
     let firsts = [&full, &white].map(|cases| {
         let first = cases
             .iter()
             .rev()
-            .find(|case| case.condition("size_px") == largest);
+            .find(|case| case.condition(SIZE_PX) == largest);
         first.and_then(|case| value(case, drawing))
     });
     let rows = full.iter().rev().map(|case| {
         let key = |case: &Case| {
             [
-                case.condition("size_px").to_owned(),
-                case.condition("n").to_owned(),
+                case.condition(SIZE_PX).to_owned(),
+                case.condition(CELLS).to_owned(),
             ]
         };
         let plain = white.iter().find(|other| key(other) == key(case));
         let times =
             [Some(*case), plain.copied()].map(|case| case.and_then(|case| value(case, drawing)));
         let mut cells = vec![
-            Cell::plain(format!("{}²", case.condition("size_px"))),
+            Cell::plain(format!("{}²", case.condition(SIZE_PX))),
             Cell::or_absent(
-                value(case, "globe_triangles").map(significant),
+                value(case, GLOBE_TRIANGLES).map(significant),
                 "not measured",
             ),
         ];
@@ -141,7 +144,7 @@ fn tessellation_table(cases: &[&Case], clock: Clock) -> Table {
             .to_owned(),
         headings: vec![
             Heading::plain("window"),
-            Heading::metric("triangles", "globe_triangles"),
+            Heading::metric("triangles", GLOBE_TRIANGLES),
             Heading::plain("full, ratio"),
             Heading::metric("full, draw ms", drawing),
             Heading::plain("white, ratio"),
@@ -155,12 +158,12 @@ fn tessellation_table(cases: &[&Case], clock: Clock) -> Table {
 /// Time with the most triangles over that with the fewest, by window.
 fn growth(cases: &[&Case], clock: Clock) -> Vec<(String, Estimate)> {
     let of = |window: &&str| {
-        let own = with(cases, "size_px", window);
+        let own = with(cases, SIZE_PX, window);
         let mut times: Vec<(f64, &Case)> = own
             .iter()
             .filter_map(|case| {
                 value(case, draw(clock))?;
-                Some((value(case, "globe_triangles")?, *case))
+                Some((value(case, GLOBE_TRIANGLES)?, *case))
             })
             .collect();
         times.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -206,8 +209,8 @@ fn finding(cases: &[&Case], clock: Clock, noise: Option<Noise>) -> Finding {
             .map(|(window, ratio)| format!("{window}²: {}", per_cent(ratio.middle - 1.0)));
         shares.collect::<Vec<_>>().join(", ")
     };
-    let [full, white] =
-        SHADERS.map(|(removed, _)| growth(&with(cases, "removed", &removed.to_string()), clock));
+    let [full, white] = SHADERS
+        .map(|(removed, _)| growth(&with(cases, keys::REMOVED, &removed.to_string()), clock));
     let [published, _] = tessellation_published();
     let published: Vec<String> = published.iter().map(|share| per_cent(*share)).collect();
     let noise_text = match noise {

@@ -45,6 +45,10 @@ impl Study for Small {
         &METRICS
     }
 
+    fn conditions(&self) -> Vec<ConditionKey> {
+        STUDIED.conditions()
+    }
+
     fn plan(&self, _request: &Request) -> Result<Planned, StudyError> {
         Ok(Planned {
             groups: vec![Box::new(sight(&ellipsoids(), 100))],

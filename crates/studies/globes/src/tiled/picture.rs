@@ -18,6 +18,8 @@ use super::truth::{Texel, Tile, Truth, tiles, truths};
 use crate::STUDY;
 use crate::clock::FrameWatch;
 use crate::image::write_png;
+use crate::keys;
+use crate::keys::{SIZE_PX, VIEW};
 use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
 use crate::session::{Failure, Figures, Part, PartSession, judged};
@@ -84,10 +86,10 @@ impl Pictured {
             .collect();
         let cases = views.iter().map(|view| {
             let conditions = [
-                ("part", PART.to_owned()),
-                ("view", view.name.clone()),
-                ("n", CELLS.to_string()),
-                ("size_px", side_px.to_string()),
+                (keys::PART, PART.to_owned()),
+                (VIEW, view.name.clone()),
+                (keys::CELLS, CELLS.to_string()),
+                (SIZE_PX, side_px.to_string()),
             ];
             PlannedCase {
                 id: CaseId::new(STUDY, format!("{PART}/{}", view.name), conditions),

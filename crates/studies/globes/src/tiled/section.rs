@@ -2,6 +2,13 @@
 //! The section on tiles of a map over the grid on the screen.
 
 use super::PART;
+use crate::keys::{
+    CELLS, GLOBE_TILE_BYTES, GLOBE_TILE_COUNT, GLOBE_TILE_CROSSING, GLOBE_TILE_DRAWS,
+    GLOBE_TILE_MISSED, GLOBE_TILE_MISSING_PX, GLOBE_TILE_POLE_PX, GLOBE_TILE_SEAM_PX,
+    GLOBE_TILE_SEAM_WRONG_PX, GLOBE_TILE_TEXELS_MAX, GLOBE_TILE_TEXELS_P99,
+    GLOBE_TILE_TRUE_TEXELS_MAX, GLOBE_TILE_TRUE_TEXELS_MEDIAN, GLOBE_TILE_TRUE_TEXELS_P99, LEVEL,
+    MERCATOR, SEAM, TILES, VIEW,
+};
 use crate::table::{by_case, cases, with};
 use terrafill_results::{Block, Case, Clock, Finding, Run, Standing, Table};
 
@@ -17,16 +24,16 @@ const WHAT_IS_COMPARED: &str = "A Web Mercator map in tiles of 256 × 256 texels
 fn name(case: &Case) -> String {
     let base = super::Options::BASE;
     let all = [
-        ("n", base.n.to_string()),
-        ("seam", base.seam.name()),
-        ("tiles", base.drawing.name().to_owned()),
-        ("mercator", base.mercator().to_owned()),
-        ("level", base.level().to_owned()),
+        (CELLS, base.n.to_string()),
+        (SEAM, base.seam.name()),
+        (TILES, base.drawing.name().to_owned()),
+        (MERCATOR, base.mercator().to_owned()),
+        (LEVEL, base.level().to_owned()),
     ];
     let other: Vec<String> = all
         .iter()
-        .filter(|(key, value)| case.condition(key) != value)
-        .map(|(key, _)| format!("{key}={}", case.condition(key)))
+        .filter(|(key, value)| case.condition(*key) != value)
+        .map(|(key, _)| format!("{key}={}", case.condition(*key)))
         .collect();
     match other.is_empty() {
         true => "base".to_owned(),
@@ -37,8 +44,8 @@ fn name(case: &Case) -> String {
 fn views<'a>(cases: &[&'a Case]) -> Vec<&'a str> {
     let mut views: Vec<&str> = Vec::new();
     for case in cases {
-        if !views.contains(&case.condition("view")) {
-            views.push(case.condition("view"));
+        if !views.contains(&case.condition(VIEW)) {
+            views.push(case.condition(VIEW));
         }
     }
     views
@@ -56,7 +63,7 @@ pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
         Block::Finding(seam_finding(&cases)),
     ];
     for view in views(&cases) {
-        let own = with(&cases, "view", view);
+        let own = with(&cases, VIEW, view);
         blocks.push(Block::Table(table(view, &own, clock)));
     }
     blocks
@@ -64,22 +71,22 @@ pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
 
 fn table(view: &str, cases: &[&Case], clock: Clock) -> Table {
     let columns = [
-        ("crossing triangles", "globe_tile_crossing"),
-        ("missed", "globe_tile_missed"),
-        ("px at the seam", "globe_tile_seam_px"),
-        ("off by > ½ texel", "globe_tile_seam_wrong_px"),
-        ("texels, largest", "globe_tile_texels_max"),
-        ("texels, 99 %", "globe_tile_texels_p99"),
-        ("of the body, median", "globe_tile_true_texels_median"),
-        ("of the body, 99 %", "globe_tile_true_texels_p99"),
-        ("of the body, largest", "globe_tile_true_texels_max"),
-        ("px without a tile", "globe_tile_missing_px"),
-        ("px in triangles with a pole", "globe_tile_pole_px"),
-        ("tiles", "globe_tile_count"),
-        ("draws", "globe_tile_draws"),
+        ("crossing triangles", GLOBE_TILE_CROSSING),
+        ("missed", GLOBE_TILE_MISSED),
+        ("px at the seam", GLOBE_TILE_SEAM_PX),
+        ("off by > ½ texel", GLOBE_TILE_SEAM_WRONG_PX),
+        ("texels, largest", GLOBE_TILE_TEXELS_MAX),
+        ("texels, 99 %", GLOBE_TILE_TEXELS_P99),
+        ("of the body, median", GLOBE_TILE_TRUE_TEXELS_MEDIAN),
+        ("of the body, 99 %", GLOBE_TILE_TRUE_TEXELS_P99),
+        ("of the body, largest", GLOBE_TILE_TRUE_TEXELS_MAX),
+        ("px without a tile", GLOBE_TILE_MISSING_PX),
+        ("px in triangles with a pole", GLOBE_TILE_POLE_PX),
+        ("tiles", GLOBE_TILE_COUNT),
+        ("draws", GLOBE_TILE_DRAWS),
         ("frame, ms", crate::clock::whole(clock)),
         ("draw, ms", crate::clock::draw(clock)),
-        ("tiles, bytes", "globe_tile_bytes"),
+        ("tiles, bytes", GLOBE_TILE_BYTES),
     ];
     by_case(
         &format!("Tiles in view {view}"),
@@ -93,12 +100,12 @@ fn table(view: &str, cases: &[&Case], clock: Clock) -> Table {
 /// Triangles across the seam and those that a rule misses, and pixels beside it and those that are wrong.
 fn seam_sums(cases: &[&Case], seam: &str) -> [f64; 4] {
     let metrics = [
-        "globe_tile_crossing",
-        "globe_tile_missed",
-        "globe_tile_seam_px",
-        "globe_tile_seam_wrong_px",
+        GLOBE_TILE_CROSSING,
+        GLOBE_TILE_MISSED,
+        GLOBE_TILE_SEAM_PX,
+        GLOBE_TILE_SEAM_WRONG_PX,
     ];
-    let of_rule = with(cases, "seam", seam);
+    let of_rule = with(cases, SEAM, seam);
     metrics.map(|metric| of_rule.iter().filter_map(|case| case.value(metric)).sum())
 }
 
@@ -133,13 +140,11 @@ pub(crate) fn frame_times_by_cells(run: &Run, clock: Clock) -> Vec<(String, Vec<
     let cases = cases(run, PART);
     let times = |view: &&str| {
         let own = cases.iter().filter(|case| {
-            case.condition("view") == *view
-                && case.condition("tiles") == "draw-each"
-                && case.counts()
+            case.condition(VIEW) == *view && case.condition(TILES) == "draw-each" && case.counts()
         });
         let mut times: Vec<[f64; 2]> = own
             .filter_map(|case| {
-                let n: f64 = case.condition("n").parse().ok()?;
+                let n: f64 = case.condition(CELLS).parse().ok()?;
                 Some([n, case.value(crate::clock::whole(clock))?])
             })
             .collect();

@@ -13,6 +13,8 @@ use super::{ALLOWED_TEXELS, grid};
 use crate::STUDY;
 use crate::canvas::view_constants;
 use crate::clock::FrameWatch;
+use crate::keys;
+use crate::keys::{LIMIT, SIZE_PX, SPLIT_BY, VIEW};
 use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
 use crate::session::{Failure, Figures, Part, PartSession, judged};
@@ -100,11 +102,11 @@ impl Stages {
             let [by, limit] = splitter.names();
             let name = format!("{PART}/{}/{by}{limit}", view.name);
             let conditions = [
-                ("part", PART.to_owned()),
-                ("view", view.name.clone()),
-                ("split_by", by),
-                ("limit", limit),
-                ("size_px", side_px.to_string()),
+                (keys::PART, PART.to_owned()),
+                (VIEW, view.name.clone()),
+                (SPLIT_BY, by),
+                (LIMIT, limit),
+                (SIZE_PX, side_px.to_string()),
             ];
             PlannedCase {
                 id: CaseId::new(STUDY, name, conditions),

@@ -2,6 +2,11 @@
 //! The section on zones of a height field by counted pixels.
 
 use super::PART;
+use crate::keys::{
+    COUNTED_BY, GLOBE_COUNT_CYCLES, GLOBE_COUNT_OFF_PX, GLOBE_COUNT_SETTLE_FRAMES,
+    GLOBE_COUNT_WRONG_NODES, GLOBE_COUNTED_CPU_MS, GLOBE_TRIANGLES, GLOBE_UNCOUNTED_CPU_MS,
+    GLOBE_ZONE_HIDES, HYSTERESIS, SPIKE_M, WANTED,
+};
 use crate::table::{by_case, cases, conditions, with};
 use terrafill_plot::number::significant;
 use terrafill_plot::{Course, Courses};
@@ -40,16 +45,16 @@ pub(crate) fn blocks(run: &Run) -> Result<Vec<Block>, ChapterError> {
 
 fn table(cases: &[&Case]) -> Table {
     let columns = [
-        ("m, hidden but 1/m", "globe_zone_hides"),
-        ("settled after, frames", "globe_count_settle_frames"),
-        ("triangles", "globe_triangles"),
-        ("off rays, px", "globe_count_off_px"),
+        ("m, hidden but 1/m", GLOBE_ZONE_HIDES),
+        ("settled after, frames", GLOBE_COUNT_SETTLE_FRAMES),
+        ("triangles", GLOBE_TRIANGLES),
+        ("off rays, px", GLOBE_COUNT_OFF_PX),
         (
             "zones off by more than their edges",
-            "globe_count_wrong_nodes",
+            GLOBE_COUNT_WRONG_NODES,
         ),
-        ("frame with counts, CPU ms", "globe_counted_cpu_ms"),
-        ("without", "globe_uncounted_cpu_ms"),
+        ("frame with counts, CPU ms", GLOBE_COUNTED_CPU_MS),
+        ("without", GLOBE_UNCOUNTED_CPU_MS),
     ];
     let names = [
         "counted by",
@@ -57,13 +62,13 @@ fn table(cases: &[&Case]) -> Table {
         "wanted px a triangle",
         "hysteresis",
     ];
-    let keys = ["counted_by", "spike_m", "wanted", "hysteresis"];
+    let keys = [COUNTED_BY, SPIKE_M, WANTED, HYSTERESIS];
     by_case(
         "Height zones",
         cases,
         (&names, &conditions(&keys)),
         &columns,
-        &|case| match case.value("globe_count_cycles") {
+        &|case| match case.value(GLOBE_COUNT_CYCLES) {
             Some(1.0) => "it does not settle",
             _ => "not measured",
         },
@@ -71,14 +76,14 @@ fn table(cases: &[&Case]) -> Table {
 }
 
 fn hysteresis(case: &Case) -> Option<f64> {
-    case.condition("hysteresis").parse().ok()
+    case.condition(HYSTERESIS).parse().ok()
 }
 
 /// Hysteresis over four times what spikes hide, and whether it cycles.
 fn measured(cases: &[&Case]) -> Vec<(f64, bool)> {
     let of = |case: &&Case| {
-        let hides = case.value("globe_zone_hides")?;
-        let cycles = case.value("globe_count_cycles")? > 0.0;
+        let hides = case.value(GLOBE_ZONE_HIDES)?;
+        let cycles = case.value(GLOBE_COUNT_CYCLES)? > 0.0;
         Some((hysteresis(case)? / (4.0 * hides), cycles))
     };
     cases.iter().filter_map(of).collect()
@@ -113,18 +118,18 @@ fn bypass_finding(cases: &[&Case]) -> Finding {
     let spiked: Vec<&Case> = cases
         .iter()
         .copied()
-        .filter(|case| case.condition("spike_m") != "0")
+        .filter(|case| case.condition(SPIKE_M) != "0")
         .collect();
     let cycling = spiked
         .iter()
-        .filter(|case| case.value("globe_count_cycles") == Some(1.0));
+        .filter(|case| case.value(GLOBE_COUNT_CYCLES) == Some(1.0));
     let most = cycling
         .clone()
         .filter_map(|case| hysteresis(case))
         .max_by(f64::total_cmp);
     let hides = spiked
         .iter()
-        .filter_map(|case| case.value("globe_zone_hides"));
+        .filter_map(|case| case.value(GLOBE_ZONE_HIDES));
     let hides = hides.max_by(f64::total_cmp);
     Finding {
         claim: "Gebbie & Bailey: oscillations of a spike that comes and goes bypass even large buffer thresholds".to_owned(),
@@ -145,15 +150,15 @@ fn bypass_finding(cases: &[&Case]) -> Finding {
 }
 
 fn courses(cases: &[&Case]) -> Courses<'static> {
-    let shown = with(&with(cases, "counted_by", "histogram"), "wanted", "3");
+    let shown = with(&with(cases, COUNTED_BY, "histogram"), WANTED, "3");
     let shown = shown
         .into_iter()
-        .filter(|case| ["4", "8", "64"].contains(&case.condition("hysteresis")));
+        .filter(|case| ["4", "8", "64"].contains(&case.condition(HYSTERESIS)));
     let panels = shown.map(|case| Course {
         name: format!(
             "spikes {} m, hysteresis {}",
-            case.condition("spike_m"),
-            case.condition("hysteresis")
+            case.condition(SPIKE_M),
+            case.condition(HYSTERESIS)
         ),
         values: case
             .note("triangles-by-frame")

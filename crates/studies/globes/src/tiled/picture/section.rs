@@ -2,9 +2,13 @@
 //! The section on a picture in tiles of the map.
 
 use super::PART;
+use crate::keys::{
+    GLOBE_TILE_COLOUR_OFF_MEDIAN, GLOBE_TILE_COLOUR_OFF_P99, GLOBE_TILE_COLOUR_WRONG_PX,
+    GLOBE_TILE_COUNT, GLOBE_TILE_PX, VIEW,
+};
 use crate::table::{by_case, cases, conditions};
 use terrafill_results::{
-    Block, Case, Clock, Finding, Picture, PictureFigure, Pictures, Run, Standing,
+    Block, Case, Clock, Finding, Metric, Picture, PictureFigure, Pictures, Run, Standing,
 };
 
 /// The section; nothing where no case was planned.
@@ -14,20 +18,20 @@ pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
         return Vec::new();
     }
     let columns = [
-        ("px with a texel", "globe_tile_px"),
-        ("of another colour", "globe_tile_colour_wrong_px"),
+        ("px with a texel", GLOBE_TILE_PX),
+        ("of another colour", GLOBE_TILE_COLOUR_WRONG_PX),
         (
             "off the whole picture, median",
-            "globe_tile_colour_off_median",
+            GLOBE_TILE_COLOUR_OFF_MEDIAN,
         ),
-        ("99 %", "globe_tile_colour_off_p99"),
-        ("tiles", "globe_tile_count"),
+        ("99 %", GLOBE_TILE_COLOUR_OFF_P99),
+        ("tiles", GLOBE_TILE_COUNT),
         ("draw, ms", crate::clock::draw(clock)),
     ];
     let table = by_case(
         "A picture of the Earth in tiles of the map",
         &cases,
-        (&["view"], &conditions(&["view"])),
+        (&["view"], &conditions(&[VIEW])),
         &columns,
         &|_| "not measured",
     );
@@ -48,13 +52,13 @@ pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
 }
 
 fn finding(cases: &[&Case]) -> Finding {
-    let sum = |metric: &str| {
+    let sum = |metric: &Metric| {
         cases
             .iter()
             .filter_map(|case| case.value(metric))
             .sum::<f64>()
     };
-    let (wrong, of) = (sum("globe_tile_colour_wrong_px"), sum("globe_tile_px"));
+    let (wrong, of) = (sum(GLOBE_TILE_COLOUR_WRONG_PX), sum(GLOBE_TILE_PX));
     Finding {
         claim: "Tiles of colours show the texels that tiles of addresses name".to_owned(),
         standing: match of > 0.0 {
@@ -71,7 +75,7 @@ fn pictures(cases: &[&Case]) -> Option<Block> {
         .map(|case| PictureFigure {
             pictures: vec![Picture {
                 path: case.note("picture").to_owned(),
-                caption: case.condition("view").to_owned(),
+                caption: case.condition(VIEW).to_owned(),
             }],
             notes: Vec::new(),
         })

@@ -2,6 +2,10 @@
 //! The section on who splits triangles across ±180°.
 
 use super::PART;
+use crate::keys::{
+    GLOBE_MAKE_CPU_MS, GLOBE_TILE_CROSSING, GLOBE_TILE_MISSED, GLOBE_TILE_SEAM_PX,
+    GLOBE_TILE_SEAM_WRONG_PX, GLOBE_TILE_TEXELS_MAX, GLOBE_TRIANGLES, LIMIT, SPLIT_BY, VIEW,
+};
 use crate::table::{by_case, cases, conditions};
 use terrafill_results::{Block, Case, Clock, Finding, Run, Standing};
 
@@ -12,21 +16,21 @@ pub(crate) fn blocks(run: &Run, clock: Clock) -> Vec<Block> {
         return Vec::new();
     }
     let columns = [
-        ("triangles sent", "globe_triangles"),
-        ("crossing", "globe_tile_crossing"),
-        ("missed", "globe_tile_missed"),
-        ("px at the seam", "globe_tile_seam_px"),
-        ("off by > ½ texel", "globe_tile_seam_wrong_px"),
-        ("texels, largest", "globe_tile_texels_max"),
+        ("triangles sent", GLOBE_TRIANGLES),
+        ("crossing", GLOBE_TILE_CROSSING),
+        ("missed", GLOBE_TILE_MISSED),
+        ("px at the seam", GLOBE_TILE_SEAM_PX),
+        ("off by > ½ texel", GLOBE_TILE_SEAM_WRONG_PX),
+        ("texels, largest", GLOBE_TILE_TEXELS_MAX),
         ("frame, ms", crate::clock::whole(clock)),
-        ("make, CPU ms", "globe_make_cpu_ms"),
+        ("make, CPU ms", GLOBE_MAKE_CPU_MS),
         ("draw, ms", crate::clock::draw(clock)),
     ];
     let names = ["view", "split by", "where U differs by"];
     let table = by_case(
         "Who splits triangles across ±180°",
         &cases,
-        (&names, &conditions(&["view", "split_by", "limit"])),
+        (&names, &conditions(&[VIEW, SPLIT_BY, LIMIT])),
         &columns,
         &|_| "only the shader knows",
     );
@@ -46,9 +50,9 @@ fn finding(cases: &[&Case]) -> Finding {
     let wrong = |by: &str, limit: &str| {
         let own = cases
             .iter()
-            .filter(|case| case.condition("split_by") == by && case.condition("limit") == limit);
+            .filter(|case| case.condition(SPLIT_BY) == by && case.condition(LIMIT) == limit);
         let values: Vec<f64> = own
-            .filter_map(|case| case.value("globe_tile_seam_wrong_px"))
+            .filter_map(|case| case.value(GLOBE_TILE_SEAM_WRONG_PX))
             .collect();
         (!values.is_empty()).then(|| values.iter().sum::<f64>())
     };
