@@ -18,7 +18,11 @@ pub const MEASUREMENT_COLUMNS: [&str; 5] = ["case", "metric", "process", "sample
 /// Columns of `notes.csv`.
 pub const NOTE_COLUMNS: [&str; 3] = ["case", "note", "text"];
 /// Columns of `metrics.csv`.
-pub const METRIC_COLUMNS: [&str; 5] = ["name", "unit", "kind", "better", "meaning"];
+pub const METRIC_COLUMNS: [&str; 7] = [
+    "name", "unit", "kind", "better", "meaning", "primary", "scope",
+];
+/// How many of them runs have that are older than the last two.
+pub const OLD_METRIC_COLUMNS: usize = 5;
 /// First columns of `cases.csv`; one for each condition follows.
 pub const CASE_COLUMNS: [&str; 6] = ["case", "study", "status", "reason", "timed", "commit"];
 
@@ -158,7 +162,10 @@ impl RunFolder {
             let text = encode(&path.join(file), |writer| writer.write_record(columns))?;
             write_whole(&path.join(file), &text)?;
         }
-        folder.append(METRICS, &metrics)?;
+        folder.append(
+            METRICS,
+            &metrics.iter().map(MetricRow::cells).collect::<Vec<_>>(),
+        )?;
         write_json(
             &path.join(SCHEMA_FILE),
             &Schema {

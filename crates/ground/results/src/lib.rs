@@ -38,11 +38,12 @@ pub use condition::{ConditionKey, REPEATS};
 pub use duration::{DURATION_COLUMNS, GroupDuration, append_durations, read_durations};
 pub use environment::{Clock, RunEnvironment};
 pub use folder::{
-    CASE_COLUMNS, MEASUREMENT_COLUMNS, METRIC_COLUMNS, NOTE_COLUMNS, RunError, RunFolder, SCHEMA,
+    CASE_COLUMNS, MEASUREMENT_COLUMNS, METRIC_COLUMNS, NOTE_COLUMNS, OLD_METRIC_COLUMNS, RunError,
+    RunFolder, SCHEMA,
 };
 pub use front::{Candidate, front, front_survival};
 pub use merge::{MergeError, merge};
-pub use metric::{Direction, Kind, Metric, MetricRow, Timer};
+pub use metric::{Direction, Kind, Metric, MetricRow, Primary, Timer};
 pub use noise::{Between, Noise, has_two_groups};
 pub use paired::{Shift, rate_bounds};
 pub use plan::{RunPlan, Shard, Skipped};

@@ -85,6 +85,7 @@ impl MadeUpRun {
                     better: Direction::Neither,
                     meaning: "made up",
                     scope: crate::Scope::NOTHING,
+                    primary: crate::Primary::No,
                 });
             }
         }

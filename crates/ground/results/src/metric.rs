@@ -4,7 +4,7 @@
 //! `GLOSSARY.md`'s list of metrics, `metrics.csv` and `schema.json` are made from these declarations,
 //! so a figure cannot be written under a name that is explained nowhere.
 
-use crate::Scope;
+use crate::{Clock, Scope};
 use serde::{Deserialize, Serialize};
 
 /// How a figure comes about, which decides how it may be compared.
@@ -73,6 +73,41 @@ pub enum Timer {
     Wall,
 }
 
+/// By which clock a study's cases are ranked by a figure, as in `metrics.csv`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Primary {
+    /// It ranks nothing.
+    #[default]
+    #[serde(rename = "")]
+    No,
+    /// By GPU time, on hardware.
+    Gpu,
+    /// By the wall clock, on hardware: the device's clock covers less than is compared.
+    Wall,
+    /// By process CPU time, on software devices.
+    Cpu,
+    /// On every device.
+    Any,
+}
+
+impl Primary {
+    /// Whether it ranks in runs whose times are compared by `clock`.
+    #[must_use]
+    pub const fn ranks(self, clock: Clock) -> bool {
+        match self {
+            Self::No => false,
+            Self::Gpu | Self::Wall => matches!(clock, Clock::Gpu),
+            Self::Cpu => matches!(clock, Clock::ProcessCpu),
+            Self::Any => true,
+        }
+    }
+
+    fn is_no(&self) -> bool {
+        *self == Self::No
+    }
+}
+
 /// One declared figure. Names are unique over all studies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Metric {
@@ -88,6 +123,8 @@ pub struct Metric {
     pub meaning: &'static str,
     /// What it covers, of times; nothing of other figures.
     pub scope: Scope,
+    /// Whether it ranks its study.
+    pub primary: Primary,
 }
 
 impl Metric {
@@ -95,6 +132,12 @@ impl Metric {
     #[must_use]
     pub const fn covering(self, scope: Scope) -> Self {
         Self { scope, ..self }
+    }
+
+    /// The same time, which ranks its study.
+    #[must_use]
+    pub const fn ranking(self, primary: Primary) -> Self {
+        Self { primary, ..self }
     }
 
     /// Whether its scope fits its kind: a time covers something, and nothing else does.
@@ -131,6 +174,7 @@ impl Metric {
             better: Direction::Less,
             meaning,
             scope: Scope::NOTHING,
+            primary: Primary::No,
         }
     }
 
@@ -149,6 +193,7 @@ impl Metric {
             better: Direction::Neither,
             meaning,
             scope: Scope::NOTHING,
+            primary: Primary::No,
         }
     }
 }
@@ -213,6 +258,28 @@ pub struct MetricRow {
     pub better: Direction,
     /// See [`Metric::meaning`].
     pub meaning: String,
+    /// See [`Metric::primary`]; nothing in runs that are older than the mark.
+    #[serde(default, skip_serializing_if = "Primary::is_no")]
+    pub primary: Primary,
+    /// See [`Metric::scope`], as `upload+draw`; empty in runs that are older.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub scope: String,
+}
+
+impl MetricRow {
+    /// A row of the table, where every column has a cell.
+    pub(crate) fn cells(&self) -> (&str, &str, Kind, Direction, &str, Primary, &str) {
+        let Self {
+            name,
+            unit,
+            kind,
+            better,
+            meaning,
+            primary,
+            scope,
+        } = self;
+        (name, unit, *kind, *better, meaning, *primary, scope)
+    }
 }
 
 impl From<&Metric> for MetricRow {
@@ -223,6 +290,8 @@ impl From<&Metric> for MetricRow {
             kind: metric.kind,
             better: metric.better,
             meaning: metric.meaning.to_owned(),
+            primary: metric.primary,
+            scope: metric.scope.to_string(),
         }
     }
 }

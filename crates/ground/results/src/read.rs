@@ -7,7 +7,8 @@
 
 use crate::folder::{
     CASE_COLUMNS, CASES, ENVIRONMENT, MEASUREMENT_COLUMNS, MEASUREMENTS, METRIC_COLUMNS, METRICS,
-    NOTE_COLUMNS, NOTES, PLAN, RunError, check_schema, duplicates, read_json, read_table,
+    NOTE_COLUMNS, NOTES, OLD_METRIC_COLUMNS, PLAN, RunError, check_schema, duplicates, read_json,
+    read_table,
 };
 use crate::{
     CaseId, Clock, Measurement, MetricRow, Note, PlannedCase, REPEATS, RunEnvironment, RunPlan,
@@ -178,6 +179,8 @@ pub struct Run {
     pub metrics: Vec<MetricRow>,
     /// In the plan's order.
     pub cases: Vec<Case>,
+    /// What [`Run::primary_metric`] answers, by study.
+    pub primary: BTreeMap<String, String>,
 }
 
 impl Run {
@@ -195,7 +198,7 @@ impl Run {
         let planned: BTreeSet<String> = plan.cases.iter().map(|case| case.id.key()).collect();
         let mut figures = read_measurements(&path.join(MEASUREMENTS), &planned, &names)?;
         let mut notes = read_notes(&path.join(NOTES), &planned)?;
-        let cases = plan
+        let cases: Vec<Case> = plan
             .cases
             .iter()
             .map(|planned| {
@@ -216,6 +219,7 @@ impl Run {
             .collect();
         Ok(Self {
             path: path.to_owned(),
+            primary: primary(&metrics, &cases, environment.primary_clock()),
             environment,
             plan,
             metrics,
@@ -249,11 +253,35 @@ impl Run {
         self.cases.iter().find(|case| case.id().key() == key)
     }
 
+    /// The metric that a study's cases are ranked by, as the run itself says: of those marked for its clock
+    /// one that no earlier study measured. `None` in runs that are older than the mark.
+    #[must_use]
+    pub fn primary_metric(&self, study: &str) -> Option<&str> {
+        self.primary.get(study).map(String::as_str)
+    }
+
     /// Declaration of a metric.
     #[must_use]
     pub fn metric(&self, name: &str) -> Option<&MetricRow> {
         self.metrics.iter().find(|metric| metric.name == name)
     }
+}
+
+/// Of each study the metric that is marked as ranking it.
+fn primary(metrics: &[MetricRow], cases: &[Case], clock: Clock) -> BTreeMap<String, String> {
+    let marked = metrics.iter().filter(|metric| metric.primary.ranks(clock));
+    let mut marked: BTreeSet<&str> = marked.map(|metric| metric.name.as_str()).collect();
+    let mut found = BTreeMap::new();
+    for case in cases {
+        for metric in case
+            .figures
+            .keys()
+            .filter(|metric| marked.remove(metric.as_str()))
+        {
+            found.insert(case.id().study.clone(), metric.clone());
+        }
+    }
+    found
 }
 
 fn outcome(
@@ -319,9 +347,17 @@ fn cell(path: &Path, row: u64, column: &str, found: &str, expected: impl Into<St
 
 fn read_metrics(path: &Path) -> Result<Vec<MetricRow>, RunError> {
     let columns = strings(&METRIC_COLUMNS);
-    let header: csv::StringRecord = columns.iter().collect();
-    numbered(read_table(path, &columns)?)
+    let rows = match read_table(path, &columns) {
+        Err(RunError::Column {
+            position, found, ..
+        }) if position == OLD_METRIC_COLUMNS + 1 && found.is_empty() => {
+            read_table(path, &columns[..OLD_METRIC_COLUMNS])
+        }
+        rows => rows,
+    }?;
+    numbered(rows)
         .map(|(row, record)| {
+            let header: csv::StringRecord = columns.iter().take(record.len()).collect();
             record
                 .deserialize(Some(&header))
                 .map_err(|error| match error.kind() {

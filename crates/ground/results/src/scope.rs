@@ -50,20 +50,16 @@ impl Scope {
     }
 }
 
+/// As in `metrics.csv`: `upload+draw`, nothing for no part.
 impl std::fmt::Display for Scope {
-    /// `upload, dispatch, draw`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let parts = [
-            (Self::PLAN, "plan"),
-            (Self::UPLOAD, "upload"),
-            (Self::DISPATCH, "dispatch"),
-            (Self::DRAW, "draw"),
-            (Self::RESOLVE, "resolve"),
-            (Self::READ_BACK, "read-back"),
-        ];
-        let own = parts.iter().filter(|(part, _)| self.covers(*part));
-        let names: Vec<&str> = own.map(|(_, name)| *name).collect();
-        f.write_str(&names.join(", "))
+        const NAMES: [&str; 6] = ["plan", "upload", "dispatch", "draw", "resolve", "read-back"];
+        let parts = NAMES
+            .iter()
+            .enumerate()
+            .filter(|(bit, _)| self.0 >> bit & 1 == 1);
+        let parts: Vec<&str> = parts.map(|(_, name)| *name).collect();
+        f.write_str(&parts.join("+"))
     }
 }
 
@@ -78,9 +74,10 @@ mod tests {
         // Negative controls: a device's clock knows of no upload, a part is not the whole.
         assert!(!Scope::DEVICE.covers(Scope::UPLOAD.and(Scope::DRAW)));
         assert!(!Scope::DRAW.covers(Scope::DEVICE));
+        assert_eq!(Scope::FRAME.to_string(), "upload+dispatch+draw+resolve");
+        assert_eq!(Scope::READ_BACK.to_string(), "read-back");
+        assert!(Scope::NOTHING.to_string().is_empty());
         assert!(Scope::NOTHING.is_empty() && !Scope::PLAN.is_empty());
         assert!(Scope::FRAME.meets(Scope::DEVICE) && !Scope::PLAN.meets(Scope::DEVICE));
-        let names = Scope::FRAME.to_string();
-        assert_eq!(names, "upload, dispatch, draw, resolve");
     }
 }

@@ -2,9 +2,10 @@
 //! What is written can be read, and a folder that was tampered with is refused with the place.
 
 use std::path::Path;
+use terrafill_results::made_up::{MadeUpRun, case_id};
 use terrafill_results::{
-    CaseId, Kind, Measurement, Metric, Note, Outcome, PlannedCase, Run, RunEnvironment, RunError,
-    RunFolder, RunPlan, SCHEMA, Status,
+    CaseId, Kind, Measurement, Metric, Note, Outcome, PlannedCase, Primary, Run, RunEnvironment,
+    RunError, RunFolder, RunPlan, SCHEMA, Scope, Status,
 };
 
 const METRICS: [Metric; 2] = [
@@ -219,6 +220,53 @@ fn a_renamed_missing_or_additional_column_is_named_with_what_was_expected() {
         Some(text.replacen("text\n", "text,more\n", 1))
     });
     assert!(more.contains("found \"more\", expected \"\""), "{more}");
+}
+
+#[test]
+fn a_run_says_what_ranks_its_studies_and_what_times_cover_and_an_older_one_is_read_without() {
+    let time = |name, primary| {
+        let time = Metric::less(name, "ms", Kind::Time, "A time.");
+        time.covering(Scope::UPLOAD.and(Scope::DRAW))
+            .ranking(primary)
+    };
+    let mut run = MadeUpRun {
+        metrics: vec![time("gpu_ms", Primary::Gpu), time("cpu_ms", Primary::Cpu)],
+        ..MadeUpRun::default()
+    };
+    for study in ["fills", "suite"] {
+        let case = run.case(case_id(study, "case", &[]));
+        case.timed("gpu_ms", &[1.0]).timed("cpu_ms", &[1.0]);
+    }
+    let place = tempfile::tempdir().expect("a folder");
+    let written = run.write(place.path()).expect("a run");
+    assert_eq!(written.primary_metric("fills"), Some("cpu_ms"));
+    // Control: a study that measures another's metrics is not ranked by them.
+    assert_eq!(written.primary_metric("suite"), None);
+    assert_eq!(written.metrics[0].scope, "upload+draw");
+    let path = place.path().join("metrics.csv");
+    let text = std::fs::read_to_string(&path).expect("a table");
+    assert!(
+        text.ends_with("\ncpu_ms,ms,time,less,A time.,cpu,upload+draw\n"),
+        "{text}"
+    );
+    let without = |columns: usize| {
+        let lines = text.lines();
+        let cut = lines.map(|line| line.rsplitn(columns + 1, ',').last().unwrap_or_default());
+        std::fs::write(&path, cut.collect::<Vec<_>>().join("\n") + "\n").expect("written");
+        Run::load(place.path())
+    };
+    let old = without(2).expect("an older run");
+    assert_eq!(old.primary_metric("fills"), None);
+    assert_eq!(
+        (old.metrics.len(), old.metrics[1].name.as_str()),
+        (2, "cpu_ms")
+    );
+    // Control: one of the two columns alone is neither.
+    let half = without(1).expect_err("half").to_string();
+    assert!(
+        half.contains("column 7: found \"\", expected \"scope\""),
+        "{half}"
+    );
 }
 
 #[test]

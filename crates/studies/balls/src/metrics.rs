@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What is measured.
 
-use terrafill_results::{Kind, Metric, Scope};
+use terrafill_results::{Kind, Metric, Primary, Scope};
 
 pub(crate) const METRICS: [Metric; 35] = [
     Metric::less(
@@ -10,7 +10,8 @@ pub(crate) const METRICS: [Metric; 35] = [
         Kind::Time,
         "Process CPU time of one second of one ball.",
     )
-    .covering(Scope::PLAN),
+    .covering(Scope::PLAN)
+    .ranking(Primary::Any),
     Metric::less(
         "ball_rms_m",
         "m",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Everything that the study measures. `GLOSSARY.md` and `schema.json` are made from these.
 
-use terrafill_results::{Kind, Metric, Scope};
+use terrafill_results::{Kind, Metric, Primary, Scope};
 
 /// Times first, then bytes, counters, errors, textured fills and bytes of layouts.
 pub(crate) const METRICS: [Metric; 74] = [
@@ -10,13 +10,13 @@ pub(crate) const METRICS: [Metric; 74] = [
         "ms",
         Kind::Time,
         "CPU time of the whole process from recording the fill until the device is done with it. On a software driver it contains the driver's threads and is the steadiest clock on a busy machine.",
-    ).covering(Scope::FRAME),
+    ).covering(Scope::FRAME).ranking(Primary::Cpu),
     Metric::less(
         "fill_gpu_ms",
         "ms",
         Kind::Time,
-        "The whole fill, by the GPU's clock.",
-    ).covering(Scope::DEVICE),
+        "The whole fill, by the GPU's clock. Copies that a frame submits are inside of it, what the CPU writes before is not.",
+    ).covering(Scope::DEVICE).ranking(Primary::Gpu),
     Metric::less(
         "fill_wall_ms",
         "ms",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the study measures.
 
-use terrafill_results::{Kind, Metric, Scope};
+use terrafill_results::{Kind, Metric, Primary, Scope};
 
 /// Everything that the study measures.
 pub(crate) const METRICS: [Metric; 15] = [
@@ -11,7 +11,7 @@ pub(crate) const METRICS: [Metric; 15] = [
         Kind::Time,
         "Process CPU time of a frame: surface, plan, upload and fill, pieces made by the way included; median of a flight.",
     )
-    .covering(Scope::PLAN.and(Scope::FRAME)),
+    .covering(Scope::PLAN.and(Scope::FRAME)).ranking(Primary::Cpu),
     Metric::less(
         "flight_worst_frame_cpu_ms",
         "ms",
@@ -25,7 +25,7 @@ pub(crate) const METRICS: [Metric; 15] = [
         Kind::Time,
         "Wall clock of a frame; median of a flight.",
     )
-    .covering(Scope::PLAN.and(Scope::FRAME)),
+    .covering(Scope::PLAN.and(Scope::FRAME)).ranking(Primary::Wall),
     Metric::less(
         "flight_worst_frame_wall_ms",
         "ms",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Every figure of the study.
 
-use terrafill_results::{Kind, Metric, Scope};
+use terrafill_results::{Kind, Metric, Primary, Scope};
 
 pub(crate) const METRICS: [Metric; 79] = [
     Metric::less(
@@ -9,13 +9,13 @@ pub(crate) const METRICS: [Metric; 79] = [
         "ms",
         Kind::Time,
         "Process CPU time of a frame whose eye has moved: making, uploading and drawing the surface.",
-    ).covering(Scope::PLAN.and(Scope::FRAME)),
+    ).covering(Scope::PLAN.and(Scope::FRAME)).ranking(Primary::Cpu),
     Metric::less(
         "globe_whole_gpu_ms",
         "ms",
         Kind::Time,
-        "Process CPU time of making and uploading, and the GPU's time of drawing.",
-    ).covering(Scope::PLAN.and(Scope::FRAME)),
+        "Process CPU time of making and uploading, and the GPU's time of drawing. The device's copies of what was uploaded are in neither.",
+    ).covering(Scope::PLAN.and(Scope::DEVICE)).ranking(Primary::Gpu),
     Metric::less(
         "globe_whole_wall_ms",
         "ms",
@@ -32,7 +32,7 @@ pub(crate) const METRICS: [Metric; 79] = [
         "globe_upload_cpu_ms",
         "ms",
         Kind::Time,
-        "Process CPU time of handing them to the device.",
+        "Process CPU time of handing them to the device, which copies them later.",
     ).covering(Scope::UPLOAD),
     Metric::less(
         "globe_draw_cpu_ms",
@@ -388,7 +388,7 @@ pub(crate) const METRICS: [Metric; 79] = [
         "globe_count_page_cpu_ms",
         "ms",
         Kind::Time,
-        "Process CPU time of handing a frame's new pictures to the device, mean of the frames.",
+        "Process CPU time of handing a frame's new pictures to the device, which copies them later; mean of the frames.",
     ).covering(Scope::UPLOAD),
     Metric::less(
         "globe_count_page_max_cpu_ms",

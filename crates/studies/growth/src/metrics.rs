@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the study measures.
 
-use terrafill_results::{Kind, Metric, Scope};
+use terrafill_results::{Kind, Metric, Primary, Scope};
 
 /// Everything that the study measures.
 pub(crate) const METRICS: [Metric; 2] = [
@@ -11,7 +11,8 @@ pub(crate) const METRICS: [Metric; 2] = [
         Kind::Time,
         "Process CPU time from the outline as GeoJSON text to its mesh, in a process of its own.",
     )
-    .covering(Scope::PLAN),
+    .covering(Scope::PLAN)
+    .ranking(Primary::Any),
     Metric::neither(
         "vertices_of_outline",
         "",

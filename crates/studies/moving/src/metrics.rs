@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the study measures.
 
-use terrafill_results::{Kind, Metric, Scope};
+use terrafill_results::{Kind, Metric, Primary, Scope};
 
 /// Everything that the study measures.
 pub(crate) const METRICS: [Metric; 14] = [
@@ -23,7 +23,7 @@ pub(crate) const METRICS: [Metric; 14] = [
         "moving_update_cpu_ms",
         "ms",
         Kind::Time,
-        "Process CPU time of handing the changed scene to the technique, uploads included.",
+        "Process CPU time of handing the changed scene to the technique, uploads included; the device may copy them later.",
     )
     .covering(Scope::UPLOAD),
     Metric::less(
@@ -46,14 +46,16 @@ pub(crate) const METRICS: [Metric; 14] = [
         Kind::Time,
         "Process CPU time of a frame with moved regions: mesh, plan, update and fill.",
     )
-    .covering(Scope::PLAN.and(Scope::FRAME)),
+    .covering(Scope::PLAN.and(Scope::FRAME))
+    .ranking(Primary::Cpu),
     Metric::less(
         "moving_frame_wall_ms",
         "ms",
         Kind::Time,
         "Wall clock over the same span.",
     )
-    .covering(Scope::PLAN.and(Scope::FRAME)),
+    .covering(Scope::PLAN.and(Scope::FRAME))
+    .ranking(Primary::Wall),
     Metric::less(
         "moving_upload_bytes",
         "bytes",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What is measured.
 
-use terrafill_results::{Kind, Metric, Scope};
+use terrafill_results::{Kind, Metric, Primary, Scope};
 
 pub(crate) const METRICS: [Metric; 56] = [
     Metric::less(
@@ -9,7 +9,7 @@ pub(crate) const METRICS: [Metric; 56] = [
         "ms",
         Kind::Time,
         "Process CPU time of a frame of a grid: sending what is sent, recording, and waiting for the device.",
-    ).covering(Scope::PLAN.and(Scope::FRAME)),
+    ).covering(Scope::PLAN.and(Scope::FRAME)).ranking(Primary::Cpu),
     Metric::less(
         "pipeline_wall_ms",
         "ms",
@@ -21,7 +21,7 @@ pub(crate) const METRICS: [Metric; 56] = [
         "ms",
         Kind::Time,
         "GPU time of drawing a grid; on Vulkan with the dispatch before it.",
-    ).covering(Scope::DEVICE),
+    ).covering(Scope::DEVICE).ranking(Primary::Gpu),
     Metric::less(
         "pipeline_mismatched_px",
         "px",

@@ -5,7 +5,7 @@ use crate::conditions::{
     ANCHOR, CONDITION, DEPTH_FORMAT, DISTANCE_M, EXTENT_DEG, FAMILY, HIGHEST_M, KNOB, LATITUDE_DEG,
     LOWEST_M, PART, ROUTE,
 };
-use terrafill_results::{CaseId, ConditionKey, Kind, Metric, Scope, Status, Verdict};
+use terrafill_results::{CaseId, ConditionKey, Kind, Metric, Primary, Scope, Status, Verdict};
 
 /// Which question a row answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
@@ -470,8 +470,8 @@ pub(crate) const TIMES: [Metric; 2] = [
         "CPU time of the process for one evaluation of a formula beyond that of the empty one in the \
          same block. On a software device this is the device's time. It may be negative where the \
          formula costs less than the clock's noise.",
-    ).covering(Scope::DISPATCH),
-    Metric::less("gpu_ns", "ns", Kind::Time, "The same by the GPU's clock.").covering(Scope::DISPATCH),
+    ).covering(Scope::DISPATCH).ranking(Primary::Cpu),
+    Metric::less("gpu_ns", "ns", Kind::Time, "The same by the GPU's clock.").covering(Scope::DISPATCH).ranking(Primary::Gpu),
 ];
 
 /// Everything that the study measures.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the study measures.
 
-use terrafill_results::{Direction, Kind, Metric, Scope};
+use terrafill_results::{Direction, Kind, Metric, Primary, Scope};
 
 /// Everything that the study measures.
 pub(crate) const METRICS: [Metric; 4] = [
@@ -12,14 +12,16 @@ pub(crate) const METRICS: [Metric; 4] = [
         "Process CPU time of reading colour and depth of the render targets back to the CPU: \
          allocation, copy, wait, and packing of rows.",
     )
-    .covering(Scope::READ_BACK),
+    .covering(Scope::READ_BACK)
+    .ranking(Primary::Cpu),
     Metric::less(
         "readback_wall_ms",
         "ms",
         Kind::Time,
         "Wall clock over the same span.",
     )
-    .covering(Scope::READ_BACK),
+    .covering(Scope::READ_BACK)
+    .ranking(Primary::Wall),
     Metric::neither(
         "readback_bytes",
         "bytes",
@@ -33,5 +35,6 @@ pub(crate) const METRICS: [Metric; 4] = [
         better: Direction::More,
         meaning: "Bytes of a read-back over its wall clock time, 1 MB = 10⁶ bytes.",
         scope: Scope::READ_BACK,
+        primary: Primary::No,
     },
 ];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the study measures.
 
-use terrafill_results::{Kind, Metric, Scope};
+use terrafill_results::{Kind, Metric, Primary, Scope};
 
 pub(crate) const METRICS: [Metric; 44] = [
     Metric::less(
@@ -9,7 +9,7 @@ pub(crate) const METRICS: [Metric; 44] = [
         "ms",
         Kind::Time,
         "Process CPU time of finding the silhouette; facing bits and adjacency are there already.",
-    ).covering(Scope::PLAN),
+    ).covering(Scope::PLAN).ranking(Primary::Any),
     Metric::less(
         "shadow_fill_cpu_ms",
         "ms",

@@ -80,6 +80,7 @@ fn declaration(row: &MetricRow) -> Metric {
         meaning: keep(&row.meaning),
         // Not in the file that is read, and not written.
         scope: terrafill_results::Scope::NOTHING,
+        primary: row.primary,
     }
 }
 

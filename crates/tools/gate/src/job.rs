@@ -21,6 +21,12 @@ use terrafill_results::{Case, Clock, Outcome, Run};
 /// The metric that a study's cases are compared by; `None` for a study that times nothing.
 pub type PrimaryMetric<'a> = &'a dyn Fn(&str, Clock) -> Option<&'static str>;
 
+/// The metric that a study of a run is ranked by: the run's own mark, else that of this program.
+pub fn ranks<'a>(run: &'a Run, study: &str, primary: PrimaryMetric<'_>) -> Option<&'a str> {
+    run.primary_metric(study)
+        .or_else(|| primary(study, run.clock()))
+}
+
 /// What both programs measure, and how often.
 #[derive(Debug, Clone, Default)]
 pub struct Workload {
@@ -311,11 +317,10 @@ impl Sides for Job<'_> {
 
     fn times(&self, side: Side) -> Result<Times, GateError> {
         let run = self.load(side)?;
-        let clock = run.clock();
         let timed = run.cases.iter().filter(|case| !case.is_twin());
         let times = timed.filter_map(|case| {
             // A case that failed since it was verified has no time that counts.
-            let metric = (self.primary)(&case.id().study, clock)?;
+            let metric = ranks(&run, &case.id().study, self.primary)?;
             let counts = matches!(case.outcome, Outcome::Ok | Outcome::Wrong);
             let samples = case.samples(metric)?;
             counts.then(|| (case.id().key(), samples.clone()))
@@ -336,14 +341,13 @@ impl Sides for Job<'_> {
 /// them. One that has no time all the same is among them, so that it is missed.
 #[must_use]
 pub fn timed_cases(base: &Run, new: &Run, primary: PrimaryMetric<'_>) -> BTreeSet<String> {
-    let clock = new.clock();
     let is_right = |case: &&Case| !case.is_twin() && case.outcome == Outcome::Ok;
     let of = |run: &Run, is_so: &dyn Fn(&Case) -> bool| -> BTreeSet<String> {
         let cases = run.cases.iter().filter(is_right).filter(|case| is_so(case));
         cases.map(|case| case.id().key()).collect()
     };
     let is_timed =
-        |case: &Case| case.planned.samples > 0 && primary(&case.id().study, clock).is_some();
+        |case: &Case| case.planned.samples > 0 && ranks(new, &case.id().study, primary).is_some();
     let right: BTreeSet<String> = &of(base, &|_| true) & &of(new, &|_| true);
     &right & &(&of(base, &is_timed) | &of(new, &is_timed))
 }

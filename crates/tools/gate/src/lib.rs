@@ -33,7 +33,7 @@ pub use bless::{Blessing, add_blessings, apply, read_blessings};
 pub use error::GateError;
 pub use exact::{Exact, compare_exactly, driver_fingerprint, same_driver};
 pub use finding::{Finding, Gate, Severity, Verdict, verdict};
-pub use job::{Job, PrimaryMetric, Workload, timed_cases};
+pub use job::{Job, PrimaryMetric, Workload, ranks, timed_cases};
 pub use limits::{Limit, read_limits, shipped_limits};
 pub use output::{annotations, junit, markdown, read_json, text, write_files};
 pub use part::GateShard;

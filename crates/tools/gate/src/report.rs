@@ -271,7 +271,7 @@ fn time_findings(time: &TimeGate, run: &Run, primary: PrimaryMetric<'_>) -> Vec<
     let conditions = conditions(run);
     let of = |case: &CaseTime| {
         let study = case.case.split('/').next().unwrap_or_default();
-        let metric = primary(study, run.clock()).unwrap_or("time");
+        let metric = ranks(run, study, primary).unwrap_or("time");
         let none = BTreeMap::new();
         case.finding(metric, conditions.get(&case.case).unwrap_or(&none))
     };

@@ -153,7 +153,7 @@ fn times(base: &Run, new: &Run, primary: Primary<'_>) -> Vec<StudyTimes> {
         .map(|case| case.id().study.as_str())
         .collect();
     let of = |study: &str| {
-        let metric = primary(study, new.clock())?;
+        let metric = terrafill_gate::ranks(new, study, primary)?;
         let noises = [base, new].map(|run| {
             let cases = run.cases.iter().filter(|case| case.id().study == study);
             Noise::of(cases, metric)

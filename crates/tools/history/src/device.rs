@@ -153,7 +153,7 @@ fn cell(run: &Run, case: &Case, control: &str, primary: Primary<'_>) -> DeviceCe
         return none(&case.reason);
     }
     let study = &case.id().study;
-    let metric = primary(study, run.clock());
+    let metric = terrafill_gate::ranks(run, study, primary);
     let Some((metric, time)) = metric.and_then(|m| Some((m, typical(case, m)?.middle))) else {
         return none(UNTIMED);
     };

@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
-use terrafill_results::{METRIC_COLUMNS, MetricRow};
+use terrafill_results::{METRIC_COLUMNS, MetricRow, OLD_METRIC_COLUMNS};
 
 const RUNS: (&str, &[&str]) = (
     "runs.csv",
@@ -32,7 +32,7 @@ const FIGURES: (&str, &[&str]) = (
     "figures.csv",
     &["digest", "case", "metric", "process", "value"],
 );
-const METRICS: (&str, &[&str]) = ("metrics.csv", &METRIC_COLUMNS);
+const METRICS: (&str, &[&str]) = ("metrics.csv", METRIC_COLUMNS.split_at(OLD_METRIC_COLUMNS).0);
 
 #[derive(Serialize, Deserialize)]
 struct RunRow {

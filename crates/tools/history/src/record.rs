@@ -5,7 +5,7 @@ use crate::HistoryError;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
-use terrafill_results::{Clock, MetricRow, Outcome, Run, RunEnvironment, median};
+use terrafill_results::{Clock, MetricRow, Outcome, Primary, Run, RunEnvironment, median};
 
 /// Options that change how often things are measured, and no figure; a merged run has no shard.
 const FREE_OPTIONS: [&str; 5] = ["processes=", "samples=", "seed=", "shard=", "shard-by="];
@@ -248,13 +248,15 @@ impl Record {
         hash(&self.without_texts())
     }
 
-    /// Without meanings and conditions: the store keeps those of the first run that had them.
+    /// Without meanings and conditions: the store keeps those of the first run that had them. Marks and scopes,
+    /// which it does not keep, are left out too.
     fn without_texts(&self) -> Self {
         let mut plain = self.clone();
-        plain
-            .metrics
-            .iter_mut()
-            .for_each(|metric| metric.meaning.clear());
+        plain.metrics.iter_mut().for_each(|metric| {
+            metric.meaning.clear();
+            metric.primary = Primary::No;
+            metric.scope.clear();
+        });
         plain
             .cases
             .iter_mut()

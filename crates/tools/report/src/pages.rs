@@ -273,6 +273,7 @@ pub(crate) fn alone(
         environment: RunEnvironment::default(),
         plan: RunPlan::default(),
         metrics,
+        primary: BTreeMap::new(),
         cases: Vec::new(),
     };
     let mut links = BTreeMap::new();

@@ -328,7 +328,8 @@ fn open_folder(
     if arguments.process > 0 || arguments.resume {
         return RunFolder::resume(path, &environment, run_plan).map_err(Failure::bad_input);
     }
-    RunFolder::create(path, environment, run_plan.clone(), metrics()).map_err(Failure::bad_input)
+    RunFolder::create(path, environment, run_plan.clone(), &metrics_of(run_plan))
+        .map_err(Failure::bad_input)
 }
 
 /// Measures what chapters cannot decide yet in further processes, until they can or there are

@@ -14,7 +14,7 @@ use terrafill_native::NativeTechnique;
 use terrafill_overlays::{DRAPED_MESH, FLAT_MESH, MASK_TEXTURE};
 use terrafill_precision::PrecisionStudy;
 use terrafill_readback::ReadbackStudy;
-use terrafill_results::{Chapter, Metric};
+use terrafill_results::{Chapter, Metric, Primary, RunPlan};
 use terrafill_study::Study;
 use terrafill_surface::{EllipsoidKind, SurfaceKind};
 use terrafill_vertex::VertexTechnique;
@@ -93,6 +93,20 @@ pub(crate) fn metrics() -> &'static [Metric] {
     })
 }
 
+/// The same, of which only those of planned studies are marked as ranking: a suite measures metrics of
+/// another study and is ranked by none.
+pub(crate) fn metrics_of(plan: &RunPlan) -> Vec<Metric> {
+    let marked = STUDIES.iter().flat_map(|study| {
+        let is_planned = plan.cases.iter().any(|case| case.id.study == study.name());
+        let metrics = study.metrics().iter();
+        metrics.map(move |metric| match is_planned {
+            true => *metric,
+            false => metric.ranking(Primary::No),
+        })
+    });
+    marked.collect()
+}
+
 /// The technique called `name`.
 pub(crate) fn technique(name: &str) -> Option<&'static dyn Technique> {
     let mut all = TECHNIQUES.iter().copied();
@@ -114,9 +128,9 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
     use terrafill_fill::{Role, Rung, Switches, Values, layouts, matrix_row};
-    use terrafill_results::{ConditionKey, Kind, Metric, Scope};
+    use terrafill_results::{Clock, Kind, Metric, Scope};
     use terrafill_scene::{Overlap, Scene};
-    use terrafill_study::{Depth, Request};
+    use terrafill_study::{Depth, Request, RunOptions};
 
     const OVERLAPS: [Overlap; 2] = [Overlap::Disjoint, Overlap::Ordered];
 
@@ -150,33 +164,39 @@ mod tests {
     }
 
     #[test]
-    fn planned_conditions_are_those_that_a_study_declares() {
+    fn every_study_declares_the_conditions_that_it_plans() {
         let request = Request {
-            depth: Depth::Quick,
             size: [64; 2],
+            depth: Depth::Quick,
             ..Request::default()
         };
-        let planned = |study: &dyn Study| -> BTreeSet<String> {
-            let planned = study.plan(&request).expect("a plan");
-            let cases = planned.groups.iter().flat_map(|group| group.cases());
-            let names = cases.flat_map(|case| case.id.conditions.keys());
-            names.cloned().collect()
+        let options = RunOptions {
+            processes: 1,
+            process: 0,
+            warm_up: 0,
+            seed: 1,
+            shard: None,
         };
-        let undeclared = |names: &BTreeSet<String>, declared: &[ConditionKey]| -> Vec<String> {
-            let is_declared = |name: &str| declared.iter().any(|key| key.name() == name);
-            let names = names.iter().filter(|name| !is_declared(name));
-            names.cloned().collect()
-        };
-        let declaring = STUDIES.iter().map(|study| (study, study.conditions()));
-        let declaring: Vec<_> = declaring.filter(|(_, keys)| !keys.is_empty()).collect();
-        // The others still name their conditions by text.
-        assert_eq!(declaring.len(), 11);
-        for (study, keys) in &declaring {
-            let names = planned(**study);
-            assert_eq!(undeclared(&names, keys), [""; 0], "{}", study.name());
-            // Negative control: without declarations every planned condition is noticed.
-            assert!(!names.is_empty() && undeclared(&names, &[]).len() == names.len());
+        // The runner refuses others; its own tests have the control.
+        for study in STUDIES {
+            let planned = terrafill_study::plan(&[*study], &request, &options);
+            assert!(planned.is_ok(), "{}: {:?}", study.name(), planned.err());
         }
+    }
+
+    #[test]
+    fn metrics_are_marked_that_chapters_rank_by() {
+        for study in STUDIES {
+            for clock in [Clock::Gpu, Clock::ProcessCpu] {
+                let marked = study.metrics().iter();
+                let marked = marked.filter(|metric| metric.primary.ranks(clock));
+                let marked: Vec<&str> = marked.map(|metric| metric.name).collect();
+                let ranking = study.chapter().primary_metric(clock);
+                assert_eq!(marked, ranking.into_iter().collect::<Vec<_>>());
+            }
+        }
+        // Control: a metric of one clock ranks by no other, and one without a mark by none.
+        assert!(!Primary::Gpu.ranks(Clock::ProcessCpu) && !Primary::No.ranks(Clock::Gpu));
     }
 
     #[test]

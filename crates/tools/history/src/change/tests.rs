@@ -46,6 +46,8 @@ fn series(case: &str, kind: Kind, values: &[f64]) -> Series {
             kind,
             better: Direction::Less,
             meaning: String::new(),
+            primary: terrafill_results::Primary::No,
+            scope: String::new(),
         },
         points: points.collect(),
     }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::change::Point;
 use crate::changes;
-use terrafill_results::{Direction, Kind, MetricRow};
+use terrafill_results::{Direction, Kind, MetricRow, Primary};
 
 fn series(case: &str, values: &[f64]) -> Series {
     let points = values.iter().enumerate().map(|(place, value)| Point {
@@ -20,6 +20,8 @@ fn series(case: &str, values: &[f64]) -> Series {
             kind: Kind::Time,
             better: Direction::Less,
             meaning: String::new(),
+            primary: Primary::No,
+            scope: String::new(),
         },
         points: points.collect(),
     }
