@@ -1,22 +1,28 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Changes in series of figures over commits: exact ones, steps of times, and slow drift.
 //!
-//! A figure that is exact has changed wherever it differs from the commit before. A time has a step
-//! where all of these hold, and a drift by the same rules of its line. There are enough commits; the
-//! change is of the floor's size and several times the series' own scatter; the sides hardly overlap.
-//! And a rank test's probability is a discovery among all tests of all series. The commit of a step is
-//! the one that leaves the least absolute residuals. Its probability counts every place that it might
-//! have had (Bonferroni). Whether steps or a line tell a series better, an information criterion
-//! decides.
+//! A figure that is exact has changed wherever it differs from the commit before. A time has a **step**
+//! where one of two tests makes it a discovery among all series: the step's size in units of the series'
+//! own scatter, by [`Scatters`], or, in a history that is long enough for it, the ranks of both sides
+//! (Mann and Whitney, 1947; times the number of places, Bonferroni). A **drift** is one where the order of
+//! all values is a discovery (Mann and Kendall). Both also have the floor's size, are several times the
+//! scatter around the levels or the line, and their sides hardly overlap. Whether steps or a line tell a
+//! series better, an information criterion decides.
 //!
-//! Times of different jobs are not paired: what moved may be the machine. So all of it is advisory.
+//! Where each run has control passes, times are taken relative to them, so that a machine's shift is none
+//! of the program's. Times of different jobs are not paired all the same: what moved may be the machine. So
+//! all of it is advisory. What cannot be decided is named with the reason.
 
-use crate::rank::{Nulls, discoveries, separation, slope};
+use crate::control::relative;
+use crate::rank::{Nulls, discovered, separation, slope};
+use crate::scatter::{Cut, Scatters, error};
 use crate::threshold::{
-    FALSE_DISCOVERY_RATE, FLOOR_PERCENT, MAX_POINTS, MIN_POINTS, MIN_RESIDUALS, MIN_SEPARATION,
-    MIN_SIDE,
+    FALSE_DISCOVERY_RATE, FLOOR_PERCENT, MAX_HIDDEN_PERCENT, MAX_POINTS, MIN_POINTS, MIN_RESIDUALS,
+    MIN_SEPARATION, MIN_SIDE,
 };
 use serde::Serialize;
+use std::collections::BTreeMap;
+use terrafill_plot::number::significant;
 use terrafill_results::{Direction, MetricRow, median};
 
 /// A figure of a case on one kind of machine, commit by commit.
@@ -28,6 +34,8 @@ pub struct Series {
     pub case: String,
     /// Which figure.
     pub metric: MetricRow,
+    /// Whether it is of the control pass, in which no technique has a part.
+    pub is_control: bool,
     /// In order of the commits.
     pub points: Vec<Point>,
 }
@@ -101,40 +109,66 @@ pub struct Changes {
     pub changes: Vec<Change>,
     /// Series of exact figures with two commits or more.
     pub exact: usize,
-    /// Series of times in which changes were looked for.
+    /// Series of times that can be decided.
     pub times: usize,
-    /// Series of times with too few commits.
-    pub too_short: usize,
-    /// Tests that share the rate of false discoveries.
-    pub tests: usize,
+    /// Of these, taken relative to the control passes of the same runs.
+    pub relative: usize,
+    /// Half of the decided times find a lone step in the middle of their commits from this size on, in
+    /// percent; `None` without any.
+    pub finds_percent: Option<f64>,
+    /// Series of times that cannot be decided, by the reason.
+    pub undecided: Vec<Undecided>,
+}
+
+/// A time in which no change can be found.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Undecided {
+    /// Number of the machine in the store.
+    pub machine: i64,
+    /// [`terrafill_results::CaseId::key`].
+    pub case: String,
+    /// Which figure.
+    pub metric: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// A series of times with commits enough.
+#[derive(Debug, Clone)]
+pub(crate) struct Followed<'a> {
+    pub(crate) series: &'a Series,
+    /// The points of the series that are looked at.
+    pub(crate) points: Vec<usize>,
+    /// Their logarithms: changes of times are factors.
+    pub(crate) values: Vec<f64>,
 }
 
 /// Looks for changes in every series.
 #[must_use]
 pub fn changes(all: &[Series]) -> Changes {
     let mut found = Changes::default();
-    let mut tests = Vec::new();
-    let mut nulls = Nulls::default();
+    let mut groups: BTreeMap<(i64, &str), Vec<Followed<'_>>> = BTreeMap::new();
     for series in all {
         if series.metric.kind.is_exact() {
             found.exact += usize::from(series.points.len() > 1);
             found.changes.extend(exact_changes(series));
             continue;
         }
-        let usable = usable(series);
-        if usable.len() < MIN_POINTS {
-            found.too_short += 1;
+        let followed = followed(series);
+        let count = followed.values.len();
+        if count < MIN_POINTS {
+            let reason = format!("found {count} commits with a time, needs {MIN_POINTS}");
+            found.undecided.push(undecided(series, reason));
             continue;
         }
-        found.times += 1;
-        look(series, &usable, &mut nulls, &mut tests);
+        let group = groups.entry((series.machine, &series.metric.name));
+        group.or_default().push(followed);
     }
-    found.tests = tests.len();
-    let probabilities: Vec<f64> = tests.iter().map(|(p, _)| *p).collect();
-    let discovered = discoveries(&probabilities, FALSE_DISCOVERY_RATE);
-    let named = tests.into_iter().zip(discovered);
-    let named = named.filter_map(|((_, change), discovered)| change.filter(|_| discovered));
-    found.changes.extend(named);
+    for group in groups.values_mut() {
+        found.relative += relative(group);
+    }
+    let groups: Vec<Vec<Followed<'_>>> = groups.into_values().collect();
+    look(&groups, &mut found);
     let key = |change: &Change| {
         let Change {
             machine,
@@ -147,6 +181,15 @@ pub fn changes(all: &[Series]) -> Changes {
     };
     found.changes.sort_by_key(key);
     found
+}
+
+fn undecided(series: &Series, reason: String) -> Undecided {
+    Undecided {
+        machine: series.machine,
+        case: series.case.clone(),
+        metric: series.metric.name.clone(),
+        reason,
+    }
 }
 
 fn is_better(metric: &MetricRow, from: f64, to: f64) -> Option<bool> {
@@ -191,61 +234,122 @@ fn exact_changes(series: &Series) -> Vec<Change> {
         .collect()
 }
 
-/// Places of the newest points that are times, with their logarithms: changes of times are factors.
-fn usable(series: &Series) -> Vec<(usize, f64)> {
+/// The newest points that are times.
+fn followed(series: &Series) -> Followed<'_> {
     let points = series.points.iter().enumerate();
     let usable = points.filter(|(_, point)| point.value.is_finite() && point.value > 0.0);
     let mut usable: Vec<(usize, f64)> = usable.map(|(at, p)| (at, p.value.ln())).collect();
     usable.drain(..usable.len().saturating_sub(MAX_POINTS));
-    usable
+    let (points, values) = usable.into_iter().unzip();
+    Followed {
+        series,
+        points,
+        values,
+    }
 }
 
-/// A probability, and the change that it would be were it a discovery.
-type Test = (f64, Option<Change>);
+/// Tests every series for a step and for a drift, and names what is a discovery among all.
+fn look(groups: &[Vec<Followed<'_>>], found: &mut Changes) {
+    let values: Vec<Vec<&[f64]>> = groups
+        .iter()
+        .map(|group| group.iter().map(|of| of.values.as_slice()).collect())
+        .collect();
+    let scatters = Scatters::of(&values);
+    let all: Vec<(&Followed<'_>, f64)> = groups
+        .iter()
+        .flatten()
+        .zip(scatters.each.iter().copied())
+        .collect();
+    let rate = 0.5 * FALSE_DISCOVERY_RATE;
+    let mut tests = Tests {
+        scatters: &scatters,
+        nulls: Nulls::default(),
+        alone: rate / all.len() as f64,
+    };
+    let steps: Vec<Option<Split>> = all
+        .iter()
+        .map(|(of, scatter)| tests.best(&of.values, 0, *scatter))
+        .collect();
+    let drifts: Vec<f64> = all
+        .iter()
+        .map(|(of, _)| tests.nulls.order(&of.values))
+        .collect();
+    let of_steps: Vec<f64> = steps
+        .iter()
+        .flatten()
+        .map(|split| split.probability)
+        .collect();
+    let step_from = discovered(&of_steps, rate).unwrap_or(0.0);
+    let drift_from = discovered(&drifts, rate).unwrap_or(0.0);
+    let needed = scatters.size_at(tests.alone.max(step_from));
+    let mut hidden = Vec::new();
+    for (((of, scatter), first), drift) in all.into_iter().zip(steps).zip(drifts) {
+        let mut splits = Vec::new();
+        tests.split(&of.values, 0, scatter, step_from, &mut splits);
+        let is_drift = drift <= drift_from;
+        let named = named(of, first, &splits, is_drift.then_some(drift));
+        let half = of.values.len() / 2;
+        let least = needed * scatter * error(half, of.values.len() - half);
+        let least = 100.0 * least.max(floor()).exp_m1();
+        if named.is_empty() && least > MAX_HIDDEN_PERCENT {
+            let reason = format!(
+                "its scatter of {} % hides steps below {} %",
+                significant(100.0 * scatter.exp_m1()),
+                significant(least)
+            );
+            found.undecided.push(undecided(of.series, reason));
+        } else {
+            found.times += 1;
+            hidden.push(least);
+        }
+        found.changes.extend(named);
+    }
+    found.finds_percent = median(&hidden);
+}
 
-/// Tests the whole series for steps and for a drift. What both could be is what tells more by fewer
-/// numbers.
-fn look(series: &Series, usable: &[(usize, f64)], nulls: &mut Nulls, tests: &mut Vec<Test>) {
-    let values: Vec<f64> = usable.iter().map(|(_, value)| *value).collect();
-    let mut splits = Vec::new();
-    split(&values, 0, nulls, &mut splits);
-    let boundaries = boundaries(&values, &splits);
-    let levels = Levels::between(&values, boundaries.iter().map(|split| split.at));
-    let line = Line::through(&values);
+/// What a series is named for: steps or a drift, whichever tells more by fewer numbers.
+///
+/// - `first`: its best split, a discovery or not
+/// - `drift`: probability of its order, where it is a discovery
+fn named(
+    of: &Followed<'_>,
+    first: Option<Split>,
+    splits: &[Split],
+    drift: Option<f64>,
+) -> Vec<Change> {
+    let Followed {
+        series,
+        points,
+        values,
+    } = of;
+    let boundaries = boundaries(values, splits);
+    let levels = Levels::between(values, boundaries.iter().map(|split| split.at));
     // A single step that is too small to be named is still no drift.
-    let single = splits
-        .first()
-        .map(|split| Levels::between(&values, [split.at].into_iter()));
-    let single = single.map_or(f64::INFINITY, |of| {
-        information(of.residuals, 3, values.len())
+    let single = first.map_or(f64::INFINITY, |split| {
+        let single = Levels::between(values, [split.at].into_iter());
+        information(single.residuals, 3, values.len())
     });
     let steps = information(levels.residuals, 2 * boundaries.len() + 1, values.len()).min(single);
-    let is_line = line
-        .as_ref()
-        .is_some_and(|line| information(line.residuals, 2, values.len()) < steps);
-    if let Some(line) = line {
-        let p = nulls.order(&values);
-        let drift = (is_line && line.counts(&values)).then(|| {
-            let ends = [usable[0].0, usable[usable.len() - 1].0];
-            Change {
-                probability: Some(p),
-                ..change(series, ChangeKind::Drift, ends, line.ends.map(f64::exp))
-            }
-        });
-        tests.push((p, drift));
+    let line = drift.and_then(|p| Some((p, Line::through(values)?)));
+    let line = line.filter(|(_, line)| {
+        line.counts(values) && information(line.residuals, 2, values.len()) < steps
+    });
+    if let Some((p, line)) = line {
+        let ends = [points[0], points[points.len() - 1]];
+        return vec![Change {
+            probability: Some(p),
+            ..change(series, ChangeKind::Drift, ends, line.ends.map(f64::exp))
+        }];
     }
-    for split in &splits {
-        let place = boundaries.iter().position(|kept| kept.at == split.at);
-        let step = place.filter(|_| !is_line).map(|place| {
-            let around = [usable[split.at - 1].0, usable[split.at].0];
-            let medians = [levels.medians[place], levels.medians[place + 1]];
-            Change {
-                probability: Some(split.probability),
-                ..change(series, ChangeKind::Step, around, medians.map(f64::exp))
-            }
-        });
-        tests.push((split.probability, step));
-    }
+    let steps = boundaries.iter().enumerate().map(|(place, split)| {
+        let around = [points[split.at - 1], points[split.at]];
+        let medians = [levels.medians[place], levels.medians[place + 1]];
+        Change {
+            probability: Some(split.probability),
+            ..change(series, ChangeKind::Step, around, medians.map(f64::exp))
+        }
+    });
+    steps.collect()
 }
 
 /// Information criterion of a model with Laplace residuals (Schwarz, 1978): less is better.
@@ -256,6 +360,7 @@ fn information(residuals: f64, numbers: usize, values: usize) -> f64 {
 }
 
 /// A place where a part of a series was tested for a step.
+#[derive(Debug, Clone, Copy)]
 struct Split {
     /// First value after it.
     at: usize,
@@ -263,39 +368,60 @@ struct Split {
     probability: f64,
 }
 
-/// Tests the values, of which the first is the series' `start`th, for a step, and both sides of one that
-/// may be real for more.
-fn split(values: &[f64], start: usize, nulls: &mut Nulls, splits: &mut Vec<Split>) {
-    if values.len() < MIN_POINTS {
-        return;
+/// What places are tested by.
+struct Tests<'a> {
+    scatters: &'a Scatters,
+    nulls: Nulls,
+    /// Probability from which on a lone step is a discovery.
+    alone: f64,
+}
+
+impl Tests<'_> {
+    /// The best place for a step in values, of which the first is the series' `start`th.
+    fn best(&mut self, values: &[f64], start: usize, scatter: f64) -> Option<Split> {
+        let cut = Cut::of(values)?;
+        let by_scatter = self.scatters.probability(cut.size(values, scatter));
+        let half = values.len() / 2;
+        let places = (values.len() + 1 - 2 * MIN_SIDE) as f64;
+        // Ranks of few values can find nothing among so many series: that is no test, and takes no share.
+        let can_tell = 2.0 * places * self.nulls.least(half, values.len() - half) <= self.alone;
+        let probability = if can_tell {
+            let (before, after) = values.split_at(cut.at);
+            let by_rank = places * self.nulls.groups(before, after);
+            (2.0 * by_scatter.min(by_rank)).min(1.0)
+        } else {
+            by_scatter
+        };
+        Some(Split {
+            at: start + cut.at,
+            probability,
+        })
     }
-    let places = MIN_SIDE..=values.len() - MIN_SIDE;
-    let tests = places.clone().count() as f64;
-    let best = places
-        .map(|at| (at, Levels::between(values, [at].into_iter()).residuals))
-        .min_by(|a, b| a.1.total_cmp(&b.1));
-    let Some((at, _)) = best else {
-        return;
-    };
-    let (before, after) = values.split_at(at);
-    let probability = (nulls.groups(before, after) * tests).min(1.0);
-    splits.push(Split {
-        at: start + at,
-        probability,
-    });
-    if probability <= FALSE_DISCOVERY_RATE {
-        split(before, start, nulls, splits);
-        split(after, start + at, nulls, splits);
+
+    /// Splits values at steps of at most this probability, and both sides again.
+    fn split(
+        &mut self,
+        values: &[f64],
+        start: usize,
+        scatter: f64,
+        from: f64,
+        splits: &mut Vec<Split>,
+    ) {
+        let best = self.best(values, start, scatter);
+        let Some(split) = best.filter(|split| split.probability <= from) else {
+            return;
+        };
+        splits.push(split);
+        let (before, after) = values.split_at(split.at - start);
+        self.split(before, start, scatter, from, splits);
+        self.split(after, split.at, scatter, from, splits);
     }
 }
 
 /// The splits between levels that differ by more than the floor and their scatter, in order. One that
 /// does not is taken away, and its neighbours are looked at again.
 fn boundaries<'a>(values: &[f64], splits: &'a [Split]) -> Vec<&'a Split> {
-    let real = splits
-        .iter()
-        .filter(|split| split.probability <= FALSE_DISCOVERY_RATE);
-    let mut kept: Vec<&Split> = real.collect();
+    let mut kept: Vec<&Split> = splits.iter().collect();
     kept.sort_by_key(|split| split.at);
     loop {
         let ends = |place: usize| {

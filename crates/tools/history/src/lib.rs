@@ -10,6 +10,7 @@
 mod bisect;
 mod change;
 mod compare;
+mod control;
 mod device;
 mod error;
 mod exchange;
@@ -18,11 +19,12 @@ mod page;
 mod rank;
 mod record;
 mod repository;
+mod scatter;
 mod store;
 pub mod threshold;
 
 pub use bisect::Bisection;
-pub use change::{Change, ChangeKind, Changes, Point, Series, changes};
+pub use change::{Change, ChangeKind, Changes, Point, Series, Undecided, changes};
 pub use compare::{CaseTimes, Comparison, SideFacts, StudyTimes, TimeStanding, compare};
 pub use device::{CONTROL, Device, DeviceCell, DeviceRow, DeviceTable, by_device};
 pub use error::HistoryError;

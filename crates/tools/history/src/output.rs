@@ -4,7 +4,8 @@
 use crate::compare::{CaseTimes, Comparison, StudyTimes, TimeStanding};
 use crate::device::{DeviceCell, DeviceTable};
 use crate::page::{Trends, common};
-use crate::{Change, HistoryError, Series};
+use crate::threshold::FALSE_DISCOVERY_RATE;
+use crate::{Change, Changes, HistoryError, Series};
 use std::fmt::Write as _;
 use std::path::Path;
 use terrafill_gate::{Finding, Severity};
@@ -288,15 +289,33 @@ pub fn change_line(change: &Change) -> String {
     )
 }
 
+/// How many figures were followed, and what was to be found in them.
+pub(crate) fn followed_in_words(found: &Changes) -> String {
+    let finds = found.finds_percent.map_or(String::new(), |percent| {
+        let percent = significant(percent);
+        format!(
+            ", half of which would show a lone step of {percent} % between halves of their commits"
+        )
+    });
+    let relative = match found.relative {
+        0 => String::new(),
+        some => format!("; {some} are relative to the control passes of the same runs"),
+    };
+    let rate = 100.0 * FALSE_DISCOVERY_RATE;
+    format!(
+        "{} figures without noise and {} times over the commits{finds}{relative}; {} times cannot be \
+         decided; of the changes of times up to {rate:.0} % may be false",
+        found.exact,
+        found.times,
+        found.undecided.len()
+    )
+}
+
 /// Every change and everything that is missing, a line each, the worse ones first.
 #[must_use]
 pub fn trend_lines(of: &Trends<'_>) -> Vec<String> {
     let found = of.changes;
-    let mut lines = vec![format!(
-        "{} figures without noise and {} times over the commits; {} times with too few commits; {} \
-         tests share 10 % of false discoveries",
-        found.exact, found.times, found.too_short, found.tests
-    )];
+    let mut lines = vec![followed_in_words(found)];
     let mut changes: Vec<&Change> = found.changes.iter().collect();
     let order = |change: &Change| match change.is_better {
         Some(false) => 0,
@@ -310,6 +329,16 @@ pub fn trend_lines(of: &Trends<'_>) -> Vec<String> {
             "{}: machine {}, {}, last result at {}: {}",
             absent.outcome, absent.machine, absent.case, absent.last, absent.reason
         ));
+    }
+    for undecided in found.undecided.iter().take(MAX_ROWS) {
+        lines.push(format!(
+            "undecided: machine {}, {}, {}: {}",
+            undecided.machine, undecided.case, undecided.metric, undecided.reason
+        ));
+    }
+    if found.undecided.len() > MAX_ROWS {
+        let more = found.undecided.len() - MAX_ROWS;
+        lines.push(format!("undecided: {more} more, --json lists all"));
     }
     for number in of.overview.machines.keys() {
         let series: Vec<&Series> = of.series.iter().filter(|s| s.machine == *number).collect();

@@ -3,9 +3,10 @@
 
 use crate::compare::{CaseTimes, Comparison, StudyTimes, TimeStanding};
 use crate::device::{DeviceCell, DeviceTable};
+use crate::output::followed_in_words;
 use crate::record::{Machine, clean};
 use crate::store::{Absent, Overview};
-use crate::threshold::{COMMON_SHARE, FALSE_DISCOVERY_RATE, FLOOR_PERCENT, MIN_POINTS};
+use crate::threshold::{COMMON_SHARE, FALSE_DISCOVERY_RATE, FLOOR_PERCENT};
 use crate::{Change, ChangeKind, Changes, Series};
 use std::collections::BTreeMap;
 use terrafill_gate::{Finding, Severity};
@@ -328,12 +329,9 @@ pub fn history_page(of: &Trends<'_>) -> Vec<Block> {
     let mut blocks = Vec::new();
     let found = of.changes;
     blocks.push(Block::Text(format!(
-        "{}. {} figures without noise followed over the commits, and changes looked for in {} times; {} \
-         times have fewer than {MIN_POINTS} commits.",
+        "{}. {}.",
         runs_in_words(of.overview),
-        found.exact,
-        found.times,
-        found.too_short
+        followed_in_words(found)
     )));
     blocks.push(Block::Remark(format!(
         "A time's change is named from {FLOOR_PERCENT} % on; of those named, up to {:.0} % are expected to be \

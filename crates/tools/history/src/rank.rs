@@ -29,6 +29,13 @@ impl Nulls {
         two_sided(counts, pairs_larger(before, after), (m * n) as f64)
     }
 
+    /// The least that [`Self::groups`] can give for groups of these sizes.
+    pub(crate) fn least(&mut self, m: usize, n: usize) -> f64 {
+        let low = vec![0.0; m];
+        let high = vec![1.0; n];
+        self.groups(&low, &high)
+    }
+
     /// Two-sided probability that values in random order are as ordered as these.
     pub(crate) fn order(&mut self, values: &[f64]) -> f64 {
         let n = values.len();
@@ -141,18 +148,14 @@ pub(crate) fn difference(
     Some((middle, interval))
 }
 
-/// Which of these probabilities are discoveries at this rate of false ones.
-pub(crate) fn discoveries(probabilities: &[f64], rate: f64) -> Vec<bool> {
+/// The largest of these probabilities that is a discovery at this rate of false ones; `None` where none is.
+pub(crate) fn discovered(probabilities: &[f64], rate: f64) -> Option<f64> {
     let mut sorted = probabilities.to_vec();
     sorted.sort_by(f64::total_cmp);
     let tests = sorted.len() as f64;
-    let within = (1_u32..).zip(&sorted);
-    let cut = within
-        .filter(|(rank, p)| **p <= rate * f64::from(*rank) / tests)
-        .last();
-    let cut = cut.map(|(_, p)| *p);
-    let is_within = |p: &f64| cut.is_some_and(|cut| *p <= cut);
-    probabilities.iter().map(is_within).collect()
+    let within = (1_u32..).zip(sorted);
+    let within = within.filter(|(rank, p)| *p <= rate * f64::from(*rank) / tests);
+    within.last().map(|(_, p)| p)
 }
 
 #[cfg(test)]
@@ -222,11 +225,9 @@ mod tests {
             0.0001, 0.0004, 0.0019, 0.0095, 0.0201, 0.0278, 0.0298, 0.0344, 0.0459, 0.3240, 0.4262,
             0.5719, 0.6528, 0.7590, 1.0,
         ];
-        let found = discoveries(&p, 0.05);
-        assert_eq!(found.iter().filter(|f| **f).count(), 4);
-        assert!(found[..4].iter().all(|f| *f));
+        assert_eq!(discovered(&p, 0.05), Some(p[3]));
         // Twins: a rate of nothing, and no tests.
-        assert!(!discoveries(&p, 1e-6).contains(&true));
-        assert_eq!(discoveries(&[], 0.1), [false; 0]);
+        assert_eq!(discovered(&p, 1e-6), None);
+        assert_eq!(discovered(&[], 0.1), None);
     }
 }

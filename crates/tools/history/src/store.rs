@@ -6,6 +6,7 @@
 //! (`user_version`), and is checked whole before it is written to.
 
 use crate::change::{Point, Series};
+use crate::device::CONTROL;
 use crate::record::{CaseRecord, Machine, Record, clean, is_dirty};
 use crate::{HistoryError, Position};
 use rusqlite::{Connection, OpenFlags, OptionalExtension as _, Transaction, params};
@@ -14,6 +15,7 @@ use serde::de::DeserializeOwned;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use terrafill_results::condition::TECHNIQUE;
 use terrafill_results::{Clock, MetricRow, Outcome, median};
 
 /// Version of the store's tables.
@@ -291,6 +293,7 @@ impl Store {
             .filter_map(|run| Some((run.id, (run.machine, *places.get(run.commit.as_str())?))))
             .collect();
         let cases = names(&self.connection).map_err(&failed)?;
+        let controls = self.controls()?;
         let declared = declared(&self.connection).map_err(&failed)?;
         let is_wanted = |case: &str, metric: &MetricRow, machine: i64| {
             if metric.kind.is_exact() {
@@ -334,6 +337,7 @@ impl Store {
                 all.push(Series {
                     machine,
                     case: case.clone(),
+                    is_control: controls.contains(case),
                     points: points(metric, of_runs, &overview.commits),
                     metric: metric.clone(),
                 });
@@ -343,6 +347,28 @@ impl Store {
             (a.machine, &a.case, &a.metric.name).cmp(&(b.machine, &b.case, &b.metric.name))
         });
         Ok(all)
+    }
+
+    /// Cases of the pass that no technique has a part in.
+    fn controls(&self) -> Result<BTreeSet<String>, HistoryError> {
+        let failed = HistoryError::sql(&self.path);
+        let mut statement = self
+            .connection
+            .prepare("SELECT name, conditions FROM cases")
+            .map_err(&failed)?;
+        let mut rows = statement.query([]).map_err(&failed)?;
+        let mut found = BTreeSet::new();
+        while let Some(row) = rows.next().map_err(&failed)? {
+            let text: String = row.get(1).map_err(&failed)?;
+            let conditions: BTreeMap<String, String> = self.json(&text)?;
+            if conditions
+                .get(TECHNIQUE.name())
+                .is_some_and(|of| of == CONTROL)
+            {
+                found.insert(row.get(0).map_err(&failed)?);
+            }
+        }
+        Ok(found)
     }
 
     /// Cases of each machine that had a result once, and have none at its newest commit.

@@ -23,6 +23,7 @@ fn series(case: &str, values: &[f64]) -> Series {
             primary: Primary::No,
             scope: String::new(),
         },
+        is_control: false,
         points: points.collect(),
     }
 }
