@@ -23,7 +23,7 @@ mod scatter;
 mod store;
 pub mod threshold;
 
-pub use bisect::Bisection;
+pub use bisect::{Bisection, quoted};
 pub use change::{Change, ChangeKind, Changes, Point, Series, Undecided, changes};
 pub use compare::{CaseTimes, Comparison, SideFacts, StudyTimes, TimeStanding, compare};
 pub use device::{CONTROL, Device, DeviceCell, DeviceRow, DeviceTable, by_device};

@@ -10,10 +10,10 @@ use crate::registry::metrics;
 use std::path::Path;
 use terrafill_gate::{Rules, shipped_limits};
 use terrafill_history::{
-    Added, Bisection, Change, HistoryError, Overview, Record, Repository, Series, Store, Trends,
-    by_device, change_line, changes, clean, comparison_csv, comparison_markdown, comparison_page,
-    device_csv, device_markdown, device_page, export, history_page, read_tables, runs_in_words,
-    trend_lines,
+    Added, Bisection, Change, ChangeKind, HistoryError, Overview, Record, Repository, Series,
+    Store, Trends, by_device, change_line, changes, clean, comparison_csv, comparison_markdown,
+    comparison_page, device_csv, device_markdown, device_page, export, history_page, read_tables,
+    runs_in_words, trend_lines,
 };
 use terrafill_report::write_page;
 use terrafill_results::{Block, MetricRow, Run};
@@ -232,9 +232,13 @@ fn bisect(arguments: &BisectArguments) -> Result<Outcome, Failure> {
         .into_iter()
         .filter(|change| is_asked(&change.case, change.machine))
         .collect();
-    // The newest; of one commit the one that is worse.
+    // The newest that bisection can find; of one commit the one that is worse.
     let place = |commit: &str| overview.commits.iter().position(|known| known == commit);
-    of_case.sort_by_key(|change| (place(&change.bad), change.is_better == Some(false)));
+    let is_found = |change: &Change| change.kind != ChangeKind::Drift;
+    of_case.sort_by_key(|change| {
+        let is_worse = change.is_better == Some(false);
+        (is_found(change), place(&change.bad), is_worse)
+    });
     let Some(change) = of_case.pop() else {
         print(format!(
             "{case}: no change among the commits of the store\n"
@@ -242,14 +246,21 @@ fn bisect(arguments: &BisectArguments) -> Result<Outcome, Failure> {
         return Ok(Outcome::Done);
     };
     let repository = Repository::at(&arguments.repository);
-    let bisection = Bisection::of(change, repository.as_ref())?;
+    let outcome = if is_found(&change) {
+        Outcome::Done
+    } else {
+        Outcome::Inconclusive
+    };
+    let machine = overview.machines.get(&change.machine).cloned();
+    let bisection = Bisection::of(change, &series, repository.as_ref())?;
     let conditions = store.conditions(case)?.unwrap_or_default();
-    let mut text = bisection.lines(&conditions).join("\n") + "\n";
+    let lines = bisection.lines(&conditions, &machine.unwrap_or_default());
+    let mut text = lines.join("\n") + "\n";
     for other in of_case.iter().rev() {
         text += &format!("also: {}\n", change_line(other));
     }
     print(text)?;
-    Ok(Outcome::Done)
+    Ok(outcome)
 }
 
 pub(crate) fn compare(arguments: &CompareArguments) -> Result<Outcome, Failure> {

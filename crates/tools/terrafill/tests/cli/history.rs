@@ -21,6 +21,7 @@ fn write_run(desk: &Desk, name: &str, commit: &str, gpu: &str, [time, draws]: [f
     run.environment.gpu = gpu.to_owned();
     run.environment.device_type = "cpu".to_owned();
     run.environment.started_unix_s = 1_000;
+    (run.environment.width, run.environment.height) = (256, 256);
     let conditions = |technique| {
         [
             ("scene", "moon"),
@@ -149,7 +150,8 @@ fn a_change_is_found_located_and_shown() {
         "1 commit between them, 1 build".to_owned(),
         format!("  {} build first change 17", commits[17]),
         format!(
-            "gate moon --study filling --technique vertex --base {} --new {}",
+            "  terrafill gate moon --study filling --technique vertex --main --size 256x256 --adapter software \
+             --base {} --new {}\n",
             commits[16], commits[17]
         ),
     ] {
@@ -373,4 +375,63 @@ fn two_runs_are_compared_in_every_format() {
     desk.run(&["compare", "a"])
         .refused(&[&["found 1 runs, allowed: two"]]);
     desk.run(&["compare", "a", "a"]).refused(&[&["one folder"]]);
+}
+
+#[test]
+fn bisect_uses_the_runs_of_other_machines_and_refuses_a_drift() {
+    let desk = Desk::new();
+    let commits = repository(&desk, 17);
+    let mut add = vec!["history".to_owned(), "add".to_owned()];
+    let mut run = |at: usize, gpu: &str, figures: [f64; 2]| {
+        let name = format!("{gpu}-{at:02}");
+        write_run(&desk, &name, &commits[at], gpu, figures);
+        add.push(name);
+    };
+    // The one machine knows the first and the last commit, the other one some between; times grow slowly.
+    for at in [0, 16] {
+        run(at, "one", [10.0, if at < 9 { 134.0 } else { 135.0 }]);
+    }
+    for at in (0..17).filter(|at| *at != 9) {
+        let grown = 10.0 * 1.02_f64.powi(i32::try_from(at).expect("small"));
+        run(at, "another", [grown, if at < 9 { 7.0 } else { 9.0 }]);
+    }
+    add.extend(["--repository".to_owned(), "repository".to_owned()]);
+    desk.run(&add).succeeded();
+    let bisect = |metric: &str, machine: &str| {
+        let arguments = ["bisect", CASE, "--metric", metric, "--machine", machine];
+        history(
+            &desk,
+            &[&arguments[..], &["--repository", "repository"]].concat(),
+        )
+    };
+    let plan = bisect("draws", "1").succeeded();
+    for words in [
+        format!(
+            "stored between: {} machine 2: 7, before the change",
+            commits[8]
+        ),
+        format!(
+            "stored between: {} machine 2: 9, after the change",
+            commits[10]
+        ),
+        format!("last good commit in the store: {}", commits[8]),
+        format!("first bad commit in the store: {}", commits[10]),
+        "1 commit between them, 1 build".to_owned(),
+        format!(
+            "--adapter one --no-time --base {} --new {}",
+            commits[8], commits[9]
+        ),
+    ] {
+        assert!(plan.contains(&words), "{words}: {plan}");
+    }
+    let drift = bisect("fill_cpu_ms", "2");
+    assert_eq!(drift.code, 3, "{}", drift.stderr);
+    for words in [
+        "a drift, from",
+        "no bisection finds one",
+        "--base",
+        &commits[16],
+    ] {
+        assert!(drift.stdout.contains(words), "{words}: {}", drift.stdout);
+    }
 }
