@@ -58,6 +58,22 @@ impl Repository {
         })
     }
 
+    /// Hash of the commit that git knows by this name.
+    ///
+    /// # Errors
+    /// [`HistoryError::NotFound`] where there is none.
+    pub fn commit(&self, name: &str) -> Result<String, HistoryError> {
+        let revision = format!("{name}^{{commit}}");
+        let options = ["rev-parse", "--verify", "--quiet", "--end-of-options"];
+        self.git(&[&options[..], &[&revision]].concat())
+            .map_err(|_| {
+                let place = self.folder.display();
+                HistoryError::NotFound(format!(
+                    "{place}: found no commit {name:?}, allowed: what git knows as one"
+                ))
+            })
+    }
+
     /// Commits after `good` up to and with `bad`, the oldest first, each with its subject.
     ///
     /// # Errors

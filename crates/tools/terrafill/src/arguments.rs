@@ -451,6 +451,9 @@ pub(crate) enum HistoryVerb {
         after_help = "Example: terrafill history bisect filling/california/globe/vertex/doubled"
     )]
     Bisect(BisectArguments),
+    /// Build and measure the commits of a range that the history lacks, one after the other
+    #[command(after_help = BACKFILL_EXAMPLE)]
+    Backfill(BackfillArguments),
     /// Write everything as tables
     #[command(after_help = "Example: terrafill history export --csv out/tables")]
     Export {
@@ -468,6 +471,35 @@ pub(crate) enum HistoryVerb {
         #[command(flatten)]
         store: StoreArguments,
     },
+}
+
+const BACKFILL_EXAMPLE: &str = "\
+Exit codes: 0 all are stored · 2 bad input · 3 some commits failed, each is named · 4 all failed
+Again, it goes on where it was stopped. Run it in the repository that has the commits.
+Example: terrafill history backfill v1.0..main -- california --quick --size 256";
+
+#[derive(Debug, Args)]
+pub(crate) struct BackfillArguments {
+    /// Commits after FROM up to and with TO, as git names them
+    #[arg(value_name = "FROM..TO")]
+    pub(crate) range: String,
+    #[command(flatten)]
+    pub(crate) store: StoreArguments,
+    /// Only runs of this machine count as stored, by its number in the list [default: any]
+    #[arg(long)]
+    pub(crate) machine: Option<i64>,
+    /// Print the commands and do nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// Folder for the runs, one by commit
+    #[arg(long, value_name = "DIR", default_value = "out/backfill")]
+    pub(crate) runs: PathBuf,
+    /// Folder that keeps built revisions
+    #[arg(long, value_name = "DIR", default_value = "target/gate")]
+    pub(crate) cache: PathBuf,
+    /// Scenes and options of bench, after --
+    #[arg(last = true, value_name = "BENCH")]
+    pub(crate) bench: Vec<String>,
 }
 
 #[derive(Debug, Args)]

@@ -56,6 +56,7 @@ pub(crate) fn run(arguments: &HistoryArguments) -> Result<Outcome, Failure> {
         } => list_changes(store, metric, *json),
         HistoryVerb::Report { store, metric, out } => report(store, metric, out),
         HistoryVerb::Bisect(arguments) => bisect(arguments),
+        HistoryVerb::Backfill(arguments) => crate::backfill::run(arguments),
         HistoryVerb::Export { store, csv } => {
             let count = export(&Store::open(&store.store)?, csv)?;
             print(format!("exported: {count} runs to {}\n", csv.display()))?;

@@ -7,6 +7,7 @@
 )]
 
 mod arguments;
+mod backfill;
 mod bench;
 mod data;
 mod devices;

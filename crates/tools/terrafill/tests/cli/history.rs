@@ -435,3 +435,113 @@ fn bisect_uses_the_runs_of_other_machines_and_refuses_a_drift() {
         assert!(drift.stdout.contains(words), "{words}: {}", drift.stdout);
     }
 }
+
+/// Programs `cargo` that "builds" a terrafill which copies a prepared run: a commit whose subject is
+/// `broken` does not build.
+#[cfg(unix)]
+fn write_builder(desk: &Desk, broken: &str) {
+    use std::os::unix::fs::PermissionsExt as _;
+    let kept = desk.path("kept");
+    let (built, kept) = (desk.path("built"), kept.display());
+    let script = format!(
+        r#"#!/bin/sh
+commit=$(git rev-parse HEAD)
+echo "$commit" >> '{}'
+if [ "$(git log -1 --format=%s)" = '{broken}' ]; then echo 'error: does not compile' >&2; exit 101; fi
+mkdir -p "$CARGO_TARGET_DIR/release"
+cat > "$CARGO_TARGET_DIR/release/terrafill" <<END
+#!/bin/sh
+test "\$1 \$2 \$3 \$4" = "bench moon --size 256" || exit 9
+mkdir -p "\$6" && cp -r '{kept}/$commit/.' "\$6"
+END
+chmod +x "$CARGO_TARGET_DIR/release/terrafill"
+"#,
+        built.display()
+    );
+    desk.write("tools/cargo", script);
+    let mode = std::fs::Permissions::from_mode(0o755);
+    std::fs::set_permissions(desk.path("tools/cargo"), mode).expect("a mode");
+}
+
+#[test]
+#[cfg(unix)]
+fn old_commits_are_built_and_measured_and_only_what_lacks() {
+    let desk = Desk::new();
+    let commits = repository(&desk, 5);
+    for (at, commit) in (0_u32..).zip(&commits) {
+        let figures = [10.0, 134.0 + f64::from(at)];
+        write_run(
+            &desk,
+            &format!("kept/{commit}"),
+            commit,
+            "software",
+            figures,
+        );
+    }
+    let run = |arguments: &[&str]| {
+        let tools = desk.path("tools").display().to_string();
+        let path = std::env::var("PATH").expect("a path");
+        let words = [&["history"][..], arguments].concat();
+        let mut command = desk.command(&words);
+        command.env("PATH", format!("{tools}:{path}"));
+        ran(command.current_dir(desk.path("repository")))
+    };
+    let first = format!("../kept/{}", commits[1]);
+    run(&["add", &first]).succeeded();
+    let range = format!("{}..", commits[0]);
+    let bench = ["--", "moon", "--size", "256"];
+    let backfill = [&["backfill", &range][..], &bench].concat();
+
+    write_builder(&desk, "change 2");
+    let dry = run(&[&["backfill", &range, "--dry-run"][..], &bench].concat()).succeeded();
+    for words in [
+        format!("{}: is stored already: change 1\n", commits[1]),
+        format!(
+            "git worktree add --force --detach target/gate/tree {}\n",
+            commits[2]
+        ),
+        format!(
+            "target/gate/bin/{0}/terrafill bench moon --size 256 --out out/backfill/{0}\n",
+            commits[4]
+        ),
+    ] {
+        assert!(dry.contains(&words), "{words}: {dry}");
+    }
+    assert!(!desk.path("built").exists(), "nothing was done");
+
+    // One of four is there, one does not build, and the others are stored.
+    let some = run(&backfill);
+    assert_eq!(some.code, 3, "{}{}", some.stdout, some.stderr);
+    assert!(
+        some.stdout
+            .ends_with("backfilled: 2 stored, 1 were there already, 1 failed\n"),
+        "{}",
+        some.stdout
+    );
+    let named = format!("{} (change 2): ", commits[2]);
+    assert!(some.stderr.contains(&named), "{}", some.stderr);
+    let built = |desk: &Desk| desk.read_text("built").lines().count();
+    assert_eq!(built(&desk), 3);
+    // Mended, the same command builds the one that lacks.
+    write_builder(&desk, "nothing");
+    let all = run(&backfill).succeeded();
+    assert!(
+        all.ends_with("backfilled: 1 stored, 3 were there already, 0 failed\n"),
+        "{all}"
+    );
+    assert_eq!(built(&desk), 4);
+    let changes = run(&["changes", "--metric", "draws"]).succeeded();
+    assert_eq!(
+        changes.lines().filter(|l| l.starts_with("worse: ")).count(),
+        3,
+        "{changes}"
+    );
+
+    // Twins: bad input, and nothing but failures.
+    run(&["backfill", "main"]).refused(&[&["\"main\"", "FROM..TO"]]);
+    run(&["backfill", "nowhere..HEAD"]).refused(&[&["found no commit \"nowhere\""]]);
+    run(&[&backfill[..], &["--out", "x"]].concat()).refused(&[&["--out: found among"]]);
+    run(&["backfill", &range, "--machine", "9"]).refused(&[&["--machine: found 9, allowed: 1"]]);
+    let wrong = ["backfill", &range, "--store", "new.sqlite", "--", "mars"];
+    assert_eq!(run(&wrong).code, 4);
+}
