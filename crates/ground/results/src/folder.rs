@@ -389,7 +389,7 @@ pub(crate) fn duplicates(keys: impl IntoIterator<Item = String>) -> Vec<String> 
         .collect()
 }
 
-fn io(path: &Path, source: std::io::Error) -> RunError {
+pub(crate) fn io(path: &Path, source: std::io::Error) -> RunError {
     RunError::Io {
         path: path.to_owned(),
         source,

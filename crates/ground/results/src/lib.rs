@@ -21,6 +21,7 @@ mod metric;
 mod noise;
 mod paired;
 mod plan;
+mod process_part;
 mod random;
 mod ratio;
 mod read;
@@ -47,6 +48,7 @@ pub use metric::{Direction, Kind, Metric, MetricRow, Primary, Timer};
 pub use noise::{Between, Noise, has_two_groups};
 pub use paired::{Shift, rate_bounds};
 pub use plan::{RunPlan, Shard, Skipped};
+pub use process_part::VerifiedRun;
 pub use random::SplitMix64;
 pub use ratio::{
     Claim, Estimate, exponent, over_processes, over_typical, process_medians, ratio, sample_spread,

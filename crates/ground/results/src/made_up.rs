@@ -34,6 +34,8 @@ pub struct MadeUpRun {
 pub struct MadeUpCase {
     /// Which.
     pub id: CaseId,
+    /// Timed samples planned in each process.
+    pub samples: u32,
     /// Whether a wrong answer is a result.
     pub may_be_wrong: bool,
     /// How it ended and why; `None` for a case that the run never reached.
@@ -49,6 +51,7 @@ impl MadeUpRun {
     pub fn case(&mut self, id: CaseId) -> &mut MadeUpCase {
         self.cases.push(MadeUpCase {
             id,
+            samples: 0,
             may_be_wrong: false,
             row: Some((Status::Ok, String::new())),
             figures: Vec::new(),
@@ -155,7 +158,7 @@ impl MadeUpCase {
     fn planned(&self) -> PlannedCase {
         PlannedCase {
             id: self.id.clone(),
-            samples: 0,
+            samples: self.samples,
             may_be_wrong: self.may_be_wrong,
         }
     }

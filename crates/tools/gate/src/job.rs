@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Both programs at work: each has a run folder, which one process after another appends to.
+//! Both programs at work: each has a run folder, which the measurements of all its processes come to.
 //!
 //! The first process of a side verifies every picture against the reference. Each further one draws the
 //! pictures of its cases once more, makes sure by their hashes that they are the verified ones, and times
 //! them. So correctness costs a program one process, and no time is ever taken of a wrong picture.
+//!
+//! A timing process has a folder of its own, see [`Desk`]: what it reads and where its files lie is the same for
+//! both sides and whatever was measured before. When all appended to the folder of their side, the base's had
+//! twice as many rows, as base and null are two processes. Each process read them at its start, and the new
+//! program's were 2.3 % faster in the first group of cases, of the same work.
 //!
 //! Timing processes go in lock-step where both programs can, see `lockstep`, and else one after another.
 
@@ -16,7 +21,7 @@ use std::io::{self, BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
-use terrafill_results::{Case, Clock, Outcome, Run};
+use terrafill_results::{Case, Clock, Outcome, Run, VerifiedRun};
 
 /// The metric that a study's cases are compared by; `None` for a study that times nothing.
 pub type PrimaryMetric<'a> = &'a dyn Fn(&str, Clock) -> Option<&'static str>;
@@ -40,24 +45,49 @@ pub struct Workload {
     pub extra: [u32; 2],
 }
 
-/// A program's file that one process alone runs; gone with it.
+/// The folder of one timing process, gone with it: a copy of its program, and the run as it was verified.
 ///
 /// Processes of one file share the pages of its text, and which pages of memory these are decides by percents
-/// how fast they run. Were base and its null one file and new another, the two of one file would win.
-struct OwnCopy(PathBuf);
+/// how fast they run. Were base and its null one file and new another, the two of one file would win. Names are of
+/// one length, since the length of a process's arguments moves its stack.
+struct Desk(PathBuf);
 
-impl OwnCopy {
-    fn of(program: &Path, to: PathBuf) -> Result<Self, GateError> {
-        let copy = Self(to);
-        std::fs::copy(program, &copy.0).map_err(GateError::io(&copy.0))?;
-        Ok(copy)
+impl Desk {
+    fn of(process: u32, out: &Path) -> Self {
+        Self(out.join(format!("process-{process:05}")))
+    }
+
+    fn program(&self) -> PathBuf {
+        self.0.join("terrafill")
+    }
+
+    fn cases(&self) -> PathBuf {
+        self.0.join("cases.txt")
+    }
+
+    fn run(&self) -> PathBuf {
+        self.0.join("run")
+    }
+
+    fn lay_out(
+        &self,
+        program: &Path,
+        verified: &VerifiedRun,
+        cases: &BTreeSet<String>,
+    ) -> Result<(), GateError> {
+        verified.write_part(&self.run())?;
+        let copy = self.program();
+        std::fs::copy(program, &copy).map_err(GateError::io(&copy))?;
+        let list = self.cases();
+        let text: Vec<&str> = cases.iter().map(String::as_str).collect();
+        std::fs::write(&list, text.join("\n")).map_err(GateError::io(&list))
     }
 }
 
-impl Drop for OwnCopy {
+impl Drop for Desk {
     fn drop(&mut self) {
         // One that stays takes room and changes no verdict.
-        drop(std::fs::remove_file(&self.0));
+        drop(std::fs::remove_dir_all(&self.0));
     }
 }
 
@@ -72,6 +102,8 @@ pub struct Job<'a> {
     way: Way,
     /// Where timing processes run; empty: anywhere.
     cores: Cores,
+    /// Runs of base and new as they were verified.
+    verified: [Option<VerifiedRun>; 2],
 }
 
 impl<'a> Job<'a> {
@@ -102,6 +134,7 @@ impl<'a> Job<'a> {
         };
         Ok(Self {
             cores: Cores::default(),
+            verified: [None, None],
             way,
             programs,
             workload,
@@ -127,14 +160,11 @@ impl<'a> Job<'a> {
     }
 
     fn program(&self, side: Side) -> &Program {
-        &self.programs[usize::from(side == Side::New)]
+        &self.programs[side.index()]
     }
 
-    fn command(&self, side: Side) -> Command {
-        self.with_options(Command::new(&self.program(side).path), side)
-    }
-
-    fn with_options(&self, mut command: Command, side: Side) -> Command {
+    /// - `out`: folder of the process's run
+    fn with_options(&self, mut command: Command, side: Side, out: &Path) -> Command {
         command.arg("bench").args(&self.workload.arguments);
         command.args(["--processes", "1", "--samples"]);
         // In lock-step the gate counts the samples.
@@ -144,12 +174,12 @@ impl<'a> Job<'a> {
         };
         command.arg(samples.to_string());
         if self.workload.frames > 1 {
-            let extra = self.workload.extra[usize::from(side == Side::New)];
+            let extra = self.workload.extra[side.index()];
             command.arg("--frames-per-sample");
             command.arg(self.workload.frames.to_string());
-            command.arg("--extra-frames").arg(extra.to_string());
+            command.arg("--extra-frames").arg(format!("{extra:03}"));
         }
-        command.arg("--out").arg(self.folder(side));
+        command.arg("--out").arg(out);
         command
     }
 
@@ -161,12 +191,14 @@ impl<'a> Job<'a> {
     pub fn verify(&mut self, side: Side) -> Result<Run, GateError> {
         let what = format!("{}: every picture against the reference", side.name());
         (self.say)(&what);
-        let command = self.command(side);
-        let ended = self.run_to_end(side, command)?;
+        let folder = self.folder(side);
+        let program = Command::new(&self.program(side).path);
+        let ended = self.run_to_end(side, self.with_options(program, side, &folder))?;
         match ended.status.code() {
             // A wrong picture or a missing case: the tables have it.
             Some(0 | 1 | 3) => {
                 let run = self.load(side)?;
+                self.verified[side.index()] = Some(VerifiedRun::read(&folder)?);
                 // A GPU's clock does not count what the CPU does.
                 if self.workload.samples > 1 && run.clock() == Clock::ProcessCpu {
                     self.cores = Cores::of_this_process();
@@ -229,24 +261,26 @@ impl Job<'_> {
     ///
     /// - `block`: number of its block, all of whose processes run on one core
     ///
-    /// The copy that it runs has to live until it has ended.
+    /// Its folder has to live until it has ended.
     fn timing(
         &self,
         side: Side,
         process: u32,
         block: u32,
         cases: &BTreeSet<String>,
-    ) -> Result<(OwnCopy, Command), GateError> {
-        let list = self.out.join("cases.txt");
-        let text: Vec<&str> = cases.iter().map(String::as_str).collect();
-        std::fs::write(&list, text.join("\n")).map_err(GateError::io(&list))?;
-        let copy = self.out.join(format!("{}-{process}", side.name()));
-        let copy = OwnCopy::of(&self.program(side).path, copy)?;
-        let command = self.cores.command(&copy.0, block);
-        let mut command = self.with_options(command, side);
-        command.arg(format!("--process={process}"));
-        command.arg("--time-only").arg(&list);
-        Ok((copy, command))
+    ) -> Result<(Desk, Command), GateError> {
+        let desk = Desk::of(process, &self.out);
+        desk.lay_out(&self.program(side).path, self.verified(side)?, cases)?;
+        let command = self.cores.command(&desk.program(), block);
+        let mut command = self.with_options(command, side, &desk.run());
+        command.arg(format!("--process={process:05}"));
+        command.arg("--time-only").arg(desk.cases());
+        Ok((desk, command))
+    }
+
+    fn verified(&self, side: Side) -> Result<&VerifiedRun, GateError> {
+        let verified = self.verified[side.index()].as_ref();
+        verified.ok_or_else(|| self.failed(side, "timed before it was verified".to_owned()))
     }
 
     /// Why a process in lock-step failed: as it says itself, or as its pipe did.
@@ -269,10 +303,10 @@ impl Sides for Job<'_> {
 
     fn run_together(&mut self, trio: Trio, cases: &BTreeSet<String>) -> Result<(), GateError> {
         let sides = trio.processes();
-        let mut copies = Vec::with_capacity(sides.len());
+        let mut desks = Vec::with_capacity(sides.len());
         let mut start = |(side, process): (Side, u32)| -> Result<Stepped, GateError> {
-            let (copy, mut command) = self.timing(side, process, trio.block(), cases)?;
-            copies.push(copy);
+            let (desk, mut command) = self.timing(side, process, trio.block(), cases)?;
+            desks.push((side, desk));
             command.arg("--stepped");
             Stepped::start(command).map_err(|error| self.failed(side, error.to_string()))
         };
@@ -302,14 +336,17 @@ impl Sides for Job<'_> {
                 }
             }
         }
+        for (side, desk) in desks {
+            self.verified(side)?.add_part(&desk.run())?;
+        }
         Ok(())
     }
 
     fn run(&mut self, side: Side, process: u32, cases: &BTreeSet<String>) -> Result<(), GateError> {
-        let (_copy, command) = self.timing(side, process, (process - 1) / 4, cases)?;
+        let (desk, command) = self.timing(side, process, (process - 1) / 4, cases)?;
         let ended = self.run_to_end(side, command)?;
         if ended.status.success() {
-            Ok(())
+            Ok(self.verified(side)?.add_part(&desk.run())?)
         } else {
             Err(self.refused(side, &ended))
         }

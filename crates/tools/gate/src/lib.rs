@@ -14,6 +14,8 @@ mod bless;
 mod cores;
 mod error;
 mod exact;
+#[cfg(all(test, unix))]
+mod fake_program;
 mod finding;
 mod job;
 mod limits;

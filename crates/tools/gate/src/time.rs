@@ -47,6 +47,11 @@ impl Side {
             Self::New => "new",
         }
     }
+
+    /// Its place in arrays of base and new.
+    pub(crate) fn index(self) -> usize {
+        usize::from(self == Self::New)
+    }
 }
 
 /// Case → process → sample, from 1 → milliseconds.
@@ -90,16 +95,32 @@ const START_ORDERS: [[usize; 3]; 6] = [
 ];
 
 impl Trio {
+    /// The three of block `number`, from 0. Their numbers are in the order in which they start, so whatever goes by
+    /// a number is exchanged between the sides from block to block.
+    #[must_use]
+    pub fn of_block(number: u32) -> Self {
+        let order = START_ORDERS[number as usize % START_ORDERS.len()];
+        let mut processes = [0; 3];
+        for (process, place) in (3 * number + 1..).zip(order) {
+            processes[place] = process;
+        }
+        let [base, null, new] = processes;
+        Self { base, null, new }
+    }
+
     /// Number of the block, from 0.
     #[must_use]
     pub fn block(self) -> u32 {
-        self.base / 3
+        self.base.saturating_sub(1) / 3
     }
 
     /// Places in [`Trio::processes`] in the order in which they start.
     #[must_use]
     pub fn start_order(self) -> [usize; 3] {
-        START_ORDERS[self.block() as usize % START_ORDERS.len()]
+        let processes = self.processes().map(|(_, process)| process);
+        let mut order = [0, 1, 2];
+        order.sort_by_key(|place| processes[*place]);
+        order
     }
 
     /// The processes with their sides.
@@ -287,7 +308,7 @@ fn bursts(case: &str, trio: Trio, times: &[Times; 2]) -> Option<Vec<[f64; 3]>> {
     let of_case = [times[0].get(case)?, times[1].get(case)?];
     let mut samples = Vec::new();
     for (side, process) in trio.processes() {
-        samples.push(of_case[usize::from(side == Side::New)].get(&process)?);
+        samples.push(of_case[side.index()].get(&process)?);
     }
     let [base, null, new] = samples.as_slice() else {
         return None;
@@ -429,11 +450,7 @@ fn together(
     cases: &BTreeSet<String>,
     next_process: &mut u32,
 ) -> Result<Block, GateError> {
-    let trio = Trio {
-        base: *next_process,
-        null: *next_process + 1,
-        new: *next_process + 2,
-    };
+    let trio = Trio::of_block((*next_process - 1) / 3);
     *next_process += 3;
     sides.run_together(trio, cases)?;
     Ok(Block::LockStep(trio))

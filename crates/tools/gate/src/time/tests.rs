@@ -230,12 +230,10 @@ fn each_of_a_block_starts_first_second_and_last_equally_often() {
     let orders = |blocks: &mut dyn Iterator<Item = u32>| {
         let mut counts = [[0; 3]; 3];
         for block in blocks {
-            let trio = Trio {
-                base: 3 * block + 1,
-                null: 3 * block + 2,
-                new: 3 * block + 3,
-            };
+            let trio = Trio::of_block(block);
             assert_eq!(trio.block(), block);
+            let order = trio.start_order().map(|place| trio.processes()[place].1);
+            assert_eq!(order, [1, 2, 3].map(|of| 3 * block + of));
             for (before, place) in trio.start_order().into_iter().enumerate() {
                 counts[place][before] += 1;
             }
@@ -254,11 +252,7 @@ fn each_of_a_block_starts_first_second_and_last_equally_often() {
 #[test]
 fn a_burst_with_an_unusable_sample_does_not_count_and_half_of_them_must() {
     let mut sides = MadeUp::in_lock_step(14, 1.0);
-    let trio = Trio {
-        base: 1,
-        null: 2,
-        new: 3,
-    };
+    let trio = Trio::of_block(0);
     sides.run_together(trio, &cases(1)).expect("made up");
     let case = "filling/000";
     let mut times = both(&sides).expect("times");

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Programs made of a shell script, for tests: they verify by copying a made-up run, and in lock-step they answer
+//! with times as given. So a whole gate runs in a second and needs no device.
+
+use crate::{
+    GateError, GateOptions, GateReport, Job, PrimaryMetric, Program, Rules, Workload, gate,
+};
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::Path;
+use std::time::Duration;
+use terrafill_results::made_up::{MadeUpRun, case_id};
+use terrafill_results::{Clock, Kind, Metric};
+
+pub(crate) const METRICS: [Metric; 2] = [
+    Metric::less("fill_cpu_ms", "ms", Kind::Time, "Time."),
+    Metric::less("draws", "", Kind::Counter, "Draws."),
+];
+
+pub(crate) fn primary(_study: &str, _clock: Clock) -> Option<&'static str> {
+    Some("fill_cpu_ms")
+}
+
+/// What a program measures.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fake {
+    /// Milliseconds of every sample.
+    pub(crate) fill_cpu_ms: f64,
+    /// Shell commands of a process before it does anything.
+    pub(crate) before: &'static str,
+}
+
+impl Default for Fake {
+    fn default() -> Self {
+        Self {
+            fill_cpu_ms: 10.0,
+            before: "",
+        }
+    }
+}
+
+/// What comes before the values of a program: `$out`, `$process` and `$list` are as `bench` is started with.
+const START: &str = r#"#!/bin/sh
+for word in "$@"; do
+  case "$word" in --help) exit 0;; --process=*) process=${word#--process=};; esac
+  case "$last" in --out) out=$word;; --time-only) list=$word;; esac
+  last=$word
+done
+"#;
+
+const STEPS: &str = r#"
+if [ -z "$process" ]; then mkdir -p "$out"; cp -r "$verified"/. "$out"; exit 0; fi
+places=0
+printf ready
+while read -r key || [ -n "$key" ]; do
+  printf '\t%s' "$key"; eval "key_$places=\$key; n_$places=0"; places=$((places + 1))
+done <"$list"
+echo
+while read -r turn place of; do
+  case "$turn" in
+    next) exit 0;;
+    sample) eval "key=\$key_$place; n=\$((n_$place + 1)); n_$place=\$n"; rows >>"$out/measurements.csv";;
+  esac
+  echo over
+done
+"#;
+
+impl Fake {
+    /// Writes the program `name` with the run that it verifies.
+    pub(crate) fn write(&self, place: &Path, name: &str) -> Program {
+        let mut run = MadeUpRun {
+            metrics: METRICS.to_vec(),
+            ..MadeUpRun::default()
+        };
+        for view in ["globe", "near"] {
+            let conditions = [("scene", "square"), ("view", view), ("technique", "vertex")];
+            let case = run.case(case_id(
+                "filling",
+                &format!("square/{view}/vertex"),
+                &conditions,
+            ));
+            case.samples = 1;
+            case.figure("draws", 3.0);
+            // No two runs are equal to the last bit.
+            case.timed(
+                "fill_cpu_ms",
+                &[self.fill_cpu_ms + f64::from(name.as_bytes()[0]) * 1e-9],
+            );
+        }
+        let verified = place.join(format!("{name}-verified"));
+        run.write(&verified).expect("a run");
+        let (of, ms, before) = (verified.display(), self.fill_cpu_ms, self.before);
+        let rows = format!("rows() {{ echo \"$key,fill_cpu_ms,$process,$n,{ms}\"; }}");
+        let script = format!("{START}verified='{of}'\n{rows}\n{before}\n{STEPS}");
+        let path = place.join(name);
+        std::fs::write(&path, script).expect("written");
+        let executable = std::fs::Permissions::from_mode(0o755);
+        std::fs::set_permissions(&path, executable).expect("set");
+        Program {
+            path,
+            asked: name.to_owned(),
+            commit: None,
+        }
+    }
+}
+
+pub(crate) fn options() -> GateOptions {
+    GateOptions {
+        times: true,
+        advisory: false,
+        floor_percent: 3.0,
+        budget: Duration::from_secs(600),
+    }
+}
+
+/// Gates two programs in the folder `out` of `place`.
+pub(crate) fn gate_in(
+    place: &Path,
+    out: &str,
+    base: &Fake,
+    new: &Fake,
+    rules: &Rules<'_>,
+) -> Result<GateReport, GateError> {
+    let programs = [base.write(place, "old"), new.write(place, "new")];
+    let names = ["old", "new"].map(str::to_owned);
+    let workload = Workload {
+        samples: 30,
+        frames: 1,
+        ..Workload::default()
+    };
+    let primary: PrimaryMetric<'_> = &primary;
+    let mut say = |_: &str| {};
+    let mut job = Job::new(programs, workload, &place.join(out), primary, &mut say)?;
+    gate(&mut job, names, &options(), rules, primary)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Verdict;
+    use std::collections::BTreeSet;
+
+    const NO_RULES: Rules<'_> = Rules {
+        limits: &[],
+        blessings: &[],
+    };
+
+    #[test]
+    fn every_timing_process_reads_as_much_as_every_other_one() {
+        let place = tempfile::tempdir().expect("a folder");
+        // What it has to read, and what the folder that all processes of the base could share has.
+        let logged = Fake {
+            before: r#"if [ -n "$process" ]; then
+              cat "$out"/*.* | wc -c >>"$verified/../read"; cat "$out/../../base"/*.* | wc -c >>"$verified/../shared"
+              printf '%s' "$0 $*" | wc -c >>"$verified/../words"
+            fi"#,
+            ..Fake::default()
+        };
+        let of = |name: &str| -> Vec<u64> {
+            let text = std::fs::read_to_string(place.path().join(name)).expect(name);
+            text.lines()
+                .map(|line| line.trim().parse().expect("a number"))
+                .collect()
+        };
+        let report = gate_in(place.path(), "out", &logged, &logged, &NO_RULES).expect("a verdict");
+        assert_eq!(report.verdict, Verdict::Pass, "{:?}", report.findings);
+        let read = of("read");
+        assert_eq!(read.len(), 15, "five blocks of three");
+        assert!(read.iter().all(|bytes| *bytes == read[0]), "{read:?}");
+        let words: BTreeSet<u64> = of("words").into_iter().collect();
+        assert_eq!(words.len(), 1, "command lines of one length: {words:?}");
+        // Negative control: the shared folder grows from block to block.
+        let shared = of("shared");
+        assert!(
+            shared[14] > shared[3] && shared[3] > shared[0],
+            "{shared:?}"
+        );
+        // Nothing of the processes is left but their measurements.
+        let left = std::fs::read_dir(place.path().join("out"))
+            .expect("a folder")
+            .count();
+        assert_eq!(left, 2);
+    }
+}
