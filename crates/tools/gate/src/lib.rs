@@ -10,6 +10,7 @@
 //! a budget that ended early each have a verdict of their own.
 
 mod baseline;
+mod bias;
 mod bless;
 mod cores;
 mod error;
@@ -31,6 +32,7 @@ pub mod threshold;
 mod time;
 
 pub use baseline::{load_baseline, save_baseline};
+pub use bias::{Bias, GroupBias, MAX_BIAS_PERCENT, Mean};
 pub use bless::{Blessing, add_blessings, apply, read_blessings};
 pub use error::GateError;
 pub use exact::{Exact, compare_exactly, driver_fingerprint, same_driver};
@@ -41,7 +43,7 @@ pub use output::{annotations, junit, markdown, read_json, text, write_files};
 pub use part::GateShard;
 pub use program::{Program, refuse_equal_programs};
 pub use report::{GATE_SCHEMA, GateOptions, GateReport, Rules, gate};
-pub use self_test::{Injection, Rates, SelfTest, self_test};
+pub use self_test::{Injection, Proof, Rates, SelfTest, self_test};
 pub use shard::merge_gates;
 pub use time::{
     Block, CaseTime, Pace, Side, Sides, TimeGate, TimeOptions, Times, Trio, Way, compare_times,

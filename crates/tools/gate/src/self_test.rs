@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Proof of the time gate on the machine at hand: how often it raises a false alarm, and how often it
-//! catches work that was really added. The added work is frames: of every sample of so many frames, the
+//! catches work that was really added; and by how much it leans to one side, see `bias`. The added work is frames: of every sample of so many frames, the
 //! changed side draws a few more and adds their cost.
 
 use crate::{
-    CaseTime, GateError, Job, Pace, PrimaryMetric, Program, Side, TimeOptions, Workload,
-    compare_times, timed_cases,
+    Bias, CaseTime, GateError, GroupBias, Job, Pace, PrimaryMetric, Program, Side, Sides as _,
+    TimeOptions, Workload, compare_times, timed_cases,
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -182,11 +182,37 @@ impl Rates {
     }
 }
 
-/// Runs the time gate again and again over two programs of the same work; with an injection, every second
-/// gate has it on the base's side.
+/// What a self-test found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Proof {
+    /// How often it was right.
+    pub rates: Rates,
+    /// By how much it leans; of equal work alone.
+    pub bias: Bias,
+}
+
+impl Proof {
+    /// Rates and means, a line each.
+    #[must_use]
+    pub fn sentences(&self, injection: Option<Injection>) -> Vec<String> {
+        let mut lines = self.rates.sentences(injection);
+        lines.extend(self.bias.groups().iter().map(GroupBias::sentence));
+        lines
+    }
+
+    /// Whether it called what it should not have called, or leans to one side.
+    #[must_use]
+    pub fn is_wrong(&self, injection: Option<Injection>) -> bool {
+        let is_biased = self.bias.groups().iter().any(GroupBias::is_biased);
+        is_biased || self.rates.false_alarms(injection) > 0
+    }
+}
+
+/// Runs the time gate again and again over two programs of the same work. In every second gate their roles are
+/// swapped; with an injection, the base's side has it instead.
 ///
 /// - `out`: a folder for the run folders, one for each gate
-/// - `done`: gets the rates after each gate
+/// - `done`: gets what was found after each gate
 ///
 /// # Errors
 /// [`GateError`] of a gate; [`GateError::NothingMeasured`] where no case is timed.
@@ -197,11 +223,15 @@ pub fn self_test(
     out: &Path,
     primary: PrimaryMetric<'_>,
     say: &mut dyn FnMut(&str),
-    done: &mut dyn FnMut(&Rates),
-) -> Result<Rates, GateError> {
-    let mut rates = Rates::default();
+    done: &mut dyn FnMut(&Proof),
+) -> Result<Proof, GateError> {
+    let mut proof = Proof::default();
     for number in 0..test.runs {
-        let is_swapped = test.injection.is_some() && number % 2 == 1;
+        let is_swapped = number % 2 == 1;
+        let mut programs = programs.clone();
+        if is_swapped && test.injection.is_none() {
+            programs.reverse();
+        }
         let mut workload = workload.clone();
         if let Some(Injection { frames, extra }) = test.injection {
             workload.frames = frames;
@@ -210,7 +240,7 @@ pub fn self_test(
         }
         let folder = out.join(format!("gate-{number:03}"));
         let mut say = |what: &str| say(&format!("gate {} of {}, {what}", number + 1, test.runs));
-        let mut job = Job::new(programs.clone(), workload, &folder, primary, &mut say)?;
+        let mut job = Job::new(programs, workload, &folder, primary, &mut say)?;
         let (base, new) = (job.verify(Side::Base)?, job.verify(Side::New)?);
         let cases = timed_cases(&base, &new, primary);
         if cases.is_empty() {
@@ -222,10 +252,18 @@ pub fn self_test(
             ..TimeOptions::new(new.clock(), test.budget)
         };
         let gate = compare_times(&mut job, &cases, &options)?;
-        rates.count(&gate.cases, is_swapped);
-        done(&rates);
+        match test.injection {
+            // Of equal work no side is the slower one.
+            None => {
+                proof.rates.count(&gate.cases, false);
+                let times = [job.times(Side::Base)?, job.times(Side::New)?];
+                proof.bias.count(&gate, &times, is_swapped);
+            }
+            Some(_) => proof.rates.count(&gate.cases, is_swapped),
+        }
+        done(&proof);
     }
-    Ok(rates)
+    Ok(proof)
 }
 
 #[cfg(test)]
@@ -240,6 +278,64 @@ mod tests {
         assert_eq!(of(3), Some((100, 3)));
         assert_eq!(of(100), Some((10, 10)));
         assert_eq!((of(0), of(101), of(u32::MAX)), (None, None, None));
+    }
+
+    #[test]
+    fn a_self_test_that_leans_or_calls_equal_work_is_wrong() {
+        assert!(!Proof::default().is_wrong(None));
+        let mut called = Proof::default();
+        called.rates.slower = 1;
+        assert!(called.is_wrong(None));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn equal_programs_are_unbiased_and_a_later_start_that_the_gate_made_slower_is_seen() {
+        use crate::fake_program::{Fake, primary};
+        let mean = |new: Fake| {
+            let place = tempfile::tempdir().expect("a folder");
+            let programs = [
+                Fake::default().write(place.path(), "old"),
+                new.write(place.path(), "new"),
+            ];
+            let test = SelfTest {
+                injection: None,
+                runs: 2,
+                budget: Duration::from_secs(600),
+                floor_percent: 3.0,
+            };
+            let workload = Workload {
+                samples: 30,
+                frames: 1,
+                ..Workload::default()
+            };
+            let out = place.path().join("out");
+            let primary: PrimaryMetric<'_> = &primary;
+            let (mut say, mut done) = (|_: &str| {}, |_: &Proof| {});
+            self_test(
+                &test, &programs, &workload, &out, primary, &mut say, &mut done,
+            )
+            .expect("measured")
+        };
+        let proof = mean(Fake::default());
+        assert!(!proof.is_wrong(None), "{:?}", proof.sentences(None));
+        assert_eq!(proof.bias.groups().len(), 2);
+        // 2.3 % faster is called by no gate, and is no equal work: each way round, with the other sign.
+        let faster = Fake {
+            fill_cpu_ms: 9.77,
+            ..Fake::default()
+        };
+        let proof = mean(faster);
+        assert_eq!(proof.rates.false_alarms(None), 0);
+        assert!(proof.is_wrong(None), "{:?}", proof.sentences(None));
+        let groups = proof.bias.groups();
+        let percent =
+            [groups[0].as_given, groups[0].swapped].map(|mean| mean.expect("one").percent());
+        assert!(
+            (percent[0] + 2.3).abs() < 0.01 && (percent[1] - 2.354).abs() < 0.01,
+            "{percent:?}"
+        );
+        assert!(!groups[0].mirror().expect("both").is_biased());
     }
 
     #[test]

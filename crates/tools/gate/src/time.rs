@@ -483,7 +483,7 @@ fn both(sides: &dyn Sides) -> Result<[Times; 2], GateError> {
 }
 
 /// A block's difference of logarithms, for each block.
-fn differences(case: &str, blocks: &[Block], times: &[Times; 2]) -> Option<Vec<f64>> {
+pub(crate) fn differences(case: &str, blocks: &[Block], times: &[Times; 2]) -> Option<Vec<f64>> {
     let blocks = blocks.iter();
     blocks.map(|block| block.difference(case, times)).collect()
 }

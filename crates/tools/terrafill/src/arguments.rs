@@ -293,7 +293,7 @@ pub(crate) struct GateArguments {
     /// Folder of an earlier gate whose times balance the shards
     #[arg(long, value_name = "DIR", requires = "shard")]
     pub(crate) balance_by: Option<PathBuf>,
-    /// How often is the time gate right: with equal work, or with more
+    /// How often the time gate is right, and by how much it leans: with equal work, or with more
     #[arg(long, value_name = "aa|inject", hide_possible_values = true)]
     pub(crate) self_test: Option<SelfTestKind>,
     /// Work that the self-test adds

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use terrafill_gate::{
     Blessing, Finding, GateError, GateOptions, GateReport, GateShard, Injection, Job, Program,
-    Rates, Rules, SelfTest, Side, Workload, add_blessings, annotations, load_baseline, markdown,
+    Proof, Rules, SelfTest, Side, Workload, add_blessings, annotations, load_baseline, markdown,
     read_blessings, read_json, read_limits, refuse_equal_programs, save_baseline, self_test,
     shipped_limits, text, write_files,
 };
@@ -297,19 +297,20 @@ fn prove(arguments: &GateArguments, kind: SelfTestKind) -> Result<Outcome, Failu
         floor_percent: arguments.floor_percent,
     };
     let mut talk = Talk(None);
-    let rates = self_test(
+    let proof = self_test(
         &test,
         &[base, new],
         &workload(arguments, &arguments.scenes, true),
         &arguments.out,
         &primary,
         &mut |what| talk.say(what),
-        &mut |rates: &Rates| eprintln!("gate: {}", rates.sentences(injection).join("; ")),
+        &mut |proof: &Proof| eprintln!("gate: {}", proof.sentences(injection).join("; ")),
     )?;
-    print(rates.sentences(injection).join("\n") + "\n")?;
-    Ok(match rates.false_alarms(injection) {
-        0 => Outcome::Done,
-        _ => Outcome::Regression,
+    print(proof.sentences(injection).join("\n") + "\n")?;
+    Ok(if proof.is_wrong(injection) {
+        Outcome::Regression
+    } else {
+        Outcome::Done
     })
 }
 
