@@ -2,16 +2,22 @@
 //! Blessings: differences that somebody accepted, with a reason, in a file that is reviewed.
 //!
 //! A blessing names case, metric and *both* values, so that it covers one change and no later one. Of a
-//! time it names the largest change in percent. One that covers nothing is reported.
+//! time it names the largest change in percent, and what it is a change from: the base's commit, or the base's
+//! time where both programs are of one commit. Once the base moves on it covers nothing, or a blessed +8 % would
+//! let the next +8 % pass. One that covers nothing is reported.
 
-use crate::{Finding, Gate, GateError, table};
+use crate::{Finding, Gate, GateError, GateReport, table};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 const COLUMNS: [&str; 5] = ["case", "metric", "from", "to", "reason"];
 
-/// What `from` holds of a time.
-const TIME: &str = "time";
+/// What `from` of a time begins with where a commit follows.
+const COMMIT: char = '@';
+
+/// By how much the base's time may be off the one that is blessed: what the gate does not call a change.
+const MAX_BASE_RATIO: f64 = 1.03;
 
 /// One accepted difference.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -20,7 +26,7 @@ pub struct Blessing {
     pub case: String,
     /// Metric, or `status`.
     pub metric: String,
-    /// Value before; `time` for a time.
+    /// Value before; of a time the base's commit, `@4e23c86…`, or its time, `12.310 ms`.
     pub from: String,
     /// Value after; of a time the largest change that is accepted, `+12%`.
     pub to: String,
@@ -29,30 +35,37 @@ pub struct Blessing {
 }
 
 impl Blessing {
-    /// That accepts this finding, and of a time half as much again: the next run finds another value.
+    /// That accepts this finding, and of a time half as much again: the next run finds another value. `None` of
+    /// a time without a change that could be accepted.
+    ///
+    /// - `base`: commit that tells the base from the new program, see [`GateReport::base_commit`]
     #[must_use]
-    pub fn of(finding: &Finding, reason: &str) -> Self {
-        let (from, to) = match (finding.gate, finding.percent) {
-            (Gate::Time, Some(percent)) => {
-                let bound = (1.5 * percent.abs()).ceil() * percent.signum();
-                (TIME.to_owned(), format!("{bound:+}%"))
-            }
-            _ => (finding.from.clone(), finding.to.clone()),
+    pub fn of(finding: &Finding, base: Option<&str>, reason: &str) -> Option<Self> {
+        let (from, to) = if finding.gate == Gate::Time {
+            let percent = finding.percent.filter(|percent| percent.is_finite())?;
+            let bound = (1.5 * percent.abs()).ceil() * percent.signum();
+            let from = match base {
+                Some(commit) => format!("{COMMIT}{commit}"),
+                None => finding.from.clone(),
+            };
+            (from, format!("{bound:+}%"))
+        } else {
+            (finding.from.clone(), finding.to.clone())
         };
-        Self {
+        Some(Self {
             case: finding.case.clone(),
             metric: finding.metric.clone(),
             from,
             to,
             reason: reason.to_owned(),
-        }
+        })
     }
 
     fn is_about(&self, finding: &Finding) -> bool {
         self.case == finding.case && self.metric == finding.metric
     }
 
-    fn covers(&self, finding: &Finding) -> bool {
+    fn covers(&self, finding: &Finding, base: Option<&str>) -> bool {
         if !self.is_about(finding) {
             return false;
         }
@@ -61,41 +74,65 @@ impl Blessing {
         }
         // A time that is inconclusive has no change that could be accepted.
         let bound = self.to.strip_suffix('%').and_then(|to| to.parse().ok());
-        let bound: Option<f64> = bound.filter(|_| self.from == TIME);
+        let bound: Option<f64> = bound.filter(|_| self.is_from(&finding.from, base));
         bound.zip(finding.percent).is_some_and(|(bound, percent)| {
             percent.abs() <= bound.abs() && percent.signum().total_cmp(&bound.signum()).is_eq()
         })
     }
+
+    /// Whether it accepts changes from this base.
+    fn is_from(&self, time: &str, base: Option<&str>) -> bool {
+        if let Some(commit) = self.from.strip_prefix(COMMIT) {
+            return base == Some(commit);
+        }
+        let ms = |text: &str| {
+            text.strip_suffix(" ms")
+                .and_then(|ms| ms.parse::<f64>().ok())
+        };
+        let ratio = ms(time)
+            .zip(ms(&self.from))
+            .map(|(found, blessed)| found / blessed);
+        ratio.is_some_and(|ratio| (1.0 / MAX_BASE_RATIO..=MAX_BASE_RATIO).contains(&ratio))
+    }
+
+    fn sentence(&self) -> String {
+        let Self {
+            case,
+            metric,
+            from,
+            to,
+            ..
+        } = self;
+        format!("{case}, {metric} {from} → {to}")
+    }
 }
 
 /// Marks the findings that blessings cover. Returns a sentence for each blessing that covers none.
+///
+/// - `base`: see [`Blessing::of`]
 #[must_use]
-pub fn apply(blessings: &[Blessing], findings: &mut [Finding]) -> Vec<String> {
+pub fn apply(blessings: &[Blessing], findings: &mut [Finding], base: Option<&str>) -> Vec<String> {
     let mut idle = Vec::new();
     for blessing in blessings {
         let mut is_used = false;
         for finding in findings
             .iter_mut()
-            .filter(|finding| blessing.covers(finding))
+            .filter(|finding| blessing.covers(finding, base))
         {
             finding.blessed = Some(blessing.reason.clone());
             is_used = true;
         }
         if !is_used {
             let about = findings.iter().find(|finding| blessing.is_about(finding));
-            let Blessing {
-                case,
-                metric,
-                from,
-                to,
-                ..
-            } = blessing;
+            let blessed = blessing.sentence();
             idle.push(match about {
-                Some(found) => format!(
-                    "stale: {case}, {metric} {from} → {to} is blessed, found {}",
-                    found.sentence()
-                ),
-                None => format!("unused: {case}, {metric} {from} → {to}: no such difference"),
+                Some(found) if found.gate == Gate::Time && !blessing.is_from(&found.from, base) => {
+                    let from =
+                        base.map_or(found.from.clone(), |commit| format!("{COMMIT}{commit}"));
+                    format!("ended: {blessed} is blessed, and the base is {from} now")
+                }
+                Some(found) => format!("stale: {blessed} is blessed, found {}", found.sentence()),
+                None => format!("unused: {blessed}: no such difference"),
             });
         }
     }
@@ -123,22 +160,62 @@ pub fn read_blessings(path: &Path) -> Result<Vec<Blessing>, GateError> {
 /// As [`read_blessings`].
 pub fn add_blessings(path: &Path, new: &[Blessing]) -> Result<(), GateError> {
     let mut all = read_blessings(path)?;
-    let same = |a: &Blessing, b: &Blessing| a.case == b.case && a.metric == b.metric;
-    all.retain(|old| !new.iter().any(|new| same(old, new)));
+    let of = |blessing: &Blessing| (blessing.case.clone(), blessing.metric.clone());
+    let named: BTreeSet<_> = new.iter().map(of).collect();
+    all.retain(|old| !named.contains(&of(old)));
     all.extend(new.iter().cloned());
     all.sort_by(|a, b| (&a.case, &a.metric).cmp(&(&b.case, &b.metric)));
+    write_blessings(path, &all)
+}
+
+/// Takes out of a file what covers nothing that this gate found, of the scenes that it measured and, without times,
+/// of exact figures alone. Returns what was taken out.
+///
+/// # Errors
+/// As [`read_blessings`].
+pub fn prune_blessings(path: &Path, report: &GateReport) -> Result<Vec<Blessing>, GateError> {
+    let scene = |case: &str| case.split('/').take(2).collect::<Vec<_>>().join("/");
+    let measured: BTreeSet<String> = report.compared.iter().map(|case| scene(case)).collect();
+    let base = report.base_commit();
+    let is_idle = |blessing: &Blessing| {
+        let is_time = blessing.to.ends_with('%');
+        measured.contains(&scene(&blessing.case))
+            && (report.time.is_some() || !is_time)
+            && !report
+                .findings
+                .iter()
+                .any(|finding| blessing.covers(finding, base))
+    };
+    let (idle, kept): (Vec<_>, Vec<_>) = read_blessings(path)?.into_iter().partition(is_idle);
+    if !idle.is_empty() {
+        write_blessings(path, &kept)?;
+    }
+    Ok(idle)
+}
+
+/// Renamed into place: a full disk leaves the file as it was.
+fn write_blessings(path: &Path, all: &[Blessing]) -> Result<(), GateError> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let malformed = |error: csv::Error| GateError::BadInput(error.to_string());
-    for blessing in &all {
-        writer.serialize(blessing).map_err(malformed)?;
+    let malformed = |error: String| GateError::BadInput(error);
+    if all.is_empty() {
+        writer
+            .write_record(COLUMNS)
+            .map_err(|error| malformed(error.to_string()))?;
+    }
+    for blessing in all {
+        writer
+            .serialize(blessing)
+            .map_err(|error| malformed(error.to_string()))?;
     }
     let bytes = writer
         .into_inner()
-        .map_err(|error| GateError::BadInput(error.to_string()))?;
+        .map_err(|error| malformed(error.to_string()))?;
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(GateError::io(folder))?;
     }
-    std::fs::write(path, bytes).map_err(GateError::io(path))
+    let part = path.with_extension("csv.new");
+    std::fs::write(&part, bytes).map_err(GateError::io(&part))?;
+    std::fs::rename(&part, path).map_err(GateError::io(path))
 }
 
 #[cfg(test)]
@@ -162,18 +239,22 @@ mod tests {
         }
     }
 
+    fn blessed(finding: &Finding, base: Option<&str>) -> Blessing {
+        Blessing::of(finding, base, "two caps are drawn").expect("a change")
+    }
+
     #[test]
     fn a_blessing_covers_its_change_and_no_other() {
         let change = finding(Gate::Counters, "3", "6", None);
-        let blessing = Blessing::of(&change, "two caps are drawn");
+        let blessing = blessed(&change, None);
         let mut findings = [change.clone()];
-        assert!(apply(std::slice::from_ref(&blessing), &mut findings).is_empty());
+        assert!(apply(std::slice::from_ref(&blessing), &mut findings, None).is_empty());
         assert_eq!(findings[0].blessed.as_deref(), Some("two caps are drawn"));
         assert_eq!(verdict(&findings, 1), Verdict::Pass);
         // Twins: other values, the same ones the other way round, another case, nothing.
         for (from, to) in [("3", "7"), ("6", "3")] {
             let mut findings = [finding(Gate::Counters, from, to, None)];
-            let idle = apply(std::slice::from_ref(&blessing), &mut findings);
+            let idle = apply(std::slice::from_ref(&blessing), &mut findings, None);
             assert!(
                 idle[0].starts_with("stale: filling/a, draws 3 → 6"),
                 "{idle:?}"
@@ -184,28 +265,101 @@ mod tests {
             case: "filling/b".to_owned(),
             ..change
         }];
-        let idle = apply(std::slice::from_ref(&blessing), &mut other);
+        let idle = apply(std::slice::from_ref(&blessing), &mut other, None);
         assert!(idle[0].starts_with("unused"), "{idle:?}");
         assert_eq!(verdict(&other, 1), Verdict::Regression);
-        assert_eq!(apply(&[blessing], &mut []).len(), 1);
+        assert_eq!(apply(&[blessing], &mut [], None).len(), 1);
     }
 
     #[test]
-    fn a_blessed_time_has_a_bound_and_a_direction() {
-        let blessing = Blessing::of(&finding(Gate::Time, "", "", Some(9.6)), "worth it");
-        assert_eq!(
-            (blessing.from.as_str(), blessing.to.as_str()),
-            ("time", "+15%")
-        );
-        let is_blessed = |percent: Option<f64>| {
-            let mut findings = [finding(Gate::Time, "", "", percent)];
-            let _ = apply(std::slice::from_ref(&blessing), &mut findings);
+    fn a_blessed_time_has_a_bound_a_direction_and_a_base() {
+        let of = |percent| finding(Gate::Time, "12.310 ms", "13.580 ms", percent);
+        let blessing = blessed(&of(Some(9.6)), Some("4e23c86"));
+        let fields = (blessing.from.as_str(), blessing.to.as_str());
+        assert_eq!(fields, ("@4e23c86", "+15%"));
+        let is_blessed = |percent: Option<f64>, base| {
+            let mut findings = [of(percent)];
+            let idle = apply(std::slice::from_ref(&blessing), &mut findings, base);
+            assert_eq!(idle.is_empty(), findings[0].blessed.is_some());
             findings[0].blessed.is_some()
         };
-        assert!(is_blessed(Some(11.0)) && is_blessed(Some(15.0)));
+        let base = Some("4e23c86");
+        assert!(is_blessed(Some(11.0), base) && is_blessed(Some(15.0), base));
         for other in [Some(15.1), Some(-9.6), None, Some(f64::NAN)] {
-            assert!(!is_blessed(other), "{other:?}");
+            assert!(!is_blessed(other, base), "{other:?}");
         }
+        assert!(!is_blessed(Some(9.6), Some("abcdef0")) && !is_blessed(Some(9.6), None));
+        // What is inconclusive has no change to accept.
+        assert_eq!(Blessing::of(&of(None), base, "why"), None);
+    }
+
+    #[test]
+    fn a_blessed_slow_down_does_not_cover_the_next_one() {
+        let slower = |from: f64| {
+            let to = format!("{:.3} ms", 1.08 * from);
+            finding(Gate::Time, &format!("{from:.3} ms"), &to, Some(8.0))
+        };
+        // Two builds of one commit, and two commits.
+        for [then, next] in [[None, None], [Some("4e23c86"), Some("abcdef0")]] {
+            let blessing = blessed(&slower(10.0), then);
+            let gate = |from, base| {
+                let mut findings = [slower(from)];
+                let idle = apply(std::slice::from_ref(&blessing), &mut findings, base);
+                (verdict(&findings, 1).exit_code(), idle)
+            };
+            assert_eq!(gate(10.0, then).0, 0);
+            // The same machine a little slower; then what was blessed is the base.
+            assert_eq!(gate(10.2, then).0, 0);
+            let (code, idle) = gate(10.8, next);
+            assert_eq!(code, 1);
+            assert!(idle[0].starts_with("ended: filling/a, draws"), "{idle:?}");
+        }
+        // One that was written before bases were named covers nothing.
+        let old = Blessing {
+            from: "time".to_owned(),
+            ..blessed(&slower(10.0), None)
+        };
+        let mut findings = [slower(10.0)];
+        assert_eq!(apply(&[old], &mut findings, None).len(), 1);
+        assert_eq!(verdict(&findings, 1), Verdict::Regression);
+    }
+
+    #[test]
+    fn what_covers_nothing_is_pruned_where_the_gate_looked() {
+        let place = tempfile::tempdir().expect("a folder");
+        let path = place.path().join("blessed.csv");
+        let blessing = |case: &str, to: &str| Blessing {
+            case: case.to_owned(),
+            metric: "draws".to_owned(),
+            from: "3".to_owned(),
+            to: to.to_owned(),
+            reason: "meant".to_owned(),
+        };
+        let cases = ["filling/a/globe/x", "filling/a/gone/x", "filling/b/globe/x"];
+        let mut all = cases.map(|case| blessing(case, "6")).to_vec();
+        all.push(blessing("filling/a/near/x", "+12%"));
+        add_blessings(&path, &all).expect("written");
+        let report = GateReport {
+            compared: vec![cases[0].to_owned()],
+            findings: vec![Finding {
+                case: cases[0].to_owned(),
+                ..finding(Gate::Counters, "3", "6", None)
+            }],
+            ..GateReport::default()
+        };
+        let pruned = prune_blessings(&path, &report).expect("pruned");
+        assert_eq!(pruned, [blessing(cases[1], "6")]);
+        // Another scene was not measured, and no time was.
+        let left = read_blessings(&path).expect("read");
+        let left: Vec<&str> = left.iter().map(|blessing| blessing.case.as_str()).collect();
+        assert_eq!(left, [cases[0], "filling/a/near/x", cases[2]]);
+        let timed = GateReport {
+            time: Some(crate::TimeGate::default()),
+            findings: Vec::new(),
+            ..report
+        };
+        assert_eq!(prune_blessings(&path, &timed).expect("pruned").len(), 2);
+        assert_eq!(read_blessings(&path).expect("read").len(), 1);
     }
 
     #[test]

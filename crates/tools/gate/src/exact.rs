@@ -21,6 +21,8 @@ pub struct Exact {
     pub figures: usize,
     /// Cases that neither run could run, with the reason.
     pub skipped: Vec<(String, String)>,
+    /// Limits of the user's own that are about no figure of either run, in words.
+    pub unmatched_limits: Vec<String>,
 }
 
 /// Compares two runs. A/A twins are left out: they repeat the work of other cases.
@@ -42,6 +44,7 @@ pub fn compare_exactly(base: &Run, new: &Run, limits: &[Limit]) -> Result<Exact,
     for key in keys {
         comparison.compare(cases.get(key).copied(), others.get(key).copied());
     }
+    comparison.exact.unmatched_limits = unmatched(limits, [&cases, &others]);
     if !comparison.is_same_driver && !comparison.exact.compared.is_empty() {
         let driver = |of: &RunEnvironment| format!("{}, {}", of.gpu, of.driver_info);
         comparison.exact.findings.push(Finding {
@@ -141,6 +144,22 @@ fn is_copy(base: &Run, new: &Run) -> bool {
 fn by_key(run: &Run) -> BTreeMap<String, &Case> {
     let cases = run.cases.iter().filter(|case| !case.is_twin());
     cases.map(|case| (case.id().key(), case)).collect()
+}
+
+/// A limit that is about nothing guards nothing: a misspelt one must not pass in silence.
+fn unmatched(limits: &[Limit], runs: [&BTreeMap<String, &Case>; 2]) -> Vec<String> {
+    let is_about_something = |limit: &Limit| {
+        let mut cases = runs.into_iter().flatten();
+        cases.any(|(key, case)| {
+            case.figures()
+                .keys()
+                .any(|metric| limit.covers(key, metric))
+        })
+    };
+    let own = limits.iter().filter(|limit| !limit.is_shipped);
+    own.filter(|limit| !is_about_something(limit))
+        .map(|Limit { case, metric, .. }| format!("case {case:?}, metric {metric:?}"))
+        .collect()
 }
 
 /// Declarations by name; the new run's where both declare.

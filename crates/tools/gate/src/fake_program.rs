@@ -109,6 +109,7 @@ pub(crate) fn options() -> GateOptions {
         advisory: false,
         floor_percent: 3.0,
         budget: Duration::from_secs(600),
+        is_part: false,
     }
 }
 

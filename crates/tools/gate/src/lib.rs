@@ -18,6 +18,7 @@ mod exact;
 #[cfg(all(test, unix))]
 mod fake_program;
 mod finding;
+mod glob;
 mod job;
 mod limits;
 mod lockstep;
@@ -33,10 +34,11 @@ mod time;
 
 pub use baseline::{load_baseline, save_baseline};
 pub use bias::{Bias, GroupBias, MAX_BIAS_PERCENT, Mean};
-pub use bless::{Blessing, add_blessings, apply, read_blessings};
+pub use bless::{Blessing, add_blessings, apply, prune_blessings, read_blessings};
 pub use error::GateError;
 pub use exact::{Exact, compare_exactly, driver_fingerprint, same_driver};
 pub use finding::{Finding, Gate, Severity, Verdict, verdict};
+pub use glob::matches;
 pub use job::{Job, PrimaryMetric, Workload, ranks, timed_cases};
 pub use limits::{Limit, read_limits, shipped_limits};
 pub use output::{annotations, junit, markdown, read_json, text, write_files};

@@ -2,7 +2,7 @@
 //! Committed limits of single figures: that something was drawn, that an unchanged frame makes and
 //! uploads nothing, and how large an error may be. A value on either side of its limits fails.
 
-use crate::{GateError, table};
+use crate::{GateError, glob, table};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -15,7 +15,7 @@ const COLUMNS: [&str; 5] = ["case", "metric", "min", "max", "reason"];
 /// Limits of one metric.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Limit {
-    /// Key of a case, or the start of keys and `*`.
+    /// Key of a case, or a pattern of keys with `*`.
     pub case: String,
     /// Which metric.
     pub metric: String,
@@ -25,17 +25,16 @@ pub struct Limit {
     pub max: Option<f64>,
     /// Why.
     pub reason: String,
+    /// Whether it ships with the program, and need not be about a case at hand.
+    #[serde(skip)]
+    pub is_shipped: bool,
 }
 
 impl Limit {
     /// Whether it is about this figure.
     #[must_use]
     pub fn covers(&self, case: &str, metric: &str) -> bool {
-        let is_case = match self.case.strip_suffix('*') {
-            Some(start) => case.starts_with(start),
-            None => case == self.case,
-        };
-        is_case && metric == self.metric
+        metric == self.metric && glob::matches(&self.case, case)
     }
 
     /// What is wrong with a value; a value that is no number is always wrong.
@@ -60,7 +59,9 @@ impl Limit {
 /// # Errors
 /// [`GateError::Row`], which a test rules out.
 pub fn shipped_limits() -> Result<Vec<Limit>, GateError> {
-    parse(Path::new("limits.csv"), SHIPPED)
+    let mut limits = parse(Path::new("limits.csv"), SHIPPED)?;
+    limits.iter_mut().for_each(|limit| limit.is_shipped = true);
+    Ok(limits)
 }
 
 /// Limits of a file, beside those that ship.
@@ -115,6 +116,7 @@ mod tests {
             min: None,
             max: Some(3.0),
             reason: "so".to_owned(),
+            is_shipped: false,
         };
         assert!(limit("filling/*").covers("filling/a", "draws"));
         assert!(limit("filling/a").covers("filling/a", "draws"));

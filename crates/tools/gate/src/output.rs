@@ -57,26 +57,43 @@ pub fn text(report: &GateReport) -> String {
             let _ = writeln!(text, "  … and {more} more in gate.json");
         }
     }
-    let blessed = report
-        .findings
-        .iter()
-        .filter(|f| f.blessed.is_some())
-        .count();
-    if blessed > 0 {
-        let _ = writeln!(
-            text,
-            "\nblessed: {blessed}, with their reasons in gate.json"
-        );
+    let blessed: Vec<_> = blessed(report).collect();
+    if !blessed.is_empty() {
+        let _ = writeln!(text, "\nblessed ({}):", blessed.len());
     }
+    for (finding, reason) in blessed.iter().take(MAX_LINES) {
+        let sentence = finding.sentence();
+        let _ = writeln!(text, "  {}\n    {sentence}; {reason}", finding.case);
+    }
+    rest(&mut text, blessed.len(), MAX_LINES, "gate.json");
     for idle in report.idle_blessings.iter().take(MAX_LINES) {
         let _ = writeln!(text, "blessing {idle}");
     }
+    rest(
+        &mut text,
+        report.idle_blessings.len(),
+        MAX_LINES,
+        "gate.json",
+    );
     if report.verdict != Verdict::Pass {
         for command in commands(report) {
             let _ = writeln!(text, "see: {command}");
         }
     }
     text
+}
+
+/// Findings that are accepted, with the reason.
+fn blessed(report: &GateReport) -> impl Iterator<Item = (&Finding, &str)> {
+    let findings = report.findings.iter();
+    findings.filter_map(|finding| Some((finding, finding.blessed.as_deref()?)))
+}
+
+/// Says how many are not shown.
+fn rest(text: &mut String, count: usize, shown: usize, place: &str) {
+    if count > shown {
+        let _ = writeln!(text, "  … and {} more in {place}", count - shown);
+    }
 }
 
 fn headline(report: &GateReport) -> String {
@@ -368,6 +385,7 @@ mod tests {
             findings,
             time: None,
             idle_blessings: vec!["unused: filling/z, draws 1 → 2".to_owned()],
+            unmatched_limits: Vec::new(),
             elapsed_s: 12.0,
             see: "terrafill compare out/gate/base out/gate/new".to_owned(),
         }
@@ -453,8 +471,8 @@ mod tests {
         let path = place.path().join("gate.json");
         assert_eq!(read_json(&path).expect("read"), written);
         let text = std::fs::read_to_string(&path).expect("read");
-        std::fs::write(&path, text.replace("\"schema\": 2", "\"schema\": 9")).expect("written");
+        std::fs::write(&path, text.replace("\"schema\": 3", "\"schema\": 9")).expect("written");
         let error = read_json(&path).expect_err("another version").to_string();
-        assert!(error.contains("found 9, expected 2"), "{error}");
+        assert!(error.contains("found 9, expected 3"), "{error}");
     }
 }

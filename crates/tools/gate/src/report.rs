@@ -13,7 +13,7 @@ use std::time::Duration;
 use terrafill_results::{Run, RunEnvironment};
 
 /// Version of `gate.json`.
-pub const GATE_SCHEMA: u32 = 2;
+pub const GATE_SCHEMA: u32 = 3;
 
 /// What a gate found: `gate.json`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -50,6 +50,8 @@ pub struct GateReport {
     pub time: Option<TimeGate>,
     /// Blessings that covered nothing.
     pub idle_blessings: Vec<String>,
+    /// Limits that were about nothing: of a part of a gate alone, where another part may have their cases.
+    pub unmatched_limits: Vec<String>,
     /// Seconds that it took, builds not counted.
     pub elapsed_s: f64,
     /// How to see more.
@@ -76,6 +78,7 @@ impl GateReport {
         rules: &Rules<'_>,
     ) -> Result<Self, GateError> {
         let exact = compare_exactly(base, new, rules.limits)?;
+        refuse_unmatched(&exact.unmatched_limits)?;
         Ok(Self::build(
             names,
             [base, new],
@@ -99,7 +102,8 @@ impl GateReport {
         } = &run.environment;
         let mut findings = exact.findings;
         findings.extend(of_time);
-        let idle_blessings = apply(rules.blessings, &mut findings);
+        let commits = [run_of_base, run].map(|run| run.environment.commit.clone());
+        let idle_blessings = apply(rules.blessings, &mut findings, told_apart_by(&commits));
         let mut compared = exact.compared;
         if let Some(time) = &time {
             compared.extend(time.cases.iter().map(|case| case.case.clone()));
@@ -112,7 +116,7 @@ impl GateReport {
             exit_code: verdict.exit_code(),
             base,
             new,
-            commits: [run_of_base, run].map(|run| run.environment.commit.clone()),
+            commits,
             options: run
                 .environment
                 .options
@@ -129,9 +133,16 @@ impl GateReport {
             findings,
             time,
             idle_blessings,
+            unmatched_limits: exact.unmatched_limits,
             elapsed_s: 0.0,
             see: String::new(),
         }
+    }
+
+    /// The base's commit where it tells the base from the new program: blessings of times are bound to it.
+    #[must_use]
+    pub fn base_commit(&self) -> Option<&str> {
+        told_apart_by(&self.commits)
     }
 
     /// What parts of one gate have in common.
@@ -189,6 +200,8 @@ pub struct GateOptions {
     pub floor_percent: f64,
     /// Time for verifying and measuring.
     pub budget: Duration,
+    /// Whether other parts of the gate measure other scenes.
+    pub is_part: bool,
 }
 
 /// Verifies both programs, compares what they count, and then their times.
@@ -205,6 +218,9 @@ pub fn gate(
     let (base, new) = (job.verify(Side::Base)?, job.verify(Side::New)?);
     refuse_two_devices(&base, &new)?;
     let exact = compare_exactly(&base, &new, rules.limits)?;
+    if !options.is_part {
+        refuse_unmatched(&exact.unmatched_limits)?;
+    }
     let cases = timed_cases(&base, &new, primary);
     let mut time = None;
     let mut of_time = Vec::new();
@@ -231,6 +247,24 @@ pub fn gate(
     let [base, new] = [Side::Base, Side::New].map(|side| job.folder(side).display().to_string());
     report.see = format!("terrafill compare {base} {new}");
     Ok(report)
+}
+
+/// The commit of the base, unless both programs may be of it.
+fn told_apart_by([base, new]: &[String; 2]) -> Option<&str> {
+    let is_own =
+        !base.is_empty() && !base.ends_with("+dirty") && base != new.trim_end_matches("+dirty");
+    is_own.then_some(base.as_str())
+}
+
+/// Refuses limits that guard nothing.
+pub(crate) fn refuse_unmatched(limits: &[String]) -> Result<(), GateError> {
+    if limits.is_empty() {
+        return Ok(());
+    }
+    Err(GateError::BadInput(format!(
+        "limits: found no figure in either run for {}, allowed: limits that are about one; correct them or take them out",
+        limits.join("; ")
+    )))
 }
 
 fn refuse_two_devices(base: &Run, new: &Run) -> Result<(), GateError> {

@@ -4,7 +4,7 @@
 //! A part is some of the scenes. Its machine measures both programs over them, so that no pair of base and
 //! new is ever of two machines.
 
-use crate::report::sort;
+use crate::report::{refuse_unmatched, sort};
 use crate::{GateError, GateReport, GateShard, verdict};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -139,7 +139,9 @@ pub fn merge_gates(folders: &[PathBuf]) -> Result<GateReport, GateError> {
         )));
     }
     all_scenes(parts.values().map(|(_, _, part)| part))?;
-    Ok(join(parts.into_values().map(|(_, report, _)| report)))
+    let whole = join(parts.into_values().map(|(_, report, _)| report));
+    refuse_unmatched(&whole.unmatched_limits)?;
+    Ok(whole)
 }
 
 /// The report of a part.
@@ -209,6 +211,10 @@ fn join(parts: impl Iterator<Item = GateReport>) -> GateReport {
         whole
             .idle_blessings
             .extend(others.into_iter().filter(is_stale));
+        let elsewhere = part.unmatched_limits;
+        whole
+            .unmatched_limits
+            .retain(|limit| elsewhere.contains(limit));
         whole.elapsed_s = whole.elapsed_s.max(part.elapsed_s);
     }
     sort(&mut whole.findings);

@@ -673,7 +673,7 @@ fn pace(
 }
 
 impl CaseTime {
-    /// `+10.3 % [8.9 … 11.8], 12.31 → 13.58 ms, 20 of 20 blocks slower`.
+    /// `+10.3 % [8.9 … 11.8], 20 of 20 blocks slower`.
     #[must_use]
     pub fn sentence(&self) -> String {
         let mut parts = Vec::new();
@@ -682,9 +682,6 @@ impl CaseTime {
                 format!(" [{low:+.1} … {high:+.1}]")
             });
             parts.push(format!("{percent:+.1} %{interval}"));
-        }
-        if let (Some(base), Some(new)) = (self.base_ms, self.new_ms) {
-            parts.push(format!("{base:.3} → {new:.3} ms"));
         }
         if self.percent.is_some() {
             parts.push(format!(
@@ -715,13 +712,18 @@ impl CaseTime {
             metric: metric.to_owned(),
             gate: Gate::Time,
             severity,
-            from: String::new(),
-            to: String::new(),
+            from: milliseconds(self.base_ms),
+            to: milliseconds(self.new_ms),
             words: self.sentence(),
             percent: self.percent,
             blessed: None,
         })
     }
+}
+
+/// As text; empty where there is none.
+pub(crate) fn milliseconds(ms: Option<f64>) -> String {
+    ms.map_or(String::new(), |ms| format!("{ms:.3} ms"))
 }
 
 #[cfg(test)]

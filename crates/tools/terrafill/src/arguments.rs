@@ -45,10 +45,8 @@ pub(crate) enum Verb {
     /// Decide whether a version does more work, errs more or takes longer than another
     #[command(after_help = GATE_EXAMPLE)]
     Gate(GateArguments),
-    /// Accept a difference that the gate found, in a file that is reviewed
-    #[command(
-        after_help = "Example: terrafill bless filling/hills/globe/vertex/doubled --reason \"two caps\""
-    )]
+    /// Accept differences that the gate found, in a file that is reviewed
+    #[command(after_help = BLESS_EXAMPLE)]
     Bless(BlessArguments),
     /// Set two runs side by side, or many by device
     #[command(after_help = COMPARE_EXAMPLE)]
@@ -327,11 +325,18 @@ pub(crate) enum SelfTestKind {
 
 #[derive(Debug, Args)]
 pub(crate) struct BlessArguments {
-    /// Case, as the gate names it
-    pub(crate) case: String,
-    /// Why the difference is accepted
+    /// Cases, as the gate names them; * stands for any characters
+    #[arg(required_unless_present_any = ["all", "prune"])]
+    pub(crate) cases: Vec<String>,
+    /// Accept every difference that the gate found
+    #[arg(long, conflicts_with = "cases")]
+    pub(crate) all: bool,
+    /// Take out what covers no difference any more, of the scenes that the gate measured
     #[arg(long)]
-    pub(crate) reason: String,
+    pub(crate) prune: bool,
+    /// Why the differences are accepted
+    #[arg(long, required_unless_present = "prune")]
+    pub(crate) reason: Option<String>,
     /// Metric to accept; may be repeated [default: all that differ]
     #[arg(long)]
     pub(crate) metric: Vec<String>,
@@ -342,6 +347,11 @@ pub(crate) struct BlessArguments {
     #[arg(long, value_name = "FILE", default_value = "gate/blessed.csv")]
     pub(crate) blessed: PathBuf,
 }
+
+const BLESS_EXAMPLE: &str = "\
+A change of a time is accepted from the base that it was found on, and from no later one.
+Example: terrafill bless \"filling/hills/*/doubled\" --reason \"two caps\"
+         terrafill bless --all --reason \"another mesh\" --prune";
 
 const COMPARE_EXAMPLE: &str = "\
 Counters, bytes and errors are compared exactly and decide the exit code: 0 nothing differs ·

@@ -4,6 +4,7 @@
 use crate::arguments::{BlessArguments, GateArguments, SelfTestKind};
 use crate::outcome::{Failure, Outcome, print};
 use crate::registry::chapters;
+use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::io::Write as _;
 use std::path::Path;
@@ -11,8 +12,8 @@ use std::time::{Duration, Instant};
 use terrafill_gate::{
     Blessing, Finding, GateError, GateOptions, GateReport, GateShard, Injection, Job, Program,
     Proof, Rules, SelfTest, Side, Workload, add_blessings, annotations, load_baseline, markdown,
-    read_blessings, read_json, read_limits, refuse_equal_programs, save_baseline, self_test,
-    shipped_limits, text, write_files,
+    matches, prune_blessings, read_blessings, read_json, read_limits, refuse_equal_programs,
+    save_baseline, self_test, shipped_limits, text, write_files,
 };
 use terrafill_results::{Clock, Run};
 use terrafill_scene::data_dir;
@@ -187,6 +188,7 @@ fn two_programs(
         advisory: arguments.advisory_time,
         floor_percent: arguments.floor_percent,
         budget: Duration::from_secs(arguments.time_budget_s),
+        is_part: part.is_some(),
     };
     let mut report = terrafill_gate::gate(&mut job, names, &options, rules, &primary)?;
     if part.is_some() {
@@ -315,42 +317,65 @@ fn prove(arguments: &GateArguments, kind: SelfTestKind) -> Result<Outcome, Failu
 }
 
 pub(crate) fn bless(arguments: &BlessArguments) -> Result<Outcome, Failure> {
-    if arguments.reason.trim().is_empty() {
-        return Err(Failure::bad_input("--reason: found none, needs a sentence"));
-    }
     let report = read_json(&arguments.gate.join("gate.json"))?;
-    let is_asked = |finding: &&Finding| {
-        let mut metrics = arguments.metric.iter();
-        finding.counts()
-            && finding.case == arguments.case
-            && (arguments.metric.is_empty() || metrics.any(|metric| *metric == finding.metric))
-    };
-    let findings: Vec<&Finding> = report.findings.iter().filter(is_asked).collect();
-    if findings.is_empty() {
-        let cases: std::collections::BTreeSet<&str> = report
-            .findings
-            .iter()
-            .filter(|finding| finding.counts())
-            .map(|finding| finding.case.as_str())
-            .collect();
-        return Err(Failure::bad_input(format!(
-            "{}: found no difference of {:?} to bless, there are: {}",
-            arguments.gate.display(),
-            arguments.case,
-            cases.into_iter().collect::<Vec<_>>().join(", ")
-        )));
+    if arguments.all || !arguments.cases.is_empty() {
+        accept(arguments, &report)?;
     }
-    let blessings: Vec<Blessing> = findings
-        .iter()
-        .map(|finding| Blessing::of(finding, &arguments.reason))
-        .collect();
-    add_blessings(&arguments.blessed, &blessings)?;
-    for finding in findings {
-        print(format!(
-            "blessed: {}, {}\n",
-            finding.case,
-            finding.sentence()
-        ))?;
+    if arguments.prune {
+        let pruned = prune_blessings(&arguments.blessed, &report)?;
+        for Blessing { case, metric, .. } in &pruned {
+            print(format!("taken out: {case}, {metric}\n"))?;
+        }
+        print(format!("{} blessings taken out\n", pruned.len()))?;
     }
     Ok(Outcome::Done)
+}
+
+fn accept(arguments: &BlessArguments, report: &GateReport) -> Result<(), Failure> {
+    let reason = arguments.reason.as_deref().unwrap_or_default();
+    if reason.trim().is_empty() {
+        return Err(Failure::bad_input("--reason: found none, needs a sentence"));
+    }
+    let found: Vec<&Finding> = report.findings.iter().filter(|f| f.counts()).collect();
+    let is_named = |pattern: &str, finding: &Finding| {
+        let metrics = &arguments.metric;
+        matches(pattern, &finding.case) && (metrics.is_empty() || metrics.contains(&finding.metric))
+    };
+    let everything = ["*".to_owned()];
+    let patterns = if arguments.all {
+        &everything[..]
+    } else {
+        &arguments.cases
+    };
+    for pattern in patterns {
+        if !found.iter().any(|finding| is_named(pattern, finding)) {
+            let cases: BTreeSet<&str> = found.iter().map(|finding| finding.case.as_str()).collect();
+            let of_metric = match arguments.metric.as_slice() {
+                [] => String::new(),
+                some => format!(" in {}", some.join(", ")),
+            };
+            return Err(Failure::bad_input(format!(
+                "{}: found no difference of {pattern:?}{of_metric} to bless, there are: {}",
+                arguments.gate.display(),
+                cases.into_iter().collect::<Vec<_>>().join(", ")
+            )));
+        }
+    }
+    let mut blessings = Vec::new();
+    let mut said = String::new();
+    for finding in found {
+        if !patterns.iter().any(|pattern| is_named(pattern, finding)) {
+            continue;
+        }
+        let (case, sentence) = (&finding.case, finding.sentence());
+        match Blessing::of(finding, report.base_commit(), reason) {
+            Some(blessing) => {
+                blessings.push(blessing);
+                said += &format!("blessed: {case}, {sentence}\n");
+            }
+            None => said += &format!("no change to bless, measure it again: {case}, {sentence}\n"),
+        }
+    }
+    add_blessings(&arguments.blessed, &blessings)?;
+    print(said)
 }

@@ -329,3 +329,34 @@ fn fingerprints_name_device_and_driver_alone() {
     a.driver_info = "Mesa 25.0.8".to_owned();
     assert!(!same_driver(&a, &b));
 }
+
+#[test]
+fn a_limit_that_is_about_no_figure_is_named() {
+    let of = |case: &str, metric: &str, is_shipped| Limit {
+        case: case.to_owned(),
+        metric: metric.to_owned(),
+        min: None,
+        max: Some(1e9),
+        reason: "so".to_owned(),
+        is_shipped,
+    };
+    let place = tempfile::tempdir().expect("a folder");
+    let write = |name: &str| {
+        run_of(&FIGURES)
+            .write(&place.path().join(name))
+            .expect("a run")
+    };
+    let (base, new) = (write("base"), write("new"));
+    let unmatched = |limit| {
+        let exact = compare_exactly(&base, &new, &[limit]).expect("comparable");
+        exact.unmatched_limits
+    };
+    assert_eq!(unmatched(of("filling/*", "draws", false)), [""; 0]);
+    assert_eq!(
+        unmatched(of("filling/*", "nope", false)),
+        ["case \"filling/*\", metric \"nope\""]
+    );
+    assert_eq!(unmatched(of("fillin/*", "draws", false)).len(), 1);
+    // Limits that ship hold for studies that a gate need not measure.
+    assert_eq!(unmatched(of("filling/*", "nope", true)), [""; 0]);
+}

@@ -173,3 +173,16 @@ fn missing_repeated_and_foreign_parts_are_refused() {
     let error = merge_gates(&[place.path().to_owned()]).expect_err("killed");
     assert!(error.to_string().contains("found no gate.json"), "{error}");
 }
+
+#[test]
+fn a_limit_is_about_nothing_where_no_part_has_its_case() {
+    let of = |index, unmatched: &[&str]| GateReport {
+        unmatched_limits: scenes(unmatched),
+        ..report(Some(part(index, 2, &ALL).expect("a part")))
+    };
+    let whole = merged(&[&of(1, &["a", "b"]), &of(2, &["c"])]).expect("each is of one part");
+    assert_eq!(whole.unmatched_limits, [""; 0]);
+    let error = merged(&[&of(1, &["a", "b"]), &of(2, &["b"])]).expect_err("no part has it");
+    assert_eq!(error.exit_code(), 2);
+    assert!(error.to_string().contains("in either run for b"), "{error}");
+}

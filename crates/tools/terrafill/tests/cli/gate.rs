@@ -94,6 +94,50 @@ fn equal_work_passes_and_a_counter_that_changed_fails_until_it_is_blessed() {
     let stale = of_runs(&desk);
     assert_eq!(stale.code, 1, "{}", stale.stdout);
     assert!(stale.stdout.contains("blessing stale"), "{}", stale.stdout);
+
+    // Everything at once, by a pattern, and what is idle taken out.
+    let before = desk.read("b/measurements.csv");
+    tamper(&desk, "b", "vertices", "7");
+    assert_eq!(of_runs(&desk).code, 1);
+    desk.run(&["bless", "filling/*/no", "--reason", "x"])
+        .refused(&[&["filling/*/no", CASE]]);
+    desk.run(&["bless", "--all"]).refused(&[&["--reason"]]);
+    let all = desk.run(&["bless", "--all", "--reason", "another mesh"]);
+    let all = all.succeeded();
+    assert!(all.contains("→ 1000") && all.contains("→ 7"), "{all}");
+    let accepted = of_runs(&desk);
+    assert_eq!(accepted.code, 0, "{}", accepted.stdout);
+    for name in ["gate.md", "gate.json", "gate.junit.xml"] {
+        let text = desk.read_text(&format!("out/gate/{name}"));
+        assert!(text.contains("another mesh"), "{name}: {text}");
+    }
+    tamper(&desk, "b", "draws", "1001");
+    assert_eq!(of_runs(&desk).code, 1);
+    let by_pattern = ["bless", "*/doubled", "--reason", "more", "--prune"];
+    let pruned = desk.run(&by_pattern).succeeded();
+    assert!(pruned.contains("0 blessings taken out"), "{pruned}");
+    desk.write("b/measurements.csv", before);
+    tamper(&desk, "b", "draws", "1001");
+    assert_eq!(of_runs(&desk).code, 0);
+    let pruned = desk.run(&["bless", "--prune"]).succeeded();
+    assert!(pruned.contains("1 blessings taken out"), "{pruned}");
+    assert!(!desk.read_text("gate/blessed.csv").contains(",vertices,"));
+
+    // A limit that is about nothing guards nothing.
+    let limits =
+        |metric: &str| format!("case,metric,min,max,reason\nfilling/*,{metric},,2000,so\n");
+    let with_limits = [
+        "--base-run",
+        "a",
+        "--new-run",
+        "b",
+        "--limits",
+        "limits.csv",
+    ];
+    desk.write("limits.csv", limits("nope"));
+    gate(&desk, &with_limits).refused(&[&["\"filling/*\"", "\"nope\""]]);
+    desk.write("limits.csv", limits("draws"));
+    assert_eq!(gate(&desk, &with_limits).code, 0);
 }
 
 #[test]
