@@ -8,7 +8,7 @@
 //! cases share their processes.
 
 use crate::time::differences;
-use crate::{TimeGate, Times};
+use crate::{Span, TimeGate, Times};
 use std::collections::BTreeMap;
 
 /// Coverage of a mean's interval is 95 %: the normal quantile of its upper end.
@@ -111,13 +111,21 @@ pub struct GroupBias {
 }
 
 impl Bias {
-    /// Counts the first look of a gate.
+    /// Counts the first look of a gate at its frames.
     ///
-    /// - `times`: of base and new
+    /// - `times`: of base and new by metric
     /// - `is_swapped`: the programs had each other's roles
-    pub fn count(&mut self, gate: &TimeGate, times: &[Times; 2], is_swapped: bool) {
+    pub fn count(
+        &mut self,
+        gate: &TimeGate,
+        times: &BTreeMap<String, [Times; 2]>,
+        is_swapped: bool,
+    ) {
         let mut groups: BTreeMap<String, Vec<Vec<f64>>> = BTreeMap::new();
-        for case in &gate.cases {
+        for case in gate.cases.iter().filter(|case| case.span == Span::Frame) {
+            let Some(times) = times.get(&case.metric) else {
+                continue;
+            };
             if let Some(of_blocks) = differences(&case.case, &gate.screen, times) {
                 groups
                     .entry(group_of(&case.case))
@@ -193,7 +201,7 @@ fn group_of(case: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Block, CaseTime, Pace, Side, Trio};
+    use crate::{Block, CaseTime, Side, Trio};
     use terrafill_results::SplitMix64;
 
     const CASES: [&str; 3] = [
@@ -201,6 +209,8 @@ mod tests {
         "filling/a/globe/vertex/y",
         "filling/a/near/vertex/x",
     ];
+
+    const METRIC: &str = "fill_cpu_ms";
 
     /// A gate of five blocks: `factor` is what the new side takes of the base's time in the first group.
     fn gate(factor: f64, seed: u32) -> (TimeGate, [Times; 2]) {
@@ -221,16 +231,8 @@ mod tests {
         }
         let cases = CASES.map(|case| CaseTime {
             case: case.to_owned(),
-            pace: Pace::Same,
-            base_ms: None,
-            new_ms: None,
-            percent: None,
-            interval_percent: None,
-            null_percent: None,
-            spread_percent: None,
-            blocks: 5,
-            slower_blocks: 2,
-            words: String::new(),
+            metric: METRIC.to_owned(),
+            ..CaseTime::default()
         });
         let gate = TimeGate {
             cases: cases.to_vec(),
@@ -246,6 +248,7 @@ mod tests {
         for number in 0..10 {
             let is_swapped = number % 2 == 1;
             let (gate, times) = gate(if is_swapped { swapped } else { as_given }, number);
+            let times = BTreeMap::from([(METRIC.to_owned(), times)]);
             bias.count(&gate, &times, is_swapped);
         }
         bias.groups()

@@ -2,22 +2,28 @@
 //! Programs made of a shell script, for tests: they verify by copying a made-up run, and in lock-step they answer
 //! with times as given. So a whole gate runs in a second and needs no device.
 
-use crate::{
-    GateError, GateOptions, GateReport, Job, PrimaryMetric, Program, Rules, Workload, gate,
-};
+use crate::{GateError, GateOptions, GateReport, GatedTime, Job, Program, Rules, Workload, gate};
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::time::Duration;
 use terrafill_results::made_up::{MadeUpRun, case_id};
-use terrafill_results::{Clock, Kind, Metric};
+use terrafill_results::{Clock, Kind, Metric, Scope};
 
-pub(crate) const METRICS: [Metric; 2] = [
-    Metric::less("fill_cpu_ms", "ms", Kind::Time, "Time."),
+pub(crate) const METRICS: [Metric; 6] = [
+    time("fill_cpu_ms", Scope::FRAME),
+    time("fill_wall_ms", Scope::FRAME),
+    time("stencil_gpu_ms", Scope::DRAW),
+    time("plan_cpu_ms", Scope::PLAN),
+    time("prepare_cpu_ms", Scope::PLAN.and(Scope::UPLOAD)),
     Metric::less("draws", "", Kind::Counter, "Draws."),
 ];
 
-pub(crate) fn primary(_study: &str, _clock: Clock) -> Option<&'static str> {
-    Some("fill_cpu_ms")
+const fn time(name: &'static str, scope: Scope) -> Metric {
+    Metric::less(name, "ms", Kind::Time, "Time.").covering(scope)
+}
+
+pub(crate) fn gated(_study: &str, _clock: Clock) -> Vec<GatedTime> {
+    GatedTime::of(&METRICS, Some("fill_cpu_ms"))
 }
 
 /// What a program measures.
@@ -25,6 +31,12 @@ pub(crate) fn primary(_study: &str, _clock: Clock) -> Option<&'static str> {
 pub(crate) struct Fake {
     /// Milliseconds of every sample.
     pub(crate) fill_cpu_ms: f64,
+    /// How much longer the wall clock says.
+    pub(crate) waits_ms: f64,
+    /// Milliseconds of preparation.
+    pub(crate) prepare_cpu_ms: f64,
+    /// Milliseconds of planning.
+    pub(crate) plan_cpu_ms: f64,
     /// Shell commands of a process before it does anything.
     pub(crate) before: &'static str,
 }
@@ -33,6 +45,9 @@ impl Default for Fake {
     fn default() -> Self {
         Self {
             fill_cpu_ms: 10.0,
+            waits_ms: 0.0,
+            prepare_cpu_ms: 7.0,
+            plan_cpu_ms: 0.5,
             before: "",
         }
     }
@@ -89,7 +104,13 @@ impl Fake {
         let verified = place.join(format!("{name}-verified"));
         run.write(&verified).expect("a run");
         let (of, ms, before) = (verified.display(), self.fill_cpu_ms, self.before);
-        let rows = format!("rows() {{ echo \"$key,fill_cpu_ms,$process,$n,{ms}\"; }}");
+        let rows = [
+            ("fill_cpu_ms", ms),
+            ("fill_wall_ms", ms + self.waits_ms),
+            ("stencil_gpu_ms", 0.5 * ms),
+        ];
+        let rows = rows.map(|(metric, ms)| format!("echo \"$key,{metric},$process,$n,{ms}\";"));
+        let rows = format!("rows() {{ {} }}", rows.join(" "));
         let script = format!("{START}verified='{of}'\n{rows}\n{before}\n{STEPS}");
         let path = place.join(name);
         std::fs::write(&path, script).expect("written");
@@ -107,7 +128,7 @@ pub(crate) fn options() -> GateOptions {
     GateOptions {
         times: true,
         advisory: false,
-        floor_percent: 3.0,
+        floors_percent: [3.0, 10.0, 50.0, 50.0],
         budget: Duration::from_secs(600),
         is_part: false,
     }
@@ -128,22 +149,96 @@ pub(crate) fn gate_in(
         frames: 1,
         ..Workload::default()
     };
-    let primary: PrimaryMetric<'_> = &primary;
     let mut say = |_: &str| {};
-    let mut job = Job::new(programs, workload, &place.join(out), primary, &mut say)?;
-    gate(&mut job, names, &options(), rules, primary)
+    let mut job = Job::new(programs, workload, &place.join(out), &mut say)?;
+    gate(&mut job, names, &options(), rules, &gated)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Verdict;
+    use crate::{Finding, Verdict};
     use std::collections::BTreeSet;
 
     const NO_RULES: Rules<'_> = Rules {
         limits: &[],
         blessings: &[],
     };
+
+    /// Verdict and sentences of a gate of the usual program against this one.
+    fn found(new: Fake) -> (Verdict, Vec<String>) {
+        let place = tempfile::tempdir().expect("a folder");
+        let old = Fake::default();
+        let report = gate_in(place.path(), "out", &old, &new, &NO_RULES).expect("a verdict");
+        let sentences = report.findings.iter().map(Finding::sentence);
+        (report.verdict, sentences.collect())
+    }
+
+    #[test]
+    fn what_waits_or_prepares_or_plans_longer_is_called_by_its_name() {
+        let usual = Fake::default();
+        for (new, start) in [
+            (
+                Fake {
+                    prepare_cpu_ms: 35.0,
+                    ..usual
+                },
+                "prepare_cpu_ms 7.000 ms → 35.000 ms: preparation, +400.0 %",
+            ),
+            (
+                Fake {
+                    plan_cpu_ms: 1.0,
+                    ..usual
+                },
+                "plan_cpu_ms 0.500 ms → 1.000 ms: planning, +100.0 %",
+            ),
+            // It sleeps 2 ms a frame, and then for two thirds of it.
+            (
+                Fake {
+                    waits_ms: 2.0,
+                    ..usual
+                },
+                "fill_wall_ms 10.000 ms → 12.000 ms: frame by the wall clock, +20.0 %",
+            ),
+            (
+                Fake {
+                    waits_ms: 20.0,
+                    ..usual
+                },
+                "fill_wall_ms 10.000 ms → 30.000 ms: frame by the wall clock, +200.0 %",
+            ),
+        ] {
+            let (verdict, sentences) = found(new);
+            assert_eq!(verdict, Verdict::Regression, "{sentences:?}");
+            assert_eq!(sentences.len(), 2, "one for each view: {sentences:?}");
+            let is_so = |sentence: &String| sentence.starts_with(start);
+            assert!(sentences.iter().all(is_so), "{start}: {sentences:?}");
+        }
+        // Negative control: below the floors of their own, above that of the frame.
+        let little = Fake {
+            waits_ms: 0.7,
+            prepare_cpu_ms: 9.0,
+            plan_cpu_ms: 0.6,
+            ..usual
+        };
+        assert_eq!(found(little), (Verdict::Pass, Vec::new()));
+    }
+
+    #[test]
+    fn a_slower_frame_says_in_which_stage() {
+        let slower = Fake {
+            fill_cpu_ms: 10.8,
+            ..Fake::default()
+        };
+        let (verdict, sentences) = found(slower);
+        assert_eq!(verdict, Verdict::Regression);
+        let sentence = &sentences[0];
+        assert!(
+            sentence.starts_with("fill_cpu_ms 10.000 ms → 10.800 ms: frame, +8.0 %"),
+            "{sentence}"
+        );
+        assert!(sentence.ends_with("stencil +0.400 ms"), "{sentence}");
+    }
 
     #[test]
     fn every_timing_process_reads_as_much_as_every_other_one() {

@@ -14,7 +14,7 @@
 
 use crate::cores::Cores;
 use crate::lockstep::{Ended, Stepped, step};
-use crate::{GateError, Program, Side, Sides, Times, Trio, Way};
+use crate::{GateError, GatedTime, Program, Side, Sides, Span, Times, Trio, Watched, Way};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::io::{self, BufRead as _, BufReader};
@@ -23,14 +23,8 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use terrafill_results::{Case, Clock, Outcome, Run, VerifiedRun};
 
-/// The metric that a study's cases are compared by; `None` for a study that times nothing.
-pub type PrimaryMetric<'a> = &'a dyn Fn(&str, Clock) -> Option<&'static str>;
-
-/// The metric that a study of a run is ranked by: the run's own mark, else that of this program.
-pub fn ranks<'a>(run: &'a Run, study: &str, primary: PrimaryMetric<'_>) -> Option<&'a str> {
-    run.primary_metric(study)
-        .or_else(|| primary(study, run.clock()))
-}
+/// The times that a study's cases are compared by; none for a study that times nothing.
+pub type GatedTimes<'a> = &'a dyn Fn(&str, Clock) -> Vec<GatedTime>;
 
 /// What both programs measure, and how often.
 #[derive(Debug, Clone, Default)]
@@ -53,8 +47,9 @@ pub struct Workload {
 struct Desk(PathBuf);
 
 impl Desk {
-    fn of(process: u32, out: &Path) -> Self {
-        Self(out.join(format!("process-{process:05}")))
+    /// - `what`: the process does
+    fn of(what: &str, process: u32, out: &Path) -> Self {
+        Self(out.join(format!("{what}-{process:05}")))
     }
 
     fn program(&self) -> PathBuf {
@@ -76,11 +71,19 @@ impl Desk {
         cases: &BTreeSet<String>,
     ) -> Result<(), GateError> {
         verified.write_part(&self.run())?;
-        let copy = self.program();
-        std::fs::copy(program, &copy).map_err(GateError::io(&copy))?;
+        self.take_program(program)?;
         let list = self.cases();
         let text: Vec<&str> = cases.iter().map(String::as_str).collect();
         std::fs::write(&list, text.join("\n")).map_err(GateError::io(&list))
+    }
+}
+
+impl Desk {
+    fn take_program(&self, program: &Path) -> Result<(), GateError> {
+        std::fs::create_dir_all(&self.0).map_err(GateError::io(&self.0))?;
+        let copy = self.program();
+        std::fs::copy(program, &copy).map_err(GateError::io(&copy))?;
+        Ok(())
     }
 }
 
@@ -96,7 +99,6 @@ pub struct Job<'a> {
     programs: [Program; 2],
     workload: Workload,
     out: PathBuf,
-    primary: PrimaryMetric<'a>,
     say: &'a mut dyn FnMut(&str),
     started: Instant,
     way: Way,
@@ -104,6 +106,10 @@ pub struct Job<'a> {
     cores: Cores,
     /// Runs of base and new as they were verified.
     verified: [Option<VerifiedRun>; 2],
+    /// What verifying processes of base and new measured, in order.
+    setups: [Vec<Run>; 2],
+    /// Runs with all that was measured so far; `None` since a process has added to them.
+    measured: Option<[Run; 2]>,
 }
 
 impl<'a> Job<'a> {
@@ -116,7 +122,6 @@ impl<'a> Job<'a> {
         programs: [Program; 2],
         workload: Workload,
         out: &Path,
-        primary: PrimaryMetric<'a>,
         say: &'a mut dyn FnMut(&str),
     ) -> Result<Self, GateError> {
         if std::fs::read_dir(out).is_ok_and(|mut entries| entries.next().is_some()) {
@@ -135,11 +140,12 @@ impl<'a> Job<'a> {
         Ok(Self {
             cores: Cores::default(),
             verified: [None, None],
+            setups: [Vec::new(), Vec::new()],
+            measured: None,
             way,
             programs,
             workload,
             out: out.to_owned(),
-            primary,
             say,
             started: Instant::now(),
         })
@@ -192,19 +198,22 @@ impl<'a> Job<'a> {
         let what = format!("{}: every picture against the reference", side.name());
         (self.say)(&what);
         let folder = self.folder(side);
-        let program = Command::new(&self.program(side).path);
-        let ended = self.run_to_end(side, self.with_options(program, side, &folder))?;
+        let run = self.verify_in(side, &self.program(side).path.clone(), &folder)?;
+        self.verified[side.index()] = Some(VerifiedRun::read(&folder)?);
+        // A GPU's clock does not count what the CPU does.
+        if self.workload.samples > 1 && run.clock() == Clock::ProcessCpu {
+            self.cores = Cores::of_this_process();
+        }
+        self.setups[side.index()] = vec![run.clone()];
+        Ok(run)
+    }
+
+    fn verify_in(&mut self, side: Side, program: &Path, folder: &Path) -> Result<Run, GateError> {
+        let command = self.with_options(Command::new(program), side, folder);
+        let ended = self.run_to_end(side, command)?;
         match ended.status.code() {
             // A wrong picture or a missing case: the tables have it.
-            Some(0 | 1 | 3) => {
-                let run = self.load(side)?;
-                self.verified[side.index()] = Some(VerifiedRun::read(&folder)?);
-                // A GPU's clock does not count what the CPU does.
-                if self.workload.samples > 1 && run.clock() == Clock::ProcessCpu {
-                    self.cores = Cores::of_this_process();
-                }
-                Ok(run)
-            }
+            Some(0 | 1 | 3) => Ok(Run::load(folder)?),
             _ => Err(self.refused(side, &ended)),
         }
     }
@@ -269,7 +278,7 @@ impl Job<'_> {
         block: u32,
         cases: &BTreeSet<String>,
     ) -> Result<(Desk, Command), GateError> {
-        let desk = Desk::of(process, &self.out);
+        let desk = Desk::of("process", process, &self.out);
         desk.lay_out(&self.program(side).path, self.verified(side)?, cases)?;
         let command = self.cores.command(&desk.program(), block);
         let mut command = self.with_options(command, side, &desk.run());
@@ -336,6 +345,7 @@ impl Sides for Job<'_> {
                 }
             }
         }
+        self.measured = None;
         for (side, desk) in desks {
             self.verified(side)?.add_part(&desk.run())?;
         }
@@ -345,6 +355,7 @@ impl Sides for Job<'_> {
     fn run(&mut self, side: Side, process: u32, cases: &BTreeSet<String>) -> Result<(), GateError> {
         let (desk, command) = self.timing(side, process, (process - 1) / 4, cases)?;
         let ended = self.run_to_end(side, command)?;
+        self.measured = None;
         if ended.status.success() {
             Ok(self.verified(side)?.add_part(&desk.run())?)
         } else {
@@ -352,17 +363,41 @@ impl Sides for Job<'_> {
         }
     }
 
-    fn times(&self, side: Side) -> Result<Times, GateError> {
-        let run = self.load(side)?;
-        let timed = run.cases.iter().filter(|case| !case.is_twin());
-        let times = timed.filter_map(|case| {
-            // A case that failed since it was verified has no time that counts.
-            let metric = ranks(&run, &case.id().study, self.primary)?;
-            let counts = matches!(case.outcome, Outcome::Ok | Outcome::Wrong);
-            let samples = case.samples(metric)?;
-            counts.then(|| (case.id().key(), samples.clone()))
-        });
-        Ok(times.collect())
+    fn times(&mut self, side: Side, metric: &str) -> Result<Times, GateError> {
+        let runs = match self.measured.take() {
+            Some(runs) => runs,
+            None => [self.load(Side::Base)?, self.load(Side::New)?],
+        };
+        let times = of_metric(&runs[side.index()], metric);
+        self.measured = Some(runs);
+        Ok(times)
+    }
+
+    fn verify_again(&mut self, number: u32) -> Result<(), GateError> {
+        let mut order = [Side::Base, Side::New];
+        if number.is_multiple_of(2) {
+            order.reverse();
+        }
+        for side in order {
+            let desk = Desk::of("verify", number, &self.out);
+            desk.take_program(&self.program(side).path)?;
+            let run = self.verify_in(side, &desk.program(), &desk.run())?;
+            self.setups[side.index()].push(run);
+        }
+        Ok(())
+    }
+
+    fn setups(&self, side: Side, metric: &str) -> Times {
+        let mut all = Times::new();
+        for (number, run) in (0..).zip(&self.setups[side.index()]) {
+            // Figures of the probe have number 0; timed samples count from 1.
+            for (case, samples) in of_metric(run, metric) {
+                let of_probe = samples.get(&0).and_then(|of| of.get(&0));
+                let of_probe = of_probe.map(|value| (0, *value)).into_iter().collect();
+                all.entry(case).or_default().insert(number, of_probe);
+            }
+        }
+        all
     }
 
     fn elapsed(&self) -> Duration {
@@ -374,19 +409,69 @@ impl Sides for Job<'_> {
     }
 }
 
-/// Cases that are to be timed: right on both sides, planned with samples, and of a study that times
-/// them. One that has no time all the same is among them, so that it is missed.
+/// Values of a metric by case; a case that failed since it was verified has no time that counts.
+fn of_metric(run: &Run, metric: &str) -> Times {
+    let counts = |case: &&Case| matches!(case.outcome, Outcome::Ok | Outcome::Wrong);
+    let timed = run
+        .cases
+        .iter()
+        .filter(|case| !case.is_twin())
+        .filter(counts);
+    timed
+        .filter_map(|case| Some((case.id().key(), case.samples(metric)?.clone())))
+        .collect()
+}
+
+/// Times that are compared, of cases that are right on both sides, planned with samples, and of a study that times
+/// them: those of each frame, then those that a process takes once.
+///
+/// A frame that has no time all the same is among them, so that it is missed; so is another time that one run has.
+/// Of what neither run measures there is nothing to compare.
 #[must_use]
-pub fn timed_cases(base: &Run, new: &Run, primary: PrimaryMetric<'_>) -> BTreeSet<String> {
+pub fn watched(base: &Run, new: &Run, gated: GatedTimes<'_>) -> [Vec<Watched>; 2] {
+    let clock = new.clock();
     let is_right = |case: &&Case| !case.is_twin() && case.outcome == Outcome::Ok;
-    let of = |run: &Run, is_so: &dyn Fn(&Case) -> bool| -> BTreeSet<String> {
-        let cases = run.cases.iter().filter(is_right).filter(|case| is_so(case));
-        cases.map(|case| case.id().key()).collect()
+    let by_key = |run: &'_ Run| -> BTreeMap<String, usize> {
+        let cases = run
+            .cases
+            .iter()
+            .enumerate()
+            .filter(|(_, case)| is_right(case));
+        cases
+            .map(|(index, case)| (case.id().key(), index))
+            .collect()
     };
-    let is_timed =
-        |case: &Case| case.planned.samples > 0 && ranks(new, &case.id().study, primary).is_some();
-    let right: BTreeSet<String> = &of(base, &|_| true) & &of(new, &|_| true);
-    &right & &(&of(base, &is_timed) | &of(new, &is_timed))
+    let of_new = by_key(new);
+    let mut found: [BTreeMap<(Span, &str), BTreeSet<String>>; 2] = Default::default();
+    for (key, index) in by_key(base) {
+        let Some(other) = of_new.get(&key) else {
+            continue;
+        };
+        let cases = [&base.cases[index], &new.cases[*other]];
+        if cases.iter().all(|case| case.planned.samples == 0) {
+            continue;
+        }
+        for GatedTime { metric, span } in gated(&cases[0].id().study, clock) {
+            let samples = || cases.iter().filter_map(|case| case.samples(metric));
+            let is_setup = samples().any(|of| of.values().any(|of| of.contains_key(&0)));
+            if span == Span::Frame || samples().next().is_some() {
+                let of = found[usize::from(is_setup)]
+                    .entry((span, metric))
+                    .or_default();
+                of.insert(key.clone());
+            }
+        }
+    }
+    found.map(|found| {
+        let found = found.into_iter();
+        found
+            .map(|((span, metric), cases)| Watched {
+                metric: metric.to_owned(),
+                span,
+                cases,
+            })
+            .collect()
+    })
 }
 
 /// Conditions of every case, by key.

@@ -18,6 +18,7 @@ mod exact;
 #[cfg(all(test, unix))]
 mod fake_program;
 mod finding;
+mod gated;
 mod glob;
 mod job;
 mod limits;
@@ -27,6 +28,7 @@ mod part;
 mod program;
 mod report;
 mod self_test;
+mod setup;
 mod shard;
 mod table;
 pub mod threshold;
@@ -38,15 +40,18 @@ pub use bless::{Blessing, add_blessings, apply, prune_blessings, read_blessings}
 pub use error::GateError;
 pub use exact::{Exact, compare_exactly, driver_fingerprint, same_driver};
 pub use finding::{Finding, Gate, Severity, Verdict, verdict};
+pub use gated::{Floor, Floors, GatedTime, Span};
 pub use glob::matches;
-pub use job::{Job, PrimaryMetric, Workload, ranks, timed_cases};
+pub use job::{GatedTimes, Job, Workload, watched};
 pub use limits::{Limit, read_limits, shipped_limits};
 pub use output::{annotations, junit, markdown, read_json, text, write_files};
 pub use part::GateShard;
 pub use program::{Program, refuse_equal_programs};
 pub use report::{GATE_SCHEMA, GateOptions, GateReport, Rules, gate};
 pub use self_test::{Injection, Proof, Rates, SelfTest, self_test};
+pub use setup::compare_setups;
 pub use shard::merge_gates;
 pub use time::{
-    Block, CaseTime, Pace, Side, Sides, TimeGate, TimeOptions, Times, Trio, Way, compare_times,
+    Block, CaseTime, Pace, Side, Sides, Stage, TimeGate, TimeOptions, Times, Trio, Watched, Way,
+    compare_times,
 };

@@ -3,14 +3,14 @@
 
 use crate::job::conditions;
 use crate::{
-    Blessing, CaseTime, Exact, Finding, Gate, GateError, GateShard, Job, Limit, PrimaryMetric,
-    Severity, Side, Sides as _, TimeGate, TimeOptions, Verdict, apply, compare_exactly,
-    compare_times, same_driver, timed_cases, verdict,
+    Blessing, CaseTime, Exact, Finding, Floors, Gate, GateError, GateShard, GatedTimes, Job, Limit,
+    Severity, Side, Sides as _, Span, TimeGate, TimeOptions, Verdict, apply, compare_exactly,
+    compare_setups, compare_times, same_driver, verdict, watched,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
-use terrafill_results::{Run, RunEnvironment};
+use terrafill_results::{Clock, Run, RunEnvironment};
 
 /// Version of `gate.json`.
 pub const GATE_SCHEMA: u32 = 3;
@@ -196,12 +196,29 @@ pub struct GateOptions {
     /// Whether times are reported and decide nothing: where other work shares the machine, most are within
     /// its noise.
     pub advisory: bool,
-    /// Smallest change of a time that fails, percent.
-    pub floor_percent: f64,
+    /// Smallest changes of times that fail, percent: of the frame, its wall clock, preparation and planning.
+    pub floors_percent: [f64; 4],
     /// Time for verifying and measuring.
     pub budget: Duration,
     /// Whether other parts of the gate measure other scenes.
     pub is_part: bool,
+}
+
+impl GateOptions {
+    fn by(&self, clock: Clock) -> TimeOptions {
+        let mut by = TimeOptions::new(clock, self.budget);
+        let Floors {
+            frame,
+            wall,
+            preparation,
+            planning,
+        } = &mut by.floors;
+        let floors = [frame, wall, preparation, planning].into_iter();
+        for (floor, percent) in floors.zip(self.floors_percent) {
+            floor.percent = percent;
+        }
+        by
+    }
 }
 
 /// Verifies both programs, compares what they count, and then their times.
@@ -213,7 +230,7 @@ pub fn gate(
     names: [String; 2],
     options: &GateOptions,
     rules: &Rules<'_>,
-    primary: PrimaryMetric<'_>,
+    gated: GatedTimes<'_>,
 ) -> Result<GateReport, GateError> {
     let (base, new) = (job.verify(Side::Base)?, job.verify(Side::New)?);
     refuse_two_devices(&base, &new)?;
@@ -221,18 +238,18 @@ pub fn gate(
     if !options.is_part {
         refuse_unmatched(&exact.unmatched_limits)?;
     }
-    let cases = timed_cases(&base, &new, primary);
+    let [of_frames, of_setups] = watched(&base, &new, gated);
+    let frames = of_frames.iter().filter(|of| of.span == Span::Frame);
+    let cases: BTreeSet<String> = frames.flat_map(|of| of.cases.clone()).collect();
     let mut time = None;
     let mut of_time = Vec::new();
     if options.times && cases.is_empty() {
         of_time.push(untimed());
     } else if options.times {
-        let by = TimeOptions {
-            floor_percent: options.floor_percent,
-            ..TimeOptions::new(new.clock(), options.budget)
-        };
-        let measured = compare_times(job, &cases, &by)?;
-        of_time = time_findings(&measured, &new, primary);
+        let by = options.by(new.clock());
+        let mut measured = compare_times(job, &of_frames, &by)?;
+        measured.cases.extend(compare_setups(job, &of_setups, &by)?);
+        of_time = time_findings(&measured, &new);
         if options.advisory {
             advise(&mut of_time);
         }
@@ -301,14 +318,10 @@ fn untimed() -> Finding {
     }
 }
 
-fn time_findings(time: &TimeGate, run: &Run, primary: PrimaryMetric<'_>) -> Vec<Finding> {
+fn time_findings(time: &TimeGate, run: &Run) -> Vec<Finding> {
     let conditions = conditions(run);
-    let of = |case: &CaseTime| {
-        let study = case.case.split('/').next().unwrap_or_default();
-        let metric = ranks(run, study, primary).unwrap_or("time");
-        let none = BTreeMap::new();
-        case.finding(metric, conditions.get(&case.case).unwrap_or(&none))
-    };
+    let none = BTreeMap::new();
+    let of = |case: &CaseTime| case.finding(conditions.get(&case.case).unwrap_or(&none));
     time.cases.iter().filter_map(of).collect()
 }
 

@@ -4,10 +4,11 @@
 //! changed side draws a few more and adds their cost.
 
 use crate::{
-    Bias, CaseTime, GateError, GroupBias, Job, Pace, PrimaryMetric, Program, Side, Sides as _,
-    TimeOptions, Workload, compare_times, timed_cases,
+    Bias, CaseTime, GateError, GatedTimes, GroupBias, Job, Pace, Program, Side, Sides as _, Span,
+    TimeOptions, Workload, compare_setups, compare_times, watched,
 };
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 use terrafill_results::{rate_bounds, spread};
@@ -221,7 +222,7 @@ pub fn self_test(
     programs: &[Program; 2],
     workload: &Workload,
     out: &Path,
-    primary: PrimaryMetric<'_>,
+    gated: GatedTimes<'_>,
     say: &mut dyn FnMut(&str),
     done: &mut dyn FnMut(&Proof),
 ) -> Result<Proof, GateError> {
@@ -240,26 +241,35 @@ pub fn self_test(
         }
         let folder = out.join(format!("gate-{number:03}"));
         let mut say = |what: &str| say(&format!("gate {} of {}, {what}", number + 1, test.runs));
-        let mut job = Job::new(programs, workload, &folder, primary, &mut say)?;
+        let mut job = Job::new(programs, workload, &folder, &mut say)?;
         let (base, new) = (job.verify(Side::Base)?, job.verify(Side::New)?);
-        let cases = timed_cases(&base, &new, primary);
-        if cases.is_empty() {
+        let [of_frames, of_setups] = watched(&base, &new, gated);
+        if of_frames.iter().all(|of| of.span != Span::Frame) {
             let message = "no case is right and timed on both sides".to_owned();
             return Err(GateError::NothingMeasured(message));
         }
-        let options = TimeOptions {
-            floor_percent: test.floor_percent,
-            ..TimeOptions::new(new.clock(), test.budget)
-        };
-        let gate = compare_times(&mut job, &cases, &options)?;
+        let mut options = TimeOptions::new(new.clock(), test.budget);
+        options.floors.frame.percent = test.floor_percent;
+        let mut gate = compare_times(&mut job, &of_frames, &options)?;
         match test.injection {
             // Of equal work no side is the slower one.
             None => {
-                proof.rates.count(&gate.cases, false);
-                let times = [job.times(Side::Base)?, job.times(Side::New)?];
+                let mut times = BTreeMap::new();
+                for of in of_frames.iter().filter(|of| of.span == Span::Frame) {
+                    let base = job.times(Side::Base, &of.metric)?;
+                    let new = job.times(Side::New, &of.metric)?;
+                    times.insert(of.metric.clone(), [base, new]);
+                }
                 proof.bias.count(&gate, &times, is_swapped);
+                gate.cases
+                    .extend(compare_setups(&mut job, &of_setups, &options)?);
+                proof.rates.count(&gate.cases, false);
             }
-            Some(_) => proof.rates.count(&gate.cases, is_swapped),
+            // Frames are what is added.
+            Some(_) => {
+                gate.cases.retain(|case| case.span == Span::Frame);
+                proof.rates.count(&gate.cases, is_swapped);
+            }
         }
         done(&proof);
     }
@@ -291,7 +301,7 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn equal_programs_are_unbiased_and_a_later_start_that_the_gate_made_slower_is_seen() {
-        use crate::fake_program::{Fake, primary};
+        use crate::fake_program::{Fake, gated};
         let mean = |new: Fake| {
             let place = tempfile::tempdir().expect("a folder");
             let programs = [
@@ -310,10 +320,9 @@ mod tests {
                 ..Workload::default()
             };
             let out = place.path().join("out");
-            let primary: PrimaryMetric<'_> = &primary;
             let (mut say, mut done) = (|_: &str| {}, |_: &Proof| {});
             self_test(
-                &test, &programs, &workload, &out, primary, &mut say, &mut done,
+                &test, &programs, &workload, &out, &gated, &mut say, &mut done,
             )
             .expect("measured")
         };
@@ -345,15 +354,8 @@ mod tests {
             paces.map(|pace| CaseTime {
                 case: "filling/a".to_owned(),
                 pace,
-                base_ms: Some(1.0),
-                new_ms: Some(1.0),
-                percent: None,
-                interval_percent: None,
-                null_percent: None,
                 spread_percent: Some(1.5),
-                blocks: 5,
-                slower_blocks: 2,
-                words: String::new(),
+                ..CaseTime::default()
             })
         };
         let mut rates = Rates::default();

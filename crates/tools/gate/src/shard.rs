@@ -5,7 +5,7 @@
 //! new is ever of two machines.
 
 use crate::report::{refuse_unmatched, sort};
-use crate::{GateError, GateReport, GateShard, verdict};
+use crate::{GateError, GateReport, GateShard, Span, verdict};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use terrafill_results::Shard;
@@ -68,7 +68,7 @@ fn weights(report: &GateReport) -> BTreeMap<String, f64> {
     let scene = |case: &str| case.split('/').nth(1).unwrap_or_default().to_owned();
     match &report.time {
         Some(time) => {
-            for case in &time.cases {
+            for case in time.cases.iter().filter(|case| case.span == Span::Frame) {
                 *weights.entry(scene(&case.case)).or_insert(0.0) += case.base_ms.unwrap_or(0.0);
             }
         }

@@ -7,9 +7,9 @@ use terrafill_results::Clock;
 /// move.
 pub const SCREEN_BLOCKS: u32 = 5;
 
-/// Cases whose median moved by this much in the first look are measured again. Below the floor, so
-/// that a change of the floor's size is hardly ever passed over.
-pub const SCREEN_RATIO: f64 = 1.02;
+/// Cases whose median moved by this share of the floor in the first look are measured again, so that a change of
+/// the floor's size is hardly ever passed over.
+pub const SCREEN_SHARE: f64 = 2.0 / 3.0;
 
 /// Fresh blocks that decide. With 2 % spread between processes their 99 % interval is ±1.3 % wide.
 pub const CONFIRM_BLOCKS: u32 = 20;
@@ -36,6 +36,33 @@ pub const MIN_AGREEMENT: f64 = 0.8;
 /// Smallest change that fails, in percent: 0.6 of 5 %, which must be caught. Changes of the floor's
 /// own size are caught half of the time.
 pub const FLOOR_PERCENT: f64 = 3.0;
+
+/// Smallest change of the wall clock that fails, in percent: other programs that share a core make it longer. A
+/// frame that waits half a millisecond is beyond it wherever one takes less than 5 ms.
+pub const WALL_FLOOR_PERCENT: f64 = 10.0;
+
+/// The same in milliseconds: a turn of the scheduler is a tenth of one.
+pub const WALL_FLOOR_MS: f64 = 0.1;
+
+/// Smallest change of preparation and planning that fails, in percent. A process does both once, with cold caches,
+/// so identical work differs by tens of percent from process to process.
+pub const SETUP_FLOOR_PERCENT: f64 = 50.0;
+
+/// Smallest difference of preparation that fails, milliseconds.
+pub const PREPARATION_FLOOR_MS: f64 = 1.0;
+
+/// Smallest difference of planning that fails, milliseconds: it is the median of several plans.
+pub const PLANNING_FLOOR_MS: f64 = 0.02;
+
+/// Looks at preparation and planning before these are measured in earnest. The first is free: both programs verify
+/// their pictures.
+pub const SETUP_LOOKS: u32 = 2;
+
+/// Pairs of fresh processes that decide about them: the fewest with a 95 % interval, of which all have to agree.
+pub const SETUP_PAIRS: u32 = 6;
+
+/// Coverage of that interval.
+pub const SETUP_COVERAGE: f64 = 0.95;
 
 /// A case that takes less than this share of its former time is not taken for an improvement: it may
 /// have stopped doing its work.

@@ -13,16 +13,16 @@
 //! and the other way round by turns. Its difference is the mean of ln(new) less that of ln(base), each of a
 //! process's median.
 //!
-//! [`SCREEN_BLOCKS`] look at every case. What moved by [`SCREEN_RATIO`], or spread too much to tell, is
+//! [`SCREEN_BLOCKS`] look at every case. What moved by [`SCREEN_SHARE`] of its floor, or spread too much to tell, is
 //! measured again in [`CONFIRM_BLOCKS`] *fresh* blocks, which alone decide. Choosing cases by their first
 //! blocks biases these. Where the null moves, the machine did. What these blocks leave undecided is measured
 //! on, for up to [`CONFIRM_ROUNDS`] such rounds, as the time budget allows.
 
 use crate::threshold::{
-    CONFIRM_BLOCKS, CONFIRM_ROUNDS, COVERAGE, FLOOR_PERCENT, MIN_AGREEMENT, MIN_CONFIRM_BLOCKS,
-    MIN_PLAUSIBLE_RATIO, NULL_COVERAGE, SCREEN_BLOCKS, SCREEN_RATIO, floor_ms,
+    CONFIRM_BLOCKS, CONFIRM_ROUNDS, COVERAGE, MIN_AGREEMENT, MIN_CONFIRM_BLOCKS,
+    MIN_PLAUSIBLE_RATIO, NULL_COVERAGE, SCREEN_BLOCKS, SCREEN_SHARE,
 };
-use crate::{Finding, Gate, GateError, Severity};
+use crate::{Finding, Floor, Floors, Gate, GateError, Severity, Span};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
@@ -157,11 +157,23 @@ pub trait Sides {
     /// [`GateError`] when it does not end well.
     fn run(&mut self, side: Side, process: u32, cases: &BTreeSet<String>) -> Result<(), GateError>;
 
-    /// Times of all processes of a side so far.
+    /// Times of this metric by all processes of a side so far.
     ///
     /// # Errors
     /// [`GateError::Run`].
-    fn times(&self, side: Side) -> Result<Times, GateError>;
+    fn times(&mut self, side: Side, metric: &str) -> Result<Times, GateError>;
+
+    /// Lets both programs verify their pictures once more, each in a fresh process.
+    ///
+    /// - `number`: from 1; by its parity base or new goes first
+    ///
+    /// # Errors
+    /// As [`Sides::run`].
+    fn verify_again(&mut self, number: u32) -> Result<(), GateError>;
+
+    /// What a process of a side measured of this metric while it verified, by the number of the verification: 0
+    /// is the first one.
+    fn setups(&self, side: Side, metric: &str) -> Times;
 
     /// Time since the gate began.
     fn elapsed(&self) -> Duration;
@@ -175,10 +187,8 @@ pub trait Sides {
 pub struct TimeOptions {
     /// The clock that the times are by.
     pub clock: Clock,
-    /// Smallest change that fails, percent.
-    pub floor_percent: f64,
-    /// Smallest difference that fails, milliseconds.
-    pub floor_ms: f64,
+    /// Smallest changes that fail.
+    pub floors: Floors,
     /// When to stop measuring.
     pub budget: Duration,
 }
@@ -189,20 +199,25 @@ impl TimeOptions {
     pub fn new(clock: Clock, budget: Duration) -> Self {
         Self {
             clock,
-            floor_percent: FLOOR_PERCENT,
-            floor_ms: floor_ms(clock),
+            floors: Floors::new(clock),
             budget,
         }
     }
+}
 
-    /// The relative floor as a difference of logarithms.
-    fn floor(&self) -> f64 {
-        (0.01 * self.floor_percent).ln_1p()
-    }
+/// A time that is compared, and of which cases.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Watched {
+    /// Its metric.
+    pub metric: String,
+    /// What it is of.
+    pub span: Span,
+    /// Keys of the cases that have it.
+    pub cases: BTreeSet<String>,
 }
 
 /// How a case's time compares.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Pace {
     /// No change of the floor's size.
@@ -214,14 +229,19 @@ pub enum Pace {
     /// So much faster that it may have stopped working.
     Collapsed,
     /// It is inconclusive.
+    #[default]
     Unknown,
 }
 
 /// What the time gate found of one case.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct CaseTime {
     /// Its key.
     pub case: String,
+    /// The metric that was compared.
+    pub metric: String,
+    /// What it is of.
+    pub span: Span,
     /// How it compares.
     pub pace: Pace,
     /// Median over the base's processes, milliseconds; `None` without a usable time.
@@ -242,6 +262,27 @@ pub struct CaseTime {
     pub slower_blocks: usize,
     /// Why it is inconclusive, or why a change does not count.
     pub words: String,
+    /// Parts of its work, in the same blocks.
+    pub stages: Vec<Stage>,
+}
+
+/// Time of a part of a frame's work.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stage {
+    /// Its metric.
+    pub metric: String,
+    /// Median over the base's processes, milliseconds.
+    pub base_ms: f64,
+    /// Median over the new program's processes, milliseconds.
+    pub new_ms: f64,
+}
+
+impl Stage {
+    /// `stencil +0.210 ms`.
+    fn sentence(&self) -> String {
+        let name = self.metric.split('_').next().unwrap_or_default();
+        format!("{name} {:+.3} ms", self.new_ms - self.base_ms)
+    }
 }
 
 /// Fresh processes that give one number: their numbers.
@@ -298,7 +339,7 @@ fn level(case: &str, times: &Times, process: u32) -> Option<f64> {
 }
 
 /// `None` for what is no time.
-fn logarithm(ms: f64) -> Option<f64> {
+pub(crate) fn logarithm(ms: f64) -> Option<f64> {
     (ms.is_finite() && ms > 0.0).then(|| ms.ln())
 }
 
@@ -341,20 +382,23 @@ pub struct TimeGate {
     pub confirm: Vec<Block>,
 }
 
-/// Measures and compares the times of `cases`.
+/// Measures and compares times that each frame has.
+///
+/// - `watched`: those that are compared, and stages
 ///
 /// # Errors
 /// [`GateError`] of a program that does not run; [`GateError::NothingMeasured`] where the budget ends
 /// before the first look does.
 pub fn compare_times(
     sides: &mut dyn Sides,
-    cases: &BTreeSet<String>,
+    watched: &[Watched],
     options: &TimeOptions,
 ) -> Result<TimeGate, GateError> {
     let mut next_process = 1;
+    let all: BTreeSet<String> = watched.iter().flat_map(|of| of.cases.clone()).collect();
     let screen = blocks(
         sides,
-        cases,
+        &all,
         options,
         SCREEN_BLOCKS,
         &mut next_process,
@@ -368,18 +412,19 @@ pub fn compare_times(
             screen.len()
         )));
     }
-    let times = both(sides)?;
-    let mut looked_at: Vec<CaseTime> = cases
-        .iter()
-        .map(|case| first_look(case, &screen, &times, options))
-        .collect();
+    let (stages, compared): (Vec<&Watched>, Vec<&Watched>) =
+        watched.iter().partition(|of| of.span == Span::Stage);
+    let mut looked_at: Vec<CaseTime> = Vec::new();
+    for of in &compared {
+        let times = both(sides, &of.metric)?;
+        let cases = of.cases.iter();
+        looked_at.extend(cases.map(|case| first_look(case, of, &screen, &times, options)));
+    }
     let mut confirm = Vec::new();
     for round in 1..=CONFIRM_ROUNDS {
-        let undecided: BTreeSet<String> = looked_at
-            .iter()
-            .filter(|case| case.pace == Pace::Unknown && case.percent.is_some())
-            .map(|case| case.case.clone())
-            .collect();
+        let is_undecided = |case: &CaseTime| case.pace == Pace::Unknown && case.percent.is_some();
+        let undecided = looked_at.iter().filter(|case| is_undecided(case));
+        let undecided: BTreeSet<String> = undecided.map(|case| case.case.clone()).collect();
         if undecided.is_empty() {
             break;
         }
@@ -401,12 +446,33 @@ pub fn compare_times(
             break;
         }
         confirm.extend(more);
-        let times = both(sides)?;
-        for case in looked_at
-            .iter_mut()
-            .filter(|case| undecided.contains(&case.case))
-        {
-            *case = decide(&case.case, &confirm, &times, options);
+        for of in &compared {
+            let times = both(sides, &of.metric)?;
+            let cases = looked_at.iter_mut();
+            let of_metric = cases.filter(|case| case.metric == of.metric && is_undecided(case));
+            for case in of_metric {
+                *case = decide(&case.case, of, &confirm, &times, options);
+            }
+        }
+    }
+    for of in stages {
+        let times = both(sides, &of.metric)?;
+        let frames = looked_at.iter_mut().filter(|case| case.span == Span::Frame);
+        for case in frames.filter(|case| of.cases.contains(&case.case)) {
+            let blocks = if case.blocks > screen.len() {
+                &confirm
+            } else {
+                &screen
+            };
+            let ms = |side: Side| middle_ms(&case.case, &times[side.index()], blocks, side);
+            if let (Some(base_ms), Some(new_ms)) = (ms(Side::Base), ms(Side::New)) {
+                let metric = of.metric.clone();
+                case.stages.push(Stage {
+                    metric,
+                    base_ms,
+                    new_ms,
+                });
+            }
         }
     }
     Ok(TimeGate {
@@ -478,8 +544,9 @@ fn by_turns(
     Ok(block)
 }
 
-fn both(sides: &dyn Sides) -> Result<[Times; 2], GateError> {
-    Ok([sides.times(Side::Base)?, sides.times(Side::New)?])
+fn both(sides: &mut dyn Sides, metric: &str) -> Result<[Times; 2], GateError> {
+    let base = sides.times(Side::Base, metric)?;
+    Ok([base, sides.times(Side::New, metric)?])
 }
 
 /// A block's difference of logarithms, for each block.
@@ -520,13 +587,13 @@ fn null_differences(case: &str, blocks: &[Block], times: &[Times; 2]) -> Option<
 }
 
 /// Standard deviation; `None` for fewer than two values.
-fn deviation(values: &[f64]) -> Option<f64> {
+pub(crate) fn deviation(values: &[f64]) -> Option<f64> {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
     (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
 }
 
-fn percent(logarithm: f64) -> f64 {
+pub(crate) fn percent(logarithm: f64) -> f64 {
     100.0 * logarithm.exp_m1()
 }
 
@@ -539,28 +606,31 @@ fn middle_ms(case: &str, times: &Times, blocks: &[Block], side: Side) -> Option<
     median(&levels?).map(f64::exp)
 }
 
-fn case_time(case: &str, blocks: &[Block], [base, new]: &[Times; 2]) -> CaseTime {
+fn case_time(case: &str, of: &Watched, blocks: &[Block], [base, new]: &[Times; 2]) -> CaseTime {
     CaseTime {
         case: case.to_owned(),
-        pace: Pace::Unknown,
+        metric: of.metric.clone(),
+        span: of.span,
         base_ms: middle_ms(case, base, blocks, Side::Base),
         new_ms: middle_ms(case, new, blocks, Side::New),
-        percent: None,
-        interval_percent: None,
-        null_percent: None,
-        spread_percent: None,
         blocks: blocks.len(),
-        slower_blocks: 0,
-        words: String::new(),
+        ..CaseTime::default()
     }
 }
 
-const NO_TIME: &str = "a process of it has no usable time";
+pub(crate) const NO_TIME: &str = "a process of it has no usable time";
 
 /// Whether a case is measured again. A case whose first blocks spread so widely that a change of the
 /// floor's size could hide in them is.
-fn first_look(case: &str, blocks: &[Block], times: &[Times; 2], options: &TimeOptions) -> CaseTime {
-    let mut found = case_time(case, blocks, times);
+fn first_look(
+    case: &str,
+    of: &Watched,
+    blocks: &[Block],
+    times: &[Times; 2],
+    options: &TimeOptions,
+) -> CaseTime {
+    let floor = options.floors.of(of.span).log();
+    let mut found = case_time(case, of, blocks, times);
     let Some(differences) = differences(case, blocks, times) else {
         found.words = NO_TIME.to_owned();
         return found;
@@ -573,7 +643,7 @@ fn first_look(case: &str, blocks: &[Block], times: &[Times; 2], options: &TimeOp
     found.slower_blocks = differences.iter().filter(|gap| **gap > 0.0).count();
     let spread = differences.iter().map(|gap| (gap - middle).abs());
     let spread = median(&spread.collect::<Vec<_>>()).unwrap_or(f64::INFINITY);
-    found.pace = if middle.abs() >= SCREEN_RATIO.ln() || spread > options.floor() {
+    found.pace = if middle.abs() >= SCREEN_SHARE * floor || spread > floor {
         Pace::Unknown
     } else {
         Pace::Same
@@ -582,8 +652,15 @@ fn first_look(case: &str, blocks: &[Block], times: &[Times; 2], options: &TimeOp
 }
 
 /// The verdict of fresh blocks.
-fn decide(case: &str, blocks: &[Block], times: &[Times; 2], options: &TimeOptions) -> CaseTime {
-    let mut found = case_time(case, blocks, times);
+fn decide(
+    case: &str,
+    of: &Watched,
+    blocks: &[Block],
+    times: &[Times; 2],
+    options: &TimeOptions,
+) -> CaseTime {
+    let floor = options.floors.of(of.span);
+    let mut found = case_time(case, of, blocks, times);
     if blocks.len() < MIN_CONFIRM_BLOCKS as usize {
         found.words = format!(
             "it moved in the first look, and the time budget of {} s allowed {} blocks to decide, \
@@ -611,22 +688,27 @@ fn decide(case: &str, blocks: &[Block], times: &[Times; 2], options: &TimeOption
     let gap_ms = found
         .base_ms
         .map(|base| base * shift.estimate.exp_m1().abs());
-    let (pace, words) = pace(&shift, null.as_ref(), &differences, gap_ms, options);
-    found.pace = pace;
+    let (pace, words) = pace(&shift, null.as_ref(), &differences, gap_ms, &floor);
+    // Other programs move the wall clock, which only a change that it shows may decide.
+    let is_let_pass = of.span == Span::Wall && shift.estimate.abs() < floor.log();
+    found.pace = match pace {
+        Pace::Unknown if is_let_pass => Pace::Same,
+        _ => pace,
+    };
     found.words = words;
     found
 }
 
 /// A change counts when the interval excludes none, the estimate reaches both floors, and the blocks
 /// agree. It is inconclusive where the null moved as much, or the interval is wider than the floor.
-fn pace(
+pub(crate) fn pace(
     shift: &Shift,
     null: Option<&Shift>,
     differences: &[f64],
     gap_ms: Option<f64>,
-    options: &TimeOptions,
+    allowed: &Floor,
 ) -> (Pace, String) {
-    let floor = options.floor();
+    let floor = allowed.log();
     let excludes_none = |of: &Shift| {
         of.interval
             .is_some_and(|[low, high]| low > 0.0 || high < 0.0)
@@ -644,8 +726,8 @@ fn pace(
         let Some(gap_ms) = gap_ms else {
             return (Pace::Unknown, NO_TIME.to_owned());
         };
-        if gap_ms < options.floor_ms {
-            let words = format!("a difference below {} ms does not count", options.floor_ms);
+        if gap_ms < allowed.ms {
+            let words = format!("a difference below {} ms does not count", allowed.ms);
             return (Pace::Same, words);
         }
         return match () {
@@ -673,7 +755,7 @@ fn pace(
 }
 
 impl CaseTime {
-    /// `+10.3 % [8.9 … 11.8], 20 of 20 blocks slower`.
+    /// `+10.3 % [8.9 … 11.8], 20 of 20 blocks slower, stencil +0.210 ms`.
     #[must_use]
     pub fn sentence(&self) -> String {
         let mut parts = Vec::new();
@@ -682,12 +764,13 @@ impl CaseTime {
                 format!(" [{low:+.1} … {high:+.1}]")
             });
             parts.push(format!("{percent:+.1} %{interval}"));
-        }
-        if self.percent.is_some() {
             parts.push(format!(
                 "{} of {} blocks slower",
                 self.slower_blocks, self.blocks
             ));
+        }
+        if !self.stages.is_empty() {
+            parts.push(self.split());
         }
         if !self.words.is_empty() {
             parts.push(self.words.clone());
@@ -695,11 +778,16 @@ impl CaseTime {
         parts.join(", ")
     }
 
-    /// As a finding; `None` for a case that stayed the same.
-    ///
-    /// - `metric`: that was compared
+    /// Where the difference lies: `stencil +0.210 ms, colour -0.001 ms`.
     #[must_use]
-    pub fn finding(&self, metric: &str, conditions: &BTreeMap<String, String>) -> Option<Finding> {
+    pub fn split(&self) -> String {
+        let stages: Vec<String> = self.stages.iter().map(Stage::sentence).collect();
+        stages.join(", ")
+    }
+
+    /// As a finding; `None` for a case that stayed the same.
+    #[must_use]
+    pub fn finding(&self, conditions: &BTreeMap<String, String>) -> Option<Finding> {
         let severity = match self.pace {
             Pace::Same => return None,
             Pace::Slower => Severity::Worse,
@@ -709,12 +797,12 @@ impl CaseTime {
         Some(Finding {
             case: self.case.clone(),
             conditions: conditions.clone(),
-            metric: metric.to_owned(),
+            metric: self.metric.clone(),
             gate: Gate::Time,
             severity,
             from: milliseconds(self.base_ms),
             to: milliseconds(self.new_ms),
-            words: self.sentence(),
+            words: format!("{}, {}", self.span.name(), self.sentence()),
             percent: self.percent,
             blessed: None,
         })

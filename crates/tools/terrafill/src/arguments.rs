@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use terrafill_core::{EdgeRule, Ellipsoid, Inside, Reading, Unwrap};
 use terrafill_data::{Mirror, WrongMirror};
 use terrafill_filling::EXTREME;
+use terrafill_gate::threshold;
 use terrafill_results::Shard;
 
 const EXIT_CODES: &str = "\
@@ -278,10 +279,22 @@ pub(crate) struct GateArguments {
     /// Times are printed and decide nothing: for shared machines
     #[arg(long, conflicts_with = "no_time")]
     pub(crate) advisory_time: bool,
-    /// Smallest change of a time that fails
-    #[arg(long, value_name = "PERCENT", default_value_t = terrafill_gate::threshold::FLOOR_PERCENT,
+    /// Smallest change of a frame's time that fails
+    #[arg(long, value_name = "PERCENT", default_value_t = threshold::FLOOR_PERCENT,
         value_parser = parse_floor)]
     pub(crate) floor_percent: f64,
+    /// The same of a frame by the wall clock, of 0.1 ms at least
+    #[arg(long, value_name = "PERCENT", default_value_t = threshold::WALL_FLOOR_PERCENT,
+        value_parser = parse_floor)]
+    pub(crate) wall_floor_percent: f64,
+    /// The same of preparation, of 1 ms at least
+    #[arg(long, value_name = "PERCENT", default_value_t = threshold::SETUP_FLOOR_PERCENT,
+        value_parser = parse_floor)]
+    pub(crate) preparation_floor_percent: f64,
+    /// The same of planning, of 0.02 ms at least
+    #[arg(long, value_name = "PERCENT", default_value_t = threshold::SETUP_FLOOR_PERCENT,
+        value_parser = parse_floor)]
+    pub(crate) planning_floor_percent: f64,
     /// Time for measuring, builds not counted
     #[arg(long, value_name = "SECONDS", default_value = "600")]
     pub(crate) time_budget_s: u64,
@@ -335,7 +348,7 @@ pub(crate) struct BlessArguments {
     #[arg(long)]
     pub(crate) prune: bool,
     /// Why the differences are accepted
-    #[arg(long, required_unless_present = "prune")]
+    #[arg(long)]
     pub(crate) reason: Option<String>,
     /// Metric to accept; may be repeated [default: all that differ]
     #[arg(long)]

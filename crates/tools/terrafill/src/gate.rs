@@ -3,17 +3,17 @@
 
 use crate::arguments::{BlessArguments, GateArguments, SelfTestKind};
 use crate::outcome::{Failure, Outcome, print};
-use crate::registry::chapters;
+use crate::registry::{STUDIES, chapters};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::io::Write as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use terrafill_gate::{
-    Blessing, Finding, GateError, GateOptions, GateReport, GateShard, Injection, Job, Program,
-    Proof, Rules, SelfTest, Side, Workload, add_blessings, annotations, load_baseline, markdown,
-    matches, prune_blessings, read_blessings, read_json, read_limits, refuse_equal_programs,
-    save_baseline, self_test, shipped_limits, text, write_files,
+    Blessing, Finding, GateError, GateOptions, GateReport, GateShard, GatedTime, Injection, Job,
+    Program, Proof, Rules, SelfTest, Side, Workload, add_blessings, annotations, load_baseline,
+    markdown, matches, prune_blessings, read_blessings, read_json, read_limits,
+    refuse_equal_programs, save_baseline, self_test, shipped_limits, text, write_files,
 };
 use terrafill_results::{Clock, Run};
 use terrafill_scene::data_dir;
@@ -40,6 +40,14 @@ pub(crate) fn primary(study: &str, clock: Clock) -> Option<&'static str> {
     let chapters = chapters();
     let chapter = chapters.iter().find(|chapter| chapter.study() == study)?;
     chapter.primary_metric(clock)
+}
+
+/// The times of a study that are compared, by what they cover.
+fn gated(study: &str, clock: Clock) -> Vec<GatedTime> {
+    let study = STUDIES.iter().find(|known| known.name() == study);
+    study.map_or_else(Vec::new, |study| {
+        GatedTime::of(study.metrics(), study.chapter().primary_metric(clock))
+    })
 }
 
 /// Says what is being done, now and then.
@@ -144,7 +152,7 @@ fn new_run(arguments: &GateArguments) -> Result<Run, Failure> {
     let mut say = |what: &str| talk.say(what);
     let workload = workload(arguments, &arguments.scenes, false);
     let programs = [new.clone(), new];
-    let mut job = Job::new(programs, workload, &arguments.out, &primary, &mut say)?;
+    let mut job = Job::new(programs, workload, &arguments.out, &mut say)?;
     Ok(job.verify(Side::New)?)
 }
 
@@ -180,17 +188,21 @@ fn two_programs(
         [base, new],
         workload(arguments, scenes, !arguments.no_time),
         &arguments.out,
-        &primary,
         &mut say,
     )?;
     let options = GateOptions {
         times: !arguments.no_time,
         advisory: arguments.advisory_time,
-        floor_percent: arguments.floor_percent,
+        floors_percent: [
+            arguments.floor_percent,
+            arguments.wall_floor_percent,
+            arguments.preparation_floor_percent,
+            arguments.planning_floor_percent,
+        ],
         budget: Duration::from_secs(arguments.time_budget_s),
         is_part: part.is_some(),
     };
-    let mut report = terrafill_gate::gate(&mut job, names, &options, rules, &primary)?;
+    let mut report = terrafill_gate::gate(&mut job, names, &options, rules, &gated)?;
     if part.is_some() {
         let whole = report.compared.iter().find(|case| !is_of(case, scenes));
         if let Some(case) = whole {
@@ -304,7 +316,7 @@ fn prove(arguments: &GateArguments, kind: SelfTestKind) -> Result<Outcome, Failu
         &[base, new],
         &workload(arguments, &arguments.scenes, true),
         &arguments.out,
-        &primary,
+        &gated,
         &mut |what| talk.say(what),
         &mut |proof: &Proof| eprintln!("gate: {}", proof.sentences(injection).join("; ")),
     )?;

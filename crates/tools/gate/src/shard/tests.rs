@@ -2,7 +2,7 @@
 //! Parts of gates: which scenes each has, and which reports are refused.
 
 use super::*;
-use crate::{CaseTime, Finding, GATE_SCHEMA, Gate, Pace, Severity, TimeGate, Verdict, write_files};
+use crate::{CaseTime, Finding, GATE_SCHEMA, Gate, Severity, TimeGate, Verdict, write_files};
 
 fn scenes(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
@@ -76,16 +76,9 @@ fn parts_hold_every_scene_once_and_too_many_parts_are_refused() {
 fn an_earlier_gate_balances_the_parts() {
     let time = |case: &str, ms: f64| CaseTime {
         case: format!("filling/{case}/globe/x"),
-        pace: Pace::Same,
         base_ms: Some(ms),
         new_ms: Some(ms),
-        percent: None,
-        interval_percent: None,
-        null_percent: None,
-        spread_percent: None,
-        blocks: 5,
-        slower_blocks: 2,
-        words: String::new(),
+        ..CaseTime::default()
     };
     let costs = [("a", 8.0), ("b", 1.0), ("c", 2.0), ("d", 3.0), ("e", 2.0)];
     let earlier = GateReport {

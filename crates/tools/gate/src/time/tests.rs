@@ -98,7 +98,7 @@ impl MadeUp {
             ms = value;
         }
         if let Some(ms) = ms {
-            let of = &mut self.times[usize::from(side == Side::New)];
+            let of = &mut self.times[side.index()];
             let processes = of.entry(case.to_owned()).or_default();
             processes.entry(process).or_default().insert(sample, ms);
         }
@@ -154,8 +154,16 @@ impl Sides for MadeUp {
         Ok(())
     }
 
-    fn times(&self, side: Side) -> Result<Times, GateError> {
-        Ok(self.times[usize::from(side == Side::New)].clone())
+    fn times(&mut self, side: Side, _metric: &str) -> Result<Times, GateError> {
+        Ok(self.times[side.index()].clone())
+    }
+
+    fn verify_again(&mut self, _number: u32) -> Result<(), GateError> {
+        Ok(())
+    }
+
+    fn setups(&self, _side: Side, _metric: &str) -> Times {
+        Times::new()
     }
 
     fn elapsed(&self) -> Duration {
@@ -169,10 +177,20 @@ fn options() -> TimeOptions {
     TimeOptions::new(Clock::ProcessCpu, Duration::from_secs(600))
 }
 
-fn cases(count: usize) -> BTreeSet<String> {
-    (0..count)
-        .map(|index| format!("filling/{index:03}"))
-        .collect()
+const METRIC: &str = "fill_cpu_ms";
+
+fn watched(span: Span, count: usize) -> Watched {
+    Watched {
+        metric: METRIC.to_owned(),
+        span,
+        cases: (0..count)
+            .map(|index| format!("filling/{index:03}"))
+            .collect(),
+    }
+}
+
+fn cases(count: usize) -> [Watched; 1] {
+    [watched(Span::Frame, count)]
 }
 
 fn paces(way: &Way, seed: u64, factor: f64, count: usize) -> Vec<Pace> {
@@ -253,9 +271,11 @@ fn each_of_a_block_starts_first_second_and_last_equally_often() {
 fn a_burst_with_an_unusable_sample_does_not_count_and_half_of_them_must() {
     let mut sides = MadeUp::in_lock_step(14, 1.0);
     let trio = Trio::of_block(0);
-    sides.run_together(trio, &cases(1)).expect("made up");
+    sides
+        .run_together(trio, &cases(1)[0].cases)
+        .expect("made up");
     let case = "filling/000";
-    let mut times = both(&sides).expect("times");
+    let mut times = both(&mut sides, METRIC).expect("times");
     let count = |times: &[Times; 2]| bursts(case, trio, times).map(|bursts| bursts.len());
     assert_eq!(count(&times), Some(6));
     // One unusable sample in each of three bursts, then in a fourth.
@@ -276,7 +296,7 @@ fn a_burst_with_an_unusable_sample_does_not_count_and_half_of_them_must() {
 fn reversed_operands_reverse_the_answer() {
     let mut sides = MadeUp::new(5, 1.08);
     let gate = compare_times(&mut sides, &cases(1), &options()).expect("measured");
-    let times = both(&sides).expect("times");
+    let times = both(&mut sides, METRIC).expect("times");
     let turned: Vec<Block> = gate
         .confirm
         .iter()
@@ -290,8 +310,8 @@ fn reversed_operands_reverse_the_answer() {
         .collect();
     let [base, new] = times.clone();
     let case = "filling/000";
-    let there = decide(case, &gate.confirm, &times, &options());
-    let back = decide(case, &turned, &[new, base], &options());
+    let there = decide(case, &cases(1)[0], &gate.confirm, &times, &options());
+    let back = decide(case, &cases(1)[0], &turned, &[new, base], &options());
     assert_eq!((there.pace, back.pace), (Pace::Slower, Pace::Faster));
     let product =
         (1.0 + 0.01 * there.percent.expect("n")) * (1.0 + 0.01 * back.percent.expect("n"));
@@ -333,9 +353,7 @@ fn a_collapse_is_no_improvement() {
     }
     let sides = &mut MadeUp::new(7, 0.1);
     let gate = compare_times(sides, &cases(1), &options()).expect("measured");
-    let finding = gate.cases[0]
-        .finding("fill_cpu_ms", &BTreeMap::new())
-        .expect("a finding");
+    let finding = gate.cases[0].finding(&BTreeMap::new()).expect("a finding");
     assert_eq!(finding.severity, Severity::Unknown);
     assert!(
         finding.words.contains("stopped doing its work"),
@@ -388,7 +406,7 @@ fn where_base_against_base_moves_the_answer_is_unknown() {
     sides.spread = 0.001;
     let steady = compare_times(&mut sides, &cases(1), &options()).expect("measured");
     assert_eq!(steady.cases[0].pace, Pace::Slower);
-    let [mut base, new] = both(&sides).expect("times");
+    let [mut base, new] = both(&mut sides, METRIC).expect("times");
     let case = "filling/000".to_owned();
     let processes = |block: &Block| block.processes(Side::Base);
     for (index, blocks) in steady.confirm.chunks(2).enumerate() {
@@ -401,7 +419,13 @@ fn where_base_against_base_moves_the_answer_is_unknown() {
             samples.values_mut().for_each(|ms| *ms *= 1.08);
         }
     }
-    let found = decide(&case, &steady.confirm, &[base, new], &options());
+    let found = decide(
+        &case,
+        &cases(1)[0],
+        &steady.confirm,
+        &[base, new],
+        &options(),
+    );
     assert_eq!(found.pace, Pace::Unknown);
     assert!(found.words.contains("base against base"), "{}", found.words);
 
@@ -409,13 +433,13 @@ fn where_base_against_base_moves_the_answer_is_unknown() {
     let mut sides = MadeUp::in_lock_step(10, 1.2);
     let steady = compare_times(&mut sides, &cases(1), &options()).expect("measured");
     assert_eq!(steady.cases[0].pace, Pace::Slower);
-    let mut times = both(&sides).expect("times");
+    let mut times = both(&mut sides, METRIC).expect("times");
     for block in &steady.confirm {
         let of = times[0].get_mut(&case).expect("the case");
         let samples = of.get_mut(&processes(block)[1]).expect("the process");
         samples.values_mut().for_each(|ms| *ms *= 1.08);
     }
-    let found = decide(&case, &steady.confirm, &times, &options());
+    let found = decide(&case, &cases(1)[0], &steady.confirm, &times, &options());
     assert_eq!(found.pace, Pace::Unknown);
     assert!(found.words.contains("base against base"), "{}", found.words);
 }
@@ -511,4 +535,49 @@ fn a_real_difference_counts_where_the_machine_is_slow_half_of_the_time() {
     assert_eq!(below_floor(0.42, 1.0 / 1.07), 0);
     // 0.007 ms.
     assert!(below_floor(0.1, 1.07) > 450);
+}
+
+#[test]
+fn the_wall_clock_has_a_floor_of_its_own_and_decides_nothing_where_others_move_it() {
+    let of = |span, factor, spread| {
+        let mut sides = MadeUp {
+            spread,
+            ..MadeUp::in_lock_step(41, factor)
+        };
+        let gate = compare_times(&mut sides, &[watched(span, 40)], &options()).expect("measured");
+        let paces: Vec<Pace> = gate.cases.iter().map(|case| case.pace).collect();
+        [Pace::Same, Pace::Slower, Pace::Unknown].map(|pace| share(&paces, pace))
+    };
+    // 5 % is called of a frame, and of its wall clock not.
+    assert!(of(Span::Frame, 1.05, 0.01)[1] > 0.9);
+    assert_eq!(of(Span::Wall, 1.05, 0.01), [1.0, 0.0, 0.0]);
+    assert!(of(Span::Wall, 1.2, 0.01)[1] > 0.9);
+    // Noise that hides a change of the floor's size leaves a frame undecided.
+    let [same, slower, unknown] = of(Span::Frame, 1.0, 0.4);
+    assert!(unknown > 0.7 && slower < 0.05, "{same} {slower} {unknown}");
+    let [same, slower, _] = of(Span::Wall, 1.0, 0.4);
+    assert!(same > 0.5 && slower < 0.05, "{same} {slower}");
+    // Three times as long is seen through it.
+    assert!(of(Span::Wall, 3.0, 0.4)[1] > 0.9);
+}
+
+#[test]
+fn stages_say_where_a_difference_lies_and_decide_nothing() {
+    let mut sides = MadeUp::in_lock_step(43, 1.2);
+    let mut stage = watched(Span::Stage, 1);
+    stage.metric = "stencil_gpu_ms".to_owned();
+    let [frame] = cases(1);
+    let gate = compare_times(&mut sides, &[frame, stage], &options()).expect("measured");
+    assert_eq!(gate.cases.len(), 1);
+    // The made-up program's stage is its whole frame.
+    let case = &gate.cases[0];
+    let [stage] = case.stages.as_slice() else {
+        panic!("{:?}", case.stages);
+    };
+    assert_eq!(
+        [Some(stage.base_ms), Some(stage.new_ms)],
+        [case.base_ms, case.new_ms]
+    );
+    let sentence = case.sentence();
+    assert!(sentence.contains(", stencil +"), "{sentence}");
 }
