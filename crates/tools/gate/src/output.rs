@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The report of a gate for people (one screen of text, a page of Markdown) and for machines (JSON,
-//! JUnit, GitHub annotations).
+//! The report of a gate for people, as one screen of text, and for machines: JSON and GitHub annotations.
+//! The page is in `page`, JUnit in `junit`.
 
-use crate::threshold::{MAX_ANNOTATIONS, MAX_SUMMARY_BYTES};
-use crate::{Finding, GATE_SCHEMA, GateError, GateReport, Severity, Verdict, Way};
-use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
-use std::collections::BTreeMap;
+use crate::threshold::MAX_ANNOTATIONS;
+use crate::{
+    Finding, GATE_SCHEMA, Gate, GateError, GateReport, Severity, Span, Verdict, Way, junit,
+    markdown,
+};
 use std::fmt::Write as _;
 use std::path::Path;
 use terrafill_results::Shard;
 
 /// Findings of a severity on the first screen.
 const MAX_LINES: usize = 6;
-
-/// Rows of a table in a step summary.
-const MAX_ROWS: usize = 100;
 
 const SEVERITIES: [Severity; 4] = [
     Severity::Worse,
@@ -28,7 +26,7 @@ const SEVERITIES: [Severity; 4] = [
 pub fn text(report: &GateReport) -> String {
     let mut text = format!(
         "{} (exit {}): {}\n  base {} · new {}\n  {} · {} · {:.0} s\n",
-        report.verdict.title(),
+        title(report),
         report.exit_code,
         headline(report),
         report.base,
@@ -84,7 +82,7 @@ pub fn text(report: &GateReport) -> String {
 }
 
 /// Findings that are accepted, with the reason.
-fn blessed(report: &GateReport) -> impl Iterator<Item = (&Finding, &str)> {
+pub(crate) fn blessed(report: &GateReport) -> impl Iterator<Item = (&Finding, &str)> {
     let findings = report.findings.iter();
     findings.filter_map(|finding| Some((finding, finding.blessed.as_deref()?)))
 }
@@ -96,14 +94,36 @@ fn rest(text: &mut String, count: usize, shown: usize, place: &str) {
     }
 }
 
-fn headline(report: &GateReport) -> String {
+/// The verdict in capitals. What is only better fails until it is blessed, and is no regression.
+pub(crate) fn title(report: &GateReport) -> &'static str {
+    let is_worse = report.of(Severity::Worse).next().is_some();
+    match report.verdict {
+        Verdict::Regression if !is_worse => "FASTER, NOT BLESSED",
+        verdict => verdict.title(),
+    }
+}
+
+/// Times that are shorter by more than the floors.
+fn faster(report: &GateReport) -> usize {
+    let notes = report
+        .of(Severity::Note)
+        .filter(|finding| finding.gate == Gate::Time);
+    notes
+        .filter(|finding| finding.percent.is_some_and(|percent| percent < 0.0))
+        .count()
+}
+
+pub(crate) fn headline(report: &GateReport) -> String {
     let count = |severity| report.of(severity).count();
     let (worse, better) = (count(Severity::Worse), count(Severity::Better));
     match report.verdict {
-        Verdict::Pass => "nothing differs that counts".to_owned(),
+        Verdict::Pass => match faster(report) {
+            0 => "nothing differs that counts".to_owned(),
+            faster => format!("nothing differs for the worse; {faster} times are shorter"),
+        },
         Verdict::Regression => match (worse, better) {
             (worse, 0) => format!("{worse} differences for the worse"),
-            (0, better) => format!("{better} differences for the better, none of them blessed"),
+            (0, better) => format!("{better} differences for the better, to be blessed"),
             (worse, better) => {
                 format!("{worse} differences for the worse, {better} for the better")
             }
@@ -114,7 +134,7 @@ fn headline(report: &GateReport) -> String {
 }
 
 /// What was compared, and how sure it is.
-fn scope(report: &GateReport) -> Vec<String> {
+pub(crate) fn scope(report: &GateReport) -> Vec<String> {
     let part = report.part.as_ref().map(|part| {
         let Shard { index, count } = part.shard;
         format!(
@@ -132,18 +152,17 @@ fn scope(report: &GateReport) -> Vec<String> {
     match &report.time {
         None => lines.push("times were not compared".to_owned()),
         Some(time) => {
+            let frames = || time.cases.iter().filter(|case| case.span == Span::Frame);
             let mut line = format!(
                 "{} cases timed in {} blocks",
-                time.cases.len(),
+                frames().count(),
                 time.screen.len()
             );
             if time.on_one_core {
                 line += ", each on one core";
             }
             if !time.confirm.is_empty() {
-                let decided: Vec<usize> = time
-                    .cases
-                    .iter()
+                let decided: Vec<usize> = frames()
                     .filter(|c| c.interval_percent.is_some())
                     .map(|c| c.blocks)
                     .collect();
@@ -173,58 +192,11 @@ fn scope(report: &GateReport) -> Vec<String> {
 }
 
 /// How to see the first finding, and everything.
-fn commands(report: &GateReport) -> Vec<String> {
+pub(crate) fn commands(report: &GateReport) -> Vec<String> {
     let counted = report.findings.iter().find(|finding| finding.counts());
     let first = counted.and_then(Finding::command);
     let see = Some(report.see.clone()).filter(|see| !see.is_empty());
     first.into_iter().chain(see).collect()
-}
-
-/// A page for a step summary, within GitHub's limit.
-#[must_use]
-pub fn markdown(report: &GateReport) -> String {
-    let mut page = format!(
-        "## Gate: {}\n\n{}: `{}` against `{}`, on {}, by {}.\n\n",
-        report.verdict.title(),
-        headline(report),
-        report.new,
-        report.base,
-        report.device,
-        report.clock
-    );
-    for line in scope(report) {
-        let _ = writeln!(page, "- {line}");
-    }
-    for severity in SEVERITIES {
-        let findings: Vec<&Finding> = report.of(severity).collect();
-        if findings.is_empty() {
-            continue;
-        }
-        let _ = writeln!(page, "\n### {} ({})\n", severity.heading(), findings.len());
-        page.push_str("| case | finding |\n|---|---|\n");
-        for finding in findings.iter().take(MAX_ROWS) {
-            let sentence = finding.sentence().replace('|', "\\|").replace('\n', " ");
-            let _ = writeln!(page, "| `{}` | {sentence} |", finding.case);
-        }
-        if findings.len() > MAX_ROWS {
-            let _ = writeln!(page, "\n{} more in `gate.json`.", findings.len() - MAX_ROWS);
-        }
-    }
-    for idle in &report.idle_blessings {
-        let _ = writeln!(page, "- blessing {idle}");
-    }
-    if report.verdict != Verdict::Pass {
-        for command in commands(report) {
-            let _ = writeln!(page, "\n```sh\n{command}\n```");
-        }
-    }
-    if page.len() > MAX_SUMMARY_BYTES {
-        let end = (0..=MAX_SUMMARY_BYTES)
-            .rev()
-            .find(|&at| page.is_char_boundary(at));
-        page.truncate(end.unwrap_or(0));
-    }
-    page
 }
 
 /// Lines that GitHub shows beside a step: the worst findings, as many as it shows.
@@ -262,49 +234,6 @@ pub fn annotations(report: &GateReport) -> Vec<String> {
     lines
 }
 
-/// A JUnit file: a case is a test; an inconclusive one is skipped, with its reason.
-///
-/// # Errors
-/// [`GateError::BadInput`] where the text cannot be written.
-pub fn junit(report: &GateReport) -> Result<String, GateError> {
-    let mut by_case: BTreeMap<&str, Vec<&Finding>> = BTreeMap::new();
-    for case in &report.compared {
-        by_case.entry(case).or_default();
-    }
-    for finding in report.findings.iter().filter(|finding| finding.counts()) {
-        by_case.entry(&finding.case).or_default().push(finding);
-    }
-    let mut suite = TestSuite::new("gate");
-    for (case, findings) in by_case {
-        let status = match findings.first() {
-            None => TestCaseStatus::success(),
-            Some(worst) => {
-                let words: Vec<String> = findings.iter().map(|f| f.sentence()).collect();
-                let mut status = if worst.severity == Severity::Unknown {
-                    TestCaseStatus::skipped()
-                } else {
-                    TestCaseStatus::non_success(NonSuccessKind::Failure)
-                };
-                status.set_message(words.join("; "));
-                status
-            }
-        };
-        let mut test = TestCase::new(case, status);
-        test.set_classname(case.split('/').next().unwrap_or_default());
-        suite.add_test_case(test);
-    }
-    for (case, reason) in &report.skipped {
-        let mut status = TestCaseStatus::skipped();
-        status.set_message(reason.clone());
-        suite.add_test_case(TestCase::new(case.clone(), status));
-    }
-    let mut junit = Report::new("terrafill gate");
-    junit.add_test_suite(suite);
-    junit
-        .to_string()
-        .map_err(|error| GateError::BadInput(format!("gate.junit.xml: {error}")))
-}
-
 /// Writes `gate.md`, `gate.junit.xml` and, last, `gate.json`: a folder with it is whole.
 ///
 /// # Errors
@@ -315,7 +244,7 @@ pub fn write_files(report: &GateReport, out: &Path) -> Result<(), GateError> {
         .map_err(|error| GateError::BadInput(format!("gate.json: {error}")))?;
     for (name, text) in [
         ("gate.md", markdown(report)),
-        ("gate.junit.xml", junit(report)?),
+        ("gate.junit.xml", junit(report)),
         ("gate.json", json + "\n"),
     ] {
         // Renamed into place, so that a full disk leaves no half of a file.
@@ -347,49 +276,7 @@ pub fn read_json(path: &Path) -> Result<GateReport, GateError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Gate, verdict};
-
-    fn finding(case: &str, severity: Severity, gate: Gate) -> Finding {
-        Finding {
-            case: case.to_owned(),
-            conditions: [("scene", "california"), ("technique", "vertex")]
-                .map(|(key, value)| (key.to_owned(), value.to_owned()))
-                .into(),
-            metric: "draws".to_owned(),
-            gate,
-            severity,
-            from: "3".to_owned(),
-            to: "6".to_owned(),
-            words: "+100 %, a | b".to_owned(),
-            percent: None,
-            blessed: None,
-        }
-    }
-
-    fn report(findings: Vec<Finding>) -> GateReport {
-        let verdict = verdict(&findings, 2);
-        GateReport {
-            schema: GATE_SCHEMA,
-            verdict,
-            exit_code: verdict.exit_code(),
-            base: "main (4e23c86)".to_owned(),
-            new: "topic (abcdef0)".to_owned(),
-            commits: ["4e23c86", "abcdef0"].map(str::to_owned),
-            options: vec!["size=512x512".to_owned()],
-            part: None,
-            device: "llvmpipe, Mesa 25".to_owned(),
-            clock: "process CPU time".to_owned(),
-            compared: vec!["filling/a".to_owned(), "filling/b".to_owned()],
-            figures: 60,
-            skipped: vec![("filling/c".to_owned(), "no data".to_owned())],
-            findings,
-            time: None,
-            idle_blessings: vec!["unused: filling/z, draws 1 → 2".to_owned()],
-            unmatched_limits: Vec::new(),
-            elapsed_s: 12.0,
-            see: "terrafill compare out/gate/base out/gate/new".to_owned(),
-        }
-    }
+    use crate::made_up_report::{finding, report};
 
     #[test]
     fn a_screen_says_what_how_much_and_where_to_look() {
@@ -429,38 +316,6 @@ mod tests {
         let mut blessed = finding("filling/a", Severity::Worse, Gate::Counters);
         blessed.blessed = Some("meant".to_owned());
         assert!(annotations(&report(vec![blessed])).is_empty());
-    }
-
-    #[test]
-    fn junit_fails_skips_and_passes_case_by_case() {
-        let xml = junit(&report(vec![
-            finding("filling/a", Severity::Worse, Gate::Counters),
-            finding("filling/d", Severity::Unknown, Gate::Time),
-        ]));
-        let xml = xml.expect("written");
-        assert!(
-            xml.contains("tests=\"4\"") && xml.contains("failures=\"1\""),
-            "{xml}"
-        );
-        assert!(xml.contains("<skipped") && xml.contains("no data"), "{xml}");
-        let xml = junit(&report(Vec::new())).expect("written");
-        assert!(xml.contains("failures=\"0\""), "{xml}");
-    }
-
-    #[test]
-    fn a_table_in_markdown_keeps_its_cells_and_the_page_its_limit() {
-        let one = markdown(&report(vec![finding(
-            "filling/a",
-            Severity::Better,
-            Gate::Errors,
-        )]));
-        assert!(
-            one.contains("| `filling/a` | draws 3 → 6: +100 %, a \\| b |"),
-            "{one}"
-        );
-        let mut long = finding("filling/a", Severity::Worse, Gate::Counters);
-        long.words = "ä".repeat(700_000);
-        assert!(markdown(&report(vec![long])).len() <= MAX_SUMMARY_BYTES);
     }
 
     #[test]

@@ -83,6 +83,3 @@ pub fn floor_ms(clock: Clock) -> f64 {
 
 /// Annotations that GitHub shows of one step.
 pub const MAX_ANNOTATIONS: usize = 10;
-
-/// Bytes of a step summary: GitHub refuses more than 1 MiB.
-pub const MAX_SUMMARY_BYTES: usize = 1_000_000;
