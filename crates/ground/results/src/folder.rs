@@ -355,6 +355,22 @@ pub(crate) fn read_table(
     path: &Path,
     columns: &[String],
 ) -> Result<Vec<csv::StringRecord>, RunError> {
+    let mut rows = Vec::new();
+    each_row(path, columns, |_, row| {
+        rows.push(row.clone());
+        Ok(())
+    })?;
+    Ok(rows)
+}
+
+/// Goes through a table without keeping its rows, which take many times as much as what they say.
+///
+/// - `read`: gets a row's number as people count them, the header being 1
+pub(crate) fn each_row(
+    path: &Path,
+    columns: &[String],
+    mut read: impl FnMut(u64, &csv::StringRecord) -> Result<(), RunError>,
+) -> Result<(), RunError> {
     let mut text = read_text(path, &columns.join(", "))?;
     text.truncate(whole_rows_len(&text));
     let mut reader = csv::Reader::from_reader(text.as_bytes());
@@ -375,10 +391,14 @@ pub(crate) fn read_table(
             });
         }
     }
-    reader
-        .into_records()
-        .map(|row| row.map_err(malformed))
-        .collect()
+    let mut record = csv::StringRecord::new();
+    for row in 2.. {
+        if !reader.read_record(&mut record).map_err(malformed)? {
+            break;
+        }
+        read(row, &record)?;
+    }
+    Ok(())
 }
 
 /// Names of `keys` that stand twice.

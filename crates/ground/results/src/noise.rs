@@ -8,6 +8,7 @@
 
 use crate::threshold::{MIN_DIFFERENCE, MIN_REPLICATES};
 use crate::{Case, Estimate, REPEATS, Standing, process_medians, ratio};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// By how much identical work differed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,15 +93,18 @@ impl Noise {
         metric: impl AsRef<str>,
     ) -> Option<Self> {
         let metric = metric.as_ref();
-        let ratios: Vec<Estimate> = cases
-            .clone()
-            .filter(|case| case.is_twin() && case.counts())
-            .filter_map(|twin| {
-                let repeated = twin.condition(REPEATS);
-                let mut originals = cases.clone().filter(|case| case.id().key() == repeated);
-                let original = originals.find(|case| case.counts())?;
-                ratio(twin, original, metric)
-            })
+        let twins = || {
+            let counted = cases.clone().filter(|case| case.counts());
+            counted.filter(|case| case.is_twin())
+        };
+        let repeated: BTreeSet<&str> = twins().map(|twin| twin.condition(REPEATS)).collect();
+        let originals = cases.clone().filter(|case| case.counts());
+        let originals = originals.map(|case| (case.id().key(), case));
+        let originals: BTreeMap<String, &Case> = originals
+            .filter(|(key, _)| repeated.contains(key.as_str()))
+            .collect();
+        let ratios: Vec<Estimate> = twins()
+            .filter_map(|twin| ratio(twin, originals.get(twin.condition(REPEATS))?, metric))
             .collect();
         let off = |ratio: f64| ratio.ln().abs();
         let gaps: Vec<f64> = ratios.iter().map(|ratio| off(ratio.middle)).collect();

@@ -7,12 +7,11 @@
 
 use crate::folder::{
     CASE_COLUMNS, CASES, ENVIRONMENT, MEASUREMENT_COLUMNS, MEASUREMENTS, METRIC_COLUMNS, METRICS,
-    NOTE_COLUMNS, NOTES, OLD_METRIC_COLUMNS, PLAN, RunError, check_schema, duplicates, read_json,
-    read_table,
+    NOTE_COLUMNS, NOTES, OLD_METRIC_COLUMNS, PLAN, RunError, check_schema, duplicates, each_row,
+    read_json, read_table,
 };
 use crate::{
-    CaseId, Clock, Measurement, MetricRow, Note, PlannedCase, REPEATS, RunEnvironment, RunPlan,
-    Status, median,
+    CaseId, Clock, MetricRow, Note, PlannedCase, REPEATS, RunEnvironment, RunPlan, Status, median,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -428,34 +427,35 @@ fn read_measurements(
 ) -> Result<BTreeMap<String, BTreeMap<String, Samples>>, RunError> {
     let mut figures: BTreeMap<String, BTreeMap<String, Samples>> = BTreeMap::new();
     let columns = strings(&MEASUREMENT_COLUMNS);
-    for (row, record) in numbered(read_table(path, &columns)?) {
+    each_row(path, &columns, |row, record| {
         let of = |index: usize| record.get(index).unwrap_or_default();
         let wrong = |index: usize, expected: &str| {
             cell(path, row, MEASUREMENT_COLUMNS[index], of(index), expected)
         };
-        if !planned.contains(of(0)) {
+        // Names are kept once, and not for each row.
+        if !figures.contains_key(of(0)) && !planned.contains(of(0)) {
             return Err(wrong(0, "a case of plan.json"));
         }
-        if !metrics.contains(of(1)) {
+        let of_case = kept(&mut figures, of(0));
+        if !of_case.contains_key(of(1)) && !metrics.contains(of(1)) {
             return Err(wrong(1, "a metric of metrics.csv"));
         }
-        let measurement = Measurement {
-            case: of(0).to_owned(),
-            metric: of(1).to_owned(),
-            process: of(2).parse().map_err(|_| wrong(2, "a whole number"))?,
-            sample: of(3).parse().map_err(|_| wrong(3, "a whole number"))?,
-            value: of(4).parse().map_err(|_| wrong(4, "a number"))?,
-        };
-        figures
-            .entry(measurement.case)
-            .or_default()
-            .entry(measurement.metric)
-            .or_default()
-            .entry(measurement.process)
-            .or_default()
-            .insert(measurement.sample, measurement.value);
-    }
+        let samples = kept(of_case, of(1));
+        let process = of(2).parse().map_err(|_| wrong(2, "a whole number"))?;
+        let sample = of(3).parse().map_err(|_| wrong(3, "a whole number"))?;
+        let value = of(4).parse().map_err(|_| wrong(4, "a number"))?;
+        samples.entry(process).or_default().insert(sample, value);
+        Ok(())
+    })?;
     Ok(figures)
+}
+
+/// The value of this name, made where there is none.
+fn kept<'a, T: Default>(all: &'a mut BTreeMap<String, T>, name: &str) -> &'a mut T {
+    if !all.contains_key(name) {
+        return all.entry(name.to_owned()).or_default();
+    }
+    all.get_mut(name).expect("it was found")
 }
 
 fn read_notes(

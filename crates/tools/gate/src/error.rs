@@ -40,6 +40,14 @@ pub enum GateError {
         /// Its status and what it said last.
         message: String,
     },
+    /// The machine failed, and nothing that is compared: a build of the base, a full disk.
+    #[error("{what}: {message}")]
+    Infrastructure {
+        /// What was being done.
+        what: String,
+        /// What came of it.
+        message: String,
+    },
     /// A program found no device.
     #[error("no usable device: {0}")]
     NoDevice(String),
@@ -55,12 +63,94 @@ impl GateError {
         match self {
             Self::NothingMeasured(_) => 4,
             Self::NoDevice(_) => 5,
+            Self::Infrastructure { .. } => 6,
+            Self::Io { source, .. } | Self::Run(RunError::Io { source, .. })
+                if is_of_machine(source) =>
+            {
+                6
+            }
             _ => 2,
+        }
+    }
+
+    /// The same failure of a program as one of the machine: a base that does not build says nothing of what is
+    /// compared with it.
+    #[must_use]
+    pub fn of_machine(self) -> Self {
+        match self {
+            Self::Program { what, message } => Self::Infrastructure { what, message },
+            other => other,
         }
     }
 
     pub(crate) fn io(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.into();
         move |source| Self::Io { path, source }
+    }
+}
+
+/// Whether a machine has no room or no memory left.
+fn is_of_machine(error: &std::io::Error) -> bool {
+    use std::io::ErrorKind::{
+        FileTooLarge, OutOfMemory, QuotaExceeded, ReadOnlyFilesystem, StorageFull, WriteZero,
+    };
+    let of_machine = [
+        FileTooLarge,
+        OutOfMemory,
+        QuotaExceeded,
+        ReadOnlyFilesystem,
+        StorageFull,
+        WriteZero,
+    ];
+    of_machine.contains(&error.kind())
+}
+
+/// Whether a program says that it ended for such a reason: each ends its message with the number that the system
+/// gives, also one that was built long ago.
+pub(crate) fn says_machine_failed(line: &str) -> bool {
+    let number = line
+        .rsplit_once("(os error ")
+        .and_then(|(_, rest)| rest.split_once(')'));
+    let number = number.and_then(|(number, _)| number.parse().ok());
+    number.is_some_and(|number| is_of_machine(&std::io::Error::from_raw_os_error(number)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{Error, ErrorKind};
+
+    #[test]
+    fn a_full_disk_and_a_base_that_does_not_build_are_of_the_machine_and_a_missing_file_is_not() {
+        let io = |kind: ErrorKind| GateError::io("a")(Error::from(kind)).exit_code();
+        assert_eq!(
+            [io(ErrorKind::StorageFull), io(ErrorKind::FileTooLarge)],
+            [6, 6]
+        );
+        assert_eq!(
+            [io(ErrorKind::NotFound), io(ErrorKind::PermissionDenied)],
+            [2, 2]
+        );
+        let program = || GateError::Program {
+            what: "cargo build".to_owned(),
+            message: "exit status: 101".to_owned(),
+        };
+        assert_eq!(
+            [program().exit_code(), program().of_machine().exit_code()],
+            [2, 6]
+        );
+        assert_eq!(
+            GateError::BadInput("revision".to_owned())
+                .of_machine()
+                .exit_code(),
+            2
+        );
+        assert!(says_machine_failed(
+            "error: out/x.csv: No space left on device (os error 28)"
+        ));
+        assert!(!says_machine_failed(
+            "error: x: No such file or directory (os error 2)"
+        ));
+        assert!(!says_machine_failed("28 pixels differ"));
     }
 }

@@ -131,9 +131,13 @@ fn refuse_what_cannot_be_compared(base: &Run, new: &Run) -> Result<(), GateError
 /// Whether two runs hold times, and the very same ones.
 fn is_copy(base: &Run, new: &Run) -> bool {
     let times = |run: &Run| -> Vec<u64> {
-        let is_time = |metric: &str| run.metric(metric).is_some_and(|m| m.kind == Kind::Time);
+        let times = run
+            .metrics
+            .iter()
+            .filter(|metric| metric.kind == Kind::Time);
+        let times: BTreeSet<&str> = times.map(|metric| metric.name.as_str()).collect();
         let figures = run.cases.iter().flat_map(Case::figures);
-        let of_time = figures.filter(|(metric, _)| is_time(metric));
+        let of_time = figures.filter(|(metric, _)| times.contains(metric.as_str()));
         let values = of_time.flat_map(|(_, samples)| samples.values().flat_map(BTreeMap::values));
         values.map(|value| value.to_bits()).collect()
     };
@@ -198,6 +202,10 @@ impl Comparison<'_> {
             }
             return;
         };
+        if let Some((key, from, to)) = planned_otherwise(base, new) {
+            let words = format!("another {key} under the same name: its work is not compared");
+            self.status(new, Severity::Unknown, from, to, &words);
+        }
         let (from, to) = (state(Some(base)), state(Some(new)));
         let is_result = |case: &Case| {
             matches!(case.outcome, Outcome::Ok | Outcome::DriverFault)
@@ -356,6 +364,16 @@ impl Comparison<'_> {
             blessed: None,
         });
     }
+}
+
+/// A condition that both cases of one name have, with two values: a change of the plan, which says nothing of the
+/// work.
+fn planned_otherwise<'a>(base: &'a Case, new: &'a Case) -> Option<(&'a str, &'a str, &'a str)> {
+    let mut conditions = base.id().conditions.iter();
+    conditions.find_map(|(key, from)| {
+        let to = new.id().conditions.get(key)?;
+        (from != to).then_some((key.as_str(), from.as_str(), to.as_str()))
+    })
 }
 
 fn state(case: Option<&Case>) -> &'static str {

@@ -37,6 +37,8 @@ pub(crate) struct Fake {
     pub(crate) prepare_cpu_ms: f64,
     /// Milliseconds of planning.
     pub(crate) plan_cpu_ms: f64,
+    /// A condition of its cases.
+    pub(crate) surface: &'static str,
     /// Shell commands of a process before it does anything.
     pub(crate) before: &'static str,
 }
@@ -48,6 +50,7 @@ impl Default for Fake {
             waits_ms: 0.0,
             prepare_cpu_ms: 7.0,
             plan_cpu_ms: 0.5,
+            surface: "ellipsoid",
             before: "",
         }
     }
@@ -87,19 +90,26 @@ impl Fake {
             ..MadeUpRun::default()
         };
         for view in ["globe", "near"] {
-            let conditions = [("scene", "square"), ("view", view), ("technique", "vertex")];
+            let conditions = [
+                ("scene", "square"),
+                ("view", view),
+                ("technique", "vertex"),
+                ("surface", self.surface),
+            ];
             let case = run.case(case_id(
                 "filling",
                 &format!("square/{view}/vertex"),
                 &conditions,
             ));
             case.samples = 1;
-            case.figure("draws", 3.0);
             // No two runs are equal to the last bit.
-            case.timed(
-                "fill_cpu_ms",
-                &[self.fill_cpu_ms + f64::from(name.as_bytes()[0]) * 1e-9],
-            );
+            let own = f64::from(name.as_bytes()[0]) * 1e-9;
+            case.figure("draws", 3.0)
+                .figure("prepare_cpu_ms", self.prepare_cpu_ms)
+                .figure("plan_cpu_ms", self.plan_cpu_ms)
+                .timed("fill_cpu_ms", &[self.fill_cpu_ms + own])
+                .timed("fill_wall_ms", &[self.fill_cpu_ms + self.waits_ms])
+                .timed("stencil_gpu_ms", &[0.5 * self.fill_cpu_ms]);
         }
         let verified = place.join(format!("{name}-verified"));
         run.write(&verified).expect("a run");
@@ -238,6 +248,59 @@ mod tests {
             "{sentence}"
         );
         assert!(sentence.ends_with("stencil +0.400 ms"), "{sentence}");
+    }
+
+    fn refused(base: Fake, new: Fake) -> GateError {
+        let place = tempfile::tempdir().expect("a folder");
+        gate_in(place.path(), "out", &base, &new, &NO_RULES).expect_err("no verdict")
+    }
+
+    #[test]
+    fn a_base_that_lacks_an_option_or_is_killed_never_passes() {
+        let usual = Fake::default();
+        let lacks = Fake {
+            before: r#"echo "error: unexpected argument '--processes' found" >&2; exit 2"#,
+            ..usual
+        };
+        let error = refused(lacks, usual);
+        assert_eq!(error.exit_code(), 2, "{error}");
+        assert!(
+            error.to_string().starts_with("base program old: "),
+            "{error}"
+        );
+        assert!(error.to_string().contains("'--processes' found"), "{error}");
+        // Memory or the disk ran out: of a verifying process, and of a timing one.
+        let killed = Fake {
+            before: "kill -9 $$",
+            ..usual
+        };
+        assert_eq!(refused(killed, usual).exit_code(), 6);
+        let full = Fake {
+            before: r#"[ -n "$process" ] && { echo "error: x.csv: No space left on device (os error 28)" >&2; exit 2; }"#,
+            ..usual
+        };
+        let error = refused(usual, full);
+        assert_eq!(error.exit_code(), 6, "{error}");
+        // Negative control: one that breaks off by itself.
+        let broken = Fake {
+            before: r#"[ -n "$process" ] && exit 2"#,
+            ..usual
+        };
+        assert_eq!(refused(usual, broken).exit_code(), 2);
+    }
+
+    #[test]
+    fn a_change_of_the_plan_under_the_same_name_is_inconclusive() {
+        let edited = Fake {
+            surface: "tiles",
+            ..Fake::default()
+        };
+        let (verdict, sentences) = found(edited);
+        assert_eq!(verdict, Verdict::Inconclusive);
+        assert_eq!(
+            sentences[0],
+            "status ellipsoid → tiles: another surface under the same name: its work is not compared"
+        );
     }
 
     #[test]

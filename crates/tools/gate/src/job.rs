@@ -13,13 +13,15 @@
 //! Timing processes go in lock-step where both programs can, see `lockstep`, and else one after another.
 
 use crate::cores::Cores;
+use crate::error::says_machine_failed;
+use crate::hold::{Hold, PROCESS, VERIFY};
 use crate::lockstep::{Ended, Stepped, step};
 use crate::{GateError, GatedTime, Program, Side, Sides, Span, Times, Trio, Watched, Way};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::io::{self, BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 use terrafill_results::{Case, Clock, Outcome, Run, VerifiedRun};
 
@@ -47,9 +49,9 @@ pub struct Workload {
 struct Desk(PathBuf);
 
 impl Desk {
-    /// - `what`: the process does
-    fn of(what: &str, process: u32, out: &Path) -> Self {
-        Self(out.join(format!("{what}-{process:05}")))
+    /// - `start`: of its name
+    fn of(start: &str, process: u32, out: &Path) -> Self {
+        Self(out.join(format!("{start}{process:05}")))
     }
 
     fn program(&self) -> PathBuf {
@@ -76,9 +78,7 @@ impl Desk {
         let text: Vec<&str> = cases.iter().map(String::as_str).collect();
         std::fs::write(&list, text.join("\n")).map_err(GateError::io(&list))
     }
-}
 
-impl Desk {
     fn take_program(&self, program: &Path) -> Result<(), GateError> {
         std::fs::create_dir_all(&self.0).map_err(GateError::io(&self.0))?;
         let copy = self.program();
@@ -102,6 +102,7 @@ pub struct Job<'a> {
     say: &'a mut dyn FnMut(&str),
     started: Instant,
     way: Way,
+    _hold: Hold,
     /// Where timing processes run; empty: anywhere.
     cores: Cores,
     /// Runs of base and new as they were verified.
@@ -113,7 +114,7 @@ pub struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    /// - `out`: folder of both run folders, which must not hold any yet
+    /// - `out`: folder of both run folders: new, empty, or of a gate that was killed, whose work is taken away
     /// - `say`: hears what comes next
     ///
     /// # Errors
@@ -124,13 +125,7 @@ impl<'a> Job<'a> {
         out: &Path,
         say: &'a mut dyn FnMut(&str),
     ) -> Result<Self, GateError> {
-        if std::fs::read_dir(out).is_ok_and(|mut entries| entries.next().is_some()) {
-            return Err(GateError::BadInput(format!(
-                "{} holds something already: give another --out",
-                out.display()
-            )));
-        }
-        std::fs::create_dir_all(out).map_err(GateError::io(out))?;
+        let hold = Hold::take(out, say)?;
         let way = match programs.iter().find(|program| !program.knows("--stepped")) {
             Some(program) => Way::Turns {
                 why: format!("{} was built before lock-step", program.label()),
@@ -138,6 +133,7 @@ impl<'a> Job<'a> {
             None => Way::LockStep,
         };
         Ok(Self {
+            _hold: hold,
             cores: Cores::default(),
             verified: [None, None],
             setups: [Vec::new(), Vec::new()],
@@ -257,6 +253,10 @@ impl<'a> Job<'a> {
         // The last lines say why; a progress line or two stand before them.
         let last = &ended.said[ended.said.len().saturating_sub(4)..];
         let message = format!("{}: {}", ended.status, last.join("; "));
+        // Who kills without a word is the system, when it is short of memory.
+        if ended.said.iter().any(|line| says_machine_failed(line)) || was_killed(ended.status) {
+            return self.failed(side, message).of_machine();
+        }
         match ended.status.code() {
             Some(4) => GateError::NothingMeasured(format!("{}: {message}", side.name())),
             Some(5) => GateError::NoDevice(format!("{}: {message}", side.name())),
@@ -278,7 +278,7 @@ impl Job<'_> {
         block: u32,
         cases: &BTreeSet<String>,
     ) -> Result<(Desk, Command), GateError> {
-        let desk = Desk::of("process", process, &self.out);
+        let desk = Desk::of(PROCESS, process, &self.out);
         desk.lay_out(&self.program(side).path, self.verified(side)?, cases)?;
         let command = self.cores.command(&desk.program(), block);
         let mut command = self.with_options(command, side, &desk.run());
@@ -379,7 +379,7 @@ impl Sides for Job<'_> {
             order.reverse();
         }
         for side in order {
-            let desk = Desk::of("verify", number, &self.out);
+            let desk = Desk::of(VERIFY, number, &self.out);
             desk.take_program(&self.program(side).path)?;
             let run = self.verify_in(side, &desk.program(), &desk.run())?;
             self.setups[side.index()].push(run);
@@ -406,6 +406,20 @@ impl Sides for Job<'_> {
 
     fn say(&mut self, what: &str) {
         (self.say)(what);
+    }
+}
+
+/// Whether a signal ended a process that it could not answer.
+fn was_killed(status: ExitStatus) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::ExitStatusExt as _;
+        status.signal() == Some(9)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = status;
+        false
     }
 }
 

@@ -238,7 +238,10 @@ mod tests {
             rest = after;
         }
         *xml = &start[end + 1..];
-        while !is_empty {
+        if is_empty {
+            return Ok(element);
+        }
+        loop {
             let next = xml
                 .find('<')
                 .ok_or_else(|| format!("{name} is not closed"))?;

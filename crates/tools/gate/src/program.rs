@@ -42,8 +42,15 @@ impl Program {
             &revision,
         ])
         .ok_or_else(|| {
+            let is_shallow = git(&["rev-parse", "--is-shallow-repository"]);
+            let hint = match is_shallow.as_deref() {
+                Some("true") => {
+                    ", which is a shallow clone: fetch its whole history (fetch-depth: 0)"
+                }
+                _ => "",
+            };
             GateError::BadInput(format!(
-                "{asked:?}: found neither a program nor a git revision of this repository"
+                "{asked:?}: found neither a program nor a git revision of this repository{hint}"
             ))
         })?;
         Ok(Self {

@@ -227,7 +227,8 @@ pub(crate) struct MergeArguments {
 
 const GATE_EXAMPLE: &str = "\
 Exit codes: 0 pass · 1 differs for the worse, or for the better and not blessed · 2 bad input ·
-            3 inconclusive · 4 nothing measured · 5 no usable device
+            3 inconclusive · 4 nothing measured · 5 no usable device · 6 the machine failed: a full
+            disk, memory that ran out, a base that does not build
 Example: terrafill gate california --base origin/main --out out/gate";
 
 #[derive(Debug, Args)]
@@ -313,7 +314,7 @@ pub(crate) struct GateArguments {
     /// Gates of a self-test
     #[arg(long, default_value = "4", value_parser = parse_processes)]
     pub(crate) runs: u32,
-    /// Folder for runs and report, new or empty
+    /// Folder for runs and report: new, empty, or of a gate that was killed
     #[arg(long, default_value = "out/gate")]
     pub(crate) out: PathBuf,
     /// Folder that keeps built revisions

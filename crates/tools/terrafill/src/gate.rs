@@ -4,6 +4,7 @@
 use crate::arguments::{BlessArguments, GateArguments, SelfTestKind};
 use crate::outcome::{Failure, Outcome, print};
 use crate::registry::{STUDIES, chapters};
+use crate::stop::clear_when_stopped;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::io::Write as _;
@@ -177,7 +178,8 @@ fn two_programs(
         return Err(Failure::bad_input(message));
     }
     let part = part(arguments)?;
-    let base = Program::find(base, &arguments.cache)?;
+    clear_when_stopped(&arguments.out)?;
+    let base = Program::find(base, &arguments.cache).map_err(GateError::of_machine)?;
     let new = new_program(arguments)?;
     refuse_equal_programs(&base, &new)?;
     let names = [base.label(), new.label()];

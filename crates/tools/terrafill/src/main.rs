@@ -41,6 +41,7 @@ fn main() -> ExitCode {
         Ok(arguments) => run(&arguments.verb),
         Err(error) => usage::answer(&error),
     };
+    stop::wait_if_stopping();
     let outcome = result.unwrap_or_else(|failure| {
         for problem in failure.message.lines() {
             complain(format!("error: {problem}"));

@@ -12,6 +12,8 @@ pub(crate) enum Outcome {
     Inconclusive = 3,
     NothingMeasured = 4,
     NoDevice = 5,
+    /// The machine failed: a full disk, a base that does not build.
+    Infrastructure = 6,
 }
 
 impl Outcome {
@@ -23,6 +25,7 @@ impl Outcome {
             3 => Self::Inconclusive,
             4 => Self::NothingMeasured,
             5 => Self::NoDevice,
+            6 => Self::Infrastructure,
             _ => Self::BadInput,
         }
     }

@@ -5,6 +5,8 @@ use crate::outcome::{Failure, complain};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// What shells add to a signal's number for the exit code of what it ended.
 const ENDED_BY_SIGNAL: i32 = 128;
@@ -30,8 +32,33 @@ pub(crate) fn what_is_kept(out: &Path) -> String {
 ///
 /// - `out`: the run's folder
 pub(crate) fn say_when_stopped(out: &Path) -> Result<(), Failure> {
+    when_stopped(what_is_kept(out), || {})
+}
+
+/// The same of a gate, whose folder keeps the copies of its programs no longer.
+///
+/// - `out`: the gate's folder
+pub(crate) fn clear_when_stopped(out: &Path) -> Result<(), Failure> {
+    let words = format!(
+        "nothing is decided; the same command begins {} anew",
+        out.display()
+    );
+    let out = out.to_owned();
+    when_stopped(words, move || terrafill_gate::clear_processes(&out))
+}
+
+/// Whether a signal is being answered.
+static IS_STOPPING: AtomicBool = AtomicBool::new(false);
+
+/// Waits for the end where a signal is being answered: what failed because of it is not said as well.
+pub(crate) fn wait_if_stopping() {
+    while IS_STOPPING.load(Ordering::SeqCst) {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+fn when_stopped(kept: String, last: impl FnOnce() + Send + 'static) -> Result<(), Failure> {
     let mut signals = Signals::new([SIGINT, SIGTERM, SIGHUP]).map_err(Failure::bad_input)?;
-    let kept = what_is_kept(out);
     std::thread::spawn(move || {
         if let Some(signal) = signals.forever().next() {
             let name = match signal {
@@ -39,6 +66,8 @@ pub(crate) fn say_when_stopped(out: &Path) -> Result<(), Failure> {
                 SIGTERM => "SIGTERM",
                 _ => "SIGHUP",
             };
+            IS_STOPPING.store(true, Ordering::SeqCst);
+            last();
             complain(format!("stopped by {name}: {kept}"));
             // Not by `std::process::exit`: a driver's own clean-up at exit fails while its threads still draw.
             signal_hook::low_level::exit(ENDED_BY_SIGNAL + signal);

@@ -366,7 +366,8 @@ fn times_are_taken_in_lock_step_and_by_turns_of_a_program_that_cannot() {
     }
     let desk = Desk::new();
     let this = env!("CARGO_BIN_EXE_terrafill");
-    let before = "case \" $* \" in *' --time-only '*) echo \"$0\" >>files; esac";
+    let before = "case \" $* \" in *' --time-only '*) echo \"$0\" >>files; \
+                  cat \"${0%/*}\"/run/*.* | wc -c >>read; esac";
     altered(&desk, "listed", before, "");
     let ran = timed(&desk, "./listed", this, "together", "6");
     let said = format!("{}{}", ran.stdout, ran.stderr);
@@ -391,6 +392,10 @@ fn times_are_taken_in_lock_step_and_by_turns_of_a_program_that_cannot() {
     for file in files {
         assert!(!desk.path(file).exists(), "{file} is left");
     }
+    // What earlier ones measured is nothing that a process reads.
+    let read = desk.read_text("read");
+    let read: BTreeSet<&str> = read.lines().map(str::trim).collect();
+    assert_eq!(read.len(), 1, "{read:?}");
 
     // Twin: one that was built before.
     let before = "case \" $* \" in *' --stepped '*) echo unexpected >&2; exit 2;; esac";
@@ -410,20 +415,7 @@ fn times_are_taken_in_lock_step_and_by_turns_of_a_program_that_cannot() {
 
 /// A repository of two commits, each with this program in the cache as what was built from it.
 fn two_commits(desk: &Desk) -> [String; 2] {
-    let git = |arguments: &[&str]| {
-        let mut command = std::process::Command::new("git");
-        let author = ["-c", "user.name=a", "-c", "user.email=a@b"];
-        command
-            .args(author)
-            .args(arguments)
-            .current_dir(desk.path("."));
-        let output = command.output().expect("git runs");
-        assert!(output.status.success(), "{output:?}");
-        String::from_utf8(output.stdout)
-            .expect("text")
-            .trim()
-            .to_owned()
-    };
+    let git = |arguments: &[&str]| git(&desk.path("."), arguments);
     git(&["init", "--quiet"]);
     let mut commits = Vec::new();
     for name in ["first", "second"] {
@@ -458,6 +450,56 @@ fn revisions_the_wrong_way_round_are_refused() {
     }
 }
 
+fn git(folder: &std::path::Path, arguments: &[&str]) -> String {
+    let mut command = std::process::Command::new("git");
+    let author = ["-c", "user.name=a", "-c", "user.email=a@b"];
+    command.args(author).args(arguments).current_dir(folder);
+    let output = command.output().expect("git runs");
+    assert!(output.status.success(), "{output:?}");
+    let text = String::from_utf8(output.stdout).expect("text");
+    text.trim().to_owned()
+}
+
+#[test]
+fn a_clone_without_the_base_and_a_base_that_is_not_found_are_refused() {
+    let desk = Desk::new();
+    let [first, _] = two_commits(&desk);
+    let origin = format!(
+        "file://{}",
+        desk.path(".").canonicalize().expect("a folder").display()
+    );
+    git(
+        &desk.path("."),
+        &["clone", "--quiet", "--depth", "1", &origin, "shallow"],
+    );
+    let in_clone = |base: &str| {
+        let mut command = desk.command(&["gate", "square-10m", "--base", base]);
+        crate::harness::ran(command.current_dir(desk.path("shallow")))
+    };
+    in_clone(&first).refused(&[&[&first, "shallow clone", "fetch-depth: 0"]]);
+    // Twin: in the whole repository the word is another one.
+    let whole = gate(&desk, &["square-10m", "--base", "no-such-revision"]);
+    assert!(!whole.stderr.contains("shallow"), "{}", whole.stderr);
+    whole.refused(&[&["no-such-revision"]]);
+
+    // The script that finds the base by itself.
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../ci/gate.sh");
+    std::fs::create_dir_all(desk.path("shallow/ci")).expect("a folder");
+    std::fs::copy(script, desk.path("shallow/ci/gate.sh")).expect("copied");
+    desk.write("shallow/ci/setup.sh", "#!/bin/sh\necho set up\nexit 9\n");
+    let executable = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+    std::fs::set_permissions(desk.path("shallow/ci/setup.sh"), executable).expect("set");
+    let by_script = |target: &str| {
+        let mut bash = std::process::Command::new("bash");
+        bash.arg("ci/gate.sh").env("GATE_TARGET", target);
+        crate::harness::ran(bash.current_dir(desk.path("shallow")))
+    };
+    by_script(&first).refused(&[&["no merge base", &first, "fetch-depth: 0"]]);
+    // Twin: one that is there is built.
+    let built = by_script("HEAD");
+    assert_eq!((built.code, built.stdout.as_str()), (9, "set up\n"));
+}
+
 #[test]
 fn a_gate_that_was_killed_leaves_no_answer_and_no_process() {
     if !has_device() {
@@ -469,10 +511,6 @@ fn a_gate_that_was_killed_leaves_no_answer_and_no_process() {
     let sides = ["--base", "twin", "--out", "killed"];
     let mut command = desk.command(&[&["gate"][..], &QUICK, &sides].concat());
     let mut child = command.spawn().expect("the program starts");
-    let rows = || {
-        let of = |side| std::fs::metadata(desk.path(&format!("killed/{side}/measurements.csv")));
-        ["base", "new"].map(|side| of(side).map_or(0, |file| file.len()))
-    };
     let is_timing = || desk.path("killed/process-00003").exists();
     let started = std::time::Instant::now();
     while !is_timing() && started.elapsed().as_secs() < 120 {
@@ -495,11 +533,38 @@ fn a_gate_that_was_killed_leaves_no_answer_and_no_process() {
         std::thread::sleep(std::time::Duration::from_millis(50));
     }
     assert!(!is_alive(), "a process of it goes on");
-    let before = rows();
-    gate(&desk, &[&QUICK[..], &sides].concat()).refused(&[&["holds something", "--out"]]);
-    assert_eq!(rows(), before);
     let merged = desk.run(&["merge", "killed", "--out", "all"]);
     merged.refused(&[&["killed: found no gate.json"]]);
+
+    // The same command takes away what is left and begins anew; told to stop, it leaves no copy of a program.
+    let mut command = desk.command(&[&["gate"][..], &QUICK, &sides].concat());
+    let child = command.spawn().expect("the program starts");
+    let copies = || {
+        let names = std::fs::read_dir(desk.path("killed")).expect("a folder");
+        let names = names.map(|entry| entry.expect("an entry").file_name().into_string());
+        let of_process = |name: &String| name.starts_with("process-");
+        names.filter_map(Result::ok).filter(of_process).count()
+    };
+    let is_new = || !desk.path("killed/process-00002").exists();
+    while !is_new() && started.elapsed().as_secs() < 120 {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    while !is_timing() && started.elapsed().as_secs() < 120 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    assert!(copies() > 0, "it timed nothing");
+    let mut terminate = std::process::Command::new("kill");
+    let status = terminate.arg(child.id().to_string()).status();
+    assert!(status.expect("kill runs").success());
+    let ended = child.wait_with_output().expect("a child");
+    let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+    assert_eq!(ended.status.code(), Some(143), "{said}");
+    assert!(
+        said.contains("stopped by SIGTERM: nothing is decided"),
+        "{said}"
+    );
+    assert_eq!(copies(), 0);
+    assert!(!desk.path("killed/gate.json").exists());
 }
 
 #[test]
@@ -526,7 +591,7 @@ fn a_full_disk_is_no_pass() {
         crate::harness::ran(&mut shell)
     };
     let full = limited("0");
-    assert_eq!(full.code, 2, "{}{}", full.stdout, full.stderr);
+    assert_eq!(full.code, 6, "{}{}", full.stdout, full.stderr);
     assert!(full.stderr.contains("gate.md"), "{}", full.stderr);
     assert!(!desk.path("out/gate.json").exists());
     // Twin.
