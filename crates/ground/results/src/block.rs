@@ -312,6 +312,8 @@ pub struct Cell {
     pub section: String,
     /// What a reader types to see the case; empty for none.
     pub command: String,
+    /// Address elsewhere that says more, such as a commit's; empty for none.
+    pub link: String,
 }
 
 /// How a cell looks.

@@ -34,5 +34,5 @@ pub use output::{
 };
 pub use page::{Trends, comparison_page, device_page, history_page, runs_in_words};
 pub use record::{CaseRecord, Machine, Record, clean, is_dirty};
-pub use repository::{Position, Repository};
+pub use repository::{CommitFacts, Position, Repository};
 pub use store::{Absent, Added, Entry, Overview, Primary, STORE_SCHEMA, Store};

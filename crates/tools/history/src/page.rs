@@ -7,7 +7,8 @@ use crate::output::followed_in_words;
 use crate::record::{Machine, clean};
 use crate::store::{Absent, Overview};
 use crate::threshold::{COMMON_SHARE, FALSE_DISCOVERY_RATE, FLOOR_PERCENT};
-use crate::{Change, ChangeKind, Changes, Series};
+use crate::{Change, ChangeKind, Changes, CommitFacts, Series};
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use terrafill_gate::{Finding, Severity};
 use terrafill_plot::Sparkline;
@@ -19,6 +20,12 @@ const MAX_ROWS: usize = 60;
 
 /// Rows of the table of all cases.
 const MAX_CASES: usize = 120;
+
+/// Changes for the worse that the conclusion names.
+const MAX_CONCLUSIONS: usize = 5;
+
+/// Changed cases whose values are listed by commit, and newest commits of each: a page stays below 300 kB.
+const MAX_LISTED: (usize, usize) = (20, 40);
 
 /// Newest points of a sparkline: two pixels each.
 const MAX_DRAWN: usize = 100;
@@ -320,6 +327,34 @@ pub struct Trends<'a> {
     pub changes: &'a Changes,
     /// Cases that no longer give a result.
     pub absent: &'a [Absent],
+    /// What is known of commits.
+    pub commits: &'a BTreeMap<String, CommitFacts>,
+}
+
+impl Trends<'_> {
+    /// Date of a commit; empty where it is not known.
+    fn date(&self, commit: &str) -> String {
+        let known = self.commits.get(commit).map(|facts| facts.unix_s);
+        let of_run = || {
+            let mut runs = self.overview.runs.iter();
+            let run = runs.find(|run| clean(&run.commit) == commit)?;
+            u64::try_from(run.committed_unix_s?).ok()
+        };
+        let time = known.or_else(of_run).map(utc).unwrap_or_default();
+        time.split(' ').next().unwrap_or_default().to_owned()
+    }
+
+    /// A commit with its date and subject, linked to its page.
+    fn commit(&self, commit: &str) -> Cell {
+        let facts = self.commits.get(clean(commit)).cloned().unwrap_or_default();
+        Cell {
+            detail: format!("{} {}", self.date(clean(commit)), facts.subject)
+                .trim()
+                .to_owned(),
+            link: facts.link,
+            ..Cell::plain(short(commit))
+        }
+    }
 }
 
 /// A history as a page: for each machine regressions, improvements, what is missing, and every case
@@ -327,11 +362,13 @@ pub struct Trends<'a> {
 #[must_use]
 pub fn history_page(of: &Trends<'_>) -> Vec<Block> {
     let mut blocks = Vec::new();
-    let found = of.changes;
+    for number in of.overview.machines.keys() {
+        conclusion(&mut blocks, of, *number);
+    }
     blocks.push(Block::Text(format!(
         "{}. {}.",
         runs_in_words(of.overview),
-        followed_in_words(found)
+        followed_in_words(of.changes)
     )));
     blocks.push(Block::Remark(format!(
         "A time's change is named from {FLOOR_PERCENT} % on; of those named, up to {:.0} % are expected to be \
@@ -348,8 +385,65 @@ pub fn history_page(of: &Trends<'_>) -> Vec<Block> {
     for (number, machine) in &of.overview.machines {
         machine_blocks(&mut blocks, of, *number, machine);
     }
-    runs_table(&mut blocks, of.overview);
+    runs_table(&mut blocks, of);
     blocks
+}
+
+/// What a machine's history comes to, and its newest changes for the worse.
+fn conclusion(blocks: &mut Vec<Block>, of: &Trends<'_>, number: i64) {
+    let changes = of.changes.changes.iter().filter(|c| c.machine == number);
+    let changes: Vec<&Change> = changes.collect();
+    let count = |is_better: bool| {
+        let some = changes.iter().filter(|c| c.is_better == Some(is_better));
+        some.count()
+    };
+    let (worse, better) = (count(false), count(true));
+    let missing = of.absent.iter().filter(|a| a.machine == number).count();
+    let undecided = of.changes.undecided.iter().filter(|u| u.machine == number);
+    let sentence = format!(
+        "Machine {number}: {worse} changed for the worse, {better} for the better, {missing} without a result \
+         at the newest commit, {} cannot be decided.",
+        undecided.count()
+    );
+    blocks.push(match (worse, missing) {
+        (0, 0) => Block::Text(sentence),
+        _ => Block::Alarm(sentence),
+    });
+    let mut bad: Vec<&&Change> = changes
+        .iter()
+        .filter(|c| c.is_better == Some(false))
+        .collect();
+    let place = |change: &Change| of.overview.commits.iter().position(|c| *c == change.bad);
+    let size = |change: &Change| change.percent().map_or(f64::INFINITY, f64::abs);
+    bad.sort_by(|a, b| {
+        (place(b), size(b))
+            .partial_cmp(&(place(a), size(a)))
+            .unwrap_or(Ordering::Equal)
+    });
+    let lines = bad.iter().take(MAX_CONCLUSIONS).map(|change| {
+        let subject = of
+            .commits
+            .get(&change.bad)
+            .map_or("", |facts| facts.subject.as_str());
+        let size = change
+            .percent()
+            .map_or(String::new(), |p| format!(" ({p:+.1} %)"));
+        let at = format!("{} {} {subject}", short(&change.bad), of.date(&change.bad));
+        format!(
+            "{}, {}: {} → {}{size}, {} {}",
+            change.case,
+            change.metric,
+            value(change.from, &change.unit),
+            value(change.to, &change.unit),
+            match change.kind {
+                ChangeKind::Drift => "little by little up to",
+                ChangeKind::Exact | ChangeKind::Step => "from",
+            },
+            at.trim_end()
+        )
+    });
+    let lines: Vec<String> = lines.collect();
+    blocks.extend((!lines.is_empty()).then_some(Block::List(lines)));
 }
 
 /// How many runs, commits and machines there are.
@@ -414,7 +508,7 @@ fn machine_blocks(blocks: &mut Vec<Block>, of: &Trends<'_>, number: i64, machine
         some.sort_by_key(|change| std::cmp::Reverse(place(change)));
         let rows = some
             .iter()
-            .map(|change| change_row(change, &series, &changes));
+            .map(|change| change_row(of, change, &series, &changes));
         let headings = [
             ("case", ""),
             ("figure", ""),
@@ -447,7 +541,7 @@ fn machine_blocks(blocks: &mut Vec<Block>, of: &Trends<'_>, number: i64, machine
                 Cell::name(&absent.case),
                 Cell::plain(&absent.outcome),
                 Cell::name(&absent.reason),
-                Cell::plain(short(&absent.last)),
+                of.commit(&absent.last),
             ])
         });
         let headings = [
@@ -459,7 +553,50 @@ fn machine_blocks(blocks: &mut Vec<Block>, of: &Trends<'_>, number: i64, machine
         let more = "terrafill history changes --json lists all";
         first_rows(blocks, "", &headings, rows, (MAX_ROWS, more));
     }
-    cases_table(blocks, &series, &changes);
+    values_by_commit(blocks, of, &series, &changes);
+    undecided_list(blocks, of, number);
+    cases_table(blocks, of, &series, &changes);
+}
+
+/// The values of changed cases, the newest commit first.
+fn values_by_commit(
+    blocks: &mut Vec<Block>,
+    of: &Trends<'_>,
+    series: &[&Series],
+    changes: &[&Change],
+) {
+    let is_changed = |series: &&&Series| {
+        let mut changes = changes.iter();
+        changes.any(|c| (&c.case, &c.metric) == (&series.case, &series.metric.name))
+    };
+    let (max_series, max_commits) = MAX_LISTED;
+    for series in series.iter().filter(is_changed).take(max_series) {
+        let rows = series.points.iter().rev().take(max_commits).map(|point| {
+            Row::new(vec![
+                of.commit(&point.commit),
+                Cell::plain(value(point.value, &series.metric.unit)),
+            ])
+        });
+        let headings = [
+            ("commit", ""),
+            (series.metric.name.as_str(), "median over its runs"),
+        ];
+        blocks.push(Block::Folded {
+            summary: format!("{}, {} by commit", series.case, series.metric.name),
+            is_open: false,
+            blocks: vec![table("", &headings, rows.collect())],
+        });
+    }
+}
+
+fn undecided_list(blocks: &mut Vec<Block>, of: &Trends<'_>, number: i64) {
+    let undecided = of.changes.undecided.iter().filter(|u| u.machine == number);
+    let undecided: Vec<String> = undecided
+        .map(|u| format!("{}, {}: {}", u.case, u.metric, u.reason))
+        .collect();
+    let summary = format!("{} that cannot be decided", plural(undecided.len(), "time"));
+    let shown = undecided.into_iter().take(MAX_CASES).collect();
+    blocks.extend(Block::folded_list(summary, shown));
 }
 
 /// Commits at which most times of a machine changed together.
@@ -529,7 +666,7 @@ fn spark(series: &Series, changes: &[&Change]) -> Cell {
     }
 }
 
-fn change_row(change: &Change, series: &[&Series], changes: &[&Change]) -> Row {
+fn change_row(of: &Trends<'_>, change: &Change, series: &[&Series], changes: &[&Change]) -> Row {
     let of_change = series
         .iter()
         .find(|series| (&series.case, &series.metric.name) == (&change.case, &change.metric));
@@ -565,12 +702,12 @@ fn change_row(change: &Change, series: &[&Series], changes: &[&Change]) -> Row {
         Cell::plain(value(change.to, &change.unit)),
         size,
         Cell::plain(how),
-        Cell::plain(short(&change.bad)),
+        of.commit(&change.bad),
     ])
 }
 
 /// Every case with its time over the commits.
-fn cases_table(blocks: &mut Vec<Block>, series: &[&Series], changes: &[&Change]) {
+fn cases_table(blocks: &mut Vec<Block>, of: &Trends<'_>, series: &[&Series], changes: &[&Change]) {
     blocks.push(Block::Heading {
         level: 4,
         text: "All times".to_owned(),
@@ -592,7 +729,7 @@ fn cases_table(blocks: &mut Vec<Block>, series: &[&Series], changes: &[&Change])
                 newest.map(|p| value(p.value, &series.metric.unit)),
                 "no value",
             ),
-            Cell::plain(newest.map_or(String::new(), |p| short(&p.commit))),
+            newest.map_or_else(|| Cell::absent("no value"), |p| of.commit(&p.commit)),
             Cell::plain(series.points.len().to_string()),
         ])
     });
@@ -610,10 +747,10 @@ fn cases_table(blocks: &mut Vec<Block>, series: &[&Series], changes: &[&Change])
     first_rows(blocks, "", &headings, rows, (MAX_CASES, more));
 }
 
-fn runs_table(blocks: &mut Vec<Block>, overview: &Overview) {
+fn runs_table(blocks: &mut Vec<Block>, of: &Trends<'_>) {
     blocks.push(Block::section("Runs"));
-    let rows = overview.runs.iter().rev().map(|run| {
-        let mut commit = Cell::plain(short(&run.commit));
+    let rows = of.overview.runs.iter().rev().map(|run| {
+        let mut commit = of.commit(&run.commit);
         if !run.counts() {
             commit.class = CellClass::Void;
             commit.title = match run.is_superseded {

@@ -363,7 +363,7 @@ impl<'a> Renderer<'a> {
             href: match self.links.get(&cell.section) {
                 Some(link) if link.starts_with('#') => link.clone(),
                 Some(link) => format!("{}{link}", self.root),
-                None => String::new(),
+                None => cell.link.clone(),
             },
             command: &cell.command,
             footnote: if has_footnote {

@@ -466,6 +466,9 @@ pub(crate) enum HistoryVerb {
         /// Figure to look at; may be repeated [default: exact ones and main times]
         #[arg(long)]
         metric: Vec<String>,
+        /// Repository that has subjects of the commits, and whose origin has their pages
+        #[arg(long, value_name = "DIR", default_value = ".")]
+        repository: PathBuf,
         /// Folder for index.html
         #[arg(short, long, value_name = "DIR", default_value = "out/history")]
         out: PathBuf,

@@ -7,6 +7,7 @@ use crate::arguments::{
 use crate::gate::primary;
 use crate::outcome::{Failure, Outcome, complain, print, print_json};
 use crate::registry::metrics;
+use std::collections::BTreeMap;
 use std::path::Path;
 use terrafill_gate::{Rules, shipped_limits};
 use terrafill_history::{
@@ -54,7 +55,12 @@ pub(crate) fn run(arguments: &HistoryArguments) -> Result<Outcome, Failure> {
             metric,
             json,
         } => list_changes(store, metric, *json),
-        HistoryVerb::Report { store, metric, out } => report(store, metric, out),
+        HistoryVerb::Report {
+            store,
+            metric,
+            repository,
+            out,
+        } => report(store, metric, repository, out),
         HistoryVerb::Bisect(arguments) => bisect(arguments),
         HistoryVerb::Backfill(arguments) => crate::backfill::run(arguments),
         HistoryVerb::Export { store, csv } => {
@@ -191,6 +197,7 @@ fn list_changes(store: &StoreArguments, metric: &[String], json: bool) -> Result
         print_json(&value)?;
     } else {
         let trends = Trends {
+            commits: &BTreeMap::new(),
             overview: &overview,
             series: &series,
             changes: &changes,
@@ -201,10 +208,17 @@ fn list_changes(store: &StoreArguments, metric: &[String], json: bool) -> Result
     Ok(outcome(&series))
 }
 
-fn report(store: &StoreArguments, metric: &[String], out: &Path) -> Result<Outcome, Failure> {
+fn report(
+    store: &StoreArguments,
+    metric: &[String],
+    repository: &Path,
+    out: &Path,
+) -> Result<Outcome, Failure> {
     let (store, overview, series) = read(store, metric)?;
     let (changes, absent) = (changes(&series), store.absent(&overview)?);
+    let commits = Repository::at(repository).map(|at| at.facts(&overview.commits));
     let blocks = history_page(&Trends {
+        commits: &commits.unwrap_or_default(),
         overview: &overview,
         series: &series,
         changes: &changes,

@@ -61,6 +61,7 @@ fn a_change_stands_under_its_heading_with_its_course_and_its_command() {
         series: &all,
         changes: &changes,
         absent: &[],
+        commits: &BTreeMap::new(),
     });
     let tables: Vec<&Table> = page
         .iter()
@@ -71,7 +72,7 @@ fn a_change_stands_under_its_heading_with_its_course_and_its_command() {
         .collect();
     // Regressions, all times, runs; no improvement, nothing missing.
     let rows: Vec<usize> = tables.iter().map(|table| table.rows.len()).collect();
-    assert_eq!(rows, [1, 2, 0]);
+    assert_eq!(rows, [1, 2, 0], "values by commit are folded");
     let cells = &tables[0].rows[0].cells;
     assert_eq!(
         cells[0].command,
@@ -85,6 +86,59 @@ fn a_change_stands_under_its_heading_with_its_course_and_its_command() {
     assert!(
         !tables[1].rows[1].cells[1].marker.contains("l5 9h-10z"),
         "twin: no change, no mark"
+    );
+}
+
+#[test]
+fn the_conclusion_comes_first_and_commits_have_dates_subjects_and_links() {
+    let all = [stepped("filling/a"), series("filling/b", &[5.0; 20])];
+    let (overview, changes) = (overview(&all), changes(&all));
+    let facts = CommitFacts {
+        subject: "Draw twice".to_owned(),
+        unix_s: 86_400,
+        link: "https://example.org/o/n/commit/c".to_owned(),
+    };
+    let commits = BTreeMap::from([(overview.commits[12].clone(), facts)]);
+    let trends = Trends {
+        overview: &overview,
+        series: &all,
+        changes: &changes,
+        absent: &[],
+        commits: &commits,
+    };
+    let page = history_page(&trends);
+    let [Block::Alarm(conclusion), Block::List(newest), ..] = &page[..] else {
+        panic!("{page:?}");
+    };
+    assert!(conclusion.starts_with("Machine 1: 1 changed for the worse, 0 for the better"));
+    assert!(
+        newest[0].contains("10.0 ms → 12.0 ms (+20.0 %), from")
+            && newest[0].ends_with("1970-01-02 Draw twice"),
+        "{newest:?}"
+    );
+    let cell = trends.commit(&overview.commits[12]);
+    assert_eq!(
+        (cell.detail.as_str(), cell.link.as_str()),
+        ("1970-01-02 Draw twice", "https://example.org/o/n/commit/c")
+    );
+    // The values of what changed, by commit, and of nothing else.
+    let folded: Vec<&String> = page
+        .iter()
+        .filter_map(|block| match block {
+            Block::Folded { summary, .. } => Some(summary),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(folded, ["filling/a, fill_cpu_ms by commit"]);
+    // Twin: where nothing changed, nothing alarms, and no commit is named.
+    let quiet = crate::changes(&all[1..]);
+    let page = history_page(&Trends {
+        changes: &quiet,
+        ..trends
+    });
+    assert!(
+        matches!(&page[..], [Block::Text(_), Block::Text(_), ..]),
+        "{page:?}"
     );
 }
 
@@ -127,6 +181,7 @@ fn long_histories_are_cut_and_say_so() {
         series: &all,
         changes: &changes,
         absent: &[],
+        commits: &BTreeMap::new(),
     });
     let words = text(&page);
     assert!(words.contains("240 more: terrafill history changes") && words.contains("180 more:"));

@@ -167,7 +167,11 @@ fn a_change_is_found_located_and_shown() {
     history(&desk, &["changes", "--metric", "none"]).refused(&[&["--metric", "\"none\""]]);
 
     assert_eq!(
-        history(&desk, &["report", "-o", "page"]).succeeded(),
+        history(
+            &desk,
+            &["report", "-o", "page", "--repository", "repository"]
+        )
+        .succeeded(),
         "report: page/index.html\n"
     );
     let page = desk.read_text("page/index.html");
@@ -178,6 +182,8 @@ fn a_change_is_found_located_and_shown() {
         "Improvements",
         "Missing",
         "+20.0 %",
+        "Machine 1: 2 changed for the worse",
+        "change 18",
     ] {
         assert!(page.contains(words), "{words}");
     }
@@ -524,11 +530,10 @@ fn old_commits_are_built_and_measured_and_only_what_lacks() {
     assert_eq!(built(&desk), 3);
     // Mended, the same command builds the one that lacks.
     write_builder(&desk, "nothing");
-    let all = run(&backfill).succeeded();
-    assert!(
-        all.ends_with("backfilled: 1 stored, 3 were there already, 0 failed\n"),
-        "{all}"
-    );
+    let all = run(&backfill);
+    assert_eq!(all.code, 0, "{}", all.stderr);
+    let end = "backfilled: 1 stored, 3 were there already, 0 failed\n";
+    assert!(all.stdout.ends_with(end), "{}", all.stdout);
     assert_eq!(built(&desk), 4);
     let changes = run(&["changes", "--metric", "draws"]).succeeded();
     assert_eq!(
