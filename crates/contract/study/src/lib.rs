@@ -10,6 +10,7 @@
 //! studies open, [`Progress`] receives progress, and who wants several processes starts
 //! them with another [`RunOptions::process`] each.
 
+mod picture;
 mod run;
 mod schedule;
 mod share;
@@ -17,6 +18,7 @@ mod steady;
 mod study;
 mod turns;
 
+pub use picture::{file_stem, write_rgb};
 pub use run::{
     FramesPerSample, Plan, Progress, RunOptions, RunOutcome, Silent, plan, plan_shared, run,
     run_by_turns,

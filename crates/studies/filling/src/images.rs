@@ -1,36 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pictures of a run, as PNG files in its folder.
 
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder as _};
-use std::io::Cursor;
 use std::path::Path;
-use terrafill_results::RunError;
 use terrafill_scene::ImageSize;
 use terrafill_study::StudyError;
 
-/// Writes RGB pixels under `folder/images/` and returns the path relative to `folder`.
+/// As [`terrafill_study::write_rgb`].
 pub(crate) fn write_rgb(
     folder: &Path,
     name: &str,
     size: ImageSize,
     rgb: &[u8],
 ) -> Result<String, StudyError> {
-    let relative = format!("images/{name}.png");
-    let path = folder.join(&relative);
-    // In memory first: a buffered file hides that its last bytes were not written.
-    let mut encoded = Cursor::new(Vec::new());
-    // Regions are flat: at the fastest level their pictures take several times as many bytes.
-    let encoder =
-        PngEncoder::new_with_quality(&mut encoded, CompressionType::Default, FilterType::Adaptive);
-    let (width, height) = (size.width, size.height);
-    let written = encoder.write_image(rgb, width, height, ExtendedColorType::Rgb8);
-    written.map_err(|error| StudyError::Broken {
-        place: path.display().to_string(),
-        message: error.to_string(),
-    })?;
-    std::fs::write(&path, encoded.into_inner()).map_err(|source| RunError::Io { path, source })?;
-    Ok(relative)
+    terrafill_study::write_rgb(folder, name, [size.width, size.height], rgb)
 }
 
 /// Parts of a case's name as a file name.
@@ -172,24 +154,5 @@ mod tests {
         // Twin: without the pixel there is no such colour.
         let (_, none) = zoomed(size, at, &[&blank]);
         assert!(!none.chunks(3).any(|colour| colour == [255, 30, 40]));
-    }
-
-    #[test]
-    fn a_picture_that_cannot_be_written_is_named() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let size = ImageSize {
-            width: 1,
-            height: 1,
-        };
-        let write = || write_rgb(folder.path(), "a", size, &[1, 2, 3]);
-        let error = write().expect_err("no folder for pictures");
-        assert!(
-            matches!(&error, StudyError::Run(RunError::Io { path, .. }) if path.ends_with("images/a.png")),
-            "{error}"
-        );
-        // Twin.
-        std::fs::create_dir(folder.path().join("images")).expect("writable");
-        assert_eq!(write().expect("written"), "images/a.png");
-        assert!(folder.path().join("images/a.png").is_file());
     }
 }

@@ -6,13 +6,14 @@ use crate::keys::{
     FLIGHT_WORST_FRAME_WALL_MS, PIECES, SCENE, TECHNIQUE,
 };
 use crate::metrics::METRICS;
+use crate::study::IMAGE;
 use terrafill_plot::number::{measured_bytes, significant};
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
 use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Finding, Heading, Metric, Plot, Row,
-    Run, Standing, Table, process_medians, sample_spread,
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Finding, Heading, Metric, Picture,
+    PictureFigure, Pictures, Plot, Row, Run, Standing, Table, process_medians, sample_spread,
 };
 
 const FRAME: [&Metric; 2] = [FLIGHT_FRAME_WALL_MS, FLIGHT_FRAME_CPU_MS];
@@ -94,6 +95,7 @@ impl Chapter for FlightChapter {
                 }));
             }
             blocks.push(Block::Table(table(run, scene)));
+            blocks.extend(pictures(run, scene).map(Block::Pictures));
         }
         blocks.push(Block::section("Findings"));
         blocks.extend(requirements(run).into_iter().map(Block::Finding));
@@ -248,6 +250,30 @@ fn table(run: &Run, scene: &str) -> Table {
     }
 }
 
+/// Where each flight ends; one of all that end with the same picture.
+fn pictures(run: &Run, scene: &str) -> Option<Pictures> {
+    let cases = of(run, scene).into_iter();
+    let figures = cases.filter(|case| !case.note(IMAGE).is_empty());
+    let figures: Vec<PictureFigure> = figures
+        .map(|case| PictureFigure {
+            pictures: vec![Picture {
+                path: case.note(IMAGE).to_owned(),
+                caption: "the last frame, which is compared".to_owned(),
+            }],
+            notes: vec![format!(
+                "{} / {}",
+                case.condition(PIECES),
+                case.condition(TECHNIQUE)
+            )],
+        })
+        .collect();
+    (!figures.is_empty()).then(|| Pictures {
+        caption: format!("where flights over {scene} end"),
+        figures,
+        ..Pictures::default()
+    })
+}
+
 fn plot(run: &Run, scene: &str) -> Result<Option<String>, ChapterError> {
     let clock = run.clock();
     let cases = of(run, scene);
@@ -335,6 +361,9 @@ mod tests {
             ] {
                 case.figure(metric, value);
             }
+            if late > 0.0 {
+                case.note(IMAGE, "images/late.png");
+            }
         }
         run
     }
@@ -363,6 +392,14 @@ mod tests {
             ]
         );
         assert!(found.iter().any(|block| matches!(block, Block::Plot(_))));
+        // Only what was drawn is shown.
+        let pictures = found.iter().filter_map(|block| match block {
+            Block::Pictures(pictures) => Some(&pictures.figures[..]),
+            _ => None,
+        });
+        let pictures: Vec<&PictureFigure> = pictures.flatten().collect();
+        assert_eq!(pictures.len(), 1);
+        assert_eq!(pictures[0].notes, ["4 a frame / vertex"]);
         let standing = |answers: &Answers| -> Vec<Standing> {
             let all = answers.requirements.iter();
             all.map(|finding| finding.standing).collect()

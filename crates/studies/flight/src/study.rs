@@ -15,15 +15,17 @@ use terrafill_conformance::{
 };
 use terrafill_core::{MeshError, RegionMesh};
 use terrafill_fill::{
-    CpuStopwatch, DeviceError, FillBackend, FillInput, Frame, PreparedScene, Role, Targets,
-    Technique, Variant,
+    CpuStopwatch, DeviceError, FillBackend, FillInput, Frame, Picture, PreparedScene, Role,
+    Targets, Technique, Variant,
 };
 use terrafill_reference::{CloseLook, ReferenceBackend};
 use terrafill_results::{
     CaseId, Chapter, ConditionKey, Metric, PlannedCase, Skipped, Status, Verdict, median,
 };
 use terrafill_scene::{ImageSize, PlanOptions, Scene, View};
-use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
+use terrafill_study::{
+    Context, Depth, Group, Planned, Request, Session, Study, StudyError, file_stem, write_rgb,
+};
 use terrafill_surface::{
     AsItIs, InBackground, PieceMemory, Refinement, Surface, SurfaceError, SurfaceKind, open_surface,
 };
@@ -39,6 +41,9 @@ const REST: u32 = 12;
 const COMPARED_OF: u32 = 6;
 /// The same of further processes and of quick runs.
 const COMPARED_OF_QUICK: u32 = 20;
+
+/// Note with the path of a case's picture.
+pub(crate) const IMAGE: &str = "image";
 
 /// Flights of each case in a process, unless the request says otherwise.
 const SAMPLES: u32 = 2;
@@ -254,6 +259,8 @@ struct Compared {
     /// Pixels that the terrain's missing pieces changed: most of all frames, and of the last.
     changed_px: u64,
     last_changed_px: u64,
+    /// The last frame, which is compared, in the regions' colours.
+    picture: Option<Picture>,
 }
 
 impl Compared {
@@ -322,6 +329,7 @@ fn figures(
 
 struct FlightsSession<'a> {
     flights: &'a Flights,
+    context: Context<'a>,
     views: Vec<View>,
     targets: Targets,
     /// By case, from its first flight on.
@@ -363,6 +371,7 @@ impl<'a> FlightsSession<'a> {
         let budget_bytes = memory(&*surface).budget_bytes;
         Ok(Self {
             flights,
+            context,
             views: path(&flights.scene.views, FRAMES, REST),
             targets: Targets::new(context.devices, flights.size),
             backends: BTreeMap::new(),
@@ -427,6 +436,9 @@ impl<'a> FlightsSession<'a> {
                     ..input.clone()
                 };
                 compared.add(at, figures(&input, &asked_for, &drawn));
+                if is_last {
+                    compared.picture = Some(backend.picture(&input)?);
+                }
             }
             flown.push(Flown {
                 cpu_ms,
@@ -440,20 +452,33 @@ impl<'a> FlightsSession<'a> {
         Ok((flown, compared))
     }
 
-    fn compare(&mut self, index: usize, compared_of: u32) -> Verdict {
+    /// What a flight shows, and the picture of its last frame.
+    fn compare(&mut self, index: usize, compared_of: u32) -> (Verdict, Option<Picture>) {
         match self.fly(index, Some(compared_of)) {
-            Ok((_, compared)) => compared.verdict(),
+            Ok((_, compared)) => (compared.verdict(), compared.picture),
             Err(FlightError::Device(error @ DeviceError::Unsupported { .. })) => {
-                Verdict::skipped(error.to_string())
+                (Verdict::skipped(error.to_string()), None)
             }
-            Err(error) => Verdict::failed(error.to_string()),
+            Err(error) => (Verdict::failed(error.to_string()), None),
         }
+    }
+
+    /// Writes the last frame of a flight; a note says where.
+    fn write(&self, index: usize, picture: &Picture) -> Result<(&'static str, String), StudyError> {
+        let name = file_stem(&self.flights.planned[index].id.key());
+        let size = [picture.size.width, picture.size.height];
+        let path = write_rgb(self.context.folder, &name, size, &picture.rgb())?;
+        Ok((IMAGE, path))
     }
 }
 
 impl Session for FlightsSession<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        Ok(self.compare(case, self.flights.compared_of))
+        let (mut verdict, picture) = self.compare(case, self.flights.compared_of);
+        if let Some(picture) = picture {
+            verdict.notes.push(self.write(case, &picture)?);
+        }
+        Ok(verdict)
     }
 
     fn recheck(
@@ -462,7 +487,7 @@ impl Session for FlightsSession<'_> {
         _status: Status,
         _notes: &BTreeMap<String, String>,
     ) -> Result<Verdict, StudyError> {
-        Ok(self.compare(case, COMPARED_OF_QUICK))
+        Ok(self.compare(case, COMPARED_OF_QUICK).0)
     }
 
     fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
@@ -535,6 +560,7 @@ mod tests {
             }
         }
         let folder = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir(folder.path().join("images")).expect("writable");
         let context = Context {
             devices: &devices,
             folder: folder.path(),
@@ -580,6 +606,11 @@ mod tests {
                 let name = &flights.planned[index].id.name;
                 let verdict = session.verify(index).expect("goes on");
                 assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+                let [(note, path)] = &verdict.notes[..] else {
+                    panic!("{name}: a picture: {:?}", verdict.notes);
+                };
+                let picture = session.context.folder.join(path);
+                assert!(*note == IMAGE && picture.is_file(), "{name}: {path}");
                 let mut figures = verdict.figures.iter();
                 let changed = figures.find(|(known, _)| *known == "flight_changed_px");
                 let changed_px = changed.expect("counted").1;

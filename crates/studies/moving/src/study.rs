@@ -16,10 +16,12 @@ use terrafill_fill::{
 };
 use terrafill_reference::{CloseLook, ReferenceBackend};
 use terrafill_results::{
-    CaseId, Chapter, ConditionKey, Metric, PlannedCase, RunError, Skipped, Status, Verdict,
+    CaseId, Chapter, ConditionKey, Metric, PlannedCase, Skipped, Status, Verdict,
 };
 use terrafill_scene::{ImageSize, Overlap, Scene, SceneError};
-use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
+use terrafill_study::{
+    Context, Depth, Group, Planned, Request, Session, Study, StudyError, file_stem, write_rgb,
+};
 use terrafill_surface::SurfaceKind;
 
 /// Scenes to move over: the first whose data is there.
@@ -387,33 +389,10 @@ impl<'a> SweepSession<'a> {
     fn write_picture(&self, index: usize, flight: &mut Flight) -> Result<String, StudyError> {
         let picture = flight.backend.picture(&flight.input);
         let picture = picture.map_err(|error| self.sweep.broken(&error))?;
-        let rgb: Vec<u8> = picture
-            .rgba
-            .chunks_exact(4)
-            .flat_map(|pixel| &pixel[..3])
-            .copied()
-            .collect();
-        let file: String = self.sweep.planned[index]
-            .id
-            .name
-            .chars()
-            .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
-            .collect();
-        let relative = format!("images/{STUDY}-{file}.png");
-        let path = self.context.folder.join(&relative);
-        let mut png = std::io::Cursor::new(Vec::new());
-        let size = picture.size;
-        let encoded = image::write_buffer_with_format(
-            &mut png,
-            &rgb,
-            size.width,
-            size.height,
-            image::ExtendedColorType::Rgb8,
-            image::ImageFormat::Png,
-        );
-        encoded.map_err(|error| self.sweep.broken(&error))?;
-        std::fs::write(&path, png.into_inner()).map_err(|source| RunError::Io { path, source })?;
-        Ok(relative)
+        let name = file_stem(&self.sweep.planned[index].id.name);
+        let size = [picture.size.width, picture.size.height];
+        let name = format!("{STUDY}-{name}");
+        write_rgb(self.context.folder, &name, size, &picture.rgb())
     }
 }
 
