@@ -3,14 +3,19 @@
 //!
 //! `durations.csv` is no result and no part of the schema: a run without it is whole.
 
-use crate::folder::{RunError, append_bytes, encode, read_table, write_whole};
+use crate::RunError;
+use crate::side_table::SideTable;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Columns of `durations.csv`.
 pub const DURATION_COLUMNS: [&str; 3] = ["first_case", "process", "seconds"];
 
-const DURATIONS: &str = "durations.csv";
+const DURATIONS: SideTable = SideTable {
+    file: "durations.csv",
+    columns: &DURATION_COLUMNS,
+    expected: "a case, a process and its seconds",
+};
 
 /// A row of `durations.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,15 +33,7 @@ pub struct GroupDuration {
 /// # Errors
 /// [`RunError::Io`].
 pub fn append_durations(folder: &Path, rows: &[GroupDuration]) -> Result<(), RunError> {
-    let path = folder.join(DURATIONS);
-    if !path.exists() {
-        let header = encode(&path, |writer| writer.write_record(DURATION_COLUMNS))?;
-        write_whole(&path, &header)?;
-    }
-    let text = encode(&path, |writer| {
-        rows.iter().try_for_each(|row| writer.serialize(row))
-    })?;
-    append_bytes(&path, &text)
+    DURATIONS.append(folder, rows)
 }
 
 /// Rows of the table of the run in `folder`; none where it has none.
@@ -44,27 +41,8 @@ pub fn append_durations(folder: &Path, rows: &[GroupDuration]) -> Result<(), Run
 /// # Errors
 /// [`RunError`], for a table that does not fit.
 pub fn read_durations(folder: &Path) -> Result<Vec<GroupDuration>, RunError> {
-    let path = folder.join(DURATIONS);
-    if !path.exists() {
-        return Ok(Vec::new());
-    }
-    let columns: Vec<String> = DURATION_COLUMNS.iter().map(ToString::to_string).collect();
-    let header: csv::StringRecord = columns.iter().collect();
-    let rows = (2..).zip(read_table(&path, &columns)?);
-    rows.map(|(row, record)| {
-        let parsed: Result<GroupDuration, _> = record.deserialize(Some(&header));
-        let usable = parsed
-            .ok()
-            .filter(|row| row.seconds.is_finite() && row.seconds >= 0.0);
-        usable.ok_or_else(|| RunError::Cell {
-            path: path.clone(),
-            row,
-            column: DURATION_COLUMNS.join(","),
-            found: record.iter().collect::<Vec<_>>().join(","),
-            expected: "a case, a process and its seconds".to_owned(),
-        })
-    })
-    .collect()
+    let is_usable = |row: &GroupDuration| row.seconds.is_finite() && row.seconds >= 0.0;
+    DURATIONS.read(folder, is_usable)
 }
 
 #[cfg(test)]
@@ -84,7 +62,7 @@ mod tests {
         append_durations(folder.path(), &rows[1..]).expect("written");
         assert_eq!(read_durations(folder.path()).expect("readable"), rows);
         // Twins: a number that is none, and another header.
-        let path = folder.path().join(DURATIONS);
+        let path = folder.path().join(DURATIONS.file);
         for (text, words) in [
             ("first_case,process,seconds\na,0,NaN\n", "row 2"),
             ("first_case,process,minutes\na,0,1\n", "minutes"),

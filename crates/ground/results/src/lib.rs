@@ -11,6 +11,7 @@
 mod block;
 mod case;
 pub mod condition;
+mod device_clock;
 mod duration;
 mod environment;
 mod folder;
@@ -27,6 +28,7 @@ mod ratio;
 mod read;
 mod resample;
 mod scope;
+mod side_table;
 mod statistic;
 pub mod threshold;
 
@@ -36,6 +38,7 @@ pub use block::{
 };
 pub use case::{CaseId, CaseRow, Measurement, Note, PlannedCase, Status, UNSTEADY_CLOCK, Verdict};
 pub use condition::{ConditionKey, REPEATS};
+pub use device_clock::{CLOCK_COLUMNS, DeviceClock, Moment, append_clocks, read_clocks};
 pub use duration::{DURATION_COLUMNS, GroupDuration, append_durations, read_durations};
 pub use environment::{Clock, RunEnvironment};
 pub use folder::{

@@ -3,8 +3,8 @@
 
 use crate::folder::{RunError, RunFolder};
 use crate::{
-    Measurement, Metric, MetricRow, Note, Run, RunPlan, Shard, append_durations, read_durations,
-    repeated_cases,
+    Measurement, Metric, MetricRow, Note, Run, RunPlan, Shard, append_clocks, append_durations,
+    read_clocks, read_durations, repeated_cases,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -119,6 +119,10 @@ pub fn merge(parts: &[PathBuf], out: &Path, metrics: &[Metric]) -> Result<(), Me
         let durations = read_durations(&run.path)?;
         if !durations.is_empty() {
             append_durations(out, &durations)?;
+        }
+        let clocks = read_clocks(&run.path)?;
+        if !clocks.is_empty() {
+            append_clocks(out, &clocks)?;
         }
     }
     Ok(())

@@ -8,6 +8,7 @@
 //! into one file that can be mailed. A run that broke off gives a report that says so and names what is
 //! missing; what was not measured is a dash with its reason, never a 0.
 
+mod clocks;
 mod error;
 mod markdown;
 mod pages;

@@ -4,11 +4,14 @@
 use crate::pages::{Report, alone, pages};
 use crate::verdict::{Counts, StudyNoise, Verdict, is_defect, named, noise, plural, sentences};
 use crate::view::{File, Form, INDEX, PAGES};
-use crate::{ReportError, markdown};
+use crate::{ReportError, clocks, markdown};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use terrafill_plot::number::{bytes, count, utc};
-use terrafill_results::{Block, Chapter, ChapterError, MetricRow, Outcome, Run, RunError, Skipped};
+use terrafill_results::{
+    Block, Chapter, ChapterError, DeviceClock, MetricRow, Outcome, Run, RunError, Skipped,
+    read_clocks,
+};
 
 /// The verdict and the main tables.
 const SUMMARY: &str = "summary.md";
@@ -117,7 +120,7 @@ fn write_as(
         let tables = chapter.tables(&run)?.into_iter();
         files.extend(tables.map(|table| (table.file, table.text.into_bytes())));
     }
-    let facts = environment(&run);
+    let facts = environment(&run, &read_clocks(&run.path)?);
     let said = sentences(&run, &counts, &noise);
     let mut summary = markdown::head(&said.all(), &facts);
     markdown::names(&mut summary, "Missing cases", &missing);
@@ -245,7 +248,7 @@ fn noise_file(of: &StudyNoise) -> NoiseFile {
     }
 }
 
-fn environment(run: &Run) -> Vec<(&'static str, String)> {
+fn environment(run: &Run, read: &[DeviceClock]) -> Vec<(&'static str, String)> {
     let e = &run.environment;
     let number = |value: u64| match value {
         0 => String::new(),
@@ -263,7 +266,7 @@ fn environment(run: &Run) -> Vec<(&'static str, String)> {
         .plan
         .shard
         .map(|s| format!("{} of {}", s.index, s.count));
-    vec![
+    let mut facts = vec![
         ("started", utc(e.started_unix_s)),
         ("commit", e.commit.clone()),
         ("build", e.profile.clone()),
@@ -299,7 +302,10 @@ fn environment(run: &Run) -> Vec<(&'static str, String)> {
         ("shard", shard.unwrap_or_else(|| "all".to_owned())),
         ("options", e.options.join("  ")),
         ("shader hash", e.shader_hash.clone()),
-    ]
+    ];
+    // A run of a version that did not read them has nothing to say.
+    facts.extend(clocks::sentence(read).map(|said| ("device clocks", said)));
+    facts
 }
 
 /// Writes beside the file and renames, so that a kill in between leaves the old file whole.

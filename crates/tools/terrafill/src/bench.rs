@@ -4,6 +4,7 @@
 use crate::arguments::{
     BenchArguments, GrowthSampleArguments, MergeArguments, ReportArguments, Sharing,
 };
+use crate::clocks::device_clocks;
 use crate::environment::environment;
 use crate::gate::finish;
 use crate::outcome::{Failure, Outcome, complain, print};
@@ -19,7 +20,7 @@ use std::rc::Rc;
 use std::sync::mpsc::Receiver;
 use terrafill_fill::Devices;
 use terrafill_gpu::shared_gpu;
-use terrafill_results::{Run, RunFolder, Skipped, read_durations};
+use terrafill_results::{Moment, Run, RunFolder, Skipped, append_clocks, read_durations};
 use terrafill_scene::data_dir;
 use terrafill_study::{
     Depth, FramesPerSample, Request, RunOptions, RunOutcome, Settling, Share, Study, StudyError,
@@ -119,6 +120,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
             print(format!("{line}\n"))?;
         }
     }
+    note_clocks(arguments, &devices, Moment::Start)?;
     let said = Said::new(options.process, processes, arguments.process_of);
     let mut progress = Timed::new(said, &folder, options.process);
     let ran = match lines {
@@ -131,6 +133,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     let timed = progress.end();
     ran.map_err(|error| keeps_what_was_measured(failure(error), arguments))?;
     timed.map_err(Failure::bad_input)?;
+    note_clocks(arguments, &devices, Moment::End)?;
     if options.process > 0 || arguments.in_suite {
         return Ok(Outcome::Done);
     }
@@ -330,6 +333,18 @@ fn open_folder(
     }
     RunFolder::create(path, environment, run_plan.clone(), &metrics_of(run_plan))
         .map_err(Failure::bad_input)
+}
+
+/// Writes down at which clocks the device runs now.
+fn note_clocks(
+    arguments: &BenchArguments,
+    devices: &Devices,
+    moment: Moment,
+) -> Result<(), Failure> {
+    let gpu = shared_gpu(devices).ok();
+    let facts = gpu.as_ref().map(|gpu| &gpu.facts);
+    let rows = device_clocks(facts, arguments.process, moment);
+    append_clocks(&arguments.out, &rows).map_err(Failure::bad_input)
 }
 
 /// Measures what chapters cannot decide yet in further processes, until they can or there are

@@ -9,6 +9,7 @@
 mod arguments;
 mod backfill;
 mod bench;
+mod clocks;
 mod data;
 mod devices;
 mod environment;

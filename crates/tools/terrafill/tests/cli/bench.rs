@@ -15,8 +15,9 @@ const STABLE_COLUMNS: &str = "scene,view,backend,variant,status,reason,surface_g
 const REGION_COUNTS: usize = 12;
 
 /// Every file of a run and its report.
-const FILES: [&str; 12] = [
+const FILES: [&str; 13] = [
     "cases.csv",
+    "clocks.csv",
     "durations.csv",
     "environment.json",
     "index.html",
