@@ -393,6 +393,14 @@ impl Canvas<'_> {
         Ok(())
     }
 
+    /// A process of a value: small, and seen through where many lie on one another.
+    pub(crate) fn dot(&self, at: [f64; 2], colour: RGBColor) -> Result<(), PlotError> {
+        const RADIUS_PX: f64 = 2.0;
+        let style = ShapeStyle::from(&colour.mix(0.6)).filled();
+        let disc = Circle::new(point(at[0], at[1]), px(RADIUS_PX), style);
+        self.drawn(self.area.draw(&disc))
+    }
+
     /// A whisker with end caps, along an axis.
     pub(crate) fn whisker(
         &self,

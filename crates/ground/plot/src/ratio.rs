@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Ratios to a baseline: a dot with its 5–95 % whisker per row, in groups.
+//! Ratios to a baseline: a mark with its whisker per row, and below it a dot for each process, in groups.
 //!
 //! Dots in rows rather than grouped bars: a ratio has no zero on a logarithmic axis, and a row has
 //! room for a variant's whole name. Rows without a ratio that counts stand at the right edge with
@@ -15,6 +15,8 @@ use plotters::style::RGBColor;
 use terrafill_results::Spread;
 
 const ROW_PX: f64 = 19.0;
+/// From a row's mark down to the dots of its processes: the mark would hide those near the median.
+const DOTS_BELOW_PX: f64 = 6.5;
 /// Room above each group after the first.
 const GROUP_GAP_PX: f64 = 8.0;
 const TOP_PX: f64 = 26.0;
@@ -65,6 +67,8 @@ pub struct RatioRow {
     pub series: String,
     /// The ratio with its whisker, or why there is none.
     pub ratio: Result<Spread, String>,
+    /// The ratio of each process; empty where they are not known.
+    pub processes: Vec<f64>,
     /// At the right of a row with a ratio, behind it; empty for nothing.
     pub value: String,
     /// What a reader types to see it; empty for nothing.
@@ -84,7 +88,8 @@ impl RatioPlot<'_> {
             rows().filter_map(|row| row.ratio.as_ref().ok().copied()),
             self.groups
                 .iter()
-                .filter_map(|group| group.dashed.as_ref().map(|(at, _)| *at)),
+                .filter_map(|group| group.dashed.as_ref().map(|(at, _)| *at))
+                .chain(rows().flat_map(|row| row.processes.iter().copied())),
             rows().map(|row| row.label.as_str()),
             VALUE_COLUMN_PX,
             [TOP_PX, TOP_PX + height],
@@ -135,6 +140,10 @@ impl RatioGroup {
                 Err(why) => frame.draw_absent(canvas, why, y)?,
                 Ok(ratio) => {
                     frame.draw_whisker(canvas, *ratio, y, stroke.colour)?;
+                    for process in &row.processes {
+                        let below = [frame.scale.px(*process), y + DOTS_BELOW_PX];
+                        canvas.dot(below, stroke.colour)?;
+                    }
                     let at = [frame.scale.px(ratio.median), y];
                     canvas.marker(at, stroke)?;
                     let value = format!("{} ×{}", significant(ratio.median), row.value);
@@ -290,6 +299,7 @@ mod tests {
                 median,
                 p95: 1.2 * median,
             }),
+            processes: ratio.map_or_else(|_| Vec::new(), |median| vec![median, 2.0 * median]),
             value: " (tie)".to_owned(),
             command: "draw \"it\"".to_owned(),
         };
@@ -318,6 +328,9 @@ mod tests {
             text.contains("group,name,time over baseline,from,to\nglobe,&lt;vertex>/doubled,3.61,")
         );
         assert!(!text.contains("<vertex>"), "names are no markup");
+        // A dot for each process, and an axis that holds them.
+        assert_eq!(text.matches("<circle").count(), 3, "{text}");
+        assert!(text.contains("5") && text.contains(">7<"), "{text}");
         // Twins: the same rows without the failed one, and without any ratio.
         assert!(!drawn(&[Ok(3.61)]).expect("a ratio").contains("wrong"));
         assert_eq!(drawn(&[Err("wrong")]), None);

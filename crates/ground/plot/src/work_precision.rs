@@ -145,6 +145,12 @@ impl Reading {
     fn extent(&self) -> [f64; 2] {
         self.range.unwrap_or([self.middle; 2])
     }
+
+    /// What each process found, where several measured it.
+    fn processes(&self) -> impl Iterator<Item = f64> {
+        let several = self.range.is_some() && self.samples.len() > 1;
+        self.samples.iter().copied().filter(move |_| several)
+    }
 }
 
 /// Something known to hold the points against, dashed to the right end of the axis.
@@ -467,10 +473,16 @@ impl<'a> Panel<'a> {
         if let Some(range) = range(&point.x).filter(|_| !placed.is_pinned) {
             let [from, to] = range.map(|value| self.x.px(value));
             canvas.whisker([from, at[1]], [to, at[1]], stroke.colour)?;
+            for process in point.x.iter().flat_map(Reading::processes) {
+                canvas.dot([self.x.px(process), at[1]], stroke.colour)?;
+            }
         }
         if let Some(range) = range(&point.y).filter(|_| !placed.is_pinned) {
             let [from, to] = range.map(|value| self.height(value));
             canvas.whisker([at[0], from], [at[0], to], stroke.colour)?;
+            for process in point.y.iter().flat_map(Reading::processes) {
+                canvas.dot([at[0], self.height(process)], stroke.colour)?;
+            }
         }
         if let Some(rms) = point.y_rms.filter(|_| !placed.is_pinned) {
             let below = [at[0], self.height(rms)];

@@ -300,6 +300,10 @@ pub struct Cell {
     pub text: String,
     /// In small print below; empty for nothing.
     pub detail: String,
+    /// A dot for each process of a time, as SVG that `terrafill-plot` makes; empty for none.
+    pub dots: String,
+    /// What a reader must know of the figure, in a word or two below it; empty for nothing.
+    pub mark: String,
     /// Why it is empty, or why it does not count; becomes a footnote for those two.
     pub title: String,
     /// How it looks.

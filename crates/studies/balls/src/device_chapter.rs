@@ -6,6 +6,7 @@ use crate::keys::{BALL_DEVICE_MAX_M, BALL_DEVICE_RMS_M, BALLS, INTERFACE, PART, 
 use crate::metrics::METRICS;
 use crate::on_devices::{STEPS, TIMED};
 use crate::stepping::Way;
+use terrafill_plot::dotted;
 use terrafill_plot::number::significant;
 use terrafill_results::{
     Block, Case, Cell, Clock, Finding, Heading, Metric, Outcome, Row, Run, Table,
@@ -53,9 +54,10 @@ fn table(cases: &[&Case]) -> Table {
             reason => reason,
         };
         let shown = |value: Option<f64>| Cell::or_absent(value.map(significant), why);
+        let timed = |metric| dotted(shown(value(metric)), case, metric);
         let gpu = match (case.counts(), value(GPU)) {
             (true, None) => Cell::absent("the device keeps no time"),
-            (_, gpu) => shown(gpu),
+            _ => timed(GPU),
         };
         Row::new(vec![
             Cell::name(format!(
@@ -66,9 +68,9 @@ fn table(cases: &[&Case]) -> Table {
             Cell::name(case.condition(BALLS)),
             shown(value(BALL_DEVICE_MAX_M)),
             shown(value(BALL_DEVICE_RMS_M)),
-            shown(value(CPU)),
+            timed(CPU),
             shown(value(CPU).map(|us| us * 1e3 / balls)),
-            shown(value(WALL)),
+            timed(WALL),
             gpu,
             shown(value(UPLOADED).map(|bytes| bytes / f64::from(STEPS / TIMED))),
         ])

@@ -11,6 +11,7 @@ use crate::keys::{
 use crate::metrics::METRICS;
 use crate::stepping::Way;
 use crate::walk::ALLOWED_M;
+use terrafill_plot::dotted;
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
     Block, Case, Cell, Claim, Clock, Estimate, Finding, Heading, Metric, Outcome, Row, Run,
@@ -125,6 +126,7 @@ fn table(cases: &[&Case]) -> Table {
             "none" => Cell::absent("nothing is drawn"),
             _ => shown(value),
         };
+        let drawn_in = |metric| dotted(of_drawn(case.value(metric)), case, metric);
         let balls: Option<f64> = case.condition(BALLS).parse().ok();
         let frame = case.value(FRAME_CPU).filter(|_| case.counts());
         let each_ns = frame.zip(balls).map(|(us, balls)| 1e3 * us / balls);
@@ -137,10 +139,10 @@ fn table(cases: &[&Case]) -> Table {
                 )),
                 Cell::name(case.condition(DRAWN)),
                 Cell::name(case.condition(BALLS)),
-                shown(frame),
+                dotted(shown(frame), case, FRAME_CPU),
                 shown(each_ns),
-                of_drawn(case.value(DRAW_CPU)),
-                of_drawn(case.value(BALL_DRAW_GPU_US)),
+                drawn_in(DRAW_CPU),
+                drawn_in(BALL_DRAW_GPU_US),
                 shown(case.value(BALL_DRAWS)),
                 shown(case.value(BALL_UPLOAD_BYTES)),
                 shown(case.value(BALL_TERRAIN_STEP_M)),

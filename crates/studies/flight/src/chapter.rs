@@ -9,7 +9,8 @@ use crate::metrics::METRICS;
 use crate::study::IMAGE;
 use terrafill_plot::number::{measured_bytes, significant};
 use terrafill_plot::{
-    Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
+    Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, dotted,
+    panels,
 };
 use terrafill_results::{
     Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Finding, Heading, Metric, Picture,
@@ -197,7 +198,10 @@ fn table(run: &Run, scene: &str) -> Table {
             "" => "not measured",
             reason => reason,
         };
-        let cell = |metric| Cell::or_absent(value(case, metric).map(significant), why);
+        let cell = |metric| {
+            let time = Cell::or_absent(value(case, metric).map(significant), why);
+            dotted(time, case, metric)
+        };
         let count = |metric| {
             let count = value(case, metric).map(|count| count.to_string());
             Cell::or_absent(count, why)

@@ -14,7 +14,8 @@ use crate::{
 };
 use terrafill_plot::number::{measured_bytes, significant};
 use terrafill_plot::{
-    Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
+    Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, dotted,
+    panels,
 };
 use terrafill_results::{
     Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Metric, Noise, Plot, Row,
@@ -319,7 +320,8 @@ fn table(sight: &Sight<'_>, clock: Clock) -> Table {
                 "" if case.counts() => "there are no triangles",
                 _ => why(case),
             };
-            Cell::or_absent(value(case, metric).map(significant), reason)
+            let figure = Cell::or_absent(value(case, metric).map(significant), reason);
+            dotted(figure, case, metric)
         }));
         Row {
             cells,

@@ -2,6 +2,7 @@
 //! Cases of a part, and tables with a row for each of them.
 
 use crate::keys::PART;
+use terrafill_plot::dotted;
 use terrafill_plot::number::{measured_bytes, significant};
 use terrafill_results::{Case, Cell, ConditionKey, Heading, Metric, Row, Run, Table};
 
@@ -54,7 +55,8 @@ pub(crate) fn by_case(
                     true => measured_bytes(value),
                     false => significant(value),
                 });
-            Cell::or_absent(text, why(case, absent(case)))
+            let figure = Cell::or_absent(text, why(case, absent(case)));
+            dotted(figure, case, metric)
         }));
         Row {
             cells,

@@ -3,6 +3,7 @@
 
 use crate::keys::{SCENE, SENSORS, TECHNIQUE, UPKEEP, VARIANT};
 use crate::metrics::METRICS;
+use terrafill_plot::dotted;
 use terrafill_plot::number::{measured_bytes, significant};
 use terrafill_results::{
     Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Estimate, Finding,
@@ -227,7 +228,11 @@ fn table(sweep: &Sweep<'_>, clock: Clock) -> Table {
             "" => "not measured",
             reason => reason,
         };
-        let cell = |metric| Cell::or_absent(value(case, metric).map(significant), why);
+        let timed = |metric, why| {
+            let time = Cell::or_absent(value(case, metric).map(significant), why);
+            dotted(time, case, metric)
+        };
+        let cell = |metric| timed(metric, why);
         let plain = |metric| {
             let count = case.value(metric).map(|count| count.to_string());
             Cell::or_absent(count, why)
@@ -254,7 +259,7 @@ fn table(sweep: &Sweep<'_>, clock: Clock) -> Table {
                 cell(PLAN),
                 cell(UPDATE),
                 cell(FILL_CPU),
-                Cell::or_absent(value(case, FILL_GPU).map(significant), no_gpu_clock),
+                timed(FILL_GPU, no_gpu_clock),
                 Cell::or_absent(case.value(BYTES).map(measured_bytes), why),
                 plain(COMPARED),
                 wrong,

@@ -9,7 +9,7 @@ use crate::keys::{API, SIZE_PX};
 use crate::metrics::METRICS;
 use terrafill_plot::number::{bytes, significant};
 use terrafill_plot::{
-    Curve, Palette, Point, PointStanding, Reading, ReferenceLine, Upwards, WorkPrecision,
+    Curve, Palette, Point, PointStanding, Reading, ReferenceLine, Upwards, WorkPrecision, dotted,
     named_aside,
 };
 use terrafill_results::{
@@ -211,6 +211,7 @@ fn table(run: &Run, clock: Clock) -> Table {
         };
         let value = |metric| case.value(metric).filter(|_| case.counts());
         let cell = |value: Option<f64>| Cell::or_absent(value.map(significant), why());
+        let timed = |metric| dotted(cell(value(metric)), case, metric);
         let each = process_medians(case, metric(clock)).into_values();
         let each: Vec<String> = each.map(significant).collect();
         let each = (case.counts() && !each.is_empty()).then(|| each.join(", "));
@@ -219,8 +220,8 @@ fn table(run: &Run, clock: Clock) -> Table {
                 Cell::name(case.condition(API)),
                 Cell::plain(case.condition(SIZE_PX)),
                 Cell::or_absent(value(BYTES).map(megabytes), why()),
-                cell(value(metric(clock))),
-                cell(value(clock.pick(CPU, WALL))),
+                timed(metric(clock)),
+                timed(clock.pick(CPU, WALL)),
                 cell(value(RATE)),
                 Cell::or_absent(each, why()),
             ],

@@ -16,7 +16,7 @@ use crate::keys::{
 use sections::{SECTIONS, Section};
 use terrafill_plot::number::{count, significant};
 use terrafill_plot::{
-    Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, named_aside,
+    Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, dotted, named_aside,
 };
 use terrafill_results::{
     Answers, Block, Case, Cell, Chapter, ChapterError, Clock, ConditionKey, Heading, Metric, Noise,
@@ -191,7 +191,8 @@ impl<'a> Own<'a> {
                     (SHADOW_FRAGMENTS, "there is none") => "not counted by the device",
                     _ => why,
                 };
-                Cell::or_absent(value(case, metric).map(number), why)
+                let figure = Cell::or_absent(value(case, metric).map(number), why);
+                dotted(figure, case, metric)
             });
             // What is wrong stands in the row's figures.
             let is_said = case.outcome == Outcome::Wrong && section.question != "scissors";

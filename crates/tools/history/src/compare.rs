@@ -146,6 +146,12 @@ pub fn compare(
     })
 }
 
+/// The metric that a study of a run is ranked by: the run's own mark, else that of this program.
+pub(crate) fn ranks<'a>(run: &'a Run, study: &str, primary: Primary<'_>) -> Option<&'a str> {
+    run.primary_metric(study)
+        .or_else(|| primary(study, run.clock()))
+}
+
 fn times(base: &Run, new: &Run, primary: Primary<'_>) -> Vec<StudyTimes> {
     let studies: BTreeSet<&str> = new
         .cases
@@ -153,7 +159,7 @@ fn times(base: &Run, new: &Run, primary: Primary<'_>) -> Vec<StudyTimes> {
         .map(|case| case.id().study.as_str())
         .collect();
     let of = |study: &str| {
-        let metric = terrafill_gate::ranks(new, study, primary)?;
+        let metric = ranks(new, study, primary)?;
         let noises = [base, new].map(|run| {
             let cases = run.cases.iter().filter(|case| case.id().study == study);
             Noise::of(cases, metric)

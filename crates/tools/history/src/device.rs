@@ -6,6 +6,7 @@
 //! compared with another's.
 
 use crate::Primary;
+use crate::compare::ranks;
 use crate::record::Machine;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -153,7 +154,7 @@ fn cell(run: &Run, case: &Case, control: &str, primary: Primary<'_>) -> DeviceCe
         return none(&case.reason);
     }
     let study = &case.id().study;
-    let metric = terrafill_gate::ranks(run, study, primary);
+    let metric = ranks(run, study, primary);
     let Some((metric, time)) = metric.and_then(|m| Some((m, typical(case, m)?.middle))) else {
         return none(UNTIMED);
     };

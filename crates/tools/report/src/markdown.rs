@@ -86,9 +86,10 @@ fn table(table: &Table) -> String {
 }
 
 fn cell(cell: &Cell) -> String {
-    match cell.class {
-        CellClass::Void => format!("~~{}~~", escaped(&cell.text)),
-        _ => escaped(&cell.text),
+    match (cell.class, cell.mark.as_str()) {
+        (CellClass::Void, _) => format!("~~{}~~", escaped(&cell.text)),
+        (_, "") => escaped(&cell.text),
+        (_, mark) => format!("{} ({})", escaped(&cell.text), escaped(mark)),
     }
 }
 

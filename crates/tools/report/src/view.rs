@@ -4,6 +4,7 @@
 use crate::picture::{Picture, address, data_uri};
 use askama::Template;
 use std::collections::BTreeMap;
+use terrafill_plot::{DOTS_FACTOR, TWO_GROUPS};
 use terrafill_results::{
     Block, Cell, CellClass, Finding, Heading, Pictures, Plot, Row, Run, Standing, Table,
     TableLayout,
@@ -69,6 +70,8 @@ struct TableView<'a> {
     headings: Vec<HeadingView<'a>>,
     rows: Vec<RowView<'a>>,
     footnotes: Vec<&'a str>,
+    /// What dots in its cells are; empty where no cell has any.
+    dots: String,
 }
 
 struct HeadingView<'a> {
@@ -93,6 +96,8 @@ struct CellView<'a> {
     /// Where a line may break.
     parts: Vec<&'a str>,
     detail: Vec<&'a str>,
+    dots: &'a str,
+    mark: &'a str,
     is_void: bool,
     marker: &'a str,
     /// Address, width and height of a small picture.
@@ -311,6 +316,7 @@ impl<'a> Renderer<'a> {
             },
             has_upright_headings: table.layout == TableLayout::UprightHeadings,
             headings: headings.collect(),
+            dots: about_dots(table),
             rows,
             footnotes,
         }
@@ -357,6 +363,8 @@ impl<'a> Renderer<'a> {
                 _ => vec![&cell.text],
             },
             detail: breakable(&cell.detail),
+            dots: &cell.dots,
+            mark: &cell.mark,
             is_void: cell.class == CellClass::Void,
             marker: &cell.marker,
             picture: self.small(&cell.picture),
@@ -521,6 +529,24 @@ fn meaning(run: &Run, heading: &Heading) -> String {
 /// A name in the pieces between which a line may break: after commas and slashes.
 fn breakable(name: &str) -> Vec<&str> {
     name.split_inclusive([',', '/']).collect()
+}
+
+/// What the dots of a table are, and what its marks mean; empty where it has none.
+fn about_dots(table: &Table) -> String {
+    let cells = || table.rows.iter().flat_map(|row| &row.cells);
+    if cells().all(|cell| cell.dots.is_empty()) {
+        return String::new();
+    }
+    let scale = format!(
+        "A dot is a process: the tick is their median, the ends are {DOTS_FACTOR} times less and more, and a \
+         triangle lies beyond."
+    );
+    match cells().any(|cell| cell.mark == TWO_GROUPS) {
+        true => format!(
+            "{scale} “{TWO_GROUPS}”: the processes ran as at two clocks, so that the figure is of one of them."
+        ),
+        false => scale,
+    }
 }
 
 /// Number of the footnote with this text, from 1.

@@ -11,8 +11,8 @@ use crate::keys::{
     BOUNDARY_MOVED_PX, GEOMETRY_BYTES, HAUSDORFF_PX, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND,
     REGIONS_DRAWN, STENCIL_FRAGMENTS, VERTICES,
 };
-use terrafill_plot::Palette;
 use terrafill_plot::number::{bytes, count, figure, significant, spread};
+use terrafill_plot::{Palette, dotted};
 use terrafill_results::{
     Answers, Block, Case, Cell, ChapterError, Finding, Heading, Metric, Row, Spread, Standing,
     Table, TableLayout, typical,
@@ -190,7 +190,7 @@ fn winner(data: &Data<'_>, palette: &Palette, case: &Case) -> Cell {
     let distance = case.value(HAUSDORFF_PX).map(significant);
     let moved = case.value(BOUNDARY_MOVED_PX);
     let moved = moved.map_or_else(String::new, |px| format!(" (moved {})", significant(px)));
-    Cell {
+    let cell = Cell {
         detail: format!(
             "{time} ms · {size} · boundary {} px{moved}, {} px differ",
             distance.as_deref().unwrap_or("–"),
@@ -199,7 +199,8 @@ fn winner(data: &Data<'_>, palette: &Palette, case: &Case) -> Cell {
         marker: palette.marker(&data.marked(case)),
         command: data.command(case),
         ..Cell::name(data.label(case))
-    }
+    };
+    dotted(cell, case, data.metric)
 }
 
 fn ties(data: &Data<'_>, ties: &[&Case]) -> Cell {

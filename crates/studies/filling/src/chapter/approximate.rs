@@ -14,7 +14,7 @@ use crate::keys::{
 };
 use terrafill_conformance::MAX_HAUSDORFF_PX;
 use terrafill_plot::number::{bytes, count, significant, spread, times};
-use terrafill_plot::{Arrangement, Curve, Palette, Upwards, WorkPrecision, panels};
+use terrafill_plot::{Arrangement, Curve, Palette, Upwards, WorkPrecision, dotted, panels};
 use terrafill_results::{
     Block, Case, Cell, ChapterError, Heading, Metric, Plot, Row, Table, over_typical,
 };
@@ -207,7 +207,7 @@ fn row(
             ..Cell::name(name(case))
         },
         Cell::plain(standing(case)),
-        cell(data.time(case).map(spread)),
+        dotted(cell(data.time(case).map(spread)), case, data.metric),
         cell(over.map(|over| times(&over))),
         cell(counter(case, MISMATCHED_PX).map(count)),
         figure(HAUSDORFF_PX),
@@ -216,7 +216,7 @@ fn row(
             None if is_approximate(case) => Cell::absent("by more than 64 pixels"),
             None => Cell::absent("moves no boundary on purpose"),
         },
-        figure(PREPARE_CPU_MS),
+        dotted(figure(PREPARE_CPU_MS), case, PREPARE_CPU_MS),
         sized(GEOMETRY_BYTES),
         sized(TARGET_BYTES),
     ];

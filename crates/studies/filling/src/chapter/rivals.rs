@@ -4,6 +4,7 @@
 use super::data::{Data, View, counter, name};
 use super::scenes::best;
 use crate::keys::{GEOMETRY_BYTES, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND};
+use terrafill_plot::dotted;
 use terrafill_plot::number::{bytes, count, significant, times};
 use terrafill_results::{Block, Case, Cell, Heading, Metric, Row, Table, ratio};
 
@@ -76,7 +77,11 @@ fn row(data: &Data<'_>, scene: &str, view: &View<'_>, rival: &Case) -> Row {
             Cell::name(format!("{scene}, {}", view.name)),
             Cell::name(name(rival)),
             Cell::plain(rival.outcome.name()),
-            Cell::or_absent(data.time(rival).map(|ms| significant(ms.median)), why),
+            dotted(
+                Cell::or_absent(data.time(rival).map(|ms| significant(ms.median)), why),
+                rival,
+                data.metric,
+            ),
             Cell::name(ours.map_or_else(String::new, name)),
             Cell::or_absent(
                 ours.and_then(|ours| data.time(ours))

@@ -14,7 +14,7 @@ use crate::keys::{
     SURFACE_BYTES, SURFACE_GPU_MS, TECHNIQUE, VERTEX_BYTES, VERTICES, VIEW,
 };
 use terrafill_plot::number::{bytes, count, significant, spread};
-use terrafill_plot::{Bar, Bars, Palette, RatioAxis, RatioGroup, RatioPlot, RatioRow};
+use terrafill_plot::{Bar, Bars, Palette, RatioAxis, RatioGroup, RatioPlot, RatioRow, dotted};
 use terrafill_results::{
     Block, Case, Cell, CellClass, ChapterError, Estimate, Heading, Metric, Outcome, Picture,
     PictureFigure, Pictures, Plot, Row, Spread, Table, sample_spread,
@@ -259,10 +259,18 @@ fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow 
         Spread { p5, median, p95 }
     });
     let time = data.typical(case).map(|time| significant(time.middle));
+    // The ratio is of medians, so a process stands as far from it as its time from the median.
+    let processes = ratio.zip(data.typical(case)).map(|(ratio, typical)| {
+        let times = data.replicates(case).into_iter();
+        times
+            .map(|time| ratio.middle * time / typical.middle)
+            .collect()
+    });
     RatioRow {
         label: data.label(case),
         series: data.marked(case),
         ratio: whisker.ok_or_else(|| no_ratio(data, case)),
+        processes: processes.unwrap_or_default(),
         value: time.map_or_else(String::new, |time| format!(" · {time} ms")),
         command: data.command(case),
     }
@@ -417,11 +425,17 @@ fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &Metric) -
             ..Cell::name(data.label(case))
         },
         Cell::plain(standing(case)),
-        time_cell(case, data.time(case).map(spread), "no frame was timed"),
+        time_cell(
+            case,
+            data.metric,
+            data.time(case).map(spread),
+            "no frame was timed",
+        ),
         over(DEPTH_PASS),
         over(STENCIL_PASS),
         time_cell(
             case,
+            other_metric,
             sample_spread(case, other_metric).map(|ms| significant(ms.median)),
             NO_GPU_TIME,
         ),
@@ -429,7 +443,7 @@ fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &Metric) -
     cells.extend(COLUMNS.map(|(_, metric, print, why)| {
         let value = case.value(metric);
         match print {
-            Print::Time => time_cell(case, value.map(significant), why),
+            Print::Time => time_cell(case, metric, value.map(significant), why),
             Print::Figure => value.map_or_else(
                 || absent(case, why),
                 |value| Cell::plain(significant(value)),
@@ -446,8 +460,8 @@ fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &Metric) -
 }
 
 /// A time, which counts for nothing when the picture is wrong.
-fn time_cell(case: &Case, text: Option<String>, why: &str) -> Cell {
-    match text {
+fn time_cell(case: &Case, metric: &str, text: Option<String>, why: &str) -> Cell {
+    let cell = match text {
         Some(text) if is_approximate(case) => Cell {
             title: "approximate: its picture differs by nature, and it competes with none"
                 .to_owned(),
@@ -461,7 +475,8 @@ fn time_cell(case: &Case, text: Option<String>, why: &str) -> Cell {
         },
         Some(text) => Cell::plain(text),
         None => absent(case, why),
-    }
+    };
+    dotted(cell, case, metric)
 }
 
 fn absent(case: &Case, why: &str) -> Cell {

@@ -13,6 +13,7 @@ use crate::keys::{
     TEXEL_COMPARED_PX, TEXEL_MAX, TEXEL_NON_FINITE, TEXEL_RMS, TEXTURE, TEXTURE_BYTES, VIEW,
 };
 use terrafill_lab::Follows;
+use terrafill_plot::dotted;
 use terrafill_plot::number::{bytes, count, significant, spread};
 use terrafill_results::{
     Block, Case, Cell, ChapterError, Claim, ConditionKey, Estimate, Finding, Heading, Outcome,
@@ -571,6 +572,7 @@ fn row(data: &Data<'_>, case: &Case) -> Row {
         .filter(|case| may_be_compared(case))
         .and_then(|case| ratio(case, plain_of(data, case)?, data.metric));
     let over_depth_pass = data.over_baseline(case, DEPTH_PASS);
+    let time = data.time(case).filter(|_| may_be_compared(case));
     let remark = [case.note("texture_route"), case.reason.as_str()];
     let remark = remark.iter().filter(|text| !text.is_empty());
     Row {
@@ -580,11 +582,7 @@ fn row(data: &Data<'_>, case: &Case) -> Row {
                 ..Cell::name(label(case))
             },
             Cell::plain(case.outcome.name()),
-            cell(
-                data.time(case)
-                    .filter(|_| may_be_compared(case))
-                    .map(spread),
-            ),
+            dotted(cell(time.map(spread)), case, data.metric),
             cell(over_depth_pass.map(|ratio| significant(ratio.middle))),
             cell(over_plain.map(|ratio| data.ratio_text(&ratio))),
             cell(case.value(TEXEL_RMS).map(significant)),

@@ -3,6 +3,7 @@
 
 use crate::keys::API;
 use crate::metrics::METRICS;
+use terrafill_plot::dotted;
 use terrafill_plot::number::{bytes, significant};
 use terrafill_results::{
     Block, Case, Cell, Claim, Clock, ConditionKey, Estimate, Heading, Metric, Standing, ratio,
@@ -86,7 +87,8 @@ pub(super) fn byte_cell(case: &Case, metric: &Metric) -> Cell {
 
 pub(super) fn time_cell(case: &Case, metric: &Metric) -> Cell {
     let value = case.value(metric).filter(|_| case.counts());
-    Cell::or_absent(value.map(significant), why(case))
+    let time = Cell::or_absent(value.map(significant), why(case));
+    dotted(time, case, metric)
 }
 
 /// How many times as fast `fast` is as `slow`: time of the second over time of the first.

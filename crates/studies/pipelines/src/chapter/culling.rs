@@ -415,6 +415,7 @@ fn drawing(flown: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError
                 label: format!("{second} s"),
                 series: name.clone(),
                 ratio: Ok(Spread { p5, median, p95 }),
+                processes: Vec::new(),
                 value: share.map_or_else(String::new, |share| {
                     format!("{} of the patches", significant(share))
                 }),
