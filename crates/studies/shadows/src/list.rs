@@ -39,9 +39,9 @@ const SUNS: [[f64; 2]; 9] = [
     [0.2, -60.0],
 ];
 const QUICK_SUNS: usize = 4;
-/// Suns of devices; a quick run has the first two.
+/// Suns of devices; a quick run has the first.
 const DEVICE_SUNS: [[f64; 2]; 4] = [[10.0, -60.0], [5.0, 0.0], [60.0, 90.0], [1.0, 0.0]];
-const QUICK_DEVICE_SUNS: usize = 2;
+const QUICK_DEVICE_SUNS: usize = 1;
 /// Sun of facings.
 const FACING_SUN: [f64; 2] = [30.0, -60.0];
 /// Distances of an origin from the port, m: the last is that of the earth's centre.

@@ -42,6 +42,8 @@ const SOFTWARE_LOOKS: u32 = 8;
 
 /// Blocks dropped at the start of each process: caches, clock rates and lazily made pipelines settle.
 const WARM_UP: u32 = 2;
+/// The same in a quick run, whose times decide nothing.
+const QUICK_WARM_UP: u32 = 1;
 
 pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     if arguments.suite.is_some() && !arguments.in_suite {
@@ -71,7 +73,10 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     let options = RunOptions {
         processes,
         process: arguments.process,
-        warm_up: WARM_UP,
+        warm_up: match depth {
+            Depth::Quick => QUICK_WARM_UP,
+            Depth::Main | Depth::Full => WARM_UP,
+        },
         seed: arguments.seed,
         shard: arguments.shard,
     };
