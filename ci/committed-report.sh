@@ -37,6 +37,8 @@ pack() {
     rm -rf "$scratch/run"
     mkdir -p "$scratch/run/images"
     cp "$measured"/{cases,measurements,metrics}.csv "$measured"/{environment,plan,schema}.json "$scratch/run"
+    # Runs of earlier versions have none.
+    [ ! -e "$measured/clocks.csv" ] || cp "$measured/clocks.csv" "$scratch/run"
     if [ "$1" = all ]; then
         cp "$measured/notes.csv" "$scratch/run"
         find "$measured" -path '*/images/*.png' -exec cp {} "$scratch/run/images" \;
