@@ -11,6 +11,7 @@ use plotters::prelude::{Color, DrawingArea, IntoDrawingArea, IntoFont, RGBAColor
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontStyle, FontTransform, RGBColor, ShapeStyle};
 use std::cell::RefCell;
+use std::collections::BTreeSet;
 
 /// Text height of labels, CSS pixels.
 pub(crate) const TEXT_PX: f64 = 12.0;
@@ -393,12 +394,19 @@ impl Canvas<'_> {
         Ok(())
     }
 
-    /// A process of a value: small, and seen through where many lie on one another.
-    pub(crate) fn dot(&self, at: [f64; 2], colour: RGBColor) -> Result<(), PlotError> {
+    /// The processes of a value as small dots, one where several would cover each other.
+    pub(crate) fn dots(
+        &self,
+        at: impl Iterator<Item = [f64; 2]>,
+        colour: RGBColor,
+    ) -> Result<(), PlotError> {
         const RADIUS_PX: f64 = 2.0;
-        let style = ShapeStyle::from(&colour.mix(0.6)).filled();
-        let disc = Circle::new(point(at[0], at[1]), px(RADIUS_PX), style);
-        self.drawn(self.area.draw(&disc))
+        let places: BTreeSet<(i32, i32)> = at.map(|[x, y]| point(x, y)).collect();
+        for place in places {
+            let style = ShapeStyle::from(&colour).filled();
+            self.drawn(self.area.draw(&Circle::new(place, px(RADIUS_PX), style)))?;
+        }
+        Ok(())
     }
 
     /// A whisker with end caps, along an axis.

@@ -10,7 +10,7 @@ use terrafill_results::{Case, Cell, CellClass, has_two_groups, median, process_m
 /// and a hundredth is two thirds of a pixel.
 pub const DOTS_FACTOR: f64 = 1.5;
 
-/// Size of the drawing, CSS pixels: as wide as a cell with a time.
+/// Size of the drawing, CSS pixels, as the report's style sheet has it: as wide as a cell with a time.
 const WIDTH_PX: f64 = 60.0;
 const HEIGHT_PX: f64 = 8.0;
 /// Half a dot, and the length of a triangle at the rim.
@@ -52,22 +52,23 @@ fn dots(times: &[f64]) -> String {
         let off = (time / middle).ln() / DOTS_FACTOR.ln();
         if off.abs() <= 1.0 {
             let x = half + off * (half - RIM_PX - DOT_PX);
-            inside += &format!("M{x:.1} {y}h0");
+            let x = (10.0 * x).round() / 10.0;
+            inside += &format!("M{x} {y}h0");
         } else if off > 0.0 {
-            beyond += &format!("M{} {}l{RIM_PX} {y}l-{RIM_PX} {y}z", WIDTH_PX - RIM_PX, 0);
+            beyond += &format!("M{} 0l{RIM_PX} {y}l-{RIM_PX} {y}z", WIDTH_PX - RIM_PX);
         } else {
-            beyond += &format!("M{RIM_PX} {}l-{RIM_PX} {y}l{RIM_PX} {y}z", 0);
+            beyond += &format!("M{RIM_PX} 0l-{RIM_PX} {y}l{RIM_PX} {y}z");
         }
     }
     let said: Vec<String> = times.iter().map(|time| significant(*time)).collect();
+    // The page says once how these are drawn, and how large: there are hundreds.
     format!(
-        "<svg class=\"dots\" role=\"img\" width=\"{WIDTH_PX}\" height=\"{HEIGHT_PX}\"><title>{} processes: {}\
-         </title><path d=\"M{half} 0v{HEIGHT_PX}\" stroke=\"currentColor\" opacity=\".4\"/>\
-         <path d=\"{inside}\" stroke=\"currentColor\" stroke-width=\"{}\" stroke-linecap=\"round\" opacity=\".7\"/>\
-         <path d=\"{beyond}\" fill=\"currentColor\"/></svg>",
-        times.len(),
+        "<svg class=\"dots\"><title>processes: {}</title><path d=\"{inside}\"/>{}</svg>",
         said.join(", "),
-        2.0 * DOT_PX,
+        match beyond.as_str() {
+            "" => String::new(),
+            beyond => format!("<path class=\"beyond\" d=\"{beyond}\"/>"),
+        }
     )
 }
 
@@ -97,9 +98,9 @@ mod tests {
         let steady = cell(&[10.0, 10.1, 9.9, 10.0, 10.2]);
         assert_eq!((steady.text.as_str(), steady.mark.as_str()), ("10", ""));
         assert_eq!(steady.dots.matches("h0").count(), 5, "{}", steady.dots);
-        assert!(steady.dots.contains("5 processes: 10.0, 10.1, 9.90,"));
+        assert!(steady.dots.contains("processes: 10.0, 10.1, 9.90,"));
         assert!(
-            steady.dots.contains("M30.0 4h0"),
+            steady.dots.contains("M30 4h0"),
             "the median: {}",
             steady.dots
         );

@@ -102,6 +102,13 @@ impl RatioPlot<'_> {
                 frame.shade(canvas, factor)?;
             }
             frame.draw(canvas)?;
+            if rows().any(|row| !row.processes.is_empty()) {
+                frame.draw_value(
+                    canvas,
+                    "small dots: one for each process",
+                    frame.bottom + 34.0,
+                )?;
+            }
             let mut y = TOP_PX + ROW_PX * 0.5;
             for group in &self.groups {
                 group.draw(canvas, palette, &frame, y)?;
@@ -140,10 +147,8 @@ impl RatioGroup {
                 Err(why) => frame.draw_absent(canvas, why, y)?,
                 Ok(ratio) => {
                     frame.draw_whisker(canvas, *ratio, y, stroke.colour)?;
-                    for process in &row.processes {
-                        let below = [frame.scale.px(*process), y + DOTS_BELOW_PX];
-                        canvas.dot(below, stroke.colour)?;
-                    }
+                    let dots = row.processes.iter().map(|process| frame.scale.px(*process));
+                    canvas.dots(dots.map(|x| [x, y + DOTS_BELOW_PX]), stroke.colour)?;
                     let at = [frame.scale.px(ratio.median), y];
                     canvas.marker(at, stroke)?;
                     let value = format!("{} ×{}", significant(ratio.median), row.value);

@@ -473,16 +473,16 @@ impl<'a> Panel<'a> {
         if let Some(range) = range(&point.x).filter(|_| !placed.is_pinned) {
             let [from, to] = range.map(|value| self.x.px(value));
             canvas.whisker([from, at[1]], [to, at[1]], stroke.colour)?;
-            for process in point.x.iter().flat_map(Reading::processes) {
-                canvas.dot([self.x.px(process), at[1]], stroke.colour)?;
-            }
+            let processes = point.x.iter().flat_map(Reading::processes);
+            let dots = processes.map(|value| [self.x.px(value), at[1]]);
+            canvas.dots(dots, stroke.colour)?;
         }
         if let Some(range) = range(&point.y).filter(|_| !placed.is_pinned) {
             let [from, to] = range.map(|value| self.height(value));
             canvas.whisker([at[0], from], [at[0], to], stroke.colour)?;
-            for process in point.y.iter().flat_map(Reading::processes) {
-                canvas.dot([at[0], self.height(process)], stroke.colour)?;
-            }
+            let processes = point.y.iter().flat_map(Reading::processes);
+            let dots = processes.map(|value| [at[0], self.height(value)]);
+            canvas.dots(dots, stroke.colour)?;
         }
         if let Some(rms) = point.y_rms.filter(|_| !placed.is_pinned) {
             let below = [at[0], self.height(rms)];

@@ -22,7 +22,7 @@ const SHORT_COMMIT: usize = 12;
 
 /// What brackets mean on every page.
 const NOTATION: &str = "A median; [a–b]: its 95 % interval over processes; (a–b): 5 to 95 % of the \
-                        samples.";
+                        samples. Small dots: one for each process.";
 
 /// As many names as the first page shows: about a screen of them.
 const MAX_NAMES: usize = 24;
