@@ -333,9 +333,15 @@ mod tests {
             text.contains("group,name,time over baseline,from,to\nglobe,&lt;vertex>/doubled,3.61,")
         );
         assert!(!text.contains("<vertex>"), "names are no markup");
-        // A dot for each process, and an axis that holds them.
-        assert_eq!(text.matches("<circle").count(), 3, "{text}");
-        assert!(text.contains("5") && text.contains(">7<"), "{text}");
+        // The mark and a dot for each process, on an axis that holds them.
+        let circles = text.split("<circle cx=\"").skip(1);
+        let across: Vec<f64> = circles
+            .filter_map(|circle| circle.split('"').next()?.parse().ok())
+            .collect();
+        assert_eq!(across.len(), 3, "{text}");
+        let right = WIDTH_PX - VALUE_COLUMN_PX;
+        assert!(across[0] < across[1] && across[1] < right, "{across:?}");
+        assert!(text.contains("small dots"));
         // Twins: the same rows without the failed one, and without any ratio.
         assert!(!drawn(&[Ok(3.61)]).expect("a ratio").contains("wrong"));
         assert_eq!(drawn(&[Err("wrong")]), None);
