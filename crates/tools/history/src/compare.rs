@@ -6,7 +6,7 @@
 //! identical work differed by within each run, and what all cases differ by together. Times of two kinds
 //! of machines are not compared at all; [`by_device`](crate::by_device) sets those side by side.
 
-use crate::rank::difference;
+use crate::rank::{Cuts, difference};
 use crate::record::Machine;
 use crate::threshold::{COVERAGE, FLOOR_PERCENT};
 use crate::{HistoryError, Primary};
@@ -158,6 +158,7 @@ fn times(base: &Run, new: &Run, primary: Primary<'_>) -> Vec<StudyTimes> {
         .iter()
         .map(|case| case.id().study.as_str())
         .collect();
+    let mut cuts = Cuts::default();
     let of = |study: &str| {
         let metric = ranks(new, study, primary)?;
         let noises = [base, new].map(|run| {
@@ -193,6 +194,7 @@ fn times(base: &Run, new: &Run, primary: Primary<'_>) -> Vec<StudyTimes> {
                 case,
                 metric,
                 [max_noise, floor],
+                &mut cuts,
             )
         });
         let mut cases: Vec<CaseTimes> = cases.collect();
@@ -216,12 +218,13 @@ fn case_times(
     new: &Case,
     metric: &str,
     [noise, floor]: [f64; 2],
+    cuts: &mut Cuts,
 ) -> Option<CaseTimes> {
     let [before, after] = [base, new].map(|case| {
         let medians = process_medians(case, metric).into_values();
         medians.map(f64::ln).collect::<Vec<f64>>()
     });
-    let (shift, interval) = difference(&before, &after, COVERAGE)?;
+    let (shift, interval) = difference(&before, &after, COVERAGE, cuts)?;
     let [from, to] = [median(&before)?.exp(), median(&after)?.exp()];
     let is_small = shift.abs() < (FLOOR_PERCENT / 100.0).ln_1p()
         || shift.abs() <= noise
