@@ -203,6 +203,7 @@ pub fn plan_shared(
     let mut skipped = Vec::new();
     for study in studies {
         let planned: Planned = study.plan(request)?;
+        refuse_undeclared(*study, &planned)?;
         for left_out in planned.skipped {
             if !skipped.contains(&left_out) {
                 skipped.push(left_out);
@@ -245,6 +246,24 @@ pub fn plan_shared(
         [twice, ..] => Err(StudyError::BadInput(format!(
             "case {twice:?} is planned twice, allowed: once"
         ))),
+    }
+}
+
+/// A condition that its study did not declare is a mistake of the program: nobody could read it.
+fn refuse_undeclared(study: &dyn Study, planned: &Planned) -> Result<(), StudyError> {
+    let declared: BTreeSet<&str> = study.conditions().iter().map(|key| key.name()).collect();
+    let cases = planned.groups.iter().flat_map(|group| group.cases());
+    let mut all = cases.flat_map(|case| case.id.conditions.keys().map(move |key| (case, key)));
+    match all.find(|(_, key)| !declared.contains(key.as_str())) {
+        None => Ok(()),
+        Some((case, key)) => Err(StudyError::Broken {
+            place: case.id.key(),
+            message: format!(
+                "study {} plans the condition {key:?} and does not declare it, allowed: {}",
+                study.name(),
+                declared.into_iter().collect::<Vec<_>>().join(", ")
+            ),
+        }),
     }
 }
 

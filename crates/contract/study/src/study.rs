@@ -115,10 +115,8 @@ pub trait Study: Sync {
     /// Everything that it measures.
     fn metrics(&self) -> &'static [Metric];
 
-    /// Every condition that a case of it may have; empty where the study still names them by text.
-    fn conditions(&self) -> Vec<ConditionKey> {
-        Vec::new()
-    }
+    /// Every condition that a case of it may have; the runner refuses a plan with others.
+    fn conditions(&self) -> Vec<ConditionKey>;
 
     /// From which depth on it is part of a run that names no study.
     fn least_depth(&self) -> Depth {

@@ -7,8 +7,8 @@ use std::path::Path;
 use std::rc::Rc;
 use terrafill_fill::{DeviceLoss, Devices};
 use terrafill_results::{
-    Block, CaseId, Chapter, ChapterError, Clock, Kind, Metric, Outcome, PlannedCase, Run,
-    RunEnvironment, RunError, RunFolder, SCHEMA, Shard, Status, UNSTEADY_CLOCK, Verdict,
+    Block, CaseId, Chapter, ChapterError, Clock, ConditionKey, Kind, Metric, Outcome, PlannedCase,
+    Run, RunEnvironment, RunError, RunFolder, SCHEMA, Shard, Status, UNSTEADY_CLOCK, Verdict,
 };
 use terrafill_study::{
     Context, FramesPerSample, Group, Plan, Planned, Request, RunOptions, RunOutcome, Session,
@@ -57,6 +57,8 @@ fn fresh_script() -> Rc<Script> {
 
 struct MadeUp {
     groups: usize,
+    /// How many of its two conditions it declares.
+    declared: usize,
 }
 
 impl Chapter for MadeUp {
@@ -88,6 +90,11 @@ impl Study for MadeUp {
 
     fn metrics(&self) -> &'static [Metric] {
         &METRICS
+    }
+
+    fn conditions(&self) -> Vec<ConditionKey> {
+        let all = ["group", "case"].map(ConditionKey::declare);
+        all[..self.declared].to_vec()
     }
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
@@ -240,7 +247,15 @@ fn environment() -> RunEnvironment {
 }
 
 fn planned(groups: usize, options: &RunOptions) -> Plan {
-    plan(&[&MadeUp { groups }], &Request::default(), options).expect("planned")
+    plan(
+        &[&MadeUp {
+            groups,
+            declared: 2,
+        }],
+        &Request::default(),
+        options,
+    )
+    .expect("planned")
 }
 
 fn create(path: &Path, plan: &Plan) -> RunFolder {
@@ -465,9 +480,36 @@ fn shards_share_the_groups_and_leave_none_out() {
 }
 
 #[test]
+fn a_condition_that_is_not_declared_is_refused() {
+    fresh_script();
+    let refused = |declared| {
+        let made_up = MadeUp {
+            groups: 1,
+            declared,
+        };
+        let planned = plan(&[&made_up], &Request::default(), &options());
+        planned.err().map(|error| error.to_string())
+    };
+    let said = refused(1).expect("undeclared");
+    for word in [
+        "made-up/group-0/case-0",
+        "study made-up",
+        "\"case\"",
+        "allowed: group",
+    ] {
+        assert!(said.contains(word), "{word}: {said}");
+    }
+    // Twin: both are declared.
+    assert_eq!(refused(2), None);
+}
+
+#[test]
 fn a_case_that_is_planned_twice_is_refused() {
     fresh_script();
-    let made_up = MadeUp { groups: 1 };
+    let made_up = MadeUp {
+        groups: 1,
+        declared: 2,
+    };
     let twice: [&dyn Study; 2] = [&made_up, &made_up];
     let error = plan(&twice, &Request::default(), &options()).map(|_| ());
     let error = error.expect_err("twice").to_string();
