@@ -94,10 +94,11 @@ cargo fmt --all --check
 section "lints"
 cargo clippy --workspace --all-targets --locked -- -D warnings
 
-section "dependencies, cycles, data, shaders"
+section "dependencies, cycles, data, keys, shaders"
 cargo xtask check-deps
 cargo xtask check-cycles
 cargo xtask check-data-tests
+cargo xtask check-keys
 cargo xtask check-shaders
 
 section "tests"

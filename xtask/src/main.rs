@@ -8,6 +8,7 @@ mod cycles;
 mod data_tests;
 mod dependencies;
 mod geometry;
+mod keys;
 mod lines;
 mod mutations;
 mod pictures;
@@ -25,6 +26,7 @@ usage: cargo xtask COMMAND
   check-deps                   no crate depends on one that the architecture forbids
   check-cycles                 no two files of a crate import from each other
   check-data-tests             tests that read data say so, and none passes because data is missing
+  check-keys                   studies read conditions and metrics by constants, not by names in quotes
   check-shaders                shaders on disk, embedded and documented are the same, and valid
   compile-shaders              write the SPIR-V of the geometry shaders anew
   check-validation-log FILE    the Vulkan layer was at work and reported nothing unexpected
@@ -43,6 +45,7 @@ fn main() -> ExitCode {
         ["check-deps"] => check_deps(),
         ["check-cycles"] => cycles::check(&root()),
         ["check-data-tests"] => data_tests::check(&root()),
+        ["check-keys"] => keys::check(&root()),
         ["check-shaders"] => shaders::check(&root().join("shaders")),
         ["compile-shaders"] => geometry::compile(&root().join("shaders")),
         ["check-validation-log", file] => validation_log::check(Path::new(file)),

@@ -22,6 +22,7 @@ terrafill_results::conditions! {
 }
 
 pub(crate) const BALL_ENERGY_CHANGE: &Metric = Metric::of(&METRICS, "ball_energy_change");
+pub(crate) const BALL_BLOWN_SHARE: &Metric = Metric::of(&METRICS, "ball_blown_share");
 pub(crate) const BALL_CONTACT_ENERGY_MEAN: &Metric =
     Metric::of(&METRICS, "ball_contact_energy_mean");
 pub(crate) const BALL_CONTACT_ENERGY_MAX: &Metric = Metric::of(&METRICS, "ball_contact_energy_max");

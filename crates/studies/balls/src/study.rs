@@ -7,7 +7,9 @@ use crate::drawn::{DrawnBalls, size_of};
 use crate::drop::{Arithmetic, Drop, GROUND_M, MOSTLY, Rest};
 use crate::integrator::Integrator;
 use crate::keys;
-use crate::keys::{ARITHMETIC, DATUM_M, INTEGRATOR, OMEGA_DT, PART, RESTITUTION, STATE};
+use crate::keys::{
+    ARITHMETIC, BALL_BLOWN_SHARE, DATUM_M, INTEGRATOR, OMEGA_DT, PART, RESTITUTION, STATE,
+};
 use crate::on_devices::DeviceBalls;
 use crate::{STUDY, metrics::METRICS};
 use std::collections::BTreeMap;
@@ -253,7 +255,7 @@ impl Session for BallsSession<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
         let figures = figures(&self.0[case]);
         let mut shares = figures.iter();
-        let blown = shares.find(|(name, _)| *name == "ball_blown_share");
+        let blown = shares.find(|(name, _)| *name == BALL_BLOWN_SHARE.name);
         let blown = blown
             .map(|(_, share)| *share)
             .filter(|share| *share > MOSTLY);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What draws a case: a full-screen pass, or a variant of a technique.
 
-use crate::keys::LAYOUT;
+use crate::keys::{LAYOUT, POSITIONS};
 use terrafill_core::RegionMesh;
 use terrafill_fill::{Api, FillInput, GeometryBytes, PositionFormat, Switches, Technique, Variant};
 use terrafill_gpu::BaselineKind;
@@ -118,7 +118,7 @@ impl Subject {
 
     /// How it stores positions, where that is a choice.
     pub(crate) fn positions(&self) -> Option<PositionFormat> {
-        let value = self.variant()?.value("positions")?;
+        let value = self.variant()?.value(POSITIONS.name())?;
         let mut formats = PositionFormat::ALL.into_iter();
         formats.find(|format| format.name() == value)
     }
