@@ -25,7 +25,7 @@ const MAX_CASES: usize = 120;
 const MAX_CONCLUSIONS: usize = 5;
 
 /// Changed cases whose values are listed by commit, and newest commits of each: a page stays below 300 kB.
-const MAX_LISTED: (usize, usize) = (20, 40);
+const MAX_LISTED: (usize, usize) = (8, 20);
 
 /// Newest points of a sparkline: two pixels each.
 const MAX_DRAWN: usize = 100;

@@ -466,7 +466,7 @@ pub(crate) enum HistoryVerb {
         /// Figure to look at; may be repeated [default: exact ones and main times]
         #[arg(long)]
         metric: Vec<String>,
-        /// Repository that has subjects of the commits, and whose origin has their pages
+        /// Repository that knows the commits and their web host
         #[arg(long, value_name = "DIR", default_value = ".")]
         repository: PathBuf,
         /// Folder for index.html
@@ -478,7 +478,7 @@ pub(crate) enum HistoryVerb {
         after_help = "Example: terrafill history bisect filling/california/globe/vertex/doubled"
     )]
     Bisect(BisectArguments),
-    /// Build and measure the commits of a range that the history lacks, one after the other
+    /// Build and measure commits of a range that the history lacks
     #[command(after_help = BACKFILL_EXAMPLE)]
     Backfill(BackfillArguments),
     /// Write everything as tables
@@ -512,7 +512,7 @@ pub(crate) struct BackfillArguments {
     pub(crate) range: String,
     #[command(flatten)]
     pub(crate) store: StoreArguments,
-    /// Only runs of this machine count as stored, by its number in the list [default: any]
+    /// Only runs of this machine count as stored [default: any]
     #[arg(long)]
     pub(crate) machine: Option<i64>,
     /// Print the commands and do nothing

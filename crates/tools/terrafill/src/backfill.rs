@@ -17,7 +17,7 @@ use terrafill_results::Run;
 const OWN: [&str; 4] = ["--out", "--resume", "--shard", "--process"];
 
 pub(crate) fn run(arguments: &BackfillArguments) -> Result<Outcome, Failure> {
-    let own = |word: &&String| OWN.iter().any(|own| word.split('=').next() == Some(own));
+    let own = |word: &&String| OWN.iter().any(|own| word.split('=').next() == Some(*own));
     if let Some(word) = arguments.bench.iter().find(own) {
         return Err(Failure::bad_input(format!(
             "{word}: found among the options of bench, allowed: all but {}",
