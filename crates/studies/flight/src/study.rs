@@ -35,9 +35,8 @@ const HOME: &str = "hills";
 const HOME_SURFACE: &str = "tiles";
 
 /// Frames of a flight, and how many of them the eye rests at its end.
-const FRAMES: [u32; 2] = [60, 12];
-/// The same of quick runs, which fly the same way in larger steps.
-const QUICK_FRAMES: [u32; 2] = [24, 5];
+const FRAMES: u32 = 60;
+const REST: u32 = 12;
 /// Of these one is compared.
 const COMPARED_OF: u32 = 6;
 /// The same of further processes and of quick runs.
@@ -48,7 +47,6 @@ pub(crate) const IMAGE: &str = "image";
 
 /// Flights of each case in a process, unless the request says otherwise.
 const SAMPLES: u32 = 2;
-const QUICK_SAMPLES: u32 = 1;
 
 /// What a flight costs and shows while terrain is being made.
 #[derive(Debug, Clone, Copy)]
@@ -141,7 +139,6 @@ struct Flights {
     settled: Arc<dyn Surface>,
     surfaces: &'static [&'static dyn SurfaceKind],
     size: ImageSize,
-    frames: [u32; 2],
     compared_of: u32,
     cases: Vec<FlightCase>,
     planned: Vec<PlannedCase>,
@@ -178,11 +175,7 @@ impl Flights {
                 pace,
             }));
         }
-        let (samples, frames, compared_of) = match is_quick {
-            true => (QUICK_SAMPLES, QUICK_FRAMES, COMPARED_OF_QUICK),
-            false => (SAMPLES, FRAMES, COMPARED_OF),
-        };
-        let samples = request.samples.unwrap_or(samples);
+        let samples = request.samples.unwrap_or(SAMPLES);
         let planned = cases.iter().map(|case| {
             let parts = [
                 (SCENE, scene.name.clone()),
@@ -205,8 +198,11 @@ impl Flights {
             settled,
             surfaces: study.surfaces,
             size: ImageSize { width, height },
-            frames,
-            compared_of,
+            compared_of: if is_quick {
+                COMPARED_OF_QUICK
+            } else {
+                COMPARED_OF
+            },
         }
     }
 }
@@ -373,11 +369,10 @@ impl<'a> FlightsSession<'a> {
             ..whole.clone()
         };
         let budget_bytes = memory(&*surface).budget_bytes;
-        let [frames, rest] = flights.frames;
         Ok(Self {
             flights,
             context,
-            views: path(&flights.scene.views, frames, rest),
+            views: path(&flights.scene.views, FRAMES, REST),
             targets: Targets::new(context.devices, flights.size),
             backends: BTreeMap::new(),
             surface,
