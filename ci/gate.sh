@@ -23,7 +23,7 @@ arguments=("$@")
 if ! has --base "$@" && ! has --base-run "$@" && ! has --baseline "$@" && ! has --self-test "$@"; then
     against=${GATE_TARGET:-origin/main}
     # Not within the line that uses it: there, a failure would end with 1, as a difference does.
-    base=$(git merge-base HEAD "$against") || {
+    base=$(git merge-base HEAD "$against" 2>/dev/null) || {
         echo "error: found no merge base of HEAD and $against; fetch the whole history (fetch-depth: 0), or give --base or GATE_TARGET" >&2
         exit 2
     }
