@@ -108,9 +108,13 @@ fn changes(report: &GateReport, names: &Names) -> String {
         return String::new();
     };
     let floors = Floors::new(Clock::ProcessCpu);
+    // By the floor that is further off: 40 % of three microseconds are nothing.
     let rank = |case: &CaseTime| {
+        let floor = floors.of(case.span);
         let factor = 1.0 + 0.01 * case.percent?;
-        Some(logarithm(factor)?.abs() / floors.of(case.span).log())
+        let of_percent = logarithm(factor)?.abs() / floor.log();
+        let of_ms = (case.base_ms? * (factor - 1.0)).abs() / floor.ms;
+        Some(of_percent.min(of_ms))
     };
     let mut cases: Vec<(f64, &CaseTime)> = time
         .cases
@@ -236,6 +240,11 @@ mod tests {
         let mut cases: Vec<CaseTime> = cases.collect();
         // 10 % of preparation are less than 1 % of a frame, by what fails.
         cases.push(timed("filling/a/globe/setup", Span::Preparation, 10.0));
+        // Half of nothing.
+        cases.push(CaseTime {
+            base_ms: Some(0.002),
+            ..timed("filling/a/globe/setup", Span::Planning, 50.0)
+        });
         pass.time = Some(TimeGate {
             cases,
             ..TimeGate::default()

@@ -247,8 +247,15 @@ pub fn gate(
         of_time.push(untimed());
     } else if options.times {
         let by = options.by(new.clock());
+        // First, in half of the time at most: frames that stay undecided take all that is left.
+        let spent = job.elapsed();
+        let half = TimeOptions {
+            budget: spent + by.budget.saturating_sub(spent) / 2,
+            ..by
+        };
+        let setups = compare_setups(job, &of_setups, &half)?;
         let mut measured = compare_times(job, &of_frames, &by)?;
-        measured.cases.extend(compare_setups(job, &of_setups, &by)?);
+        measured.cases.extend(setups);
         of_time = time_findings(&measured, &new);
         if options.advisory {
             advise(&mut of_time);

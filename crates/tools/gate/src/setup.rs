@@ -34,12 +34,10 @@ pub fn compare_setups(
         for number in verified..verified + more {
             let started = sides.elapsed();
             if started + longest > options.budget {
-                let words = format!(
-                    "it moved at first, and the time budget of {} s ended before it was decided",
-                    options.budget.as_secs()
-                );
+                let words =
+                    "it moved at first, and the time budget for setups ended before it was decided";
                 let undecided = found.iter_mut().filter(|case| case.pace == Pace::Unknown);
-                undecided.for_each(|case| case.words.clone_from(&words));
+                undecided.for_each(|case| words.clone_into(&mut case.words));
                 return Ok(found);
             }
             sides.say(&format!("setup of {moved} cases again: pair {number}"));
@@ -290,7 +288,7 @@ mod tests {
         let (case, _) = compared(MadeUp::new(5.0), 100);
         assert_eq!(case.pace, Pace::Unknown);
         assert!(
-            case.words.contains("time budget of 100 s"),
+            case.words.contains("time budget for setups"),
             "{}",
             case.words
         );
