@@ -34,7 +34,23 @@ fn pictures(desk: &Desk, folder: &str) -> (usize, Vec<String>) {
     (of_run, wrong)
 }
 
-/// Draws a study, or not where there is no device.
+/// The scene that flights go over, with fewer islands and tiles and one view, at which the eye rests: so much as
+/// leaves a test its time.
+fn islands() -> String {
+    let hills = include_str!("../../../../../bench-scenes/hills.toml");
+    let tiles = "kind = \"tiles\"\nbase = \"relief\"\nmax_triangles = 40_000\n";
+    let few = hills.replace("kind = \"grid\"\nrows = 240\n", tiles);
+    assert_ne!(few, hills);
+    let (one_view, _) = few
+        .split_once("\n[[views]]\nname = \"top-down\"")
+        .expect("views");
+    one_view.replace("count = 134", "count = 20")
+}
+
+/// Draws a study, or not where there is no device. Each case is drawn, verified and kept; none is drawn again to be
+/// timed.
+///
+/// - `more`: what else is asked for, such as the shard of the groups that keep pictures
 fn drawn(study: &str, more: &[&str]) -> Option<Desk> {
     let desk = Desk::new();
     if !has_device() {
@@ -44,14 +60,27 @@ fn drawn(study: &str, more: &[&str]) -> Option<Desk> {
         "hut.obj",
         include_str!("../../../../../bench-scenes/hut.obj"),
     );
+    desk.write("islands.toml", &islands());
+    desk.write("no-case.txt", "");
     let size = SIDE.to_string();
-    let options = ["bench", "--study", study, "--quick", "--samples", "1"];
+    let options = [
+        "bench",
+        "--study",
+        study,
+        "--quick",
+        "--time-only",
+        "no-case.txt",
+    ];
     let to = ["--size", &size, "--out", "run"];
     let ran = desk.run(&[&options[..], &to, more].concat());
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    // Not 0: no time was measured.
+    assert_eq!(ran.code, 3, "{}", ran.stderr);
     let line = "a quick run takes one process and decides nothing\n";
     assert!(ran.stdout.starts_with(line), "{}", ran.stdout);
     assert!(ran.stdout.contains(" 0 wrong, 0 failed"), "{}", ran.stdout);
+    let run = Run::load(&desk.path("run")).expect("a run");
+    let unverified = run.cases.iter().filter(|case| case.status().is_none());
+    assert_eq!(unverified.count(), 0, "{study}");
     let (of_run, wrong) = pictures(&desk, "run");
     assert!(of_run > 0, "{study}: no picture of {SIDE} pixels");
     assert!(wrong.is_empty(), "{wrong:?}");
@@ -60,7 +89,7 @@ fn drawn(study: &str, more: &[&str]) -> Option<Desk> {
 
 #[test]
 fn balls_are_drawn_at_the_size_that_is_named() {
-    let Some(desk) = drawn("balls", &[]) else {
+    let Some(desk) = drawn("balls", &["--shard", "2/2"]) else {
         return;
     };
     // Negative control: another picture in the place of one is noticed.
@@ -75,13 +104,25 @@ fn balls_are_drawn_at_the_size_that_is_named() {
 }
 
 #[test]
+fn flights_are_drawn_at_the_size_that_is_named() {
+    drawn("flight", &["islands.toml"]);
+}
+
+#[test]
 fn moving_regions_are_drawn_at_the_size_that_is_named() {
-    drawn("moving", &[]);
+    // One technique of each interface.
+    drawn(
+        "moving",
+        &["--technique", "vertex", "--technique", "native"],
+    );
 }
 
 #[test]
 fn pipelines_are_drawn_at_the_size_that_is_named() {
-    drawn("pipelines", &[]);
+    // Grids and shaded maps, whose cases name other sizes; then culling and lights.
+    for shard in ["1/8", "4/4"] {
+        drawn("pipelines", &["--shard", shard]);
+    }
 }
 
 #[test]
