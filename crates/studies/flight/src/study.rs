@@ -7,8 +7,10 @@ use crate::keys::{PIECES, SCENE, TECHNIQUE, VARIANT};
 use crate::metrics::METRICS;
 use crate::pace::{Making, Pace};
 use crate::path::path;
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_conformance::{
     BAND_RADIUS_PX, BORDER_ROUNDING, ErrorFigures, Tally, compare_closely,
@@ -47,6 +49,7 @@ pub(crate) const IMAGE: &str = "image";
 
 /// Flights of each case in a process, unless the request says otherwise.
 const SAMPLES: u32 = 2;
+const QUICK_SAMPLES: u32 = 1;
 
 /// What a flight costs and shows while terrain is being made.
 #[derive(Debug, Clone, Copy)]
@@ -175,7 +178,11 @@ impl Flights {
                 pace,
             }));
         }
-        let samples = request.samples.unwrap_or(SAMPLES);
+        let (samples, compared_of) = match is_quick {
+            true => (QUICK_SAMPLES, COMPARED_OF_QUICK),
+            false => (SAMPLES, COMPARED_OF),
+        };
+        let samples = request.samples.unwrap_or(samples);
         let planned = cases.iter().map(|case| {
             let parts = [
                 (SCENE, scene.name.clone()),
@@ -198,11 +205,7 @@ impl Flights {
             settled,
             surfaces: study.surfaces,
             size: ImageSize { width, height },
-            compared_of: if is_quick {
-                COMPARED_OF_QUICK
-            } else {
-                COMPARED_OF
-            },
+            compared_of,
         }
     }
 }
@@ -292,16 +295,45 @@ impl Compared {
     }
 }
 
+/// The reference's pictures of what it was asked, by camera and triangles: most flights meet the same triangles in
+/// most frames, and rays take seconds.
+#[derive(Debug, Default)]
+struct References(RefCell<BTreeMap<u64, Rc<Frame>>>);
+
+impl References {
+    fn frame(&self, input: &FillInput) -> Result<Rc<Frame>, String> {
+        let key = Self::key(input);
+        if let Some(known) = self.0.borrow().get(&key) {
+            return Ok(Rc::clone(known));
+        }
+        let judged = ReferenceBackend::new().judge(input);
+        let frame = Rc::new(judged.map_err(|error| error.to_string())?.frame);
+        self.0.borrow_mut().insert(key, Rc::clone(&frame));
+        Ok(frame)
+    }
+
+    /// Of all that differs between the frames of a scene's flights.
+    fn key(input: &FillInput) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        format!("{:?}", input.camera).hash(&mut hasher);
+        for vertex in input.surface.vertices_rte.iter() {
+            vertex.map(f32::to_bits).hash(&mut hasher);
+        }
+        input.surface.triangles.hash(&mut hasher);
+        hasher.finish()
+    }
+}
+
 /// How a picture differs from the reference over the triangles of that very frame, and in how many pixels
 /// that reference differs from one over all that the view asks for.
 fn figures(
+    references: &References,
     input: &FillInput,
     asked_for: &FillInput,
     drawn: &Frame,
 ) -> Result<(ErrorFigures, u64), String> {
     let judge = ReferenceBackend::new();
-    let judged = |input| judge.judge(input).map_err(|error| error.to_string());
-    let (reference, settled) = (judged(input)?.frame, judged(asked_for)?.frame);
+    let (reference, settled) = (references.frame(input)?, references.frame(asked_for)?);
     let changed_px = reference
         .ids
         .iter()
@@ -331,6 +363,7 @@ struct FlightsSession<'a> {
     flights: &'a Flights,
     context: Context<'a>,
     views: Vec<View>,
+    references: References,
     targets: Targets,
     /// By case, from its first flight on.
     backends: BTreeMap<usize, Box<dyn FillBackend>>,
@@ -373,6 +406,7 @@ impl<'a> FlightsSession<'a> {
             flights,
             context,
             views: path(&flights.scene.views, FRAMES, REST),
+            references: References::default(),
             targets: Targets::new(context.devices, flights.size),
             backends: BTreeMap::new(),
             surface,
@@ -435,7 +469,8 @@ impl<'a> FlightsSession<'a> {
                     surface: self.flights.settled.frame(&input.camera, size)?,
                     ..input.clone()
                 };
-                compared.add(at, figures(&input, &asked_for, &drawn));
+                let figures = figures(&self.references, &input, &asked_for, &drawn);
+                compared.add(at, figures);
                 if is_last {
                     compared.picture = Some(backend.picture(&input)?);
                 }
@@ -522,7 +557,6 @@ impl Session for FlightsSession<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::rc::Rc;
     use terrafill_fill::{Devices, device_for_test};
     use terrafill_native::NativeTechnique;
     use terrafill_surface::EllipsoidKind;
@@ -669,9 +703,12 @@ mod tests {
             backend.prepare(&now).expect("fits");
             let drawn = backend.render(&now).expect("draws");
             let mut compared = Compared::default();
-            compared.add(7, figures(&now, &now, &drawn));
+            let references = References::default();
+            compared.add(7, figures(&references, &now, &now, &drawn));
             assert_eq!(compared.tally.wrong, []);
-            compared.add(7, figures(&before, &now, &drawn));
+            assert_eq!(references.0.borrow().len(), 1, "drawn once");
+            compared.add(7, figures(&references, &before, &now, &drawn));
+            assert_eq!(references.0.borrow().len(), 2, "another moment");
             let verdict = compared.verdict();
             assert_eq!(verdict.status, Status::Wrong);
             assert!(
