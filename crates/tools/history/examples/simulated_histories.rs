@@ -4,6 +4,8 @@
 //!
 //! `cargo run --release -p terrafill-history --example simulated_histories [HISTORIES]`
 
+#![allow(clippy::print_stdout, reason = "printing is what an example is for")]
+
 use terrafill_history::{ChangeKind, Point, Series, changes};
 use terrafill_results::{Direction, Kind, MetricRow, SplitMix64};
 
@@ -69,6 +71,8 @@ fn history(
                 kind: Kind::Time,
                 better: Direction::Less,
                 meaning: String::new(),
+                primary: terrafill_results::Primary::No,
+                scope: String::new(),
             },
             is_control: case % 30 == 29,
             points: (0..commits)

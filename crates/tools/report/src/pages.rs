@@ -491,7 +491,11 @@ fn requirements<'a>(report: &'a Report<'_>) -> Vec<RequirementGroup<'a>> {
     };
     vec![
         group("Met", "met", &[Standing::Holds]),
-        group("Not met", "not-met", &[Standing::DoesNotHold, Standing::NoDifference]),
+        group(
+            "Not met",
+            "not-met",
+            &[Standing::DoesNotHold, Standing::NoDifference],
+        ),
         group(
             "Inconclusive",
             "inconclusive",

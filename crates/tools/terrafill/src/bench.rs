@@ -9,7 +9,7 @@ use crate::environment::environment;
 use crate::gate::finish;
 use crate::outcome::{Failure, Outcome, complain, print};
 use crate::progress::{Said, Timed};
-use crate::registry::{RIVALS, STUDIES, chapters, metrics};
+use crate::registry::{RIVALS, STUDIES, chapters, metrics, metrics_of};
 use crate::report::print_report;
 use crate::stop::{say_when_stopped, what_is_kept};
 use std::collections::BTreeMap;

@@ -460,7 +460,7 @@ fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &Metric) -
 }
 
 /// A time, which counts for nothing when the picture is wrong.
-fn time_cell(case: &Case, metric: &str, text: Option<String>, why: &str) -> Cell {
+fn time_cell(case: &Case, metric: &Metric, text: Option<String>, why: &str) -> Cell {
     let cell = match text {
         Some(text) if is_approximate(case) => Cell {
             title: "approximate: its picture differs by nature, and it competes with none"

@@ -60,7 +60,7 @@ fn drawn(study: &str, more: &[&str]) -> Option<Desk> {
         "hut.obj",
         include_str!("../../../../../bench-scenes/hut.obj"),
     );
-    desk.write("islands.toml", &islands());
+    desk.write("islands.toml", islands());
     desk.write("no-case.txt", "");
     let size = SIDE.to_string();
     let options = [
