@@ -227,8 +227,7 @@ pub(crate) struct MergeArguments {
 
 const GATE_EXAMPLE: &str = "\
 Exit codes: 0 pass · 1 differs for the worse, or for the better and not blessed · 2 bad input ·
-            3 inconclusive · 4 nothing measured · 5 no usable device · 6 the machine failed: a full
-            disk, memory that ran out, a base that does not build
+            3 inconclusive · 4 nothing measured · 5 no usable device · 6 the machine failed
 Example: terrafill gate california --base origin/main --out out/gate";
 
 #[derive(Debug, Args)]
@@ -284,18 +283,9 @@ pub(crate) struct GateArguments {
     #[arg(long, value_name = "PERCENT", default_value_t = threshold::FLOOR_PERCENT,
         value_parser = parse_floor)]
     pub(crate) floor_percent: f64,
-    /// The same of a frame by the wall clock, of 0.1 ms at least
-    #[arg(long, value_name = "PERCENT", default_value_t = threshold::WALL_FLOOR_PERCENT,
-        value_parser = parse_floor)]
-    pub(crate) wall_floor_percent: f64,
-    /// The same of preparation, of 1 ms at least
-    #[arg(long, value_name = "PERCENT", default_value_t = threshold::SETUP_FLOOR_PERCENT,
-        value_parser = parse_floor)]
-    pub(crate) preparation_floor_percent: f64,
-    /// The same of planning, of 0.02 ms at least
-    #[arg(long, value_name = "PERCENT", default_value_t = threshold::SETUP_FLOOR_PERCENT,
-        value_parser = parse_floor)]
-    pub(crate) planning_floor_percent: f64,
+    /// The same of wall clock, preparation, planning [default: 10,50,50]
+    #[arg(long, value_name = "W,P,P", value_parser = parse_floors)]
+    pub(crate) other_floors: Option<[f64; 3]>,
     /// Time for measuring, builds not counted
     #[arg(long, value_name = "SECONDS", default_value = "600")]
     pub(crate) time_budget_s: u64,
@@ -305,7 +295,7 @@ pub(crate) struct GateArguments {
     /// Folder of an earlier gate whose times balance the shards
     #[arg(long, value_name = "DIR", requires = "shard")]
     pub(crate) balance_by: Option<PathBuf>,
-    /// How often the time gate is right, and by how much it leans: with equal work, or with more
+    /// How often is the time gate right: with equal work, or with more
     #[arg(long, value_name = "aa|inject", hide_possible_values = true)]
     pub(crate) self_test: Option<SelfTestKind>,
     /// Work that the self-test adds
@@ -314,7 +304,7 @@ pub(crate) struct GateArguments {
     /// Gates of a self-test
     #[arg(long, default_value = "4", value_parser = parse_processes)]
     pub(crate) runs: u32,
-    /// Folder for runs and report: new, empty, or of a gate that was killed
+    /// Folder for runs and report, new or empty
     #[arg(long, default_value = "out/gate")]
     pub(crate) out: PathBuf,
     /// Folder that keeps built revisions
@@ -860,6 +850,12 @@ fn parse_processes(text: &str) -> Result<u32, &'static str> {
         Ok(processes @ 1..=1_000) => Ok(processes),
         _ => Err("1 … 1000"),
     }
+}
+
+fn parse_floors(text: &str) -> Result<[f64; 3], &'static str> {
+    let floors: Option<Vec<f64>> = text.split(',').map(|of| parse_floor(of).ok()).collect();
+    let floors = floors.and_then(|floors| <[f64; 3]>::try_from(floors).ok());
+    floors.ok_or("three of 0.5 … 100 with commas between: wall clock, preparation, planning")
 }
 
 /// A floor of 0 would fail on noise alone.

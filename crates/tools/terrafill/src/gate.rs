@@ -10,6 +10,7 @@ use std::ffi::OsString;
 use std::io::Write as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
+use terrafill_gate::threshold::{SETUP_FLOOR_PERCENT, WALL_FLOOR_PERCENT};
 use terrafill_gate::{
     Blessing, Finding, GateError, GateOptions, GateReport, GateShard, GatedTime, Injection, Job,
     Program, Proof, Rules, SelfTest, Side, Workload, add_blessings, annotations, load_baseline,
@@ -195,12 +196,11 @@ fn two_programs(
     let options = GateOptions {
         times: !arguments.no_time,
         advisory: arguments.advisory_time,
-        floors_percent: [
-            arguments.floor_percent,
-            arguments.wall_floor_percent,
-            arguments.preparation_floor_percent,
-            arguments.planning_floor_percent,
-        ],
+        floors_percent: {
+            let usual = [WALL_FLOOR_PERCENT, SETUP_FLOOR_PERCENT, SETUP_FLOOR_PERCENT];
+            let [wall, preparation, planning] = arguments.other_floors.unwrap_or(usual);
+            [arguments.floor_percent, wall, preparation, planning]
+        },
         budget: Duration::from_secs(arguments.time_budget_s),
         is_part: part.is_some(),
     };
