@@ -335,7 +335,7 @@ pub(crate) struct BlessArguments {
     /// Accept every difference that the gate found
     #[arg(long, conflicts_with = "cases")]
     pub(crate) all: bool,
-    /// Take out what covers no difference any more, of the scenes that the gate measured
+    /// Take out what covers nothing any more of the scenes that it measured
     #[arg(long)]
     pub(crate) prune: bool,
     /// Why the differences are accepted
