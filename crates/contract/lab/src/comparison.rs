@@ -7,10 +7,11 @@
 //! of the program, which every chapter's tests meet.
 
 use crate::bench_command;
+use terrafill_plot::number::times;
 use terrafill_results::threshold::{MIN_DIFFERENCE, MIN_REPLICATES};
 use terrafill_results::{
-    Case, Claim, Clock, Estimate, Kind, Metric, Noise, Outcome, REPEATS, Run, Scope, Standing,
-    Timer, ratio,
+    Case, ChapterError, Claim, Clock, Estimate, Finding, Kind, Metric, Noise, Outcome, REPEATS,
+    Run, Scope, Standing, Timer, ratio,
 };
 
 /// Least band of no difference: clocks of software devices step by less, and what two of three pairs of
@@ -99,6 +100,15 @@ pub enum Refused {
         /// What is compared.
         needs: String,
     },
+}
+
+impl From<Refused> for ChapterError {
+    fn from(refused: Refused) -> Self {
+        Self::Block {
+            what: "a comparison".to_owned(),
+            message: refused.to_string(),
+        }
+    }
 }
 
 /// What a pair says of a claim.
@@ -198,6 +208,38 @@ impl Comparison<'_> {
         Ok(Answer {
             figure: Some(figure),
             ..open(standing, &why, processes)
+        })
+    }
+
+    /// What several pairs say of a claim together, each with its ratio, and what would settle the first that is open.
+    ///
+    /// - `claim`: in words, and whose it is
+    /// - `noise`: as of [`Comparison::judge`]
+    ///
+    /// # Errors
+    /// [`Refused`] as the chapter's error.
+    pub fn finding(
+        &self,
+        run: &Run,
+        pairs: &[[&Case; 2]],
+        says: Claim,
+        claim: String,
+        noise: Option<Noise>,
+    ) -> Result<Finding, ChapterError> {
+        let answers = pairs.iter().map(|pair| self.judge(run, *pair, says, noise));
+        let answers: Vec<Answer> = answers.collect::<Result<_, _>>()?;
+        let standings: Vec<Standing> = answers.iter().map(|answer| answer.standing).collect();
+        let figures = answers.iter().filter_map(|answer| answer.figure.as_ref());
+        let figures: Vec<String> = figures.map(times).collect();
+        let standing = overall(&standings);
+        let mut open = answers.iter().filter(|answer| !answer.because.is_empty());
+        let open = open.next().filter(|_| standing == Standing::CannotTell);
+        let because = open.map(|answer| answer.because.clone());
+        let because: Vec<String> = [figures.join("; ")].into_iter().chain(because).collect();
+        Ok(Finding {
+            claim,
+            standing,
+            because: because.join(". "),
         })
     }
 

@@ -151,11 +151,15 @@ impl Metric {
     #[must_use]
     pub fn timer(&self) -> Option<Timer> {
         let timers = [
-            ("_gpu_ms", Timer::Gpu),
-            ("_cpu_ms", Timer::ProcessCpu),
-            ("_wall_ms", Timer::Wall),
+            ("_gpu", Timer::Gpu),
+            ("_cpu", Timer::ProcessCpu),
+            ("_wall", Timer::Wall),
         ];
-        let named = timers.iter().find(|(end, _)| self.name.ends_with(end));
+        let units = ["_ms", "_us"].into_iter();
+        let before = units
+            .filter_map(|unit| self.name.strip_suffix(unit))
+            .next()?;
+        let named = timers.iter().find(|(end, _)| before.ends_with(end));
         named.map(|(_, timer)| *timer)
     }
 
@@ -304,6 +308,17 @@ mod tests {
         Metric::less("cost_ms", "ms", Kind::Time, "Cost."),
         Metric::less("cost", "", Kind::Counter, "Cost."),
     ];
+
+    #[test]
+    fn the_end_of_a_time_says_what_it_is_read_from() {
+        let timer = |name| Metric::less(name, "ms", Kind::Time, "Cost.").timer();
+        assert_eq!(timer("cost_gpu_ms"), Some(Timer::Gpu));
+        assert_eq!(timer("cost_cpu_us"), Some(Timer::ProcessCpu));
+        assert_eq!(timer("cost_wall_ms"), Some(Timer::Wall));
+        for none in ["cost_ms", "cost_cpu", "cpu_ms_of_cost", "cost_rate"] {
+            assert_eq!(timer(none), None, "{none}");
+        }
+    }
 
     #[test]
     fn a_metric_is_found_by_its_whole_name() {

@@ -11,11 +11,12 @@ use crate::keys::{
 use crate::metrics::METRICS;
 use crate::stepping::Way;
 use crate::walk::ALLOWED_M;
+use terrafill_lab::Comparison;
 use terrafill_plot::dotted;
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
-    Block, Case, Cell, Claim, Clock, Estimate, Finding, Heading, Metric, Outcome, Row, Run,
-    Standing, Table, ratio,
+    Block, Case, Cell, ChapterError, Claim, Clock, Estimate, Finding, Heading, Metric, Noise,
+    Outcome, Row, Run, Scope, Table, ratio,
 };
 
 const FRAME_CPU: &Metric = Metric::of(&METRICS, "ball_frame_cpu_us");
@@ -52,19 +53,21 @@ fn one<'a>(cases: &[&'a Case], way: Way, drawn: Drawn, balls: u32) -> Option<&'a
 }
 
 /// The section; nothing where no case was planned.
-pub(crate) fn blocks(run: &Run) -> Vec<Block> {
+pub(crate) fn blocks(run: &Run) -> Result<Vec<Block>, ChapterError> {
     let cases = cases(run);
     if cases.is_empty() {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let mut blocks = vec![
         Block::section("Balls over terrain, drawn"),
         Block::Text(WHAT_IS_COMPARED.to_owned()),
     ];
-    blocks.extend(Way::ALL.map(|way| Block::Finding(each_is_slower(&cases, way, run.clock()))));
+    for way in Way::ALL {
+        blocks.push(Block::Finding(each_is_slower(run, &cases, way)?));
+    }
     blocks.push(Block::Table(table(&cases)));
     blocks.push(Block::Remark(WHAT_FIGURE_12_CANNOT_SHOW.to_owned()));
-    blocks
+    Ok(blocks)
 }
 
 /// Frame of a draw each over that of one draw.
@@ -100,19 +103,26 @@ pub(crate) fn recommended(run: &Run) -> Vec<String> {
     Way::ALL.into_iter().filter_map(of_way).collect()
 }
 
-fn each_is_slower(cases: &[&Case], way: Way, clock: Clock) -> Finding {
+fn each_is_slower(run: &Run, cases: &[&Case], way: Way) -> Result<Finding, ChapterError> {
     let (interface, name) = way.names();
-    let slowdown = slowdown(cases, way, PUBLISHED_BALLS, clock);
-    Finding {
-        claim: format!(
-            "{PUBLISHED_BALLS} balls stepped by {interface} {name}: a frame with one draw for all is faster than one \
-             with a draw each, as the published text has it:"
-        ),
-        standing: slowdown.as_ref().map_or(Standing::NotMeasured, |slowdown| {
-            Claim::Faster.standing(slowdown)
-        }),
-        because: slowdown.as_ref().map(times).unwrap_or_default(),
-    }
+    let of = |drawn| one(cases, way, drawn, PUBLISHED_BALLS);
+    let pair = of(Drawn::Each).zip(of(Drawn::All)).map(<[&Case; 2]>::from);
+    let comparison = Comparison {
+        changed: DRAWN.name(),
+        follows: &[],
+        one_sided: None,
+        metric: run.clock().pick(FRAME_WALL, FRAME_CPU),
+        needs: Scope::UPLOAD.and(Scope::DRAW),
+    };
+    let noise = Noise::of(
+        run.of_study(crate::STUDY).collect::<Vec<_>>().into_iter(),
+        comparison.metric,
+    );
+    let claim = format!(
+        "{PUBLISHED_BALLS} balls stepped by {interface} {name}: a frame with one draw for all is faster than one with \
+         a draw each, as the published text has it:"
+    );
+    comparison.finding(run, pair.as_slice(), Claim::Faster, claim, noise)
 }
 
 fn table(cases: &[&Case]) -> Table {

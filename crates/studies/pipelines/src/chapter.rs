@@ -58,16 +58,15 @@ impl Chapter for PipelinesChapter {
         if cases.is_empty() {
             return Ok(Vec::new());
         }
-        let clock = run.clock();
         let mut blocks = vec![Block::Text(WHAT_IS_COMPARED.to_owned())];
-        blocks.extend(recommended(&cases, clock));
+        blocks.extend(recommended(&cases, run.clock()));
         blocks.extend(requirements(&cases).into_iter().map(Block::Finding));
-        blocks.extend(grids::section(&cases, clock)?);
-        blocks.extend(amplification::section(&cases, clock));
-        blocks.extend(culling::section(&cases, clock)?);
-        blocks.extend(cache::section(&cases, clock));
-        blocks.extend(lights::section(&cases, clock));
-        blocks.extend(layered::sections(&cases, clock)?);
+        blocks.extend(grids::section(&cases, run)?);
+        blocks.extend(amplification::section(&cases, run)?);
+        blocks.extend(culling::section(&cases, run)?);
+        blocks.extend(cache::section(&cases, run)?);
+        blocks.extend(lights::section(&cases, run)?);
+        blocks.extend(layered::sections(&cases, run)?);
         blocks.extend(numbers::sections(&cases)?);
         Ok(blocks)
     }

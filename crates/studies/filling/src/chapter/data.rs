@@ -188,11 +188,7 @@ impl<'a> Data<'a> {
             ..comparison
         };
         let noise = self.noise_on(cases[0].condition(SCENE), comparison.metric);
-        let judged = comparison.judge(self.run, cases, claim, noise);
-        judged.map_err(|refused| ChapterError::Block {
-            what: format!("comparison in {}", comparison.changed),
-            message: refused.to_string(),
-        })
+        Ok(comparison.judge(self.run, cases, claim, noise)?)
     }
 
     /// `process CPU ms`, for headings and axes.

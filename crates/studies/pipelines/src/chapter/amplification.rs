@@ -2,7 +2,7 @@
 //! Amplification: bytes and time of grids whose cells a geometry shader makes of fewer and fewer points.
 
 use super::cells::{
-    byte_cell, count, frame_time, gain, headings, of, standing, time_cell, values,
+    WHOLE, byte_cell, count, frame_time, gain, headings, of, paired_finding, time_cell, values,
     what_times_cover, why,
 };
 use super::published::AMPLIFICATION;
@@ -12,7 +12,8 @@ use crate::keys::{
 };
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
-    Block, Case, Cell, Claim, Clock, Estimate, Finding, Heading, Row, Standing, Table,
+    Block, Case, Cell, ChapterError, Claim, Clock, Estimate, Finding, Heading, Row, Run, Standing,
+    Table,
 };
 
 /// What the published table says, and what it does not.
@@ -22,16 +23,17 @@ const WHAT_THEY_CANNOT_SHOW: &str = "The published table counts k × k generated
      that 4 and 16 times fewer points took 2.2 and 8.5 to 9.7 times as long. Points are sent as 4-byte \
      numbers here.";
 
-pub(super) fn section(cases: &[&Case], clock: Clock) -> Vec<Block> {
+pub(super) fn section(cases: &[&Case], run: &Run) -> Result<Vec<Block>, ChapterError> {
+    let clock = run.clock();
     let own = of(cases, &[(EXPERIMENT, "amplify")]);
     if own.is_empty() {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let mut blocks = vec![Block::section("Amplification"), what_times_cover(clock)];
-    blocks.extend(findings(&own, clock).into_iter().map(Block::Finding));
+    blocks.extend(findings(&own, run)?.into_iter().map(Block::Finding));
     blocks.push(Block::Table(table(&own, clock)));
     blocks.push(Block::Remark(WHAT_THEY_CANNOT_SHOW.to_owned()));
-    blocks
+    Ok(blocks)
 }
 
 /// How many cells a point should make, by the largest grid.
@@ -125,43 +127,41 @@ fn slowdown(
     )
 }
 
-fn findings(cases: &[&Case], clock: Clock) -> Vec<Finding> {
+fn findings(cases: &[&Case], run: &Run) -> Result<Vec<Finding>, ChapterError> {
     let sizes = values(cases, GRID_CELLS);
-    let all = |per_point: u32| -> Vec<Estimate> {
+    // How much faster than a cell a point: below 1 where it is slower.
+    let pairs = |per_point: u32| -> Vec<[&Case; 2]> {
         let of_size = |cells: &u32| {
             ["sent", "stored"].map(|source| {
-                // How much faster than a cell a point: below 1 where it is slower.
-                let few = one(cases, *cells, per_point, "cell", source);
-                gain(
-                    one(cases, *cells, 1, "cell", source),
-                    few,
-                    frame_time(clock),
-                )
+                let [slow, fast] = [1, per_point].map(|of| one(cases, *cells, of, "cell", source));
+                Some([slow?, fast?])
             })
         };
         sizes.iter().flat_map(of_size).flatten().collect()
     };
-    [4, 16]
-        .map(|per_point| {
-            let gains = all(per_point);
-            let ranges: Vec<String> = gains.iter().map(times).collect();
-            let published: Vec<String> = AMPLIFICATION
-                .iter()
-                .flat_map(|row| ["sent", "stored"].map(|source| published(row.cells, per_point, source)))
-                .flatten()
-                .map(|slower| significant(1.0 / slower))
-                .collect();
-            let published = published.join("; ");
-            Finding {
-                claim: format!(
-                    "A frame of {per_point} cells a point is faster than one of a cell a point (implied; the \
-                     published table says slower):"
-                ),
-                standing: standing(Claim::Faster, &gains),
-                because: format!("{} times as fast; published {published}", ranges.join("; ")),
-            }
-        })
-        .into()
+    let of_points = |per_point| {
+        let published: Vec<String> = AMPLIFICATION
+            .iter()
+            .flat_map(|row| {
+                ["sent", "stored"].map(|source| published(row.cells, per_point, source))
+            })
+            .flatten()
+            .map(|slower| significant(1.0 / slower))
+            .collect();
+        let published = published.join("; ");
+        let claim = format!(
+            "A frame of {per_point} cells a point is faster than one of a cell a point (implied; the published \
+             table says slower, {published} times as fast):"
+        );
+        paired_finding(
+            run,
+            (CELLS_PER_POINT, &[]),
+            (frame_time(run.clock()), WHOLE),
+            &pairs(per_point),
+            (claim, Claim::Faster),
+        )
+    };
+    [4, 16].into_iter().map(of_points).collect()
 }
 
 fn published(cells: u32, per_point: u32, source: &str) -> Option<f64> {

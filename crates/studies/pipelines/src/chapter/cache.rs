@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What keeps blocks of ground: texels that differ, time to look them up, and to write a block anew.
 
-use super::cells::{byte_cell, gain, headings, of, standing, time, time_cell, values, why};
+use super::cells::{byte_cell, gain, headings, of, paired_finding, time, time_cell, values, why};
 use crate::cache::Keep;
 use crate::keys::{
     ACCESS, API, BLOCKS, CACHE_BINDS, CACHE_BYTES, CACHE_DIFFERING, CACHE_UPDATE_CPU_US,
     CACHE_UPDATE_WALL_US, EXPERIMENT, KEPT_IN,
 };
 use terrafill_plot::number::{significant, times};
-use terrafill_results::{Block, Case, Cell, Claim, Clock, Estimate, Finding, Row, Standing, Table};
+use terrafill_results::{
+    Block, Case, Cell, ChapterError, Claim, Clock, Finding, Row, Run, Scope, Standing, Table,
+};
 
 /// Fewest blocks from which an array is claimed to win.
 const LEAST_CLAIMED: u32 = 64;
@@ -46,19 +48,20 @@ fn one<'a>(
     of(cases, &conditions).first().copied()
 }
 
-pub(super) fn section(cases: &[&Case], clock: Clock) -> Vec<Block> {
+pub(super) fn section(cases: &[&Case], run: &Run) -> Result<Vec<Block>, ChapterError> {
+    let clock = run.clock();
     let own = own(cases);
     if own.is_empty() {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let mut blocks = vec![
         Block::section("What keeps blocks of ground"),
         Block::Text(WHAT_IS_COMPARED.to_owned()),
     ];
-    blocks.extend(claims(&own, clock).into_iter().map(Block::Finding));
+    blocks.extend(claims(&own, run)?.into_iter().map(Block::Finding));
     blocks.push(Block::Table(table(&own, clock)));
     blocks.push(Block::Remark(WHAT_ROUNDS.to_owned()));
-    blocks
+    Ok(blocks)
 }
 
 /// What is required: loaded texels are the same everywhere.
@@ -84,29 +87,35 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
     }]
 }
 
-fn claims(cases: &[&Case], clock: Clock) -> Vec<Finding> {
+fn claims(cases: &[&Case], run: &Run) -> Result<Vec<Finding>, ChapterError> {
     let on = |api: &str| {
-        let mut gains: Vec<Estimate> = Vec::new();
+        let mut pairs: Vec<[&Case; 2]> = Vec::new();
         for blocks in values(cases, BLOCKS)
             .into_iter()
             .filter(|blocks| *blocks >= LEAST_CLAIMED)
         {
             for access in ["coherent", "random"] {
                 let case = |keep| one(cases, api, keep, access, blocks);
-                gains.extend(gain(case(Keep::Rebound), case(Keep::Array), time(clock)));
+                pairs.extend(
+                    case(Keep::Rebound)
+                        .zip(case(Keep::Array))
+                        .map(<[&Case; 2]>::from),
+                );
             }
         }
-        let ranges: Vec<String> = gains.iter().map(times).collect();
-        Finding {
-            claim: format!(
-                "On {api} one array texture bound once is faster than a texture bound for each block, from 64 blocks \
-                 on (published in words):"
-            ),
-            standing: standing(Claim::Faster, &gains),
-            because: ranges.join("; "),
-        }
+        let claim = format!(
+            "On {api} one array texture bound once is faster than a texture bound for each block, from 64 blocks on \
+             (published in words):"
+        );
+        paired_finding(
+            run,
+            (KEPT_IN, &[]),
+            (time(run.clock()), Scope::DRAW),
+            &pairs,
+            (claim, Claim::Faster),
+        )
     };
-    INTERFACES.map(on).into()
+    INTERFACES.into_iter().map(on).collect()
 }
 
 /// What keeps the most blocks best for random access, with the counters behind it.

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Cases by their conditions, and cells of tables with the reason of each that is empty.
 
-use crate::keys::API;
+use crate::keys::{API, EXPERIMENT};
 use crate::metrics::METRICS;
+use terrafill_lab::{Comparison, Follows};
 use terrafill_plot::dotted;
 use terrafill_plot::number::{bytes, significant};
 use terrafill_results::{
-    Block, Case, Cell, Claim, Clock, ConditionKey, Estimate, Heading, Metric, Standing, ratio,
+    Block, Case, Cell, ChapterError, Claim, Clock, ConditionKey, Estimate, Finding, Heading,
+    Metric, Noise, Run, Scope, ratio,
 };
 
 const CPU: &Metric = Metric::of(&METRICS, "pipeline_cpu_ms");
@@ -23,6 +25,9 @@ pub(super) fn time(clock: Clock) -> &'static Metric {
 pub(super) fn frame_time(clock: Clock) -> &'static Metric {
     clock.pick(WALL, CPU)
 }
+
+/// What it covers of a frame.
+pub(super) const WHOLE: Scope = Scope::UPLOAD.and(Scope::DRAW);
 
 /// What the times of a section by [`frame_time`] are.
 pub(super) fn what_times_cover(clock: Clock) -> Block {
@@ -100,15 +105,30 @@ pub(super) fn gain(slow: Option<&Case>, fast: Option<&Case>, metric: &Metric) ->
     ratio(slow, fast, metric)
 }
 
-/// What the intervals of all sizes say of a claim: it fails where one does.
-pub(super) fn standing(claim: Claim, gains: &[Estimate]) -> Standing {
-    let all: Vec<Standing> = gains.iter().map(|gain| claim.standing(gain)).collect();
-    match all.as_slice() {
-        [] => Standing::NotMeasured,
-        all if all.contains(&Standing::DoesNotHold) => Standing::DoesNotHold,
-        all if all.iter().all(|standing| *standing == Standing::Holds) => Standing::Holds,
-        _ => Standing::CannotTell,
-    }
+/// What pairs of one experiment say of a claim: time of the first over time of the second.
+pub(super) fn paired_finding(
+    run: &Run,
+    (changed, follows): (ConditionKey, &[Follows<'_>]),
+    (metric, needs): (&'static Metric, Scope),
+    pairs: &[[&Case; 2]],
+    (claim, says): (String, Claim),
+) -> Result<Finding, ChapterError> {
+    let comparison = Comparison {
+        changed: changed.name(),
+        follows,
+        one_sided: None,
+        metric,
+        needs,
+    };
+    let of_study = || run.of_study(crate::STUDY);
+    let experiment = pairs
+        .first()
+        .map_or("", |pair| pair[0].condition(EXPERIMENT));
+    let own = of_study().filter(|case| case.condition(EXPERIMENT) == experiment);
+    let own: Vec<&Case> = own.collect();
+    let all: Vec<&Case> = of_study().collect();
+    let noise = Noise::of(own.into_iter(), metric).or_else(|| Noise::of(all.into_iter(), metric));
+    comparison.finding(run, pairs, says, claim, noise)
 }
 
 pub(super) fn headings(names: &[(&str, Option<&'static Metric>)]) -> Vec<Heading> {

@@ -2,7 +2,7 @@
 //! Two-level culling: what each test keeps and loses, what each way costs, and the flight with and without level 2.
 
 use super::cells::{
-    byte_cell, count, frame_time, gain, headings, of, standing, time_cell, values,
+    WHOLE, byte_cell, count, frame_time, gain, headings, of, paired_finding, time_cell, values,
     what_times_cover, why,
 };
 use crate::culling::{Place, VIEWS};
@@ -12,11 +12,12 @@ use crate::keys::{
     PIPELINE_PRIMITIVES, PIPELINE_SENT_BYTES, PIPELINE_VERTEX_INVOCATIONS, PLACE, TEST, TILE_CELLS,
     VIEW,
 };
+use terrafill_lab::Follows;
 use terrafill_plot::number::{significant, times};
 use terrafill_plot::{Palette, RatioAxis, RatioGroup, RatioPlot, RatioRow};
 use terrafill_results::{
     Block, Case, Cell, ChapterError, Claim, Clock, Estimate, Finding, Picture, PictureFigure,
-    Pictures, Plot, Row, Spread, Standing, Table,
+    Pictures, Plot, Row, Run, Spread, Standing, Table,
 };
 
 /// Patches that a box may keep beyond those needed.
@@ -40,7 +41,8 @@ const WHAT_FIGURE_8_CANNOT_SHOW: &str = "The published figure shows frames per s
      between 60 and 240. Its path, window and patches are not stated, and which curve is which cannot \
      be read from its text, which says that level 2 is faster. The flight here is its own.";
 
-pub(super) fn section(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, ChapterError> {
+pub(super) fn section(cases: &[&Case], run: &Run) -> Result<Vec<Block>, ChapterError> {
+    let clock = run.clock();
     let own = of(cases, &[(EXPERIMENT, "culling")]);
     if own.is_empty() {
         return Ok(Vec::new());
@@ -51,7 +53,7 @@ pub(super) fn section(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, Chapt
         Block::Text(WHAT_IS_CULLED.to_owned()),
         what_times_cover(clock),
     ];
-    blocks.extend(claims(cases, clock).into_iter().map(Block::Finding));
+    blocks.extend(claims(cases, run)?.into_iter().map(Block::Finding));
     let counted = of(cases, &[(EXPERIMENT, "culling-count")]);
     for cases in [&counted, &own] {
         if !cases.is_empty() {
@@ -142,8 +144,13 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
     ]
 }
 
-/// Time without level 2 over time with it, at every second of the flight.
-fn flight_gains(cases: &[&Case], api: &str, place: &str, clock: Clock) -> Vec<(u32, Estimate)> {
+/// Frames without level 2 and with it, and how many times as fast the second is, at every second of the flight.
+fn flight_pairs<'a>(
+    cases: &[&'a Case],
+    api: &str,
+    place: &str,
+    clock: Clock,
+) -> Vec<(u32, [&'a Case; 2], Estimate)> {
     let flown = of(cases, &[(EXPERIMENT, "culling-flight"), (API, api)]);
     let without = untested(place);
     let of_second = |second: u32| {
@@ -152,14 +159,21 @@ fn flight_gains(cases: &[&Case], api: &str, place: &str, clock: Clock) -> Vec<(u
             let conditions = [(PLACE, place), (TEST, test), (FLIGHT_S, at.as_str())];
             of(&flown, &conditions).first().copied()
         };
-        let gain = gain(case(without, "none"), case(place, "box"), frame_time(clock))?;
-        Some((second, gain))
+        let pair = [case(without, "none")?, case(place, "box")?];
+        let gain = gain(Some(pair[0]), Some(pair[1]), frame_time(clock))?;
+        Some((second, pair, gain))
     };
     values(&flown, FLIGHT_S)
         .into_iter()
         .filter_map(of_second)
         .collect()
 }
+
+/// A frame without the test has no place in which it is done.
+const WITH_THE_TEST: [Follows<'static>; 1] = [Follows {
+    key: PLACE.name(),
+    because: "a frame without the test has no place in which it is done",
+}];
 
 const FLOWN: [(&str, &str); 3] = [
     ("vulkan", "compute"),
@@ -168,24 +182,28 @@ const FLOWN: [(&str, &str); 3] = [
 ];
 
 /// What is published, held against what is measured.
-fn claims(cases: &[&Case], clock: Clock) -> Vec<Finding> {
+fn claims(cases: &[&Case], run: &Run) -> Result<Vec<Finding>, ChapterError> {
     let mut claims = Vec::new();
     for (api, place) in FLOWN {
-        let mut gains = flight_gains(cases, api, place, clock);
-        gains.sort_by(|a, b| a.1.middle.total_cmp(&b.1.middle));
-        let middle = gains.get(gains.len() / 2).map(|(_, gain)| *gain);
-        let ends = gains.first().zip(gains.last()).map(|(slow, fast)| {
-            let [slow, fast] = [slow, fast].map(|of| significant(of.1.middle));
-            format!("; from {slow} to {fast}")
+        let mut pairs = flight_pairs(cases, api, place, run.clock());
+        pairs.sort_by(|a, b| a.2.middle.total_cmp(&b.2.middle));
+        let middle = pairs.get(pairs.len() / 2).map(|(_, pair, _)| *pair);
+        let ends = pairs.first().zip(pairs.last()).map(|(slow, fast)| {
+            let [slow, fast] = [slow, fast].map(|of| significant(of.2.middle));
+            format!(", {slow} to {fast} times")
         });
-        claims.push(Finding {
-            claim: format!(
-                "Level 2 in {place} on {api} raises the frame rate along the flight, in the median \
-                 (published, measured):"
-            ),
-            standing: standing(Claim::Faster, middle.as_slice()),
-            because: middle.as_ref().map(times).unwrap_or_default() + &ends.unwrap_or_default(),
-        });
+        let claim = format!(
+            "Level 2 in {place} on {api} raises the frame rate along the flight{}, in the median (published, \
+             measured):",
+            ends.unwrap_or_default()
+        );
+        claims.push(paired_finding(
+            run,
+            (TEST, &WITH_THE_TEST),
+            (frame_time(run.clock()), WHOLE),
+            middle.as_slice(),
+            (claim, Claim::Faster),
+        )?);
     }
     let lost = |test: &str| -> Vec<f64> {
         let own = VIEWS.iter().filter_map(|view| {
@@ -211,7 +229,7 @@ fn claims(cases: &[&Case], clock: Clock) -> Vec<Finding> {
             ),
         });
     }
-    claims
+    Ok(claims)
 }
 
 /// The place to cull in, by the sum of the five views' times, with the counters behind it.
@@ -401,8 +419,8 @@ fn drawing(flown: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError
     let mut names = Vec::new();
     for (api, place) in FLOWN {
         let name = format!("{place} on {api}");
-        let gains = flight_gains(flown, api, place, clock);
-        let rows = gains.into_iter().map(|(second, gain)| {
+        let pairs = flight_pairs(flown, api, place, clock);
+        let rows = pairs.into_iter().map(|(second, _, gain)| {
             let conditions = [(API, api), (PLACE, place), (TEST, "box")];
             let at = second.to_string();
             let own = of(flown, &conditions);

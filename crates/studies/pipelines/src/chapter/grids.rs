@@ -2,7 +2,7 @@
 //! Height grids: every way of every size, and the published ratios beside ours.
 
 use super::cells::{
-    byte_cell, count, frame_time, gain, headings, of, standing, time_cell, values,
+    WHOLE, byte_cell, count, frame_time, gain, headings, of, paired_finding, time_cell, values,
     what_times_cover, why,
 };
 use super::published::{CARDS, GRIDS, GridRow};
@@ -17,7 +17,7 @@ use terrafill_plot::{
 };
 use terrafill_results::{
     Block, Case, Cell, ChapterError, Claim, Clock, Estimate, Finding, Heading, Picture,
-    PictureFigure, Pictures, Plot, Row, Table, process_medians, sample_spread,
+    PictureFigure, Pictures, Plot, Row, Run, Table, process_medians, sample_spread,
 };
 
 /// What the published figures cannot show.
@@ -64,13 +64,14 @@ const COMPARISONS: [Comparison; 3] = [
     },
 ];
 
-pub(super) fn section(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, ChapterError> {
+pub(super) fn section(cases: &[&Case], run: &Run) -> Result<Vec<Block>, ChapterError> {
+    let clock = run.clock();
     let own = of(cases, &[(EXPERIMENT, "grid")]);
     if own.is_empty() {
         return Ok(Vec::new());
     }
     let mut blocks = vec![Block::section("Height grids"), what_times_cover(clock)];
-    blocks.extend(findings(&own, clock).into_iter().map(Block::Finding));
+    blocks.extend(findings(&own, run)?.into_iter().map(Block::Finding));
     for api in ["vulkan", "wgpu"] {
         let svg = drawing(&of(&own, &[(API, api)]), clock)?;
         blocks.extend(svg.map(|svg| {
@@ -161,22 +162,28 @@ fn gains(
     sizes.into_iter().filter_map(of_size).collect()
 }
 
-fn findings(cases: &[&Case], clock: Clock) -> Vec<Finding> {
+fn findings(cases: &[&Case], run: &Run) -> Result<Vec<Finding>, ChapterError> {
     let mut findings = Vec::new();
     for comparison in &COMPARISONS {
         for api in comparison.apis {
-            let gains = gains(cases, comparison, api, clock);
-            let claimed = gains.iter().filter(|(cells, _)| *cells >= LEAST_CLAIMED);
-            let claimed: Vec<Estimate> = claimed.map(|(_, gain)| *gain).collect();
-            let ranges: Vec<String> = claimed.iter().map(times).collect();
-            findings.push(Finding {
-                claim: format!("{}, on {api} (published, measured):", comparison.claim),
-                standing: standing(comparison.says, &claimed),
-                because: ranges.join("; "),
-            });
+            let sizes = values(cases, GRID_CELLS).into_iter();
+            let pair = |cells| {
+                let [slow, fast] = comparison.ways.map(|way| one(cases, api, way, cells));
+                Some([slow?, fast?])
+            };
+            let claimed = sizes.filter(|cells| *cells >= LEAST_CLAIMED);
+            let pairs: Vec<[&Case; 2]> = claimed.filter_map(pair).collect();
+            let claim = format!("{}, on {api} (published, measured):", comparison.claim);
+            findings.push(paired_finding(
+                run,
+                (WAY, &[]),
+                (frame_time(run.clock()), WHOLE),
+                &pairs,
+                (claim, comparison.says),
+            )?);
         }
     }
-    findings
+    Ok(findings)
 }
 
 /// Pictures of one size, those that are the same shown once with all their names.
@@ -413,7 +420,7 @@ mod tests {
             let run = run_of(device_type, &figures(sent_wall, sent_cpu));
             let cases: Vec<&Case> = run.cases.iter().collect();
             let said = recommended(&cases, run.clock()).join(" ");
-            let page = section(&cases, run.clock()).expect("a section");
+            let page = section(&cases, &run).expect("a section");
             let by = run.clock().pick("wall clock", "process CPU time");
             let says = |block: &Block| matches!(block, Block::Remark(text) if text.contains(by));
             assert!(page.iter().any(says), "{by}");

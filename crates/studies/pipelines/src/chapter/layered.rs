@@ -2,7 +2,7 @@
 //! Variance and hard shadows, and motion blur, as devices draw them: what of their definitions holds, and what ways
 //! to layers cost.
 
-use super::cells::{byte_cell, gain, headings, of, standing, time, time_cell, values, why};
+use super::cells::{byte_cell, headings, of, paired_finding, time, time_cell, values, why};
 use super::numbers::{EDGE_SHARE, EDGE_TOLERANCE, RELATIVE_NOISE, SLOPE_TOLERANCE};
 use super::series::{curve, draw, finding, plot, range, series, slope, table};
 use crate::blur::MOTION_PX;
@@ -14,10 +14,10 @@ use crate::keys::{
     VARIANCE_BLACK_PX, VARIANCE_DARK_SHARE, VARIANCE_NON_FINITE, VARIANCE_OUTSIDE_SHARE,
     VARIANCE_RELATIVE_RMS,
 };
-use terrafill_plot::number::{significant, times};
+use terrafill_plot::number::significant;
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, Clock, ConditionKey, Estimate, Finding, Metric,
-    Picture, PictureFigure, Pictures, Row, Table,
+    Block, Case, Cell, ChapterError, Claim, Clock, ConditionKey, Finding, Metric, Picture,
+    PictureFigure, Pictures, Row, Run, Scope, Table,
 };
 
 const SHADOWS: &str = "A level plane is seen from straight above, and looked up in the depth maps of distant lights: 25 depths a light \
@@ -242,23 +242,23 @@ fn blur<'a>(cases: &[&'a Case], api: &str, by: &str, layers: u32) -> Option<&'a 
 }
 
 /// Published in words: blur in two passes beats a pass a layer.
-fn claim(cases: &[&Case], clock: Clock) -> Finding {
+fn claim(cases: &[&Case], run: &Run) -> Result<Finding, ChapterError> {
     let several = values(cases, LAYERS)
         .into_iter()
         .filter(|layers| *layers >= 4);
-    let gains = several.filter_map(|layers| {
+    let pairs = several.filter_map(|layers| {
         let case = |by| blur(cases, "vulkan", by, layers);
-        gain(case("passes"), case("geometry-copies"), time(clock))
+        Some([case("passes")?, case("geometry-copies")?])
     });
-    let gains: Vec<Estimate> = gains.collect();
-    let ranges: Vec<String> = gains.iter().map(times).collect();
-    Finding {
-        claim: "Blur of layers that a geometry shader copies in one pass is faster than a pass a layer (published in \
-                words):"
-            .to_owned(),
-        standing: standing(Claim::Faster, &gains),
-        because: ranges.join("; "),
-    }
+    let claim = "Blur of layers that a geometry shader copies in one pass is faster than a pass a layer (published in \
+                 words):";
+    paired_finding(
+        run,
+        (LAYERS_BY, &[]),
+        (time(run.clock()), Scope::DRAW),
+        &pairs.collect::<Vec<_>>(),
+        (claim.to_owned(), Claim::Faster),
+    )
 }
 
 /// The fastest ways to blur, with what explains them.
@@ -310,7 +310,8 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
     sentences
 }
 
-pub(super) fn sections(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, ChapterError> {
+pub(super) fn sections(cases: &[&Case], run: &Run) -> Result<Vec<Block>, ChapterError> {
+    let clock = run.clock();
     let mut blocks = Vec::new();
     let own = shaded(cases);
     if !own.is_empty() {
@@ -324,7 +325,7 @@ pub(super) fn sections(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, Chap
     if !own.is_empty() {
         blocks.push(Block::section("Motion blur on devices"));
         blocks.push(Block::Text(BLUR.to_owned()));
-        blocks.push(Block::Finding(claim(&own, clock)));
+        blocks.push(Block::Finding(claim(&own, run)?));
         blocks.extend(blur_plot(&own)?);
         blocks.push(Block::Table(blur_table(&own, clock)));
     }

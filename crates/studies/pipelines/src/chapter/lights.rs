@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Shadows of several lights: depth maps in one pass or in many, with the counters behind their times.
 
-use super::cells::{byte_cell, count, gain, headings, of, standing, time, time_cell, values, why};
+use super::cells::{
+    byte_cell, count, gain, headings, of, paired_finding, time, time_cell, values, why,
+};
 use crate::keys::{
     EXPERIMENT, LAYERS_BY, LIGHTS, LIGHTS_DEPTHS_DIFFERING, LIGHTS_MAP_ERROR, LIGHTS_PASSES,
     PIPELINE_GEOMETRY_INVOCATIONS, PIPELINE_HELD_BYTES, PIPELINE_MISMATCHED_PX,
@@ -11,8 +13,8 @@ use crate::lights::LightWay;
 use crate::metrics::METRICS;
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
-    Block, Case, Cell, Claim, Clock, Estimate, Finding, Metric, Picture, PictureFigure, Pictures,
-    Row, Standing, Table,
+    Block, Case, Cell, ChapterError, Claim, Clock, Finding, Metric, Picture, PictureFigure,
+    Pictures, Row, Run, Scope, Standing, Table,
 };
 
 const MAPS_CPU: &Metric = Metric::of(&METRICS, "lights_maps_cpu_ms");
@@ -37,20 +39,21 @@ fn own<'a>(cases: &[&'a Case]) -> Vec<&'a Case> {
     of(cases, &[(EXPERIMENT, "lights")])
 }
 
-pub(super) fn section(cases: &[&Case], clock: Clock) -> Vec<Block> {
+pub(super) fn section(cases: &[&Case], run: &Run) -> Result<Vec<Block>, ChapterError> {
+    let clock = run.clock();
     let own = own(cases);
     if own.is_empty() {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let mut blocks = vec![
         Block::section("Shadows of several lights"),
         Block::Text(WHAT_IS_COMPARED.to_owned()),
     ];
-    blocks.push(Block::Finding(claim(&own, clock)));
+    blocks.push(Block::Finding(claim(&own, run)?));
     blocks.extend(pictures(&own));
     blocks.push(Block::Table(table(&own, clock)));
     blocks.push(Block::Remark(WHAT_WAS_PUBLISHED.to_owned()));
-    blocks
+    Ok(blocks)
 }
 
 /// What is required: the same depths everywhere.
@@ -76,24 +79,23 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
     }]
 }
 
-fn claim(cases: &[&Case], clock: Clock) -> Finding {
+fn claim(cases: &[&Case], run: &Run) -> Result<Finding, ChapterError> {
     let several = values(cases, LIGHTS)
         .into_iter()
         .filter(|lights| *lights >= 4);
-    let maps = clock.pick(MAPS_GPU, MAPS_CPU);
-    let gains = several.filter_map(|lights| {
+    let pairs = several.filter_map(|lights| {
         let case = |way| one(cases, way, lights);
-        gain(case(LightWay::Passes), case(LightWay::Copied), maps)
+        Some([case(LightWay::Passes)?, case(LightWay::Copied)?])
     });
-    let gains: Vec<Estimate> = gains.collect();
-    let ranges: Vec<String> = gains.iter().map(times).collect();
-    Finding {
-        claim: "Maps of four lights and more are faster copied by a geometry shader in one pass than in a pass each \
-                (published in words):"
-            .to_owned(),
-        standing: standing(Claim::Faster, &gains),
-        because: ranges.join("; "),
-    }
+    let claim = "Maps of four lights and more are faster copied by a geometry shader in one pass than in a pass each \
+                 (published in words):";
+    paired_finding(
+        run,
+        (LAYERS_BY, &[]),
+        (run.clock().pick(MAPS_GPU, MAPS_CPU), Scope::DRAW),
+        &pairs.collect::<Vec<_>>(),
+        (claim.to_owned(), Claim::Faster),
+    )
 }
 
 /// The fastest way to the maps of the most lights, with its counters.
