@@ -112,7 +112,7 @@ fn each_is_slower(run: &Run, cases: &[&Case], way: Way) -> Result<Finding, Chapt
         follows: &[],
         one_sided: None,
         metric: run.clock().pick(FRAME_WALL, FRAME_CPU),
-        needs: Scope::UPLOAD.and(Scope::DRAW),
+        needs: Scope::DISPATCH.and(Scope::DRAW),
     };
     let noise = Noise::of(
         run.of_study(crate::STUDY).collect::<Vec<_>>().into_iter(),

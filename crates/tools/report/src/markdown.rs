@@ -140,7 +140,7 @@ mod tests {
         assert!(text.contains("| a\\|b c | 2.00 × |"), "{text}");
         assert!(!text.contains("hidden"));
         let finding =
-            "| a\\|b c | 2.00 × |\n\n- Strips made no \\<difference\\>. 1.02 ×: **cannot tell**";
+            "| a\\|b c | 2.00 × |\n\n- Strips made no \\<difference\\>. 1.02 ×: **undecided**";
         assert!(text.contains(finding), "{text}");
         // Twin: a chapter without either is not mentioned.
         let mut text = String::new();

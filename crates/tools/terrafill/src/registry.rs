@@ -128,6 +128,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
     use terrafill_fill::{Role, Rung, Switches, Values, layouts, matrix_row};
+    use terrafill_results::made_up::{MadeUpCase, MadeUpRun};
     use terrafill_results::{Clock, Kind, Metric, Scope};
     use terrafill_scene::{Overlap, Scene};
     use terrafill_study::{Depth, Request, RunOptions};
@@ -161,6 +162,64 @@ mod tests {
         let faulty = [time, bytes.covering(Scope::DRAW)];
         assert_eq!(lacking(&faulty), ["time_ms", "held_bytes"]);
         assert!(lacking(&[time.covering(Scope::DRAW), bytes]).is_empty());
+        // A comparison of a device's work refuses process CPU time by that word of a name.
+        let times = metrics().iter().filter(|metric| metric.kind == Kind::Time);
+        let unnamed = times.filter(|metric| metric.timer().is_none());
+        let unnamed: Vec<&str> = unnamed.map(|metric| metric.name).collect();
+        assert_eq!(unnamed, ["readback_rate", "suite_case_s"]);
+    }
+
+    /// A run in which every case of a study's full plan is right, and every time is as long. Two processes: intervals
+    /// take long and refuse nothing.
+    fn made_of_plan(study: &dyn Study) -> MadeUpRun {
+        let request = Request {
+            size: [64; 2],
+            depth: Depth::Full,
+            ..Request::default()
+        };
+        let mut run = MadeUpRun {
+            metrics: metrics().to_vec(),
+            ..MadeUpRun::default()
+        };
+        let planned = study.plan(&request).expect("a plan");
+        for case in planned.groups.iter().flat_map(|group| group.cases()) {
+            let made = run.case(case.id.clone());
+            let times = study.metrics().iter();
+            for metric in times.filter(|metric| metric.kind == Kind::Time) {
+                made.timed(metric, &[1.0; 2]);
+            }
+        }
+        run
+    }
+
+    #[test]
+    fn no_comparison_of_any_chapter_is_refused() {
+        for study in STUDIES {
+            let run = made_of_plan(*study);
+            let folder = tempfile::tempdir().expect("a folder");
+            let run = run.write(folder.path()).expect("a run");
+            let blocks = study.chapter().blocks(&run);
+            let error = blocks.err().map(|error| error.to_string());
+            assert_eq!(error, None, "{}", study.name());
+        }
+        // Negative control: a fill of the ladder's that differs in one thing more.
+        let mut studies = STUDIES.iter();
+        let filling = studies
+            .find(|study| study.name() == "filling")
+            .expect("it is one");
+        let mut run = made_of_plan(*filling);
+        let of = |case: &MadeUpCase, key: &str| case.id.condition_named(key).to_owned();
+        run.cases.retain(|case| !of(case, "step").is_empty());
+        let is_step = |case: &&mut MadeUpCase| of(case, "step") == "strips";
+        for case in run.cases.iter_mut().filter(is_step) {
+            let conditions = &mut case.id.conditions;
+            conditions.insert("depth-rule".to_owned(), "another".to_owned());
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = run.write(folder.path()).expect("a run");
+        let blocks = filling.chapter().blocks(&run);
+        let error = blocks.expect_err("two changes").to_string();
+        assert!(error.contains("differ in \"depth-rule\""), "{error}");
     }
 
     #[test]

@@ -14,7 +14,7 @@ use super::textured::AS_IN_2007_OVER_PLAIN;
 use super::{fill_rate, memory, subdivision, textured};
 use crate::claims::{Only, PAPER, Rival, Step, Test};
 use crate::keys::{
-    COLOUR_GPU_MS, FRAGMENT_SHADER_INVOCATIONS, MISMATCHED_PX_OUTSIDE_BAND, NORMALS,
+    COLOUR_GPU_MS, FRAGMENT_SHADER_INVOCATIONS, LAYOUT, MISMATCHED_PX_OUTSIDE_BAND, NORMALS,
     REGIONS_LEFT_OUT, SCENE, STENCIL_FRAGMENTS, STENCIL_GPU_MS, STEP, TECHNIQUE, VARIANT, VERTICES,
     VIEW, WALL_SHIFT_M,
 };
@@ -496,7 +496,10 @@ fn beside_volumes<'a>(data: &Data<'a>, rival: &Rival) -> Vec<(String, &'a Case, 
 /// A technique and volumes.
 const RIVALS: Pairing = Pairing {
     changed: TECHNIQUE,
-    follows: &[],
+    follows: &[Follows {
+        key: LAYOUT.name(),
+        because: "each technique calls the first of its own parameters so",
+    }],
     one_sided: Some("a switch that only one of the two techniques has"),
 };
 

@@ -8,8 +8,8 @@
 use super::data::{Data, Pairing, Timed, counter, distinct, has_role, title};
 use super::rungs::SOURCE;
 use crate::keys::{
-    CAP_STEP, CAP_TRIANGLES, HAUSDORFF_PX, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND,
-    STENCIL_FRAGMENTS, WALL_BOUND_M, WALL_HEIGHT_M,
+    CAP_STEP, CAP_TRIANGLES, HAUSDORFF_PX, LAYOUT, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND,
+    STENCIL_FRAGMENTS, TECHNIQUE, WALL_BOUND_M, WALL_HEIGHT_M,
 };
 use terrafill_plot::number::{count, significant};
 use terrafill_plot::{
@@ -78,9 +78,14 @@ fn sweeps<'a>(data: &Data<'a>) -> Vec<Sweep<'a>> {
             .filter(|case| has_role(case, "subdivision"));
         own.filter_map(|case| Some((case.condition(KNOB).parse::<f64>().ok()?, case)))
     };
-    let titles = distinct(swept().map(|(_, case)| title(case)));
-    let sweeps = titles.into_iter().map(|of| {
-        let mut cases: Vec<(f64, &Case)> = swept().filter(|(_, case)| title(case) == of).collect();
+    // Meshes of one technique: another draws the same mesh in another time.
+    let name = |case: &Case| {
+        let [technique, layout] = [TECHNIQUE, LAYOUT].map(|key| case.condition(key));
+        format!("{}: {technique}/{layout}", title(case))
+    };
+    let names = distinct(swept().map(|(_, case)| name(case)));
+    let sweeps = names.into_iter().map(|of| {
+        let mut cases: Vec<(f64, &Case)> = swept().filter(|(_, case)| name(case) == of).collect();
         cases.sort_by(|a, b| a.0.total_cmp(&b.0));
         // A step that cuts nothing gives the mesh of a finer one, and says nothing of steps.
         cases.dedup_by_key(|(_, case)| counter(case, CAP_TRIANGLES).ok_or_else(|| case.id().key()));

@@ -1222,11 +1222,11 @@ fn coarse_caps_with_tall_walls_are_compared_with_fine_ones() {
         "10° fills 1.50 × [1.50–1.50] as fast as 0.3°"
     );
     assert_eq!(finding.standing, Standing::Holds);
-    // Twins: where coarse is slower, the expectation does not hold; where both are as fast, nothing is known.
+    // Twins: where coarse is slower, the expectation does not hold; where both are as fast, there is no difference.
     let slower = swept(0.8, 400.0);
     assert_eq!(findings(&slower)[0].standing, Standing::DoesNotHold);
     let equal = swept(1.0, 400.0);
-    assert_eq!(findings(&equal)[0].standing, Standing::CannotTell);
+    assert_eq!(findings(&equal)[0].standing, Standing::NoDifference);
     // Nor is a step that gives the mesh of a finer one a step.
     let same = swept(1.5, 500.0);
     let because = &findings(&same)[0].because;

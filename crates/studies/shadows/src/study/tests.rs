@@ -158,7 +158,7 @@ fn mask_hash(verdict: &Verdict) -> &str {
 #[test]
 fn devices_draw_the_reference_s_shadows_and_the_same_by_both_interfaces() {
     let all = verdicts("devices", |_| true);
-    assert_eq!(all.len(), 58);
+    assert_eq!(all.len(), 29);
     let mut hashes: BTreeMap<String, Vec<String>> = BTreeMap::new();
     let mut at_rims = 0.0;
     for (name, verdict) in all {
