@@ -3,10 +3,9 @@
 
 use crate::keys::{
     FLIGHT_FRAME_CPU_MS, FLIGHT_FRAME_WALL_MS, FLIGHT_WORST_FRAME_CPU_MS,
-    FLIGHT_WORST_FRAME_WALL_MS, PIECES, SCENE, TECHNIQUE,
+    FLIGHT_WORST_FRAME_WALL_MS, IMAGE, PIECES, SCENE, TECHNIQUE,
 };
 use crate::metrics::METRICS;
-use crate::study::IMAGE;
 use terrafill_plot::number::{measured_bytes, significant};
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, dotted,

@@ -15,3 +15,6 @@ pub(crate) const FLIGHT_WORST_FRAME_CPU_MS: &Metric =
 pub(crate) const FLIGHT_FRAME_WALL_MS: &Metric = Metric::of(&METRICS, "flight_frame_wall_ms");
 pub(crate) const FLIGHT_WORST_FRAME_WALL_MS: &Metric =
     Metric::of(&METRICS, "flight_worst_frame_wall_ms");
+
+/// Note with the path of a case's picture.
+pub(crate) const IMAGE: &str = "image";

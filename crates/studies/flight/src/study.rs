@@ -3,7 +3,7 @@
 
 use crate::STUDY;
 use crate::chapter::FlightChapter;
-use crate::keys::{PIECES, SCENE, TECHNIQUE, VARIANT};
+use crate::keys::{IMAGE, PIECES, SCENE, TECHNIQUE, VARIANT};
 use crate::metrics::METRICS;
 use crate::pace::{Making, Pace};
 use crate::path::path;
@@ -43,9 +43,6 @@ const REST: u32 = 12;
 const COMPARED_OF: u32 = 6;
 /// The same of further processes and of quick runs.
 const COMPARED_OF_QUICK: u32 = 20;
-
-/// Note with the path of a case's picture.
-pub(crate) const IMAGE: &str = "image";
 
 /// Flights of each case in a process, unless the request says otherwise.
 const SAMPLES: u32 = 2;

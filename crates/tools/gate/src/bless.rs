@@ -6,7 +6,7 @@
 //! time where both programs are of one commit. Once the base moves on it covers nothing, or a blessed +8 % would
 //! let the next +8 % pass. One that covers nothing is reported.
 
-use crate::{Finding, Gate, GateError, GateReport, table};
+use crate::{Finding, Gate, GateError, table};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -65,7 +65,7 @@ impl Blessing {
         self.case == finding.case && self.metric == finding.metric
     }
 
-    fn covers(&self, finding: &Finding, base: Option<&str>) -> bool {
+    pub(crate) fn covers(&self, finding: &Finding, base: Option<&str>) -> bool {
         if !self.is_about(finding) {
             return false;
         }
@@ -168,33 +168,8 @@ pub fn add_blessings(path: &Path, new: &[Blessing]) -> Result<(), GateError> {
     write_blessings(path, &all)
 }
 
-/// Takes out of a file what covers nothing that this gate found, of the scenes that it measured and, without times,
-/// of exact figures alone. Returns what was taken out.
-///
-/// # Errors
-/// As [`read_blessings`].
-pub fn prune_blessings(path: &Path, report: &GateReport) -> Result<Vec<Blessing>, GateError> {
-    let scene = |case: &str| case.split('/').take(2).collect::<Vec<_>>().join("/");
-    let measured: BTreeSet<String> = report.compared.iter().map(|case| scene(case)).collect();
-    let base = report.base_commit();
-    let is_idle = |blessing: &Blessing| {
-        let is_time = blessing.to.ends_with('%');
-        measured.contains(&scene(&blessing.case))
-            && (report.time.is_some() || !is_time)
-            && !report
-                .findings
-                .iter()
-                .any(|finding| blessing.covers(finding, base))
-    };
-    let (idle, kept): (Vec<_>, Vec<_>) = read_blessings(path)?.into_iter().partition(is_idle);
-    if !idle.is_empty() {
-        write_blessings(path, &kept)?;
-    }
-    Ok(idle)
-}
-
 /// Renamed into place: a full disk leaves the file as it was.
-fn write_blessings(path: &Path, all: &[Blessing]) -> Result<(), GateError> {
+pub(crate) fn write_blessings(path: &Path, all: &[Blessing]) -> Result<(), GateError> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let malformed = |error: String| GateError::BadInput(error);
     if all.is_empty() {
@@ -221,7 +196,7 @@ fn write_blessings(path: &Path, all: &[Blessing]) -> Result<(), GateError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Severity, Verdict, verdict};
+    use crate::{GateReport, Severity, Verdict, prune_blessings, verdict};
     use std::collections::BTreeMap;
 
     fn finding(gate: Gate, from: &str, to: &str, percent: Option<f64>) -> Finding {

@@ -309,7 +309,7 @@ mod tests {
         // What it has to read, and what the folder that all processes of the base could share has.
         let logged = Fake {
             before: r#"if [ -n "$process" ]; then
-              cat "$out"/*.* | wc -c >>"$verified/../read"; cat "$out/../../base"/*.* | wc -c >>"$verified/../shared"
+              cat "$out"/*.* | wc -c >>"$verified/../read"; cat "$out/../../base"/*.* | wc -c >>"$verified/../common"
               printf '%s' "$0 $*" | wc -c >>"$verified/../words"
             fi"#,
             ..Fake::default()
@@ -328,7 +328,7 @@ mod tests {
         let words: BTreeSet<u64> = of("words").into_iter().collect();
         assert_eq!(words.len(), 1, "command lines of one length: {words:?}");
         // Negative control: the shared folder grows from block to block.
-        let shared = of("shared");
+        let shared = of("common");
         assert!(
             shared[14] > shared[3] && shared[3] > shared[0],
             "{shared:?}"

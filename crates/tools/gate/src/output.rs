@@ -3,10 +3,7 @@
 //! The page is in `page`, JUnit in `junit`.
 
 use crate::threshold::MAX_ANNOTATIONS;
-use crate::{
-    Finding, GATE_SCHEMA, Gate, GateError, GateReport, Severity, Span, Verdict, Way, junit,
-    markdown,
-};
+use crate::{Finding, GATE_SCHEMA, Gate, GateError, GateReport, Severity, Span, Verdict, Way};
 use std::fmt::Write as _;
 use std::path::Path;
 use terrafill_results::Shard;
@@ -234,27 +231,6 @@ pub fn annotations(report: &GateReport) -> Vec<String> {
     lines
 }
 
-/// Writes `gate.md`, `gate.junit.xml` and, last, `gate.json`: a folder with it is whole.
-///
-/// # Errors
-/// [`GateError::Io`].
-pub fn write_files(report: &GateReport, out: &Path) -> Result<(), GateError> {
-    std::fs::create_dir_all(out).map_err(GateError::io(out))?;
-    let json = serde_json::to_string_pretty(report)
-        .map_err(|error| GateError::BadInput(format!("gate.json: {error}")))?;
-    for (name, text) in [
-        ("gate.md", markdown(report)),
-        ("gate.junit.xml", junit(report)),
-        ("gate.json", json + "\n"),
-    ] {
-        // Renamed into place, so that a full disk leaves no half of a file.
-        let (path, part) = (out.join(name), out.join(format!("{name}.new")));
-        std::fs::write(&part, text).map_err(GateError::io(&path))?;
-        std::fs::rename(&part, &path).map_err(GateError::io(&path))?;
-    }
-    Ok(())
-}
-
 /// Reads `gate.json`.
 ///
 /// # Errors
@@ -277,6 +253,7 @@ pub fn read_json(path: &Path) -> Result<GateReport, GateError> {
 mod tests {
     use super::*;
     use crate::made_up_report::{finding, report};
+    use crate::write_files;
 
     #[test]
     fn a_screen_says_what_how_much_and_where_to_look() {

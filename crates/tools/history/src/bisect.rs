@@ -5,9 +5,10 @@
 //! of other machines may have one: where their figure changed too, it tells on which side a commit lies, and
 //! fewer are left to build. A drift has no such commit, and no bisection finds one.
 
-use crate::change::{Change, ChangeKind, Series};
+use crate::change::{Change, ChangeKind};
 use crate::page::plural;
 use crate::record::Machine;
+use crate::series::Series;
 use crate::threshold::FLOOR_PERCENT;
 use crate::{HistoryError, Repository};
 use std::collections::BTreeMap;

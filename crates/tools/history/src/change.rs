@@ -16,6 +16,7 @@
 use crate::control::relative;
 use crate::rank::{Nulls, discovered, separation, slope};
 use crate::scatter::{Cut, Scatters, error};
+use crate::series::{Followed, Series};
 use crate::threshold::{
     FALSE_DISCOVERY_RATE, FLOOR_PERCENT, MAX_HIDDEN_PERCENT, MAX_POINTS, MIN_POINTS, MIN_RESIDUALS,
     MIN_SEPARATION, MIN_SIDE,
@@ -24,32 +25,6 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use terrafill_plot::number::significant;
 use terrafill_results::{Direction, MetricRow, median};
-
-/// A figure of a case on one kind of machine, commit by commit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Series {
-    /// Number of the machine in the store.
-    pub machine: i64,
-    /// [`terrafill_results::CaseId::key`].
-    pub case: String,
-    /// Which figure.
-    pub metric: MetricRow,
-    /// Whether it is of the control pass, in which no technique has a part.
-    pub is_control: bool,
-    /// In order of the commits.
-    pub points: Vec<Point>,
-}
-
-/// A series at one commit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Point {
-    /// Place of the commit among all of the store.
-    pub place: usize,
-    /// The commit.
-    pub commit: String,
-    /// Median over the commit's runs, in the metric's unit.
-    pub value: f64,
-}
 
 /// How a series changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -131,16 +106,6 @@ pub struct Undecided {
     pub metric: String,
     /// Why.
     pub reason: String,
-}
-
-/// A series of times with commits enough.
-#[derive(Debug, Clone)]
-pub(crate) struct Followed<'a> {
-    pub(crate) series: &'a Series,
-    /// The points of the series that are looked at.
-    pub(crate) points: Vec<usize>,
-    /// Their logarithms: changes of times are factors.
-    pub(crate) values: Vec<f64>,
 }
 
 /// Looks for changes in every series.

@@ -6,6 +6,7 @@
 //! identical work differed by within each run, and what all cases differ by together. Times of two kinds
 //! of machines are not compared at all; [`by_device`](crate::by_device) sets those side by side.
 
+use crate::primary::ranks;
 use crate::rank::{Cuts, difference};
 use crate::record::Machine;
 use crate::threshold::{COVERAGE, FLOOR_PERCENT};
@@ -144,12 +145,6 @@ pub fn compare(
         times,
         without_times,
     })
-}
-
-/// The metric that a study of a run is ranked by: the run's own mark, else that of this program.
-pub(crate) fn ranks<'a>(run: &'a Run, study: &str, primary: Primary<'_>) -> Option<&'a str> {
-    run.primary_metric(study)
-        .or_else(|| primary(study, run.clock()))
 }
 
 fn times(base: &Run, new: &Run, primary: Primary<'_>) -> Vec<StudyTimes> {

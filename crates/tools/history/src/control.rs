@@ -6,7 +6,7 @@
 //! taken from the other times where that leaves most of them with less spread. One noisy control can add
 //! more than it takes, and then it is left alone.
 
-use crate::change::Followed;
+use crate::series::Followed;
 use std::collections::BTreeMap;
 use terrafill_results::median;
 

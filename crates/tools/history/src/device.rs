@@ -6,7 +6,7 @@
 //! compared with another's.
 
 use crate::Primary;
-use crate::compare::ranks;
+use crate::primary::ranks;
 use crate::record::Machine;
 use serde::Serialize;
 use std::collections::BTreeMap;

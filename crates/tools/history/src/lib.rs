@@ -16,15 +16,17 @@ mod error;
 mod exchange;
 mod output;
 mod page;
+mod primary;
 mod rank;
 mod record;
 mod repository;
 mod scatter;
+mod series;
 mod store;
 pub mod threshold;
 
 pub use bisect::{Bisection, quoted};
-pub use change::{Change, ChangeKind, Changes, Point, Series, Undecided, changes};
+pub use change::{Change, ChangeKind, Changes, Undecided, changes};
 pub use compare::{CaseTimes, Comparison, SideFacts, StudyTimes, TimeStanding, compare};
 pub use device::{CONTROL, Device, DeviceCell, DeviceRow, DeviceTable, by_device};
 pub use error::HistoryError;
@@ -33,6 +35,8 @@ pub use output::{
     change_line, comparison_csv, comparison_markdown, device_csv, device_markdown, trend_lines,
 };
 pub use page::{Trends, comparison_page, device_page, history_page, runs_in_words};
+pub use primary::Primary;
 pub use record::{CaseRecord, Machine, Record, clean, is_dirty};
 pub use repository::{CommitFacts, Position, Repository};
-pub use store::{Absent, Added, Entry, Overview, Primary, STORE_SCHEMA, Store};
+pub use series::{Point, Series};
+pub use store::{Absent, Added, Entry, Overview, STORE_SCHEMA, Store};

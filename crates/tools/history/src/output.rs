@@ -3,9 +3,8 @@
 
 use crate::compare::{CaseTimes, Comparison, StudyTimes, TimeStanding};
 use crate::device::{DeviceCell, DeviceTable};
-use crate::page::{Trends, common};
-use crate::threshold::FALSE_DISCOVERY_RATE;
-use crate::{Change, Changes, HistoryError, Series};
+use crate::page::{Trends, common, followed_in_words};
+use crate::{Change, HistoryError, Series};
 use std::fmt::Write as _;
 use std::path::Path;
 use terrafill_gate::{Finding, Severity};
@@ -286,28 +285,6 @@ pub fn change_line(change: &Change) -> String {
     format!(
         "{word}: machine {}, {}, {} {from} → {to}{unit}{size}, {kind} at {} (last before: {}){p}",
         change.machine, change.case, change.metric, change.bad, change.good
-    )
-}
-
-/// How many figures were followed, and what was to be found in them.
-pub(crate) fn followed_in_words(found: &Changes) -> String {
-    let finds = found.finds_percent.map_or(String::new(), |percent| {
-        let percent = significant(percent);
-        format!(
-            ", half of which would show a lone step of {percent} % between halves of their commits"
-        )
-    });
-    let relative = match found.relative {
-        0 => String::new(),
-        some => format!("; {some} are relative to the control passes of the same runs"),
-    };
-    let rate = 100.0 * FALSE_DISCOVERY_RATE;
-    format!(
-        "{} figures without noise and {} times over the commits{finds}{relative}; {} times cannot be \
-         decided; of the changes of times up to {rate:.0} % may be false",
-        found.exact,
-        found.times,
-        found.undecided.len()
     )
 }
 

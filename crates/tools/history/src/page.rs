@@ -3,7 +3,6 @@
 
 use crate::compare::{CaseTimes, Comparison, StudyTimes, TimeStanding};
 use crate::device::{DeviceCell, DeviceTable};
-use crate::output::followed_in_words;
 use crate::record::{Machine, clean};
 use crate::store::{Absent, Overview};
 use crate::threshold::{COMMON_SHARE, FALSE_DISCOVERY_RATE, FLOOR_PERCENT};
@@ -780,6 +779,28 @@ fn runs_table(blocks: &mut Vec<Block>, of: &Trends<'_>) {
     ];
     let more = "terrafill history list lists all";
     first_rows(blocks, "", &headings, rows, (MAX_ROWS, more));
+}
+
+/// How many figures were followed, and what was to be found in them.
+pub(crate) fn followed_in_words(found: &Changes) -> String {
+    let finds = found.finds_percent.map_or(String::new(), |percent| {
+        let percent = significant(percent);
+        format!(
+            ", half of which would show a lone step of {percent} % between halves of their commits"
+        )
+    });
+    let relative = match found.relative {
+        0 => String::new(),
+        some => format!("; {some} are relative to the control passes of the same runs"),
+    };
+    let rate = 100.0 * FALSE_DISCOVERY_RATE;
+    format!(
+        "{} figures without noise and {} times over the commits{finds}{relative}; {} times cannot be \
+         decided; of the changes of times up to {rate:.0} % may be false",
+        found.exact,
+        found.times,
+        found.undecided.len()
+    )
 }
 
 #[cfg(test)]

@@ -5,10 +5,10 @@
 //! every update and deletion. The file says what it is (`application_id`) and its schema
 //! (`user_version`), and is checked whole before it is written to.
 
-use crate::change::{Point, Series};
 use crate::device::CONTROL;
 use crate::record::{CaseRecord, Machine, Record, clean, is_dirty};
-use crate::{HistoryError, Position};
+use crate::series::{Point, Series};
+use crate::{HistoryError, Position, Primary};
 use rusqlite::{Connection, OpenFlags, OptionalExtension as _, Transaction, params};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use terrafill_results::condition::TECHNIQUE;
-use terrafill_results::{Clock, MetricRow, Outcome, median};
+use terrafill_results::{MetricRow, Outcome, median};
 
 /// Version of the store's tables.
 pub const STORE_SCHEMA: i64 = 1;
@@ -129,9 +129,6 @@ pub struct Absent {
     /// Newest commit with a result.
     pub last: String,
 }
-
-/// The metric that a study is ranked by, by the clock of the machine.
-pub type Primary<'a> = &'a dyn Fn(&str, Clock) -> Option<&'static str>;
 
 /// Place of a run's commit, number of the run, and its values of one figure.
 type ValuesOfRun = (usize, i64, Vec<f64>);

@@ -2,9 +2,9 @@
 //! The chapter on extreme scenes: how many passed, were refused rightly or failed, and a row for each
 //! view with its picture and with what its frame plan left out.
 
+use super::keys::{EXPECTED, SCENE, SCENE_REASON, SUITE_CASE_S, VIEW};
 use super::plan::{EXTREME, WHOLE};
 use super::session::REFUSED;
-use super::{EXPECTED, SCENE, SCENE_REASON, SUITE_CASE_S, VIEW};
 use crate::keys::{
     FILL_CPU_MS, FILL_GPU_MS, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND, REGIONS_DRAWN,
 };

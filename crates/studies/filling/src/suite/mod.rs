@@ -8,6 +8,7 @@
 //! asks for it with these words, else a failure; a picture where a refusal is due is a failure too.
 
 mod chapter;
+mod keys;
 mod plan;
 mod session;
 
@@ -16,32 +17,9 @@ pub use plan::EXTREME;
 pub use session::IN_HAND;
 
 use crate::subject::{Surfaces, Techniques};
-use terrafill_results::{Chapter, ConditionKey, Kind, Metric, Scope, conditions, metrics};
+use keys::{CONDITIONS, METRICS};
+use terrafill_results::{Chapter, ConditionKey, Metric};
 use terrafill_study::{Depth, Planned, Request, Study, StudyError};
-
-conditions! {
-    shared SCENE, TECHNIQUE, VIEW;
-    EXPECTED = "expected";
-    ROLE = "role";
-    SCENE_REASON = "scene-reason";
-}
-
-metrics! { METRICS; SUITE_CASE_S = "suite_case_s"; }
-
-const METRICS: [Metric; 2] = [
-    Metric::less(
-        "suite_case_s",
-        "s",
-        Kind::Time,
-        "Wall clock of one technique in one view of a suite, with its part of reading, meshing and the reference.",
-    ).covering(Scope::PLAN.and(Scope::FRAME).and(Scope::READ_BACK)),
-    Metric::less(
-        "validation_messages",
-        "",
-        Kind::Error,
-        "Messages of the Vulkan validation layer while a case was drawn and compared. Absent where the layer was off.",
-    ),
-];
 
 /// What must come of scenes that globes usually break at.
 #[derive(Debug, Clone, Copy)]

@@ -3,8 +3,8 @@
 //!
 //! Only reasons and expectations are read here. The scenes themselves are opened by their groups.
 
+use super::keys::{EXPECTED, ROLE, SCENE, SCENE_REASON, TECHNIQUE, VIEW};
 use super::session::{Closed, SuiteSession, words_of};
-use super::{EXPECTED, ROLE, SCENE, SCENE_REASON, TECHNIQUE, VIEW};
 use crate::cases::{FillCase, Purpose, ViewGroup};
 use crate::scenes::build_meshes;
 use crate::subject::{Subject, Surfaces, Techniques};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 
 use super::*;
+use crate::Point;
 use terrafill_results::Kind;
 
 /// Uniform and normal numbers from a seed (SplitMix64; Box and Muller, 1958).

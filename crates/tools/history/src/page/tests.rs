@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 
 use super::*;
-use crate::change::Point;
+use crate::Point;
 use crate::changes;
 use terrafill_results::{Direction, Kind, MetricRow, Primary};
 

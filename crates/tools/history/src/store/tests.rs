@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::exchange::{export, read_tables};
+use terrafill_results::Clock;
 use terrafill_results::made_up::{MadeUpRun, case_id};
 use terrafill_results::{Kind, Metric, Run, Status};
 

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Conditions of the suite's cases, and what is measured of them.
+
+use terrafill_results::{Kind, Metric, Scope, conditions, metrics};
+
+conditions! {
+    shared SCENE, TECHNIQUE, VIEW;
+    EXPECTED = "expected";
+    ROLE = "role";
+    SCENE_REASON = "scene-reason";
+}
+
+metrics! { METRICS; SUITE_CASE_S = "suite_case_s"; }
+
+pub(crate) const METRICS: [Metric; 2] = [
+    Metric::less(
+        "suite_case_s",
+        "s",
+        Kind::Time,
+        "Wall clock of one technique in one view of a suite, with its part of reading, meshing and the reference.",
+    ).covering(Scope::PLAN.and(Scope::FRAME).and(Scope::READ_BACK)),
+    Metric::less(
+        "validation_messages",
+        "",
+        Kind::Error,
+        "Messages of the Vulkan validation layer while a case was drawn and compared. Absent where the layer was off.",
+    ),
+];
