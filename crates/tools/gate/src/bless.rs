@@ -38,7 +38,7 @@ impl Blessing {
     /// That accepts this finding, and of a time half as much again: the next run finds another value. `None` of
     /// a time without a change that could be accepted.
     ///
-    /// - `base`: commit that tells the base from the new program, see [`GateReport::base_commit`]
+    /// - `base`: commit that tells the base from the new program, see [`crate::GateReport::base_commit`]
     #[must_use]
     pub fn of(finding: &Finding, base: Option<&str>, reason: &str) -> Option<Self> {
         let (from, to) = if finding.gate == Gate::Time {

@@ -27,7 +27,7 @@ const MAX_ROWS: usize = 15;
 const MAX_SENTENCE: usize = 240;
 const MAX_NAME: usize = 72;
 
-/// A page of at most [`MAX_BYTES`].
+/// A page of at most 20 kB.
 #[must_use]
 pub fn markdown(report: &GateReport) -> String {
     let names = Names::of(report);
