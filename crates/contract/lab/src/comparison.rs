@@ -4,14 +4,14 @@
 //! A [`Comparison`] names the condition that the question changes and those that follow from it. It
 //! refuses a pair that differs in any other, a time that does not cover what is compared, and process
 //! CPU time for work that a GPU does: such a ratio would answer another question. A refusal is an error
-//! of the program, which every chapter's tests meet.
+//! of the program: a page says so, and a test over the full plans of all studies allows none.
 
 use crate::bench_command;
 use terrafill_plot::number::times;
 use terrafill_results::threshold::{MIN_DIFFERENCE, MIN_REPLICATES};
 use terrafill_results::{
-    Case, ChapterError, Claim, Clock, Estimate, Finding, Kind, Metric, Noise, Outcome, REPEATS,
-    Run, Scope, Standing, Timer, ratio,
+    Case, Claim, Clock, Estimate, Finding, Kind, Metric, Noise, Outcome, REPEATS, Run, Scope,
+    Standing, Timer, ratio,
 };
 
 /// Least band of no difference: clocks of software devices step by less, and what two of three pairs of
@@ -102,15 +102,6 @@ pub enum Refused {
     },
 }
 
-impl From<Refused> for ChapterError {
-    fn from(refused: Refused) -> Self {
-        Self::Block {
-            what: "a comparison".to_owned(),
-            message: refused.to_string(),
-        }
-    }
-}
-
 /// What a pair says of a claim.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
@@ -121,6 +112,20 @@ pub struct Answer {
     pub standing: Standing,
     /// Why it is open, with the command that would settle it; empty for what is decided.
     pub because: String,
+}
+
+/// How a page begins what it says of a comparison that was refused; a test looks for it over all chapters.
+pub const REFUSED: &str = "Refused, an error of this program:";
+
+impl From<Refused> for Answer {
+    /// Said in its place on the page, so that one faulty question does not cost the report of a run.
+    fn from(refused: Refused) -> Self {
+        Self {
+            figure: None,
+            standing: Standing::CannotBeTested,
+            because: format!("{REFUSED} {refused}."),
+        }
+    }
 }
 
 impl Answer {
@@ -215,9 +220,7 @@ impl Comparison<'_> {
     ///
     /// - `claim`: in words, and whose it is
     /// - `noise`: as of [`Comparison::judge`]
-    ///
-    /// # Errors
-    /// [`Refused`] as the chapter's error.
+    #[must_use]
     pub fn finding(
         &self,
         run: &Run,
@@ -225,22 +228,30 @@ impl Comparison<'_> {
         says: Claim,
         claim: String,
         noise: Option<Noise>,
-    ) -> Result<Finding, ChapterError> {
-        let answers = pairs.iter().map(|pair| self.judge(run, *pair, says, noise));
-        let answers: Vec<Answer> = answers.collect::<Result<_, _>>()?;
+    ) -> Finding {
+        let answers = pairs.iter().map(|pair| {
+            let judged = self.judge(run, *pair, says, noise);
+            judged.unwrap_or_else(Answer::from)
+        });
+        let answers: Vec<Answer> = answers.collect();
         let standings: Vec<Standing> = answers.iter().map(|answer| answer.standing).collect();
         let figures = answers.iter().filter_map(|answer| answer.figure.as_ref());
         let figures: Vec<String> = figures.map(times).collect();
         let standing = overall(&standings);
-        let mut open = answers.iter().filter(|answer| !answer.because.is_empty());
-        let open = open.next().filter(|_| standing == Standing::CannotTell);
-        let because = open.map(|answer| answer.because.clone());
-        let because: Vec<String> = [figures.join("; ")].into_iter().chain(because).collect();
-        Ok(Finding {
+        let said = |standing| {
+            let mut of = answers.iter().filter(|answer| answer.standing == standing);
+            of.find(|answer| !answer.because.is_empty())
+        };
+        let open = matches!(standing, Standing::CannotTell | Standing::CannotBeTested);
+        let because = said(standing).filter(|_| open);
+        let because = because.map(|answer| answer.because.clone());
+        let because = [figures.join("; ")].into_iter().chain(because);
+        let because: Vec<String> = because.filter(|text| !text.is_empty()).collect();
+        Finding {
             claim,
             standing,
             because: because.join(". "),
-        })
+        }
     }
 
     /// Pairs of cases that have the first and the second of `values`, and are alike in all that may not
@@ -329,14 +340,17 @@ impl Comparison<'_> {
     }
 }
 
-/// Of several answers to one question: one that does not hold is enough, one that is open leaves it open.
+/// Of several answers to one question: one that is refused refuses it, one that does not hold is enough, one that is open
+/// leaves it open.
 #[must_use]
 pub fn overall(standings: &[Standing]) -> Standing {
     let has = |wanted| standings.contains(&wanted);
     let is_measured = standings
         .iter()
         .any(|found| *found != Standing::NotMeasured);
-    if !is_measured {
+    if has(Standing::CannotBeTested) {
+        Standing::CannotBeTested
+    } else if !is_measured {
         Standing::NotMeasured
     } else if has(Standing::DoesNotHold) {
         Standing::DoesNotHold
@@ -475,6 +489,13 @@ mod tests {
         };
         assert!(judge(&missing, &comparison, Claim::Faster).is_ok());
         assert!(judge(&two, &comparison, Claim::Faster).is_err());
+        // On a page it stands where its answer would.
+        let folder = tempfile::tempdir().expect("a folder");
+        let loaded = two.write(folder.path()).expect("a run");
+        let pairs = [[&loaded.cases[0], &loaded.cases[1]]];
+        let finding = DRAWS.finding(&loaded, &pairs, Claim::Faster, String::new(), None);
+        assert_eq!(finding.standing, Standing::CannotBeTested);
+        assert!(finding.because.starts_with(REFUSED), "{}", finding.because);
         // What is not changed is not compared.
         let comparison = Comparison {
             changed: "view",
@@ -580,13 +601,14 @@ mod tests {
 
     #[test]
     fn one_answer_that_does_not_hold_is_enough_and_an_open_one_leaves_it_open() {
-        use Standing::{CannotTell, DoesNotHold, Holds, NoDifference, NotMeasured};
+        use Standing::{CannotBeTested, CannotTell, DoesNotHold, Holds, NoDifference, NotMeasured};
         for (parts, whole) in [
             (&[Holds, Holds][..], Holds),
             (&[Holds, NoDifference], NoDifference),
             (&[Holds, NotMeasured], CannotTell),
             (&[NoDifference, CannotTell], CannotTell),
             (&[Holds, CannotTell, DoesNotHold], DoesNotHold),
+            (&[Holds, CannotBeTested], CannotBeTested),
             (&[NotMeasured], NotMeasured),
             (&[], NotMeasured),
         ] {

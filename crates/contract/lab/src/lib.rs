@@ -7,5 +7,5 @@ mod comparison;
 mod settling;
 
 pub use claims::{Basis, Claimed, Paper, PaperError, Tested, Told, claims_blocks, claims_table};
-pub use comparison::{Answer, Comparison, Follows, Refused, band, overall};
+pub use comparison::{Answer, Comparison, Follows, REFUSED, Refused, band, overall};
 pub use settling::bench_command;

@@ -85,7 +85,7 @@ impl Chapter for BallsChapter {
             blocks.push(Block::Table(table(&cases, caption, part, keys, metrics)));
         }
         blocks.extend(crate::device_chapter::blocks(run));
-        blocks.extend(crate::drawn_chapter::blocks(run)?);
+        blocks.extend(crate::drawn_chapter::blocks(run));
         Ok(blocks)
     }
 }

@@ -15,8 +15,8 @@ use terrafill_lab::Comparison;
 use terrafill_plot::dotted;
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, Clock, Estimate, Finding, Heading, Metric, Noise,
-    Outcome, Row, Run, Scope, Table, ratio,
+    Block, Case, Cell, Claim, Clock, Estimate, Finding, Heading, Metric, Noise, Outcome, Row, Run,
+    Scope, Table, ratio,
 };
 
 const FRAME_CPU: &Metric = Metric::of(&METRICS, "ball_frame_cpu_us");
@@ -53,21 +53,21 @@ fn one<'a>(cases: &[&'a Case], way: Way, drawn: Drawn, balls: u32) -> Option<&'a
 }
 
 /// The section; nothing where no case was planned.
-pub(crate) fn blocks(run: &Run) -> Result<Vec<Block>, ChapterError> {
+pub(crate) fn blocks(run: &Run) -> Vec<Block> {
     let cases = cases(run);
     if cases.is_empty() {
-        return Ok(Vec::new());
+        return Vec::new();
     }
     let mut blocks = vec![
         Block::section("Balls over terrain, drawn"),
         Block::Text(WHAT_IS_COMPARED.to_owned()),
     ];
     for way in Way::ALL {
-        blocks.push(Block::Finding(each_is_slower(run, &cases, way)?));
+        blocks.push(Block::Finding(each_is_slower(run, &cases, way)));
     }
     blocks.push(Block::Table(table(&cases)));
     blocks.push(Block::Remark(WHAT_FIGURE_12_CANNOT_SHOW.to_owned()));
-    Ok(blocks)
+    blocks
 }
 
 /// Frame of a draw each over that of one draw.
@@ -103,7 +103,7 @@ pub(crate) fn recommended(run: &Run) -> Vec<String> {
     Way::ALL.into_iter().filter_map(of_way).collect()
 }
 
-fn each_is_slower(run: &Run, cases: &[&Case], way: Way) -> Result<Finding, ChapterError> {
+fn each_is_slower(run: &Run, cases: &[&Case], way: Way) -> Finding {
     let (interface, name) = way.names();
     let of = |drawn| one(cases, way, drawn, PUBLISHED_BALLS);
     let pair = of(Drawn::Each).zip(of(Drawn::All)).map(<[&Case; 2]>::from);

@@ -62,10 +62,10 @@ impl Chapter for PipelinesChapter {
         blocks.extend(recommended(&cases, run.clock()));
         blocks.extend(requirements(&cases).into_iter().map(Block::Finding));
         blocks.extend(grids::section(&cases, run)?);
-        blocks.extend(amplification::section(&cases, run)?);
+        blocks.extend(amplification::section(&cases, run));
         blocks.extend(culling::section(&cases, run)?);
-        blocks.extend(cache::section(&cases, run)?);
-        blocks.extend(lights::section(&cases, run)?);
+        blocks.extend(cache::section(&cases, run));
+        blocks.extend(lights::section(&cases, run));
         blocks.extend(layered::sections(&cases, run)?);
         blocks.extend(numbers::sections(&cases)?);
         Ok(blocks)

@@ -193,15 +193,25 @@ mod tests {
         run
     }
 
+    /// What a chapter says of its first comparison that was refused.
+    fn refused(study: &dyn Study, run: &MadeUpRun) -> Option<String> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = run.write(folder.path()).expect("a run");
+        let blocks = study.chapter().blocks(&run).expect("a chapter");
+        let page = format!("{blocks:?}");
+        let (_, said) = page.split_once(terrafill_lab::REFUSED)?;
+        Some(said.chars().take(1_000).collect())
+    }
+
     #[test]
     fn no_comparison_of_any_chapter_is_refused() {
         for study in STUDIES {
-            let run = made_of_plan(*study);
-            let folder = tempfile::tempdir().expect("a folder");
-            let run = run.write(folder.path()).expect("a run");
-            let blocks = study.chapter().blocks(&run);
-            let error = blocks.err().map(|error| error.to_string());
-            assert_eq!(error, None, "{}", study.name());
+            assert_eq!(
+                refused(*study, &made_of_plan(*study)),
+                None,
+                "{}",
+                study.name()
+            );
         }
         // Negative control: a fill of the ladder's that differs in one thing more.
         let mut studies = STUDIES.iter();
@@ -216,11 +226,8 @@ mod tests {
             let conditions = &mut case.id.conditions;
             conditions.insert("depth-rule".to_owned(), "another".to_owned());
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
-        let blocks = filling.chapter().blocks(&run);
-        let error = blocks.expect_err("two changes").to_string();
-        assert!(error.contains("differ in \"depth-rule\""), "{error}");
+        let said = refused(*filling, &run).expect("two changes");
+        assert!(said.contains("depth-rule"), "{said}");
     }
 
     #[test]

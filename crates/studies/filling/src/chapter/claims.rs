@@ -124,14 +124,10 @@ fn telling_steps<'l, 'a>(
 }
 
 /// What the run says of a claim.
-pub(super) fn judge(
-    data: &Data<'_>,
-    ladders: &[Ladder<'_>],
-    claimed: &Claimed<Test>,
-) -> Result<Told, ChapterError> {
+pub(super) fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed<Test>) -> Told {
     let own = documents(ladders);
     let in_views = |of: &Step| steps(&own, &of.step, &of.views);
-    Ok(match &claimed.test {
+    match &claimed.test {
         Test::Step {
             name,
             expects,
@@ -141,11 +137,11 @@ pub(super) fn judge(
             let found = telling_steps(&own, name, views, *only);
             let acts_nowhere = *only == Only::WhereItActs && found.is_empty();
             if acts_nowhere && !steps(&own, name, views).is_empty() {
-                return Ok(not_measured(
+                return not_measured(
                     "in these views the eye is inside every volume, or so near that the step changes nothing",
-                ));
+                );
             }
-            of_step(data, &found, *expects)?
+            of_step(data, &found, *expects)
         }
         Test::Counter {
             step,
@@ -166,7 +162,7 @@ pub(super) fn judge(
             &textured::compared(data, ratio),
             *expects,
             ratio.to_owned(),
-        )?,
+        ),
         Test::FlatMesh => flat_mesh(data),
         Test::TexturedWorstAtHorizon => worst_at_horizon(data),
         Test::Sum {
@@ -192,47 +188,37 @@ pub(super) fn judge(
             &subdivision::coarsest_over_finest(data),
             SUBDIVISION,
             "time of the coarsest ÷ that of the finest".to_owned(),
-        )?,
-        Test::CostsMore { rival, metrics } => costs_more(data, rival, metrics)?,
+        ),
+        Test::CostsMore { rival, metrics } => costs_more(data, rival, metrics),
         Test::TimeOverVolumes { rival, expects } => of_ratios(
             data,
             &over_volumes(data, rival),
             *expects,
             format!("{} ÷ {VOLUMES}/doubled", rival.technique),
-        )?,
+        ),
         Test::WrongPixels { rival } => wrong_pixels(data, rival),
         Test::No(why) => Told {
             ours: String::new(),
             standing: Standing::CannotBeTested,
             reason: why.clone(),
         },
-    })
+    }
 }
 
-fn of_step(
-    data: &Data<'_>,
-    found: &[(&Ladder<'_>, &Rung<'_>)],
-    claim: Claim,
-) -> Result<Told, ChapterError> {
-    let answers: Result<Vec<(&str, Answer)>, ChapterError> = found
-        .iter()
-        .map(|(ladder, rung)| Ok((ladder.view, answer(data, rung, claim)?)))
-        .collect();
-    Ok(of_answers(answers?, reason(found)))
+fn of_step(data: &Data<'_>, found: &[(&Ladder<'_>, &Rung<'_>)], claim: Claim) -> Told {
+    let answers = found.iter();
+    let answers = answers.map(|(ladder, rung)| (ladder.view, answer(data, rung, claim)));
+    of_answers(answers.collect(), reason(found))
 }
 
 /// What a rung's gain says of a claim, by the noise of its scene.
-pub(super) fn answer(
-    data: &Data<'_>,
-    rung: &Rung<'_>,
-    claim: Claim,
-) -> Result<Answer, ChapterError> {
+pub(super) fn answer(data: &Data<'_>, rung: &Rung<'_>, claim: Claim) -> Answer {
     let Some(before) = rung.before else {
-        return Ok(Answer::not_measured("no kept step comes before it"));
+        return Answer::not_measured("no kept step comes before it");
     };
     if let Some(skipped) = rung.skipped {
         let why = format!("a step that is not right, {skipped}, comes before it");
-        return Ok(Answer::not_measured(&why));
+        return Answer::not_measured(&why);
     }
     // What a step sets is the ladder's to say; a test holds this list against it.
     let set = PAPER.steps.get(rung.step).into_iter().flatten();
@@ -372,17 +358,10 @@ fn of_fill_rate(ladders: &[&Ladder<'_>]) -> Told {
     )
 }
 
-fn of_ratios(
-    data: &Data<'_>,
-    found: &[Timed<'_>],
-    claim: Claim,
-    reason: String,
-) -> Result<Told, ChapterError> {
-    let answers: Result<Vec<(&str, Answer)>, ChapterError> = found
-        .iter()
-        .map(|timed| Ok((timed.title.as_str(), timed.answer(data, claim)?)))
-        .collect();
-    Ok(of_answers(answers?, reason))
+fn of_ratios(data: &Data<'_>, found: &[Timed<'_>], claim: Claim, reason: String) -> Told {
+    let answers = found.iter();
+    let answers = answers.map(|timed| (timed.title.as_str(), timed.answer(data, claim)));
+    of_answers(answers.collect(), reason)
 }
 
 /// Barycentric coordinates have no more error than angles in f32 where a region is flat enough.
@@ -514,12 +493,12 @@ fn over_volumes<'a>(data: &Data<'a>, rival: &Rival) -> Vec<Timed<'a>> {
     timed.collect()
 }
 
-fn costs_more(data: &Data<'_>, rival: &Rival, metrics: &[String]) -> Result<Told, ChapterError> {
+fn costs_more(data: &Data<'_>, rival: &Rival, metrics: &[String]) -> Told {
     let mut parts = Vec::new();
     for timed in over_volumes(data, rival) {
         for name in metrics {
             let metric = declared(name);
-            let answer = timed.answer_in(data, metric, metric.scope, Claim::Faster)?;
+            let answer = timed.answer_in(data, metric, metric.scope, Claim::Faster);
             let Some(figure) = answer.figure else {
                 continue;
             };
@@ -527,10 +506,7 @@ fn costs_more(data: &Data<'_>, rival: &Rival, metrics: &[String]) -> Result<Told
             parts.push((format!("{}, {name} {over} ×", timed.title), answer.standing));
         }
     }
-    Ok(told(
-        parts,
-        format!("{} ÷ {VOLUMES}/doubled", rival.technique),
-    ))
+    told(parts, format!("{} ÷ {VOLUMES}/doubled", rival.technique))
 }
 
 fn wrong_pixels(data: &Data<'_>, rival: &Rival) -> Told {
@@ -590,7 +566,7 @@ fn surface_independence(data: &Data<'_>) -> Told {
 }
 
 /// What the run says of each claim, in order.
-fn all(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Told>, ChapterError> {
+fn all(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Told> {
     let claims = PAPER.claims.iter();
     claims
         .map(|claimed| judge(data, ladders, claimed))
@@ -598,8 +574,8 @@ fn all(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Told>, ChapterErro
 }
 
 /// The table, and how many claims ended how; nothing for a run that measured none of it.
-pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Block>, ChapterError> {
-    let all = all(data, ladders)?;
+pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Block> {
+    let all = all(data, ladders);
     let is_measured = |(claimed, told): (&Claimed<Test>, &Told)| {
         !matches!(claimed.test, Test::Sum { .. })
             && !matches!(
@@ -608,24 +584,21 @@ pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Bloc
             )
     };
     if !PAPER.claims.iter().zip(&all).any(is_measured) {
-        return Ok(Vec::new());
+        return Vec::new();
     }
     let bound = data.band_sentence(ladders.first().map(|ladder| ladder.scene));
-    Ok(claims_blocks("The claims of 2007", &PAPER, &all, &bound))
+    claims_blocks("The claims of 2007", &PAPER, &all, &bound)
 }
 
 /// `claims.csv`: the table as data.
 pub(super) fn table(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<DerivedTable, ChapterError> {
-    claims_table(&PAPER, &all(data, ladders)?)
+    claims_table(&PAPER, &all(data, ladders))
 }
 
 /// What the document says of the steps of a ladder that it climbed.
-pub(super) fn of_ladder(
-    data: &Data<'_>,
-    ladder: &Ladder<'_>,
-) -> Result<Vec<Finding>, ChapterError> {
+pub(super) fn of_ladder(data: &Data<'_>, ladder: &Ladder<'_>) -> Vec<Finding> {
     if ladder.technique != VOLUMES {
-        return Ok(Vec::new());
+        return Vec::new();
     }
     let finding = |claimed: &Claimed<Test>| {
         let Test::Step {
@@ -635,13 +608,11 @@ pub(super) fn of_ladder(
             only,
         } = &claimed.test
         else {
-            return Ok(None);
+            return None;
         };
         let found = telling_steps(&[ladder], name, views, *only);
-        let Some((_, rung)) = found.first() else {
-            return Ok(None);
-        };
-        let answer = answer(data, rung, *expects)?;
+        let (_, rung) = found.first()?;
+        let answer = answer(data, rung, *expects);
         let figure = match claimed.figure.as_str() {
             "" => String::new(),
             figure => format!(" ({figure})"),
@@ -650,7 +621,7 @@ pub(super) fn of_ladder(
         let gain = gain.map(|gain| format!("{}: {gain}", rung.step));
         let because = [gain.unwrap_or_default(), answer.because];
         let because = because.into_iter().filter(|text| !text.is_empty());
-        Ok(Some(Finding {
+        Some(Finding {
             claim: format!(
                 "{SOURCE}, {}, {}{figure}: “{}”",
                 claimed.place,
@@ -659,24 +630,17 @@ pub(super) fn of_ladder(
             ),
             standing: answer.standing,
             because: because.collect::<Vec<_>>().join(". "),
-        }))
+        })
     };
-    let findings = PAPER
-        .claims
-        .iter()
-        .filter_map(|claimed| finding(claimed).transpose());
-    findings.collect()
+    PAPER.claims.iter().filter_map(finding).collect()
 }
 
 /// Keys of the cases that further processes may decide a claim by: what is undecided, or all steps while
 /// noise is larger than [`MAX_BAND`].
-pub(super) fn undecided(
-    data: &Data<'_>,
-    ladders: &[Ladder<'_>],
-) -> Result<Vec<String>, ChapterError> {
+pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> {
     let own = documents(ladders);
     let Some(scene) = own.first().map(|ladder| ladder.scene) else {
-        return Ok(Vec::new());
+        return Vec::new();
     };
     let noise = data.ladder_noise(scene);
     let is_noisy = noise.is_some_and(|noise| noise.reach_factor() > MAX_BAND);
@@ -690,7 +654,7 @@ pub(super) fn undecided(
                 only,
             } => {
                 for (_, rung) in telling_steps(&own, name, views, *only) {
-                    let is_open = answer(data, rung, *expects)?.standing == Standing::CannotTell;
+                    let is_open = answer(data, rung, *expects).standing == Standing::CannotTell;
                     if is_open || (is_noisy && rung.gain.is_some()) {
                         let cases = rung.before.into_iter().chain([rung.case]);
                         keys.extend(cases.map(|case| case.id().key()));
@@ -704,7 +668,7 @@ pub(super) fn undecided(
             _ => continue,
         };
         for timed in &timed {
-            if timed.answer(data, claim)?.standing == Standing::CannotTell {
+            if timed.answer(data, claim).standing == Standing::CannotTell {
                 keys.extend(timed.cases.map(|case| case.id().key()));
             }
         }
@@ -713,5 +677,5 @@ pub(super) fn undecided(
     keys.dedup();
     let twins = data.ladder_twins(&keys);
     keys.extend(twins);
-    Ok(keys)
+    keys
 }

@@ -11,8 +11,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use terrafill_lab::{Answer, Comparison, Follows, band};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
-    Case, Cell, ChapterError, Claim, ConditionKey, Estimate, Heading, Metric, Noise, Outcome,
-    REPEATS, Run, Scope, Spread, over_typical, process_medians, ratio, sample_spread, typical,
+    Case, Cell, Claim, ConditionKey, Estimate, Heading, Metric, Noise, Outcome, REPEATS, Run,
+    Scope, Spread, over_typical, process_medians, ratio, sample_spread, typical,
 };
 
 /// Full-screen pass that reads depth in a shader and writes a constant.
@@ -70,7 +70,7 @@ impl Timed<'_> {
     }
 
     /// What the time of the first over that of the second says of a claim, by the noise of its scene.
-    pub(super) fn answer(&self, data: &Data<'_>, claim: Claim) -> Result<Answer, ChapterError> {
+    pub(super) fn answer(&self, data: &Data<'_>, claim: Claim) -> Answer {
         self.answer_in(data, data.time_covering(Scope::DRAW), Scope::DRAW, claim)
     }
 
@@ -81,7 +81,7 @@ impl Timed<'_> {
         metric: &'static Metric,
         needs: Scope,
         claim: Claim,
-    ) -> Result<Answer, ChapterError> {
+    ) -> Answer {
         let Pairing {
             changed,
             follows,
@@ -177,7 +177,7 @@ impl<'a> Data<'a> {
         comparison: Comparison<'_>,
         cases: [&Case; 2],
         claim: Claim,
-    ) -> Result<Answer, ChapterError> {
+    ) -> Answer {
         let own = BOOKKEEPING.map(|key| Follows {
             key: key.name(),
             because: "says what the case is for, or names what it has anyway",
@@ -188,7 +188,8 @@ impl<'a> Data<'a> {
             ..comparison
         };
         let noise = self.noise_on(cases[0].condition(SCENE), comparison.metric);
-        Ok(comparison.judge(self.run, cases, claim, noise)?)
+        let judged = comparison.judge(self.run, cases, claim, noise);
+        judged.unwrap_or_else(Answer::from)
     }
 
     /// `process CPU ms`, for headings and axes.

@@ -63,7 +63,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
             text: format!("Cap steps of {}", sweep.title),
         });
         blocks.push(Block::Table(table(data, sweep)));
-        blocks.extend(finding(data, sweep)?.map(Block::Finding));
+        blocks.extend(finding(data, sweep).map(Block::Finding));
         blocks.extend(walls_by_formula(sweep).map(Block::Finding));
     }
     Ok(blocks)
@@ -157,17 +157,15 @@ pub(super) fn coarsest_over_finest<'a>(data: &Data<'a>) -> Vec<Timed<'a>> {
 }
 
 /// Whether the coarsest mesh is faster than the finest.
-fn finding(data: &Data<'_>, sweep: &Sweep<'_>) -> Result<Option<Finding>, ChapterError> {
-    let (Some(fine), Some(coarse)) = (sweep.cases.first(), sweep.cases.last()) else {
-        return Ok(None);
-    };
+fn finding(data: &Data<'_>, sweep: &Sweep<'_>) -> Option<Finding> {
+    let (fine, coarse) = (sweep.cases.first()?, sweep.cases.last()?);
     let timed = Timed {
         title: sweep.title.clone(),
         pairing: STEPS,
         cases: [fine.1, coarse.1],
     };
-    let answer = timed.answer(data, Claim::Faster)?;
-    Ok(answer.figure.as_ref().map(|gain| Finding {
+    let answer = timed.answer(data, Claim::Faster);
+    answer.figure.as_ref().map(|gain| Finding {
         claim: format!(
             "{SOURCE}, 2.1.7.2, anticipated: “the extra subdivision is not going to payoff”. Coarse and \
              tall is faster."
@@ -182,7 +180,7 @@ fn finding(data: &Data<'_>, sweep: &Sweep<'_>) -> Result<Option<Finding>, Chapte
         )
         .trim_end()
         .to_owned(),
-    }))
+    })
 }
 
 /// Whether walls are as low as the formula says; nothing where no case has both figures.

@@ -224,14 +224,9 @@ fn a_wrong_rung_has_no_gain_and_the_next_is_compared_with_the_last_right_one() {
 }
 
 #[test]
-fn a_step_that_changes_more_than_it_says_is_an_error() {
+fn a_step_that_changes_more_than_it_says_is_refused() {
     let mut run = climbed("globe", &[("start", 100.0), ("strips", 50.0)]);
-    let blocks = |run: &MadeUpRun| {
-        let (_folder, run) = written(run);
-        FillingChapter
-            .blocks(&run)
-            .map_err(|error| error.to_string())
-    };
+    let finding = |run: &MadeUpRun| findings(&section(run, LADDER))[0].clone();
     let set = |run: &mut MadeUpRun, key: &str, values: [&str; 2]| {
         for (case, value) in run.cases[1..].iter_mut().zip(values) {
             let conditions = &mut case.id.conditions;
@@ -239,10 +234,15 @@ fn a_step_that_changes_more_than_it_says_is_an_error() {
         }
     };
     set(&mut run, "walls", ["list", "strip"]);
-    assert!(blocks(&run).is_ok());
+    assert_eq!(finding(&run).standing, Standing::DoesNotHold);
     set(&mut run, "depth-rule", ["zfail", "zpass"]);
-    let error = blocks(&run).expect_err("two changes");
-    assert!(error.contains("differ in \"depth-rule\""), "{error}");
+    let refused = finding(&run);
+    assert_eq!(refused.standing, Standing::CannotBeTested);
+    assert!(
+        refused.because.contains("differ in \"depth-rule\""),
+        "{}",
+        refused.because
+    );
 }
 
 #[test]

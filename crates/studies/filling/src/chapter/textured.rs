@@ -16,8 +16,8 @@ use terrafill_lab::Follows;
 use terrafill_plot::dotted;
 use terrafill_plot::number::{bytes, count, significant, spread};
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, ConditionKey, Estimate, Finding, Heading, Outcome,
-    Picture, PictureFigure, Pictures, Row, Standing, Table, ratio,
+    Block, Case, Cell, Claim, ConditionKey, Estimate, Finding, Heading, Outcome, Picture,
+    PictureFigure, Pictures, Row, Standing, Table, ratio,
 };
 
 /// Switches that a plain fill of the same layout has not.
@@ -264,9 +264,9 @@ const CLAIMS: [TextureClaim; 5] = [
 const REQUIRED: usize = 2;
 
 /// What is required of textured fills; nothing for a run that plans none.
-pub(super) fn requirements(data: &Data<'_>) -> Result<Vec<Finding>, ChapterError> {
+pub(super) fn requirements(data: &Data<'_>) -> Vec<Finding> {
     match views(data).is_empty() {
-        true => Ok(Vec::new()),
+        true => Vec::new(),
         false => findings(data, &CLAIMS[REQUIRED]),
     }
 }
@@ -292,10 +292,10 @@ impl<'a> TexturedView<'a> {
 }
 
 /// Nothing for a run that plans no textured fill.
-pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
+pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     let views = views(data);
     if views.is_empty() {
-        return Ok(Vec::new());
+        return Vec::new();
     }
     let mut blocks = vec![
         Block::section("Textured fill"),
@@ -313,7 +313,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
     blocks.splice(1..1, recommended(data, &views));
     blocks.extend(ratios(data, &views));
     for claim in &CLAIMS {
-        blocks.extend(findings(data, claim)?.into_iter().map(Block::Finding));
+        blocks.extend(findings(data, claim).into_iter().map(Block::Finding));
     }
     blocks.extend(Block::folded_list(
         "Not measured",
@@ -338,7 +338,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
             ..Pictures::default()
         }));
     }
-    Ok(blocks)
+    blocks
 }
 
 /// What the recommended route costs and how exact it is, view by view.
@@ -510,14 +510,14 @@ fn ratios(data: &Data<'_>, views: &[TexturedView<'_>]) -> Option<Block> {
 }
 
 /// One for each view with such times.
-fn findings(data: &Data<'_>, claim: &TextureClaim) -> Result<Vec<Finding>, ChapterError> {
+fn findings(data: &Data<'_>, claim: &TextureClaim) -> Vec<Finding> {
     let mut findings = Vec::new();
     for timed in compared(data, claim.comparison) {
         let view = timed.cases[0].condition(VIEW);
         if claim.view.is_some_and(|wanted| wanted != view) {
             continue;
         }
-        let answer = timed.answer(data, claim.claim)?;
+        let answer = timed.answer(data, claim.claim);
         let Some(ratio) = &answer.figure else {
             continue;
         };
@@ -538,7 +538,7 @@ fn findings(data: &Data<'_>, claim: &TextureClaim) -> Result<Vec<Finding>, Chapt
             because: String::new(),
         });
     }
-    Ok(findings)
+    findings
 }
 
 fn table(data: &Data<'_>, view: &TexturedView<'_>) -> Table {

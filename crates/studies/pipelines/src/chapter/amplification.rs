@@ -12,8 +12,7 @@ use crate::keys::{
 };
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, Clock, Estimate, Finding, Heading, Row, Run, Standing,
-    Table,
+    Block, Case, Cell, Claim, Clock, Estimate, Finding, Heading, Row, Run, Standing, Table,
 };
 
 /// What the published table says, and what it does not.
@@ -23,17 +22,17 @@ const WHAT_THEY_CANNOT_SHOW: &str = "The published table counts k × k generated
      that 4 and 16 times fewer points took 2.2 and 8.5 to 9.7 times as long. Points are sent as 4-byte \
      numbers here.";
 
-pub(super) fn section(cases: &[&Case], run: &Run) -> Result<Vec<Block>, ChapterError> {
+pub(super) fn section(cases: &[&Case], run: &Run) -> Vec<Block> {
     let clock = run.clock();
     let own = of(cases, &[(EXPERIMENT, "amplify")]);
     if own.is_empty() {
-        return Ok(Vec::new());
+        return Vec::new();
     }
     let mut blocks = vec![Block::section("Amplification"), what_times_cover(clock)];
-    blocks.extend(findings(&own, run)?.into_iter().map(Block::Finding));
+    blocks.extend(findings(&own, run).into_iter().map(Block::Finding));
     blocks.push(Block::Table(table(&own, clock)));
     blocks.push(Block::Remark(WHAT_THEY_CANNOT_SHOW.to_owned()));
-    Ok(blocks)
+    blocks
 }
 
 /// How many cells a point should make, by the largest grid.
@@ -127,7 +126,7 @@ fn slowdown(
     )
 }
 
-fn findings(cases: &[&Case], run: &Run) -> Result<Vec<Finding>, ChapterError> {
+fn findings(cases: &[&Case], run: &Run) -> Vec<Finding> {
     let sizes = values(cases, GRID_CELLS);
     // How much faster than a cell a point: below 1 where it is slower.
     let pairs = |per_point: u32| -> Vec<[&Case; 2]> {

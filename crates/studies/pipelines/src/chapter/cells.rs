@@ -7,8 +7,8 @@ use terrafill_lab::{Comparison, Follows};
 use terrafill_plot::dotted;
 use terrafill_plot::number::{bytes, significant};
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, Clock, ConditionKey, Estimate, Finding, Heading,
-    Metric, Noise, Run, Scope, ratio,
+    Block, Case, Cell, Claim, Clock, ConditionKey, Estimate, Finding, Heading, Metric, Noise, Run,
+    Scope, ratio,
 };
 
 const CPU: &Metric = Metric::of(&METRICS, "pipeline_cpu_ms");
@@ -112,7 +112,7 @@ pub(super) fn paired_finding(
     (metric, needs): (&'static Metric, Scope),
     pairs: &[[&Case; 2]],
     (claim, says): (String, Claim),
-) -> Result<Finding, ChapterError> {
+) -> Finding {
     let comparison = Comparison {
         changed: changed.name(),
         follows,

@@ -13,8 +13,8 @@ use crate::lights::LightWay;
 use crate::metrics::METRICS;
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, Clock, Finding, Metric, Picture, PictureFigure,
-    Pictures, Row, Run, Scope, Standing, Table,
+    Block, Case, Cell, Claim, Clock, Finding, Metric, Picture, PictureFigure, Pictures, Row, Run,
+    Scope, Standing, Table,
 };
 
 const MAPS_CPU: &Metric = Metric::of(&METRICS, "lights_maps_cpu_ms");
@@ -39,21 +39,21 @@ fn own<'a>(cases: &[&'a Case]) -> Vec<&'a Case> {
     of(cases, &[(EXPERIMENT, "lights")])
 }
 
-pub(super) fn section(cases: &[&Case], run: &Run) -> Result<Vec<Block>, ChapterError> {
+pub(super) fn section(cases: &[&Case], run: &Run) -> Vec<Block> {
     let clock = run.clock();
     let own = own(cases);
     if own.is_empty() {
-        return Ok(Vec::new());
+        return Vec::new();
     }
     let mut blocks = vec![
         Block::section("Shadows of several lights"),
         Block::Text(WHAT_IS_COMPARED.to_owned()),
     ];
-    blocks.push(Block::Finding(claim(&own, run)?));
+    blocks.push(Block::Finding(claim(&own, run)));
     blocks.extend(pictures(&own));
     blocks.push(Block::Table(table(&own, clock)));
     blocks.push(Block::Remark(WHAT_WAS_PUBLISHED.to_owned()));
-    Ok(blocks)
+    blocks
 }
 
 /// What is required: the same depths everywhere.
@@ -79,7 +79,7 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
     }]
 }
 
-fn claim(cases: &[&Case], run: &Run) -> Result<Finding, ChapterError> {
+fn claim(cases: &[&Case], run: &Run) -> Finding {
     let several = values(cases, LIGHTS)
         .into_iter()
         .filter(|lights| *lights >= 4);
