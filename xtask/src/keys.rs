@@ -2,9 +2,9 @@
 //! Studies read conditions and metrics by constants, never by a name in quotes: a misspelt name gives `""`
 //! or "not measured", and nothing says so.
 //!
-//! Most of it is the compiler's work, since constants have types. Refused here is what would still compile:
-//! a name in quotes where a result is read, a list of nothing but conditions, and the name of a metric
-//! anywhere but where it is declared or given a value.
+//! Most of it is the compiler's work, since constants have types. Three things would still compile, and are
+//! refused here. They are a name in quotes where a result is read, a list of nothing but conditions, and the
+//! name of a metric anywhere but where it is declared or given a value.
 
 use crate::source::{crates, without_comments, without_tests};
 use anyhow::{Result, bail};

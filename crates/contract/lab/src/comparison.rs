@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Two cases that differ in one condition, and what is asked of them.
 //!
-//! A [`Comparison`] names the condition that the question changes and those that follow from it. It
-//! refuses a pair that differs in any other, a time that does not cover what is compared, and process
-//! CPU time for work that a GPU does: such a ratio would answer another question. A refusal is an error
-//! of the program: a page says so, and a test over the full plans of all studies allows none.
+//! A [`Comparison`] names the condition that the question changes, and those that follow from it. What
+//! would answer another question is refused: a pair that differs in a further condition, a time that does
+//! not cover what is compared, and process CPU time for a GPU's work. A refusal is an error of the program.
+//! A page says so, and a test over the full plans of all studies allows none.
 
 use crate::bench_command;
 use terrafill_plot::number::times;
-use terrafill_results::threshold::{MIN_DIFFERENCE, MIN_REPLICATES};
+use terrafill_results::threshold::MIN_REPLICATES;
 use terrafill_results::{
     Case, Claim, Clock, Estimate, Finding, Kind, Metric, Noise, Outcome, REPEATS, Run, Scope,
     Standing, Timer, ratio,
 };
-
-/// Least band of no difference: clocks of software devices step by less, and what two of three pairs of
-/// identical work happen to agree by says little.
-const MIN_BAND: f64 = 1.005;
 
 /// Most processes that a command asks for: beyond, a quieter machine decides sooner than more of them.
 const MAX_PROCESSES: usize = 30;
@@ -37,8 +33,8 @@ pub struct Comparison<'a> {
     pub changed: &'a str,
     /// Conditions that may differ with it.
     pub follows: &'a [Follows<'a>],
-    /// Why conditions that only one of the two has are no second change, such as switches of one of two
-    /// techniques; `None` where they are one.
+    /// Why a condition that only one of the two has is no second change, such as a switch of one of two
+    /// techniques. `None`: it is one.
     pub one_sided: Option<&'a str>,
     /// What is compared.
     pub metric: &'static Metric,
@@ -140,12 +136,6 @@ impl Answer {
     }
 }
 
-/// Ratios closer to 1 than this factor are no difference: so far the intervals of identical work reached.
-#[must_use]
-pub fn band(noise: Option<Noise>) -> f64 {
-    noise.map_or(MIN_DIFFERENCE, |noise| noise.reach_factor().max(MIN_BAND))
-}
-
 impl Comparison<'_> {
     /// What two cases say of a claim on the first's figure over the second's.
     ///
@@ -181,7 +171,7 @@ impl Comparison<'_> {
             return Ok(open(Standing::NotMeasured, &why, MIN_REPLICATES));
         }
         let (figure, band) = if self.metric.kind == Kind::Time {
-            (ratio(first, second, self.metric), band(noise))
+            (ratio(first, second, self.metric), Noise::band(noise))
         } else {
             (exact(first, second, self.metric), 1.0)
         };
@@ -254,27 +244,6 @@ impl Comparison<'_> {
         }
     }
 
-    /// Pairs of cases that have the first and the second of `values`, and are alike in all that may not
-    /// differ. Repeats are left out.
-    #[must_use]
-    pub fn pairs<'r>(
-        &self,
-        cases: impl Iterator<Item = &'r Case> + Clone,
-        values: [&str; 2],
-    ) -> Vec<[&'r Case; 2]> {
-        let [firsts, seconds] = values.map(|value| -> Vec<&Case> {
-            let own = cases.clone().filter(|case| !case.is_twin());
-            own.filter(|case| case.condition_named(self.changed) == value)
-                .collect()
-        });
-        let pairs = firsts.into_iter().filter_map(|first| {
-            let mut others = seconds.iter().copied();
-            let second = others.find(|second| self.beside([first, second]).is_empty())?;
-            Some([first, second])
-        });
-        pairs.collect()
-    }
-
     fn check_metric(&self, clock: Clock) -> Result<(), Refused> {
         let metric = self.metric;
         if metric.kind == Kind::Time && !metric.scope.covers(self.needs) {
@@ -340,8 +309,8 @@ impl Comparison<'_> {
     }
 }
 
-/// Of several answers to one question: one that is refused refuses it, one that does not hold is enough, one that is open
-/// leaves it open.
+/// Several answers to one question. One that is refused refuses it; one that does not hold is enough; one that is
+/// open leaves it open.
 #[must_use]
 pub fn overall(standings: &[Standing]) -> Standing {
     let has = |wanted| standings.contains(&wanted);
@@ -363,7 +332,7 @@ pub fn overall(standings: &[Standing]) -> Standing {
     }
 }
 
-/// Right and measured, or wrong by its nature, whose error stands beside its cost.
+/// Whether its cost may be compared. A case that is wrong by its nature has its error beside its cost.
 fn is_measured(case: &Case) -> bool {
     case.counts() || (case.outcome == Outcome::Wrong && case.planned.may_be_wrong)
 }
@@ -377,8 +346,8 @@ fn exact(first: &Case, second: &Case, metric: &Metric) -> Option<Estimate> {
     })
 }
 
-/// How many processes would bring the interval clear of the nearer end of the band, if it shrinks as the root of
-/// their number; more than a run can take where the ratio stands on that end.
+/// How many processes would decide it, if the interval shrinks as the root of their number. A ratio on the end
+/// of the band takes more than a run can have.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -580,23 +549,6 @@ mod tests {
             "{}",
             answer.because
         );
-    }
-
-    #[test]
-    fn pairs_are_alike_in_everything_else() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let pairs_of = |side: &str, name: &str| {
-            let made = run(&[2.0; 5], &[1.0; 5], side);
-            let run = made.write(&folder.path().join(name)).expect("a run");
-            let pairs = DRAWS.pairs(run.cases.iter(), ["fail", "pass"]);
-            let keys = pairs.iter().map(|pair| pair.map(|case| case.id().key()));
-            keys.collect::<Vec<_>>()
-        };
-        let pairs = pairs_of("left", "one");
-        assert_eq!(pairs.len(), 2);
-        assert!(pairs[1][0].contains("horizon/fail") && pairs[1][1].contains("horizon/pass"));
-        // Control: with a second change there are none.
-        assert_eq!(pairs_of("right", "two"), Vec::<[String; 2]>::new());
     }
 
     #[test]

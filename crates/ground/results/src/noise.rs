@@ -6,7 +6,7 @@
 //! its operands, so that half as long and twice as long differ by as much. A gap between two cases
 //! that is no larger than the largest noise of a pair is a tie.
 
-use crate::threshold::{MIN_DIFFERENCE, MIN_REPLICATES};
+use crate::threshold::{MIN_BAND, MIN_DIFFERENCE, MIN_REPLICATES};
 use crate::{Case, Estimate, REPEATS, Standing, process_medians, ratio};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -127,6 +127,13 @@ impl Noise {
         self.reach.exp()
     }
 
+    /// Ratios closer to 1 than this factor are no difference: so far the intervals of identical work reached. Where none
+    /// was measured twice, [`MIN_DIFFERENCE`].
+    #[must_use]
+    pub fn band(noise: Option<Self>) -> f64 {
+        noise.map_or(MIN_DIFFERENCE, |noise| noise.reach_factor().max(MIN_BAND))
+    }
+
     /// The largest noise as a factor, 1 or more.
     #[must_use]
     pub fn max_factor(&self) -> f64 {
@@ -149,8 +156,7 @@ impl Noise {
 impl Standing {
     /// Whether something takes less time than something else, and why that cannot be told.
     ///
-    /// Decided where the whole interval lies further from 1 than identical work differed. Without a repeat
-    /// less than [`MIN_DIFFERENCE`] is no difference.
+    /// Decided where the whole interval lies further from 1 than [`Noise::band`].
     ///
     /// - `gain`: time of the other over its own, over processes
     /// - `noise`: of that metric in the same run
@@ -163,7 +169,7 @@ impl Standing {
             );
             return (Self::CannotTell, needed);
         };
-        let band = noise.map_or(MIN_DIFFERENCE, |noise| noise.max_factor());
+        let band = Noise::band(noise);
         if low > band {
             return (Self::Holds, String::new());
         }

@@ -10,7 +10,7 @@ use crate::folder::{
     CASES, ENVIRONMENT, MEASUREMENT_COLUMNS, MEASUREMENTS, METRICS, NOTES, PLAN, RunError,
     RunFolder, SCHEMA_FILE, encode, io, write_whole,
 };
-use crate::{Measurement, Run, Status};
+use crate::{Run, Status};
 use std::path::{Path, PathBuf};
 
 /// Files that a process needs to go on with a run. The plan comes last: a folder with a plan is whole.
@@ -63,20 +63,7 @@ impl VerifiedRun {
     pub fn add_part(&self, part: &Path) -> Result<(), RunError> {
         let run = RunFolder::open(&self.path)?;
         for case in &Run::load(part)?.cases {
-            let key = case.id().key();
-            let mut rows = Vec::new();
-            for (metric, samples) in case.figures() {
-                for (&process, of) in samples {
-                    rows.extend(of.iter().map(|(&sample, &value)| Measurement {
-                        case: key.clone(),
-                        metric: metric.clone(),
-                        process,
-                        sample,
-                        value,
-                    }));
-                }
-            }
-            run.append_measurements(&rows)?;
+            run.append_measurements(&case.measurements())?;
             // One that failed before the parts were made is not planned to be timed in any.
             if case.status() == Some(Status::Failed) && case.planned.samples > 0 {
                 run.fail_case(&case.planned, &case.reason)?;
@@ -89,8 +76,8 @@ impl VerifiedRun {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::PlannedCase;
     use crate::made_up::{MadeUpRun, case_id};
+    use crate::{Measurement, PlannedCase};
 
     /// Bytes of all files of a folder: what a process that opens it reads.
     fn bytes(folder: &Path) -> u64 {

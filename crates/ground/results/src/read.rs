@@ -11,7 +11,8 @@ use crate::folder::{
     read_json, read_table,
 };
 use crate::{
-    CaseId, Clock, MetricRow, Note, PlannedCase, REPEATS, RunEnvironment, RunPlan, Status, median,
+    CaseId, Clock, Measurement, MetricRow, Note, PlannedCase, REPEATS, RunEnvironment, RunPlan,
+    Status, median,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -90,6 +91,25 @@ impl Case {
     #[must_use]
     pub fn figures(&self) -> &BTreeMap<String, Samples> {
         &self.figures
+    }
+
+    /// A row for each of these values.
+    #[must_use]
+    pub fn measurements(&self) -> Vec<Measurement> {
+        let key = self.id().key();
+        let mut rows = Vec::new();
+        for (metric, samples) in &self.figures {
+            for (&process, of) in samples {
+                rows.extend(of.iter().map(|(&sample, &value)| Measurement {
+                    case: key.clone(),
+                    metric: metric.clone(),
+                    process,
+                    sample,
+                    value,
+                }));
+            }
+        }
+        rows
     }
 
     /// Which case.

@@ -21,3 +21,7 @@ pub const FRONT_SURVIVAL: f64 = 0.95;
 /// Ratios closer to 1 than this factor are no difference: times of one binary repeat within 5 % on a
 /// software driver.
 pub const MIN_DIFFERENCE: f64 = 1.05;
+
+/// Least band of no difference that repeats can give: clocks of software devices step by less, and what two of three
+/// pairs of identical work happen to agree by says little.
+pub const MIN_BAND: f64 = 1.005;

@@ -7,7 +7,7 @@
 
 use crate::{GateError, driver_fingerprint};
 use std::path::{Path, PathBuf};
-use terrafill_results::{Measurement, Metric, MetricRow, PlannedCase, Run, RunFolder, RunPlan};
+use terrafill_results::{Metric, MetricRow, PlannedCase, Run, RunFolder, RunPlan};
 
 /// Writes `run` as the baseline `name` of its driver, in place of an earlier one.
 ///
@@ -46,21 +46,8 @@ pub fn save_baseline(run: &Run, folder: &Path, name: &str) -> Result<PathBuf, Ga
     let metrics: Vec<Metric> = rows.iter().map(|row| declaration(row)).collect();
     let written = RunFolder::create(&place, run.environment.clone(), plan, &metrics)?;
     for (case, planned) in kept.iter().zip(&written.plan().cases) {
-        let mut values = Vec::new();
-        for (metric, samples) in case.figures() {
-            if !rows.iter().any(|row| row.name == *metric) {
-                continue;
-            }
-            for (&process, of) in samples {
-                values.extend(of.iter().map(|(&sample, &value)| Measurement {
-                    case: case.id().key(),
-                    metric: metric.clone(),
-                    process,
-                    sample,
-                    value,
-                }));
-            }
-        }
+        let mut values = case.measurements();
+        values.retain(|value| rows.iter().any(|row| row.name == value.metric));
         written.append_measurements(&values)?;
         if let Some(status) = case.status() {
             written.append_case(planned, status, &case.reason)?;
@@ -78,7 +65,7 @@ fn declaration(row: &MetricRow) -> Metric {
         kind: row.kind,
         better: row.better,
         meaning: keep(&row.meaning),
-        // Not in the file that is read, and not written.
+        // Exact figures cover no part of a frame's work.
         scope: terrafill_results::Scope::NOTHING,
         primary: row.primary,
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A gate holds its folder while it works in it, by a lock that ends with its process. So a folder of a gate that
-//! was killed is known from one that is at work, and from one that has come to a verdict.
+//! A gate holds its folder by a lock that ends with its process. So the folder of a gate that was killed differs from
+//! that of one at work, and from that of one with a verdict.
 
 use crate::GateError;
 use std::fs::File;
@@ -42,8 +42,8 @@ fn remove(path: &Path) -> Result<(), GateError> {
     removed.map_err(GateError::io(path))
 }
 
-/// Takes away what single processes have in the folder of a gate that is told to stop: copies of its programs take
-/// more room than all else.
+/// Takes away the folders of single processes, for a gate that is told to stop. They hold copies of its programs, which
+/// take more room than all else.
 pub fn clear_processes(out: &Path) {
     // A process that is still at work may write between two steps. What stays all the same takes room, and the next
     // gate in this folder takes it away.

@@ -436,8 +436,8 @@ fn of_metric(run: &Run, metric: &str) -> Times {
         .collect()
 }
 
-/// Times that are compared, of cases that are right on both sides, planned with samples, and of a study that times
-/// them: those of each frame, then those that a process takes once.
+/// Times that are compared: those of each frame, then those that a process takes once. They are of cases that are
+/// right on both sides, planned with samples, and of a study that times them.
 ///
 /// A frame that has no time all the same is among them, so that it is missed; so is another time that one run has.
 /// Of what neither run measures there is nothing to compare.

@@ -2,10 +2,10 @@
 //! Changes in series of figures over commits: exact ones, steps of times, and slow drift.
 //!
 //! A figure that is exact has changed wherever it differs from the commit before. A time has a **step**
-//! where one of two tests makes it a discovery among all series: the step's size in units of the series'
-//! own scatter, by [`Scatters`], or, in a history that is long enough for it, the ranks of both sides
-//! (Mann and Whitney, 1947; times the number of places, Bonferroni). A **drift** is one where the order of
-//! all values is a discovery (Mann and Kendall). Both also have the floor's size, are several times the
+//! where one of two tests makes it a discovery among all series. The first is the step's size in units of
+//! the series' own scatter, by [`Scatters`]. The second, in a history that is long enough for it, is by the
+//! ranks of both sides (Mann and Whitney, 1947; times the number of places, Bonferroni). A **drift** is one
+//! where the order of all values is a discovery (Mann and Kendall). Both also have the floor's size, are several times the
 //! scatter around the levels or the line, and their sides hardly overlap. Whether steps or a line tell a
 //! series better, an information criterion decides.
 //!

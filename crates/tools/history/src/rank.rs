@@ -124,8 +124,8 @@ pub(crate) fn slope(values: &[f64]) -> Option<f64> {
     median(&slopes)
 }
 
-/// Groups of more pairs than this have the normal distribution of the statistic: its cut differs from the exact
-/// one by three pairs at most, and counting takes the square of the pairs' number.
+/// Groups of more pairs than this have the normal distribution of the statistic. Its cut differs from the exact one
+/// by three pairs at most, while counting takes the square of the pairs' number.
 const MAX_COUNTED_PAIRS: usize = 2500;
 
 /// How many pairs an interval leaves out at each end, by the sizes of the groups: counted once for all cases of

@@ -3,14 +3,14 @@
 //!
 //! A rank test sees only the order of values. Of twelve commits, three of which are later than all others,
 //! it says 1 in 110, whether they are later by 1 % or by ten times. Hundreds of series need 1 in 6000. So a
-//! step is measured in units of its own series' scatter, which differences between neighbouring commits
-//! give: a step is in one of them alone, and a drift in none by much.
+//! step is measured in units of its own series' scatter. That comes from differences between neighbouring
+//! commits: a step is in one of them alone, and a drift in none by much.
 //!
 //! Few commits tell a scatter badly. Series of one machine and metric therefore borrow from each other, by
 //! as much as they are alike (empirical Bayes; Smyth, 2004), and none is moved further than its own error
-//! allows (limited translation; Efron and Morris, 1972). How large the largest step of a series without any
-//! is, times answer themselves: every series is put in random order again and again, and one with an
-//! outstanding step without that step. So heavy tails, which timing has, raise the threshold by themselves.
+//! allows (limited translation; Efron and Morris, 1972). The times themselves say how large the largest step
+//! of a series without any is: every series is put in random order again and again. A series with an
+//! outstanding step is so without that step. So heavy tails, which timing has, raise the threshold by themselves.
 //! The seed is fixed.
 
 use crate::threshold::{MIN_ALIKE, MIN_ORDERS, MIN_SCATTER, MIN_SIDE};

@@ -8,7 +8,7 @@ use crate::keys::{
 use crate::metrics::METRICS;
 use crate::request::STUDY;
 use std::collections::{BTreeMap, BTreeSet};
-use terrafill_lab::{Answer, Comparison, Follows, band};
+use terrafill_lab::{Answer, Comparison, Follows};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
     Case, Cell, Claim, ConditionKey, Estimate, Heading, Metric, Noise, Outcome, REPEATS, Run,
@@ -270,7 +270,7 @@ impl<'a> Data<'a> {
     /// Ratios closer to 1 than this factor are no difference in a scene's ladder: so far reach the intervals
     /// of identical work there. A narrower band could not call identical work no difference.
     pub(super) fn band(&self, scene: &str) -> f64 {
-        band(self.ladder_noise(scene))
+        Noise::band(self.ladder_noise(scene))
     }
 
     /// By how much identical work differed on a scene's ladder; anywhere in the scene where none of the

@@ -659,9 +659,6 @@ fn more_processes_are_wanted_for_what_is_undecided_and_for_nothing_else() {
     assert_eq!(keys_beside(&[100.0; 8], Some(104.0)).len(), 3);
 }
 
-/// The document as plain text, beside the data folder.
-const DOCUMENT: &str = "../papers/cozzi-2007-shadow-volume-fill.txt";
-
 /// What the tables quote, and where it stands.
 fn quotations() -> impl Iterator<Item = (&'static str, &'static str)> {
     let claims = PAPER.claims.iter();
@@ -722,7 +719,9 @@ fn only_words_of_the_table_stand_between_quotation_marks() {
 #[test]
 #[ignore = "needs data: papers"]
 fn quotations_are_words_of_the_document() {
-    let document = String::from_utf8(data::bytes(DOCUMENT)).expect("UTF-8");
+    // As plain text, beside the data folder.
+    let path = format!("../papers/{}.txt", PAPER.document);
+    let document = String::from_utf8(data::bytes(&path)).expect("UTF-8");
     for (words, place) in quotations() {
         assert!(
             holds(&document, words),
