@@ -53,7 +53,7 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`], and [`SceneError::Unknown`].
     pub fn shipped(name: &str, data_dir: Option<&Path>) -> Result<Self, SceneError> {
-        let text = shipped::scene_text(name).ok_or_else(|| SceneError::Unknown {
+        let text = shipped::shipped_scene_text(name).ok_or_else(|| SceneError::Unknown {
             name: name.to_owned(),
             allowed: shipped::shipped_scene_names().join(", "),
         })?;

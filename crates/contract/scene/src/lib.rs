@@ -48,7 +48,7 @@ pub use plan::{
 };
 pub use procedural::Islands;
 pub use scene::{LevelChoice, Overlap, Scene, SurfaceChoice, SurfaceFile, View};
-pub use shipped::{shipped_scene_names, suite_names, suite_scenes};
+pub use shipped::{shipped_scene_names, shipped_scene_text, suite_names, suite_scenes};
 pub use suite::{Expectation, SuiteScene, SuiteView};
 pub use terrafill_core::ShapeFamily;
 pub use texture::{

@@ -148,7 +148,9 @@ pub(crate) fn height_names() -> Vec<&'static str> {
     HEIGHTS.iter().map(|(name, _)| *name).collect()
 }
 
-pub(crate) fn scene_text(name: &str) -> Option<&'static str> {
+/// File of a scene that ships with the program, by name.
+#[must_use]
+pub fn shipped_scene_text(name: &str) -> Option<&'static str> {
     find(SCENES, &format!("{name}.toml"))
 }
 

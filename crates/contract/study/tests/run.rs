@@ -7,8 +7,9 @@ use std::path::Path;
 use std::rc::Rc;
 use terrafill_fill::{DeviceLoss, Devices};
 use terrafill_results::{
-    Block, CaseId, Chapter, ChapterError, Clock, ConditionKey, Kind, Metric, Outcome, PlannedCase,
-    Run, RunEnvironment, RunError, RunFolder, SCHEMA, Shard, Status, UNSTEADY_CLOCK, Verdict,
+    Block, CaseId, Chapter, ChapterError, Clock, ConditionKey, Kind, Metric, Numbered, Outcome,
+    PlannedCase, Run, RunEnvironment, RunError, RunFolder, SCHEMA, Shard, Status, UNSTEADY_CLOCK,
+    Verdict,
 };
 use terrafill_study::{
     Context, FramesPerSample, Group, Plan, Planned, Request, RunOptions, RunOutcome, Session,
@@ -707,7 +708,7 @@ fn settled(costs: Vec<f64>, max_looks: u32, each_group: bool) -> (Vec<f64>, Vec<
     measure(&plan, &folder, &options);
     let run = Run::load(place.path()).expect("a run");
     let times = run.cases.iter().filter_map(|case| case.samples("cost_ms"));
-    let times = times.flat_map(BTreeMap::values).flat_map(BTreeMap::values);
+    let times = times.flat_map(Numbered::values).flat_map(Numbered::values);
     let notes = run.cases.iter().flat_map(|case| case.notes());
     let notes = notes.filter(|(name, _)| name.starts_with(UNSTEADY_CLOCK));
     (

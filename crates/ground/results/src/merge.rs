@@ -3,8 +3,8 @@
 
 use crate::folder::{RunError, RunFolder};
 use crate::{
-    Measurement, Metric, MetricRow, Note, Run, RunPlan, Shard, append_clocks, append_durations,
-    read_clocks, read_durations, repeated_cases,
+    Metric, MetricRow, Note, Run, RunPlan, Shard, append_clocks, append_durations, read_clocks,
+    read_durations, repeated_cases,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -193,19 +193,7 @@ fn in_order(runs: &[Run]) -> Result<Vec<&Run>, MergeError> {
 fn copy_rows(run: &Run, folder: &RunFolder) -> Result<(), RunError> {
     for case in &run.cases {
         let key = case.id().key();
-        let mut measurements = Vec::new();
-        for (metric, samples) in case.figures() {
-            for (&process, values) in samples {
-                measurements.extend(values.iter().map(|(&sample, &value)| Measurement {
-                    case: key.clone(),
-                    metric: metric.clone(),
-                    process,
-                    sample,
-                    value,
-                }));
-            }
-        }
-        folder.append_measurements(&measurements)?;
+        folder.append_measurements(&case.measurements())?;
         let notes: Vec<Note> = case
             .notes()
             .iter()
@@ -245,6 +233,7 @@ fn copy_images(from: &Path, to: &Path) -> Result<(), RunError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Measurement;
     use crate::{CaseId, Kind, Outcome, PlannedCase, RunEnvironment, SCHEMA, Status};
 
     const METRICS: [Metric; 1] = [Metric::less("cost_ms", "ms", Kind::Time, "Cost.")];

@@ -11,11 +11,12 @@ use crate::folder::{
     read_json, read_table,
 };
 use crate::{
-    CaseId, Clock, Measurement, MetricRow, Note, PlannedCase, REPEATS, RunEnvironment, RunPlan,
-    Status, median,
+    CaseId, Clock, Measurement, MetricRow, Note, Numbered, PlannedCase, REPEATS, RunEnvironment,
+    RunPlan, Status, median,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// How a planned case ended, including that it has not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -50,7 +51,7 @@ impl Outcome {
 }
 
 /// Values of one metric of one case: process → sample → value.
-pub type Samples = BTreeMap<u32, BTreeMap<u32, f64>>;
+pub type Samples = Numbered<Numbered<f64>>;
 
 /// One planned case and what is known of it.
 #[derive(Debug, Clone)]
@@ -62,7 +63,7 @@ pub struct Case {
     /// Why, or a remark; for a missing case, what is missing.
     pub reason: String,
     status: Option<Status>,
-    figures: BTreeMap<String, Samples>,
+    figures: BTreeMap<Arc<str>, Samples>,
     notes: BTreeMap<String, String>,
 }
 
@@ -89,7 +90,7 @@ impl Case {
 
     /// Metrics that were measured, with their values.
     #[must_use]
-    pub fn figures(&self) -> &BTreeMap<String, Samples> {
+    pub fn figures(&self) -> &BTreeMap<Arc<str>, Samples> {
         &self.figures
     }
 
@@ -102,7 +103,7 @@ impl Case {
             for (&process, of) in samples {
                 rows.extend(of.iter().map(|(&sample, &value)| Measurement {
                     case: key.clone(),
-                    metric: metric.clone(),
+                    metric: metric.to_string(),
                     process,
                     sample,
                     value,
@@ -213,7 +214,10 @@ impl Run {
         let environment: RunEnvironment = read_json(&path.join(ENVIRONMENT))?;
         let metrics = read_metrics(&path.join(METRICS))?;
         let mut rows = read_cases(&path.join(CASES), &plan, &environment)?;
-        let names: BTreeSet<&str> = metrics.iter().map(|metric| metric.name.as_str()).collect();
+        let names: BTreeSet<Arc<str>> = metrics
+            .iter()
+            .map(|metric| metric.name.as_str().into())
+            .collect();
         let planned: BTreeSet<String> = plan.cases.iter().map(|case| case.id.key()).collect();
         let mut figures = read_measurements(&path.join(MEASUREMENTS), &planned, &names)?;
         let mut notes = read_notes(&path.join(NOTES), &planned)?;
@@ -295,9 +299,9 @@ fn primary(metrics: &[MetricRow], cases: &[Case], clock: Clock) -> BTreeMap<Stri
         for metric in case
             .figures
             .keys()
-            .filter(|metric| marked.remove(metric.as_str()))
+            .filter(|metric| marked.remove(&***metric))
         {
-            found.insert(case.id().study.clone(), metric.clone());
+            found.insert(case.id().study.clone(), metric.to_string());
         }
     }
     found
@@ -307,7 +311,7 @@ fn outcome(
     planned: &PlannedCase,
     plan: &RunPlan,
     row: Option<(Status, String)>,
-    figures: &BTreeMap<String, Samples>,
+    figures: &BTreeMap<Arc<str>, Samples>,
 ) -> (Outcome, String) {
     let Some((status, reason)) = row else {
         return (
@@ -335,7 +339,7 @@ fn outcome(
 }
 
 /// Timed samples, which count from 1, over all processes.
-fn samples_taken(figures: &BTreeMap<String, Samples>) -> usize {
+fn samples_taken(figures: &BTreeMap<Arc<str>, Samples>) -> usize {
     let taken: BTreeSet<(u32, u32)> = figures
         .values()
         .flatten()
@@ -443,9 +447,9 @@ fn read_cases(
 fn read_measurements(
     path: &Path,
     planned: &BTreeSet<String>,
-    metrics: &BTreeSet<&str>,
-) -> Result<BTreeMap<String, BTreeMap<String, Samples>>, RunError> {
-    let mut figures: BTreeMap<String, BTreeMap<String, Samples>> = BTreeMap::new();
+    metrics: &BTreeSet<Arc<str>>,
+) -> Result<BTreeMap<String, BTreeMap<Arc<str>, Samples>>, RunError> {
+    let mut figures: BTreeMap<String, BTreeMap<Arc<str>, Samples>> = BTreeMap::new();
     let columns = strings(&MEASUREMENT_COLUMNS);
     each_row(path, &columns, |row, record| {
         let of = |index: usize| record.get(index).unwrap_or_default();
@@ -457,14 +461,16 @@ fn read_measurements(
             return Err(wrong(0, "a case of plan.json"));
         }
         let of_case = kept(&mut figures, of(0));
-        if !of_case.contains_key(of(1)) && !metrics.contains(of(1)) {
-            return Err(wrong(1, "a metric of metrics.csv"));
+        if !of_case.contains_key(of(1)) {
+            let metric = metrics.get(of(1));
+            let metric = metric.ok_or_else(|| wrong(1, "a metric of metrics.csv"))?;
+            of_case.insert(Arc::clone(metric), Samples::default());
         }
-        let samples = kept(of_case, of(1));
+        let samples = of_case.get_mut(of(1)).expect("it was inserted");
         let process = of(2).parse().map_err(|_| wrong(2, "a whole number"))?;
         let sample = of(3).parse().map_err(|_| wrong(3, "a whole number"))?;
         let value = of(4).parse().map_err(|_| wrong(4, "a number"))?;
-        samples.entry(process).or_default().insert(sample, value);
+        samples.of(process).insert(sample, value);
         Ok(())
     })?;
     Ok(figures)

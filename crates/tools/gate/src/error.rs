@@ -48,6 +48,9 @@ pub enum GateError {
         /// What came of it.
         message: String,
     },
+    /// Both sides cannot be brought to do the same work.
+    #[error("inconclusive: {0}")]
+    Inconclusive(String),
     /// A program found no device.
     #[error("no usable device: {0}")]
     NoDevice(String),
@@ -61,6 +64,7 @@ impl GateError {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
+            Self::Inconclusive(_) => 3,
             Self::NothingMeasured(_) => 4,
             Self::NoDevice(_) => 5,
             Self::Infrastructure { .. } => 6,

@@ -8,7 +8,8 @@
 
 use crate::{Finding, Gate, GateError, Limit, Severity};
 use std::collections::{BTreeMap, BTreeSet};
-use terrafill_results::{Case, Direction, Kind, MetricRow, Outcome, Run, RunEnvironment};
+use std::sync::Arc;
+use terrafill_results::{Case, Direction, Kind, MetricRow, Numbered, Outcome, Run, RunEnvironment};
 
 /// What the exact gates found.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -137,8 +138,8 @@ fn is_copy(base: &Run, new: &Run) -> bool {
             .filter(|metric| metric.kind == Kind::Time);
         let times: BTreeSet<&str> = times.map(|metric| metric.name.as_str()).collect();
         let figures = run.cases.iter().flat_map(Case::figures);
-        let of_time = figures.filter(|(metric, _)| times.contains(metric.as_str()));
-        let values = of_time.flat_map(|(_, samples)| samples.values().flat_map(BTreeMap::values));
+        let of_time = figures.filter(|(metric, _)| times.contains(&***metric));
+        let values = of_time.flat_map(|(_, samples)| samples.values().flat_map(Numbered::values));
         values.map(|value| value.to_bits()).collect()
     };
     let times_of_base = times(base);
@@ -269,7 +270,8 @@ impl Comparison<'_> {
     }
 
     fn figures(&mut self, base: &Case, new: &Case) {
-        let names: BTreeSet<&String> = base.figures().keys().chain(new.figures().keys()).collect();
+        let names: BTreeSet<&Arc<str>> =
+            base.figures().keys().chain(new.figures().keys()).collect();
         for name in names {
             let Some(metric) = self.kinds.get(name).cloned() else {
                 continue;
@@ -389,7 +391,7 @@ fn values(case: &Case, metric: &str) -> Vec<f64> {
 }
 
 fn all_values(case: &Case, metric: &str) -> Vec<f64> {
-    let samples = case.samples(metric).into_iter().flat_map(BTreeMap::values);
+    let samples = case.samples(metric).into_iter().flat_map(Numbered::values);
     samples.flat_map(|of| of.values().copied()).collect()
 }
 

@@ -2,7 +2,7 @@
 //! A gate holds its folder by a lock that ends with its process. So the folder of a gate that was killed differs from
 //! that of one at work, and from that of one with a verdict.
 
-use crate::GateError;
+use crate::{GateError, PICTURES};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -16,7 +16,7 @@ pub(crate) const VERIFY: &str = "verify-";
 
 /// Names of what a gate makes before its verdict; all else is somebody else's.
 fn is_of_gate(name: &str) -> bool {
-    ["base", "new", LOCK].contains(&name) || is_of_process(name)
+    ["base", "new", PICTURES, LOCK].contains(&name) || is_of_process(name)
 }
 
 fn is_of_process(name: &str) -> bool {

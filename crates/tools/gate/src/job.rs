@@ -23,7 +23,7 @@ use std::io::{self, BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
-use terrafill_results::{Case, Clock, Outcome, Run, VerifiedRun};
+use terrafill_results::{Case, Clock, Outcome, Run, Samples, VerifiedRun};
 
 /// The times that a study's cases are compared by; none for a study that times nothing.
 pub type GatedTimes<'a> = &'a dyn Fn(&str, Clock) -> Vec<GatedTime>;
@@ -151,6 +151,11 @@ impl<'a> Job<'a> {
     #[must_use]
     pub fn folder(&self, side: Side) -> PathBuf {
         self.out.join(side.name())
+    }
+
+    /// The gate's folder.
+    pub(crate) fn out(&self) -> &Path {
+        &self.out
     }
 
     /// A side's run as it is now.
@@ -431,8 +436,14 @@ fn of_metric(run: &Run, metric: &str) -> Times {
         .iter()
         .filter(|case| !case.is_twin())
         .filter(counts);
+    let of_processes = |samples: &Samples| {
+        let processes = samples.iter();
+        processes
+            .map(|(process, of)| (*process, of.iter().map(|(at, ms)| (*at, *ms)).collect()))
+            .collect()
+    };
     timed
-        .filter_map(|case| Some((case.id().key(), case.samples(metric)?.clone())))
+        .filter_map(|case| Some((case.id().key(), of_processes(case.samples(metric)?))))
         .collect()
 }
 
@@ -467,7 +478,7 @@ pub fn watched(base: &Run, new: &Run, gated: GatedTimes<'_>) -> [Vec<Watched>; 2
         }
         for GatedTime { metric, span } in gated(&cases[0].id().study, clock) {
             let samples = || cases.iter().filter_map(|case| case.samples(metric));
-            let is_setup = samples().any(|of| of.values().any(|of| of.contains_key(&0)));
+            let is_setup = samples().any(|of| of.values().any(|of| of.get(&0).is_some()));
             if span == Span::Frame || samples().next().is_some() {
                 let of = found[usize::from(is_setup)]
                     .entry((span, metric))

@@ -38,6 +38,7 @@ pub(crate) fn report(findings: Vec<Finding>) -> GateReport {
         skipped: vec![("filling/c".to_owned(), "no data".to_owned())],
         findings,
         time: None,
+        pictures: Vec::new(),
         idle_blessings: vec!["unused: filling/z, draws 1 → 2".to_owned()],
         unmatched_limits: Vec::new(),
         elapsed_s: 12.0,

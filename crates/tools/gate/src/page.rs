@@ -67,7 +67,8 @@ pub fn markdown(report: &GateReport) -> String {
         accepted.collect(),
     ));
     // Behind the verdict, and before what it rests on.
-    blocks.insert(1, changes(report, &names));
+    blocks.insert(1, pictures(report, &names));
+    blocks.insert(2, changes(report, &names));
     let mut idle: Vec<String> = report
         .idle_blessings
         .iter()
@@ -100,6 +101,27 @@ pub fn markdown(report: &GateReport) -> String {
         page += &block;
     }
     page
+}
+
+/// What is wrong, beside what is right.
+fn pictures(report: &GateReport, names: &Names) -> String {
+    let mut text = String::new();
+    for shown in &report.pictures {
+        let what = shown.pictures.iter().map(|(what, _)| what.as_str());
+        let images = shown
+            .pictures
+            .iter()
+            .map(|(what, path)| format!("![{what}]({path})"));
+        let _ = write!(
+            text,
+            "\n`{}`\n\n| {} |\n|{}\n| {} |\n",
+            names.short(&shown.case),
+            what.collect::<Vec<_>>().join(" | "),
+            "---|".repeat(shown.pictures.len()),
+            images.collect::<Vec<_>>().join(" | ")
+        );
+    }
+    text
 }
 
 /// The largest changes of times, each measured by what its kind may change without failing.
@@ -207,7 +229,7 @@ fn short(text: &str, most: usize) -> String {
 mod tests {
     use super::*;
     use crate::made_up_report::{finding, report};
-    use crate::{Pace, Span, Stage, TimeGate};
+    use crate::{Pace, ShownCase, Span, Stage, TimeGate};
 
     fn timed(case: &str, span: Span, percent: f64) -> CaseTime {
         CaseTime {
@@ -266,6 +288,21 @@ mod tests {
         assert!(rows.iter().all(|row| !row.contains("setup")), "{page}");
         // Twin: without times there is no such table.
         assert!(!markdown(&report(Vec::new())).contains("Largest changes"));
+    }
+
+    #[test]
+    fn a_wrong_picture_is_shown_beside_the_reference() {
+        let mut wrong = report(vec![finding("filling/a", Severity::Worse, Gate::Status)]);
+        assert!(!markdown(&wrong).contains("!["));
+        let path = |what: &str| (what.to_owned(), format!("pictures/1-{what}.png"));
+        wrong.pictures = vec![ShownCase {
+            case: "filling/a".to_owned(),
+            pictures: vec![path("reference"), path("difference")],
+        }];
+        let page = markdown(&wrong);
+        let table = "`a`\n\n| reference | difference |\n|---|---|\n| ![reference](pictures/1-reference.png) | \
+                     ![difference](pictures/1-difference.png) |\n";
+        assert!(page.contains(table), "{page}");
     }
 
     #[test]

@@ -134,6 +134,15 @@ fn git(arguments: &[&str]) -> Option<String> {
     output.status.success().then(|| text.trim().to_owned())
 }
 
+/// Text of a file of this repository as a commit has it; `None` where it has none.
+pub(crate) fn file_at(commit: &str, path: &str) -> Option<String> {
+    let shown = Command::new("git")
+        .args(["show", &format!("{commit}:{path}")])
+        .output();
+    let output = shown.ok().filter(|output| output.status.success())?;
+    String::from_utf8(output.stdout).ok()
+}
+
 /// Builds a commit in a worktree that is removed afterwards. The cache's target folder stays, so that
 /// the second revision builds the workspace's own crates alone.
 fn build(commit: &str, cache: &Path) -> Result<PathBuf, GateError> {

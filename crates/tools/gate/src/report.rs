@@ -2,10 +2,11 @@
 //! Everything that a gate found, and the gate itself: counters, errors and limits first, times after.
 
 use crate::job::conditions;
+use crate::pictures::copy_pictures;
 use crate::{
     Blessing, CaseTime, Exact, Finding, Floors, Gate, GateError, GateShard, GatedTimes, Job, Limit,
-    Severity, Side, Sides as _, Span, TimeGate, TimeOptions, Verdict, apply, compare_exactly,
-    compare_setups, compare_times, same_driver, verdict, watched,
+    Severity, ShownCase, Side, Sides as _, Span, TimeGate, TimeOptions, Verdict, apply,
+    compare_exactly, compare_setups, compare_times, same_driver, verdict, watched,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -48,6 +49,9 @@ pub struct GateReport {
     pub findings: Vec<Finding>,
     /// Times; `None` where none were to be compared.
     pub time: Option<TimeGate>,
+    /// Pictures of the first cases that are wrong; files in the gate's folder.
+    #[serde(default)]
+    pub pictures: Vec<ShownCase>,
     /// Blessings that covered nothing.
     pub idle_blessings: Vec<String>,
     /// Limits that were about nothing: of a part of a gate alone, where another part may have their cases.
@@ -132,6 +136,7 @@ impl GateReport {
             skipped: exact.skipped,
             findings,
             time,
+            pictures: Vec::new(),
             idle_blessings,
             unmatched_limits: exact.unmatched_limits,
             elapsed_s: 0.0,
@@ -267,6 +272,7 @@ pub fn gate(
         time = Some(measured);
     }
     let mut report = GateReport::build(names, [&base, &new], exact, time, of_time, rules);
+    report.pictures = copy_pictures(&report.findings, &new, job.out())?;
     report.elapsed_s = job.elapsed().as_secs_f64();
     let [base, new] = [Side::Base, Side::New].map(|side| job.folder(side).display().to_string());
     report.see = format!("terrafill compare {base} {new}");

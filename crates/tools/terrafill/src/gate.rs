@@ -13,12 +13,12 @@ use std::time::{Duration, Instant};
 use terrafill_gate::threshold::{SETUP_FLOOR_PERCENT, WALL_FLOOR_PERCENT};
 use terrafill_gate::{
     Blessing, Finding, GateError, GateOptions, GateReport, GateShard, GatedTime, Injection, Job,
-    Program, Proof, Rules, SelfTest, Side, Workload, add_blessings, annotations, load_baseline,
-    markdown, matches, prune_blessings, read_blessings, read_json, read_limits,
+    Program, Proof, Rules, SelfTest, Side, Workload, add_blessings, annotations, carry_scenes,
+    load_baseline, markdown, matches, prune_blessings, read_blessings, read_json, read_limits,
     refuse_equal_programs, save_baseline, self_test, shipped_limits, text, write_files,
 };
 use terrafill_results::{Clock, Run};
-use terrafill_scene::data_dir;
+use terrafill_scene::{data_dir, shipped_scene_names, shipped_scene_text};
 
 /// Timed samples of a case in each process, of one frame each: the median of 30 frames is not moved by
 /// those that were held up.
@@ -184,7 +184,25 @@ fn two_programs(
     let new = new_program(arguments)?;
     refuse_equal_programs(&base, &new)?;
     let names = [base.label(), new.label()];
-    let scenes = part.as_ref().map_or(&arguments.scenes, |part| &part.scenes);
+    let asked = part.as_ref().map_or(&arguments.scenes, |part| &part.scenes);
+    let named = match asked.as_slice() {
+        [] => shipped_scene_names()
+            .into_iter()
+            .map(str::to_owned)
+            .collect(),
+        some => some.to_vec(),
+    };
+    let own = |scene: &str| shipped_scene_text(scene).map(str::to_owned);
+    let carried = carry_scenes([&base, &new], &named, &own, &arguments.cache)?;
+    // Where all are meant, and none differs, the programs name theirs.
+    let scenes = if carried.carried.is_empty() {
+        asked
+    } else {
+        &carried.scenes
+    };
+    for name in &carried.carried {
+        eprintln!("gate: {name} was edited: both programs run it as the new version has it");
+    }
     let mut talk = Talk(None);
     let mut say = |what: &str| talk.say(what);
     let mut job = Job::new(
@@ -204,7 +222,8 @@ fn two_programs(
         budget: Duration::from_secs(arguments.time_budget_s),
         is_part: part.is_some(),
     };
-    let mut report = terrafill_gate::gate(&mut job, names, &options, rules, &gated)?;
+    let gated = terrafill_gate::gate(&mut job, names, &options, rules, &gated);
+    let mut report = gated.map_err(|error| carried.explain(error))?;
     if part.is_some() {
         let whole = report.compared.iter().find(|case| !is_of(case, scenes));
         if let Some(case) = whole {

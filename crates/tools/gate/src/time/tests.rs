@@ -5,6 +5,7 @@
 //! by 30 % on average, and processes differ by 1 %.
 
 use super::*;
+use terrafill_results::SplitMix64;
 
 /// The generator of Steele, Lea and Flood (2014).
 struct Random(u64);
@@ -241,6 +242,41 @@ fn processes_that_are_faster_the_later_they_start_raise_no_alarm() {
     // Twin: started in the order of their roles, the new program is the last and called faster.
     let [slower, faster] = called(true);
     assert!(slower == 0.0 && faster > 0.02, "{slower} {faster}");
+}
+
+#[test]
+fn noise_that_only_lengthens_frames_makes_no_bias() {
+    // One frame in four is late by up to 40 %.
+    let case = "filling/a/globe/vertex/x";
+    let late = |process: u32, sample: u32| {
+        let mut random = SplitMix64::new(u64::from(process) << 32 | u64::from(sample));
+        let is_late = random.unit() < 0.25;
+        1.0 + 0.01 * random.unit() + if is_late { 0.4 * random.unit() } else { 0.0 }
+    };
+    let mut times = [Times::new(), Times::new()];
+    let blocks: Vec<Trio> = (0..600).map(Trio::of_block).collect();
+    for (side, process) in blocks.iter().flat_map(|trio| trio.processes()) {
+        let samples = (1..=24).map(|sample| (sample, late(process, sample)));
+        let of = times[side.index()].entry(case.to_owned()).or_default();
+        of.insert(process, samples.collect());
+    }
+    let mean = |of: &dyn Fn(Trio) -> f64| {
+        blocks.iter().map(|trio| of(*trio)).sum::<f64>() / blocks.len() as f64
+    };
+    let found = mean(&|trio| {
+        let block = Block::LockStep(trio);
+        block.difference(case, &times).expect("measured")
+    });
+    assert!(found.abs() < 0.001, "{found}");
+    // Negative control: against the mean of both base processes the new one looks faster.
+    let skewed = mean(&|trio| {
+        let bursts = bursts(case, trio, &times).expect("measured");
+        let gaps = bursts
+            .iter()
+            .map(|[base, null, new]| new - 0.5 * (base + null));
+        median(&gaps.collect::<Vec<_>>()).expect("some")
+    });
+    assert!(skewed < -0.003, "{skewed}");
 }
 
 #[test]

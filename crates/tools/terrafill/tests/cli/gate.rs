@@ -450,6 +450,44 @@ fn revisions_the_wrong_way_round_are_refused() {
     }
 }
 
+#[test]
+fn a_scene_that_a_change_edits_is_run_by_both_programs_as_it_is_now() {
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    let shipped = include_str!("../../../../../bench-scenes/square-10m.toml");
+    let commit = |text: &str| {
+        std::fs::create_dir_all(desk.path("bench-scenes")).expect("a folder");
+        desk.write("bench-scenes/square-10m.toml", text.to_owned());
+        git(&desk.path("."), &["add", "bench-scenes"]);
+    };
+    git(&desk.path("."), &["init", "--quiet"]);
+    commit(shipped);
+    let [first, _] = two_commits(&desk);
+    let gate_it = |out: &str| {
+        let work = ["square-10m", "--technique", "vertex", "--size", "48"];
+        let sides = ["--base", &first, "--new", "HEAD", "--no-time", "--out", out];
+        gate(&desk, &[&work[..], &sides].concat())
+    };
+    // Negative control: nothing was edited.
+    let ran = gate_it("same");
+    assert_eq!(ran.code, 0, "{}{}", ran.stdout, ran.stderr);
+    assert!(!ran.stderr.contains("was edited"), "{}", ran.stderr);
+    commit(&format!("# edited\n{shipped}"));
+    two_commits(&desk);
+    let ran = gate_it("edited");
+    assert_eq!(ran.code, 0, "{}{}", ran.stdout, ran.stderr);
+    let words = "square-10m was edited: both programs run it as the new version has it";
+    assert!(ran.stderr.contains(words), "{}", ran.stderr);
+    // What the base cannot read says nothing for or against the new version.
+    commit(&format!("added-lately = 1\n{shipped}"));
+    two_commits(&desk);
+    let ran = gate_it("unreadable");
+    assert_eq!(ran.code, 3, "{}{}", ran.stdout, ran.stderr);
+    assert!(ran.stderr.contains("added-lately"), "{}", ran.stderr);
+}
+
 fn git(folder: &std::path::Path, arguments: &[&str]) -> String {
     let mut command = std::process::Command::new("git");
     let author = ["-c", "user.name=a", "-c", "user.email=a@b"];

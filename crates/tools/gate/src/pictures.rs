@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Pictures of what is wrong, beside the reference: copied from the run folder into `pictures/`, so that a
+//! page and what it shows can be uploaded together and the run folders can go.
+
+use crate::{Finding, Gate, GateError, Severity};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+use std::path::Path;
+use terrafill_results::{Case, Run};
+
+/// Folder of the pictures, in the gate's.
+pub const PICTURES: &str = "pictures";
+
+/// Cases that are shown.
+const MAX_SHOWN: usize = 3;
+
+/// Notes of a case that name a picture of it, with what they show.
+const NOTES: [(&str, &str); 3] = [
+    ("reference_image", "reference"),
+    ("difference_image", "difference"),
+    ("worst_image", "worst pixel"),
+];
+
+/// The pictures of a case.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct ShownCase {
+    /// [`terrafill_results::CaseId::key`].
+    pub case: String,
+    /// What each shows, and its path relative to the gate's folder.
+    pub pictures: Vec<(String, String)>,
+}
+
+/// Copies the pictures of the first cases whose pictures or errors changed, from the new run. A case without
+/// a difference picture, such as one that draws what it should, is not shown: there is nothing to see.
+///
+/// - `out`: the gate's folder
+///
+/// # Errors
+/// [`GateError::Io`] where a picture that the run names cannot be copied.
+pub(crate) fn copy_pictures(
+    findings: &[Finding],
+    new: &Run,
+    out: &Path,
+) -> Result<Vec<ShownCase>, GateError> {
+    let mut seen = BTreeSet::new();
+    let mut shown = Vec::new();
+    let of_pictures = findings.iter().filter(|finding| {
+        let is_of_pictures = matches!(finding.gate, Gate::Status | Gate::Errors);
+        is_of_pictures && finding.severity != Severity::Note
+    });
+    for finding in of_pictures {
+        if shown.len() == MAX_SHOWN {
+            break;
+        }
+        let case = new
+            .cases
+            .iter()
+            .find(|case| case.id().key() == finding.case);
+        let Some(case) = case.filter(|case| !case.note("difference_image").is_empty()) else {
+            continue;
+        };
+        if seen.insert(finding.case.clone()) {
+            shown.push(copy_case(case, &new.path, out, shown.len() + 1)?);
+        }
+    }
+    Ok(shown)
+}
+
+fn copy_case(case: &Case, run: &Path, out: &Path, number: usize) -> Result<ShownCase, GateError> {
+    let folder = out.join(PICTURES);
+    std::fs::create_dir_all(&folder).map_err(GateError::io(&folder))?;
+    let mut pictures = Vec::new();
+    for (note, what) in NOTES {
+        let path = case.note(note);
+        if path.is_empty() {
+            continue;
+        }
+        let name = format!("{PICTURES}/{number}-{}.png", what.replace(' ', "-"));
+        let from = run.join(path);
+        std::fs::copy(&from, out.join(&name)).map_err(GateError::io(&from))?;
+        pictures.push((what.to_owned(), name));
+    }
+    Ok(ShownCase {
+        case: case.id().key(),
+        pictures,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made_up_report::finding;
+    use terrafill_results::made_up::{MadeUpRun, case_id};
+
+    #[test]
+    fn a_wrong_picture_stands_beside_its_reference_and_a_right_one_is_not_shown() {
+        let place = tempfile::tempdir().expect("a folder");
+        let mut made = MadeUpRun::default();
+        for name in ["a", "b"] {
+            let case = made.case(case_id("filling", name, &[]));
+            if name == "a" {
+                case.note("reference_image", "images/r.png");
+                case.note("difference_image", "images/d.png");
+            }
+        }
+        let run = made.write(&place.path().join("new")).expect("a run");
+        std::fs::create_dir_all(run.path.join("images")).expect("a folder");
+        std::fs::write(run.path.join("images/r.png"), b"r").expect("written");
+        let findings = [
+            finding("filling/a", Severity::Worse, Gate::Status),
+            finding("filling/a", Severity::Worse, Gate::Errors),
+            finding("filling/b", Severity::Worse, Gate::Status),
+        ];
+        // Negative control: a picture that the run names and lacks.
+        let missing = copy_pictures(&findings, &run, place.path());
+        assert!(missing.is_err(), "{missing:?}");
+        std::fs::write(run.path.join("images/d.png"), b"d").expect("written");
+        let shown = copy_pictures(&findings, &run, place.path()).expect("copied");
+        let paths: Vec<&str> = shown[0]
+            .pictures
+            .iter()
+            .map(|(_, path)| path.as_str())
+            .collect();
+        assert_eq!((shown.len(), shown[0].case.as_str()), (1, "filling/a"));
+        assert_eq!(
+            paths,
+            ["pictures/1-reference.png", "pictures/1-difference.png"]
+        );
+        let read = |path: &str| std::fs::read(place.path().join(path)).expect("read");
+        assert_eq!(
+            [read(paths[0]), read(paths[1])],
+            [b"r".to_vec(), b"d".to_vec()]
+        );
+        // Times and counters have no picture.
+        let counted = [finding("filling/a", Severity::Worse, Gate::Counters)];
+        let none = copy_pictures(&counted, &run, place.path()).expect("nothing to copy");
+        assert_eq!(none, []);
+    }
+}
