@@ -45,7 +45,7 @@ const WITHIN: &[(&str, &[&str])] = &[
     ("plot", &["results"]),
     ("surface", &["scene"]),
     ("fill", &["scene", "surface"]),
-    ("study", &["fill"]),
+    ("study", &["fill", "surface"]),
     ("history", &["gate"]),
     ("terrafill", &["data", "gate", "history", "report"]),
 ];

@@ -1,11 +1,20 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! How chapters reach their verdicts. A [`Comparison`] holds two cases side by side, and refuses what
-//! cannot be compared. A [`Paper`] has the claims of one document, as read from its file.
+//! How chapters are made. A [`Section`] says as data which cases it is about, what names a row, and what its columns
+//! and curves are; [`Cases`] finds figures. A [`Comparison`] holds two cases side by side, and refuses what cannot be
+//! compared. A [`Paper`] has the claims of one document, as read from its file.
 
+mod cases;
 mod claims;
 mod comparison;
+mod curves;
+mod figure;
+mod section;
 mod settling;
 
+pub use cases::{Best, Cases, finding, measured, range};
 pub use claims::{Basis, Claimed, Paper, PaperError, Tested, Told, claims_blocks, claims_table};
 pub use comparison::{Answer, Comparison, Follows, REFUSED, Refused, overall};
+pub use curves::{Drawing, Panel, draw, slope_one};
+pub use figure::{Figure, Names};
+pub use section::{Absent, Column, MoreOf, Section, SectionedChapter, Select};
 pub use settling::bench_command;

@@ -13,6 +13,7 @@
 mod picture;
 mod run;
 mod schedule;
+mod session;
 mod share;
 mod steady;
 mod study;
@@ -22,6 +23,9 @@ pub use picture::{file_stem, write_rgb};
 pub use run::{
     FramesPerSample, Plan, Progress, RunOptions, RunOutcome, Silent, plan, plan_shared, run,
     run_by_turns,
+};
+pub use session::{
+    CaseGroup, CaseSession, Failure, Figures, Measures, OpenSession, judged, planned_case,
 };
 pub use share::Share;
 pub use steady::Settling;

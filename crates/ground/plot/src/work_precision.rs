@@ -138,7 +138,8 @@ impl Reading {
     }
 
     /// Its middle.
-    pub(crate) fn middle(&self) -> f64 {
+    #[must_use]
+    pub fn middle(&self) -> f64 {
         self.middle
     }
 

@@ -2,9 +2,9 @@
 //! The watch of a frame's steps, and which times are compared, by the clock that a device is read by.
 
 use crate::keys::{GLOBE_DRAW_CPU_MS, GLOBE_DRAW_GPU_MS, GLOBE_WHOLE_CPU_MS, GLOBE_WHOLE_GPU_MS};
-use crate::session::Figures;
 use terrafill_fill::CpuStopwatch;
 use terrafill_results::{Clock, Metric};
+use terrafill_study::Figures;
 
 /// Of a whole frame.
 pub(crate) fn whole(clock: Clock) -> &'static Metric {

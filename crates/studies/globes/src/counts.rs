@@ -12,7 +12,6 @@ use crate::STUDY;
 use crate::keys;
 use crate::keys::{API, COUNTED_BY, DELAY, HYSTERESIS, PATH, SIZE_PX, TRANSFERS};
 use crate::list::{Eye, List};
-use crate::session::{Failure, Figures, Part, PartSession, judged};
 use device::{Counters, NODE_TEXELS, Way};
 use scene::{ByRays, Drawn, Picture};
 use std::collections::BTreeMap;
@@ -20,7 +19,9 @@ use terrafill_control::{Node, Quadtree, Thresholds};
 use terrafill_fill::CpuStopwatch;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_scene::ImageSize;
-use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_study::{
+    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
+};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "counts";
@@ -160,7 +161,7 @@ impl Group for Counts {
     }
 
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(PartSession(CountPart::new(self, context))))
+        Ok(Box::new(CaseSession(CountPart::new(self, context))))
     }
 }
 
@@ -299,8 +300,8 @@ fn verdict(work: &Work, course: &Course) -> Verdict {
     judged(reason, figures, vec![("leaves", leaves.join(" "))])
 }
 
-impl Part for CountPart<'_> {
-    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Measures for CountPart<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let course = self.run(case)?;
         Ok(verdict(&self.group.work[case], &course))
     }
@@ -392,7 +393,7 @@ mod tests {
                 }
                 // A device without such queries.
                 Err(Failure::Unable(_)) => {}
-                Err(Failure::Broken(error)) => unreachable!("{error}"),
+                Err(error) => unreachable!("{error:?}"),
             }
         }
         // The same loop from either count.

@@ -11,13 +11,14 @@ use crate::keys;
 use crate::keys::{FORM, HEIGHT_M, WHAT};
 use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
-use crate::session::{Failure, Figures, Part, PartSession, judged};
 use glam::DVec3;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_core::Geodetic;
 use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
-use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_study::{
+    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
+};
 use terrafill_surface::{Surface, SurfaceFrame};
 use toml::{Table as Parameters, Value};
 
@@ -337,14 +338,14 @@ impl Group for Forms {
     }
 
     fn open<'a>(&'a self, _context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(PartSession(FormPart(self))))
+        Ok(Box::new(CaseSession(FormPart(self))))
     }
 }
 
 struct FormPart<'a>(&'a Forms);
 
-impl Part for FormPart<'_> {
-    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Measures for FormPart<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         Ok(judged(String::new(), self.0.figures(case)?, Vec::new()))
     }
 

@@ -17,7 +17,6 @@ use crate::keys;
 use crate::keys::{HEIGHT_M, LATITUDE_DEG, LIMIT, WHAT};
 use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
-use crate::session::{Failure, Figures, Part, PartSession, judged};
 use glam::DVec3;
 use std::f64::consts::{SQRT_2, TAU};
 use std::rc::Rc;
@@ -27,7 +26,9 @@ use terrafill_plot::number::significant;
 use terrafill_reference::SurfaceTriangles;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_scene::{Camera, CameraPose, ImageSize};
-use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_study::{
+    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
+};
 use toml::{Table, Value};
 
 /// Name of this part in cases.
@@ -345,14 +346,14 @@ impl Group for GridFacts {
     }
 
     fn open<'a>(&'a self, _context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(PartSession(FactPart(self))))
+        Ok(Box::new(CaseSession(FactPart(self))))
     }
 }
 
 struct FactPart<'a>(&'a GridFacts);
 
-impl Part for FactPart<'_> {
-    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Measures for FactPart<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         Ok(match self.0.work[case] {
             What::Nadir(n, latitude_deg, height_m) => {
                 self.0.nadir(n, &eye(latitude_deg, height_m))?

@@ -23,7 +23,6 @@ mod metrics;
 mod opened;
 mod projection;
 mod published;
-mod session;
 mod shading;
 mod sight;
 mod study;

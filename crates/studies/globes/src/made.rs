@@ -17,7 +17,6 @@ use crate::keys;
 use crate::keys::{HEIGHTS, LAW, LOOKUP, SIZE_PX, TRIG, VERTICES, VIEW};
 use crate::list::{Eye, List};
 use crate::opened::Opened;
-use crate::session::{Failure, Figures, Part, PartSession, judged};
 use device::{MadeScene, MadeTargets};
 use glam::DVec3;
 use heights::HeightCube;
@@ -30,7 +29,9 @@ use terrafill_fill::DeviceError;
 use terrafill_plot::number::significant;
 use terrafill_results::{CaseId, PlannedCase, Skipped, Verdict};
 use terrafill_scene::Scene;
-use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_study::{
+    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
+};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "made";
@@ -230,7 +231,7 @@ impl Group for Made {
     }
 
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(PartSession(MadePart {
+        Ok(Box::new(CaseSession(MadePart {
             group: self,
             context,
             targets: None,
@@ -263,8 +264,8 @@ fn against(eye: &Eye, spiral: &Spiral, made: &[[f32; 3]]) -> (f64, f64, usize) {
     (px, metres, lost)
 }
 
-impl Part for MadePart<'_> {
-    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Measures for MadePart<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let work = self.group.work[case];
         let eye = self.group.eye(&work)?;
         if self.targets.is_none() {

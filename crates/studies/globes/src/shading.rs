@@ -19,7 +19,6 @@ use crate::keys::{CELLS, FAULT, PICTURES, PROJECTION, SIZE_PX, VIEW, WHAT};
 use crate::list::{Eye, List};
 use crate::opened::Opened;
 use crate::projection::Projection;
-use crate::session::{Failure, Figures, Part, PartSession, judged};
 use device::{LayerScene, LayerTargets, LayerVertex, Pictures, Shading};
 use glam::DVec3;
 use judge::{bytes, is_lost, judge, normal};
@@ -29,7 +28,9 @@ use std::collections::btree_map::Entry;
 use std::rc::Rc;
 use terrafill_core::Geodetic;
 use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
-use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_study::{
+    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
+};
 use terrafill_surface::SurfaceFrame;
 use toml::{Table, Value};
 
@@ -213,7 +214,7 @@ impl Group for Shadings {
     }
 
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(PartSession(ShadingPart {
+        Ok(Box::new(CaseSession(ShadingPart {
             group: self,
             context,
             pictures: None,
@@ -257,8 +258,8 @@ impl ShadingPart<'_> {
     }
 }
 
-impl Part for ShadingPart<'_> {
-    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Measures for ShadingPart<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let work = self.group.work[case];
         let eye = self.group.eye(&work)?;
         let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;

@@ -10,7 +10,6 @@ use crate::expected::{Expected, expected};
 use crate::keys::{API, KNOB, SIZE_PX, SURFACE, VALUE, VIEW};
 use crate::list::{Eye, Formula, SurfaceRow, ViewRow, number};
 use crate::opened::Opened;
-use crate::session::{self, Failure, Figures, Part, PartSession};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::hash::{DefaultHasher, Hasher as _};
@@ -19,7 +18,9 @@ use std::sync::Arc;
 use terrafill_fill::{DeviceError, SurfaceView, ViewConstants, ViewId};
 use terrafill_gpu::RayCast;
 use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
-use terrafill_study::{Context, Depth, Group, Session, StudyError};
+use terrafill_study::{
+    CaseSession, Context, Depth, Failure, Figures, Group, Measures, Session, StudyError,
+};
 use terrafill_surface::{Surface, SurfaceError, SurfaceFrame};
 use toml::Value;
 
@@ -166,7 +167,7 @@ impl Group for Sight {
     }
 
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(PartSession(SightPart {
+        Ok(Box::new(CaseSession(SightPart {
             sight: self,
             context,
             targets: BTreeMap::new(),
@@ -264,8 +265,8 @@ impl SightPart<'_> {
     }
 }
 
-impl Part for SightPart<'_> {
-    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Measures for SightPart<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let frame = self.make_ready(case)?;
         let ready = &self.ready[&case];
         let (targets, hash) = (ready.targets, ready.fingerprint);
@@ -315,14 +316,14 @@ impl Part for SightPart<'_> {
             ("triangles", format!("{hash:016x}")),
             ("expected-by", judged.expected.by.to_owned()),
         ];
-        Ok(session::judged(
+        Ok(terrafill_study::judged(
             standing(&judged.errors, otherwise),
             figures,
             notes,
         ))
     }
 
-    fn make_again(
+    fn recheck(
         &mut self,
         case: usize,
         status: Status,

@@ -19,7 +19,6 @@ use crate::keys;
 use crate::keys::{CELLS, LEVEL, MERCATOR, SEAM, SIZE_PX, TILES, VIEW};
 use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
-use crate::session::{Failure, Figures, Part, PartSession, judged};
 use device::{MapScene, MapTargets};
 use mesh::{MapMesh, map_mesh};
 use options::Options;
@@ -28,7 +27,9 @@ use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_fill::DeviceError;
 use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
-use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_study::{
+    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
+};
 use terrafill_surface::{Surface, SurfaceFrame};
 use tile_set::{Content, Shown, TileSet};
 use toml::{Table, Value};
@@ -110,7 +111,7 @@ impl Group for Tiled {
     }
 
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(PartSession(TiledPart {
+        Ok(Box::new(CaseSession(TiledPart {
             group: self,
             context,
             targets: None,
@@ -203,8 +204,8 @@ impl TiledPart<'_> {
     }
 }
 
-impl Part for TiledPart<'_> {
-    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Measures for TiledPart<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let (eye, options) = (&self.group.eye, self.group.options[case]);
         if self.targets.is_none() {
             let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;

@@ -14,14 +14,15 @@ use crate::counts::scene::{ByRays, Drawn};
 use crate::keys;
 use crate::keys::{API, COUNTED_BY, HYSTERESIS, SIZE_PX, SPIKE_M};
 use crate::list::{Eye, ViewRow};
-use crate::session::{Failure, Figures, Part, PartSession, judged};
 use field::{COARSE_TRIANGLES, FINEST, Field, Levels, ZONES, node, number};
 use std::collections::BTreeMap;
 use terrafill_control::{Node, ZoneRule};
 use terrafill_fill::CpuStopwatch;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_scene::ImageSize;
-use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_study::{
+    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
+};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "zones";
@@ -125,7 +126,7 @@ impl Group for Zones {
     }
 
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(PartSession(ZonePart::new(self, context))))
+        Ok(Box::new(CaseSession(ZonePart::new(self, context))))
     }
 }
 
@@ -261,8 +262,8 @@ impl<'a> ZonePart<'a> {
     }
 }
 
-impl Part for ZonePart<'_> {
-    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Measures for ZonePart<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let work = self.group.work[case];
         let hides = self.hidden(work)?;
         let course = self.run(case)?;

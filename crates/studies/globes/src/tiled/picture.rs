@@ -22,7 +22,6 @@ use crate::keys;
 use crate::keys::{SIZE_PX, VIEW};
 use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
-use crate::session::{Failure, Figures, Part, PartSession, judged};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -32,7 +31,9 @@ use terrafill_fill::DeviceError;
 use terrafill_maps::{CAP_SPAN, MapTile, PictureLevel, cut_cap, cut_tile};
 use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
 use terrafill_scene::{MipChain, Scene};
-use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_study::{
+    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
+};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "picture";
@@ -117,7 +118,7 @@ impl Group for Pictured {
     }
 
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(PartSession(PicturePart {
+        Ok(Box::new(CaseSession(PicturePart {
             group: self,
             context,
             targets: None,
@@ -217,8 +218,8 @@ impl PicturePart<'_> {
     }
 }
 
-impl Part for PicturePart<'_> {
-    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Measures for PicturePart<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let eye = self.eye(case);
         if self.targets.is_none() {
             let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;

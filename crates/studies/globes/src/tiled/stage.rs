@@ -17,14 +17,15 @@ use crate::keys;
 use crate::keys::{LIMIT, SIZE_PX, SPLIT_BY, VIEW};
 use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
-use crate::session::{Failure, Figures, Part, PartSession, judged};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_fill::{DeviceError, Picture, ViewConstants};
 use terrafill_maps::TILE_TEXELS;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
-use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_study::{
+    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
+};
 use terrafill_vulkan::{
     Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, GeometryOutput, Gpu, Measured,
     PrimitiveStages, RenderTargets, Resource, Resources, Shader, Topology, VertexFormat,
@@ -140,7 +141,7 @@ impl Group for Stages {
     }
 
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(PartSession(StagePart {
+        Ok(Box::new(CaseSession(StagePart {
             group: self,
             context,
             targets: None,
@@ -272,8 +273,8 @@ impl StagePart<'_> {
     }
 }
 
-impl Part for StagePart<'_> {
-    fn make(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Measures for StagePart<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let splitter = Splitter::ALL[case];
         let (mesh, truths) = self.mesh(splitter)?;
         let truths = Rc::clone(self.truths.get_or_insert_with(|| Rc::new(truths)));

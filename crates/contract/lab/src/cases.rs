@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A study's cases in a run, as its chapter reads them.
+
+use crate::comparison::Comparison;
+use terrafill_plot::number::significant;
+use terrafill_results::{
+    Case, Claim, Clock, ConditionKey, Finding, Kind, Metric, Noise, Outcome, Run, Standing, ratio,
+};
+
+/// What a case has of a metric. A time counts only where all planned samples were taken: those of a case that broke off
+/// are no measurement.
+#[must_use]
+pub fn measured(case: &Case, metric: &Metric) -> Option<f64> {
+    let is_whole = matches!(case.outcome, Outcome::Ok | Outcome::Wrong);
+    let value = case.value(metric);
+    value.filter(|_| is_whole || metric.kind != Kind::Time)
+}
+
+/// Cases of a run, without those that repeat another, in the plan's order.
+#[derive(Debug, Clone)]
+pub struct Cases<'a> {
+    run: &'a Run,
+    /// With repeats, for the noise.
+    all: Vec<&'a Case>,
+}
+
+/// The case whose figure is least, and those that may be as good.
+#[derive(Debug, Clone)]
+pub struct Best<'a> {
+    /// It.
+    pub case: &'a Case,
+    /// Its figure.
+    pub value: f64,
+    /// Others whose figure differs by no more than identical work did.
+    pub ties: Vec<&'a Case>,
+}
+
+impl Best<'_> {
+    /// What a sentence adds after its name: `, tied with a and b`; empty for no ties.
+    #[must_use]
+    pub fn tied_with(&self, name: impl Fn(&Case) -> String) -> String {
+        let names: Vec<String> = self.ties.iter().map(|case| name(case)).collect();
+        match names.split_last() {
+            None => String::new(),
+            Some((last, [])) => format!(", tied with {last}"),
+            Some((last, others)) => format!(", tied with {} and {last}", others.join(", ")),
+        }
+    }
+}
+
+impl<'a> Cases<'a> {
+    /// All of a study.
+    #[must_use]
+    pub fn of_study(run: &'a Run, study: &'a str) -> Self {
+        Self {
+            run,
+            all: run.of_study(study).collect(),
+        }
+    }
+
+    /// The run that they are of.
+    #[must_use]
+    pub fn run(&self) -> &'a Run {
+        self.run
+    }
+
+    /// By which times are compared.
+    #[must_use]
+    pub fn clock(&self) -> Clock {
+        self.run.clock()
+    }
+
+    /// Each of them.
+    pub fn iter(&self) -> impl Iterator<Item = &'a Case> + Clone + '_ {
+        self.all.iter().copied().filter(|case| !case.is_twin())
+    }
+
+    /// The first one.
+    #[must_use]
+    pub fn first(&self) -> Option<&'a Case> {
+        self.iter().next()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.first().is_none()
+    }
+
+    /// Those that fit.
+    #[must_use]
+    pub fn fitting(&self, fits: impl Fn(&Case) -> bool) -> Self {
+        let all = self.all.iter().copied();
+        Self {
+            run: self.run,
+            all: all.filter(|case| fits(case)).collect(),
+        }
+    }
+
+    /// Those of which all these conditions hold.
+    #[must_use]
+    pub fn with(&self, conditions: &[(ConditionKey, &str)]) -> Self {
+        self.fitting(|case| {
+            let mut conditions = conditions.iter();
+            conditions.all(|(key, value)| case.condition(*key) == *value)
+        })
+    }
+
+    /// Values of a condition, in order of appearance.
+    #[must_use]
+    pub fn distinct(&self, key: ConditionKey) -> Vec<&'a str> {
+        let mut values = Vec::new();
+        for value in self.iter().map(|case| case.condition(key)) {
+            if !values.contains(&value) {
+                values.push(value);
+            }
+        }
+        values
+    }
+
+    /// Cases of each value of a condition, in order of appearance.
+    #[must_use]
+    pub fn by(&self, key: ConditionKey) -> Vec<(&'a str, Self)> {
+        let values = self.distinct(key).into_iter();
+        values
+            .map(|value| (value, self.with(&[(key, value)])))
+            .collect()
+    }
+
+    /// A metric's values, one a case that has it.
+    #[must_use]
+    pub fn values(&self, metric: &Metric) -> Vec<f64> {
+        let values = self.iter().filter_map(|case| measured(case, metric));
+        values.collect()
+    }
+
+    /// The first of them.
+    #[must_use]
+    pub fn value(&self, metric: &Metric) -> Option<f64> {
+        self.values(metric).first().copied()
+    }
+
+    /// The least of them.
+    #[must_use]
+    pub fn least(&self, metric: &Metric) -> Option<f64> {
+        self.values(metric).into_iter().min_by(f64::total_cmp)
+    }
+
+    /// The greatest of them.
+    #[must_use]
+    pub fn greatest(&self, metric: &Metric) -> Option<f64> {
+        self.values(metric).into_iter().max_by(f64::total_cmp)
+    }
+
+    /// The case that counts whose figure, made of several metrics, is least.
+    #[must_use]
+    pub fn least_of(&self, of: impl Fn(&Case) -> Option<f64>) -> Option<(&'a Case, f64)> {
+        let counted = self.iter().filter(|case| case.counts());
+        let figures = counted.filter_map(|case| Some((case, of(case)?)));
+        figures.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Their sum; `None` where nothing was measured, which is not 0.
+    #[must_use]
+    pub fn sum(&self, metric: &Metric) -> Option<f64> {
+        let values = self.values(metric);
+        (!values.is_empty()).then(|| values.iter().sum())
+    }
+
+    /// Their median.
+    #[must_use]
+    pub fn median(&self, metric: &Metric) -> Option<f64> {
+        terrafill_results::median(&self.values(metric))
+    }
+
+    /// Values by a condition that is a number, in its rising order.
+    #[must_use]
+    pub fn series(&self, key: ConditionKey, metric: &Metric) -> Vec<(f64, f64)> {
+        let pair = |case: &Case| Some((case.condition(key).parse().ok()?, measured(case, metric)?));
+        let mut pairs: Vec<(f64, f64)> = self.iter().filter_map(pair).collect();
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        pairs
+    }
+
+    /// By how much identical work differed among them; where none of them was measured twice, in the whole study.
+    #[must_use]
+    pub fn noise(&self, metric: &Metric) -> Option<Noise> {
+        let study = self.all.first().map_or("", |case| case.id().study.as_str());
+        let all: Vec<&Case> = self.run.of_study(study).collect();
+        let own = Noise::of(self.all.iter().copied(), metric);
+        own.or_else(|| Noise::of(all.into_iter(), metric))
+    }
+
+    /// The case that counts whose figure is least, and which others tie with it.
+    ///
+    /// Two times tie unless the one is longer by more than identical work differed, by the interval of their ratio
+    /// where there are processes enough for one, else by the ratio itself.
+    #[must_use]
+    pub fn best(&self, metric: &Metric) -> Option<Best<'a>> {
+        let (best, value) = self.least_of(|case| case.value(metric))?;
+        let noise = self.noise(metric);
+        let ties_with = |case: &Case| match metric.kind {
+            Kind::Time => ratio(case, best, metric).is_some_and(|gain| match gain.interval {
+                Some(_) => Standing::of_times(&gain, noise).0 != Standing::Holds,
+                None => gain.middle <= Noise::band(noise),
+            }),
+            _ => case.value(metric) == Some(value),
+        };
+        let others = self.iter().filter(|case| case.counts());
+        let others = others.filter(|case| !std::ptr::eq(*case, best));
+        Some(Best {
+            case: best,
+            value,
+            ties: others.filter(|case| ties_with(case)).collect(),
+        })
+    }
+
+    /// Pairs that differ in `key`, the first with the first value and the second with the other, and in nothing else
+    /// but `follows`.
+    #[must_use]
+    pub fn pairs(
+        &self,
+        key: ConditionKey,
+        values: [&str; 2],
+        follows: &[ConditionKey],
+    ) -> Vec<[&'a Case; 2]> {
+        let rest = |case: &'a Case| {
+            let conditions = case.id().conditions.iter();
+            let rest = conditions.filter(move |(name, _)| {
+                let is_of = |key: &ConditionKey| key.name() == name.as_str();
+                !is_of(&key) && !follows.iter().any(is_of)
+            });
+            rest.collect::<Vec<_>>()
+        };
+        let [first, second] = values.map(|value| self.with(&[(key, value)]));
+        let pair = |case: &'a Case| {
+            let other = second.iter().find(|other| rest(case) == rest(other));
+            other.map(|other| [case, other])
+        };
+        first.iter().filter_map(pair).collect()
+    }
+
+    /// What pairs say of a claim on a time, by the noise of these cases.
+    #[must_use]
+    pub fn compared(
+        &self,
+        comparison: &Comparison<'_>,
+        pairs: &[[&Case; 2]],
+        says: Claim,
+        claim: impl Into<String>,
+    ) -> Finding {
+        let noise = self.noise(comparison.metric);
+        comparison.finding(self.run, pairs, says, claim.into(), noise)
+    }
+}
+
+/// What exact figures say of a claim; `None` where they were not measured. Times are held against each other by
+/// [`Cases::compared`].
+#[must_use]
+pub fn finding(
+    claim: impl Into<String>,
+    holds: Option<bool>,
+    because: impl Into<String>,
+) -> Finding {
+    Finding {
+        claim: claim.into(),
+        standing: holds.map_or(Standing::NotMeasured, Standing::holds_if),
+        because: because.into(),
+    }
+}
+
+/// `3.95 to 4.02`, or one number where both read alike; `None` of nothing.
+#[must_use]
+pub fn range(values: &[f64]) -> Option<String> {
+    let least = values.iter().copied().min_by(f64::total_cmp)?;
+    let most = values.iter().copied().max_by(f64::total_cmp)?;
+    let [least, most] = [least, most].map(significant);
+    Some(match least == most {
+        true => least,
+        false => format!("{least} to {most}"),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_results::condition::{API, VIEW};
+    use terrafill_results::made_up::{MadeUpRun, case_id};
+    use terrafill_results::{Scope, Status};
+
+    const METRICS: [Metric; 1] =
+        [Metric::less("draw_cpu_ms", "ms", Kind::Time, "Time.").covering(Scope::FRAME)];
+    const TIME: &Metric = Metric::of(&METRICS, "draw_cpu_ms");
+
+    /// Two interfaces on two views; identical work differs by 2 %.
+    fn run(processes: usize, vulkan_ms: f64) -> MadeUpRun {
+        let mut run = MadeUpRun {
+            metrics: METRICS.to_vec(),
+            ..MadeUpRun::default()
+        };
+        for view in ["globe", "horizon"] {
+            for (api, ms) in [("wgpu", 1.0), ("vulkan", vulkan_ms)] {
+                let name = format!("{view}/{api}");
+                let id = case_id("study", &name, &[("view", view), ("api", api)]);
+                run.case(id.twin()).timed(TIME, &vec![1.02 * ms; processes]);
+                run.case(id).timed(TIME, &vec![ms; processes]);
+            }
+        }
+        run
+    }
+
+    fn with<R>(made: &MadeUpRun, look: impl Fn(&Cases<'_>) -> R) -> R {
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = made.write(folder.path()).expect("a run");
+        look(&Cases::of_study(&run, "study"))
+    }
+
+    #[test]
+    fn cases_are_found_by_conditions_and_paired_by_one() {
+        with(&run(5, 2.0), |cases| {
+            assert_eq!(cases.iter().count(), 4, "no repeats");
+            assert_eq!(cases.distinct(VIEW), ["globe", "horizon"]);
+            assert_eq!(cases.with(&[(API, "vulkan")]).values(TIME), [2.0, 2.0]);
+            let pairs = cases.pairs(API, ["vulkan", "wgpu"], &[]);
+            assert_eq!(pairs.len(), 2);
+            assert!(
+                pairs
+                    .iter()
+                    .all(|[a, b]| a.condition(VIEW) == b.condition(VIEW))
+            );
+            let comparison = Comparison {
+                changed: API.name(),
+                follows: &[],
+                one_sided: None,
+                metric: TIME,
+                needs: Scope::DRAW,
+            };
+            let of = |says| {
+                cases
+                    .compared(&comparison, &pairs, says, "wgpu takes less")
+                    .standing
+            };
+            assert_eq!(of(Claim::Faster), Standing::Holds);
+            assert_eq!(of(Claim::NoDifference), Standing::DoesNotHold);
+        });
+    }
+
+    #[test]
+    fn the_least_is_alone_beyond_the_noise_and_ties_within_it() {
+        let ties = |processes, ms| {
+            with(&run(processes, ms), |cases| {
+                let best = cases.with(&[(VIEW, "globe")]).best(TIME).expect("a best");
+                let tied = best.tied_with(|case| case.condition(API).to_owned());
+                (best.case.condition(API).to_owned(), tied)
+            })
+        };
+        for processes in [1, 5] {
+            assert_eq!(
+                ties(processes, 1.01),
+                ("wgpu".to_owned(), ", tied with vulkan".to_owned())
+            );
+            assert_eq!(ties(processes, 1.5), ("wgpu".to_owned(), String::new()));
+        }
+        // Negative control: what failed is not the best.
+        let mut failed = run(5, 0.5);
+        failed.cases[3].ended(Status::Failed, "lost");
+        let best = with(&failed, |cases| {
+            let best = cases.with(&[(VIEW, "globe")]).best(TIME).expect("a best");
+            best.case.condition(API).to_owned()
+        });
+        assert_eq!(best, "wgpu");
+    }
+
+    #[test]
+    fn exact_figures_that_were_not_measured_decide_nothing() {
+        let of = |holds| finding("It is exact", holds, "").standing;
+        assert_eq!(of(Some(true)), Standing::Holds);
+        assert_eq!(of(Some(false)), Standing::DoesNotHold);
+        assert_eq!(of(None), Standing::NotMeasured);
+        assert_eq!(range(&[2.0, 1.0]).as_deref(), Some("1.00 to 2.00"));
+        assert_eq!(range(&[2.0]).as_deref(), Some("2.00"));
+        assert_eq!(range(&[]), None);
+    }
+}

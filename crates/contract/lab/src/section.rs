@@ -1,0 +1,487 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A section of a chapter as data: which cases, what names a row, columns, plot and pictures.
+
+use crate::cases::Cases;
+use crate::curves::Drawing;
+use crate::figure::{Figure, Names};
+use terrafill_plot::dotted;
+use terrafill_plot::number::{count, measured_bytes, significant};
+use terrafill_results::{
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, ConditionKey, Finding, Heading, Kind,
+    Metric, Outcome, Picture, PictureFigure, Pictures, Row, Run, Table,
+};
+
+/// Why a case that ended well has no figure of a column. Others have their own reason.
+#[derive(Debug, Clone, Copy)]
+pub enum Absent {
+    /// In all rows.
+    Said(&'static str),
+    /// By the case.
+    Of(fn(&Case) -> &'static str),
+}
+
+/// A column of figures.
+#[derive(Debug, Clone, Copy)]
+pub struct Column {
+    /// Heading.
+    pub heading: &'static str,
+    /// What stands below it.
+    pub figure: Figure,
+    /// Why a cell is empty.
+    pub absent: Absent,
+    /// How a figure is written; `None`: bytes with their unit, counts with every digit, all else in three.
+    pub format: Option<fn(f64) -> String>,
+}
+
+impl Column {
+    /// A column of a figure.
+    #[must_use]
+    pub const fn of(heading: &'static str, figure: Figure) -> Self {
+        Self {
+            heading,
+            figure,
+            absent: Absent::Said("not measured"),
+            format: None,
+        }
+    }
+
+    /// A metric's.
+    #[must_use]
+    pub const fn metric(heading: &'static str, metric: &'static Metric) -> Self {
+        Self::of(heading, Figure::Metric(metric))
+    }
+
+    /// A time's, by the run's clock.
+    #[must_use]
+    pub const fn clocked(
+        heading: &'static str,
+        gpu: &'static Metric,
+        cpu: &'static Metric,
+    ) -> Self {
+        Self::of(heading, Figure::ByClock(gpu, cpu))
+    }
+
+    /// With this reason in empty cells.
+    #[must_use]
+    pub const fn or(self, why: &'static str) -> Self {
+        let absent = Absent::Said(why);
+        Self { absent, ..self }
+    }
+
+    /// With a reason by the case in empty cells.
+    #[must_use]
+    pub const fn or_of(self, why: fn(&Case) -> &'static str) -> Self {
+        let absent = Absent::Of(why);
+        Self { absent, ..self }
+    }
+
+    /// With figures written so.
+    #[must_use]
+    pub const fn written(self, format: fn(f64) -> String) -> Self {
+        let format = Some(format);
+        Self { format, ..self }
+    }
+
+    fn heading(&self, clock: Clock) -> Heading {
+        match self.figure.metric(clock) {
+            Some(metric) => Heading::metric(self.heading, metric),
+            None => Heading::plain(self.heading),
+        }
+    }
+
+    /// A case's cell: its figure with a dot for each process, or the reason why there is none.
+    #[must_use]
+    pub fn cell(&self, case: &Case, clock: Clock) -> Cell {
+        let metric = self.figure.metric(clock);
+        let usual = |value| written(metric, value);
+        let text = match self.figure {
+            Figure::Words(of) => of(case),
+            figure => {
+                let value = figure.of(case, clock);
+                value.map(|value| {
+                    self.format
+                        .map_or_else(|| usual(value), |format| format(value))
+                })
+            }
+        };
+        let is_wrong_by_nature = case.outcome == Outcome::Wrong && case.planned.may_be_wrong;
+        let has_ended_well = case.counts() || is_wrong_by_nature;
+        let why = match (self.absent, case.reason.as_str()) {
+            (_, reason) if !has_ended_well && !reason.is_empty() => reason,
+            (Absent::Said(why), _) => why,
+            (Absent::Of(why), _) => why(case),
+        };
+        let cell = Cell::or_absent(text, why);
+        match metric {
+            Some(metric) => dotted(cell, case, metric),
+            None => cell,
+        }
+    }
+}
+
+/// Bytes with their unit, counts with every digit, all else in three.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "whole, positive and below 2⁵³"
+)]
+fn written(metric: Option<&Metric>, value: f64) -> String {
+    let is_count = value.fract() == 0.0 && (0.0..1e15).contains(&value);
+    match metric.map(|metric| metric.kind) {
+        Some(Kind::Bytes) => measured_bytes(value),
+        Some(Kind::Counter | Kind::Error) if is_count => count(value as u64),
+        _ => significant(value),
+    }
+}
+
+/// Which cases a section is about.
+#[derive(Debug, Clone, Copy)]
+pub enum Select {
+    /// Every one.
+    All,
+    /// Of this value of a condition.
+    With(ConditionKey, &'static str),
+    /// Those that fit.
+    Fitting(fn(&Case) -> bool),
+}
+
+/// What further stands in a section.
+pub type MoreOf = fn(&Cases<'_>) -> Result<Option<Block>, ChapterError>;
+
+/// A section. What it lacks is taken from [`Section::EMPTY`].
+#[derive(Debug, Clone, Copy)]
+pub struct Section<'a> {
+    /// Heading, and caption of the table.
+    pub title: &'a str,
+    /// What is asked and how it is measured, in a few sentences.
+    pub text: &'a str,
+    /// Which cases it is about; without one it is left out.
+    pub cases: Select,
+    /// What names a row.
+    pub named_by: Names<'a>,
+    /// Figures; without columns there is no table.
+    pub columns: &'a [Column],
+    /// A table, a plot and pictures for each value of this condition, which their captions end with.
+    pub per: Option<ConditionKey>,
+    /// Whether `summary.md` repeats its table.
+    pub is_main: bool,
+    /// Whether figures of a row say what is wrong with it, so that no remark does.
+    pub shows_what_is_wrong: bool,
+    /// What the measurements say of claims.
+    pub findings: &'a [fn(&Cases<'_>) -> Finding],
+    /// Plot.
+    pub drawing: Option<Drawing<'a>>,
+    /// Names of notes with paths of pictures, and what each shows.
+    pub pictures: &'a [(&'a str, &'a str)],
+    /// Further blocks, such as other plots.
+    pub more: &'a [MoreOf],
+}
+
+impl Section<'_> {
+    /// Nothing.
+    pub const EMPTY: Section<'static> = Section {
+        title: "",
+        text: "",
+        cases: Select::All,
+        named_by: Names::Joined(&[]),
+        columns: &[],
+        per: None,
+        is_main: false,
+        shows_what_is_wrong: false,
+        findings: &[],
+        drawing: None,
+        pictures: &[],
+        more: &[],
+    };
+
+    /// Its cases of a study.
+    #[must_use]
+    pub fn select<'c>(&self, cases: &Cases<'c>) -> Cases<'c> {
+        match self.cases {
+            Select::All => cases.clone(),
+            Select::With(key, value) => cases.with(&[(key, value)]),
+            Select::Fitting(fits) => cases.fitting(fits),
+        }
+    }
+
+    /// Its heading and all that stands below it; nothing where no case of it was planned.
+    ///
+    /// # Errors
+    /// [`ChapterError`] when a plot cannot be drawn.
+    pub fn blocks(&self, cases: &Cases<'_>) -> Result<Vec<Block>, ChapterError> {
+        let own = self.select(cases);
+        if own.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut blocks = Vec::new();
+        blocks.extend((!self.title.is_empty()).then(|| Block::section(self.title)));
+        blocks.extend((!self.text.is_empty()).then(|| Block::Text(self.text.to_owned())));
+        let findings = self.findings.iter().map(|of| Block::Finding(of(&own)));
+        blocks.extend(findings);
+        let parts = match self.per {
+            Some(key) => own.by(key),
+            None => vec![("", own.clone())],
+        };
+        for (part, cases) in parts {
+            let caption = match (self.title, part) {
+                (title, "") => title.to_owned(),
+                ("", part) => part.to_owned(),
+                (title, part) => format!("{title}, {part}"),
+            };
+            if let Some(drawing) = &self.drawing {
+                blocks.extend(drawing.block(&caption, &cases)?);
+            }
+            if !self.columns.is_empty() {
+                blocks.push(Block::Table(self.table(caption.clone(), &cases)));
+            }
+            blocks.extend(self.pictures(caption, &cases).map(Block::Pictures));
+        }
+        for more in self.more {
+            blocks.extend(more(&own)?);
+        }
+        Ok(blocks)
+    }
+
+    /// A table with a row for each of these cases, those that were not measured too.
+    #[must_use]
+    pub fn table(&self, caption: impl Into<String>, cases: &Cases<'_>) -> Table {
+        let clock = cases.clock();
+        let row = |case: &Case| {
+            let mut cells = self.named_by.cells(case);
+            cells.extend(self.columns.iter().map(|column| column.cell(case, clock)));
+            let is_said = case.outcome == Outcome::Wrong && self.shows_what_is_wrong;
+            Row {
+                cells,
+                status: case.outcome.name().to_owned(),
+                remark: match is_said {
+                    true => String::new(),
+                    false => case.reason.clone(),
+                },
+            }
+        };
+        let mut headings = self.named_by.headings();
+        headings.extend(self.columns.iter().map(|column| column.heading(clock)));
+        Table {
+            caption: caption.into(),
+            headings,
+            rows: cases.iter().map(row).collect(),
+            is_main: self.is_main,
+            ..Table::default()
+        }
+    }
+
+    /// Pictures of these cases; `None` where none has any.
+    #[must_use]
+    pub fn pictures(&self, caption: impl Into<String>, cases: &Cases<'_>) -> Option<Pictures> {
+        let figure = |case: &Case| {
+            let drawn = self.pictures.iter().filter_map(|(note, caption)| {
+                let path = case.note(note);
+                (!path.is_empty()).then(|| Picture {
+                    path: path.to_owned(),
+                    caption: (*caption).to_owned(),
+                })
+            });
+            let pictures: Vec<Picture> = drawn.collect();
+            (!pictures.is_empty()).then(|| PictureFigure {
+                pictures,
+                notes: vec![self.named_by.text(case)],
+            })
+        };
+        let figures: Vec<PictureFigure> = cases.iter().filter_map(figure).collect();
+        (!figures.is_empty()).then(|| Pictures {
+            caption: caption.into(),
+            figures,
+            ..Pictures::default()
+        })
+    }
+}
+
+/// A chapter of sections.
+#[derive(Debug, Clone, Copy)]
+pub struct SectionedChapter {
+    /// Name of its study.
+    pub study: &'static str,
+    /// Heading.
+    pub title: &'static str,
+    /// What is compared, in a few sentences.
+    pub text: &'static str,
+    /// What ratios and rankings compare.
+    pub primary: Figure,
+    /// What it offers for the report's first page; its blocks stand above the sections as well.
+    pub answers: fn(&Cases<'_>) -> Answers,
+    /// In their order.
+    pub sections: &'static [Section<'static>],
+}
+
+impl Chapter for SectionedChapter {
+    fn study(&self) -> &'static str {
+        self.study
+    }
+
+    fn title(&self) -> &'static str {
+        self.title
+    }
+
+    fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
+        self.primary.metric(clock).map(|metric| metric.name)
+    }
+
+    fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
+        Ok((self.answers)(&Cases::of_study(run, self.study)))
+    }
+
+    fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
+        let cases = Cases::of_study(run, self.study);
+        if cases.is_empty() {
+            return Ok(Vec::new());
+        }
+        let answers = (self.answers)(&cases);
+        let mut blocks = vec![Block::Text(self.text.to_owned())];
+        blocks.extend(answers.blocks);
+        blocks.extend(answers.requirements.into_iter().map(Block::Finding));
+        for section in self.sections {
+            blocks.extend(section.blocks(&cases)?);
+        }
+        Ok(blocks)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cases::finding;
+    use crate::curves::Panel;
+    use crate::figure::{Figure, Names};
+    use terrafill_plot::Upwards;
+    use terrafill_results::condition::{SCENE, SIZE_PX, VIEW};
+    use terrafill_results::made_up::{MadeUpRun, case_id};
+    use terrafill_results::{CellClass, Metric, Run, Scope, Standing, Status};
+
+    const METRICS: [Metric; 2] = [
+        Metric::less("draw_cpu_ms", "ms", Kind::Time, "Time.").covering(Scope::FRAME),
+        Metric::less("draw_bytes", "bytes", Kind::Bytes, "Bytes."),
+    ];
+    const TIME: &Metric = Metric::of(&METRICS, "draw_cpu_ms");
+    const BYTES: &Metric = Metric::of(&METRICS, "draw_bytes");
+    const SECTION: Section<'static> = Section {
+        title: "Sizes",
+        text: "What a size costs.",
+        cases: Select::With(SCENE, "hills"),
+        named_by: Names::Joined(&[VIEW, SIZE_PX]),
+        columns: &[
+            Column::metric("ms", TIME).or("no clock"),
+            Column::metric("bytes", BYTES),
+            Column::of(
+                "by",
+                Figure::Words(|case| Some(case.condition(VIEW).to_owned())),
+            ),
+        ],
+        per: Some(VIEW),
+        findings: &[|cases| finding("It is small", Some(cases.sum(BYTES) < Some(1e6)), "")],
+        drawing: Some(Drawing {
+            caption: "Time by size.",
+            panels: &[Panel {
+                across: ("pixels a side", Figure::Condition(SIZE_PX)),
+                up: ("ms", Figure::Metric(TIME)),
+                upwards: Upwards::Amount,
+                curve: Names::Joined(&[VIEW]),
+                knob: Figure::Condition(SIZE_PX),
+                ..Panel::EMPTY
+            }],
+        }),
+        pictures: &[("image", "as drawn")],
+        ..Section::EMPTY
+    };
+
+    fn made_up() -> MadeUpRun {
+        let mut run = MadeUpRun {
+            metrics: METRICS.to_vec(),
+            ..MadeUpRun::default()
+        };
+        for (scene, view, side, ms) in [
+            ("hills", "globe", "64", 1.0),
+            ("hills", "globe", "128", 4.0),
+            ("hills", "horizon", "64", 2.0),
+            ("sea", "globe", "64", 3.0),
+        ] {
+            let conditions = [("scene", scene), ("view", view), ("size_px", side)];
+            let id = case_id("study", &format!("{scene}/{view}/{side}"), &conditions);
+            for id in [id.clone(), id.twin()] {
+                let case = run.case(id);
+                case.timed(TIME, &[ms, 1.1 * ms, ms, ms, ms]);
+                case.figure(BYTES, 1e3 * ms).note("image", "images/a.png");
+            }
+        }
+        run
+    }
+
+    fn written(run: &MadeUpRun) -> Run {
+        let folder = tempfile::tempdir().expect("a folder");
+        run.write(folder.path()).expect("a run")
+    }
+
+    #[test]
+    fn a_section_has_a_row_for_each_of_its_cases_and_none_for_a_repeat() {
+        let run = written(&made_up());
+        let cases = Cases::of_study(&run, "study");
+        let blocks = SECTION.blocks(&cases).expect("blocks");
+        let tables = blocks.iter().filter_map(|block| match block {
+            Block::Table(table) => Some(table),
+            _ => None,
+        });
+        let tables: Vec<&Table> = tables.collect();
+        assert_eq!(tables.len(), 2, "one a view");
+        assert_eq!(tables[0].caption, "Sizes, globe");
+        let texts = |row: &Row| {
+            row.cells
+                .iter()
+                .map(|cell| cell.text.clone())
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(tables[0].rows.len(), 2, "no repeats");
+        assert_eq!(
+            texts(&tables[0].rows[1]),
+            ["globe, 128", "4.00", "4.00 kB", "globe"]
+        );
+        assert!(tables[0].rows[1].cells[1].dots.contains("processes:"));
+        assert_eq!(tables[0].headings[0].text, "view, size px");
+        let count = |is_of: fn(&Block) -> bool| blocks.iter().filter(|block| is_of(block)).count();
+        assert_eq!(count(|block| matches!(block, Block::Plot(_))), 2);
+        assert_eq!(count(|block| matches!(block, Block::Pictures(_))), 2);
+        assert!(matches!(&blocks[2], Block::Finding(found) if found.standing == Standing::Holds));
+        // Negative control: a section of other cases is left out.
+        let other = Section {
+            cases: Select::With(SCENE, "port"),
+            ..SECTION
+        };
+        assert_eq!(other.blocks(&cases).expect("blocks"), []);
+    }
+
+    #[test]
+    fn what_was_not_measured_is_an_empty_cell_with_its_reason_and_never_0() {
+        let mut made = made_up();
+        made.cases[0].figures.clear();
+        made.cases[2].ended(Status::Failed, "out of memory");
+        let run = written(&made);
+        let cases = Cases::of_study(&run, "study").with(&[(SCENE, "hills")]);
+        let columns = Section {
+            named_by: Names::Columns(&[("seen from", VIEW), ("size", SIZE_PX)]),
+            ..SECTION
+        };
+        let table = columns.table("", &cases);
+        assert_eq!(table.headings[1].text, "size");
+        let cell = |row: usize, column: usize| &table.rows[row].cells[column];
+        assert_eq!(
+            (cell(0, 2).class, cell(0, 2).title.as_str()),
+            (CellClass::Absent, "no clock")
+        );
+        assert_eq!(cell(0, 3).title, "not measured");
+        // Times of a case that broke off are no measurement.
+        assert_eq!(cell(1, 2).title, "out of memory");
+        assert_eq!(table.rows[1].remark, "out of memory");
+        assert_eq!(cell(2, 2).text, "2.00");
+        assert_eq!(cases.values(TIME), [2.0]);
+        let none = cases.with(&[(VIEW, "none")]);
+        assert_eq!((none.sum(TIME), none.least(BYTES)), (None, None));
+    }
+}
