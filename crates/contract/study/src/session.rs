@@ -41,6 +41,23 @@ impl From<SurfaceError> for Failure {
     }
 }
 
+impl Failure {
+    /// A defect, by its error.
+    #[must_use]
+    pub fn broken(error: impl ToString) -> Self {
+        Self::Broken(error.to_string())
+    }
+
+    /// In words.
+    #[must_use]
+    pub fn reason(self) -> String {
+        match self {
+            Self::Unable(reason) | Self::Broken(reason) => reason,
+            Self::Ends(error) => error.to_string(),
+        }
+    }
+}
+
 /// Bad input: a view, a surface or a file.
 impl From<String> for Failure {
     fn from(error: String) -> Self {
@@ -140,10 +157,7 @@ impl<M: Measures> Session for CaseSession<M> {
     }
 
     fn sample(&mut self, case: usize) -> Result<Figures, String> {
-        self.0.time(case).map_err(|failure| match failure {
-            Failure::Unable(reason) | Failure::Broken(reason) => reason,
-            Failure::Ends(error) => error.to_string(),
-        })
+        self.0.time(case).map_err(Failure::reason)
     }
 }
 

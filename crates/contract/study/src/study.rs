@@ -50,6 +50,12 @@ impl Request {
             _ => self.size,
         }
     }
+
+    /// Whether a technique is among those to run.
+    #[must_use]
+    pub fn wants(&self, technique: &str) -> bool {
+        self.techniques.is_empty() || self.techniques.iter().any(|name| name == technique)
+    }
 }
 
 /// A size as conditions have it: `256`, or `200x150` where its sides differ.
@@ -136,6 +142,37 @@ pub trait Study: Sync {
 
     /// Its part of the report.
     fn chapter(&self) -> &dyn Chapter;
+}
+
+/// What a [`Study`] says of itself: its name, its question, what it measures, its conditions, from which depth on it is
+/// part of a run that names none, and its chapter.
+#[macro_export]
+macro_rules! study_facts {
+    ($name:expr, $question:literal, $metrics:expr, $conditions:expr, $depth:ident, $chapter:expr) => {
+        fn name(&self) -> &'static str {
+            $name
+        }
+
+        fn question(&self) -> &'static str {
+            $question
+        }
+
+        fn metrics(&self) -> &'static [::terrafill_results::Metric] {
+            &$metrics
+        }
+
+        fn conditions(&self) -> Vec<::terrafill_results::ConditionKey> {
+            $conditions.to_vec()
+        }
+
+        fn least_depth(&self) -> $crate::Depth {
+            $crate::Depth::$depth
+        }
+
+        fn chapter(&self) -> &dyn ::terrafill_results::Chapter {
+            &$chapter
+        }
+    };
 }
 
 /// Cases that share a device and a picture: measured together, interleaved.
