@@ -8,22 +8,12 @@
 
 use glam::{DMat3, DVec3};
 use std::hash::{DefaultHasher, Hasher as _};
-use std::sync::Arc;
-use terrafill_core::{Ellipsoid, Geodetic};
-use terrafill_fill::{FillInput, Picture, PreparedScene, RegionSet, SKY, SceneBounds};
-use terrafill_scene::{CameraPose, ImageSize, Overlap, PlanOptions, View};
-use terrafill_surface::{EllipsoidKind, SurfaceError};
-
-/// From here the globe is 41° wide and leaves sky on every side of a view of 60°.
-const EYE_HEIGHT_M: f64 = 1.2e7;
-/// The globe is above the middle of the picture …
-const PITCH_DEG: f64 = -85.0;
-/// … and the picture is rolled by this: a picture that is mirrored or turned is wrong.
-const ROLL_DEG: f64 = 30.0;
-/// Far in front of the surface.
-const NEAR_M: f64 = 1000.0;
-/// Rows of facets, 1° each: they hang at most 490 m below the ellipsoid.
-const ROWS: u32 = 180;
+use terrafill_fill::{
+    Api, DeviceError, Devices, FillInput, Picture, PreparedScene, RegionSet, SKY,
+};
+use terrafill_scene::{ImageSize, PlanOptions, Scene};
+use terrafill_study::Failure;
+use terrafill_surface::EllipsoidKind;
 
 /// Vertices are snapped to steps of at most 1/16 of a pixel, the coarsest `subPixelPrecisionBits` that
 /// Vulkan allows.
@@ -32,53 +22,45 @@ const SNAPPED_PX: f64 = 1.0 / 16.0;
 /// few bits more.
 const ROUNDED_M: f64 = 100.0;
 
-/// The globe in an image of this size.
-pub(crate) fn globe(size: ImageSize) -> Result<FillInput, SurfaceError> {
-    let body = Ellipsoid::WGS84;
-    let scene = PreparedScene {
-        name: "bare".to_owned(),
-        body,
-        edge_rule: Default::default(),
-        overlap: Overlap::Disjoint,
-        regions: Arc::new([]),
-        meshes: RegionSet::default(),
-        levels: Arc::default(),
-        footprints: Arc::default(),
-        bounds: SceneBounds::default(),
-        parts: terrafill_fill::LazyParts::default(),
-        surface: EllipsoidKind::surface(&body, ROWS),
-        picture: None,
-        texture: None,
-    };
-    let view = View {
-        name: "globe".to_owned(),
-        pose: CameraPose {
-            eye: Geodetic::from_degrees(15.0, 20.0, EYE_HEIGHT_M),
-            heading_rad: 0.0,
-            pitch_rad: PITCH_DEG.to_radians(),
-            fov_y_rad: 60_f64.to_radians(),
-            near_m: NEAR_M,
-        },
-        note: None,
-    };
+/// Copies colour and depth to the CPU, rows tightly packed.
+pub(crate) type Reader = Box<dyn Fn() -> Result<Picture, DeviceError>>;
+
+/// How an interface's targets come to hold a surface.
+pub(crate) type Draw = fn(&Devices, &FillInput) -> Result<Reader, DeviceError>;
+
+/// Interfaces in the order in which they are reported.
+pub(crate) const INTERFACES: [(Api, Draw); 2] = [
+    (terrafill_gpu::API, |devices, input| {
+        let gpu = terrafill_gpu::shared_gpu(devices)?;
+        let mut targets = terrafill_gpu::RenderTargets::new(&gpu, input.size)?;
+        targets.prepare(input)?;
+        targets.draw_surface()?;
+        Ok(Box::new(move || targets.read()))
+    }),
+    (terrafill_vulkan::API, |devices, input| {
+        let gpu = terrafill_vulkan::shared_gpu(devices)?;
+        let mut targets = terrafill_vulkan::RenderTargets::new(&gpu, input.size)?;
+        targets.prepare(input)?;
+        targets.draw_surface()?;
+        Ok(Box::new(move || targets.read()))
+    }),
+];
+
+/// The globe in an image of this size: with sky on every side, not in the middle and rolled, so that a picture that is
+/// mirrored or turned is wrong.
+pub(crate) fn globe(size: ImageSize) -> Result<FillInput, Failure> {
+    // Its regions are not drawn, and its view of the globe looks straight down.
+    let scene = Scene::shipped("hills", None).map_err(Failure::broken)?;
+    let mut view = scene.views[0].clone();
+    view.pose.pitch_rad = (-87_f64).to_radians();
+    // Facets of 1° hang at most 490 m below the ellipsoid.
+    let surface = EllipsoidKind::surface(&scene.body, 180);
+    let scene = PreparedScene::new(&scene, RegionSet::default(), surface);
     let mut input = FillInput::new(&scene, &view, size, PlanOptions::default())?;
     // The surface lies about the eye, which a roll leaves where it is.
-    let roll = DMat3::from_rotation_z(ROLL_DEG.to_radians());
+    let roll = DMat3::from_rotation_z(30_f64.to_radians());
     input.camera.view_from_ecef = roll * input.camera.view_from_ecef;
     Ok(input)
-}
-
-/// Whether two pictures read from the same targets are the globe of `input` and the same bytes.
-///
-/// # Errors
-/// What is wrong first, with found and expected values.
-pub(crate) fn check(pictures: [&Picture; 2], input: &FillInput) -> Result<(), String> {
-    let [first, second] = pictures;
-    check_globe(first, input)?;
-    if first.size != second.size || fingerprint(first) != fingerprint(second) {
-        return Err("read twice, the same targets gave different bytes".to_owned());
-    }
-    Ok(())
 }
 
 /// Of all bytes of a picture.
@@ -94,74 +76,53 @@ pub(crate) fn byte_count(picture: &Picture) -> u64 {
     (picture.rgba.len() + size_of_val(picture.depth.as_slice())) as u64
 }
 
-fn check_globe(picture: &Picture, input: &FillInput) -> Result<(), String> {
-    let size = input.size;
-    let (pixels, _) = picture.rgba.as_chunks::<4>();
-    let found = (picture.size, picture.rgba.len(), picture.depth.len());
+/// Whether two pictures read from the same targets are the globe of `input` and the same bytes.
+///
+/// # Errors
+/// What is wrong first, with found and expected values.
+pub(crate) fn check([first, second]: [&Picture; 2], input: &FillInput) -> Result<(), String> {
+    let (size, camera) = (input.size, &input.camera);
+    let found = (first.size, first.rgba.len(), first.depth.len());
     let expected = (size, 4 * size.pixel_count(), size.pixel_count());
     if found != expected {
         return Err(format!(
-            "size, bytes of colour and depths: found {found:?}, expected {expected:?}"
+            "size, bytes and depths: {found:?}, expected {expected:?}"
         ));
     }
-    let shells = Shells::new(input);
+    let body = &input.scene.body;
+    let radius_m = body.equatorial_radius_m();
+    let axes_m = DVec3::new(radius_m, radius_m, body.polar_radius_m());
+    let snapped_m = SNAPPED_PX * camera.pixel_size_m(size, camera.eye_ecef.length());
+    let (margin_m, terrain) = (snapped_m + ROUNDED_M, input.terrain());
+    let outer_m = axes_m + terrain.highest_m + margin_m;
+    let inner_m = axes_m + terrain.lowest_m - margin_m;
     let columns_of = |row| (0..size.width).map(move |column| (column, row));
     let places = (0..size.height).flat_map(columns_of);
-    for ((column, row), (pixel, &depth)) in places.zip(pixels.iter().zip(&picture.depth)) {
-        if !shells.allow(input, [column, row], *pixel, depth) {
+    let (pixels, _) = first.rgba.as_chunks::<4>();
+    for ((column, row), (&pixel, &depth)) in places.zip(pixels.iter().zip(&first.depth)) {
+        let direction = camera.pixel_direction_ecef(size, column, row);
+        let [enters_m, inside_m] =
+            [outer_m, inner_m].map(|axes_m| entry_m(camera.eye_ecef, direction, axes_m));
+        let is_right = if depth > 0.0 {
+            let distance_m = camera.near_m / f64::from(depth);
+            let is_on_globe = enters_m.is_some_and(|from_m| from_m <= distance_m);
+            // At the silhouette a ray may pass the inner one by.
+            let is_before = inside_m.is_none_or(|to_m| distance_m <= to_m);
+            is_on_globe && is_before && !is_sky(pixel) && pixel[3] == 0
+        } else {
+            // Neither a negative depth nor a NaN is the sky's.
+            depth.to_bits() == 0 && is_sky(pixel) && inside_m.is_none()
+        };
+        if !is_right {
             return Err(format!(
-                "column {column}, row {row}: found colour {pixel:?} and depth {depth}, which the \
-                 globe has not there"
+                "column {column}, row {row}: colour {pixel:?} and depth {depth} are not the globe's"
             ));
         }
     }
+    if fingerprint(first) != fingerprint(second) {
+        return Err("read twice, the same targets gave different bytes".to_owned());
+    }
     Ok(())
-}
-
-/// Ellipsoids between which the drawn facets lie, semi-axes.
-struct Shells {
-    outer_m: DVec3,
-    inner_m: DVec3,
-}
-
-impl Shells {
-    fn new(input: &FillInput) -> Self {
-        let body = &input.scene.body;
-        let radius_m = body.equatorial_radius_m();
-        let axes_m = DVec3::new(radius_m, radius_m, body.polar_radius_m());
-        let farthest_m = input.camera.eye_ecef.length();
-        let snapped_m = SNAPPED_PX * input.camera.pixel_size_m(input.size, farthest_m);
-        let margin_m = snapped_m + ROUNDED_M;
-        let terrain = input.terrain();
-        Self {
-            outer_m: axes_m + terrain.highest_m + margin_m,
-            inner_m: axes_m + terrain.lowest_m - margin_m,
-        }
-    }
-
-    /// Whether a pixel may look so.
-    fn allow(
-        &self,
-        input: &FillInput,
-        [column, row]: [u32; 2],
-        pixel: [u8; 4],
-        depth: f32,
-    ) -> bool {
-        let camera = &input.camera;
-        let direction = camera.pixel_direction_ecef(input.size, column, row);
-        let entered_m = |axes_m| entry_m(camera.eye_ecef, direction, axes_m);
-        if depth > 0.0 {
-            let distance_m = camera.near_m / f64::from(depth);
-            let from_m = entered_m(self.outer_m);
-            // At the silhouette a ray may pass the inner one by.
-            let to_m = entered_m(self.inner_m).unwrap_or(f64::INFINITY);
-            let is_on_globe = from_m.is_some_and(|from_m| from_m <= distance_m);
-            is_on_globe && distance_m <= to_m && !is_sky(pixel) && pixel[3] == 0
-        } else {
-            // Neither a negative depth nor a NaN is the sky's.
-            depth.to_bits() == 0 && is_sky(pixel) && entered_m(self.inner_m).is_none()
-        }
-    }
 }
 
 /// View depth at which a ray enters an ellipsoid about the origin; `None` where it passes by.
@@ -184,7 +145,6 @@ fn is_sky(pixel: [u8; 4]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::INTERFACES;
     use terrafill_fill::{Devices, device_for_test};
 
     /// Odd, so that rows are padded.
@@ -205,14 +165,13 @@ mod tests {
 
     #[test]
     fn the_globe_is_read_and_any_other_picture_is_wrong() {
-        for interface in INTERFACES {
-            let opened = (interface.open)(&Devices::default(), SIZE);
-            let Some(mut targets) = device_for_test(opened) else {
+        for (_, draw) in INTERFACES {
+            let input = globe(SIZE).expect("a surface");
+            let drawn = draw(&Devices::default(), &input);
+            let Some(reader) = device_for_test(drawn) else {
                 continue;
             };
-            let input = globe(SIZE).expect("a surface");
-            targets.draw(&input).expect("drawn");
-            let read = || targets.read().expect("read");
+            let read = || reader().expect("read");
             let right = read();
             assert_eq!(check([&right, &read()], &input), Ok(()));
             assert_eq!(byte_count(&right), 101 * 67 * 8);
@@ -253,17 +212,16 @@ mod tests {
 
     #[test]
     fn a_mirrored_picture_is_wrong() {
-        let (name, open) = (INTERFACES[0].api.name, INTERFACES[0].open);
-        let Some(mut targets) = device_for_test(open(&Devices::default(), SIZE)) else {
+        let input = globe(SIZE).expect("a surface");
+        let drawn = (INTERFACES[0].1)(&Devices::default(), &input);
+        let Some(reader) = device_for_test(drawn) else {
             return;
         };
-        let input = globe(SIZE).expect("a surface");
-        targets.draw(&input).expect("drawn");
-        let mut picture = targets.read().expect("read");
+        let mut picture = reader().expect("read");
         let width = SIZE.width as usize;
         picture.depth.chunks_mut(width).for_each(<[f32]>::reverse);
         let (pixels, _) = picture.rgba.as_chunks_mut::<4>();
         pixels.chunks_mut(width).for_each(<[[u8; 4]]>::reverse);
-        assert!(check([&picture, &picture], &input).is_err(), "{name}");
+        assert!(check([&picture, &picture], &input).is_err());
     }
 }

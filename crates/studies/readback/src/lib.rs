@@ -2,17 +2,14 @@
 //! Study `readback`: how long it takes to read an image back to the CPU, and at which rate, by
 //! graphics interface and image size.
 //!
-//! An image is colour and depth of the render targets, four bytes a pixel each. Every size of every
-//! interface takes its turn in the same shuffled blocks.
+//! An image is colour and depth of the render targets, four bytes a pixel each.
 
-mod api;
 mod chapter;
 mod globe;
 mod keys;
 mod metrics;
 mod study;
 
-pub use chapter::ReadbackChapter;
 pub use study::ReadbackStudy;
 
 /// Name of the study.

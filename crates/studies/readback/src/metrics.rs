@@ -29,12 +29,13 @@ pub(crate) const METRICS: [Metric; 4] = [
         "Bytes of colour and depth that one read-back returns.",
     ),
     Metric {
-        name: "readback_rate",
-        unit: "MB/s",
-        kind: Kind::Time,
         better: Direction::More,
-        meaning: "Bytes of a read-back over its wall clock time, 1 MB = 10⁶ bytes.",
-        scope: Scope::READ_BACK,
-        primary: Primary::No,
+        ..Metric::less(
+            "readback_rate",
+            "MB/s",
+            Kind::Time,
+            "Bytes of a read-back over its wall clock time, 1 MB = 10⁶ bytes.",
+        )
+        .covering(Scope::READ_BACK)
     },
 ];

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The cases: interfaces × image sizes, in one group.
 
-use crate::api::{INTERFACES, Interface, Readable};
-use crate::globe::{byte_count, check, fingerprint, globe};
+use crate::globe::{Draw, INTERFACES, Reader, byte_count, check, fingerprint, globe};
 use crate::keys::{API, SIZE_PX};
 use crate::metrics::METRICS;
-use crate::{STUDY, chapter::ReadbackChapter};
+use crate::{STUDY, chapter::CHAPTER};
 use std::collections::BTreeMap;
-use terrafill_fill::{CpuStopwatch, DeviceError, FillInput, Picture};
-use terrafill_results::{CaseId, Chapter, ConditionKey, Metric, PlannedCase, Status, Verdict};
+use terrafill_fill::CpuStopwatch;
+use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
-use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Depth, Failure, Figures, Measures, Planned, Request, Study,
+    StudyError, judged, planned_case,
+};
 
 /// Pixels a side, from 32 kB to 134 MB of colour and depth. A quick run measures the first four.
 const SIZES: [u32; 6] = [64, 256, 512, 1024, 2048, 4096];
@@ -25,172 +27,94 @@ const SAMPLES: u32 = 7;
 pub struct ReadbackStudy;
 
 impl Study for ReadbackStudy {
-    fn name(&self) -> &'static str {
-        STUDY
-    }
-
-    fn question(&self) -> &'static str {
-        "How long does reading an image back take, and at which rate?"
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &METRICS
-    }
-
-    fn conditions(&self) -> Vec<ConditionKey> {
-        crate::keys::CONDITIONS.to_vec()
-    }
-
-    fn least_depth(&self) -> Depth {
-        Depth::Full
-    }
+    terrafill_study::study_facts!(
+        STUDY,
+        "How long does reading an image back take, and at which rate?",
+        METRICS,
+        crate::keys::CONDITIONS,
+        Full,
+        CHAPTER
+    );
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let is_quick = request.depth == Depth::Quick;
         let sizes = &SIZES[..if is_quick { QUICK_SIZES } else { SIZES.len() }];
         let samples = request.samples.unwrap_or(SAMPLES);
         Ok(Planned {
-            groups: vec![Box::new(Readings::new(sizes, samples))],
+            groups: vec![Box::new(readings(sizes, samples))],
             skipped: Vec::new(),
         })
-    }
-
-    fn chapter(&self) -> &dyn Chapter {
-        &ReadbackChapter
     }
 }
 
 /// Every interface and size.
-struct Readings {
-    readings: Vec<(Interface, ImageSize)>,
-    cases: Vec<PlannedCase>,
+fn readings(sizes: &[u32], samples: u32) -> CaseGroup<Vec<(Draw, u32)>> {
+    let (mut work, mut cases) = (Vec::new(), Vec::new());
+    for (api, draw) in INTERFACES {
+        for &side in sizes {
+            let conditions = [(API, api.name.to_owned()), (SIZE_PX, side.to_string())];
+            cases.push(planned_case(STUDY, samples, conditions));
+            work.push((draw, side));
+        }
+    }
+    CaseGroup {
+        name: STUDY.to_owned(),
+        cases,
+        warm_up: None,
+        work,
+        open: |group, context| {
+            Ok(Box::new(CaseSession(Readings {
+                work: &group.work,
+                context,
+                drawn: BTreeMap::new(),
+            })))
+        },
+    }
 }
 
-impl Readings {
-    fn new(sizes: &[u32], samples: u32) -> Self {
-        let square = |&side: &u32| ImageSize {
+struct Readings<'a> {
+    work: &'a [(Draw, u32)],
+    context: Context<'a>,
+    /// Targets that hold the globe by case, and the fingerprint of the picture that was verified.
+    drawn: BTreeMap<usize, (Reader, u64)>,
+}
+
+impl Measures for Readings<'_> {
+    /// Draws the globe and reads it twice.
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let (draw, side) = self.work[case];
+        let input = globe(ImageSize {
             width: side,
             height: side,
-        };
-        let of = |interface| sizes.iter().map(move |side| (interface, square(side)));
-        let readings: Vec<(Interface, ImageSize)> = INTERFACES.into_iter().flat_map(of).collect();
-        let case = |(interface, size): &(Interface, ImageSize)| {
-            let (api, side) = (interface.api.name, size.width);
-            PlannedCase {
-                id: CaseId::new(
-                    STUDY,
-                    format!("{api}/{side}"),
-                    [(API, api.to_owned()), (SIZE_PX, side.to_string())],
-                ),
-                samples,
-                may_be_wrong: false,
-            }
-        };
-        Self {
-            cases: readings.iter().map(case).collect(),
-            readings,
-        }
-    }
-}
-
-impl Group for Readings {
-    fn name(&self) -> String {
-        STUDY.to_owned()
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(ReadingsSession {
-            readings: &self.readings,
-            context,
-            drawn: BTreeMap::new(),
-        }))
-    }
-}
-
-/// Targets that hold the globe.
-struct Drawn {
-    targets: Box<dyn Readable>,
-    /// Of the picture that was verified.
-    fingerprint: u64,
-}
-
-struct ReadingsSession<'a> {
-    readings: &'a [(Interface, ImageSize)],
-    context: Context<'a>,
-    /// By case.
-    drawn: BTreeMap<usize, Drawn>,
-}
-
-impl ReadingsSession<'_> {
-    /// Draws the globe and reads it twice.
-    fn draw(&self, case: usize, input: &FillInput) -> Result<DrawnAndRead, DeviceError> {
-        let (interface, size) = self.readings[case];
-        let mut targets = (interface.open)(self.context.devices, size)?;
-        targets.draw(input)?;
-        let pictures = [targets.read()?, targets.read()?];
-        Ok((targets, pictures))
-    }
-}
-
-type DrawnAndRead = (Box<dyn Readable>, [Picture; 2]);
-
-impl Session for ReadingsSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        let (interface, size) = self.readings[case];
-        let input = globe(size).map_err(|error| StudyError::Broken {
-            place: format!("{STUDY}/{}/{}", interface.api.name, size.width),
-            message: error.to_string(),
         })?;
-        let (targets, [first, second]) = match self.draw(case, &input) {
-            Ok(drawn) => drawn,
-            Err(error) => return Ok(verdict_of(&error)),
-        };
+        let reader = draw(self.context.devices, &input)?;
+        let [first, second] = [reader()?, reader()?];
+        let reason = check([&first, &second], &input).err().unwrap_or_default();
+        self.drawn.insert(case, (reader, fingerprint(&first)));
         let figures = vec![("readback_bytes", byte_count(&first) as f64)];
-        let (status, reason) = match check([&first, &second], &input) {
-            Ok(()) => (Status::Ok, String::new()),
-            Err(reason) => (Status::Wrong, reason),
-        };
-        let fingerprint = fingerprint(&first);
-        let drawn = Drawn {
-            targets,
-            fingerprint,
-        };
-        self.drawn.insert(case, drawn);
-        Ok(Verdict {
-            status,
-            reason,
-            figures,
-            notes: Vec::new(),
-        })
+        Ok(judged(reason, figures, Vec::new()))
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        let drawn = self.drawn.get(&case).ok_or("it was not verified")?;
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        let drawn = self.drawn.get(&case);
+        let (reader, verified) = drawn.ok_or("it was not verified".to_owned())?;
         let watch = CpuStopwatch::start();
-        let read = drawn.targets.read();
+        let read = reader();
         let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
-        let picture = read.map_err(|error| error.to_string())?;
-        if fingerprint(&picture) != drawn.fingerprint {
-            return Err("it read different bytes than when it was verified".to_owned());
+        let picture = read?;
+        if fingerprint(&picture) != *verified {
+            return Err("it read different bytes than when it was verified"
+                .to_owned()
+                .into());
         }
-        let megabytes = byte_count(&picture) as f64 * 1e-6;
         Ok(vec![
             ("readback_cpu_ms", cpu_ms),
             ("readback_wall_ms", wall_ms),
-            ("readback_rate", megabytes / (wall_ms * 1e-3)),
+            (
+                "readback_rate",
+                byte_count(&picture) as f64 * 1e-3 / wall_ms,
+            ),
         ])
-    }
-}
-
-/// A device or a size that is missing is no defect.
-fn verdict_of(error: &DeviceError) -> Verdict {
-    match error {
-        DeviceError::Unsupported { .. } => Verdict::skipped(error.to_string()),
-        _ => Verdict::failed(error.to_string()),
     }
 }
 
@@ -200,8 +124,10 @@ mod tests {
     use std::path::Path;
     use std::rc::Rc;
     use terrafill_fill::{Devices, device_for_test};
-    use terrafill_results::{Block, Outcome, Run, RunEnvironment, RunFolder, SCHEMA};
-    use terrafill_study::{RunOptions, Silent, plan, run};
+    use terrafill_results::{
+        Block, Chapter as _, Outcome, Run, RunEnvironment, RunFolder, SCHEMA, Status,
+    };
+    use terrafill_study::{Group as _, RunOptions, Silent, plan, run};
 
     #[test]
     fn a_quick_plan_stops_at_1024_pixels() {
@@ -248,13 +174,14 @@ mod tests {
 
     #[test]
     fn a_run_has_every_time_and_a_chapter() {
-        for interface in INTERFACES {
+        for (_, draw) in INTERFACES {
             let size = ImageSize {
                 width: 1,
                 height: 1,
             };
-            let opened = (interface.open)(&Devices::default(), size);
-            if device_for_test(opened).is_none() {
+            let input = globe(size).expect("a surface");
+            let drawn = draw(&Devices::default(), &input);
+            if device_for_test(drawn).is_none() {
                 return;
             }
         }
@@ -275,11 +202,8 @@ mod tests {
                 assert_eq!(case.value("readback_bytes"), Some(bytes), "{name}");
             }
         }
-        let blocks = ReadbackChapter.blocks(&run).expect("a chapter");
-        let Some(Block::Text(sentence)) = blocks.first() else {
-            panic!("a sentence: {blocks:?}");
-        };
-        assert!(sentence.contains("wgpu") && sentence.contains("vulkan"));
+        let blocks = CHAPTER.blocks(&run).expect("a chapter");
+        assert!(blocks.iter().any(|block| matches!(block, Block::Plot(_))));
     }
 
     #[test]
@@ -292,7 +216,7 @@ mod tests {
             assert!(!case.reason.is_empty());
         }
         let devices = Rc::new(Devices::default());
-        let group = Readings::new(&[1 << 20], 1);
+        let group = readings(&[1 << 20], 1);
         let context = Context {
             devices: &devices,
             folder: folder.path(),
@@ -303,8 +227,5 @@ mod tests {
             assert_eq!(verdict.status, Status::Skipped);
             assert!(session.sample(case).is_err());
         }
-        // Twin: a device that breaks is a defect.
-        let lost = verdict_of(&DeviceError::DeviceLost("gone".to_owned()));
-        assert_eq!(lost.status, Status::Failed);
     }
 }
