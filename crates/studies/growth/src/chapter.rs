@@ -3,15 +3,11 @@
 
 use crate::keys::{OUTLINE_VERTICES, SHAPE};
 use crate::metrics::METRICS;
-use terrafill_plot::number::significant;
-use terrafill_plot::{
-    Curve, Palette, Point, PointStanding, Reading, ReferenceLine, Upwards, WorkPrecision,
-    named_aside,
+use terrafill_lab::{
+    Cases, Column, Comparison, Drawing, Figure, Names, Panel, Section, SectionedChapter, measured,
+    slope_one,
 };
-use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Metric, Plot, Row, Run,
-    Spread, Table, process_medians, sample_spread,
-};
+use terrafill_results::{Answers, Claim, Finding, Metric, Scope};
 
 /// Process CPU time from text to mesh: a mesh is made on the CPU, whatever the device.
 const TIME: &Metric = Metric::of(&METRICS, "mesh_cpu_ms");
@@ -19,215 +15,75 @@ const TIME: &Metric = Metric::of(&METRICS, "mesh_cpu_ms");
 const VERTICES: &Metric = Metric::of(&METRICS, "vertices_of_outline");
 
 /// Sizes of the ratio, as in the condition `outline_vertices`.
-const RATIO_SIZES: [&str; 2] = ["100000", "1000000"];
-/// Largest ratio allowed: n log n comes to 12 between the two sizes, and a third more is left for memory
+const RATIO_SIZES: [&str; 2] = ["1000000", "100000"];
+/// Ratios must be below this: n log n comes to 12 between the two sizes, and a third more is left for memory
 /// beyond the caches.
 const MAX_RATIO: f64 = 16.0;
 
 /// What a mesh costs by the size of its outline.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct GrowthChapter;
-
-/// One shape.
-struct Shape<'a> {
-    name: &'a str,
-    /// By rising vertices.
-    sizes: Vec<Size<'a>>,
-}
-
-/// A shape of one size that was measured.
-struct Size<'a> {
-    asked: &'a str,
-    vertices: f64,
-    time: Spread,
-    replicates: Vec<f64>,
-}
-
-impl Shape<'_> {
-    fn median_ms(&self, asked: &str) -> Option<f64> {
-        let mut sizes = self.sizes.iter();
-        sizes
-            .find(|size| size.asked == asked)
-            .map(|size| size.time.median)
-    }
-}
-
-impl Chapter for GrowthChapter {
-    fn study(&self) -> &'static str {
-        crate::STUDY
-    }
-
-    fn title(&self) -> &'static str {
-        "Growth: time to mesh against vertices"
-    }
-
-    fn primary_metric(&self, _clock: Clock) -> Option<&'static str> {
-        Some(TIME.name)
-    }
-
-    fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
-        let shapes = shapes(run);
-        let blocks = match shapes.is_empty() {
-            true => Vec::new(),
-            false => vec![Block::Table(table(&shapes))],
-        };
-        Ok(Answers {
-            blocks,
-            ..Answers::default()
-        })
-    }
-
-    fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
-        let shapes = shapes(run);
-        if shapes.is_empty() {
-            return Ok(Vec::new());
-        }
-        let mut blocks = Vec::new();
-        if let Some(svg) = drawing(&shapes)? {
-            blocks.push(Block::Plot(Plot {
-                caption: "Process CPU time from GeoJSON text to mesh, for made-up shapes; whiskers: \
-                          5–95 % of the builds. Along the dashed line time grows as the vertices do. \
-                          Beside each name: cost per vertex at the largest size."
-                    .to_owned(),
-                svg,
-            }));
-        }
-        blocks.push(Block::Table(table(&shapes)));
-        Ok(blocks)
-    }
-}
-
-/// Shapes in the order in which they first appear.
-fn shapes(run: &Run) -> Vec<Shape<'_>> {
-    let mut shapes: Vec<Shape<'_>> = Vec::new();
-    for case in run.of_study(crate::STUDY).filter(|case| !case.is_twin()) {
-        let name = case.condition(SHAPE);
-        let index = shapes.iter().position(|shape| shape.name == name);
-        let index = index.unwrap_or_else(|| {
-            shapes.push(Shape {
-                name,
-                sizes: Vec::new(),
-            });
-            shapes.len() - 1
-        });
-        shapes[index].sizes.extend(size(case));
-    }
-    for shape in &mut shapes {
-        shape
-            .sizes
-            .sort_by(|a, b| a.vertices.total_cmp(&b.vertices));
-    }
-    shapes
-}
-
-/// `None` unless it was measured as often as planned.
-fn size(case: &Case) -> Option<Size<'_>> {
-    if !case.counts() {
-        return None;
-    }
-    Some(Size {
-        asked: case.condition(OUTLINE_VERTICES),
-        vertices: case.value(VERTICES)?,
-        time: sample_spread(case, TIME)?,
-        replicates: process_medians(case, TIME).into_values().collect(),
-    })
-}
-
-fn table(shapes: &[Shape<'_>]) -> Table {
-    let rows = shapes.iter().map(|shape| {
-        let times = RATIO_SIZES.map(|asked| shape.median_ms(asked));
-        let ratio = times[1].zip(times[0]).map(|(many, few)| many / few);
-        let cell = |value: Option<f64>| Cell::or_absent(value.map(significant), "not measured");
-        let mut cells = vec![Cell::name(shape.name)];
-        cells.extend(times.map(cell));
-        cells.push(cell(ratio));
-        cells.push(Cell::plain(significant(MAX_RATIO)));
-        Row::new(cells).bad_if(ratio.is_some_and(|ratio| ratio > MAX_RATIO))
-    });
-    Table {
-        headings: vec![
-            Heading::plain("shape"),
-            Heading::metric("100 000 vertices, CPU ms", TIME),
-            Heading::metric("1 000 000 vertices, CPU ms", TIME),
-            Heading::explained(
-                "ratio",
-                "time at 1 000 000 vertices over time at 100 000; 10 is linear",
-            ),
-            Heading::explained(
-                "allowed",
-                "n log n comes to 12 between the two sizes, memory beyond the caches to a third more",
+pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
+    study: crate::STUDY,
+    title: "Growth: time to mesh against vertices",
+    text: "Made-up shapes are meshed from GeoJSON text on, each in a process of its own.",
+    primary: Figure::Metric(TIME),
+    answers: |cases| Answers {
+        requirements: growth(cases),
+        ..Answers::default()
+    },
+    sections: &[Section {
+        named_by: Names::Columns(&[("shape", SHAPE), ("vertices asked for", OUTLINE_VERTICES)]),
+        columns: &[
+            Column::metric("vertices", VERTICES),
+            Column::metric("CPU ms", TIME),
+            Column::of(
+                "ns a vertex",
+                Figure::Computed(|case| Some(1e6 * measured(case, TIME)? / case.value(VERTICES)?)),
             ),
         ],
-        rows: rows.collect(),
         is_main: true,
-        ..Table::default()
-    }
-}
+        drawing: Some(Drawing {
+            caption: "Process CPU time from GeoJSON text to mesh; whiskers: 5–95 % of the builds. Along the dashed line \
+                      time grows as the vertices do.",
+            panels: &[Panel {
+                title: "Time to mesh against vertices",
+                across: ("vertices of the outline", Figure::Metric(VERTICES)),
+                up: ("process CPU ms: median, 5–95 %", Figure::Metric(TIME)),
+                curve: Names::Joined(&[SHAPE]),
+                knob: Figure::Metric(VERTICES),
+                lines: slope_one,
+                ..Panel::EMPTY
+            }],
+        }),
+        ..Section::EMPTY
+    }],
+};
 
-fn drawing(shapes: &[Shape<'_>]) -> Result<Option<String>, ChapterError> {
-    let curves = shapes.iter().filter(|shape| !shape.sizes.is_empty());
-    let shapes: Vec<&Shape<'_>> = curves.collect();
-    let plot = WorkPrecision {
-        title: "Time to mesh against vertices",
-        across: "vertices of the outline",
-        up: "text to mesh, process CPU ms: median, 5–95 %",
-        upwards: Upwards::Amount,
-        curves: shapes.iter().map(|shape| curve(shape)).collect(),
-        lines: slope(&shapes).into_iter().collect(),
+/// How many times as long ten times the vertices take, for each shape that was planned in both sizes.
+fn growth(cases: &Cases<'_>) -> Vec<Finding> {
+    let comparison = Comparison {
+        changed: OUTLINE_VERTICES.name(),
+        follows: &[],
+        one_sided: None,
+        metric: TIME,
+        needs: Scope::PLAN,
     };
-    let names: Vec<String> = shapes.iter().map(|shape| name(shape)).collect();
-    let palette = Palette::new(shapes.iter().map(|shape| shape.name.to_owned()).collect());
-    Ok(named_aside(
-        "time to mesh against vertices",
-        &plot,
-        &names,
-        &palette,
-    )?)
-}
-
-fn curve(shape: &Shape<'_>) -> Curve {
-    let point = |size: &Size<'_>| Point {
-        knob: size.vertices,
-        label: String::new(),
-        x: Some(Reading::exact(size.vertices)),
-        y: Some(Reading::sampled(size.time, &size.replicates)),
-        y_rms: None,
-        standing: PointStanding::Right,
-        command: String::new(),
-    };
-    Curve {
-        name: shape.name.to_owned(),
-        points: shape.sizes.iter().map(point).collect(),
-    }
-}
-
-/// From the cheapest shape's first point.
-fn slope(shapes: &[&Shape<'_>]) -> Option<ReferenceLine> {
-    let firsts = shapes.iter().filter_map(|shape| shape.sizes.first());
-    let cheapest = firsts.min_by(|a, b| a.time.median.total_cmp(&b.time.median));
-    cheapest.map(|size| ReferenceLine {
-        label: "slope 1".to_owned(),
-        from_x: Some(size.vertices),
-        y: size.time.median,
-        power: 1.0,
-    })
-}
-
-/// The shape, and the cost of a vertex at the curve's end.
-fn name(shape: &Shape<'_>) -> String {
-    let nanoseconds = shape
-        .sizes
-        .last()
-        .map(|size| size.time.median * 1e6 / size.vertices);
-    let nanoseconds = nanoseconds.map_or_else(|| "–".to_owned(), significant);
-    format!("{} · {nanoseconds} ns", shape.name)
+    let shapes = cases.by(SHAPE).into_iter();
+    let found = shapes.filter_map(|(shape, own)| {
+        let pairs = own.pairs(OUTLINE_VERTICES, RATIO_SIZES, &[]);
+        let claim = format!(
+            "{shape}: a mesh of 1 000 000 vertices takes less than {MAX_RATIO} times as long as one of 100 000"
+        );
+        (!pairs.is_empty())
+            .then(|| own.compared(&comparison, &pairs, Claim::LessThan(MAX_RATIO), claim))
+    });
+    found.collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use terrafill_results::made_up::{MadeUpRun, case_id};
-    use terrafill_results::{CaseId, CellClass, Status};
+    use terrafill_results::{Block, CaseId, CellClass, Chapter as _, Standing, Status};
 
     fn id(shape: &str, asked: u64) -> CaseId {
         let asked = asked.to_string();
@@ -236,18 +92,20 @@ mod tests {
     }
 
     fn grow(run: &mut MadeUpRun, shape: &str, times: &[(u64, f64)]) {
+        run.metrics = METRICS.to_vec();
         for &(asked, ms) in times {
             let case = run.case(id(shape, asked));
             // Shapes have about as many vertices as were asked for.
             case.figure(VERTICES, asked as f64 + 4.0);
-            case.sampled(TIME, &[&[0.95 * ms, ms, 1.1 * ms], &[ms, ms, ms]]);
+            let process: &[f64] = &[0.95 * ms, ms, 1.1 * ms];
+            case.sampled(TIME, &[process; 5]);
         }
     }
 
     fn blocks(run: &MadeUpRun) -> Vec<Block> {
         let folder = tempfile::tempdir().expect("a folder");
         let run = run.write(folder.path()).expect("a run");
-        GrowthChapter.blocks(&run).expect("a chapter")
+        CHAPTER.blocks(&run).expect("a chapter")
     }
 
     #[test]
@@ -259,34 +117,30 @@ mod tests {
         grow(&mut run, "spiral", &timed([1.0, 10.0, 100.0, 1_700.0]));
         grow(&mut run, "needle", &[(1_000, 1.0)]);
         let blocks = blocks(&run);
-        let [Block::Plot(plot), Block::Table(table)] = &blocks[..] else {
-            panic!("a plot and a table: {blocks:?}");
+        let [
+            Block::Text(_),
+            Block::Finding(comb),
+            Block::Finding(spiral),
+            Block::Plot(plot),
+            Block::Table(table),
+        ] = &blocks[..]
+        else {
+            panic!("a text, two findings, a plot and a table: {blocks:?}");
         };
-        for word in [
-            "slope 1",
-            "comb · 1",
-            "spiral · 1",
-            "vertices of the outline",
-        ] {
+        for word in ["slope 1", "comb", "spiral", "vertices of the outline"] {
             assert!(plot.svg.contains(word), "{word}");
         }
-        let ratio = |row: usize| {
-            (
-                table.rows[row].cells[3].text.as_str(),
-                table.rows[row].cells[3].class,
-            )
-        };
-        assert_eq!(ratio(0), ("11.1", CellClass::Plain));
-        assert_eq!(ratio(1), ("17.0", CellClass::Bad));
-        assert_eq!(
-            ratio(2),
-            ("–", CellClass::Absent),
-            "no ratio of something else"
-        );
+        assert_eq!(comb.standing, Standing::Holds);
+        assert!(comb.because.starts_with("11.1 ×"), "{}", comb.because);
+        // Negative control: one beyond the bound. The needle has no ratio of something else.
+        assert_eq!(spiral.standing, Standing::DoesNotHold);
+        assert!(spiral.because.starts_with("17.0 ×"), "{}", spiral.because);
+        assert_eq!(table.rows.len(), 9);
+        assert_eq!(table.rows[2].cells[3].text, "100");
     }
 
     #[test]
-    fn a_build_that_broke_off_has_no_point_and_no_ratio() {
+    fn a_build_that_broke_off_has_no_time_and_no_ratio() {
         let mut run = MadeUpRun::default();
         grow(&mut run, "comb", &[(100_000, 100.0), (1_000_000, 1_110.0)]);
         run.cases[1].ended(Status::Failed, "out of memory");
@@ -294,7 +148,13 @@ mod tests {
         let Some(Block::Table(table)) = blocks.last() else {
             panic!("a table: {blocks:?}");
         };
-        assert_eq!(table.rows[0].cells[3].class, CellClass::Absent);
+        assert_eq!(table.rows[1].cells[3].class, CellClass::Absent);
+        assert_eq!(table.rows[1].cells[4].class, CellClass::Absent);
+        let standing = blocks.iter().find_map(|block| match block {
+            Block::Finding(found) => Some(found.standing),
+            _ => None,
+        });
+        assert_eq!(standing, Some(Standing::NotMeasured));
     }
 
     #[test]

@@ -10,7 +10,6 @@ mod measure;
 mod metrics;
 mod study;
 
-pub use chapter::GrowthChapter;
 pub use measure::{GrowthProgram, growth_sample};
 pub use study::GrowthStudy;
 

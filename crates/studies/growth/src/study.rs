@@ -4,11 +4,15 @@
 use crate::keys::{OUTLINE_VERTICES, SHAPE};
 use crate::measure::{GrowthProgram, measure_here};
 use crate::metrics::METRICS;
-use crate::{STUDY, chapter::GrowthChapter};
+use crate::{STUDY, chapter::CHAPTER};
+use std::collections::BTreeMap;
 use tempfile::NamedTempFile;
-use terrafill_results::{CaseId, Chapter, ConditionKey, Metric, PlannedCase, Status, Verdict};
+use terrafill_results::{Status, Verdict};
 use terrafill_scene::ShapeFamily;
-use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
+use terrafill_study::{
+    CaseGroup, CaseSession, Depth, Failure, Figures, Measures, Planned, Request, Study, StudyError,
+    judged, planned_case,
+};
 
 /// Vertices of the shapes; a quick run measures the first three sizes.
 const SIZES: [u32; 5] = [1_000, 10_000, 100_000, 300_000, 1_000_000];
@@ -25,25 +29,14 @@ pub struct GrowthStudy {
 }
 
 impl Study for GrowthStudy {
-    fn name(&self) -> &'static str {
-        STUDY
-    }
-
-    fn question(&self) -> &'static str {
-        "How does the cost of a mesh grow with its vertices?"
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &METRICS
-    }
-
-    fn conditions(&self) -> Vec<ConditionKey> {
-        crate::keys::CONDITIONS.to_vec()
-    }
-
-    fn least_depth(&self) -> Depth {
-        Depth::Full
-    }
+    terrafill_study::study_facts!(
+        STUDY,
+        "How does the cost of a mesh grow with its vertices?",
+        METRICS,
+        crate::keys::CONDITIONS,
+        Full,
+        CHAPTER
+    );
 
     fn needs_device(&self) -> bool {
         false
@@ -62,86 +55,58 @@ impl Study for GrowthStudy {
         let sizes = &SIZES[..if is_quick { QUICK_SIZES } else { SIZES.len() }];
         let samples = request.samples.unwrap_or(SAMPLES);
         Ok(Planned {
-            groups: vec![Box::new(Shapes::new(sizes, samples, program))],
+            groups: vec![Box::new(shapes(sizes, samples, program))],
             skipped: Vec::new(),
         })
     }
-
-    fn chapter(&self) -> &dyn Chapter {
-        &GrowthChapter
-    }
 }
 
-/// Every shape and size.
-struct Shapes {
-    shapes: Vec<(ShapeFamily, u32)>,
-    cases: Vec<PlannedCase>,
-    program: Option<GrowthProgram>,
-}
+/// What sessions need: every shape and size, and the program that builds in a fresh process.
+type Shapes = (Vec<(ShapeFamily, u32)>, Option<GrowthProgram>);
 
-impl Shapes {
-    fn new(sizes: &[u32], samples: u32, program: Option<GrowthProgram>) -> Self {
-        let families = |size| ShapeFamily::ALL.map(|family| (family, size));
-        let shapes: Vec<(ShapeFamily, u32)> = sizes.iter().copied().flat_map(families).collect();
-        let case = |&(family, size): &(ShapeFamily, u32)| PlannedCase {
-            id: CaseId::new(
-                STUDY,
-                format!("{}/{size}", family.name()),
-                [
-                    (SHAPE, family.name().to_owned()),
-                    (OUTLINE_VERTICES, size.to_string()),
-                ],
-            ),
-            samples,
-            may_be_wrong: false,
-        };
-        Self {
-            cases: shapes.iter().map(case).collect(),
-            shapes,
-            program,
-        }
-    }
-}
-
-impl Group for Shapes {
-    fn name(&self) -> String {
-        STUDY.to_owned()
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn warm_up(&self) -> Option<u32> {
+fn shapes(sizes: &[u32], samples: u32, program: Option<GrowthProgram>) -> CaseGroup<Shapes> {
+    let families = |size| ShapeFamily::ALL.map(|family| (family, size));
+    let shapes: Vec<(ShapeFamily, u32)> = sizes.iter().copied().flat_map(families).collect();
+    let case = |&(family, size): &(ShapeFamily, u32)| {
+        let conditions = [
+            (SHAPE, family.name().to_owned()),
+            (OUTLINE_VERTICES, size.to_string()),
+        ];
+        planned_case(STUDY, samples, conditions)
+    };
+    CaseGroup {
+        name: STUDY.to_owned(),
+        cases: shapes.iter().map(case).collect(),
         // Every build is a process of its own, which nothing before it warms.
-        Some(0)
-    }
-
-    fn open<'a>(&'a self, _context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        let file = |&(family, size): &(ShapeFamily, u32)| {
-            let file = NamedTempFile::new()?;
-            std::fs::write(&file, family.geojson(size))?;
-            Ok(file)
-        };
-        let files = self.shapes.iter().map(file).collect();
-        let files: Result<Vec<NamedTempFile>, std::io::Error> = files;
-        let files = files.map_err(|error| StudyError::Broken {
-            place: std::env::temp_dir().display().to_string(),
-            message: error.to_string(),
-        })?;
-        Ok(Box::new(ShapesSession {
-            files,
-            program: self.program.as_ref(),
-        }))
+        warm_up: Some(0),
+        work: (shapes, program),
+        open: |group, _context| {
+            let (shapes, program) = &group.work;
+            let file = |&(family, size): &(ShapeFamily, u32)| {
+                let file = NamedTempFile::new()?;
+                std::fs::write(&file, family.geojson(size))?;
+                Ok(file)
+            };
+            let files: Result<Vec<NamedTempFile>, std::io::Error> =
+                shapes.iter().map(file).collect();
+            let files = files.map_err(|error| StudyError::Broken {
+                place: std::env::temp_dir().display().to_string(),
+                message: error.to_string(),
+            })?;
+            Ok(Box::new(CaseSession(Builds {
+                files,
+                program: program.as_ref(),
+            })))
+        },
     }
 }
 
-struct ShapesSession<'a> {
+struct Builds<'a> {
     files: Vec<NamedTempFile>,
     program: Option<&'a GrowthProgram>,
 }
 
-impl ShapesSession<'_> {
+impl Builds<'_> {
     fn build(&self, case: usize) -> Result<(u64, f64), String> {
         let file = self.files[case].path();
         match self.program {
@@ -151,32 +116,24 @@ impl ShapesSession<'_> {
     }
 }
 
-impl Session for ShapesSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        Ok(match self.build(case) {
-            Ok((vertices, _)) => Verdict {
-                status: Status::Ok,
-                figures: vec![("vertices_of_outline", vertices as f64)],
-                ..Verdict::default()
-            },
-            Err(message) => Verdict::failed(message),
-        })
+impl Measures for Builds<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let (vertices, _) = self.build(case)?;
+        let figures = vec![("vertices_of_outline", vertices as f64)];
+        Ok(judged(String::new(), figures, Vec::new()))
     }
 
     fn recheck(
         &mut self,
         _case: usize,
         _status: Status,
-        _notes: &std::collections::BTreeMap<String, String>,
-    ) -> Result<Verdict, StudyError> {
+        _notes: &BTreeMap<String, String>,
+    ) -> Result<Verdict, Failure> {
         // Every build is checked when it is measured.
-        Ok(Verdict {
-            status: Status::Ok,
-            ..Verdict::default()
-        })
+        Ok(judged(String::new(), Vec::new(), Vec::new()))
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
         Ok(vec![("mesh_cpu_ms", self.build(case)?.1)])
     }
 }
