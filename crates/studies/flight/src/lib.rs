@@ -9,7 +9,6 @@ mod pace;
 mod path;
 mod study;
 
-pub use chapter::FlightChapter;
 pub use study::FlightStudy;
 
 /// Name of the study.

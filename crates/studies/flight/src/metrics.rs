@@ -5,69 +5,45 @@ use terrafill_results::{Kind, Metric, Primary, Scope};
 
 /// Everything that the study measures.
 pub(crate) const METRICS: [Metric; 15] = [
-    Metric::less(
+    frame_ms(
         "flight_frame_cpu_ms",
-        "ms",
-        Kind::Time,
-        "Process CPU time of a frame: surface, plan, upload and fill, pieces made by the way included; median of a flight.",
+        "Process CPU time of a frame: surface, plan, upload and fill, pieces made by the way \
+         included; median of a flight.",
     )
-    .covering(Scope::PLAN.and(Scope::FRAME)).ranking(Primary::Cpu),
-    Metric::less(
+    .ranking(Primary::Cpu),
+    frame_ms(
         "flight_worst_frame_cpu_ms",
-        "ms",
-        Kind::Time,
         "The same of the worst frame of a flight after its first.",
-    )
-    .covering(Scope::PLAN.and(Scope::FRAME)),
-    Metric::less(
+    ),
+    frame_ms(
         "flight_frame_wall_ms",
-        "ms",
-        Kind::Time,
         "Wall clock of a frame; median of a flight.",
     )
-    .covering(Scope::PLAN.and(Scope::FRAME)).ranking(Primary::Wall),
-    Metric::less(
+    .ranking(Primary::Wall),
+    frame_ms(
         "flight_worst_frame_wall_ms",
-        "ms",
-        Kind::Time,
         "Wall clock of the worst frame of a flight after its first.",
-    )
-    .covering(Scope::PLAN.and(Scope::FRAME)),
-    Metric::less(
-        "flight_first_frame_wall_ms",
-        "ms",
-        Kind::Time,
-        "Wall clock of the first frame, for which no piece is there.",
-    )
-    .covering(Scope::PLAN.and(Scope::FRAME)),
-    Metric::less(
-        "flight_changed_px",
-        "px",
-        Kind::Error,
-        "Pixels that show another region than over the terrain that the view asks for, by the reference; worst frame compared.",
     ),
-    Metric::less(
+    frame_ms(
+        "flight_first_frame_wall_ms",
+        "Wall clock of the first frame, for which no piece is there.",
+    ),
+    error_px(
+        "flight_changed_px",
+        "Pixels that show another region than over the terrain that the view asks for, by the \
+         reference; worst frame compared.",
+    ),
+    error_px(
         "flight_last_changed_px",
-        "px",
-        Kind::Error,
         "The same of the last frame, when the eye has rested.",
     ),
-    Metric::less(
+    count(
         "flight_late_frames",
-        "",
-        Kind::Counter,
         "Frames that were drawn while pieces they asked for were missing.",
     ),
-    Metric::less(
-        "flight_pieces_made",
-        "",
-        Kind::Counter,
-        "Pieces made during a flight.",
-    ),
-    Metric::less(
+    count("flight_pieces_made", "Pieces made during a flight."),
+    count(
         "flight_pieces_evicted",
-        "",
-        Kind::Counter,
         "Of these, let go because the memory was full.",
     ),
     Metric::less(
@@ -94,10 +70,22 @@ pub(crate) const METRICS: [Metric; 15] = [
         Kind::Error,
         "Frames that were not within the tolerances of a fill.",
     ),
-    Metric::less(
+    error_px(
         "flight_outside_px",
-        "px",
-        Kind::Error,
-        "Pixels outside the boundary band that differ from the reference; largest of all frames.",
+        "Pixels outside the boundary band that differ from the reference; largest of all \
+         frames.",
     ),
 ];
+
+/// A time of whole frames.
+const fn frame_ms(name: &'static str, meaning: &'static str) -> Metric {
+    Metric::less(name, "ms", Kind::Time, meaning).covering(Scope::PLAN.and(Scope::FRAME))
+}
+
+const fn count(name: &'static str, meaning: &'static str) -> Metric {
+    Metric::less(name, "", Kind::Counter, meaning)
+}
+
+const fn error_px(name: &'static str, meaning: &'static str) -> Metric {
+    Metric::less(name, "px", Kind::Error, meaning)
+}

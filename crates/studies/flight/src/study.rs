@@ -2,7 +2,7 @@
 //! The cases: techniques × ways of making the pieces.
 
 use crate::STUDY;
-use crate::chapter::FlightChapter;
+use crate::chapter::CHAPTER;
 use crate::keys::{IMAGE, PIECES, SCENE, TECHNIQUE, VARIANT};
 use crate::metrics::METRICS;
 use crate::pace::{Making, Pace};
@@ -15,21 +15,20 @@ use std::sync::Arc;
 use terrafill_conformance::{
     BAND_RADIUS_PX, BORDER_ROUNDING, ErrorFigures, Tally, compare_closely,
 };
-use terrafill_core::{MeshError, RegionMesh};
+use terrafill_core::RegionMesh;
 use terrafill_fill::{
-    CpuStopwatch, DeviceError, FillBackend, FillInput, Frame, Picture, PreparedScene, Role,
-    Targets, Technique, Variant,
+    CpuStopwatch, FillBackend, FillInput, Frame, Picture, PreparedScene, Role, Targets, Technique,
+    Variant,
 };
 use terrafill_reference::{CloseLook, ReferenceBackend};
-use terrafill_results::{
-    CaseId, Chapter, ConditionKey, Metric, PlannedCase, Skipped, Status, Verdict, median,
-};
+use terrafill_results::{Skipped, Status, Verdict, median};
 use terrafill_scene::{ImageSize, PlanOptions, Scene, View};
 use terrafill_study::{
-    Context, Depth, Group, Planned, Request, Session, Study, StudyError, file_stem, write_rgb,
+    CaseGroup, CaseSession, Context, Depth, Failure, Figures, Measures, Planned, Request, Study,
+    StudyError, file_stem, judged, planned_case, write_rgb,
 };
 use terrafill_surface::{
-    AsItIs, InBackground, PieceMemory, Refinement, Surface, SurfaceError, SurfaceKind, open_surface,
+    AsItIs, InBackground, PieceMemory, Refinement, Surface, SurfaceKind, open_surface,
 };
 
 /// The scene that is flown over where none is named: terrain grown from a seed, in tiles.
@@ -58,25 +57,14 @@ pub struct FlightStudy {
 }
 
 impl Study for FlightStudy {
-    fn name(&self) -> &'static str {
-        STUDY
-    }
-
-    fn question(&self) -> &'static str {
-        "What do frames cost and show while the terrain's pieces are still being made?"
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &METRICS
-    }
-
-    fn conditions(&self) -> Vec<ConditionKey> {
-        crate::keys::CONDITIONS.to_vec()
-    }
-
-    fn least_depth(&self) -> Depth {
-        Depth::Full
-    }
+    terrafill_study::study_facts!(
+        STUDY,
+        "What do frames cost and show while the terrain's pieces are still being made?",
+        METRICS,
+        crate::keys::CONDITIONS,
+        Full,
+        CHAPTER
+    );
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let bad = |error: &dyn ToString| StudyError::BadInput(error.to_string());
@@ -103,15 +91,10 @@ impl Study for FlightStudy {
                 });
                 continue;
             }
-            planned
-                .groups
-                .push(Box::new(Flights::new(self, request, scene, surface)));
+            let flights = flights(self, request, scene, surface);
+            planned.groups.push(Box::new(flights));
         }
         Ok(planned)
-    }
-
-    fn chapter(&self) -> &dyn Chapter {
-        &FlightChapter
     }
 }
 
@@ -132,7 +115,7 @@ struct FlightCase {
     pace: Pace,
 }
 
-/// All cases over one scene.
+/// What sessions need of all cases over one scene.
 struct Flights {
     scene: Scene,
     /// Has all that a view asks for.
@@ -141,100 +124,64 @@ struct Flights {
     size: ImageSize,
     compared_of: u32,
     cases: Vec<FlightCase>,
-    planned: Vec<PlannedCase>,
 }
 
-impl Flights {
-    fn new(
-        study: &FlightStudy,
-        request: &Request,
-        scene: Scene,
-        settled: Arc<dyn Surface>,
-    ) -> Self {
-        let is_quick = request.depth == Depth::Quick;
-        let [width, height] = request.size;
-        let wanted = |technique: &&&'static dyn Technique| {
-            let names = &request.techniques;
-            names.is_empty() || names.iter().any(|name| name == technique.name())
+fn flights(
+    study: &FlightStudy,
+    request: &Request,
+    scene: Scene,
+    settled: Arc<dyn Surface>,
+) -> CaseGroup<Flights> {
+    let is_quick = request.depth == Depth::Quick;
+    let [width, height] = request.size;
+    let mut cases: Vec<FlightCase> = Vec::new();
+    let techniques = study.techniques.iter();
+    for &technique in techniques.filter(|technique| request.wants(technique.name())) {
+        let mut variants = technique.variants(&scene, Role::Quick).into_iter();
+        let Some(variant) = variants.find(|variant| !technique.is_approximate(variant)) else {
+            continue;
         };
-        let mut cases: Vec<FlightCase> = Vec::new();
-        for technique in study.techniques.iter().filter(wanted).copied() {
-            let mut variants = technique.variants(&scene, Role::Quick).into_iter();
-            let Some(variant) = variants.find(|variant| !technique.is_approximate(variant)) else {
-                continue;
-            };
-            // The ways of making pieces do not depend on who fills: one technique shows them all.
-            let paces = match cases.is_empty() {
-                true => &Pace::ALL[..],
-                false if is_quick => &[],
-                false => &Pace::ALL[2..3],
-            };
-            cases.extend(paces.iter().map(|&pace| FlightCase {
-                technique,
-                variant: variant.clone(),
-                pace,
-            }));
-        }
-        let (samples, compared_of) = match is_quick {
-            true => (QUICK_SAMPLES, COMPARED_OF_QUICK),
-            false => (SAMPLES, COMPARED_OF),
+        // The ways of making pieces do not depend on who fills: one technique shows them all.
+        let paces = match cases.is_empty() {
+            true => &Pace::ALL[..],
+            false if is_quick => &[],
+            false => &Pace::ALL[2..3],
         };
-        let samples = request.samples.unwrap_or(samples);
-        let planned = cases.iter().map(|case| {
-            let parts = [
-                (SCENE, scene.name.clone()),
-                (TECHNIQUE, case.technique.name().to_owned()),
-                (VARIANT, case.variant.name()),
-                (PIECES, case.pace.name()),
-            ];
-            let name: Vec<&str> = parts.iter().map(|(_, value)| value.as_str()).collect();
-            let name = name.join("/");
-            PlannedCase {
-                id: CaseId::new(STUDY, name, parts),
-                samples,
-                may_be_wrong: false,
-            }
-        });
-        Self {
-            planned: planned.collect(),
+        cases.extend(paces.iter().map(|&pace| FlightCase {
+            technique,
+            variant: variant.clone(),
+            pace,
+        }));
+    }
+    let (samples, compared_of) = match is_quick {
+        true => (QUICK_SAMPLES, COMPARED_OF_QUICK),
+        false => (SAMPLES, COMPARED_OF),
+    };
+    let samples = request.samples.unwrap_or(samples);
+    let planned = cases.iter().map(|case| {
+        let conditions = [
+            (SCENE, scene.name.clone()),
+            (TECHNIQUE, case.technique.name().to_owned()),
+            (VARIANT, case.variant.name()),
+            (PIECES, case.pace.name()),
+        ];
+        planned_case(STUDY, samples, conditions)
+    });
+    CaseGroup {
+        name: format!("{STUDY}/{}", scene.name),
+        cases: planned.collect(),
+        // The flight that is compared warms it.
+        warm_up: Some(0),
+        open: |group, context| Ok(Box::new(CaseSession(FlightsSession::new(group, context)?))),
+        work: Flights {
             cases,
             scene,
             settled,
             surfaces: study.surfaces,
             size: ImageSize { width, height },
             compared_of,
-        }
+        },
     }
-}
-
-impl Group for Flights {
-    fn name(&self) -> String {
-        format!("{STUDY}/{}", self.scene.name)
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.planned
-    }
-
-    fn warm_up(&self) -> Option<u32> {
-        // The flight that is compared warms it.
-        Some(0)
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(FlightsSession::new(self, context)?))
-    }
-}
-
-/// Why a frame of a flight is missing.
-#[derive(Debug, thiserror::Error)]
-enum FlightError {
-    #[error(transparent)]
-    Surface(#[from] SurfaceError),
-    #[error(transparent)]
-    Device(#[from] DeviceError),
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
 }
 
 fn memory(surface: &dyn Surface) -> PieceMemory {
@@ -274,21 +221,14 @@ impl Compared {
     }
 
     fn verdict(&self) -> Verdict {
-        Verdict {
-            status: match self.tally.is_right() {
-                true => Status::Ok,
-                false => Status::Wrong,
-            },
-            reason: self.tally.reason(),
-            figures: vec![
-                ("flight_frames_compared", f64::from(self.tally.frames)),
-                ("flight_frames_wrong", self.tally.wrong.len() as f64),
-                ("flight_outside_px", self.tally.outside_px as f64),
-                ("flight_changed_px", self.changed_px as f64),
-                ("flight_last_changed_px", self.last_changed_px as f64),
-            ],
-            ..Verdict::default()
-        }
+        let figures = vec![
+            ("flight_frames_compared", f64::from(self.tally.frames)),
+            ("flight_frames_wrong", self.tally.wrong.len() as f64),
+            ("flight_outside_px", self.tally.outside_px as f64),
+            ("flight_changed_px", self.changed_px as f64),
+            ("flight_last_changed_px", self.last_changed_px as f64),
+        ];
+        judged(self.tally.reason(), figures, Vec::new())
     }
 }
 
@@ -357,6 +297,7 @@ fn figures(
 }
 
 struct FlightsSession<'a> {
+    group: &'a CaseGroup<Flights>,
     flights: &'a Flights,
     context: Context<'a>,
     views: Vec<View>,
@@ -375,20 +316,23 @@ struct FlightsSession<'a> {
 }
 
 impl<'a> FlightsSession<'a> {
-    fn new(flights: &'a Flights, context: Context<'a>) -> Result<Self, StudyError> {
-        let bad = |error: FlightError| StudyError::BadInput(format!("{}: {error}", flights.name()));
+    fn new(group: &'a CaseGroup<Flights>, context: Context<'a>) -> Result<Self, StudyError> {
+        let flights = &group.work;
+        let bad = |error: &dyn std::error::Error| {
+            StudyError::BadInput(format!("{}: {error}", group.name))
+        };
         let meshes = RegionMesh::build_all(
             &flights.scene.regions,
             &flights.scene.body,
             flights.scene.edge_rule,
             &flights.scene.mesh,
         );
-        let meshes = meshes.map_err(|mut errors| bad(errors.remove(0).into()))?;
+        let meshes = meshes.map_err(|errors| bad(&errors[0]))?;
         // Another one than the settled: a flight begins with nothing made.
         let surface = open_surface(flights.surfaces, &flights.scene);
-        let surface = surface.map_err(|error| bad(error.into()))?;
+        let surface = surface.map_err(|error| bad(&error))?;
         let broken = || StudyError::Broken {
-            place: flights.name(),
+            place: group.name.clone(),
             message: "its surface has no pieces any more".to_owned(),
         };
         let as_it_is = AsItIs::new(Arc::clone(&surface)).map(Arc::new);
@@ -400,6 +344,7 @@ impl<'a> FlightsSession<'a> {
         };
         let budget_bytes = memory(&*surface).budget_bytes;
         Ok(Self {
+            group,
             flights,
             context,
             views: path(&flights.scene.views, FRAMES, REST),
@@ -421,7 +366,7 @@ impl<'a> FlightsSession<'a> {
         &mut self,
         index: usize,
         compared_of: Option<u32>,
-    ) -> Result<(Vec<Flown>, Compared), FlightError> {
+    ) -> Result<(Vec<Flown>, Compared), Failure> {
         let case = &self.flights.cases[index];
         let size = self.flights.size;
         let mut backend = match self.backends.remove(&index) {
@@ -439,6 +384,13 @@ impl<'a> FlightsSession<'a> {
         let mut flown = Vec::new();
         let mut compared = Compared::default();
         for (at, view) in (0_u32..).zip(&self.views) {
+            let is_last = at as usize + 1 == self.views.len();
+            let is_compared = compared_of.is_some_and(|of| at % of == of - 1 || at == 0 || is_last);
+            // It keeps nothing for the next frame, so none is flown between those compared: a frame makes
+            // hundreds of pieces, which takes longer than all else.
+            if case.pace.making == Making::Anew && compared_of.is_some() && !is_compared {
+                continue;
+            }
             let watch = CpuStopwatch::start();
             if case.pace.making == Making::Anew {
                 refining.forget();
@@ -458,8 +410,6 @@ impl<'a> FlightsSession<'a> {
                 true => Refinement::default(),
                 false => self.as_it_is.last(),
             };
-            let is_last = at as usize + 1 == self.views.len();
-            let is_compared = compared_of.is_some_and(|of| at % of == of - 1 || at == 0 || is_last);
             if is_compared {
                 let drawn = backend.render(&input)?;
                 let asked_for = FillInput {
@@ -483,32 +433,18 @@ impl<'a> FlightsSession<'a> {
         self.backends.insert(index, backend);
         Ok((flown, compared))
     }
-
-    /// What a flight shows, and the picture of its last frame.
-    fn compare(&mut self, index: usize, compared_of: u32) -> (Verdict, Option<Picture>) {
-        match self.fly(index, Some(compared_of)) {
-            Ok((_, compared)) => (compared.verdict(), compared.picture),
-            Err(FlightError::Device(error @ DeviceError::Unsupported { .. })) => {
-                (Verdict::skipped(error.to_string()), None)
-            }
-            Err(error) => (Verdict::failed(error.to_string()), None),
-        }
-    }
-
-    /// Writes the last frame of a flight; a note says where.
-    fn write(&self, index: usize, picture: &Picture) -> Result<(&'static str, String), StudyError> {
-        let name = file_stem(&self.flights.planned[index].id.key());
-        let size = [picture.size.width, picture.size.height];
-        let path = write_rgb(self.context.folder, &name, size, &picture.rgb())?;
-        Ok((IMAGE, path))
-    }
 }
 
-impl Session for FlightsSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        let (mut verdict, picture) = self.compare(case, self.flights.compared_of);
-        if let Some(picture) = picture {
-            verdict.notes.push(self.write(case, &picture)?);
+impl Measures for FlightsSession<'_> {
+    /// A flight whose last frame is kept as a picture.
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let (_, compared) = self.fly(case, Some(self.flights.compared_of))?;
+        let mut verdict = compared.verdict();
+        if let Some(picture) = compared.picture {
+            let name = file_stem(&self.group.cases[case].id.key());
+            let size = [picture.size.width, picture.size.height];
+            let path = write_rgb(self.context.folder, &name, size, &picture.rgb())?;
+            verdict.notes.push((IMAGE, path));
         }
         Ok(verdict)
     }
@@ -518,21 +454,20 @@ impl Session for FlightsSession<'_> {
         case: usize,
         _status: Status,
         _notes: &BTreeMap<String, String>,
-    ) -> Result<Verdict, StudyError> {
-        Ok(self.compare(case, COMPARED_OF_QUICK).0)
+    ) -> Result<Verdict, Failure> {
+        Ok(self.fly(case, Some(COMPARED_OF_QUICK))?.1.verdict())
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
         let before = memory(&*self.surface);
-        let flown = self.fly(case, None).map_err(|error| error.to_string())?.0;
+        let (flown, _) = self.fly(case, None)?;
         let after = memory(&*self.surface);
-        let Some(first) = flown.first() else {
-            return Err("it has no frames".to_owned());
-        };
+        let first = flown.first().ok_or("it has no frames".to_owned())?;
         let of = |value: fn(&Flown) -> f64| -> Vec<f64> { flown[1..].iter().map(value).collect() };
         let largest = |value| of(value).into_iter().fold(0.0, f64::max);
-        let middle = |value| median(&of(value)).ok_or("it has one frame");
+        let middle = |value| median(&of(value)).ok_or("it has one frame".to_owned());
         let late = flown.iter().filter(|frame| frame.refinement.waiting > 0);
+        let evicted = after.evicted - before.evicted;
         Ok(vec![
             ("flight_frame_cpu_ms", middle(|frame| frame.cpu_ms)?),
             ("flight_worst_frame_cpu_ms", largest(|frame| frame.cpu_ms)),
@@ -541,10 +476,7 @@ impl Session for FlightsSession<'_> {
             ("flight_first_frame_wall_ms", first.wall_ms),
             ("flight_late_frames", late.count() as f64),
             ("flight_pieces_made", (after.made - before.made) as f64),
-            (
-                "flight_pieces_evicted",
-                (after.evicted - before.evicted) as f64,
-            ),
+            ("flight_pieces_evicted", evicted as f64),
             ("flight_piece_bytes", largest(|frame| frame.bytes as f64)),
             ("flight_budget_bytes", after.budget_bytes as f64),
         ])
@@ -567,7 +499,7 @@ mod tests {
         surfaces: &[&EllipsoidKind, &TilesKind],
     };
 
-    fn flights(depth: Depth) -> Flights {
+    fn hills(depth: Depth) -> CaseGroup<Flights> {
         let request = Request {
             depth,
             size: [120, 90],
@@ -578,10 +510,11 @@ mod tests {
         let parameters = &mut scene.surface.parameters;
         parameters.insert("max_triangles".to_owned(), MAX_TRIANGLES.into());
         let surface = open_surface(STUDY_OF_TWO.surfaces, &scene).expect("opens");
-        Flights::new(&STUDY_OF_TWO, &request, scene, surface)
+        flights(&STUDY_OF_TWO, &request, scene, surface)
     }
 
-    fn with_session(flights: &Flights, check: impl FnOnce(&mut FlightsSession<'_>)) {
+    fn with_session(group: &CaseGroup<Flights>, check: impl FnOnce(&mut FlightsSession<'_>)) {
+        let flights = &group.work;
         let devices = Rc::new(Devices::default());
         let targets = Targets::new(&devices, flights.size);
         for case in &flights.cases {
@@ -596,14 +529,14 @@ mod tests {
             devices: &devices,
             folder: folder.path(),
         };
-        check(&mut FlightsSession::new(flights, context).expect("opens"));
+        check(&mut FlightsSession::new(group, context).expect("opens"));
     }
 
     #[test]
     fn one_technique_shows_every_way_and_surfaces_of_one_piece_are_left_out() {
         let ways = |depth, technique: &str| {
-            let flights = flights(depth);
-            let cases = flights.cases.iter();
+            let group = hills(depth);
+            let cases = group.work.cases.iter();
             cases
                 .filter(|case| case.technique.name() == technique)
                 .count()
@@ -624,17 +557,18 @@ mod tests {
 
     #[test]
     fn fills_are_right_in_every_frame_whatever_tiles_are_there() {
-        let mut flights = flights(Depth::Main);
-        for case in &mut flights.cases {
+        let mut group = hills(Depth::Main);
+        for case in &mut group.work.cases {
             // Fewer tiles need less memory.
             case.pace.budget_bytes = case.pace.budget_bytes.and(Some(400_000));
         }
-        with_session(&flights, |session| {
+        let flights = &group.work;
+        with_session(&group, |session| {
             // So many frames as leave a test its time.
             session.views = path(&flights.scene.views, 12, 3);
             let mut made_anew = 0.0;
             for index in 0..flights.cases.len() {
-                let name = &flights.planned[index].id.name;
+                let name = &group.cases[index].id.name;
                 let verdict = session.verify(index).expect("goes on");
                 assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
                 let [(note, path)] = &verdict.notes[..] else {
@@ -646,7 +580,7 @@ mod tests {
                 let changed = figures.find(|(known, _)| *known == "flight_changed_px");
                 let changed_px = changed.expect("counted").1;
                 let pace = flights.cases[index].pace;
-                let measured = session.sample(index).expect("measured");
+                let measured = session.time(index).expect("measured");
                 let value = |wanted: &str| {
                     let found = measured.iter().find(|(known, _)| *known == wanted);
                     found.unwrap_or_else(|| panic!("{name}: {wanted}")).1
@@ -686,8 +620,9 @@ mod tests {
 
     #[test]
     fn a_picture_of_another_moment_is_wrong() {
-        let flights = flights(Depth::Quick);
-        with_session(&flights, |session| {
+        let group = hills(Depth::Quick);
+        let flights = &group.work;
+        with_session(&group, |session| {
             session.views = path(&flights.scene.views, 8, 2);
             session.fly(2, None).expect("flies");
             let options = PlanOptions::default();
