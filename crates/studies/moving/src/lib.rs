@@ -12,7 +12,6 @@ mod sensors;
 mod stage;
 mod study;
 
-pub use chapter::MovingChapter;
 pub use study::MovingStudy;
 
 /// Name of the study.

@@ -4,10 +4,10 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use terrafill_core::{
-    AnalyticError, EdgeRule, Ellipsoid, Footprint, FootprintMesher, Geodetic, MovingFootprint,
-    Region, RegionMesh, SensorCone,
+    EdgeRule, Ellipsoid, Footprint, FootprintMesher, Geodetic, MovingFootprint, Region, RegionMesh,
+    SensorCone,
 };
-use terrafill_study::SplitMix64;
+use terrafill_study::{Failure, SplitMix64};
 
 /// Frames after which the sweep begins again: two seconds at 30 a second.
 pub(crate) const FRAMES: u32 = 60;
@@ -50,7 +50,7 @@ pub(crate) struct Sensors {
 
 impl Sensors {
     /// The first `count` sensors over `body`; more of them are the same and further ones.
-    pub(crate) fn new(body: Ellipsoid, count: usize) -> Result<Self, AnalyticError> {
+    pub(crate) fn new(body: Ellipsoid, count: usize) -> Result<Self, Failure> {
         let mut random = SplitMix64::new(SEED);
         // 53 random bits are the digits of a number below 1.
         let mut between = |[low, high]: [f64; 2]| {
@@ -67,7 +67,7 @@ impl Sensors {
             azimuth_rad: between([0.0, TAU]),
         });
         Ok(Self {
-            mesher: FootprintMesher::new(body, VERTICES)?,
+            mesher: FootprintMesher::new(body, VERTICES).map_err(Failure::broken)?,
             sensors: sensors.collect(),
         })
     }
@@ -90,28 +90,23 @@ impl Sensors {
         }
     }
 
-    fn footprints(
-        &self,
-        frame: u32,
-    ) -> impl Iterator<Item = (usize, Result<Footprint, AnalyticError>)> {
+    fn footprints(&self, frame: u32) -> impl Iterator<Item = Result<(usize, Footprint), Failure>> {
         let sensors = self.sensors.iter().enumerate();
-        sensors
-            .map(move |(index, sensor)| (index, self.mesher.footprint(&Self::cone(sensor, frame))))
+        sensors.map(move |(index, sensor)| {
+            let footprint = self.mesher.footprint(&Self::cone(sensor, frame));
+            Ok((index, footprint.map_err(Failure::broken)?))
+        })
     }
 
     /// Rings at `frame`, for the reference and the general mesher.
     ///
     /// - `first`: index of the first one among the scene's regions
-    pub(crate) fn regions(&self, frame: u32, first: usize) -> Result<Vec<Region>, AnalyticError> {
-        self.footprints(frame)
-            .map(|(index, footprint)| {
-                let region = self.mesher.region(name(index), &footprint?);
-                Ok(Region {
-                    index: first + index,
-                    ..region
-                })
-            })
-            .collect()
+    pub(crate) fn regions(&self, frame: u32, first: usize) -> Result<Vec<Region>, Failure> {
+        let region = |(index, footprint): (usize, Footprint)| Region {
+            index: first + index,
+            ..self.mesher.region(name(index), &footprint)
+        };
+        self.footprints(frame).map(|at| at.map(region)).collect()
     }
 
     /// The discs that a device bends into the footprints.
@@ -131,11 +126,13 @@ impl Sensors {
         &self,
         frame: u32,
         first: usize,
-    ) -> Result<BTreeMap<usize, MovingFootprint>, AnalyticError> {
+    ) -> Result<BTreeMap<usize, MovingFootprint>, Failure> {
         let sensors = (first..).zip(&self.sensors);
-        sensors
-            .map(|(place, sensor)| Ok((place, self.mesher.moving(&Self::cone(sensor, frame))?)))
-            .collect()
+        let bent = sensors.map(|(place, sensor)| {
+            let bent = self.mesher.moving(&Self::cone(sensor, frame));
+            Ok((place, bent.map_err(Failure::broken)?))
+        });
+        bent.collect()
     }
 
     /// How far a device may be off in f32 for any of these, metres from the apex.
@@ -153,13 +150,15 @@ impl Sensors {
         frame: u32,
         first: usize,
         rule: EdgeRule,
-    ) -> Result<Vec<RegionMesh>, AnalyticError> {
-        self.footprints(frame)
-            .map(|(index, footprint)| {
-                self.mesher
-                    .mesh(name(index), first + index, footprint?, rule)
-            })
-            .collect()
+    ) -> Result<Vec<RegionMesh>, Failure> {
+        let meshes = self.footprints(frame).map(|at| {
+            let (index, footprint) = at?;
+            let mesh = self
+                .mesher
+                .mesh(name(index), first + index, footprint, rule);
+            mesh.map_err(Failure::broken)
+        });
+        meshes.collect()
     }
 }
 

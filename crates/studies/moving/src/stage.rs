@@ -3,12 +3,11 @@
 
 use crate::sensors::Sensors;
 use std::collections::BTreeMap;
-use terrafill_core::{AnalyticError, MeshError, MeshOptions, Region, RegionMesh};
-use terrafill_fill::{
-    CpuStopwatch, DeviceError, FillBackend, FillInput, NoSuchRegion, PreparedScene, RegionSet,
-};
+use terrafill_core::{MeshOptions, Region, RegionMesh};
+use terrafill_fill::{CpuStopwatch, FillBackend, FillInput, PreparedScene, RegionSet};
 use terrafill_scene::{ImageSize, LazyMesh, Overlap, PlanOptions, Scene, View};
-use terrafill_surface::{SurfaceError, SurfaceKind, open_surface};
+use terrafill_study::Failure;
+use terrafill_surface::{SurfaceKind, open_surface};
 
 /// The eye from the apex, what is left of it, and the difference of the two, along three axes. Each is
 /// rounded to f32 and no longer than the way from the eye to the far side of the body.
@@ -41,21 +40,6 @@ impl Upkeep {
     }
 }
 
-/// Why there is no next frame.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum StageError {
-    #[error(transparent)]
-    Cone(#[from] AnalyticError),
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
-    #[error(transparent)]
-    Place(#[from] NoSuchRegion),
-    #[error(transparent)]
-    Surface(#[from] SurfaceError),
-    #[error(transparent)]
-    Device(#[from] DeviceError),
-}
-
 /// What a step from one frame to the next took.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct StepCost {
@@ -86,7 +70,7 @@ impl Stage {
         view: &View,
         size: ImageSize,
         sensors: Sensors,
-    ) -> Result<Self, StageError> {
+    ) -> Result<Self, Failure> {
         let surface = open_surface(surfaces, base)?;
         let still = base.regions.to_vec();
         let scene = Scene {
@@ -96,7 +80,8 @@ impl Stage {
         let meshed = still
             .iter()
             .map(|region| RegionMesh::build(region, &base.body, base.edge_rule, &base.mesh));
-        let mut meshes: Vec<RegionMesh> = meshed.collect::<Result<_, _>>()?;
+        let mut meshes: Vec<RegionMesh> =
+            meshed.collect::<Result<_, _>>().map_err(Failure::broken)?;
         meshes.extend(sensors.strips(0, still.len(), base.edge_rule)?);
         let mut prepared = PreparedScene::new(&scene, meshes.into(), surface);
         prepared.regions = all_regions(&still, &sensors, 0)?.into();
@@ -109,7 +94,7 @@ impl Stage {
     }
 
     /// The first frame, by this way of keeping up to date.
-    pub(crate) fn start(&self, upkeep: Upkeep) -> Result<FillInput, StageError> {
+    pub(crate) fn start(&self, upkeep: Upkeep) -> Result<FillInput, Failure> {
         match upkeep {
             Upkeep::Rewrite | Upkeep::Reload => Ok(self.start.clone()),
             Upkeep::Bend => {
@@ -120,12 +105,14 @@ impl Stage {
                     meshes: meshes.into(),
                     ..self.start.scene.clone()
                 };
-                let scene = discs.with_footprints(self.sensors.bent(0, first)?)?;
+                let scene = discs.with_footprints(self.sensors.bent(0, first)?);
+                let scene = scene.map_err(Failure::broken)?;
                 Ok(self.start.remeshed(&scene, PlanOptions::default()))
             }
             Upkeep::Remesh => {
                 let changed = self.meshes(0, upkeep)?;
-                let scene = self.start.scene.with_changed(changed)?;
+                let scene = self.start.scene.with_changed(changed);
+                let scene = scene.map_err(Failure::broken)?;
                 Ok(self.start.remeshed(&scene, PlanOptions::default()))
             }
         }
@@ -133,7 +120,7 @@ impl Stage {
 
     /// How far vertices that the device computes in f32 may be off at `frame`, in metres and in pixels of
     /// this view: the footprint's bound, and what subtracting the eye in f32 rounds away.
-    pub(crate) fn bound(&self, frame: u32) -> Result<[f64; 2], StageError> {
+    pub(crate) fn bound(&self, frame: u32) -> Result<[f64; 2], Failure> {
         let bent = self.sensors.bent(frame, self.still.len())?;
         let (camera, body) = (&self.start.camera, &self.start.scene.body);
         let eye_m = camera.eye_ecef.length();
@@ -147,13 +134,13 @@ impl Stage {
     }
 
     /// What the reference draws at `frame`.
-    pub(crate) fn as_rings(&self, frame: u32) -> Result<FillInput, StageError> {
+    pub(crate) fn as_rings(&self, frame: u32) -> Result<FillInput, Failure> {
         let mut input = self.start.clone();
         input.scene.regions = all_regions(&self.still, &self.sensors, frame)?.into();
         Ok(input)
     }
 
-    fn meshes(&self, frame: u32, upkeep: Upkeep) -> Result<Vec<(usize, RegionMesh)>, StageError> {
+    fn meshes(&self, frame: u32, upkeep: Upkeep) -> Result<Vec<(usize, RegionMesh)>, Failure> {
         let (body, rule) = (&self.start.scene.body, self.start.scene.edge_rule);
         let first = self.still.len();
         let meshes = match upkeep {
@@ -164,7 +151,7 @@ impl Stage {
                 let meshed = regions
                     .iter()
                     .map(|region| RegionMesh::build(region, body, rule, &self.mesh));
-                meshed.collect::<Result<_, _>>()?
+                meshed.collect::<Result<_, _>>().map_err(Failure::broken)?
             }
         };
         Ok((first..).zip(meshes).collect())
@@ -177,7 +164,7 @@ impl Stage {
         before: &FillInput,
         frame: u32,
         upkeep: Upkeep,
-    ) -> Result<(FillInput, StepCost), StageError> {
+    ) -> Result<(FillInput, StepCost), Failure> {
         let plan = PlanOptions::default();
         let mut cost = StepCost::default();
         let watch = CpuStopwatch::start();
@@ -190,16 +177,17 @@ impl Stage {
         let places: Vec<usize> = changed.iter().map(|(place, _)| *place).collect();
         let watch = CpuStopwatch::start();
         let scene = match upkeep {
-            Upkeep::Rewrite | Upkeep::Remesh => before.scene.with_changed(changed)?,
-            Upkeep::Bend => before.scene.with_footprints(bent)?,
+            Upkeep::Rewrite | Upkeep::Remesh => before.scene.with_changed(changed),
+            Upkeep::Bend => before.scene.with_footprints(bent),
             Upkeep::Reload => {
                 let mut meshes = before.scene.meshes.to_vec();
                 for (place, mesh) in changed {
                     meshes[place] = mesh.into();
                 }
-                before.scene.with_meshes(RegionSet::from(meshes))
+                Ok(before.scene.with_meshes(RegionSet::from(meshes)))
             }
         };
+        let scene = scene.map_err(Failure::broken)?;
         let input = before.remeshed(&scene, plan);
         cost.plan_cpu_ms = watch.cpu_ms();
         let watch = CpuStopwatch::start();
@@ -220,11 +208,7 @@ impl Stage {
     }
 }
 
-fn all_regions(
-    still: &[Region],
-    sensors: &Sensors,
-    frame: u32,
-) -> Result<Vec<Region>, AnalyticError> {
+fn all_regions(still: &[Region], sensors: &Sensors, frame: u32) -> Result<Vec<Region>, Failure> {
     let mut regions = still.to_vec();
     regions.extend(sensors.regions(frame, still.len())?);
     Ok(regions)

@@ -2,25 +2,24 @@
 //! The cases: numbers of sensors × techniques × ways of keeping up to date.
 
 use crate::STUDY;
-use crate::chapter::MovingChapter;
+use crate::chapter::CHAPTER;
 use crate::keys::{SCENE, SENSORS, TECHNIQUE, UPKEEP, VARIANT};
 use crate::metrics::METRICS;
 use crate::sensors::{FRAMES, Sensors};
-use crate::stage::{Stage, StageError, StepCost, Upkeep};
+use crate::stage::{Stage, StepCost, Upkeep};
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use terrafill_conformance::{BAND_RADIUS_PX, ErrorFigures, Tally, compare_closely, filled_only};
 use terrafill_fill::{
-    CpuStopwatch, DeviceError, FillBackend, FillInput, Frame, Role, Targets, Technique, Variant,
+    CpuStopwatch, FillBackend, FillInput, Frame, Role, Targets, Technique, Variant,
 };
 use terrafill_reference::{CloseLook, ReferenceBackend};
-use terrafill_results::{
-    CaseId, Chapter, ConditionKey, Metric, PlannedCase, Skipped, Status, Verdict,
-};
+use terrafill_results::{Skipped, Status, Verdict};
 use terrafill_scene::{ImageSize, Overlap, Scene, SceneError};
 use terrafill_study::{
-    Context, Depth, Group, Planned, Request, Session, Study, StudyError, file_stem, write_rgb,
+    CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,
+    Study, StudyError, file_stem, judged, planned_case, write_rgb,
 };
 use terrafill_surface::SurfaceKind;
 
@@ -44,25 +43,14 @@ pub struct MovingStudy {
 }
 
 impl Study for MovingStudy {
-    fn name(&self) -> &'static str {
-        STUDY
-    }
-
-    fn question(&self) -> &'static str {
-        "What do regions cost that change in every frame, such as what sensors see?"
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &METRICS
-    }
-
-    fn conditions(&self) -> Vec<ConditionKey> {
-        crate::keys::CONDITIONS.to_vec()
-    }
-
-    fn least_depth(&self) -> Depth {
-        Depth::Full
-    }
+    terrafill_study::study_facts!(
+        STUDY,
+        "What do regions cost that change in every frame, such as what sensors see?",
+        METRICS,
+        crate::keys::CONDITIONS,
+        Full,
+        CHAPTER
+    );
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let (scene, skipped) = base(request)?;
@@ -74,15 +62,11 @@ impl Study for MovingStudy {
         let scene = Rc::new(scene);
         let groups = counts
             .iter()
-            .map(|&count| -> Box<dyn Group> { Box::new(Sweep::new(self, request, &scene, count)) });
+            .map(|&count| -> Box<dyn Group> { Box::new(sweep(self, request, &scene, count)) });
         Ok(Planned {
             groups: groups.collect(),
             skipped,
         })
-    }
-
-    fn chapter(&self) -> &dyn Chapter {
-        &MovingChapter
     }
 }
 
@@ -114,7 +98,7 @@ struct MovingCase {
     upkeep: Upkeep,
 }
 
-/// All cases of one number of sensors.
+/// What sessions need of all cases of one number of sensors.
 struct Sweep {
     scene: Rc<Scene>,
     surfaces: &'static [&'static dyn SurfaceKind],
@@ -123,85 +107,61 @@ struct Sweep {
     /// Compared with the reference by the first process.
     frames: u32,
     cases: Vec<MovingCase>,
-    planned: Vec<PlannedCase>,
 }
 
-impl Sweep {
-    fn new(study: &MovingStudy, request: &Request, scene: &Rc<Scene>, sensors: usize) -> Self {
-        let is_quick = request.depth == Depth::Quick;
-        let [width, height] = request.size;
-        let wanted = |technique: &&&'static dyn Technique| {
-            let names = &request.techniques;
-            names.is_empty() || names.iter().any(|name| name == technique.name())
-        };
-        let mut cases = Vec::new();
-        for technique in study.techniques.iter().filter(wanted).copied() {
-            let variants = technique.variants(scene, Role::Quick).into_iter();
-            // Every frame has to be right here.
-            for variant in variants.filter(|variant| !technique.is_approximate(variant)) {
-                let is_first = cases
-                    .iter()
-                    .all(|case: &MovingCase| case.technique.name() != technique.name());
-                // The last two ways are the same for all layouts: one of each technique shows them.
-                let ways = if is_first && !is_quick { 4 } else { 2 };
-                cases.extend(Upkeep::ALL[..ways].iter().map(|&upkeep| {
-                    MovingCase {
-                        technique,
-                        variant: variant
-                            .clone()
-                            .with_switches(|s| s.bends_footprints = upkeep == Upkeep::Bend),
-                        upkeep,
-                    }
-                }));
-            }
+fn sweep(
+    study: &MovingStudy,
+    request: &Request,
+    scene: &Rc<Scene>,
+    sensors: usize,
+) -> CaseGroup<Sweep> {
+    let is_quick = request.depth == Depth::Quick;
+    let [width, height] = request.size;
+    let mut cases: Vec<MovingCase> = Vec::new();
+    let techniques = study.techniques.iter();
+    for &technique in techniques.filter(|technique| request.wants(technique.name())) {
+        let variants = technique.variants(scene, Role::Quick).into_iter();
+        // Every frame has to be right here.
+        for variant in variants.filter(|variant| !technique.is_approximate(variant)) {
+            let mut known = cases.iter();
+            let is_first = known.all(|case| case.technique.name() != technique.name());
+            // The last two ways are the same for all layouts: one of each technique shows them.
+            let ways = if is_first && !is_quick { 4 } else { 2 };
+            cases.extend(Upkeep::ALL[..ways].iter().map(|&upkeep| {
+                MovingCase {
+                    technique,
+                    variant: variant
+                        .clone()
+                        .with_switches(|s| s.bends_footprints = upkeep == Upkeep::Bend),
+                    upkeep,
+                }
+            }));
         }
-        let samples = request.samples.unwrap_or(SAMPLES);
-        let planned = cases.iter().map(|case| {
-            let parts = [
-                (SCENE, scene.name.clone()),
-                (SENSORS, sensors.to_string()),
-                (TECHNIQUE, case.technique.name().to_owned()),
-                (VARIANT, case.variant.name()),
-                (UPKEEP, case.upkeep.name().to_owned()),
-            ];
-            let name: Vec<&str> = parts.iter().map(|(_, value)| value.as_str()).collect();
-            let name = name.join("/");
-            PlannedCase {
-                id: CaseId::new(STUDY, name, parts),
-                samples,
-                may_be_wrong: false,
-            }
-        });
-        Self {
-            planned: planned.collect(),
+    }
+    let samples = request.samples.unwrap_or(SAMPLES);
+    let planned = cases.iter().map(|case| {
+        let conditions = [
+            (SCENE, scene.name.clone()),
+            (SENSORS, sensors.to_string()),
+            (TECHNIQUE, case.technique.name().to_owned()),
+            (VARIANT, case.variant.name()),
+            (UPKEEP, case.upkeep.name().to_owned()),
+        ];
+        planned_case(STUDY, samples, conditions)
+    });
+    CaseGroup {
+        name: format!("{STUDY}/{}/{sensors}", scene.name),
+        cases: planned.collect(),
+        warm_up: None,
+        open: |group, context| Ok(Box::new(CaseSession(SweepSession::new(group, context)?))),
+        work: Sweep {
             cases,
             scene: Rc::clone(scene),
             surfaces: study.surfaces,
             size: ImageSize { width, height },
             sensors,
             frames: if is_quick { FEW_FRAMES } else { FRAMES },
-        }
-    }
-
-    fn broken(&self, why: &impl ToString) -> StudyError {
-        StudyError::Broken {
-            place: self.name(),
-            message: why.to_string(),
-        }
-    }
-}
-
-impl Group for Sweep {
-    fn name(&self) -> String {
-        format!("{STUDY}/{}/{}", self.scene.name, self.sensors)
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.planned
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(SweepSession::new(self, context)?))
+        },
     }
 }
 
@@ -213,6 +173,7 @@ struct Flight {
 }
 
 struct SweepSession<'a> {
+    group: &'a CaseGroup<Sweep>,
     sweep: &'a Sweep,
     context: Context<'a>,
     stage: Stage,
@@ -242,44 +203,34 @@ impl Compared {
     }
 
     fn verdict(&self, image: String) -> Verdict {
-        Verdict {
-            status: match self.tally.is_right() {
-                true => Status::Ok,
-                false => Status::Wrong,
-            },
-            reason: self.tally.reason(),
-            figures: [
-                ("moving_upload_bytes", self.upload_bytes as f64),
-                ("moving_uploaded_regions", self.regions as f64),
-                ("moving_frames_compared", f64::from(self.tally.frames)),
-                ("moving_frames_wrong", self.tally.wrong.len() as f64),
-                ("moving_outside_px", self.tally.outside_px as f64),
-            ]
-            .into_iter()
-            .chain(self.bound.into_iter().flat_map(|[metres, pixels]| {
-                [("moving_bound_m", metres), ("moving_bound_px", pixels)]
-            }))
-            .collect(),
-            notes: vec![("image", image)],
-        }
+        let mut figures = vec![
+            ("moving_upload_bytes", self.upload_bytes as f64),
+            ("moving_uploaded_regions", self.regions as f64),
+            ("moving_frames_compared", f64::from(self.tally.frames)),
+            ("moving_frames_wrong", self.tally.wrong.len() as f64),
+            ("moving_outside_px", self.tally.outside_px as f64),
+        ];
+        figures.extend(self.bound.into_iter().flat_map(|[metres, pixels]| {
+            [("moving_bound_m", metres), ("moving_bound_px", pixels)]
+        }));
+        judged(self.tally.reason(), figures, vec![("image", image)])
     }
 }
 
 impl<'a> SweepSession<'a> {
-    fn new(sweep: &'a Sweep, context: Context<'a>) -> Result<Self, StudyError> {
+    fn new(group: &'a CaseGroup<Sweep>, context: Context<'a>) -> Result<Self, StudyError> {
+        let sweep = &group.work;
         let scene = &sweep.scene;
-        let bad = |error: StageError| StudyError::BadInput(error.to_string());
+        let bad = |failure: Failure| StudyError::BadInput(failure.reason());
         let view = scene.views.iter().find(|view| view.name == "globe");
-        let view = view.ok_or_else(|| sweep.broken(&"its scene has no view named globe"))?;
-        let sensors = Sensors::new(scene.body, sweep.sensors);
-        let stage = Stage::new(
-            scene,
-            sweep.surfaces,
-            view,
-            sweep.size,
-            sensors.map_err(|error| bad(error.into()))?,
-        );
+        let view = view.ok_or_else(|| StudyError::Broken {
+            place: group.name.clone(),
+            message: "its scene has no view named globe".to_owned(),
+        })?;
+        let sensors = Sensors::new(scene.body, sweep.sensors).map_err(bad)?;
+        let stage = Stage::new(scene, sweep.surfaces, view, sweep.size, sensors);
         Ok(Self {
+            group,
             sweep,
             context,
             stage: stage.map_err(bad)?,
@@ -289,7 +240,7 @@ impl<'a> SweepSession<'a> {
         })
     }
 
-    fn reference(&self, frame: u32) -> Result<Rc<Frame>, StageError> {
+    fn reference(&self, frame: u32) -> Result<Rc<Frame>, Failure> {
         if let Some(known) = self.references.borrow().get(&frame) {
             return Ok(Rc::clone(known));
         }
@@ -308,7 +259,7 @@ impl<'a> SweepSession<'a> {
         frame: u32,
     ) -> Result<ErrorFigures, String> {
         let as_mask = !backend.tells_regions_apart();
-        let reference = self.reference(frame).map_err(|error| error.to_string())?;
+        let reference = self.reference(frame).map_err(Failure::reason)?;
         // Hardly any frame is asked about closely, and to get ready for it takes longer than to draw.
         let rings: OnceCell<Option<FillInput>> = OnceCell::new();
         let look: OnceCell<Option<CloseLook<'_>>> = OnceCell::new();
@@ -338,7 +289,7 @@ impl<'a> SweepSession<'a> {
     }
 
     /// Opens the case at frame 0 and compares its first `frames` frames.
-    fn fly(&self, case: &MovingCase, frames: u32) -> Result<(Flight, Compared), StageError> {
+    fn fly(&self, case: &MovingCase, frames: u32) -> Result<(Flight, Compared), Failure> {
         let mut backend = case.technique.open(&self.targets, &case.variant)?;
         let mut input = self.stage.start(case.upkeep)?;
         backend.prepare(&input)?;
@@ -368,15 +319,9 @@ impl<'a> SweepSession<'a> {
         Ok((flight, compared))
     }
 
-    fn verify_frames(&mut self, index: usize, frames: u32) -> Result<Verdict, StudyError> {
+    fn verify_frames(&mut self, index: usize, frames: u32) -> Result<Verdict, Failure> {
         let case = &self.sweep.cases[index];
-        let (mut flight, compared) = match self.fly(case, frames) {
-            Ok(flown) => flown,
-            Err(StageError::Device(error @ DeviceError::Unsupported { .. })) => {
-                return Ok(Verdict::skipped(error.to_string()));
-            }
-            Err(error) => return Ok(Verdict::failed(error.to_string())),
-        };
+        let (mut flight, compared) = self.fly(case, frames)?;
         let image = match case.upkeep {
             Upkeep::Rewrite | Upkeep::Bend => self.write_picture(index, &mut flight)?,
             Upkeep::Reload | Upkeep::Remesh => String::new(),
@@ -386,18 +331,17 @@ impl<'a> SweepSession<'a> {
     }
 
     /// The last frame that was compared, in the regions' colours.
-    fn write_picture(&self, index: usize, flight: &mut Flight) -> Result<String, StudyError> {
-        let picture = flight.backend.picture(&flight.input);
-        let picture = picture.map_err(|error| self.sweep.broken(&error))?;
-        let name = file_stem(&self.sweep.planned[index].id.name);
+    fn write_picture(&self, index: usize, flight: &mut Flight) -> Result<String, Failure> {
+        let picture = flight.backend.picture(&flight.input)?;
+        let name = file_stem(&self.group.cases[index].id.name);
         let size = [picture.size.width, picture.size.height];
         let name = format!("{STUDY}-{name}");
-        write_rgb(self.context.folder, &name, size, &picture.rgb())
+        Ok(write_rgb(self.context.folder, &name, size, &picture.rgb())?)
     }
 }
 
-impl Session for SweepSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+impl Measures for SweepSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         self.verify_frames(case, self.sweep.frames)
     }
 
@@ -406,12 +350,13 @@ impl Session for SweepSession<'_> {
         case: usize,
         _status: Status,
         _notes: &BTreeMap<String, String>,
-    ) -> Result<Verdict, StudyError> {
+    ) -> Result<Verdict, Failure> {
         self.verify_frames(case, FEW_FRAMES)
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        let flight = self.flights.get_mut(&case).ok_or("it was not verified")?;
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        let flight = self.flights.get_mut(&case);
+        let flight = flight.ok_or("it was not verified".to_owned())?;
         let upkeep = self.sweep.cases[case].upkeep;
         let Flight {
             backend,
@@ -419,15 +364,14 @@ impl Session for SweepSession<'_> {
             frame,
         } = flight;
         // Another case may have drawn over it.
-        let drawn = backend.draw_surface(input);
-        drawn.map_err(|error| error.to_string())?;
+        backend.draw_surface(input)?;
         let next = (*frame + 1) % FRAMES;
         let watch = CpuStopwatch::start();
         let step = self.stage.step(&mut **backend, input, next, upkeep);
-        let (moved, cost) = step.map_err(|error| error.to_string())?;
+        let (moved, cost) = step?;
         let times = backend.time_frame(&moved);
         let (frame_cpu_ms, frame_wall_ms) = (watch.cpu_ms(), watch.wall_ms());
-        let times = times.map_err(|error| error.to_string())?;
+        let times = times?;
         (*input, *frame) = (moved, next);
         let mut values = vec![
             ("moving_mesh_cpu_ms", cost.mesh_cpu_ms),
@@ -463,14 +407,15 @@ mod tests {
         }
     }
 
-    fn sweep(depth: Depth, sensors: usize) -> Sweep {
+    fn sweep_of(depth: Depth, sensors: usize) -> CaseGroup<Sweep> {
         let request = request(depth);
         let (scene, skipped) = base(&request).expect("planet-134 ships");
         assert_eq!(skipped.len(), 1, "countries need data");
-        Sweep::new(&STUDY_OF_TWO, &request, &Rc::new(scene), sensors)
+        sweep(&STUDY_OF_TWO, &request, &Rc::new(scene), sensors)
     }
 
-    fn with_session(sweep: &Sweep, check: impl FnOnce(&mut SweepSession<'_>)) {
+    fn with_session(group: &CaseGroup<Sweep>, check: impl FnOnce(&mut SweepSession<'_>)) {
+        let sweep = &group.work;
         let devices = Rc::new(Devices::default());
         let targets = Targets::new(&devices, sweep.size);
         for case in &sweep.cases {
@@ -485,7 +430,7 @@ mod tests {
             devices: &devices,
             folder: folder.path(),
         };
-        check(&mut SweepSession::new(sweep, context).expect("opens"));
+        check(&mut SweepSession::new(group, context).expect("opens"));
     }
 
     #[test]
@@ -501,8 +446,8 @@ mod tests {
         assert_eq!(sensors(Depth::Main), ["50"]);
         assert_eq!(sensors(Depth::Full), ["1", "10", "50", "200"]);
         let ways = |depth, upkeep| {
-            let sweep = sweep(depth, 1);
-            let cases = sweep.cases.iter();
+            let group = sweep_of(depth, 1);
+            let cases = group.work.cases.iter();
             cases.filter(|case| case.upkeep == upkeep).count()
         };
         assert_eq!(ways(Depth::Main, Upkeep::Remesh), 2);
@@ -516,14 +461,13 @@ mod tests {
 
     #[test]
     fn frames_are_right_by_every_way_and_only_rewriting_uploads_the_moved_alone() {
-        let sweep = Sweep {
-            frames: 3,
-            ..sweep(Depth::Main, 4)
-        };
-        with_session(&sweep, |session| {
+        let mut group = sweep_of(Depth::Main, 4);
+        group.work.frames = 3;
+        let sweep = &group.work;
+        with_session(&group, |session| {
             let mut bytes = BTreeMap::new();
             for index in 0..sweep.cases.len() {
-                let name = &sweep.planned[index].id.name;
+                let name = &group.cases[index].id.name;
                 let verdict = session.verify(index).expect("goes on");
                 assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
                 let figure = |name| {
@@ -549,7 +493,7 @@ mod tests {
                 }
                 let key = (case.technique.name(), case.upkeep.name());
                 bytes.entry(key).or_insert(figure("moving_upload_bytes"));
-                let measured = session.sample(index).expect("measured");
+                let measured = session.time(index).expect("measured");
                 let [mesh, frame] = ["moving_mesh_cpu_ms", "moving_frame_cpu_ms"].map(|name| {
                     let found = measured.iter().find(|(known, _)| *known == name);
                     found.expect("measured").1
@@ -569,9 +513,9 @@ mod tests {
 
     #[test]
     fn a_frame_that_was_not_updated_is_wrong() {
-        let sweep = sweep(Depth::Quick, 4);
-        with_session(&sweep, |session| {
-            let case = &sweep.cases[0];
+        let group = sweep_of(Depth::Quick, 4);
+        with_session(&group, |session| {
+            let case = &group.work.cases[0];
             let (mut flight, right) = session.fly(case, 1).expect("flies");
             assert_eq!(right.tally.wrong, []);
             let drawn = flight.backend.render(&flight.input).expect("draws");
