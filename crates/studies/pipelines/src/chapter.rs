@@ -8,7 +8,6 @@ mod culling;
 mod grids;
 mod layered;
 mod lights;
-mod numbers;
 mod published;
 mod series;
 
@@ -67,7 +66,6 @@ impl Chapter for PipelinesChapter {
         blocks.extend(cache::section(&cases, run));
         blocks.extend(lights::section(&cases, run));
         blocks.extend(layered::sections(&cases, run)?);
-        blocks.extend(numbers::sections(&cases)?);
         Ok(blocks)
     }
 }
@@ -140,7 +138,6 @@ fn requirements(cases: &[&Case]) -> Vec<Finding> {
     findings.extend(cache::findings(cases));
     findings.extend(lights::findings(cases));
     findings.extend(layered::findings(cases));
-    findings.extend(numbers::findings(cases));
     findings
 }
 
@@ -227,8 +224,6 @@ mod tests {
             .filter(|block| matches!(block, Block::Plot(_)));
         assert!(sections.count() >= 3 && plots.count() >= 3);
         let holds = |words| finding(&answers.requirements, words).standing == Standing::Holds;
-        assert!(holds("by 4.0 ± 0.2 a doubling"));
-        assert!(holds("2.5 ± 0.1 times as near"));
         assert!(holds("receiver subtracted"));
     }
 

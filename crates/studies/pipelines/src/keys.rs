@@ -5,13 +5,12 @@ use crate::metrics::METRICS;
 
 terrafill_results::conditions! {
     shared API, SIZE_PX, VIEW;
-    ACCESS = "access"; BLOCKS = "blocks"; CELLS_PER_POINT = "cells_per_point"; CUT = "cut";
-    DEPTH = "depth"; EXPERIMENT = "experiment"; FILTER = "filter"; FLIGHT_S = "flight_s";
-    FLOOR = "floor"; GAPS = "gaps"; GRID_CELLS = "grid_cells"; KEPT_IN = "kept_in";
-    LAYERS = "layers"; LAYERS_BY = "layers_by"; LIGHTS = "lights"; MAP_TEXELS = "map_texels";
-    MOMENTS = "moments"; PLACE = "place"; RESOLVE = "resolve"; SIGMA = "sigma"; SOURCE = "source";
-    STORED = "stored"; STRIP = "strip"; TEST = "test"; TEXELS = "texels"; TILE_CELLS = "tile_cells";
-    WAY = "way";
+    ACCESS = "access"; BLOCKS = "blocks"; CELLS_PER_POINT = "cells_per_point"; DEPTH = "depth";
+    EXPERIMENT = "experiment"; FILTER = "filter"; FLIGHT_S = "flight_s"; FLOOR = "floor";
+    GRID_CELLS = "grid_cells"; KEPT_IN = "kept_in"; LAYERS = "layers"; LAYERS_BY = "layers_by";
+    LIGHTS = "lights"; MAP_TEXELS = "map_texels"; MOMENTS = "moments"; PLACE = "place";
+    RESOLVE = "resolve"; SIGMA = "sigma"; SOURCE = "source"; STRIP = "strip"; TEST = "test";
+    TEXELS = "texels"; TILE_CELLS = "tile_cells"; WAY = "way";
 }
 
 terrafill_results::metrics! {
@@ -22,9 +21,7 @@ terrafill_results::metrics! {
     CULL_EXTRA_SHARE = "cull_extra_share"; CULL_IN_TILES = "cull_in_tiles"; CULL_KEPT = "cull_kept";
     CULL_LOST = "cull_lost"; CULL_NEEDED = "cull_needed"; CULL_TILES = "cull_tiles";
     HARD_AREA_SHARE = "hard_area_share"; HARD_DEVIATION_TEXELS = "hard_deviation_texels";
-    HARD_WRONG_AREA = "hard_wrong_area"; IMAGE_MAX_M = "image_max_m"; IMAGE_MAX_PX = "image_max_px";
-    IMAGE_NORMAL_DEG = "image_normal_deg"; IMAGE_OPEN_TEXELS = "image_open_texels";
-    IMAGE_RMS_M = "image_rms_m"; LAYERED_JUDGED_PX = "layered_judged_px";
+    HARD_WRONG_AREA = "hard_wrong_area"; LAYERED_JUDGED_PX = "layered_judged_px";
     LAYERED_OPEN_PX = "layered_open_px"; LAYERED_WRONG_PX = "layered_wrong_px";
     LAYERED_WRONG_TEXELS = "layered_wrong_texels";
     LIGHTS_DEPTHS_DIFFERING = "lights_depths_differing"; LIGHTS_MAP_ERROR = "lights_map_error";
@@ -38,7 +35,6 @@ terrafill_results::metrics! {
     PIPELINE_VERTEX_INVOCATIONS = "pipeline_vertex_invocations";
     VARIANCE_ABSOLUTE_MAX = "variance_absolute_max";
     VARIANCE_ABSOLUTE_RMS = "variance_absolute_rms"; VARIANCE_BLACK_PX = "variance_black_px";
-    VARIANCE_BLACK_SHARE = "variance_black_share"; VARIANCE_BLEEDING = "variance_bleeding";
     VARIANCE_DARK_SHARE = "variance_dark_share"; VARIANCE_NON_FINITE = "variance_non_finite";
     VARIANCE_OUTSIDE_SHARE = "variance_outside_share";
     VARIANCE_RELATIVE_RMS = "variance_relative_rms";

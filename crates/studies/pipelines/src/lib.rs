@@ -6,21 +6,22 @@
 //! geometry shaders. Ground in tiles is culled patch by patch in every place that can, blocks of it are kept
 //! in all that can keep them, and depth maps of several lights are drawn by every way to layers. Pictures
 //! show numbers of triangles or of lights, which `f64` rays verify. Variance shadows and motion blur are drawn into
-//! layers too, and held against definitions on the CPU. There also stand the errors of geometry images. Set-ups and figures published: Patidar, Bhattacharjee,
-//! Singh and Narayanan, "Exploiting the Shader Model 4.0 Architecture" (2007).
+//! layers too, and held against definitions on the CPU. What formulas alone say of them is in
+//! `docs/pipeline-numbers.md`. Set-ups and figures published: Patidar, Bhattacharjee, Singh and Narayanan,
+//! "Exploiting the Shader Model 4.0 Architecture" (2007).
 
 mod blur;
 mod cache;
 mod chapter;
 mod culling;
 mod draws;
-mod geometry_image;
 mod grid;
 mod images;
 mod keys;
 mod layered;
 mod lights;
 mod metrics;
+#[cfg(test)]
 mod numbers;
 mod on_vulkan;
 mod on_wgpu;

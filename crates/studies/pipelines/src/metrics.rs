@@ -3,7 +3,7 @@
 
 use terrafill_results::{Kind, Metric, Primary, Scope};
 
-pub(crate) const METRICS: [Metric; 56] = [
+pub(crate) const METRICS: [Metric; 50] = [
     Metric::less(
         "pipeline_cpu_ms",
         "ms",
@@ -222,36 +222,6 @@ pub(crate) const METRICS: [Metric; 56] = [
         "Pixels of a lit plane with less than 0.01 of the light.",
     ),
     Metric::less(
-        "image_max_m",
-        "m",
-        Kind::Error,
-        "Largest distance of a geometry image's triangles from the shape along its normal, at seven points each.",
-    ),
-    Metric::less(
-        "image_rms_m",
-        "m",
-        Kind::Error,
-        "Root mean square of that distance.",
-    ),
-    Metric::less(
-        "image_max_px",
-        "px",
-        Kind::Error,
-        "The largest distance in pixels, where the shape fills a picture of 1,024.",
-    ),
-    Metric::less(
-        "image_normal_deg",
-        "°",
-        Kind::Error,
-        "Root mean square angle between the facets' normals and the shape's, weighted by area.",
-    ),
-    Metric::less(
-        "image_open_texels",
-        "",
-        Kind::Error,
-        "Texels of a geometry image's border that are not where their partner is.",
-    ),
-    Metric::less(
         "variance_relative_rms",
         "",
         Kind::Error,
@@ -292,12 +262,6 @@ pub(crate) const METRICS: [Metric; 56] = [
         "",
         Kind::Error,
         "Share of the pixels of a lit plane whose light is below 0 or above 1.",
-    ),
-    Metric::less(
-        "variance_bleeding",
-        "",
-        Kind::Error,
-        "Largest light where two occluders hide a place wholly, and 0 is right.",
     ),
     Metric::less(
         "hard_wrong_area",

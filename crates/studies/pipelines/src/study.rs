@@ -12,7 +12,6 @@ use crate::keys::{API, EXPERIMENT, SOURCE, STRIP, WAY};
 use crate::layered::{Blurs, Shades};
 use crate::lights::Lights;
 use crate::metrics::METRICS;
-use crate::numbers::Numbers;
 use crate::open::open;
 use crate::rays::{Cut, Judged, Rays};
 use crate::way::{GRID_WAYS, Interface, Source, Strips, Way};
@@ -106,9 +105,6 @@ impl Study for PipelinesStudy {
         }
         groups.push(Box::new(Shades::new(is_quick, samples)));
         groups.push(Box::new(Blurs::new(is_quick, samples)));
-        for numbers in Numbers::all(is_quick) {
-            groups.push(Box::new(numbers));
-        }
         Ok(Planned {
             groups,
             skipped: Vec::new(),

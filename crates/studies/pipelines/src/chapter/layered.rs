@@ -3,7 +3,6 @@
 //! to layers cost.
 
 use super::cells::{byte_cell, headings, of, paired_finding, time, time_cell, values, why};
-use super::numbers::{EDGE_SHARE, EDGE_TOLERANCE, RELATIVE_NOISE, SLOPE_TOLERANCE};
 use super::series::{curve, draw, finding, plot, range, series, slope, table};
 use crate::blur::MOTION_PX;
 use crate::keys::{
@@ -28,10 +27,17 @@ const SHADOWS: &str = "A level plane is seen from straight above, and looked up 
      the lights.";
 const WHAT_THE_PRODUCT_DOES: &str = "As published, lights multiply, so that a shadow of one dims what the others give, and rounding makes a lit plane \
      black where its variance comes out as 0 or below.";
-const BLUR: &str = "The bar of the next section's figures is drawn into layers, in a pass each or all in one pass, and a second pass \
+const BLUR: &str = "A bar of 20 pixels, which moves by 32 while the shutter is open, is drawn into layers, in a pass each or all in one pass, and a second pass \
      makes the picture of them. Beside it the same bars are added up by blending, without layers, or each pixel \
      looks at moments of its own. 64 rows have 64 places between pixels. Layers of covered shares carry the share as \
      their depth. Each pixel is held against the definition in f64, edges within 1/32 pixel of a middle left open.";
+/// What is required of the variance with the receiver subtracted.
+const RELATIVE_NOISE: f64 = 2e-6;
+/// Of a straight edge at all angles, mean area between it and the texels whose middles it covers.
+const EDGE_SHARE: f64 = 0.244;
+const EDGE_TOLERANCE: f64 = 0.01;
+/// By how much a slope over several doublings may be off.
+const SLOPE_TOLERANCE: f64 = 0.15;
 /// What the published resolve is beyond, and what the right one falls to, rms.
 const OPAQUE: f64 = 0.4;
 const FADED: f64 = 0.1;

@@ -5,7 +5,7 @@
 //! that a level plane lies undistorted on every map. Depths grow towards the lights.
 
 use super::listed::{Listed, Looked, rectangle};
-use super::variance_bounds::{TAPS, light, moments, offset};
+use super::variance_bounds::{TAPS, light, moments};
 use crate::lights::LightColumns;
 use crate::variance::{DepthFormat, Moments, gaussian};
 use bytemuck::{Pod, Zeroable};
@@ -408,7 +408,7 @@ impl Shade {
                 continue;
             }
             let taps = self.window(&looked.depths, 0, self.texel_of(pixel));
-            let [_, variance] = moments(&taps, offset(way, receivers[pixel as usize]));
+            let [_, variance] = moments(&taps, way.offset(receivers[pixel as usize]));
             found.wrong += usize::from(!variance.allows(*shown));
             let error = f64::from(*shown) - variance.value;
             relative += (error / variance.value).powi(2);

@@ -26,15 +26,6 @@ impl Bounded {
     }
 }
 
-/// What is subtracted from depths.
-pub(crate) fn offset(moments: Moments, receiver: f32) -> f32 {
-    match moments {
-        Moments::Published => 0.0,
-        Moments::AboutHalf => 0.5,
-        Moments::FromReceiver => receiver,
-    }
-}
-
 /// Mean and variance of depths less an offset.
 pub(crate) fn moments(taps: &[f32; TAPS], offset: f32) -> [Bounded; 2] {
     let less = taps.map(|tap| f64::from(tap) - f64::from(offset));
@@ -68,7 +59,7 @@ pub(crate) fn light(
     way: Moments,
     least: Option<f64>,
 ) -> Option<[f64; 2]> {
-    let offset = offset(way, receiver);
+    let offset = way.offset(receiver);
     let [mean, variance] = moments(taps, offset);
     let below = f64::from(receiver) - f64::from(offset);
     let gap = mean.value - below;

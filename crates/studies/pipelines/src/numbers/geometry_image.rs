@@ -15,7 +15,7 @@ const PICTURE_PX: f64 = 1_024.0;
 
 /// How cells are cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum CellCut {
+pub(super) enum CellCut {
     /// From (x + 1, y) to (x, y + 1) everywhere, as a strip of the published order cuts.
     Published,
     /// Along the fold of the octahedron in every quarter.
@@ -23,9 +23,9 @@ pub(crate) enum CellCut {
 }
 
 impl CellCut {
-    pub(crate) const ALL: [Self; 2] = [Self::Published, Self::Fold];
+    pub(super) const ALL: [Self; 2] = [Self::Published, Self::Fold];
 
-    pub(crate) fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Self::Published => "published",
             Self::Fold => "fold",
@@ -35,7 +35,7 @@ impl CellCut {
 
 /// How positions are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Texels {
+pub(super) enum Texels {
     /// As they are.
     Exact,
     /// Whole numbers of so many bits over the box of the shape.
@@ -47,7 +47,7 @@ pub(crate) enum Texels {
 }
 
 impl Texels {
-    pub(crate) const ROUNDED: [Self; 7] = [
+    pub(super) const ROUNDED: [Self; 7] = [
         Self::Bits(8),
         Self::Bits(10),
         Self::Bits(12),
@@ -57,7 +57,7 @@ impl Texels {
         Self::HalfInBox,
     ];
 
-    pub(crate) fn name(self) -> String {
+    pub(super) fn name(self) -> String {
         match self {
             Self::Exact => "f64".to_owned(),
             Self::Bits(bits) => format!("{bits} bits"),
@@ -69,18 +69,18 @@ impl Texels {
 
 /// What an image misses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct ImageError {
+pub(super) struct ImageError {
     /// Largest distance from the shape along its normal, at seven points of each triangle.
-    pub(crate) max_m: f64,
-    pub(crate) rms_m: f64,
+    pub(super) max_m: f64,
+    pub(super) rms_m: f64,
     /// Angle between the facet's normal and the shape's at its middle, weighted by area.
-    pub(crate) normal_rms_deg: f64,
+    pub(super) normal_rms_deg: f64,
     /// Texels of the border that are not where their partner is: cracks.
-    pub(crate) open_texels: usize,
+    pub(super) open_texels: usize,
 }
 
 impl ImageError {
-    pub(crate) fn max_px(&self) -> f64 {
+    pub(super) fn max_px(&self) -> f64 {
         self.max_m / EXTENT_M * PICTURE_PX
     }
 }
@@ -190,7 +190,7 @@ fn open_texels(positions: &[DVec3], texels_a_side: usize) -> usize {
 }
 
 /// What the triangles of an image miss.
-pub(crate) fn image_error(texels_a_side: u32, cut: CellCut, stored: Texels) -> ImageError {
+pub(super) fn image_error(texels_a_side: u32, cut: CellCut, stored: Texels) -> ImageError {
     let positions = image(texels_a_side, stored);
     let side = texels_a_side as usize;
     let at = |x: usize, y: usize| positions[y * side + x];
@@ -254,77 +254,72 @@ const WEIGHTS: [[f64; 3]; 7] = [
     [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0],
 ];
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_gradient_is_that_of_differences() {
-        for place in [DVec3::new(0.7, 0.5, -0.9), DVec3::new(-1.2, 0.3, 0.1)] {
-            let (height, gradient) = above(place);
-            for axis in DVec3::AXES {
-                const STEP: f64 = 1e-6;
-                let difference = (above(place + axis * STEP).0 - height) / STEP;
-                assert!((difference - gradient.dot(axis)).abs() < 1e-5, "{axis}");
-            }
-            // Twin: half the gradient is noticed.
-            let difference = (above(place + DVec3::X * 1e-6).0 - height) / 1e-6;
-            assert!((difference - 0.5 * gradient.x).abs() > 1e-3);
+#[test]
+fn the_gradient_is_that_of_differences() {
+    for place in [DVec3::new(0.7, 0.5, -0.9), DVec3::new(-1.2, 0.3, 0.1)] {
+        let (height, gradient) = above(place);
+        for axis in DVec3::AXES {
+            const STEP: f64 = 1e-6;
+            let difference = (above(place + axis * STEP).0 - height) / STEP;
+            assert!((difference - gradient.dot(axis)).abs() < 1e-5, "{axis}");
         }
+        // Twin: half the gradient is noticed.
+        let difference = (above(place + DVec3::X * 1e-6).0 - height) / 1e-6;
+        assert!((difference - 0.5 * gradient.x).abs() > 1e-3);
     }
+}
 
-    #[test]
-    fn distances_are_those_along_the_normal() {
-        let u = DVec3::new(0.3, -0.8, 0.5).normalize();
-        let on = u * radius(u);
-        let off = on + normal(on) * 0.003;
-        assert!((distance_m(off) - 0.003).abs() < 1e-5);
-        assert!(distance_m(on) < 1e-12);
+#[test]
+fn distances_are_those_along_the_normal() {
+    let u = DVec3::new(0.3, -0.8, 0.5).normalize();
+    let on = u * radius(u);
+    let off = on + normal(on) * 0.003;
+    assert!((distance_m(off) - 0.003).abs() < 1e-5);
+    assert!(distance_m(on) < 1e-12);
+}
+
+#[test]
+fn errors_fall_to_a_quarter_and_the_fold_is_better() {
+    let of = |texels, cut| image_error(texels, cut, Texels::Exact);
+    for cut in CellCut::ALL {
+        let [coarse, fine] = [65, 129].map(|texels| of(texels, cut));
+        let ratio = coarse.max_m / fine.max_m;
+        assert!((ratio - 4.0).abs() <= 0.2, "{cut:?}: {ratio}");
+        assert_eq!(coarse.open_texels, 0);
     }
+    let [published, fold] = CellCut::ALL.map(|cut| of(129, cut));
+    let gain = published.max_m / fold.max_m;
+    assert!(gain >= 2.5, "{gain}");
+    let gain = published.normal_rms_deg / fold.normal_rms_deg;
+    assert!(gain > 3.0, "{gain}");
+    // Twin: the fold's cut in the other quarters is worse than none.
+    assert!(published.max_m > 1.5 * fold.max_m);
+}
 
-    #[test]
-    fn errors_fall_to_a_quarter_and_the_fold_is_better() {
-        let of = |texels, cut| image_error(texels, cut, Texels::Exact);
-        for cut in CellCut::ALL {
-            let [coarse, fine] = [65, 129].map(|texels| of(texels, cut));
-            let ratio = coarse.max_m / fine.max_m;
-            assert!((ratio - 4.0).abs() <= 0.2, "{cut:?}: {ratio}");
-            assert_eq!(coarse.open_texels, 0);
-        }
-        let [published, fold] = CellCut::ALL.map(|cut| of(129, cut));
-        let gain = published.max_m / fold.max_m;
-        assert!(gain >= 2.5, "{gain}");
-        let gain = published.normal_rms_deg / fold.normal_rms_deg;
-        assert!(gain > 3.0, "{gain}");
-        // Twin: the fold's cut in the other quarters is worse than none.
-        assert!(published.max_m > 1.5 * fold.max_m);
-    }
+#[test]
+fn coarse_positions_are_noticed_and_an_open_border_is_counted() {
+    let of = |stored| image_error(129, CellCut::Fold, stored);
+    let [few, many] = [8, 16].map(|bits| of(Texels::Bits(bits)));
+    assert!(few.max_m > 4.0 * many.max_m, "{few:?} {many:?}");
+    assert!(few.normal_rms_deg > 5.0 * many.normal_rms_deg);
+    assert_eq!((few.open_texels, many.open_texels), (0, 0));
+    let mut positions = image(9, Texels::Exact);
+    assert_eq!(open_texels(&positions, 9), 0);
+    positions[3].x += 1e-12;
+    // Both of the pair.
+    assert_eq!(open_texels(&positions, 9), 2);
+}
 
-    #[test]
-    fn coarse_positions_are_noticed_and_an_open_border_is_counted() {
-        let of = |stored| image_error(129, CellCut::Fold, stored);
-        let [few, many] = [8, 16].map(|bits| of(Texels::Bits(bits)));
-        assert!(few.max_m > 4.0 * many.max_m, "{few:?} {many:?}");
-        assert!(few.normal_rms_deg > 5.0 * many.normal_rms_deg);
-        assert_eq!((few.open_texels, many.open_texels), (0, 0));
-        let mut positions = image(9, Texels::Exact);
-        assert_eq!(open_texels(&positions, 9), 0);
-        positions[3].x += 1e-12;
-        // Both of the pair.
-        assert_eq!(open_texels(&positions, 9), 2);
-    }
-
-    #[test]
-    fn halves_are_those_of_the_format() {
-        for (value, expected) in [
-            (1.0, 1.0),
-            (1.0 + 2.0_f64.powi(-11), 1.0),
-            (1.0 + 3.0 * 2.0_f64.powi(-11), 1.0 + 2.0_f64.powi(-9)),
-            (-0.1, -0.099_975_585_937_5),
-            (2.0_f64.powi(-24), 2.0_f64.powi(-24)),
-            (2.0_f64.powi(-26), 0.0),
-        ] {
-            assert!((half(value) - expected).abs() < 1e-18, "{value}");
-        }
+#[test]
+fn halves_are_those_of_the_format() {
+    for (value, expected) in [
+        (1.0, 1.0),
+        (1.0 + 2.0_f64.powi(-11), 1.0),
+        (1.0 + 3.0 * 2.0_f64.powi(-11), 1.0 + 2.0_f64.powi(-9)),
+        (-0.1, -0.099_975_585_937_5),
+        (2.0_f64.powi(-24), 2.0_f64.powi(-24)),
+        (2.0_f64.powi(-26), 0.0),
+    ] {
+        assert!((half(value) - expected).abs() < 1e-18, "{value}");
     }
 }
