@@ -4,18 +4,20 @@
 use crate::STUDY;
 use crate::drawing::{Drawn, DrawsBalls};
 use crate::keys::{BALLS, DRAWN, GROUND, INTERFACE, PART, SIZE_PX, WAY};
-use crate::on_devices::{TIMED, constants, take_all};
+use crate::on_devices::{TIMED, constants, counts, take_all};
+use crate::planned::{planned, verified};
 use crate::stepping::{Steps, Way};
 use crate::terrain::{BallView, JudgedBalls, State, Terrain, judge};
 use crate::walk::{Walk, walk};
-use image::{GrayImage, ImageFormat};
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::Path;
 use terrafill_fill::{CpuStopwatch, DeviceError, ids_of};
-use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
+use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
-use terrafill_study::{Context, Group, Request, Session, StudyError};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, Request, StudyError,
+    file_stem, judged, write_rgb,
+};
 
 /// Balls that are drawn one by one at most: the published figure ends at 5,000.
 const MOST_EACH: u32 = 10_000;
@@ -36,76 +38,51 @@ pub(crate) fn size_of(request: &Request) -> ImageSize {
 }
 
 /// Balls over terrain, drawn or not.
-pub(crate) struct DrawnBalls {
-    planned: Vec<PlannedCase>,
+struct DrawnBalls {
     cases: Vec<(Way, Drawn, u32)>,
     size: ImageSize,
 }
 
-impl DrawnBalls {
-    pub(crate) fn new(is_quick: bool, (size, samples): (ImageSize, u32)) -> Self {
-        let counts: &[u32] = match is_quick {
-            true => &[500, 4_000],
-            false => &[
-                500, 1_000, 2_000, 3_000, 4_000, 5_000, 10_000, 100_000, 1_000_000,
-            ],
-        };
-        let (mut planned, mut cases) = (Vec::new(), Vec::new());
-        for way in Way::ALL {
-            let (interface, name) = way.names();
-            for &balls in counts {
-                for drawn in Drawn::ALL {
-                    if drawn == Drawn::Each && balls > MOST_EACH {
-                        continue;
-                    }
-                    let conditions = [
-                        (PART, "drawn".to_owned()),
-                        (INTERFACE, interface.to_owned()),
-                        (WAY, name.to_owned()),
-                        (GROUND, "terrain".to_owned()),
-                        (DRAWN, drawn.name().to_owned()),
-                        (BALLS, balls.to_string()),
-                    ];
-                    let values: Vec<&str> =
-                        conditions.iter().map(|(_, value)| value.as_str()).collect();
-                    let name = values.join("/");
-                    let side = (SIZE_PX, size.width.to_string());
-                    let conditions = conditions.into_iter().chain([side]);
-                    planned.push(PlannedCase {
-                        id: CaseId::new(STUDY, name, conditions),
-                        samples,
-                        may_be_wrong: false,
-                    });
-                    cases.push((way, drawn, balls));
-                }
-            }
-        }
-        Self {
-            planned,
-            cases,
-            size,
-        }
-    }
+pub(crate) fn group(is_quick: bool, pictures: (ImageSize, u32)) -> impl Group {
+    group_of(counts(is_quick), pictures)
 }
 
-impl Group for DrawnBalls {
-    fn name(&self) -> String {
-        format!("{STUDY}/drawn")
+fn group_of(counts: &[u32], (size, samples): (ImageSize, u32)) -> CaseGroup<DrawnBalls> {
+    let mut cases = Vec::new();
+    for way in Way::ALL {
+        for &balls in counts {
+            let drawn = Drawn::ALL.into_iter();
+            let drawn = drawn.filter(|drawn| *drawn != Drawn::Each || balls <= MOST_EACH);
+            cases.extend(drawn.map(|drawn| (way, drawn, balls)));
+        }
     }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.planned
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(DrawnSession {
-            group: self,
-            context,
-            terrain: Terrain::new(),
-            walked: BTreeMap::new(),
-            first: BTreeMap::new(),
-            opened: BTreeMap::new(),
-        }))
+    let case = |&(way, drawn, balls): &(Way, Drawn, u32)| {
+        let (interface, name) = way.names();
+        let conditions = vec![
+            (PART, "drawn".to_owned()),
+            (INTERFACE, interface.to_owned()),
+            (WAY, name.to_owned()),
+            (GROUND, "terrain".to_owned()),
+            (DRAWN, drawn.name().to_owned()),
+            (BALLS, balls.to_string()),
+        ];
+        planned(conditions, Some((SIZE_PX, size.width.to_string())), samples)
+    };
+    CaseGroup {
+        name: format!("{STUDY}/drawn"),
+        cases: cases.iter().map(case).collect(),
+        warm_up: None,
+        work: DrawnBalls { cases, size },
+        open: |group, context| {
+            Ok(Box::new(CaseSession(DrawnSession {
+                group,
+                context,
+                terrain: Terrain::new(),
+                walked: BTreeMap::new(),
+                first: BTreeMap::new(),
+                opened: BTreeMap::new(),
+            })))
+        },
     }
 }
 
@@ -116,7 +93,7 @@ struct Opened {
 }
 
 struct DrawnSession<'a> {
-    group: &'a DrawnBalls,
+    group: &'a CaseGroup<DrawnBalls>,
     context: Context<'a>,
     terrain: Terrain,
     /// By way and number of balls: how they went, and where they ended.
@@ -143,11 +120,12 @@ struct Found {
 
 impl DrawnSession<'_> {
     fn run(&mut self, case: usize) -> Result<Found, DeviceError> {
-        let (way, drawn, count) = self.group.cases[case];
+        let DrawnBalls { ref cases, size } = self.group.work;
+        let (way, drawn, count) = cases[case];
         let balls = self.terrain.balls(count);
         let devices = self.context.devices;
         let mut steps = way.open(devices, &constants(count), &balls, Some(&self.terrain))?;
-        let mut points = steps.points(self.group.size)?;
+        let mut points = steps.points(size)?;
         let (mut uploaded, mut strayed) = (0, 0);
         let (walk, last) = match self.walked.get(&(way, count)) {
             // Followed before: the same steps, in frames of a few.
@@ -177,7 +155,7 @@ impl DrawnSession<'_> {
             points.draw(steps.current(), &ranges)?;
             uploaded += steps.uploaded() - before;
             let numbers = ids_of(&points.read()?);
-            let ImageSize { width, height } = self.group.size;
+            let ImageSize { width, height } = size;
             found.judged = judge(&BallView::new(), [width, height], &last, &numbers);
             let first = self.first.entry((way, count));
             let first = first.or_insert_with(|| numbers.clone());
@@ -196,41 +174,24 @@ impl DrawnSession<'_> {
 }
 
 impl DrawnSession<'_> {
-    /// The picture of one draw, where it is kept, as a note.
+    /// The picture of one draw, where it is kept, as a note: balls dark before the sky.
     fn picture(
         &self,
         case: usize,
         found: &Found,
     ) -> Result<Vec<(&'static str, String)>, StudyError> {
-        let (_, drawn, balls) = self.group.cases[case];
+        let DrawnBalls { ref cases, size } = self.group.work;
+        let (_, drawn, balls) = cases[case];
         if drawn != Drawn::All || balls != PICTURED_BALLS {
             return Ok(Vec::new());
         }
-        let name = &self.group.planned[case].id.name;
-        let written = write(self.context.folder, name, self.group.size, &found.numbers);
-        let path = written.map_err(|message| StudyError::Broken {
-            place: name.clone(),
-            message,
-        })?;
+        let grey = |number: &u32| if *number == 0 { [230; 3] } else { [40; 3] };
+        let pixels: Vec<u8> = found.numbers.iter().flat_map(grey).collect();
+        let stem = file_stem(&format!("{STUDY}-{}", self.group.cases[case].id.name));
+        let size = [size.width, size.height];
+        let path = write_rgb(self.context.folder, &stem, size, &pixels)?;
         Ok(vec![("picture", path)])
     }
-}
-
-/// Writes balls, dark before the sky, under `folder/images/` and returns the path relative to `folder`.
-fn write(folder: &Path, name: &str, size: ImageSize, numbers: &[u32]) -> Result<String, String> {
-    let relative = format!("images/balls-{}.png", name.replace('/', "-"));
-    let path = folder.join(&relative);
-    let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let pixels = numbers.iter().map(|number| match number {
-        0 => 230,
-        _ => 40,
-    });
-    let picture = GrayImage::from_raw(size.width, size.height, pixels.collect());
-    let picture = picture.ok_or_else(|| failed(&"wrong size"))?;
-    std::fs::create_dir_all(folder.join("images")).map_err(|error| failed(&error))?;
-    let saved = picture.save_with_format(&path, ImageFormat::Png);
-    saved.map_err(|error| failed(&error))?;
-    Ok(relative)
 }
 
 impl Found {
@@ -265,15 +226,9 @@ impl Found {
     }
 }
 
-impl Session for DrawnSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        let found = match self.run(case) {
-            Ok(found) => found,
-            Err(error @ (DeviceError::Unsupported { .. } | DeviceError::OverCapacity { .. })) => {
-                return Ok(Verdict::skipped(error.to_string()));
-            }
-            Err(error) => return Ok(Verdict::failed(error.to_string())),
-        };
+impl Measures for DrawnSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let found = self.run(case)?;
         let reason = found.reason();
         let mut figures = vec![
             ("ball_terrain_max_m", found.walk.max_m),
@@ -293,27 +248,18 @@ impl Session for DrawnSession<'_> {
             figures.push(("ball_differing_px", found.differing as f64));
         }
         let notes = self.picture(case, &found)?;
-        Ok(Verdict {
-            status: match reason.is_empty() {
-                true => Status::Ok,
-                false => Status::Wrong,
-            },
-            reason,
-            figures,
-            notes,
-        })
+        Ok(judged(reason, figures, notes))
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        let opened = self.opened.get_mut(&case).ok_or("it was not verified")?;
-        let broken = |error: DeviceError| error.to_string();
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        let opened = verified(&mut self.opened, case)?;
         let watch = CpuStopwatch::start();
-        opened.steps.step(1).map_err(broken)?;
+        opened.steps.step(1)?;
         let stepped_ms = watch.cpu_ms();
         let mut figures = Vec::new();
         if !opened.ranges.is_empty() {
             let state = opened.steps.current();
-            let gpu_ms = opened.points.draw(state, &opened.ranges).map_err(broken)?;
+            let gpu_ms = opened.points.draw(state, &opened.ranges)?;
             figures.push(("ball_draw_cpu_us", 1e3 * (watch.cpu_ms() - stepped_ms)));
             figures.extend(gpu_ms.map(|ms| ("ball_draw_gpu_us", 1e3 * ms)));
         }
@@ -328,6 +274,7 @@ mod tests {
     use super::*;
     use std::rc::Rc;
     use terrafill_fill::Devices;
+    use terrafill_results::Status;
 
     const SIZE: ImageSize = ImageSize {
         width: QUICK_SIDE_PX,
@@ -337,21 +284,13 @@ mod tests {
     #[test]
     fn balls_over_terrain_follow_f64_and_those_over_other_ground_do_not() {
         let devices = Rc::new(Devices::default());
-        let mut group = DrawnBalls::new(true, (SIZE, 1));
-        let few: Vec<usize> = (0..group.cases.len())
-            .filter(|case| group.cases[*case].2 == 500)
-            .collect();
-        group.planned = few
-            .iter()
-            .map(|case| group.planned[*case].clone())
-            .collect();
-        group.cases = few.iter().map(|case| group.cases[*case]).collect();
+        let group = group_of(&[500], (SIZE, 1));
         let context = Context {
             devices: &devices,
             folder: std::path::Path::new(""),
         };
         let mut session = group.open(context).expect("opens");
-        for (at, planned) in group.planned.iter().enumerate() {
+        for (at, planned) in group.cases.iter().enumerate() {
             let verdict = session.verify(at).expect("a verdict");
             let name = &planned.id.name;
             eprintln!(

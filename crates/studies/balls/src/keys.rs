@@ -2,7 +2,6 @@
 //! Conditions of the study's cases, and metrics as its chapter reads them.
 
 use crate::metrics::METRICS;
-use terrafill_results::Metric;
 
 terrafill_results::conditions! {
     shared PART, SIZE_PX;
@@ -21,26 +20,18 @@ terrafill_results::conditions! {
     WAY = "way";
 }
 
-pub(crate) const BALL_ENERGY_CHANGE: &Metric = Metric::of(&METRICS, "ball_energy_change");
-pub(crate) const BALL_BLOWN_SHARE: &Metric = Metric::of(&METRICS, "ball_blown_share");
-pub(crate) const BALL_CONTACT_ENERGY_MEAN: &Metric =
-    Metric::of(&METRICS, "ball_contact_energy_mean");
-pub(crate) const BALL_CONTACT_ENERGY_MAX: &Metric = Metric::of(&METRICS, "ball_contact_energy_max");
-pub(crate) const BALL_CONTACT_ENERGY_RMS: &Metric = Metric::of(&METRICS, "ball_contact_energy_rms");
-pub(crate) const BALL_SUNK_SHARE: &Metric = Metric::of(&METRICS, "ball_sunk_share");
-pub(crate) const BALL_REST_GAP_M: &Metric = Metric::of(&METRICS, "ball_rest_gap_m");
-pub(crate) const BALL_REST_SPEED: &Metric = Metric::of(&METRICS, "ball_rest_speed");
-pub(crate) const BALL_DEVICE_MAX_M: &Metric = Metric::of(&METRICS, "ball_device_max_m");
-pub(crate) const BALL_DEVICE_RMS_M: &Metric = Metric::of(&METRICS, "ball_device_rms_m");
-pub(crate) const BALL_UPLOAD_BYTES: &Metric = Metric::of(&METRICS, "ball_upload_bytes");
-pub(crate) const BALL_TERRAIN_MAX_M: &Metric = Metric::of(&METRICS, "ball_terrain_max_m");
-pub(crate) const BALL_TERRAIN_P95_M: &Metric = Metric::of(&METRICS, "ball_terrain_p95_m");
-pub(crate) const BALL_TERRAIN_BEYOND: &Metric = Metric::of(&METRICS, "ball_terrain_beyond");
-pub(crate) const BALL_TERRAIN_UNEXPLAINED: &Metric =
-    Metric::of(&METRICS, "ball_terrain_unexplained");
-pub(crate) const BALL_TERRAIN_GUIDED_M: &Metric = Metric::of(&METRICS, "ball_terrain_guided_m");
-pub(crate) const BALL_TERRAIN_STEP_M: &Metric = Metric::of(&METRICS, "ball_terrain_step_m");
-pub(crate) const BALL_MISMATCHED_PX: &Metric = Metric::of(&METRICS, "ball_mismatched_px");
-pub(crate) const BALL_DIFFERING_PX: &Metric = Metric::of(&METRICS, "ball_differing_px");
-pub(crate) const BALL_DRAWS: &Metric = Metric::of(&METRICS, "ball_draws");
-pub(crate) const BALL_DRAW_GPU_US: &Metric = Metric::of(&METRICS, "ball_draw_gpu_us");
+terrafill_results::metrics! {
+    METRICS;
+    BALL_BLOWN_SHARE = "ball_blown_share"; BALL_CONTACT_ENERGY_MAX = "ball_contact_energy_max";
+    BALL_CONTACT_ENERGY_MEAN = "ball_contact_energy_mean";
+    BALL_CONTACT_ENERGY_RMS = "ball_contact_energy_rms"; BALL_CPU_US = "ball_cpu_us";
+    BALL_DEVICE_MAX_M = "ball_device_max_m"; BALL_DEVICE_RMS_M = "ball_device_rms_m";
+    BALL_DIFFERING_PX = "ball_differing_px"; BALL_DRAWS = "ball_draws";
+    BALL_DRAW_GPU_US = "ball_draw_gpu_us"; BALL_ENERGY_CHANGE = "ball_energy_change";
+    BALL_MISMATCHED_PX = "ball_mismatched_px"; BALL_REST_GAP_M = "ball_rest_gap_m";
+    BALL_REST_SPEED = "ball_rest_speed"; BALL_RMS_M = "ball_rms_m";
+    BALL_SUNK_SHARE = "ball_sunk_share"; BALL_TERRAIN_BEYOND = "ball_terrain_beyond";
+    BALL_TERRAIN_GUIDED_M = "ball_terrain_guided_m"; BALL_TERRAIN_MAX_M = "ball_terrain_max_m";
+    BALL_TERRAIN_P95_M = "ball_terrain_p95_m"; BALL_TERRAIN_STEP_M = "ball_terrain_step_m";
+    BALL_TERRAIN_UNEXPLAINED = "ball_terrain_unexplained"; BALL_UPLOAD_BYTES = "ball_upload_bytes";
+}

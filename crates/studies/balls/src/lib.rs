@@ -10,22 +10,19 @@ mod arithmetic;
 mod chapter;
 mod closed_form;
 mod contact;
-mod device_chapter;
 mod drawing;
 mod drawn;
-mod drawn_chapter;
 mod drop;
-mod finding;
 mod integrator;
 mod keys;
 mod metrics;
 mod on_devices;
+mod planned;
 mod stepping;
 mod study;
 mod terrain;
 mod walk;
 
-pub use chapter::BallsChapter;
 pub use study::BallsStudy;
 
 /// Name of the study.

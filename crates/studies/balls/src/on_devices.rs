@@ -5,12 +5,13 @@ use crate::STUDY;
 use crate::closed_form::GRAVITY;
 use crate::integrator::{Ball, Forces, Integrator, step};
 use crate::keys::{BALLS, INTERFACE, PART, WAY};
+use crate::planned::{planned, verified};
 use crate::stepping::{BallConstants, Steps, Way};
 use crate::terrain::{CELL_M, CELLS, State};
 use std::collections::BTreeMap;
 use terrafill_fill::{CpuStopwatch, DeviceError};
-use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
-use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_results::Verdict;
+use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged};
 
 pub(crate) const STIFFNESS: f64 = 1e3;
 pub(crate) const STEPS_PER_SECOND: u32 = 480;
@@ -24,66 +25,49 @@ const JUDGED: usize = 10_000;
 /// Steps of a submission, which a timed sample is: a frame.
 pub(crate) const TIMED: u32 = 4;
 
+/// Numbers of balls that are stepped, and drawn.
+pub(crate) fn counts(is_quick: bool) -> &'static [u32] {
+    match is_quick {
+        true => &[500, 4_000],
+        false => &[
+            500, 1_000, 2_000, 3_000, 4_000, 5_000, 10_000, 100_000, 1_000_000,
+        ],
+    }
+}
+
 /// Balls on devices.
-pub(crate) struct DeviceBalls {
-    cases: Vec<PlannedCase>,
-    ways: Vec<(Way, u32)>,
-}
-
-impl DeviceBalls {
-    pub(crate) fn new(is_quick: bool, samples: u32) -> Self {
-        let counts: &[u32] = match is_quick {
-            true => &[500, 4_000],
-            false => &[
-                500, 1_000, 2_000, 3_000, 4_000, 5_000, 10_000, 100_000, 1_000_000,
-            ],
-        };
-        let (mut cases, mut ways) = (Vec::new(), Vec::new());
-        for way in Way::ALL {
-            let (interface, name) = way.names();
-            for &balls in counts {
-                let conditions = [
-                    (PART, "device".to_owned()),
-                    (INTERFACE, interface.to_owned()),
-                    (WAY, name.to_owned()),
-                    (BALLS, balls.to_string()),
-                ];
-                cases.push(PlannedCase {
-                    id: CaseId::new(
-                        STUDY,
-                        format!("device/{interface}/{name}/{balls}"),
-                        conditions,
-                    ),
-                    samples,
-                    may_be_wrong: false,
-                });
-                ways.push((way, balls));
-            }
-        }
-        Self { cases, ways }
-    }
-}
-
-impl Group for DeviceBalls {
-    fn name(&self) -> String {
-        format!("{STUDY}/device")
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(DeviceSession {
-            group: self,
-            context,
-            opened: BTreeMap::new(),
-        }))
+pub(crate) fn group(is_quick: bool, samples: u32) -> impl Group {
+    let counts = counts(is_quick);
+    let ways = Way::ALL.into_iter();
+    let ways = ways.flat_map(|way| counts.iter().map(move |balls| (way, *balls)));
+    let ways: Vec<(Way, u32)> = ways.collect();
+    let case = |&(way, balls): &(Way, u32)| {
+        let (interface, name) = way.names();
+        let conditions = vec![
+            (PART, "device".to_owned()),
+            (INTERFACE, interface.to_owned()),
+            (WAY, name.to_owned()),
+            (BALLS, balls.to_string()),
+        ];
+        planned(conditions, None, samples)
+    };
+    CaseGroup {
+        name: format!("{STUDY}/device"),
+        cases: ways.iter().map(case).collect(),
+        warm_up: None,
+        work: ways,
+        open: |group, context| {
+            Ok(Box::new(CaseSession(DeviceSession {
+                ways: &group.work,
+                context,
+                opened: BTreeMap::new(),
+            })))
+        },
     }
 }
 
 struct DeviceSession<'a> {
-    group: &'a DeviceBalls,
+    ways: &'a [(Way, u32)],
     context: Context<'a>,
     /// By case.
     opened: BTreeMap<usize, Box<dyn Steps>>,
@@ -175,66 +159,45 @@ pub(crate) fn take_all(steps: &mut dyn Steps) -> Result<u64, DeviceError> {
     Ok(steps.uploaded() - before)
 }
 
-impl DeviceSession<'_> {
-    fn run(&mut self, case: usize) -> Result<(Judged, u64), DeviceError> {
-        let (way, count) = self.group.ways[case];
+impl Measures for DeviceSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let (way, count) = self.ways[case];
         let first = balls(count);
         let mut steps = way.open(self.context.devices, &constants(count), &first, None)?;
         let uploaded = take_all(steps.as_mut())?;
         let last = steps.read()?;
-        let mut judged = judge(Integrator::SymplecticEuler, &first, &last);
+        let mut found = judge(Integrator::SymplecticEuler, &first, &last);
         if last.len() != first.len() {
-            judged.max_m = f64::INFINITY;
+            found.max_m = f64::INFINITY;
         }
         self.opened.insert(case, steps);
-        Ok((judged, uploaded))
-    }
-}
-
-impl Session for DeviceSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        let (judged, uploaded) = match self.run(case) {
-            Ok(run) => run,
-            Err(error @ (DeviceError::Unsupported { .. } | DeviceError::OverCapacity { .. })) => {
-                return Ok(Verdict::skipped(error.to_string()));
-            }
-            Err(error) => return Ok(Verdict::failed(error.to_string())),
-        };
-        let is_right = judged.max_m <= ALLOWED_M;
+        let is_right = found.max_m <= ALLOWED_M;
         let reason = if !is_right {
-            format!("{} m from f64, allowed {ALLOWED_M} m", judged.max_m)
+            format!("{} m from f64, allowed {ALLOWED_M} m", found.max_m)
         } else if uploaded > 0 {
             format!("{uploaded} bytes were uploaded while stepping, allowed 0")
         } else {
             String::new()
         };
-        Ok(Verdict {
-            status: if reason.is_empty() {
-                Status::Ok
-            } else {
-                Status::Wrong
-            },
-            reason,
-            figures: vec![
-                ("ball_device_max_m", judged.max_m),
-                ("ball_device_rms_m", judged.rms_m),
-                ("ball_device_judged", f64::from(judged.count)),
-                ("ball_upload_bytes", uploaded as f64),
-            ],
-            ..Verdict::default()
-        })
+        let figures = vec![
+            ("ball_device_max_m", found.max_m),
+            ("ball_device_rms_m", found.rms_m),
+            ("ball_device_judged", f64::from(found.count)),
+            ("ball_upload_bytes", uploaded as f64),
+        ];
+        Ok(judged(reason, figures, Vec::new()))
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        let steps = self.opened.get_mut(&case).ok_or("it was not verified")?;
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        let steps = verified(&mut self.opened, case)?;
         let watch = CpuStopwatch::start();
-        steps.step(TIMED).map_err(|error| error.to_string())?;
+        steps.step(TIMED)?;
         let each = 1e3 / f64::from(TIMED);
         let mut times = vec![
             ("ball_step_cpu_us", watch.cpu_ms() * each),
             ("ball_step_wall_us", watch.wall_ms() * each),
         ];
-        let gpu_ms = steps.gpu_ms().map_err(|error| error.to_string())?;
+        let gpu_ms = steps.gpu_ms()?;
         times.extend(gpu_ms.map(|ms| ("ball_step_gpu_us", ms * each)));
         Ok(times)
     }

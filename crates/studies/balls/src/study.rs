@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The cases: drops by integrator, stiffness, arithmetic, state and step; contacts; reflections; rests.
 
-use crate::chapter::BallsChapter;
+use crate::chapter::CHAPTER;
 use crate::contact::{STEPS, energy_ratio};
-use crate::drawn::{DrawnBalls, size_of};
 use crate::drop::{Arithmetic, Drop, GROUND_M, MOSTLY, Rest};
 use crate::integrator::Integrator;
-use crate::keys;
 use crate::keys::{
-    ARITHMETIC, BALL_BLOWN_SHARE, DATUM_M, INTEGRATOR, OMEGA_DT, PART, RESTITUTION, STATE,
+    self, ARITHMETIC, BALL_BLOWN_SHARE, DATUM_M, INTEGRATOR, OMEGA_DT, PART, RESTITUTION, STATE,
 };
-use crate::on_devices::DeviceBalls;
-use crate::{STUDY, metrics::METRICS};
+use crate::planned::{Conditions, planned};
+use crate::{STUDY, drawn, metrics::METRICS, on_devices};
 use std::collections::BTreeMap;
 use terrafill_fill::CpuStopwatch;
-use terrafill_results::{CaseId, Chapter, ConditionKey, Metric, PlannedCase, Status, Verdict};
-use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
+use terrafill_results::{Chapter, ConditionKey, Metric, PlannedCase, Status, Verdict};
+use terrafill_study::{
+    CaseGroup, CaseSession, Depth, Failure, Figures, Group, Measures, Planned, Request, Study,
+    StudyError, judged,
+};
 
 /// Steps a second; a quick run leaves out the last.
 const STEPS_PER_SECOND: [u32; 6] = [30, 120, 480, 1_920, 7_680, 30_720];
@@ -64,13 +65,11 @@ impl Study for BallsStudy {
             ("reflect", reflections()),
             ("rest", rests()),
         ] {
-            groups.push(Box::new(Balls::new(part, experiments, samples)));
+            groups.push(Box::new(group(part, experiments, samples)));
         }
-        groups.push(Box::new(DeviceBalls::new(is_quick, samples)));
-        groups.push(Box::new(DrawnBalls::new(
-            is_quick,
-            (size_of(request), samples),
-        )));
+        groups.push(Box::new(on_devices::group(is_quick, samples)));
+        let pictures = (drawn::size_of(request), samples);
+        groups.push(Box::new(drawn::group(is_quick, pictures)));
         Ok(Planned {
             groups,
             skipped: Vec::new(),
@@ -78,7 +77,7 @@ impl Study for BallsStudy {
     }
 
     fn chapter(&self) -> &dyn Chapter {
-        &BallsChapter
+        &CHAPTER
     }
 }
 
@@ -90,9 +89,6 @@ enum Experiment {
     Reflect(Drop),
     Rest(Rest),
 }
-
-/// Conditions of a case, in the order of its name.
-type Conditions = Vec<(ConditionKey, String)>;
 
 fn state(datum_m: f64) -> String {
     if datum_m > 0.0 { "height" } else { "gap" }.to_owned()
@@ -199,74 +195,49 @@ fn rests() -> Vec<(Conditions, Experiment)> {
     rests
 }
 
-/// Cases of one part.
-struct Balls {
+/// Cases of one part, which need no device.
+fn group(
     part: &'static str,
-    cases: Vec<PlannedCase>,
-    experiments: Vec<Experiment>,
-}
-
-impl Balls {
-    fn new(part: &'static str, of: Vec<(Conditions, Experiment)>, samples: u32) -> Self {
-        let (mut cases, mut experiments) = (Vec::new(), Vec::new());
-        for (conditions, experiment) in of {
-            let values = conditions.iter().map(|(_, value)| value.as_str());
-            let name: Vec<&str> = [part].into_iter().chain(values).collect();
-            let name = name.join("/");
-            let all = [(PART, part.to_owned())].into_iter().chain(conditions);
-            cases.push(PlannedCase {
-                id: CaseId::new(STUDY, name, all),
-                // Shares and energies are exact; only drops are timed.
-                samples: if part == "drop" { samples } else { 0 },
-                may_be_wrong: matches!(experiment, Experiment::Drop(drop) if drop.may_blow_up()),
-            });
-            experiments.push(experiment);
+    of: Vec<(Conditions, Experiment)>,
+    samples: u32,
+) -> CaseGroup<Vec<Experiment>> {
+    let case = |(conditions, experiment): &(Conditions, Experiment)| {
+        let part = [(PART, part.to_owned())].into_iter();
+        let conditions = part.chain(conditions.iter().cloned()).collect();
+        // Shares and energies are exact; only drops are timed.
+        let (samples, may_be_wrong) = match experiment {
+            Experiment::Drop(drop) => (samples, drop.may_blow_up()),
+            _ => (0, false),
+        };
+        PlannedCase {
+            may_be_wrong,
+            ..planned(conditions, None, samples)
         }
-        Self {
-            part,
-            cases,
-            experiments,
-        }
-    }
-}
-
-impl Group for Balls {
-    fn name(&self) -> String {
-        format!("{STUDY}/{}", self.part)
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn warm_up(&self) -> Option<u32> {
+    };
+    CaseGroup {
+        name: format!("{STUDY}/{part}"),
+        cases: of.iter().map(case).collect(),
         // The check of a case runs it once.
-        Some(0)
-    }
-
-    fn open<'a>(&'a self, _context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(BallsSession(&self.experiments)))
+        warm_up: Some(0),
+        work: of.into_iter().map(|(_, experiment)| experiment).collect(),
+        open: |group, _| Ok(Box::new(CaseSession(BallsSession(&group.work)))),
     }
 }
 
 struct BallsSession<'a>(&'a [Experiment]);
 
-impl Session for BallsSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+impl Measures for BallsSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let figures = figures(&self.0[case]);
         let mut shares = figures.iter();
         let blown = shares.find(|(name, _)| *name == BALL_BLOWN_SHARE.name);
-        let blown = blown
-            .map(|(_, share)| *share)
-            .filter(|share| *share > MOSTLY);
-        Ok(Verdict {
-            status: blown.map_or(Status::Ok, |_| Status::Wrong),
-            reason: blown.map_or_else(String::new, |share| {
+        let reason = match blown {
+            Some((_, share)) if *share > MOSTLY => {
                 format!("{:.0} % of the balls blew up", 100.0 * share)
-            }),
-            figures,
-            ..Verdict::default()
-        })
+            }
+            _ => String::new(),
+        };
+        Ok(judged(reason, figures, Vec::new()))
     }
 
     fn recheck(
@@ -274,7 +245,7 @@ impl Session for BallsSession<'_> {
         _case: usize,
         status: Status,
         _notes: &BTreeMap<String, String>,
-    ) -> Result<Verdict, StudyError> {
+    ) -> Result<Verdict, Failure> {
         // The figures are exact: another process has the same.
         Ok(Verdict {
             status,
@@ -282,9 +253,9 @@ impl Session for BallsSession<'_> {
         })
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
         let Experiment::Drop(drop) = &self.0[case] else {
-            return Err("only drops are timed".to_owned());
+            return Err(Failure::Broken("only drops are timed".to_owned()));
         };
         let watch = CpuStopwatch::start();
         std::hint::black_box(drop.work());
@@ -294,7 +265,7 @@ impl Session for BallsSession<'_> {
 }
 
 /// What a case shows; a figure that is not finite is absent.
-fn figures(experiment: &Experiment) -> Vec<(&'static str, f64)> {
+fn figures(experiment: &Experiment) -> Figures {
     let figures = match experiment {
         Experiment::Drop(drop) => {
             let landed = drop.land();
@@ -346,8 +317,8 @@ mod tests {
 
     #[test]
     fn a_run_whose_balls_blew_up_is_wrong_and_only_where_that_is_foreseen() {
-        let balls = Balls::new("drop", drops(true), 1);
-        let mut session = BallsSession(&balls.experiments);
+        let balls = group("drop", drops(true), 1);
+        let mut session = BallsSession(&balls.work);
         let mut wrong = 0;
         for (index, case) in balls.cases.iter().enumerate() {
             let verdict = session.verify(index).expect("it has figures");

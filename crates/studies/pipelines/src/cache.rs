@@ -12,4 +12,4 @@ mod queries;
 mod study;
 
 pub(crate) use keep::Keep;
-pub(crate) use study::Caches;
+pub(crate) use study::group;

@@ -1,90 +1,64 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The chapter on pipelines: grids, amplification, and what was published beside them.
+//! The chapter on pipelines: sections as data, what is required of their figures, and what they recommend.
 
 mod amplification;
 mod cache;
-mod cells;
 mod culling;
 mod grids;
+mod kit;
 mod layered;
 mod lights;
 mod published;
-mod series;
 
 use crate::cache::Keep;
 use crate::keys::{
     KEPT_IN, PIPELINE_DIFFERING_PX, PIPELINE_MISMATCHED_PX, PIPELINE_SHOWN_PX, TEST,
 };
-use cells::time;
-use terrafill_results::{
-    Answers, Block, Case, Chapter, ChapterError, Clock, Finding, Outcome, Run, Standing,
-};
-
-/// What is measured.
-const WHAT_IS_COMPARED: &str = "A square of 2 km of analytic ground is drawn as a grid into 256 × 256 pixels, the whole of it in view. \
-     Each pixel shows the number of its triangle or point, which is held against rays in double \
-     precision that share nothing with what draws. Heights are 32-bit floats, fetched from a texture \
-     where they are not sent.";
+use kit::none_of;
+use terrafill_lab::{Cases, SectionedChapter};
+use terrafill_results::{Answers, Block, Case, Finding};
 
 /// Grids by every stage of the pipeline.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct PipelinesChapter;
+pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
+    study: crate::STUDY,
+    title: "Pipelines: which stage makes a grid",
+    text: "A square of 2 km of analytic ground is drawn as a grid into 256 × 256 pixels, the whole of it in view. \
+           Each pixel shows the number of its triangle or point, which is held against rays in double precision that \
+           share nothing with what draws. Heights are 32-bit floats, fetched from a texture where they are not sent.",
+    primary: kit::TIME,
+    answers,
+    sections: &[
+        grids::SECTION,
+        amplification::SECTION,
+        culling::SECTION,
+        culling::COUNTED,
+        culling::FLIGHT,
+        cache::SECTION,
+        lights::SECTION,
+        layered::TERRACES,
+        layered::ROUGH,
+        layered::DISC,
+        layered::HARD,
+        layered::BLUR,
+    ],
+};
 
-impl Chapter for PipelinesChapter {
-    fn study(&self) -> &'static str {
-        crate::STUDY
+fn answers(cases: &Cases<'_>) -> Answers {
+    let sentences = [
+        grids::recommended(cases),
+        amplification::recommended(cases),
+        culling::recommended(cases),
+        cache::recommended(cases),
+        lights::recommended(cases),
+        layered::recommended(cases),
+    ];
+    let sentences = sentences.concat();
+    let blocks = (!sentences.is_empty()).then_some(Block::List(sentences));
+    Answers {
+        blocks: blocks.into_iter().collect(),
+        requirements: requirements(cases),
+        ..Answers::default()
     }
-
-    fn title(&self) -> &'static str {
-        "Pipelines: which stage makes a grid"
-    }
-
-    fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
-        Some(time(clock).name)
-    }
-
-    fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
-        let cases = cases(run);
-        Ok(Answers {
-            blocks: recommended(&cases, run.clock()).into_iter().collect(),
-            requirements: requirements(&cases),
-            ..Answers::default()
-        })
-    }
-
-    fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
-        let cases = cases(run);
-        if cases.is_empty() {
-            return Ok(Vec::new());
-        }
-        let mut blocks = vec![Block::Text(WHAT_IS_COMPARED.to_owned())];
-        blocks.extend(recommended(&cases, run.clock()));
-        blocks.extend(requirements(&cases).into_iter().map(Block::Finding));
-        blocks.extend(grids::section(&cases, run)?);
-        blocks.extend(amplification::section(&cases, run));
-        blocks.extend(culling::section(&cases, run)?);
-        blocks.extend(cache::section(&cases, run));
-        blocks.extend(lights::section(&cases, run));
-        blocks.extend(layered::sections(&cases, run)?);
-        Ok(blocks)
-    }
-}
-
-/// Which way of each experiment that was measured.
-fn recommended(cases: &[&Case], clock: Clock) -> Option<Block> {
-    let mut sentences = grids::recommended(cases, clock);
-    sentences.extend(amplification::recommended(cases, clock));
-    sentences.extend(culling::recommended(cases, clock));
-    sentences.extend(cache::recommended(cases, clock));
-    sentences.extend(lights::recommended(cases, clock));
-    sentences.extend(layered::recommended(cases, clock));
-    (!sentences.is_empty()).then_some(Block::List(sentences))
-}
-
-fn cases(run: &Run) -> Vec<&Case> {
-    run.of_study(crate::STUDY)
-        .filter(|case| !case.is_twin())
-        .collect()
 }
 
 /// Whether what a case loses is what is asked of it: the published test of patches, and places that are rounded on
@@ -96,48 +70,26 @@ fn is_wrong_by_design(case: &Case) -> bool {
 }
 
 /// What is required of every picture.
-fn requirements(cases: &[&Case]) -> Vec<Finding> {
-    let drawn: Vec<&Case> = cases
-        .iter()
-        .copied()
-        .filter(|case| case.value(PIPELINE_SHOWN_PX).is_some() && !is_wrong_by_design(case))
-        .collect();
-    let most = |metric| {
-        let values = drawn.iter().filter_map(|case| case.value(metric));
-        values.max_by(f64::total_cmp)
-    };
-    let of_pictures = |claim: &str, metric| {
-        let most = most(metric);
-        let bad = drawn
-            .iter()
-            .filter(|case| case.outcome != Outcome::Ok)
-            .count();
-        Finding {
-            claim: format!("{claim}:"),
-            standing: most.map_or(Standing::NotMeasured, |most| {
-                Standing::holds_if(most <= 0.0)
-            }),
-            because: most.map_or_else(String::new, |most| {
-                let all = drawn.len();
-                format!("at most {most} pixels in {all} pictures, {bad} of them not right")
-            }),
-        }
-    };
+fn requirements(cases: &Cases<'_>) -> Vec<Finding> {
+    let drawn =
+        cases.fitting(|case| case.value(PIPELINE_SHOWN_PX).is_some() && !is_wrong_by_design(case));
     let mut findings = vec![
-        of_pictures(
+        none_of(
             "Every way of a grid shows the same picture on one interface",
-            PIPELINE_DIFFERING_PX,
+            "pixels",
+            &drawn.values(PIPELINE_DIFFERING_PX),
         ),
-        of_pictures(
+        none_of(
             "No pixel outside of the band differs from the rays",
-            PIPELINE_MISMATCHED_PX,
+            "pixels",
+            &drawn.values(PIPELINE_MISMATCHED_PX),
         ),
     ];
     findings.extend(amplification::bytes_finding(cases));
-    findings.extend(culling::findings(cases));
-    findings.extend(cache::findings(cases));
-    findings.extend(lights::findings(cases));
-    findings.extend(layered::findings(cases));
+    findings.extend(culling::requirements(cases));
+    findings.extend(cache::requirement(cases));
+    findings.extend(lights::requirement(cases));
+    findings.extend(layered::requirements(cases));
     findings
 }
 
@@ -149,7 +101,9 @@ mod tests {
     use std::rc::Rc;
     use terrafill_fill::Devices;
     use terrafill_results::made_up::{MadeUpRun, case_id};
-    use terrafill_results::{RunEnvironment, RunFolder, SCHEMA};
+    use terrafill_results::{
+        Chapter as _, Outcome, Run, RunEnvironment, RunFolder, SCHEMA, Standing,
+    };
     use terrafill_study::{Depth, Request, RunOptions, Silent, plan, run};
 
     fn finding<'a>(findings: &'a [Finding], words: &str) -> &'a Finding {
@@ -201,8 +155,8 @@ mod tests {
                 case.reason
             );
         }
-        let blocks = PipelinesChapter.blocks(&run).expect("a chapter");
-        let answers = PipelinesChapter.answers(&run).expect("answers");
+        let blocks = CHAPTER.blocks(&run).expect("a chapter");
+        let answers = CHAPTER.answers(&run).expect("answers");
         for finding in &answers.requirements {
             let Finding {
                 claim,
@@ -262,7 +216,7 @@ mod tests {
             }
             let folder = tempfile::tempdir().expect("a folder");
             let run = made.write(folder.path()).expect("a run");
-            requirements(&cases(&run))
+            requirements(&Cases::of_study(&run, crate::STUDY))
         };
         let right = made(0.0, 400.0);
         for words in [

@@ -14,5 +14,5 @@ mod on_wgpu;
 mod study;
 mod way;
 
-pub(crate) use study::Culling;
+pub(crate) use study::groups;
 pub(crate) use way::{Place, VIEWS};

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What an opened way does, on whichever interface.
+//! What opened ways do, on whichever interface: they draw, count and take time.
 
-use terrafill_fill::{DeviceError, Picture};
-use terrafill_results::Verdict;
+use std::collections::BTreeMap;
+use terrafill_fill::{CpuStopwatch, DeviceError, Picture};
+use terrafill_results::{CaseId, ConditionKey, PlannedCase};
+use terrafill_study::{Failure, Figures};
 use terrafill_vulkan::PassStatistics;
 
 /// Times of a frame, milliseconds.
@@ -17,7 +19,16 @@ pub(crate) struct Times {
 }
 
 impl Times {
-    pub(crate) fn figures(self) -> Vec<(&'static str, f64)> {
+    /// Until now.
+    pub(crate) fn since(watch: &CpuStopwatch, gpu_ms: Option<f64>) -> Self {
+        Self {
+            cpu_ms: watch.cpu_ms(),
+            wall_ms: watch.wall_ms(),
+            gpu_ms,
+        }
+    }
+
+    pub(crate) fn figures(self) -> Figures {
         let mut figures = vec![
             ("pipeline_cpu_ms", self.cpu_ms),
             ("pipeline_wall_ms", self.wall_ms),
@@ -33,7 +44,6 @@ pub(crate) struct Counted {
     pub(crate) vertex_invocations: Option<u64>,
     pub(crate) geometry_invocations: Option<u64>,
     pub(crate) primitives: Option<u64>,
-    pub(crate) fragments: Option<u64>,
 }
 
 impl Counted {
@@ -49,14 +59,13 @@ impl Counted {
     }
 }
 
-impl From<PassStatistics> for Counted {
-    fn from(of: PassStatistics) -> Self {
-        Self {
+impl From<Option<PassStatistics>> for Counted {
+    fn from(of: Option<PassStatistics>) -> Self {
+        of.map_or_else(Self::default, |of| Self {
             vertex_invocations: Some(of.vertex_shader_invocations),
             geometry_invocations: of.geometry_shader_invocations.filter(|count| *count > 0),
             primitives: Some(of.clipper_invocations),
-            fragments: Some(of.fragment_shader_invocations),
-        }
+        })
     }
 }
 
@@ -69,12 +78,85 @@ pub(crate) trait Draws {
     fn time(&mut self) -> Result<Times, DeviceError>;
 }
 
-/// A device, a stage or a limit that is not there is no defect.
-pub(crate) fn verdict_of(error: &DeviceError) -> Verdict {
-    match error {
-        DeviceError::Unsupported { .. } | DeviceError::OverCapacity { .. } => {
-            Verdict::skipped(error.to_string())
-        }
-        _ => Verdict::failed(error.to_string()),
+/// What a frame of layers and of the picture that looks them up showed.
+#[derive(Debug)]
+pub(crate) struct Looked {
+    pub(crate) picture: Picture,
+    /// Of all layers, one after the other.
+    pub(crate) depths: Vec<f32>,
+    /// Of the layers.
+    pub(crate) counted: Counted,
+}
+
+/// Times of a frame, and of its layers alone.
+pub(crate) struct FrameTimes {
+    pub(crate) all: Times,
+    pub(crate) maps: Times,
+}
+
+impl FrameTimes {
+    pub(crate) fn figures(&self) -> Figures {
+        let mut figures = self.all.figures();
+        figures.push(("lights_maps_cpu_ms", self.maps.cpu_ms));
+        figures.extend(self.maps.gpu_ms.map(|ms| ("lights_maps_gpu_ms", ms)));
+        figures
+    }
+}
+
+/// Layers and their picture on a device.
+pub(crate) trait LooksUp {
+    fn draw(&mut self) -> Result<Looked, DeviceError>;
+    fn time(&mut self) -> Result<FrameTimes, DeviceError>;
+    /// Of a frame: those of the layers and that of the picture.
+    fn passes(&self) -> usize;
+    /// Of all layers.
+    fn bytes(&self) -> u64;
+}
+
+/// A case named by the values of its conditions.
+///
+/// - `unnamed`: a condition that its name leaves out
+pub(crate) fn planned(
+    mut conditions: Vec<(ConditionKey, String)>,
+    unnamed: Option<(ConditionKey, String)>,
+    samples: u32,
+) -> PlannedCase {
+    let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
+    let name = values.join("/");
+    conditions.extend(unnamed);
+    PlannedCase {
+        id: CaseId::new(crate::STUDY, name, conditions),
+        samples,
+        may_be_wrong: false,
+    }
+}
+
+/// What was opened for a case.
+pub(crate) fn verified<T>(opened: &mut BTreeMap<usize, T>, case: usize) -> Result<&mut T, Failure> {
+    let opened = opened.get_mut(&case);
+    opened.ok_or_else(|| Failure::Broken("it was not verified".to_owned()))
+}
+
+/// How often two lists differ; places that one of them lacks differ.
+pub(crate) fn differing<T: PartialEq>(one: &[T], other: &[T]) -> usize {
+    let differ = one.iter().zip(other).filter(|(a, b)| a != b).count();
+    differ + one.len().abs_diff(other.len())
+}
+
+/// Depths bit by bit.
+pub(crate) fn bits(depths: &[f32]) -> Vec<u32> {
+    depths.iter().map(|depth| depth.to_bits()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_that_differ_in_a_bit_or_in_length_are_told_apart() {
+        let of = |one: &[f32], other: &[f32]| differing(&bits(one), &bits(other));
+        assert_eq!(of(&[0.0, 1.0], &[0.0, 1.0]), 0);
+        assert_eq!(of(&[0.0, 1.0], &[-0.0, 1.0]), 1);
+        assert_eq!(of(&[0.0, 1.0], &[0.0]), 1);
     }
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pictures of numbers: cells as a chessboard of two shades each, the sky, and in red what is wrong.
 
+use crate::STUDY;
 use crate::keys::SIZE_PX;
-use image::{ImageFormat, RgbImage};
 use std::path::Path;
 use terrafill_results::ConditionKey;
 use terrafill_scene::ImageSize;
-use terrafill_study::{Request, size_name};
+use terrafill_study::{Request, StudyError, file_stem, size_name, write_rgb};
 
 /// Of a quick run that names no size: the published one is not known.
 pub(crate) const PICTURE: ImageSize = ImageSize {
@@ -53,69 +53,41 @@ fn of_point(number: u32) -> [u8; 3] {
     if number == 0 { SKY } else { [60, 80, 60] }
 }
 
-/// Writes a picture under `folder/images/` and returns its path relative to `folder`.
+/// Colours of triangles' or points' numbers, red where they are wrong.
 ///
+/// - `cells`: a side of the grid; `None` for points
 /// - `wrong`: of each pixel, whether it may not show what it shows
-///
-/// # Errors
-/// A message with the file's name.
-pub(crate) fn write(
-    folder: &Path,
-    name: &str,
-    size: [u32; 2],
-    numbers: &[u32],
-    draws_points: bool,
-    cells: u32,
-    wrong: &[bool],
-) -> Result<String, String> {
-    let pixels =
-        numbers
-            .iter()
-            .zip(wrong)
-            .flat_map(|(number, is_wrong)| match (is_wrong, draws_points) {
-                (true, _) => WRONG,
-                (false, true) => of_point(*number),
-                (false, false) => of_triangle(*number, cells),
-            });
-    save(folder, name, size, pixels.collect())
+pub(crate) fn of_numbers<'a>(
+    numbers: &'a [u32],
+    cells: Option<u32>,
+    wrong: &'a [bool],
+) -> impl Iterator<Item = [u8; 3]> + 'a {
+    let pixels = numbers.iter().zip(wrong);
+    pixels.map(move |(number, is_wrong)| match (is_wrong, cells) {
+        (true, _) => WRONG,
+        (false, None) => of_point(*number),
+        (false, Some(cells)) => of_triangle(*number, cells),
+    })
 }
 
-/// As [`write`], of which lights reach a pixel: the lighter, the more of them.
+/// Colours of which lights reach a pixel: the lighter, the more of them.
 ///
 /// - `numbers`: 0 for the sky, else 1 plus a bit for each light
-///
-/// # Errors
-/// A message with the file's name.
-pub(crate) fn write_lit(
-    folder: &Path,
-    name: &str,
-    size: [u32; 2],
-    numbers: &[u32],
-    lights: usize,
-) -> Result<String, String> {
+pub(crate) fn of_lights(numbers: &[u32], lights: usize) -> impl Iterator<Item = [u8; 3]> {
     let most = u32::try_from(lights.max(1)).unwrap_or(1);
-    let pixels = numbers.iter().flat_map(|number| {
+    numbers.iter().map(move |number| {
         let Some(mask) = number.checked_sub(1) else {
             return SKY;
         };
         // Never black, never as light as the sky.
         let grey = u8::try_from(40 + 180 * mask.count_ones().min(most) / most).unwrap_or(u8::MAX);
         [grey, grey, grey - 20]
-    });
-    save(folder, name, size, pixels.collect())
+    })
 }
 
-/// As [`write`], of shares of light; what is no number is red.
-///
-/// # Errors
-/// A message with the file's name.
-pub(crate) fn write_shares(
-    folder: &Path,
-    name: &str,
-    size: [u32; 2],
-    shares: &[f32],
-) -> Result<String, String> {
-    let pixels = shares.iter().flat_map(|share| match share.is_finite() {
+/// Colours of shares of light; what is no number is red.
+pub(crate) fn of_shares(shares: &[f32]) -> impl Iterator<Item = [u8; 3]> {
+    shares.iter().map(|share| match share.is_finite() {
         true => {
             #[allow(
                 clippy::cast_possible_truncation,
@@ -126,25 +98,28 @@ pub(crate) fn write_shares(
             [grey; 3]
         }
         false => WRONG,
-    });
-    save(folder, name, size, pixels.collect())
+    })
 }
 
-fn save(
+/// Writes a case's picture and returns it as a note.
+pub(crate) fn write(
     folder: &Path,
     name: &str,
-    [width, height]: [u32; 2],
-    pixels: Vec<u8>,
-) -> Result<String, String> {
-    let relative = format!("images/pipelines-{}.png", name.replace('/', "-"));
-    let path = folder.join(&relative);
-    let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let picture = RgbImage::from_raw(width, height, pixels);
-    let picture = picture.ok_or_else(|| failed(&"wrong size"))?;
-    std::fs::create_dir_all(folder.join("images")).map_err(|error| failed(&error))?;
-    let saved = picture.save_with_format(&path, ImageFormat::Png);
-    saved.map_err(|error| failed(&error))?;
-    Ok(relative)
+    size: ImageSize,
+    pixels: impl Iterator<Item = [u8; 3]>,
+) -> Result<Vec<(&'static str, String)>, StudyError> {
+    let pixels: Vec<u8> = pixels.flatten().collect();
+    let stem = file_stem(&format!("{STUDY}-{name}"));
+    let path = write_rgb(folder, &stem, [size.width, size.height], &pixels)?;
+    Ok(vec![("picture", path)])
+}
+
+/// A folder of a run for a test.
+#[cfg(test)]
+pub(crate) fn run_folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir(folder.path().join("images")).expect("writable");
+    folder
 }
 
 #[cfg(test)]

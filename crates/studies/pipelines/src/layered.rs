@@ -11,5 +11,5 @@ mod shaded;
 mod shaded_study;
 mod variance_bounds;
 
-pub(crate) use blurred::Blurs;
-pub(crate) use shaded_study::Shades;
+pub(crate) use blurred::group as blurs;
+pub(crate) use shaded_study::group as shades;

@@ -31,7 +31,6 @@ mod study;
 mod variance;
 mod way;
 
-pub use chapter::PipelinesChapter;
 pub use study::PipelinesStudy;
 
 /// Name of the study.

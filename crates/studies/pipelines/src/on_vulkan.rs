@@ -27,6 +27,24 @@ fn wgsl(path: &'static str, entry_point: &'static str) -> Shader {
     Shader::Wgsl { path, entry_point }
 }
 
+/// A uniform block.
+pub(crate) fn uniform(gpu: &Arc<Gpu>, label: &str, bytes: &[u8]) -> Result<Resource, DeviceError> {
+    let buffer = Buffer::upload(gpu, label, bytes, BufferUse::Uniform)?;
+    Ok(Resource::Uniform(Arc::new(buffer)))
+}
+
+/// Heights of a grid.
+pub(crate) fn heights(gpu: &Arc<Gpu>, grid: &Grid) -> Result<Arc<SampledImage>, DeviceError> {
+    let texels = RouteTexels {
+        format: RouteTexelFormat::R32Float,
+        is_filtered: false,
+        size: [grid.cells + 1; 2],
+        is_cube: false,
+        bytes: bytemuck::cast_slice(&grid.heights).to_vec(),
+    };
+    Ok(Arc::new(SampledImage::route(gpu, &texels)?))
+}
+
 /// What the first stage reads.
 enum Feed {
     Nothing,
@@ -61,20 +79,10 @@ impl OnVulkan {
         size: ImageSize,
     ) -> Result<Self, DeviceError> {
         let constants = GridConstants::new(grid, view);
-        let bytes = bytemuck::bytes_of(&constants);
-        let constants = Buffer::upload(gpu, "grid constants", bytes, BufferUse::Uniform)?;
         let side = grid.cells + 1;
-        let texels = RouteTexels {
-            format: RouteTexelFormat::R32Float,
-            is_filtered: false,
-            size: [side; 2],
-            is_cube: false,
-            bytes: bytemuck::cast_slice(&grid.heights).to_vec(),
-        };
-        let heights = Arc::new(SampledImage::route(gpu, &texels)?);
         let mut resources = vec![
-            Resource::Uniform(Arc::new(constants)),
-            Resource::Image(heights),
+            uniform(gpu, "grid constants", bytemuck::bytes_of(&constants))?,
+            Resource::Image(heights(gpu, grid)?),
         ];
         let mut arguments = None;
         if way == Way::ComputeIndirect {
@@ -248,19 +256,12 @@ impl Draws for OnVulkan {
     fn draw(&mut self) -> Result<(Picture, Counted), DeviceError> {
         let report = self.frame(Measured::Statistics)?;
         let picture = self.targets.read()?;
-        let counted = report
-            .statistics
-            .map_or_else(Counted::default, Counted::from);
-        Ok((picture, counted))
+        Ok((picture, Counted::from(report.statistics)))
     }
 
     fn time(&mut self) -> Result<Times, DeviceError> {
         let watch = CpuStopwatch::start();
         let report = self.frame(Measured::Times)?;
-        Ok(Times {
-            cpu_ms: watch.cpu_ms(),
-            wall_ms: watch.wall_ms(),
-            gpu_ms: report.gpu_ms,
-        })
+        Ok(Times::since(&watch, report.gpu_ms))
     }
 }

@@ -96,11 +96,28 @@ pub(crate) fn entry(
     }
 }
 
-pub(crate) fn buffer_type(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
+fn buffer_type(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
     wgpu::BindingType::Buffer {
         ty,
         has_dynamic_offset: false,
         min_binding_size: None,
+    }
+}
+
+pub(crate) fn uniform_type() -> wgpu::BindingType {
+    buffer_type(wgpu::BufferBindingType::Uniform)
+}
+
+pub(crate) fn storage_type(read_only: bool) -> wgpu::BindingType {
+    buffer_type(wgpu::BufferBindingType::Storage { read_only })
+}
+
+/// Of floats that are loaded, not filtered.
+pub(crate) fn texture_type(view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
+    wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Float { filterable: false },
+        view_dimension,
+        multisampled: false,
     }
 }
 
@@ -128,37 +145,23 @@ impl OnWgpu {
             })
         });
         let stage = wgpu::ShaderStages::VERTEX | wgpu::ShaderStages::COMPUTE;
-        let float = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
         // Fragments number triangles by the grid's cells.
         let all = stage | wgpu::ShaderStages::FRAGMENT;
-        let uniform = buffer_type(wgpu::BufferBindingType::Uniform);
-        let base = [entry(0, all, uniform), entry(1, stage, float)];
-        let storage = |read_only| buffer_type(wgpu::BufferBindingType::Storage { read_only });
-        let vertex = wgpu::ShaderStages::VERTEX;
-        let mut entries = base.to_vec();
-        let mut resources = vec![
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: constants.as_entire_binding(),
-            },
-            wgpu::BindGroupEntry {
-                binding: 1,
-                resource: wgpu::BindingResource::TextureView(&heights),
-            },
+        let base = [
+            entry(0, all, uniform_type()),
+            entry(1, stage, texture_type(wgpu::TextureViewDimension::D2)),
         ];
-        let basic = resources.clone();
+        let mut entries = base.to_vec();
+        let basic = vec![
+            constants.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&heights),
+        ];
+        let mut resources = basic.clone();
         if let Some(kept) = &kept {
-            entries.push(entry(2, vertex, storage(true)));
-            resources.push(wgpu::BindGroupEntry {
-                binding: 2,
-                resource: kept.as_entire_binding(),
-            });
+            entries.push(entry(2, wgpu::ShaderStages::VERTEX, storage_type(true)));
+            resources.push(kept.as_entire_binding());
         }
-        let (layout, bound) = bind(gpu, &entries, &resources);
+        let (layout, bound) = bind(gpu, &entries, &numbered(resources));
         let pipeline = gpu.direct_pipeline(&DirectPipeline {
             path: stages.path,
             entry_point: stages.entry_point,
@@ -197,27 +200,14 @@ impl OnWgpu {
                 let kept = kept
                     .as_ref()
                     .ok_or(DeviceError::Missing("buffer of vertices"))?;
-                let compute = wgpu::ShaderStages::COMPUTE;
+                let stage = wgpu::ShaderStages::COMPUTE;
                 let mut entries = base.to_vec();
-                entries.push(entry(2, compute, storage(false)));
-                entries.push(entry(3, compute, storage(false)));
+                entries.extend([2, 3].map(|binding| entry(binding, stage, storage_type(false))));
                 let mut resources = basic;
-                for (binding, buffer) in [(2, kept), (3, &arguments)] {
-                    resources.push(wgpu::BindGroupEntry {
-                        binding,
-                        resource: buffer.as_entire_binding(),
-                    });
-                }
-                let (layout, bound) = bind(gpu, &entries, &resources);
-                let layout = gpu.pipeline_layout("expand grid", &[Some(&layout)]);
-                let compute = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                    label: Some("expand grid"),
-                    layout: Some(&layout),
-                    module: &gpu.shader("pipelines/expand.wgsl")?,
-                    entry_point: Some("compute_main"),
-                    compilation_options: Default::default(),
-                    cache: None,
-                });
+                resources.extend([kept, &arguments].map(wgpu::Buffer::as_entire_binding));
+                let (layout, bound) = bind(gpu, &entries, &numbered(resources));
+                let path = "pipelines/expand.wgsl";
+                let compute = compute_pipeline(gpu, path, "compute_main", &[Some(&layout)])?;
                 Call::Indirect {
                     arguments,
                     compute,
@@ -319,21 +309,63 @@ pub(crate) fn heights(gpu: &Gpu, grid: &Grid) -> Result<wgpu::TextureView, Devic
     Ok(texture.create_view(&Default::default()))
 }
 
+/// Resources at bindings from 0 on.
+pub(crate) fn numbered<'a>(
+    resources: impl IntoIterator<Item = wgpu::BindingResource<'a>>,
+) -> Vec<wgpu::BindGroupEntry<'a>> {
+    let resources = (0..).zip(resources);
+    resources
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+        .collect()
+}
+
+pub(crate) fn layout_of(
+    gpu: &Gpu,
+    entries: &[wgpu::BindGroupLayoutEntry],
+) -> wgpu::BindGroupLayout {
+    let label = Some("pipelines");
+    gpu.device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries })
+}
+
+pub(crate) fn bind_to(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    entries: &[wgpu::BindGroupEntry<'_>],
+) -> wgpu::BindGroup {
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("pipelines"),
+        layout,
+        entries,
+    })
+}
+
 pub(crate) fn bind(
     gpu: &Gpu,
     entries: &[wgpu::BindGroupLayoutEntry],
     resources: &[wgpu::BindGroupEntry<'_>],
 ) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
-    let label = Some("grid");
-    let layout = gpu
-        .device
-        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries });
-    let bound = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label,
-        layout: &layout,
-        entries: resources,
-    });
+    let layout = layout_of(gpu, entries);
+    let bound = bind_to(gpu, &layout, resources);
     (layout, bound)
+}
+
+pub(crate) fn compute_pipeline(
+    gpu: &Gpu,
+    path: &'static str,
+    entry_point: &'static str,
+    layouts: &[Option<&wgpu::BindGroupLayout>],
+) -> Result<wgpu::ComputePipeline, DeviceError> {
+    Ok(
+        gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(path),
+            layout: Some(&gpu.pipeline_layout(path, layouts)),
+            module: &gpu.shader(path)?,
+            entry_point: Some(entry_point),
+            compilation_options: Default::default(),
+            cache: None,
+        }),
+    )
 }
 
 /// Triangles of vertices that have nothing but numbers.
@@ -361,12 +393,8 @@ impl Draws for OnWgpu {
     fn time(&mut self) -> Result<Times, DeviceError> {
         let watch = CpuStopwatch::start();
         self.frame()?;
-        let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
+        let times = Times::since(&watch, None);
         let gpu_ms = self.targets.direct_ms()?;
-        Ok(Times {
-            cpu_ms,
-            wall_ms,
-            gpu_ms,
-        })
+        Ok(Times { gpu_ms, ..times })
     }
 }

@@ -1,26 +1,24 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The cases: grids by way and size, and amplification by cells a point, strips and source.
 
-use crate::cache::Caches;
-use crate::chapter::PipelinesChapter;
-use crate::culling::Culling;
-use crate::draws::{Counted, Draws, verdict_of};
+use crate::chapter::CHAPTER;
+use crate::draws::{Draws, differing, planned, verified};
 use crate::grid::{Grid, View};
-use crate::images::{size_of, size_px, write};
-use crate::keys;
-use crate::keys::{API, EXPERIMENT, SOURCE, STRIP, WAY};
-use crate::layered::{Blurs, Shades};
-use crate::lights::Lights;
+use crate::images::{of_numbers, size_of, size_px, write};
+use crate::keys::{self, API, EXPERIMENT, SOURCE, STRIP, WAY};
 use crate::metrics::METRICS;
 use crate::open::open;
-use crate::rays::{Cut, Judged, Rays};
+use crate::rays::{Cut, Rays};
 use crate::way::{GRID_WAYS, Interface, Source, Strips, Way};
-use crate::{STUDY, way};
+use crate::{STUDY, cache, culling, layered, lights};
 use std::collections::BTreeMap;
 use terrafill_fill::ids_of;
-use terrafill_results::{CaseId, Chapter, ConditionKey, Metric, PlannedCase, Status, Verdict};
+use terrafill_results::{Chapter, ConditionKey, Metric, Verdict};
 use terrafill_scene::ImageSize;
-use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,
+    Study, StudyError,
+};
 
 /// Cells a side; a quick run draws the first two.
 const GRID_CELLS: [u32; 6] = [64, 256, 512, 1_024, 2_048, 128];
@@ -67,44 +65,33 @@ impl Study for PipelinesStudy {
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let is_quick = request.depth == Depth::Quick;
         let samples = request.samples.unwrap_or(SAMPLES);
-        let size = size_of(request);
-        let mut groups: Vec<Box<dyn Group>> = Vec::new();
-        let mut sizes = GRID_CELLS[..if is_quick {
-            QUICK_GRIDS
-        } else {
-            GRID_CELLS.len()
-        }]
-            .to_vec();
-        sizes.sort_unstable();
-        for cells in sizes {
-            groups.push(Box::new(Grids::new(
-                "grid",
-                cells,
-                grid_ways(),
-                (size, samples),
-            )));
-        }
-        let amplified: &[u32] = match is_quick {
-            true => &QUICK_AMPLIFIED_CELLS,
-            false => &AMPLIFIED_CELLS,
+        let pictures = (size_of(request), samples);
+        let (mut sizes, amplified): (Vec<u32>, &[u32]) = match is_quick {
+            true => (GRID_CELLS[..QUICK_GRIDS].to_vec(), &QUICK_AMPLIFIED_CELLS),
+            false => (GRID_CELLS.to_vec(), &AMPLIFIED_CELLS),
         };
+        sizes.sort_unstable();
+        let mut groups: Vec<Box<dyn Group>> = Vec::new();
+        for cells in sizes {
+            groups.push(Box::new(grids("grid", cells, grid_ways(), pictures)));
+        }
         for &cells in amplified {
-            groups.push(Box::new(Grids::new(
+            groups.push(Box::new(grids(
                 "amplify",
                 cells,
                 amplified_ways(),
-                (size, samples),
+                pictures,
             )));
         }
-        for culling in Culling::all(is_quick, (size, samples)) {
+        for culling in culling::groups(is_quick, pictures) {
             groups.push(Box::new(culling));
         }
-        groups.push(Box::new(Caches::new(is_quick, samples)));
-        for lights in Lights::all(is_quick, (size, samples)) {
+        groups.push(Box::new(cache::group(is_quick, samples)));
+        for lights in lights::groups(is_quick, pictures) {
             groups.push(Box::new(lights));
         }
-        groups.push(Box::new(Shades::new(is_quick, samples)));
-        groups.push(Box::new(Blurs::new(is_quick, samples)));
+        groups.push(Box::new(layered::shades(is_quick, samples)));
+        groups.push(Box::new(layered::blurs(is_quick, samples)));
         Ok(Planned {
             groups,
             skipped: Vec::new(),
@@ -112,7 +99,7 @@ impl Study for PipelinesStudy {
     }
 
     fn chapter(&self) -> &dyn Chapter {
-        &PipelinesChapter
+        &CHAPTER
     }
 }
 
@@ -154,7 +141,7 @@ fn conditions(
     let mut conditions = vec![
         (EXPERIMENT, experiment.to_owned()),
         (API, interface.name().to_owned()),
-        (WAY, way.name()),
+        (WAY, way.name().to_owned()),
     ];
     if let (
         "amplify",
@@ -186,60 +173,40 @@ struct Grids {
     experiment: &'static str,
     cells: u32,
     size: ImageSize,
-    cases: Vec<PlannedCase>,
     ways: Vec<(Interface, Way)>,
 }
 
-impl Grids {
-    fn new(
-        experiment: &'static str,
-        cells: u32,
-        ways: Vec<(Interface, Way)>,
-        (size, samples): (ImageSize, u32),
-    ) -> Self {
-        let case = |&(interface, way): &(Interface, Way)| {
-            let conditions = conditions(experiment, interface, way, cells);
-            let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
-            PlannedCase {
-                id: CaseId::new(
-                    STUDY,
-                    values.join("/"),
-                    [&conditions[..], &[size_px(size)]].concat(),
-                ),
-                samples,
-                may_be_wrong: false,
-            }
-        };
-        Self {
+fn grids(
+    experiment: &'static str,
+    cells: u32,
+    ways: Vec<(Interface, Way)>,
+    (size, samples): (ImageSize, u32),
+) -> CaseGroup<Grids> {
+    let case = |&(interface, way): &(Interface, Way)| {
+        let conditions = conditions(experiment, interface, way, cells);
+        planned(conditions, Some(size_px(size)), samples)
+    };
+    CaseGroup {
+        name: format!("{STUDY}/{experiment}/{cells}"),
+        cases: ways.iter().map(case).collect(),
+        warm_up: None,
+        work: Grids {
             experiment,
             cells,
             size,
-            cases: ways.iter().map(case).collect(),
             ways,
-        }
-    }
-}
-
-impl Group for Grids {
-    fn name(&self) -> String {
-        format!("{STUDY}/{}/{}", self.experiment, self.cells)
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        let grid = Grid::new(self.cells);
-        let truth = rays(&grid, self.size).picture();
-        Ok(Box::new(GridSession {
-            group: self,
-            context,
-            grid,
-            truth,
-            first: BTreeMap::new(),
-            opened: BTreeMap::new(),
-        }))
+        },
+        open: |group, context| {
+            let grid = Grid::new(group.work.cells);
+            Ok(Box::new(CaseSession(GridSession {
+                truth: rays(&grid, group.work.size).picture(),
+                group,
+                context,
+                grid,
+                first: BTreeMap::new(),
+                opened: BTreeMap::new(),
+            })))
+        },
     }
 }
 
@@ -249,7 +216,7 @@ fn rays(grid: &Grid, size: ImageSize) -> Rays<'_> {
 }
 
 struct GridSession<'a> {
-    group: &'a Grids,
+    group: &'a CaseGroup<Grids>,
     context: Context<'a>,
     grid: Grid,
     /// Triangles' numbers by rays.
@@ -260,73 +227,38 @@ struct GridSession<'a> {
     opened: BTreeMap<usize, Box<dyn Draws>>,
 }
 
-impl GridSession<'_> {
-    fn judge(&self, way: Way, numbers: &[u32]) -> Judged {
-        let rays = rays(&self.grid, self.group.size);
-        match way.draws_points() {
-            true => rays.judge_points(numbers),
-            false => rays.judge_triangles(numbers, &self.truth),
-        }
-    }
-}
-
-impl GridSession<'_> {
-    /// Path of a case's picture, where it is kept: of the one size whose cells can be seen, or where it
-    /// is wrong.
-    fn picture(
-        &self,
-        case: usize,
-        numbers: &[u32],
-        judged: &Judged,
-    ) -> Result<Option<String>, StudyError> {
-        let is_shown = self.group.experiment == "grid" && self.grid.cells == PICTURED_CELLS;
-        if !is_shown && judged.mismatched == 0 {
-            return Ok(None);
-        }
-        let name = &self.group.cases[case].id.name;
-        let draws_points = self.group.ways[case].1.draws_points();
-        let size = [self.group.size.width, self.group.size.height];
-        let cells = self.grid.cells;
-        let folder = self.context.folder;
-        let written = write(
-            folder,
-            name,
+impl Measures for GridSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let Grids {
+            experiment,
             size,
-            numbers,
-            draws_points,
-            cells,
-            &judged.wrong,
-        );
-        written.map(Some).map_err(|message| StudyError::Broken {
-            place: name.clone(),
-            message,
-        })
-    }
-}
-
-impl Session for GridSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        let (interface, way) = self.group.ways[case];
-        let opened = open(
-            self.context.devices,
-            interface,
-            way,
-            &self.grid,
-            &View::new(),
-            self.group.size,
-        );
-        let drawn = opened.and_then(|mut opened| Ok((opened.draw()?, opened)));
-        let ((picture, counted), opened) = match drawn {
-            Ok(drawn) => drawn,
-            Err(error) => return Ok(verdict_of(&error)),
-        };
+            ref ways,
+            ..
+        } = self.group.work;
+        let (interface, way) = ways[case];
+        let devices = self.context.devices;
+        let mut opened = open(devices, interface, way, &self.grid, &View::new(), size)?;
+        let (picture, counted) = opened.draw()?;
         let numbers = ids_of(&picture);
-        let judged = self.judge(way, &numbers);
+        let rays = rays(&self.grid, size);
+        let judged = match way.draws_points() {
+            true => rays.judge_points(&numbers),
+            false => rays.judge_triangles(&numbers, &self.truth),
+        };
         let first = self.first.entry((interface, way.draws_points()));
-        let first = first.or_insert_with(|| numbers.clone());
-        let differing = numbers.iter().zip(&*first).filter(|(a, b)| a != b).count();
+        let differing = differing(&numbers, first.or_insert_with(|| numbers.clone()));
         self.opened.insert(case, opened);
-        let picture = self.picture(case, &numbers, &judged)?;
+        // Kept are those of the one size whose cells can be seen, and what is wrong.
+        let is_shown = experiment == "grid" && self.grid.cells == PICTURED_CELLS;
+        let notes = match is_shown || judged.mismatched > 0 {
+            true => {
+                let cells = (!way.draws_points()).then_some(self.grid.cells);
+                let pixels = of_numbers(&numbers, cells, &judged.wrong);
+                let name = &self.group.cases[case].id.name;
+                write(self.context.folder, name, size, pixels)?
+            }
+            false => Vec::new(),
+        };
         let expected = way.primitives(&self.grid);
         let counts_fit = counted.primitives.is_none_or(|found| found == expected);
         let reason = match (judged.mismatched, differing) {
@@ -341,60 +273,35 @@ impl Session for GridSession<'_> {
                 format!("{mismatched} pixels show what the reference does not allow")
             }
         };
-        Ok(Verdict {
-            status: match reason.is_empty() {
-                true => Status::Ok,
-                false => Status::Wrong,
-            },
-            reason,
-            figures: figures(way, &self.grid, &judged, differing, counted),
-            notes: picture.into_iter().map(|path| ("picture", path)).collect(),
-        })
+        let mut figures = vec![
+            ("pipeline_mismatched_px", judged.mismatched as f64),
+            ("pipeline_band_px", judged.in_band as f64),
+            ("pipeline_differing_px", differing as f64),
+            ("pipeline_shown_px", judged.shown as f64),
+            ("pipeline_sent_bytes", way.sent_bytes(&self.grid) as f64),
+            ("pipeline_held_bytes", way.held_bytes(&self.grid) as f64),
+            (
+                "pipeline_emitted_vertices",
+                way.emitted_vertices(&self.grid) as f64,
+            ),
+            ("pipeline_draws", way.draws(&self.grid) as f64),
+        ];
+        figures.extend(counted.figures());
+        Ok(terrafill_study::judged(reason, figures, notes))
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        let opened = self.opened.get_mut(&case).ok_or("it was not verified")?;
-        let times = opened.time().map_err(|error| error.to_string())?;
-        Ok(times.figures())
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        Ok(verified(&mut self.opened, case)?.time()?.figures())
     }
-}
-
-fn figures(
-    way: way::Way,
-    grid: &Grid,
-    judged: &Judged,
-    differing: usize,
-    counted: Counted,
-) -> Vec<(&'static str, f64)> {
-    let mut figures = vec![
-        ("pipeline_mismatched_px", judged.mismatched as f64),
-        ("pipeline_band_px", judged.in_band as f64),
-        ("pipeline_differing_px", differing as f64),
-        ("pipeline_shown_px", judged.shown as f64),
-        ("pipeline_sent_bytes", way.sent_bytes(grid) as f64),
-        ("pipeline_held_bytes", way.held_bytes(grid) as f64),
-        (
-            "pipeline_emitted_vertices",
-            way.emitted_vertices(grid) as f64,
-        ),
-        ("pipeline_draws", way.draws(grid) as f64),
-    ];
-    figures.extend(counted.figures());
-    figures
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::images::PICTURE;
+    use crate::images::{PICTURE, run_folder};
     use std::rc::Rc;
-    use terrafill_fill::{DeviceError, Devices};
-
-    fn verdicts(group: &Grids, session: &mut dyn Session) -> Vec<Verdict> {
-        let cases = 0..group.cases().len();
-        let verdicts = cases.map(|case| session.verify(case).expect("a verdict"));
-        verdicts.collect()
-    }
+    use terrafill_fill::Devices;
+    use terrafill_results::Status;
 
     fn figure(verdict: &Verdict, name: &str) -> f64 {
         let figure = verdict.figures.iter().find(|figure| figure.0 == name);
@@ -410,24 +317,20 @@ mod tests {
         terrafill_fill::device_for_test(opened).is_some()
     }
 
-    fn check(group: &Grids, expected: usize) {
+    fn check(group: &CaseGroup<Grids>, expected: usize) {
         if !Interface::ALL.into_iter().all(has_device) {
             return;
         }
         let devices = Rc::new(Devices::default());
-        let folder = tempfile::tempdir().expect("a folder");
+        let folder = run_folder();
         let context = Context {
             devices: &devices,
             folder: folder.path(),
         };
         let mut session = group.open(context).expect("opens");
         let mut right = Vec::new();
-        for (at, (case, verdict)) in group
-            .cases()
-            .iter()
-            .zip(verdicts(group, &mut *session))
-            .enumerate()
-        {
+        for (at, case) in group.cases.iter().enumerate() {
+            let verdict = session.verify(at).expect("a verdict");
             let name = &case.id.name;
             if verdict.status == Status::Skipped {
                 eprintln!("{name}: {}", verdict.reason);
@@ -447,17 +350,14 @@ mod tests {
     #[test]
     fn every_way_draws_the_same_grid_and_the_reference_agrees() {
         // wgpu has 6 ways, Vulkan 8, without mesh shaders 7.
-        check(&Grids::new("grid", 64, grid_ways(), (PICTURE, 1)), 13);
+        check(&grids("grid", 64, grid_ways(), (PICTURE, 1)), 13);
     }
 
     #[test]
     fn every_amplification_draws_the_same_grid() {
         // Eight cells a side are 2,048 components in strips of cells and 1,152 in strips of rows: above the usual
         // limit of 1,024.
-        check(
-            &Grids::new("amplify", 64, amplified_ways(), (PICTURE, 1)),
-            10,
-        );
+        check(&grids("amplify", 64, amplified_ways(), (PICTURE, 1)), 10);
     }
 
     #[test]
@@ -487,14 +387,5 @@ mod tests {
                 assert!(judge(&changed).mismatched > 0, "{interface:?} {way:?}");
             }
         }
-    }
-
-    #[test]
-    fn what_a_device_lacks_is_skipped_and_what_breaks_fails() {
-        let skipped = verdict_of(&DeviceError::unsupported("geometry shaders", "WebGPU"));
-        assert_eq!(skipped.status, Status::Skipped);
-        assert!(skipped.reason.contains("geometry shaders"));
-        let lost = verdict_of(&DeviceError::DeviceLost("gone".to_owned()));
-        assert_eq!(lost.status, Status::Failed);
     }
 }

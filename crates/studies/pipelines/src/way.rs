@@ -96,16 +96,16 @@ pub(crate) const GRID_WAYS: [Way; 8] = [
 ];
 
 impl Way {
-    pub(crate) fn name(self) -> String {
+    pub(crate) fn name(self) -> &'static str {
         match self {
-            Self::SentPoints => "sent-points".to_owned(),
-            Self::SentStrips => "sent-strips".to_owned(),
-            Self::FetchedPoints => "fetched-points".to_owned(),
-            Self::Geometry { .. } => "geometry-shader".to_owned(),
-            Self::NoBuffer => "no-vertex-buffer".to_owned(),
-            Self::IndexedPatch => "indexed-patch".to_owned(),
-            Self::ComputeIndirect => "compute-indirect".to_owned(),
-            Self::Mesh => "mesh-shader".to_owned(),
+            Self::SentPoints => "sent-points",
+            Self::SentStrips => "sent-strips",
+            Self::FetchedPoints => "fetched-points",
+            Self::Geometry { .. } => "geometry-shader",
+            Self::NoBuffer => "no-vertex-buffer",
+            Self::IndexedPatch => "indexed-patch",
+            Self::ComputeIndirect => "compute-indirect",
+            Self::Mesh => "mesh-shader",
         }
     }
 

@@ -5,6 +5,7 @@ use super::keep::Keep;
 use super::keeps::Keeps;
 use super::queries::{Blocks, CacheConstants, SIDE, TexelQuery};
 use crate::draws::Times;
+use crate::on_vulkan::uniform;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_fill::{CpuStopwatch, DeviceError};
@@ -93,10 +94,8 @@ impl Cache {
                 continue;
             }
             let constants = CacheConstants::new(blocks, range.clone());
-            let bytes = bytemuck::bytes_of(&constants);
-            let constants = Buffer::upload(gpu, "cache", bytes, BufferUse::Uniform)?;
             let mut resources = vec![
-                Resource::Uniform(Arc::new(constants)),
+                uniform(gpu, "cache", bytemuck::bytes_of(&constants))?,
                 asked.clone(),
                 Resource::Storage(Arc::clone(&answers)),
             ];
@@ -166,21 +165,13 @@ impl Keeps for Cache {
             })
             .collect();
         let report = advance(&self.gpu, &steps)?;
-        Ok(Times {
-            cpu_ms: watch.cpu_ms(),
-            wall_ms: watch.wall_ms(),
-            gpu_ms: report.gpu_ms,
-        })
+        Ok(Times::since(&watch, report.gpu_ms))
     }
 
     fn update(&self, block: u32, texels: &[f32]) -> Result<Times, DeviceError> {
         let watch = CpuStopwatch::start();
         self.write(block, texels)?;
-        Ok(Times {
-            cpu_ms: watch.cpu_ms(),
-            wall_ms: watch.wall_ms(),
-            gpu_ms: None,
-        })
+        Ok(Times::since(&watch, None))
     }
 
     fn read(&self) -> Result<Vec<f32>, DeviceError> {

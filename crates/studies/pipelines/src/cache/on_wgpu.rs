@@ -5,7 +5,9 @@ use super::keep::Keep;
 use super::keeps::Keeps;
 use super::queries::{Blocks, CacheConstants, SIDE, TexelQuery};
 use crate::draws::Times;
-use crate::on_wgpu::{buffer_type, entry};
+use crate::on_wgpu::{
+    bind_to, compute_pipeline, entry, layout_of, numbered, storage_type, texture_type, uniform_type,
+};
 use std::num::NonZeroU32;
 use std::sync::Arc;
 use terrafill_fill::{CpuStopwatch, DeviceError};
@@ -108,14 +110,7 @@ impl Cache {
         let (path, entry_point) = keep.shader();
         let mut layouts = vec![Some(&layout)];
         layouts.extend(of_array.as_ref().map(Some));
-        let pipeline = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(path),
-            layout: Some(&gpu.pipeline_layout(path, &layouts)),
-            module: &gpu.shader(path)?,
-            entry_point: Some(entry_point),
-            compilation_options: Default::default(),
-            cache: None,
-        });
+        let pipeline = compute_pipeline(gpu, path, entry_point, &layouts)?;
         let views: Vec<wgpu::TextureView> = match &texels {
             Texels::One(texture) => {
                 let is_array =
@@ -135,14 +130,8 @@ impl Cache {
         };
         let references: Vec<&wgpu::TextureView> = views.iter().collect();
         let bindless = of_array.as_ref().map(|layout| {
-            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("textures of blocks"),
-                layout,
-                entries: &[wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureViewArray(&references),
-                }],
-            })
+            let textures = [wgpu::BindingResource::TextureViewArray(&references)];
+            bind_to(gpu, layout, &numbered(textures))
         });
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("nearest texel, clamped to the edge"),
@@ -177,31 +166,16 @@ impl Cache {
             if has_sampler(keep) {
                 resources.push(wgpu::BindingResource::Sampler(&sampler));
             }
-            let entries: Vec<_> = (0..)
-                .zip(resources)
-                .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
-                .collect();
-            let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some(path),
-                layout: &layout,
-                entries: &entries,
-            });
-            bound.push((group, range.len().div_ceil(GROUP as usize)));
+            let group = bind_to(gpu, &layout, &numbered(resources));
+            bound.push((group, (range.end - range.start).div_ceil(GROUP)));
         }
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "queries are counted in u32"
-        )]
-        let bound = bound
-            .into_iter()
-            .map(|(group, groups)| (group, groups as u32));
         let cache = Self {
             gpu: Arc::clone(gpu),
             keep,
             blocks,
             texels,
             pipeline,
-            bound: bound.collect(),
+            bound,
             bindless,
             answers,
             timer: PassTimer::new(gpu),
@@ -287,7 +261,7 @@ impl Keeps for Cache {
         drop(pass);
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait()?;
-        let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
+        let times = Times::since(&watch, None);
         let gpu_ms = match &self.timer {
             Some(timer) => {
                 let stamps = timer.read(&self.gpu, TimedPass::Surface, TimedPass::Surface)?;
@@ -295,11 +269,7 @@ impl Keeps for Cache {
             }
             None => None,
         };
-        Ok(Times {
-            cpu_ms,
-            wall_ms,
-            gpu_ms,
-        })
+        Ok(Times { gpu_ms, ..times })
     }
 
     fn update(&self, block: u32, texels: &[f32]) -> Result<Times, DeviceError> {
@@ -307,11 +277,7 @@ impl Keeps for Cache {
         self.write(block, texels);
         self.gpu.queue.submit([]);
         self.gpu.wait()?;
-        Ok(Times {
-            cpu_ms: watch.cpu_ms(),
-            wall_ms: watch.wall_ms(),
-            gpu_ms: None,
-        })
+        Ok(Times::since(&watch, None))
     }
 
     fn read(&self) -> Result<Vec<f32>, DeviceError> {
@@ -329,40 +295,26 @@ fn has_sampler(keep: Keep) -> bool {
 }
 
 fn array_layout(gpu: &Gpu, blocks: Blocks) -> wgpu::BindGroupLayout {
-    let textures = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float { filterable: false },
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    };
+    let textures = texture_type(wgpu::TextureViewDimension::D2);
     let mut textures = entry(0, wgpu::ShaderStages::COMPUTE, textures);
     textures.count = NonZeroU32::new(blocks.count());
-    gpu.device
-        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("textures of blocks"),
-            entries: &[textures],
-        })
+    layout_of(gpu, &[textures])
 }
 
 fn layout(gpu: &Gpu, keep: Keep) -> wgpu::BindGroupLayout {
     let stage = wgpu::ShaderStages::COMPUTE;
-    let storage = |read_only| buffer_type(wgpu::BufferBindingType::Storage { read_only });
-    let texture = |view_dimension| wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float { filterable: false },
-        view_dimension,
-        multisampled: false,
-    };
     let of_blocks = match keep {
         Keep::Array | Keep::ArraySampled | Keep::ArrayByWorld => {
-            texture(wgpu::TextureViewDimension::D2Array)
+            texture_type(wgpu::TextureViewDimension::D2Array)
         }
-        Keep::Volume | Keep::VolumeSampled => texture(wgpu::TextureViewDimension::D3),
-        Keep::Buffer => storage(true),
-        _ => texture(wgpu::TextureViewDimension::D2),
+        Keep::Volume | Keep::VolumeSampled => texture_type(wgpu::TextureViewDimension::D3),
+        Keep::Buffer => storage_type(true),
+        _ => texture_type(wgpu::TextureViewDimension::D2),
     };
     let mut entries = vec![
-        entry(0, stage, buffer_type(wgpu::BufferBindingType::Uniform)),
-        entry(1, stage, storage(true)),
-        entry(2, stage, storage(false)),
+        entry(0, stage, uniform_type()),
+        entry(1, stage, storage_type(true)),
+        entry(2, stage, storage_type(false)),
     ];
     if keep != Keep::Bindless {
         entries.push(entry(3, stage, of_blocks));
@@ -371,11 +323,7 @@ fn layout(gpu: &Gpu, keep: Keep) -> wgpu::BindGroupLayout {
         let nearest = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::NonFiltering);
         entries.push(entry(4, stage, nearest));
     }
-    gpu.device
-        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("cache"),
-            entries: &entries,
-        })
+    layout_of(gpu, &entries)
 }
 
 fn texels(gpu: &Gpu, keep: Keep, blocks: Blocks) -> Result<Texels, DeviceError> {

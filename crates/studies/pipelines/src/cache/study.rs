@@ -6,15 +6,13 @@ use super::keeps::Keeps;
 use super::queries::{Access, Blocks, SIDE, TexelQuery, answer, queries};
 use super::{on_vulkan, on_wgpu};
 use crate::STUDY;
-use crate::draws::verdict_of;
-use crate::keys;
-use crate::keys::{ACCESS, API, EXPERIMENT, KEPT_IN};
+use crate::draws::{planned, verified};
+use crate::keys::{self, ACCESS, API, EXPERIMENT, KEPT_IN};
 use crate::way::Interface;
 use std::collections::BTreeMap;
 use std::ops::Range;
-use terrafill_fill::DeviceError;
-use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
-use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_results::Verdict;
+use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged};
 
 /// Blocks; the last is above what array textures usually allow.
 const BLOCKS: [u32; 6] = [1, 16, 64, 256, 1_024, 4_096];
@@ -25,70 +23,72 @@ const QUICK_QUERIES: u32 = 1 << 14;
 /// Blocks written in a timed sample, each waited for.
 const UPDATES: u32 = 8;
 
-/// Blocks kept by all that can.
-pub(crate) struct Caches {
-    planned: Vec<PlannedCase>,
-    cases: Vec<(Interface, Keep, Blocks, Access)>,
+/// What is kept and how it is read.
+#[derive(Debug, Clone, Copy)]
+struct CacheCase {
+    interface: Interface,
+    keep: Keep,
+    blocks: Blocks,
+    access: Access,
     queries: u32,
 }
 
-impl Caches {
-    pub(crate) fn new(is_quick: bool, samples: u32) -> Self {
-        let counts: &[u32] = if is_quick { &QUICK_BLOCKS } else { &BLOCKS };
-        let (mut planned, mut cases) = (Vec::new(), Vec::new());
-        for &count in counts {
-            for access in Access::ALL {
-                let on = |interface| Keep::ALL.map(|keep| (interface, keep));
-                let all = Interface::ALL.into_iter().flat_map(on);
-                // What rounds is asked about once.
-                let asked = all.filter(|(on, keep)| *on == Interface::Wgpu || !keep.rounds());
-                for (interface, keep) in asked {
-                    let conditions = [
-                        (EXPERIMENT, "cache".to_owned()),
-                        (API, interface.name().to_owned()),
-                        (KEPT_IN, keep.name().to_owned()),
-                        (ACCESS, access.name().to_owned()),
-                        (keys::BLOCKS, count.to_string()),
-                    ];
-                    let values = conditions.iter().map(|(_, value)| value.as_str());
-                    let name: Vec<&str> = values.collect();
-                    planned.push(PlannedCase {
-                        id: CaseId::new(STUDY, name.join("/"), conditions.clone()),
-                        samples,
-                        may_be_wrong: keep.rounds(),
-                    });
-                    cases.push((interface, keep, Blocks::new(count), access));
-                }
-            }
-        }
-        Self {
-            planned,
-            cases,
-            queries: if is_quick { QUICK_QUERIES } else { QUERIES },
+fn cases(is_quick: bool) -> Vec<CacheCase> {
+    let counts: &[u32] = if is_quick { &QUICK_BLOCKS } else { &BLOCKS };
+    let mut cases = Vec::new();
+    for &count in counts {
+        for access in Access::ALL {
+            let on = |interface| Keep::ALL.map(|keep| (interface, keep));
+            let all = Interface::ALL.into_iter().flat_map(on);
+            // What rounds is asked about once.
+            let asked = all.filter(|(on, keep)| *on == Interface::Wgpu || !keep.rounds());
+            cases.extend(asked.map(|(interface, keep)| CacheCase {
+                interface,
+                keep,
+                blocks: Blocks::new(count),
+                access,
+                queries: if is_quick { QUICK_QUERIES } else { QUERIES },
+            }));
         }
     }
+    cases
 }
 
-impl Group for Caches {
-    fn name(&self) -> String {
-        format!("{STUDY}/cache")
-    }
+/// Blocks kept by all that can.
+pub(crate) fn group(is_quick: bool, samples: u32) -> impl Group {
+    group_of(cases(is_quick), samples)
+}
 
-    fn cases(&self) -> &[PlannedCase] {
-        &self.planned
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(CacheSession {
-            group: self,
-            context,
-            opened: BTreeMap::new(),
-        }))
+fn group_of(cases: Vec<CacheCase>, samples: u32) -> CaseGroup<Vec<CacheCase>> {
+    let case = |case: &CacheCase| {
+        let conditions = vec![
+            (EXPERIMENT, "cache".to_owned()),
+            (API, case.interface.name().to_owned()),
+            (KEPT_IN, case.keep.name().to_owned()),
+            (ACCESS, case.access.name().to_owned()),
+            (keys::BLOCKS, case.blocks.count().to_string()),
+        ];
+        let mut planned = planned(conditions, None, samples);
+        planned.may_be_wrong = case.keep.rounds();
+        planned
+    };
+    CaseGroup {
+        name: format!("{STUDY}/cache"),
+        cases: cases.iter().map(case).collect(),
+        warm_up: None,
+        work: cases,
+        open: |group, context| {
+            Ok(Box::new(CaseSession(CacheSession {
+                group,
+                context,
+                opened: BTreeMap::new(),
+            })))
+        },
     }
 }
 
 struct CacheSession<'a> {
-    group: &'a Caches,
+    group: &'a CaseGroup<Vec<CacheCase>>,
     context: Context<'a>,
     /// By case.
     opened: BTreeMap<usize, Opened>,
@@ -132,26 +132,37 @@ fn differing(
     wrong.count() + queries.len().abs_diff(found.len())
 }
 
-impl CacheSession<'_> {
-    /// Looks everything up, writes a block anew, and looks everything up again.
-    fn run(&mut self, case: usize) -> Result<(usize, usize), DeviceError> {
-        let (interface, keep, blocks, access) = self.group.cases[case];
-        let devices = self.context.devices;
-        let mut asked = queries(blocks, access, self.group.queries);
+impl CacheCase {
+    fn open(
+        self,
+        context: Context<'_>,
+        asked: &mut [TexelQuery],
+    ) -> Result<Box<dyn Keeps>, Failure> {
+        let Self { keep, blocks, .. } = self;
         let ranges = match keep {
-            Keep::Rebound => by_block(blocks, &mut asked),
+            Keep::Rebound => by_block(blocks, asked),
             _ => Vec::new(),
         };
-        let cache: Box<dyn Keeps> = match interface {
+        Ok(match self.interface {
             Interface::Wgpu => {
-                let gpu = terrafill_gpu::shared_gpu(devices)?;
-                Box::new(on_wgpu::Cache::new(&gpu, keep, blocks, &asked, &ranges)?)
+                let gpu = terrafill_gpu::shared_gpu(context.devices)?;
+                Box::new(on_wgpu::Cache::new(&gpu, keep, blocks, asked, &ranges)?)
             }
             Interface::Vulkan => {
-                let gpu = terrafill_vulkan::shared_gpu(devices)?;
-                Box::new(on_vulkan::Cache::new(&gpu, keep, blocks, &asked, &ranges)?)
+                let gpu = terrafill_vulkan::shared_gpu(context.devices)?;
+                Box::new(on_vulkan::Cache::new(&gpu, keep, blocks, asked, &ranges)?)
             }
-        };
+        })
+    }
+}
+
+impl Measures for CacheSession<'_> {
+    /// Looks everything up, writes a block anew, and looks everything up again.
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let asked_for = self.group.work[case];
+        let blocks = asked_for.blocks;
+        let mut asked = queries(blocks, asked_for.access, asked_for.queries);
+        let cache = asked_for.open(self.context, &mut asked)?;
         cache.look_up()?;
         let mut wrong = differing(blocks, &asked, &cache.read()?, |_| 0);
         let changed = blocks.count() / 2;
@@ -160,56 +171,35 @@ impl CacheSession<'_> {
         let versions = |block| u32::from(block == changed);
         wrong += differing(blocks, &asked, &cache.read()?, versions);
         let binds = cache.binds();
-        if self.group.planned[case].samples > 0 {
+        if self.group.cases[case].samples > 0 {
             self.opened.insert(case, Opened { cache, version: 1 });
         }
-        Ok((wrong, binds))
-    }
-}
-
-impl Session for CacheSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        let (wrong, binds) = match self.run(case) {
-            Ok(run) => run,
-            Err(error) => return Ok(verdict_of(&error)),
+        let asked = 2 * asked_for.queries;
+        let block_bytes = f64::from(4 * SIDE * SIDE);
+        let reason = match wrong {
+            0 => String::new(),
+            _ => format!("{wrong} of {asked} texels are not those by integers"),
         };
-        let (_, _, blocks, _) = self.group.cases[case];
-        let asked = 2 * self.group.queries;
-        Ok(Verdict {
-            status: if wrong == 0 {
-                Status::Ok
-            } else {
-                Status::Wrong
-            },
-            reason: match wrong {
-                0 => String::new(),
-                _ => format!("{wrong} of {asked} texels are not those by integers"),
-            },
-            figures: vec![
-                ("cache_differing", wrong as f64),
-                ("cache_asked", f64::from(asked)),
-                ("cache_binds", binds as f64),
-                (
-                    "cache_bytes",
-                    f64::from(blocks.count()) * f64::from(4 * SIDE * SIDE),
-                ),
-                ("cache_update_bytes", f64::from(4 * SIDE * SIDE)),
-            ],
-            ..Verdict::default()
-        })
+        let figures = vec![
+            ("cache_differing", wrong as f64),
+            ("cache_asked", f64::from(asked)),
+            ("cache_binds", binds as f64),
+            ("cache_bytes", f64::from(blocks.count()) * block_bytes),
+            ("cache_update_bytes", block_bytes),
+        ];
+        Ok(judged(reason, figures, Vec::new()))
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        let (_, _, blocks, _) = self.group.cases[case];
-        let opened = self.opened.get_mut(&case).ok_or("it was not verified")?;
-        let broken = |error: DeviceError| error.to_string();
-        let mut figures = opened.cache.look_up().map_err(broken)?.figures();
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        let blocks = self.group.work[case].blocks;
+        let opened = verified(&mut self.opened, case)?;
+        let mut figures = opened.cache.look_up()?.figures();
         let (mut cpu_ms, mut wall_ms) = (0.0, 0.0);
         for update in 0..UPDATES {
             opened.version += 1;
             let block = update % blocks.count();
             let texels = Blocks::texels(block, opened.version);
-            let times = opened.cache.update(block, &texels).map_err(broken)?;
+            let times = opened.cache.update(block, &texels)?;
             cpu_ms += times.cpu_ms;
             wall_ms += times.wall_ms;
         }
@@ -225,6 +215,7 @@ mod tests {
     use super::*;
     use std::rc::Rc;
     use terrafill_fill::Devices;
+    use terrafill_results::Status;
 
     #[test]
     fn everything_keeps_the_same_texels_and_one_number_for_the_ground_does_not() {
@@ -236,7 +227,7 @@ mod tests {
         {
             return;
         }
-        let group = Caches::new(true, 1);
+        let group = group_of(cases(true), 1);
         let folder = std::path::Path::new("");
         let context = Context {
             devices: &devices,
@@ -244,14 +235,14 @@ mod tests {
         };
         let mut session = group.open(context).expect("opens");
         let mut right = 0;
-        for (at, (planned, (_, keep, ..))) in group.planned.iter().zip(&group.cases).enumerate() {
+        for (at, (planned, case)) in group.cases.iter().zip(&group.work).enumerate() {
             let verdict = session.verify(at).expect("a verdict");
             let name = &planned.id.name;
             eprintln!(
                 "{name}: {:?} {} {:?}",
                 verdict.status, verdict.reason, verdict.figures
             );
-            match (keep, verdict.status) {
+            match (case.keep, verdict.status) {
                 // Twin.
                 (Keep::ArrayByWorld, status) => assert_eq!(status, Status::Wrong, "{name}"),
                 (_, Status::Skipped) => {}

@@ -2,8 +2,7 @@
 //! Variance and hard shadows, and motion blur, as devices draw them: what of their definitions holds, and what ways
 //! to layers cost.
 
-use super::cells::{byte_cell, headings, of, paired_finding, time, time_cell, values, why};
-use super::series::{curve, draw, finding, plot, range, series, slope, table};
+use super::kit::{TIME, compared, of_most, said, time};
 use crate::blur::MOTION_PX;
 use crate::keys::{
     API, BLUR_MAX, BLUR_RMS, DEPTH, EXPERIMENT, FILTER, FLOOR, HARD_AREA_SHARE,
@@ -13,24 +12,13 @@ use crate::keys::{
     VARIANCE_BLACK_PX, VARIANCE_DARK_SHARE, VARIANCE_NON_FINITE, VARIANCE_OUTSIDE_SHARE,
     VARIANCE_RELATIVE_RMS,
 };
-use terrafill_plot::number::significant;
-use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, Clock, ConditionKey, Finding, Metric, Picture,
-    PictureFigure, Pictures, Row, Run, Scope, Table,
+use terrafill_lab::{
+    Cases, Column, Drawing, Figure, Names, Panel, Section, Select, finding, range,
 };
+use terrafill_plot::Upwards;
+use terrafill_plot::number::significant;
+use terrafill_results::{Case, Claim, ConditionKey, Finding, Metric, Scope};
 
-const SHADOWS: &str = "A level plane is seen from straight above, and looked up in the depth maps of distant lights: 25 depths a light \
-     as published, their moments summed in the shader, or one texel. Terraces of 8 × 8 pixels that nothing \
-     shadows show what the published formula makes of a lit plane; rough ground shows the noise of its variance; \
-     a disc above the plane, under four lights, has edges at all angles. Each pixel is held against the \
-     same formula in f64 on the maps that the device drew, whose rounding is bounded; the maps against rays along \
-     the lights.";
-const WHAT_THE_PRODUCT_DOES: &str = "As published, lights multiply, so that a shadow of one dims what the others give, and rounding makes a lit plane \
-     black where its variance comes out as 0 or below.";
-const BLUR: &str = "A bar of 20 pixels, which moves by 32 while the shutter is open, is drawn into layers, in a pass each or all in one pass, and a second pass \
-     makes the picture of them. Beside it the same bars are added up by blending, without layers, or each pixel \
-     looks at moments of its own. 64 rows have 64 places between pixels. Layers of covered shares carry the share as \
-     their depth. Each pixel is held against the definition in f64, edges within 1/32 pixel of a middle left open.";
 /// What is required of the variance with the receiver subtracted.
 const RELATIVE_NOISE: f64 = 2e-6;
 /// Of a straight edge at all angles, mean area between it and the texels whose middles it covers.
@@ -41,40 +29,190 @@ const SLOPE_TOLERANCE: f64 = 0.15;
 /// What the published resolve is beyond, and what the right one falls to, rms.
 const OPAQUE: f64 = 0.4;
 const FADED: f64 = 0.1;
+/// Fewest layers of which the claim is read.
+const LEAST_CLAIMED: u32 = 4;
 
-fn shaded<'a>(cases: &[&'a Case]) -> Vec<&'a Case> {
-    let own = [
-        "shaded-plane",
-        "shaded-variance",
-        "shaded-disc",
-        "shaded-hard",
-    ];
-    own.into_iter()
-        .flat_map(|experiment| of(cases, &[(EXPERIMENT, experiment)]))
-        .collect()
+const INTERFACE: (&str, ConditionKey) = ("interface", API);
+const BY: (&str, ConditionKey) = ("layers by", LAYERS_BY);
+
+/// A column of figures of which some are not finite.
+const fn column(heading: &'static str, metric: &'static Metric) -> Column {
+    Column::metric(heading, metric).or("not finite")
 }
 
-fn blurred<'a>(cases: &[&'a Case]) -> Vec<&'a Case> {
-    let own = ["blurred", "blurred-resolve"];
-    own.into_iter()
-        .flat_map(|experiment| of(cases, &[(EXPERIMENT, experiment)]))
-        .collect()
+pub(super) const TERRACES: Section<'static> = Section {
+    title: "Variance shadows on devices: terraces that nothing shadows",
+    text: "A level plane is seen from straight above, and looked up in the depth maps of distant lights: 25 depths a light \
+           as published, their moments summed in the shader, or one texel. Terraces of 8 × 8 pixels that nothing shadows \
+           show what the published formula makes of a lit plane; rough ground shows the noise of its variance; a disc \
+           above the plane, under four lights, has edges at all angles. Each pixel is held against the same formula in \
+           f64 on the maps that the device drew, whose rounding is bounded; the maps against rays along the lights.",
+    cases: Select::With(EXPERIMENT, "shaded-plane"),
+    named_by: Names::Columns(&[
+        ("moments", MOMENTS),
+        ("depth", DEPTH),
+        ("floor", FLOOR),
+        INTERFACE,
+        BY,
+    ]),
+    columns: &[
+        column("below 0.99 of the light", VARIANCE_DARK_SHARE),
+        column("black pixels", VARIANCE_BLACK_PX),
+        column("outside of 0 to 1", VARIANCE_OUTSIDE_SHARE),
+        column("wrong texels", LAYERED_WRONG_TEXELS),
+        column("wrong pixels", LAYERED_WRONG_PX),
+        column("left open", LAYERED_OPEN_PX),
+        column("of", LAYERED_JUDGED_PX),
+        column("not finite", VARIANCE_NON_FINITE),
+    ],
+    ..Section::EMPTY
+};
+
+pub(super) const ROUGH: Section<'static> = Section {
+    title: "Variance of rough ground near depth 1",
+    cases: Select::With(EXPERIMENT, "shaded-variance"),
+    named_by: Names::Columns(&[
+        ("moments", MOMENTS),
+        ("spread of depths", SIGMA),
+        INTERFACE,
+        BY,
+    ]),
+    columns: &[
+        column("relative, rms", VARIANCE_RELATIVE_RMS),
+        column("absolute, rms", VARIANCE_ABSOLUTE_RMS),
+        column("absolute, largest", VARIANCE_ABSOLUTE_MAX),
+        column("wrong texels", LAYERED_WRONG_TEXELS),
+        column("wrong pixels", LAYERED_WRONG_PX),
+        column("left open", LAYERED_OPEN_PX),
+        column("of", LAYERED_JUDGED_PX),
+        column("not finite", VARIANCE_NON_FINITE),
+    ],
+    ..Section::EMPTY
+};
+
+pub(super) const DISC: Section<'static> = Section {
+    title: "A plane under a disc and four lights: the product of their variance shadows",
+    text: "As published, lights multiply, so that a shadow of one dims what the others give, and rounding makes a lit \
+           plane black where its variance comes out as 0 or below.",
+    cases: Select::With(EXPERIMENT, "shaded-disc"),
+    named_by: Names::Columns(&[("moments", MOMENTS), ("floor", FLOOR), INTERFACE, BY]),
+    columns: &[
+        column("passes", LIGHTS_PASSES),
+        column("wrong texels", LAYERED_WRONG_TEXELS),
+        column("wrong pixels", LAYERED_WRONG_PX),
+        column("left open", LAYERED_OPEN_PX),
+        column("of", LAYERED_JUDGED_PX),
+        column("not finite", VARIANCE_NON_FINITE),
+    ],
+    pictures: &[("picture", "")],
+    ..Section::EMPTY
+};
+
+pub(super) const HARD: Section<'static> = Section {
+    title: "The same by one texel a light",
+    cases: Select::With(EXPERIMENT, "shaded-hard"),
+    named_by: Names::Columns(&[("texels", TEXELS), INTERFACE, BY]),
+    columns: &[
+        column("wrong area", HARD_WRONG_AREA),
+        column("over perimeter · texel", HARD_AREA_SHARE),
+        column("largest deviation, texels", HARD_DEVIATION_TEXELS),
+        column("wrong texels", LAYERED_WRONG_TEXELS),
+        column("wrong pixels", LAYERED_WRONG_PX),
+        column("left open", LAYERED_OPEN_PX),
+        column("of", LAYERED_JUDGED_PX),
+        column("not finite", VARIANCE_NON_FINITE),
+    ],
+    pictures: &[("picture", "")],
+    ..Section::EMPTY
+};
+
+pub(super) const BLUR: Section<'static> = Section {
+    title: "Motion blur on devices",
+    text: "A bar of 20 pixels, which moves by 32 while the shutter is open, is drawn into layers, in a pass each or all \
+           in one pass, and a second pass makes the picture of them. Beside it the same bars are added up by blending, \
+           without layers, or each pixel looks at moments of its own. 64 rows have 64 places between pixels. Layers of \
+           covered shares carry the share as their depth. Each pixel is held against the definition in f64, edges \
+           within 1/32 pixel of a middle left open.",
+    cases: Select::Fitting(|case| case.condition(EXPERIMENT).starts_with("blurred")),
+    named_by: Names::Columns(&[
+        ("filter", FILTER),
+        ("at", MOMENTS),
+        ("resolve", RESOLVE),
+        INTERFACE,
+        BY,
+        ("layers", LAYERS),
+    ]),
+    columns: &[
+        Column::metric("rms", BLUR_RMS),
+        Column::metric("largest", BLUR_MAX),
+        Column::of("time, ms", TIME),
+        Column::metric("passes", LIGHTS_PASSES),
+        Column::metric("layers hold", PIPELINE_HELD_BYTES),
+        Column::metric("texels that differ", LIGHTS_DEPTHS_DIFFERING),
+        Column::metric("wrong pixels", LAYERED_WRONG_PX),
+    ],
+    findings: &[claim],
+    drawing: Some(Drawing {
+        caption: "Error against the integral over time of what devices drew, by the way to layers or without them.",
+        panels: &[
+            Panel {
+                title: "a pixel's middle",
+                up: (
+                    "rms error of the trail",
+                    Figure::Computed(|case| shown_rms(case, "point")),
+                ),
+                ..ERRORS
+            },
+            Panel {
+                title: "a pixel's covered share",
+                up: (
+                    "rms error of the trail",
+                    Figure::Computed(|case| shown_rms(case, "box")),
+                ),
+                ..ERRORS
+            },
+        ],
+    }),
+    ..Section::EMPTY
+};
+
+const ERRORS: Panel<'static> = Panel {
+    across: ("layers", Figure::Condition(LAYERS)),
+    upwards: Upwards::Error,
+    curve: Names::Joined(&[LAYERS_BY, MOMENTS, API]),
+    knob: Figure::Condition(LAYERS),
+    ..Panel::EMPTY
+};
+
+/// Of ways that leave the same bits on Vulkan, one is drawn.
+fn shown_rms(case: &Case, filter: &str) -> Option<f64> {
+    let is_other = case.condition(API) == "vulkan"
+        && !matches!(case.condition(LAYERS_BY), "passes" | "stochastic");
+    let is_shown = case.condition(FILTER) == filter && !is_other;
+    case.value(BLUR_RMS).filter(|_| is_shown)
 }
 
-fn most(cases: &[&Case], metric: &Metric) -> Option<f64> {
-    let all = cases.iter().filter_map(|case| case.value(metric));
-    all.max_by(f64::total_cmp)
+/// Of wrong pixels, and of texels that are wrong or differ.
+fn none_wrong(claim: &str, own: &Cases<'_>, texels: &Metric) -> Finding {
+    let wrong = own.greatest(LAYERED_WRONG_PX).zip(own.greatest(texels));
+    let because = wrong.map(|(pixels, texels)| {
+        let count = own.iter().count();
+        format!("at most {pixels} pixels and {texels} texels in {count} cases")
+    });
+    let holds = wrong.map(|(pixels, texels)| pixels + texels <= 0.0);
+    finding(claim, holds, because.unwrap_or_default())
 }
 
-fn all(cases: &[&Case], conditions: &[(ConditionKey, &str)], metric: &Metric) -> Vec<f64> {
-    let own = of(cases, conditions);
-    own.into_iter()
-        .filter_map(|case| case.value(metric))
-        .collect()
+/// Whether all of some figures are as they should.
+fn all(claim: impl Into<String>, values: &[f64], fits: impl Fn(f64) -> bool) -> Finding {
+    let holds = (!values.is_empty()).then(|| values.iter().all(|value| fits(*value)));
+    finding(claim, holds, range(values).unwrap_or_default())
 }
 
-pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
-    let (shaded, blurred) = (shaded(cases), blurred(cases));
+pub(super) fn requirements(cases: &Cases<'_>) -> Vec<Finding> {
+    let of =
+        |prefix: &'static str| cases.fitting(|case| case.condition(EXPERIMENT).starts_with(prefix));
+    let (shaded, blurred) = (of("shaded"), of("blurred"));
     let mut findings = Vec::new();
     if !shaded.is_empty() {
         findings.extend(shadow_findings(&shaded));
@@ -85,19 +223,10 @@ pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
     findings
 }
 
-fn shadow_findings(cases: &[&Case]) -> Vec<Finding> {
-    let wrong = most(cases, LAYERED_WRONG_PX).zip(most(cases, LAYERED_WRONG_TEXELS));
-    let subtracted = [
-        (EXPERIMENT, "shaded-variance"),
-        (MOMENTS, "receiver subtracted"),
-    ];
-    let subtracted = all(cases, &subtracted, VARIANCE_RELATIVE_RMS);
-    let published = [
-        (EXPERIMENT, "shaded-variance"),
-        (MOMENTS, "published"),
-        (SIGMA, "1e-4"),
-    ];
-    let noise = all(cases, &published, VARIANCE_ABSOLUTE_RMS);
+fn shadow_findings(cases: &Cases<'_>) -> Vec<Finding> {
+    let rough = cases.with(&[(EXPERIMENT, "shaded-variance")]);
+    let subtracted = rough.with(&[(MOMENTS, "receiver subtracted")]);
+    let noise = rough.with(&[(MOMENTS, "published"), (SIGMA, "1e-4")]);
     let plane = |floor| {
         let conditions = [
             (EXPERIMENT, "shaded-plane"),
@@ -105,400 +234,164 @@ fn shadow_findings(cases: &[&Case]) -> Vec<Finding> {
             (DEPTH, "f32"),
             (FLOOR, floor),
         ];
-        all(cases, &conditions, VARIANCE_BLACK_PX)
+        cases.with(&conditions).values(VARIANCE_BLACK_PX)
     };
     let (bare, floored) = (plane("none"), plane("1e-7"));
-    let shares = all(cases, &[(EXPERIMENT, "shaded-hard")], HARD_AREA_SHARE);
-    let is_edge = |share: &f64| (share - EDGE_SHARE).abs() <= EDGE_TOLERANCE;
+    let is_floor_enough = (!bare.is_empty() && !floored.is_empty()).then(|| {
+        bare.iter().all(|count| *count > 0.0) && floored.iter().all(|count| *count <= 0.0)
+    });
     let list = |counts: &[f64]| {
-        counts
-            .iter()
-            .map(f64::to_string)
-            .collect::<Vec<_>>()
-            .join(" and ")
+        let counts: Vec<String> = counts.iter().map(f64::to_string).collect();
+        counts.join(" and ")
     };
     vec![
-        finding(
+        none_wrong(
             "No pixel of a shadow on devices is outside of what its formula allows, and no texel of what rays along \
-             the lights meet",
-            wrong.map(|(pixels, texels)| pixels + texels <= 0.0),
-            wrong.map_or_else(String::new, |(pixels, texels)| {
-                format!(
-                    "at most {pixels} pixels and {texels} texels in {} cases",
-                    cases.len()
-                )
-            }),
+             the lights meet:",
+            cases,
+            LAYERED_WRONG_TEXELS,
+        ),
+        all(
+            "On devices the variance with the receiver subtracted is right to 2·10⁻⁶ of itself:",
+            &subtracted.values(VARIANCE_RELATIVE_RMS),
+            |error| error <= RELATIVE_NOISE,
+        ),
+        all(
+            "On devices the published sums carry noise of about 2·10⁻⁷ of the range squared:",
+            &noise.values(VARIANCE_ABSOLUTE_RMS),
+            |noise| (1e-7..=4e-7).contains(&noise),
         ),
         finding(
-            "On devices, too, the variance with the receiver subtracted is right to 2·10⁻⁶ of itself",
-            (!subtracted.is_empty())
-                .then(|| subtracted.iter().all(|error| *error <= RELATIVE_NOISE)),
-            range(&subtracted).unwrap_or_default(),
-        ),
-        finding(
-            "On devices the published sums carry noise of about 2·10⁻⁷ of the range squared",
-            (!noise.is_empty()).then(|| noise.iter().all(|noise| (1e-7..=4e-7).contains(noise))),
-            range(&noise).unwrap_or_default(),
-        ),
-        finding(
-            "A lit plane drawn as published has black pixels, and none with a floor of 10⁻⁷",
-            (!bare.is_empty() && !floored.is_empty()).then(|| {
-                bare.iter().all(|count| *count > 0.0) && floored.iter().all(|count| *count <= 0.0)
-            }),
+            "A lit plane drawn as published has black pixels, and none with a floor of 10⁻⁷:",
+            is_floor_enough,
             format!(
                 "{} pixels of 16 384 on the interfaces, with the floor {}",
                 list(&bare),
                 list(&floored)
             ),
         ),
-        finding(
-            "On devices a hard shadow's map shows about 0.244 of its perimeter times a texel wrongly",
-            (!shares.is_empty()).then(|| shares.iter().all(is_edge)),
-            range(&shares).unwrap_or_default(),
+        all(
+            "On devices a hard shadow's map shows about 0.244 of its perimeter times a texel wrongly:",
+            &cases.values(HARD_AREA_SHARE),
+            |share| (share - EDGE_SHARE).abs() <= EDGE_TOLERANCE,
         ),
     ]
 }
 
-/// Slopes of error over layers, from a layer a pixel of motion on, of every way that has three.
-fn slopes(cases: &[&Case], filter: &str) -> Vec<f64> {
-    let own = of(
-        cases,
-        &[
-            (EXPERIMENT, "blurred"),
-            (FILTER, filter),
-            (MOMENTS, "middle"),
-        ],
-    );
-    let mut ways: Vec<(&str, &str)> = own
-        .iter()
-        .map(|case| (case.condition(API), case.condition(LAYERS_BY)))
-        // Those of 8 and 16 bits have errors of their own.
-        .filter(|(_, by)| !matches!(*by, "blended-f16" | "blended-8-bit"))
-        .collect();
-    ways.sort_unstable();
-    ways.dedup();
-    let of_way = |(api, by): (&str, &str)| {
-        let errors = series(&own, &[(API, api), (LAYERS_BY, by)], LAYERS, BLUR_RMS);
-        let fine: Vec<(f64, f64)> = errors
-            .into_iter()
-            .filter(|pair| pair.0 >= MOTION_PX)
-            .collect();
-        slope(&fine)
-    };
-    ways.into_iter().filter_map(of_way).collect()
+/// Least squares of log error over log number; `None` below three points.
+fn slope(errors: &[(f64, f64)]) -> Option<f64> {
+    let usable = errors.iter().filter(|pair| pair.1 > 0.0);
+    let logs: Vec<(f64, f64)> = usable.map(|pair| (pair.0.ln(), pair.1.ln())).collect();
+    if logs.len() < 3 {
+        return None;
+    }
+    let count = logs.len() as f64;
+    let mean_x = logs.iter().map(|log| log.0).sum::<f64>() / count;
+    let mean_y = logs.iter().map(|log| log.1).sum::<f64>() / count;
+    let products = logs.iter().map(|log| (log.0 - mean_x) * (log.1 - mean_y));
+    let squares = logs.iter().map(|log| (log.0 - mean_x).powi(2));
+    Some(products.sum::<f64>() / squares.sum::<f64>())
 }
 
-fn blur_findings(cases: &[&Case]) -> Vec<Finding> {
-    let wrong = most(cases, LAYERED_WRONG_PX).zip(most(cases, LIGHTS_DEPTHS_DIFFERING));
-    let mut findings = vec![finding(
+/// Slopes of error over layers, from a layer a pixel of motion on, of every way that has three.
+fn slopes(cases: &Cases<'_>, filter: &str) -> Vec<f64> {
+    let own = cases.with(&[(FILTER, filter), (MOMENTS, "middle")]);
+    // Those of 8 and 16 bits have errors of their own.
+    let own =
+        own.fitting(|case| !matches!(case.condition(LAYERS_BY), "blended-f16" | "blended-8-bit"));
+    let of_api = own.by(API).into_iter();
+    let ways = of_api.flat_map(|(_, own)| own.by(LAYERS_BY));
+    let slopes = ways.filter_map(|(_, own)| {
+        let mut errors = own.series(LAYERS, BLUR_RMS);
+        errors.retain(|pair| pair.0 >= MOTION_PX);
+        slope(&errors)
+    });
+    slopes.collect()
+}
+
+fn blur_findings(cases: &Cases<'_>) -> Vec<Finding> {
+    let mut findings = vec![none_wrong(
         "No pixel of blur on devices is outside of what its definition allows, and all ways to layers leave the same \
-         bits",
-        wrong.map(|(pixels, texels)| pixels + texels <= 0.0),
-        wrong.map_or_else(String::new, |(pixels, texels)| {
-            format!(
-                "at most {pixels} pixels and {texels} texels in {} cases",
-                cases.len()
-            )
-        }),
+         bits:",
+        cases,
+        LIGHTS_DEPTHS_DIFFERING,
     )];
     for (filter, expected) in [("point", -1.0), ("box", -2.0)] {
-        let slopes = slopes(cases, filter);
-        let is_right = |slope: &f64| (slope - expected).abs() <= SLOPE_TOLERANCE;
-        findings.push(finding(
-            &format!(
-                "On devices, from a layer a pixel of motion on, blur of {filter} layers at middles falls with slope \
-                 {expected} by every way"
-            ),
-            (!slopes.is_empty()).then(|| slopes.iter().all(is_right)),
-            range(&slopes).map_or_else(String::new, |range| format!("{range}, {} ways", slopes.len())),
-        ));
+        let claim = format!(
+            "On devices, from a layer a pixel of motion on, blur of {filter} layers at middles falls with slope {expected} \
+             by every way:"
+        );
+        let is_right = |slope: f64| (slope - expected).abs() <= SLOPE_TOLERANCE;
+        findings.push(all(claim, &slopes(cases, filter), is_right));
     }
     let resolved = |resolve| {
-        let conditions = [
-            (EXPERIMENT, "blurred-resolve"),
-            (RESOLVE, resolve),
-            (LAYERS, "32"),
-        ];
-        all(cases, &conditions, BLUR_RMS)
+        cases
+            .with(&[(RESOLVE, resolve), (LAYERS, "32")])
+            .values(BLUR_RMS)
     };
     let (published, first) = (resolved("published"), resolved("current pose first"));
+    let ranges = range(&published).zip(range(&first));
     findings.push(finding(
         "On devices the published resolve of 32 layers is far from a trail that fades, and one with the current pose \
-         first is near",
-        (!published.is_empty() && !first.is_empty()).then(|| {
+         first is near:",
+        ranges.as_ref().map(|_| {
             published.iter().all(|rms| *rms > OPAQUE) && first.iter().all(|rms| *rms < FADED)
         }),
-        range(&published)
-            .zip(range(&first))
-            .map_or_else(String::new, |(published, first)| format!("rms {published} against {first}")),
+        ranges.map_or_else(String::new, |(published, first)| format!("rms {published} against {first}")),
     ));
     findings
 }
 
-fn blur<'a>(cases: &[&'a Case], api: &str, by: &str, layers: u32) -> Option<&'a Case> {
-    let layers = layers.to_string();
-    let conditions = [
-        (EXPERIMENT, "blurred"),
-        (FILTER, "box"),
-        (API, api),
-        (LAYERS_BY, by),
-        (LAYERS, &layers),
-    ];
-    of(cases, &conditions).first().copied()
-}
-
 /// Published in words: blur in two passes beats a pass a layer.
-fn claim(cases: &[&Case], run: &Run) -> Finding {
-    let several = values(cases, LAYERS)
-        .into_iter()
-        .filter(|layers| *layers >= 4);
-    let pairs = several.filter_map(|layers| {
-        let case = |by| blur(cases, "vulkan", by, layers);
-        Some([case("passes")?, case("geometry-copies")?])
-    });
+fn claim(cases: &Cases<'_>) -> Finding {
+    let own = cases.with(&[(FILTER, "box"), (API, "vulkan"), (MOMENTS, "middle")]);
+    let mut pairs = own.pairs(LAYERS_BY, ["passes", "geometry-copies"], &[]);
+    let layers = |case: &Case| case.condition(LAYERS).parse::<u32>().unwrap_or(0);
+    pairs.retain(|[case, _]| layers(case) >= LEAST_CLAIMED);
     let claim = "Blur of layers that a geometry shader copies in one pass is faster than a pass a layer (published in \
                  words):";
-    paired_finding(
-        run,
-        (LAYERS_BY, &[]),
-        (time(run.clock()), Scope::DRAW),
-        &pairs.collect::<Vec<_>>(),
-        (claim.to_owned(), Claim::Faster),
-    )
+    let time = (time(cases.clock()), Scope::DRAW);
+    let says = (claim.to_owned(), Claim::Faster);
+    compared(cases, (LAYERS_BY, &[]), time, &pairs, says)
 }
 
-/// The fastest ways to blur, with what explains them.
-pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
-    let mut sentences = Vec::new();
+/// How to sum variances, and the fastest ways to blur, with what explains them.
+pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
+    let subtracted = cases.with(&[(MOMENTS, "receiver subtracted")]);
     let plane = [
         (EXPERIMENT, "shaded-plane"),
-        (MOMENTS, "receiver subtracted"),
         (DEPTH, "f32"),
         (FLOOR, "1e-7"),
     ];
-    let own = shaded(cases);
-    let variance = [
-        (EXPERIMENT, "shaded-variance"),
-        (MOMENTS, "receiver subtracted"),
-    ];
-    let noise = most(&of(&own, &variance), VARIANCE_RELATIVE_RMS);
-    if let Some((dark, noise)) = most(&of(&own, &plane), VARIANCE_DARK_SHARE).zip(noise) {
-        sentences.push(format!(
+    let noise = subtracted.greatest(VARIANCE_RELATIVE_RMS);
+    let dark = subtracted.with(&plane).greatest(VARIANCE_DARK_SHARE);
+    let variance = dark.zip(noise).map(|(dark, noise)| {
+        format!(
             "Variance shadows are best summed from depths less the receiver's, over a floor of 1e-7: the variance \
              errs by {} of itself, and {} % of a lit plane's pixels are dark.",
             significant(noise),
             significant(100.0 * dark)
-        ));
-    }
-    let own = of(cases, &[(EXPERIMENT, "blurred"), (FILTER, "box")]);
-    for api in ["vulkan", "wgpu"] {
-        let timed = of(&own, &[(API, api)]).into_iter();
-        let timed = timed.filter(|case| case.counts() && case.value(time(clock)).is_some());
-        let timed: Vec<&Case> = timed.collect();
-        let Some(layers) = values(&timed, LAYERS).last().copied() else {
-            continue;
-        };
-        let of_most = of(&timed, &[(LAYERS, &layers.to_string())]);
-        let ms = |case: &&Case| case.value(time(clock)).unwrap_or(f64::INFINITY);
-        let Some(best) = of_most.into_iter().min_by(|a, b| ms(a).total_cmp(&ms(b))) else {
-            continue;
-        };
-        let figure = |metric| best.value(metric).map(significant).unwrap_or_default();
-        sentences.push(format!(
-            "On {api} blur by {layers} moments is fastest by {}: {} ms in {} passes, {} bytes of layers, rms {}.",
-            best.condition(LAYERS_BY),
-            significant(ms(&best)),
-            figure(LIGHTS_PASSES),
-            figure(PIPELINE_HELD_BYTES),
-            figure(BLUR_RMS),
-        ));
-    }
-    sentences
-}
-
-pub(super) fn sections(cases: &[&Case], run: &Run) -> Result<Vec<Block>, ChapterError> {
-    let clock = run.clock();
-    let mut blocks = Vec::new();
-    let own = shaded(cases);
-    if !own.is_empty() {
-        blocks.push(Block::section("Variance and hard shadows on devices"));
-        blocks.push(Block::Text(SHADOWS.to_owned()));
-        blocks.extend(pictures(&own));
-        blocks.extend(shadow_tables(&own).map(Block::Table));
-        blocks.push(Block::Remark(WHAT_THE_PRODUCT_DOES.to_owned()));
-    }
-    let own = blurred(cases);
-    if !own.is_empty() {
-        blocks.push(Block::section("Motion blur on devices"));
-        blocks.push(Block::Text(BLUR.to_owned()));
-        blocks.push(Block::Finding(claim(&own, run)));
-        blocks.extend(blur_plot(&own)?);
-        blocks.push(Block::Table(blur_table(&own, clock)));
-    }
-    Ok(blocks)
-}
-
-fn pictures(cases: &[&Case]) -> Option<Block> {
-    let with_pictures = cases.iter().filter(|case| !case.note("picture").is_empty());
-    let figures: Vec<PictureFigure> = with_pictures
-        .map(|case| PictureFigure {
-            pictures: vec![Picture {
-                path: case.note("picture").to_owned(),
-                caption: match case.condition(EXPERIMENT) {
-                    "shaded-hard" => format!("hard, {} texels", case.condition(TEXELS)),
-                    _ => format!(
-                        "{}, floor {}",
-                        case.condition(MOMENTS),
-                        case.condition(FLOOR)
-                    ),
-                },
-            }],
-            notes: Vec::new(),
-        })
-        .collect();
-    (!figures.is_empty()).then(|| {
-        Block::Pictures(Pictures {
-            caption: "The plane under the disc and four lights: the published product of variance shadows, and how \
-                      many lights a texel each lets through."
-                .to_owned(),
-            reference: String::new(),
-            figures,
-        })
-    })
-}
-
-fn shadow_tables(cases: &[&Case]) -> [Table; 4] {
-    let judged = [
-        ("wrong texels", LAYERED_WRONG_TEXELS),
-        ("wrong pixels", LAYERED_WRONG_PX),
-        ("left open", LAYERED_OPEN_PX),
-        ("of", LAYERED_JUDGED_PX),
-        ("not finite", VARIANCE_NON_FINITE),
-    ];
-    let way = [("interface", API), ("layers by", LAYERS_BY)];
-    let make = |caption,
-                experiment,
-                keys: &[(&'static str, ConditionKey)],
-                metrics: &[(&'static str, &'static Metric)]| {
-        let keys = [keys, &way[..]].concat();
-        let metrics = [metrics, &judged[..]].concat();
-        table(cases, caption, experiment, &keys, &metrics)
-    };
-    [
-        make(
-            "Terraces that nothing shadows, on devices",
-            "shaded-plane",
-            &[("moments", MOMENTS), ("depth", DEPTH), ("floor", FLOOR)],
-            &[
-                ("below 0.99 of the light", VARIANCE_DARK_SHARE),
-                ("black pixels", VARIANCE_BLACK_PX),
-                ("outside of 0 to 1", VARIANCE_OUTSIDE_SHARE),
-            ],
-        ),
-        make(
-            "Variance of rough ground near depth 1, on devices",
-            "shaded-variance",
-            &[("moments", MOMENTS), ("spread of depths", SIGMA)],
-            &[
-                ("relative, rms", VARIANCE_RELATIVE_RMS),
-                ("absolute, rms", VARIANCE_ABSOLUTE_RMS),
-                ("absolute, largest", VARIANCE_ABSOLUTE_MAX),
-            ],
-        ),
-        make(
-            "A plane under a disc and four lights: the product of their variance shadows",
-            "shaded-disc",
-            &[("moments", MOMENTS), ("floor", FLOOR)],
-            &[("passes", LIGHTS_PASSES)],
-        ),
-        make(
-            "The same by one texel a light",
-            "shaded-hard",
-            &[("texels", TEXELS)],
-            &[
-                ("wrong area", HARD_WRONG_AREA),
-                ("over perimeter · texel", HARD_AREA_SHARE),
-                ("largest deviation, texels", HARD_DEVIATION_TEXELS),
-            ],
-        ),
-    ]
-}
-
-fn blur_plot(cases: &[&Case]) -> Result<Option<Block>, ChapterError> {
-    let shown = [
-        ("layers on vulkan", "vulkan", "passes", "middle"),
-        ("layers on wgpu", "wgpu", "passes", "middle"),
-        ("blended in f32", "wgpu", "blended-f32", "middle"),
-        ("blended in f16", "wgpu", "blended-f16", "middle"),
-        ("blended in 8 bits", "wgpu", "blended-8-bit", "middle"),
-        ("ends of parts", "vulkan", "passes", "end"),
-        ("stochastic", "vulkan", "stochastic", "random"),
-    ];
-    let of_filter = |filter| {
-        let of_way = |(name, api, by, moments)| {
-            let conditions = [
-                (EXPERIMENT, "blurred"),
-                (FILTER, filter),
-                (API, api),
-                (LAYERS_BY, by),
-                (MOMENTS, moments),
-            ];
-            curve(name, &series(cases, &conditions, LAYERS, BLUR_RMS))
-        };
-        shown.map(of_way).into()
-    };
-    let (across, up) = ("layers", "rms error of the trail");
-    draw(
-        "error of motion blur on devices",
-        "Error against the integral over time of what devices drew, by the way to layers or without them.",
-        &[
-            plot("a pixel's middle", across, up, of_filter("point")),
-            plot("a pixel's covered share", across, up, of_filter("box")),
-        ],
-    )
-}
-
-fn blur_table(cases: &[&Case], clock: Clock) -> Table {
-    let rows = cases.iter().map(|case| {
-        let figure = |metric| Cell::or_absent(case.value(metric).map(significant), why(case));
-        let made = match case.condition(RESOLVE) {
-            "" => format!("{} at {}", case.condition(FILTER), case.condition(MOMENTS)),
-            resolve => format!("resolve: {resolve}"),
-        };
-        Row {
-            cells: vec![
-                Cell::name(made),
-                Cell::name(case.condition(API)),
-                Cell::name(case.condition(LAYERS_BY)),
-                Cell::name(case.condition(LAYERS)),
-                figure(BLUR_RMS),
-                figure(BLUR_MAX),
-                time_cell(case, time(clock)),
-                figure(LIGHTS_PASSES),
-                byte_cell(case, PIPELINE_HELD_BYTES),
-                figure(LIGHTS_DEPTHS_DIFFERING),
-                figure(LAYERED_WRONG_PX),
-            ],
-            status: case.outcome.name().to_owned(),
-            remark: case.reason.clone(),
-        }
+        )
     });
-    Table {
-        caption: "Motion blur on devices, by way and number of layers".to_owned(),
-        headings: headings(&[
-            ("made of", None),
-            ("interface", None),
-            ("layers by", None),
-            ("layers", None),
-            ("rms", Some(BLUR_RMS)),
-            ("largest", Some(BLUR_MAX)),
-            ("time, ms", Some(time(clock))),
-            ("passes", Some(LIGHTS_PASSES)),
-            ("layers hold", Some(PIPELINE_HELD_BYTES)),
-            ("texels that differ", Some(LIGHTS_DEPTHS_DIFFERING)),
-            ("wrong pixels", Some(LAYERED_WRONG_PX)),
-        ]),
-        rows: rows.collect(),
-        ..Table::default()
-    }
+    let metric = time(cases.clock());
+    let on = |api: &str| {
+        let own = cases.with(&[(EXPERIMENT, "blurred"), (FILTER, "box"), (API, api)]);
+        let (layers, own) = of_most(&own, LAYERS, metric)?;
+        let best = own.best(metric)?;
+        let name = |case: &Case| {
+            let [by, moments] = [LAYERS_BY, MOMENTS].map(|key| case.condition(key));
+            format!("{by} at {moments}")
+        };
+        Some(format!(
+            "On {api} blur by {layers} moments is fastest by {}{}: {} ms in {} passes, {} bytes of layers, rms {}.",
+            name(best.case),
+            best.tied_with(name),
+            significant(best.value),
+            said(best.case, LIGHTS_PASSES),
+            said(best.case, PIPELINE_HELD_BYTES),
+            said(best.case, BLUR_RMS),
+        ))
+    };
+    let blurs = ["vulkan", "wgpu"].into_iter().filter_map(on);
+    variance.into_iter().chain(blurs).collect()
 }

@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What an opened way of culling does, on whichever interface.
 
+use super::frustum::Frustum;
+use super::ground::{Ground, GroundConstants, PATCH_TRIANGLES};
+use super::way::{Place, Test};
 use crate::draws::{Counted, Times};
+use crate::grid::View;
 use terrafill_fill::{DeviceError, Picture};
+
+/// Vertices of a patch, six a cell.
+const PATCH_VERTICES: u32 = 3 * PATCH_TRIANGLES;
 
 /// What was kept of the patches.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,4 +45,73 @@ pub(crate) trait Culls {
 
     /// Culls tiles, sends what is sent each frame, tests patches, draws, and waits.
     fn time(&mut self) -> Result<Times, DeviceError>;
+}
+
+/// What the CPU finds and sends for a frame.
+#[derive(Debug)]
+pub(super) struct Sent {
+    pub(super) tiles: Vec<u32>,
+    /// Patches in those tiles.
+    pub(super) in_tiles: u32,
+    /// That the CPU kept, where it tests them.
+    pub(super) patches: Option<Vec<u32>>,
+    /// Of an indirect draw; stages that drop patches need none.
+    pub(super) arguments: Option<[u32; 4]>,
+}
+
+impl Sent {
+    /// Culls tiles, and patches where the CPU tests them.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "there are 256 tiles, and patches are far fewer than 2^32"
+    )]
+    pub(super) fn new(ground: &Ground, view: &View, place: Place) -> Self {
+        let frustum = Frustum::new(view);
+        let tiles = frustum.tiles(ground);
+        let in_tiles = tiles.len() as u32 * ground.patches_a_tile();
+        let patches = (place == Place::Cpu).then(|| frustum.patches(ground, &tiles));
+        let instances = match place {
+            Place::TilesAlone => Some(in_tiles),
+            Place::Cpu => patches.as_ref().map(|patches| patches.len() as u32),
+            Place::Compute => Some(0),
+            Place::Geometry | Place::Task => None,
+        };
+        Self {
+            tiles,
+            in_tiles,
+            patches,
+            arguments: instances.map(|instances| [PATCH_VERTICES, instances, 0, 0]),
+        }
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        let words = [
+            self.tiles.len(),
+            self.patches.as_ref().map_or(0, Vec::len),
+            self.arguments.map_or(0, |arguments| arguments.len()),
+        ];
+        4 * words.into_iter().sum::<usize>() as u64
+    }
+
+    /// All patches of the tiles.
+    pub(super) fn of_tiles(&self, ground: &Ground) -> Vec<u32> {
+        let tiles = self.tiles.iter();
+        tiles.flat_map(|tile| ground.patches_of(*tile)).collect()
+    }
+}
+
+/// The list that compute made.
+///
+/// - `arguments`: of its draw
+pub(super) fn listed(arguments: &[u32], mut patches: Vec<u32>) -> Kept {
+    patches.truncate(arguments[1] as usize);
+    Kept::List(patches)
+}
+
+/// What shaders read of a view.
+pub(super) fn constants(ground: &Ground, view: &View, test: Test) -> GroundConstants {
+    let tiles = Frustum::new(view).tiles(ground).len();
+    #[allow(clippy::cast_possible_truncation, reason = "there are 256 tiles")]
+    let listed = tiles as u32;
+    GroundConstants::new(ground, view, listed, test)
 }

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Culling on Vulkan itself: by compute, in a geometry shader, in a task shader, or on the CPU.
 
-use super::culls::{Culls, Kept, Shown};
-use super::frustum::Frustum;
-use super::ground::{Ground, GroundConstants, PATCH_TRIANGLES};
+use super::culls::{Culls, Kept, Sent, Shown, constants, listed};
+use super::ground::{Ground, PATCH_TRIANGLES};
 use super::way::{CullWay, Place};
 use crate::draws::{Counted, Times};
 use crate::grid::View;
+use crate::on_vulkan::{heights, uniform};
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError, RouteTexelFormat, RouteTexels};
+use terrafill_fill::{CpuStopwatch, DeviceError};
 use terrafill_scene::ImageSize;
 use terrafill_vulkan::{
     Buffer, BufferUse, ComputePipeline, DirectDraw, DirectReport, Dispatch, DrawCall, DrawPipeline,
@@ -18,8 +18,6 @@ use terrafill_vulkan::{
 };
 
 const CULLED: &str = "pipelines/culled.wgsl";
-/// Vertices of a patch, six a cell.
-const PATCH_VERTICES: u32 = 3 * PATCH_TRIANGLES;
 /// Patches that a workgroup of compute tests, and one of the task shader.
 const GROUP: u32 = 64;
 const TASK_GROUP: u32 = 32;
@@ -34,18 +32,11 @@ pub(crate) struct VulkanGround {
 
 impl VulkanGround {
     pub(crate) fn new(gpu: &Arc<Gpu>, ground: &Rc<Ground>) -> Result<Self, DeviceError> {
-        let texels = RouteTexels {
-            format: RouteTexelFormat::R32Float,
-            is_filtered: false,
-            size: [ground.grid.cells + 1; 2],
-            is_cube: false,
-            bytes: bytemuck::cast_slice(&ground.grid.heights).to_vec(),
-        };
         let boxes = bytemuck::cast_slice(&ground.patch_boxes);
         let boxes = Buffer::upload(gpu, "patches' boxes", boxes, BufferUse::Storage)?;
         Ok(Self {
             gpu: Arc::clone(gpu),
-            heights: Arc::new(SampledImage::route(gpu, &texels)?),
+            heights: heights(gpu, &ground.grid)?,
             boxes: Arc::new(boxes),
             ground: Rc::clone(ground),
         })
@@ -74,12 +65,7 @@ impl OnVulkan {
         size: ImageSize,
     ) -> Result<Self, DeviceError> {
         let (gpu, ground) = (&shared.gpu, &shared.ground);
-        let tiles = Frustum::new(view).tiles(ground);
-        #[allow(clippy::cast_possible_truncation, reason = "there are 256 tiles")]
-        let listed = tiles.len() as u32;
-        let constants = GroundConstants::new(ground, view, listed, way.test);
-        let bytes = bytemuck::bytes_of(&constants);
-        let constants = Buffer::upload(gpu, "ground", bytes, BufferUse::Uniform)?;
+        let constants = constants(ground, view, way.test);
         let words = |count: usize| 4 * count.max(1) as u64;
         let all = words(ground.patch_boxes.len());
         let storage = BufferUse::Storage;
@@ -93,7 +79,7 @@ impl OnVulkan {
         let arguments = Buffer::streamed(gpu, "draw arguments", 16, BufferUse::Arguments)?;
         let (kept, arguments) = (Arc::new(kept), Arc::new(arguments));
         let resources = vec![
-            Resource::Uniform(Arc::new(constants)),
+            uniform(gpu, "ground", bytemuck::bytes_of(&constants))?,
             Resource::Image(Arc::clone(&shared.heights)),
             Resource::Storage(Arc::clone(&shared.boxes)),
             Resource::Storage(Arc::clone(&tiles)),
@@ -125,83 +111,45 @@ impl OnVulkan {
         })
     }
 
-    /// Culls tiles, sends what is sent, tests and draws; bytes sent beside it.
-    fn frame(&mut self, measured: Measured) -> Result<(DirectReport, Frame), DeviceError> {
-        let ground = &self.shared.ground;
-        let frustum = Frustum::new(&self.view);
-        let tiles = frustum.tiles(ground);
-        self.tiles.stream(bytemuck::cast_slice(&tiles))?;
-        #[allow(clippy::cast_possible_truncation, reason = "there are 256 tiles")]
-        let in_tiles = tiles.len() as u32 * ground.patches_a_tile();
-        let mut frame = Frame {
-            sent_bytes: 4 * tiles.len() as u64,
-            patches: None,
-        };
-        let mut arguments = |instances: u32| {
-            frame.sent_bytes += 16;
-            let words = [PATCH_VERTICES, instances, 0, 0];
-            self.arguments.stream(bytemuck::cast_slice(&words))
-        };
-        let ranges: Vec<_> = std::iter::once(0..in_tiles).collect();
-        let mut dispatch = None;
+    /// Culls tiles, sends what is sent, tests and draws.
+    fn frame(&mut self, measured: Measured) -> Result<(DirectReport, Sent), DeviceError> {
+        let sent = Sent::new(&self.shared.ground, &self.view, self.way.place);
+        self.tiles.stream(bytemuck::cast_slice(&sent.tiles))?;
+        if let Some(arguments) = &sent.arguments {
+            self.arguments.stream(bytemuck::cast_slice(arguments))?;
+        }
+        if let Some(patches) = &sent.patches {
+            self.kept.stream(bytemuck::cast_slice(patches))?;
+        }
+        let ranges: Vec<_> = std::iter::once(0..sent.in_tiles).collect();
         let call = match self.way.place {
-            Place::TilesAlone => {
-                arguments(in_tiles)?;
-                DrawCall::Indirect(&self.arguments)
-            }
-            Place::Cpu => {
-                let patches = frustum.patches(ground, &tiles);
-                #[allow(clippy::cast_possible_truncation, reason = "patches are far fewer")]
-                arguments(patches.len() as u32)?;
-                self.kept.stream(bytemuck::cast_slice(&patches))?;
-                frame.sent_bytes += 4 * patches.len() as u64;
-                frame.patches = Some(patches);
-                DrawCall::Indirect(&self.arguments)
-            }
-            Place::Compute => {
-                arguments(0)?;
-                dispatch = self.compute.as_ref().map(|pipeline| Dispatch {
-                    pipeline,
-                    groups: [in_tiles.div_ceil(GROUP), 1, 1],
-                });
-                DrawCall::Indirect(&self.arguments)
-            }
+            Place::TilesAlone | Place::Cpu | Place::Compute => DrawCall::Indirect(&self.arguments),
             Place::Geometry => DrawCall::Vertices(&ranges),
-            Place::Task => DrawCall::MeshGroups([in_tiles.div_ceil(TASK_GROUP), 1]),
+            Place::Task => DrawCall::MeshGroups([sent.in_tiles.div_ceil(TASK_GROUP), 1]),
         };
+        let dispatch = self.compute.as_ref().map(|pipeline| Dispatch {
+            pipeline,
+            groups: [sent.in_tiles.div_ceil(GROUP), 1, 1],
+        });
         let draw = DirectDraw {
             pipeline: &self.pipeline,
             vertices: None,
             call,
         };
         let report = self.targets.draw_directly(dispatch, &draw, measured)?;
-        Ok((report, frame))
+        Ok((report, sent))
     }
 
     /// What was kept, as each place says it.
-    fn kept(&self, frame: Frame, counted: &Counted) -> Result<Kept, DeviceError> {
+    fn kept(&self, sent: Sent, counted: &Counted) -> Result<Kept, DeviceError> {
         let gpu = &self.shared.gpu;
         let words = |buffer: &Buffer| -> Result<Vec<u32>, DeviceError> {
             Ok(bytemuck::pod_collect_to_vec(&buffer.contents(gpu)?))
         };
         Ok(match self.way.place {
-            Place::TilesAlone => {
-                let ground = &self.shared.ground;
-                let tiles = Frustum::new(&self.view).tiles(ground);
-                Kept::List(
-                    tiles
-                        .into_iter()
-                        .flat_map(|tile| ground.patches_of(tile))
-                        .collect(),
-                )
-            }
-            Place::Cpu => Kept::List(frame.patches.unwrap_or_default()),
-            Place::Compute => {
-                let count = words(&self.arguments)?[1] as usize;
-                let mut patches = words(&self.kept)?;
-                patches.truncate(count);
-                Kept::List(patches)
-            }
+            Place::TilesAlone => Kept::List(sent.of_tiles(&self.shared.ground)),
+            Place::Cpu => Kept::List(sent.patches.unwrap_or_default()),
+            Place::Compute => listed(&words(&self.arguments)?, words(&self.kept)?),
             Place::Geometry => {
                 let primitives = counted.primitives.ok_or_else(|| {
                     DeviceError::unsupported("pipeline statistics", &gpu.facts.name)
@@ -211,13 +159,6 @@ impl OnVulkan {
             Place::Task => Kept::Count(u64::from(words(&self.kept)?[0])),
         })
     }
-}
-
-/// What a frame sent.
-struct Frame {
-    sent_bytes: u64,
-    /// That the CPU kept, where it tests them.
-    patches: Option<Vec<u32>>,
 }
 
 fn stages(place: Place) -> (PrimitiveStages, Shader) {
@@ -263,14 +204,12 @@ impl Culls for OnVulkan {
         if self.way.place == Place::Task {
             self.kept.rewrite(0, &[0; 4])?;
         }
-        let (report, frame) = self.frame(Measured::Statistics)?;
-        let counted = report
-            .statistics
-            .map_or_else(Counted::default, Counted::from);
+        let (report, sent) = self.frame(Measured::Statistics)?;
+        let counted = Counted::from(report.statistics);
         Ok(Shown {
             picture: self.targets.read()?,
-            sent_bytes: frame.sent_bytes,
-            kept: self.kept(frame, &counted)?,
+            sent_bytes: sent.bytes(),
+            kept: self.kept(sent, &counted)?,
             counted,
         })
     }
@@ -278,10 +217,6 @@ impl Culls for OnVulkan {
     fn time(&mut self) -> Result<Times, DeviceError> {
         let watch = CpuStopwatch::start();
         let (report, _) = self.frame(Measured::Times)?;
-        Ok(Times {
-            cpu_ms: watch.cpu_ms(),
-            wall_ms: watch.wall_ms(),
-            gpu_ms: report.gpu_ms,
-        })
+        Ok(Times::since(&watch, report.gpu_ms))
     }
 }

@@ -9,19 +9,18 @@ use super::on_vulkan::{OnVulkan, VulkanGround};
 use super::on_wgpu::{OnWgpu, WgpuGround};
 use super::way::{CullWay, FLIGHT_S, Place, Test, VIEWS, ViewKind, flight};
 use crate::STUDY;
-use crate::draws::verdict_of;
+use crate::draws::{planned, verified};
 use crate::grid::View;
-use crate::images::{size_px, write};
-use crate::keys;
-use crate::keys::{API, EXPERIMENT, PLACE, TEST, VIEW};
+use crate::images::{of_numbers, size_px, write};
+use crate::keys::{self, API, EXPERIMENT, PLACE, TEST, VIEW};
 use crate::rays::{Cut, Judged, Rays};
 use crate::way::Interface;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use terrafill_fill::{DeviceError, ids_of};
-use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
+use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
-use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures};
 
 /// Cells a side of a tile: the published 256, whose lists are counted and whose frames are not timed, and a quarter of
 /// it for frames; a quick run has small tiles.
@@ -47,109 +46,97 @@ pub(crate) struct Culling {
     experiment: &'static str,
     tile_cells: u32,
     size: ImageSize,
-    planned: Vec<PlannedCase>,
     cases: Vec<CullCase>,
 }
 
-impl Culling {
-    /// The five views, the flight, and the five views whose patches are counted, at the published size unless it is
-    /// quick.
-    pub(crate) fn all(is_quick: bool, sizes: (ImageSize, u32)) -> Vec<Self> {
-        let views = |ways: &[CullWay]| -> Vec<CullCase> {
-            let of = |view| {
-                ways.iter().map(move |&way| CullCase {
-                    way,
-                    view,
-                    second: 0,
-                })
-            };
-            VIEWS.into_iter().flat_map(of).collect()
-        };
-        let (tile_cells, step, ways) = match is_quick {
-            true => (QUICK_TILE_CELLS, QUICK_FLIGHT_STEP_S, CullWay::few()),
-            false => (TILE_CELLS, FLIGHT_STEP_S, CullWay::all()),
-        };
-        let flown = (1..=FLIGHT_S).step_by(step);
-        let flown = flown.flat_map(|second| {
-            CullWay::of_flight().into_iter().map(move |way| CullCase {
+/// The five views, the flight, and the five views whose patches are counted, at the published size unless it is
+/// quick.
+pub(crate) fn groups(is_quick: bool, sizes: (ImageSize, u32)) -> Vec<CaseGroup<Culling>> {
+    let views = |ways: &[CullWay]| -> Vec<CullCase> {
+        let of = |view| {
+            ways.iter().map(move |&way| CullCase {
                 way,
-                view: flight(second),
-                second,
+                view,
+                second: 0,
             })
-        });
-        let counted = if is_quick {
-            QUICK_TILE_CELLS
-        } else {
-            COUNTED_TILE_CELLS
         };
-        let counted_ways = views(&CullWay::counted());
-        vec![
-            Self::new("culling", tile_cells, views(&ways), sizes),
-            Self::new("culling-flight", tile_cells, flown.collect(), sizes),
-            Self::new("culling-count", counted, counted_ways, (sizes.0, 0)),
-        ]
-    }
+        VIEWS.into_iter().flat_map(of).collect()
+    };
+    let (tile_cells, counted, step, ways) = match is_quick {
+        true => (
+            QUICK_TILE_CELLS,
+            QUICK_TILE_CELLS,
+            QUICK_FLIGHT_STEP_S,
+            CullWay::few(),
+        ),
+        false => (
+            TILE_CELLS,
+            COUNTED_TILE_CELLS,
+            FLIGHT_STEP_S,
+            CullWay::all(),
+        ),
+    };
+    let flown = (1..=FLIGHT_S).step_by(step);
+    let flown = flown.flat_map(|second| {
+        CullWay::of_flight().into_iter().map(move |way| CullCase {
+            way,
+            view: flight(second),
+            second,
+        })
+    });
+    let counted_ways = views(&CullWay::counted());
+    vec![
+        group("culling", tile_cells, views(&ways), sizes),
+        group("culling-flight", tile_cells, flown.collect(), sizes),
+        group("culling-count", counted, counted_ways, (sizes.0, 0)),
+    ]
+}
 
-    fn new(
-        experiment: &'static str,
-        tile_cells: u32,
-        cases: Vec<CullCase>,
-        (size, samples): (ImageSize, u32),
-    ) -> Self {
-        let planned = |case: &CullCase| {
-            let place = match experiment {
-                "culling-flight" => (keys::FLIGHT_S, case.second.to_string()),
-                _ => (VIEW, case.view.name.to_owned()),
-            };
-            let conditions = [
-                (EXPERIMENT, experiment.to_owned()),
-                (API, case.way.interface.name().to_owned()),
-                (PLACE, case.way.place.name().to_owned()),
-                (TEST, case.way.test.name()),
-                place,
-                (keys::TILE_CELLS, tile_cells.to_string()),
-            ];
-            let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
-            PlannedCase {
-                id: CaseId::new(
-                    STUDY,
-                    values.join("/"),
-                    [&conditions[..], &[size_px(size)]].concat(),
-                ),
-                samples,
-                // What the published test loses is what is asked of it.
-                may_be_wrong: matches!(case.way.test, Test::Point(_)),
-            }
+fn group(
+    experiment: &'static str,
+    tile_cells: u32,
+    cases: Vec<CullCase>,
+    (size, samples): (ImageSize, u32),
+) -> CaseGroup<Culling> {
+    let case = |case: &CullCase| {
+        let place = match experiment {
+            "culling-flight" => (keys::FLIGHT_S, case.second.to_string()),
+            _ => (VIEW, case.view.name.to_owned()),
         };
-        Self {
+        let conditions = vec![
+            (EXPERIMENT, experiment.to_owned()),
+            (API, case.way.interface.name().to_owned()),
+            (PLACE, case.way.place.name().to_owned()),
+            (TEST, case.way.test.name()),
+            place,
+            (keys::TILE_CELLS, tile_cells.to_string()),
+        ];
+        let mut planned = planned(conditions, Some(size_px(size)), samples);
+        // What the published test loses is what is asked of it.
+        planned.may_be_wrong = matches!(case.way.test, Test::Point(_));
+        planned
+    };
+    CaseGroup {
+        name: format!("{STUDY}/{experiment}/{tile_cells}"),
+        cases: cases.iter().map(case).collect(),
+        warm_up: None,
+        work: Culling {
             experiment,
             tile_cells,
             size,
-            planned: cases.iter().map(planned).collect(),
             cases,
-        }
-    }
-}
-
-impl Group for Culling {
-    fn name(&self) -> String {
-        format!("{STUDY}/{}/{}", self.experiment, self.tile_cells)
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.planned
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(CullSession {
-            group: self,
-            context,
-            ground: Rc::new(Ground::new(self.tile_cells)),
-            vulkan: None,
-            wgpu: None,
-            views: BTreeMap::new(),
-            opened: BTreeMap::new(),
-        }))
+        },
+        open: |group, context| {
+            Ok(Box::new(CaseSession(CullSession {
+                group,
+                context,
+                ground: Rc::new(Ground::new(group.work.tile_cells)),
+                vulkan: None,
+                wgpu: None,
+                views: BTreeMap::new(),
+                opened: BTreeMap::new(),
+            })))
+        },
     }
 }
 
@@ -165,7 +152,7 @@ struct Truth {
 }
 
 struct CullSession<'a> {
-    group: &'a Culling,
+    group: &'a CaseGroup<Culling>,
     context: Context<'a>,
     ground: Rc<Ground>,
     vulkan: Option<Rc<VulkanGround>>,
@@ -212,7 +199,7 @@ impl CullSession<'_> {
                     self.vulkan = Some(Rc::new(VulkanGround::new(&gpu, &self.ground)?));
                 }
                 let shared = self.vulkan.as_ref().ok_or(DeviceError::Missing("ground"))?;
-                Box::new(OnVulkan::new(shared, way, view, self.group.size)?)
+                Box::new(OnVulkan::new(shared, way, view, self.group.work.size)?)
             }
             Interface::Wgpu => {
                 if self.wgpu.is_none() {
@@ -220,68 +207,40 @@ impl CullSession<'_> {
                     self.wgpu = Some(Rc::new(WgpuGround::new(&gpu, &self.ground)?));
                 }
                 let shared = self.wgpu.as_ref().ok_or(DeviceError::Missing("ground"))?;
-                Box::new(OnWgpu::new(shared, way, view, self.group.size)?)
+                Box::new(OnWgpu::new(shared, way, view, self.group.work.size)?)
             }
         })
     }
 
-    /// Path of a case's picture, where it is kept: without level 2, or where it is wrong. What differs from the first
-    /// way's picture is red.
-    fn picture(
-        &self,
-        case: usize,
-        numbers: &[u32],
-        wrong: &[bool],
-    ) -> Result<Option<String>, StudyError> {
-        let way = self.group.cases[case].way;
+    /// Whether a case's picture is kept: without level 2, or where it is wrong.
+    fn is_kept(&self, way: CullWay, wrong: &[bool]) -> bool {
         let is_shown = way.place == Place::TilesAlone && way.interface == Interface::Vulkan;
-        let is_five = self.group.experiment == "culling";
-        let is_kept = (is_five && is_shown) || wrong.contains(&true);
-        if !is_kept {
-            return Ok(None);
-        }
-        let name = &self.group.planned[case].id.name;
-        let size = [self.group.size.width, self.group.size.height];
-        let cells = self.ground.grid.cells;
-        let written = write(
-            self.context.folder,
-            name,
-            size,
-            numbers,
-            false,
-            cells,
-            wrong,
-        );
-        written.map(Some).map_err(|message| StudyError::Broken {
-            place: name.clone(),
-            message,
-        })
+        let is_five = self.group.work.experiment == "culling";
+        (is_five && is_shown) || wrong.contains(&true)
     }
 }
 
-impl Session for CullSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        let CullCase { way, view, second } = self.group.cases[case];
+impl Measures for CullSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let CullCase { way, view, second } = self.group.work.cases[case];
+        let size = self.group.work.size;
         let key = (view.name, second);
-        if !self.views.contains_key(&key) {
-            let truth = Truth::new(&self.ground, &view, self.group.size);
-            self.views.insert(key, truth);
-        }
-        let seen = self.views[&key].view;
-        let opened = self.open(way, &seen);
-        let drawn = opened.and_then(|mut opened| Ok((opened.draw()?, opened)));
-        let (shown, opened) = match drawn {
-            Ok(drawn) => drawn,
-            Err(error) => return Ok(verdict_of(&error)),
-        };
-        if self.group.planned[case].samples > 0 {
+        let ground = Rc::clone(&self.ground);
+        let truth = self.views.entry(key);
+        let seen = truth
+            .or_insert_with(|| Truth::new(&ground, &view, size))
+            .view;
+        let mut opened = self.open(way, &seen)?;
+        let shown = opened.draw()?;
+        let planned = &self.group.cases[case];
+        if planned.samples > 0 {
             self.opened.insert(case, opened);
         }
         let numbers = ids_of(&shown.picture);
         let Some(truth) = self.views.get_mut(&key) else {
-            return Ok(Verdict::failed("its view is gone".to_owned()));
+            return Err(Failure::Broken("its view is gone".to_owned()));
         };
-        let judged = rays(&self.ground, &seen, self.group.size).judge_some(&numbers, &truth.met);
+        let judged = rays(&ground, &seen, size).judge_some(&numbers, &truth.met);
         let first = truth.first.entry(way.interface);
         let first = first.or_insert_with(|| numbers.clone());
         let differs = numbers.iter().zip(&*first).map(|(a, b)| a != b);
@@ -291,24 +250,20 @@ impl Session for CullSession<'_> {
             judged,
             shown,
         };
-        let truth = &self.views[&key];
         let (reason, figures) = found.against(truth);
-        let picture = self.picture(case, &numbers, &wrong)?;
-        Ok(Verdict {
-            status: match reason.is_empty() {
-                true => Status::Ok,
-                false => Status::Wrong,
-            },
-            reason,
-            figures,
-            notes: picture.into_iter().map(|path| ("picture", path)).collect(),
-        })
+        // What differs from the first way's picture is red.
+        let notes = match self.is_kept(way, &wrong) {
+            true => {
+                let pixels = of_numbers(&numbers, Some(ground.grid.cells), &wrong);
+                write(self.context.folder, &planned.id.name, size, pixels)?
+            }
+            false => Vec::new(),
+        };
+        Ok(terrafill_study::judged(reason, figures, notes))
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        let opened = self.opened.get_mut(&case).ok_or("it was not verified")?;
-        let times = opened.time().map_err(|error| error.to_string())?;
-        Ok(times.figures())
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        Ok(verified(&mut self.opened, case)?.time()?.figures())
     }
 }
 
@@ -322,7 +277,7 @@ struct Found {
 
 impl Found {
     /// Why it is wrong, if it is, and its figures.
-    fn against(&self, truth: &Truth) -> (String, Vec<(&'static str, f64)>) {
+    fn against(&self, truth: &Truth) -> (String, Figures) {
         let (needed, kept) = (truth.needed(), self.shown.kept.count());
         let mut figures = vec![
             ("cull_tiles", truth.tiles as f64),
@@ -385,8 +340,10 @@ impl Found {
 mod tests {
     use super::*;
     use crate::draws::Counted;
-    use crate::images::PICTURE;
+    use crate::images::{PICTURE, run_folder};
     use terrafill_fill::{Devices, Picture};
+    use terrafill_results::Status;
+    use terrafill_study::Group as _;
 
     #[test]
     fn every_exact_way_shows_the_same_and_the_point_test_is_wrong() {
@@ -407,15 +364,15 @@ mod tests {
                 second: 0,
             })
         });
-        let group = Culling::new("culling", 32, cases.collect(), (PICTURE, 1));
-        let folder = tempfile::tempdir().expect("a folder");
+        let group = group("culling", 32, cases.collect(), (PICTURE, 1));
+        let folder = run_folder();
         let context = Context {
             devices: &devices,
             folder: folder.path(),
         };
         let mut session = group.open(context).expect("opens");
         let (mut right, mut wrong) = (0, 0);
-        for (at, (planned, case)) in group.planned.iter().zip(&group.cases).enumerate() {
+        for (at, (planned, case)) in group.cases.iter().zip(&group.work.cases).enumerate() {
             let verdict = session.verify(at).expect("a verdict");
             let name = &planned.id.name;
             eprintln!(

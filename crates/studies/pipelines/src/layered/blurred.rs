@@ -4,24 +4,23 @@
 //!
 //! A picture has 64 rows, each with a bar of another place between pixels, so that it has all phases at once.
 
-use super::listed::{Listed, LooksUp, rectangle};
+use super::listed::{Listed, numbers_of, rectangle};
 use super::on_wgpu::{Accumulator, Into};
 use crate::STUDY;
 use crate::blur::{
     BAR_PX, BlurError, Filter, MOTION_PX, Moments, PHASES, PIXELS, Resolve, error_of, fading,
     moment_of, starts,
 };
-use crate::draws::verdict_of;
-use crate::keys;
-use crate::keys::{API, EXPERIMENT, FILTER, LAYERS_BY, MOMENTS, RESOLVE, SIZE_PX};
-use crate::lights::{LightColumns, LightWay, differing};
+use crate::draws::{LooksUp, bits, differing, planned, verified};
+use crate::keys::{self, API, EXPERIMENT, FILTER, LAYERS_BY, MOMENTS, RESOLVE, SIZE_PX};
+use crate::lights::{LightColumns, LightWay};
 use crate::way::Interface;
 use bytemuck::{Pod, Zeroable};
 use std::collections::BTreeMap;
-use terrafill_fill::DeviceError;
-use terrafill_results::{CaseId, PlannedCase, SplitMix64, Status, Verdict};
+use terrafill_fill::{DeviceError, Devices};
+use terrafill_results::{PlannedCase, SplitMix64, Verdict};
 use terrafill_scene::ImageSize;
-use terrafill_study::{Context, Group, Session, StudyError};
+use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged};
 
 /// A side of the picture, pixels.
 const SIDE: u32 = 64;
@@ -98,46 +97,52 @@ struct BlurCase {
     layers: u32,
 }
 
-/// Motion blur on devices.
-pub(crate) struct Blurs {
-    planned: Vec<PlannedCase>,
-    cases: Vec<BlurCase>,
+fn cases(is_quick: bool) -> Vec<BlurCase> {
+    let counts: &[u32] = if is_quick { &QUICK_LAYERS } else { &LAYERS };
+    let layered = LightWay::ALL.map(|way| BlurWay::Layers(Interface::Vulkan, way));
+    let passes = BlurWay::Layers(Interface::Wgpu, LightWay::Passes);
+    let mut cases = Vec::new();
+    for filter in Filter::ALL {
+        let mean = |moments| Made::Mean(MeanOf { filter, moments });
+        for &layers in counts {
+            let ways = layered.into_iter().chain([passes]);
+            let ways = ways.chain(Accumulator::ALL.map(BlurWay::Added));
+            let mut ways: Vec<(BlurWay, Made)> =
+                ways.map(|way| (way, mean(Moments::Middle))).collect();
+            ways.push((layered[0], mean(Moments::End)));
+            ways.extend(Interface::ALL.map(|api| (BlurWay::Own(api), mean(Moments::Random))));
+            let case = |(way, made)| BlurCase { way, made, layers };
+            cases.extend(ways.into_iter().map(case));
+        }
+    }
+    for resolve in Resolve::ALL {
+        for layers in RESOLVED {
+            let made = Made::Resolved(resolve);
+            cases.extend([layered[1], passes].map(|way| BlurCase { way, made, layers }));
+        }
+    }
+    cases
 }
 
-impl Blurs {
-    pub(crate) fn new(is_quick: bool, samples: u32) -> Self {
-        let counts: &[u32] = if is_quick { &QUICK_LAYERS } else { &LAYERS };
-        let layered = LightWay::ALL.map(|way| BlurWay::Layers(Interface::Vulkan, way));
-        let passes = BlurWay::Layers(Interface::Wgpu, LightWay::Passes);
-        let mut cases = Vec::new();
-        for filter in Filter::ALL {
-            let mean = |moments| Made::Mean(MeanOf { filter, moments });
-            for &layers in counts {
-                let mut ways: Vec<(BlurWay, Made)> = layered
-                    .into_iter()
-                    .chain([passes])
-                    .chain(Accumulator::ALL.map(BlurWay::Added))
-                    .map(|way| (way, mean(Moments::Middle)))
-                    .collect();
-                ways.push((layered[0], mean(Moments::End)));
-                ways.extend(Interface::ALL.map(|api| (BlurWay::Own(api), mean(Moments::Random))));
-                cases.extend(
-                    ways.into_iter()
-                        .map(|(way, made)| BlurCase { way, made, layers }),
-                );
-            }
-        }
-        for resolve in Resolve::ALL {
-            for layers in RESOLVED {
-                cases.extend([layered[1], passes].map(|way| BlurCase {
-                    way,
-                    made: Made::Resolved(resolve),
-                    layers,
-                }));
-            }
-        }
-        let planned = cases.iter().map(|case| case.planned(samples)).collect();
-        Self { planned, cases }
+/// Motion blur on devices.
+pub(crate) fn group(is_quick: bool, samples: u32) -> impl Group {
+    group_of(cases(is_quick), samples)
+}
+
+fn group_of(cases: Vec<BlurCase>, samples: u32) -> CaseGroup<Vec<BlurCase>> {
+    CaseGroup {
+        name: format!("{STUDY}/blurred"),
+        cases: cases.iter().map(|case| case.planned(samples)).collect(),
+        warm_up: None,
+        work: cases,
+        open: |group, context| {
+            Ok(Box::new(CaseSession(BlurSession {
+                cases: &group.work,
+                context,
+                first: BTreeMap::new(),
+                opened: BTreeMap::new(),
+            })))
+        },
     }
 }
 
@@ -157,14 +162,7 @@ impl BlurCase {
         conditions.push((API, self.way.interface().name().to_owned()));
         conditions.push((LAYERS_BY, self.way.name().to_owned()));
         conditions.push((keys::LAYERS, self.layers.to_string()));
-        let values: Vec<&str> = conditions.iter().map(|(_, value)| &**value).collect();
-        let name = values.join("/");
-        conditions.push((SIZE_PX, SIDE.to_string()));
-        PlannedCase {
-            id: CaseId::new(STUDY, name, conditions),
-            samples,
-            may_be_wrong: false,
-        }
+        planned(conditions, Some((SIZE_PX, SIDE.to_string())), samples)
     }
 
     /// Of the same layers, however they come.
@@ -342,39 +340,10 @@ fn own(filter: Filter, row: u32, pixel: u32, start: f64, count: u32) -> f64 {
     shown.sum::<f64>() / f64::from(count)
 }
 
-impl Group for Blurs {
-    fn name(&self) -> String {
-        format!("{STUDY}/blurred")
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.planned
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(BlurSession {
-            group: self,
-            context,
-            first: BTreeMap::new(),
-            opened: BTreeMap::new(),
-        }))
-    }
-}
-
-struct BlurSession<'a> {
-    group: &'a Blurs,
-    context: Context<'a>,
-    /// Depths of the first way to the same layers on Vulkan.
-    first: BTreeMap<String, Vec<f32>>,
-    /// By case.
-    opened: BTreeMap<usize, Box<dyn LooksUp>>,
-}
-
-impl BlurSession<'_> {
-    fn open(&self, case: &BlurCase) -> Result<Box<dyn LooksUp>, DeviceError> {
-        let scene = case.scene();
-        let devices = self.context.devices;
-        match case.way {
+impl BlurCase {
+    fn open(&self, devices: &Devices) -> Result<Box<dyn LooksUp>, DeviceError> {
+        let scene = self.scene();
+        match self.way {
             BlurWay::Layers(interface, way) => scene.open(devices, interface, way),
             BlurWay::Added(accumulator) => scene.open_wgpu(devices, Into::Sum(accumulator)),
             BlurWay::Own(interface) => scene.open(devices, interface, LightWay::Passes),
@@ -382,29 +351,31 @@ impl BlurSession<'_> {
     }
 }
 
-impl Session for BlurSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        let blurred = self.group.cases[case];
-        let opened = self.open(&blurred);
-        let drawn = opened.and_then(|mut opened| Ok((opened.draw()?, opened)));
-        let (looked, opened) = match drawn {
-            Ok(drawn) => drawn,
-            Err(error) => return Ok(verdict_of(&error)),
-        };
-        let (wrong, judged, error) = blurred.judge(&looked.numbers);
+struct BlurSession<'a> {
+    cases: &'a [BlurCase],
+    context: Context<'a>,
+    /// Bits of depths of the first way to the same layers on Vulkan.
+    first: BTreeMap<String, Vec<u32>>,
+    /// By case.
+    opened: BTreeMap<usize, Box<dyn LooksUp>>,
+}
+
+impl Measures for BlurSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let blurred = self.cases[case];
+        let mut opened = blurred.open(self.context.devices)?;
+        let looked = opened.draw()?;
+        let (wrong, count, error) = blurred.judge(&numbers_of(&looked.picture.rgba));
         let texels = match blurred.way {
             BlurWay::Layers(Interface::Vulkan, _) => {
-                let key = blurred.layers_name();
-                let first = self
-                    .first
-                    .entry(key)
-                    .or_insert_with(|| looked.depths.clone());
-                differing(&looked.depths, first, f32::to_bits)
+                let depths = bits(&looked.depths);
+                let first = self.first.entry(blurred.layers_name());
+                differing(&depths, first.or_insert_with(|| depths.clone()))
             }
             _ => 0,
         };
         let reason = if wrong > 0 {
-            format!("{wrong} of {judged} pixels are outside of what rounding allows")
+            format!("{wrong} of {count} pixels are outside of what rounding allows")
         } else if texels > 0 {
             format!("{texels} texels of layers differ from the first way's")
         } else {
@@ -415,7 +386,7 @@ impl Session for BlurSession<'_> {
             ("blur_max", error.max),
             ("blur_layers", f64::from(blurred.layers)),
             ("layered_wrong_px", wrong as f64),
-            ("layered_judged_px", judged as f64),
+            ("layered_judged_px", count as f64),
             ("lights_depths_differing", texels as f64),
             ("pipeline_held_bytes", opened.bytes() as f64),
             ("lights_passes", opened.passes() as f64),
@@ -423,20 +394,11 @@ impl Session for BlurSession<'_> {
         figures.retain(|(_, value)| value.is_finite());
         figures.extend(looked.counted.figures());
         self.opened.insert(case, opened);
-        Ok(Verdict {
-            status: match reason.is_empty() {
-                true => Status::Ok,
-                false => Status::Wrong,
-            },
-            reason,
-            figures,
-            ..Verdict::default()
-        })
+        Ok(judged(reason, figures, Vec::new()))
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        let opened = self.opened.get_mut(&case).ok_or("it was not verified")?;
-        Ok(opened.time().map_err(|error| error.to_string())?.figures())
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        Ok(verified(&mut self.opened, case)?.time()?.figures())
     }
 }
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Triangles of a list, the matrix of each layer, and the picture that looks the layers up.
 
-use crate::draws::Counted;
-use crate::lights::{FrameTimes, LightColumns};
-use terrafill_fill::DeviceError;
+use crate::lights::LightColumns;
 use terrafill_scene::ImageSize;
 
 /// Most layers, as shaders have room for.
@@ -24,26 +22,6 @@ pub(crate) struct Listed {
     /// WGSL of the picture, and its constants.
     pub(crate) picture: &'static str,
     pub(crate) constants: Vec<u8>,
-}
-
-/// What was shown.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Looked {
-    /// Of each pixel.
-    pub(crate) numbers: Vec<f32>,
-    /// Of all layers, one after the other.
-    pub(crate) depths: Vec<f32>,
-    pub(crate) counted: Counted,
-}
-
-/// Layers and their picture on a device.
-pub(crate) trait LooksUp {
-    fn draw(&mut self) -> Result<Looked, DeviceError>;
-    fn time(&mut self) -> Result<FrameTimes, DeviceError>;
-    /// Of a frame.
-    fn passes(&self) -> usize;
-    /// Of all layers.
-    fn bytes(&self) -> u64;
 }
 
 /// A rectangle of one depth, as two triangles.

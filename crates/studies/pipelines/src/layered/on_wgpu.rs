@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Layers on wgpu: a pass each, or all of them added up in one.
 
-use super::listed::{Listed, Looked, LooksUp, numbers_of};
-use crate::draws::{Counted, Times};
-use crate::lights::FrameTimes;
-use crate::on_wgpu::{bind, buffer_type, draw_pipeline, entry};
+use super::listed::Listed;
+use crate::draws::{Counted, FrameTimes, Looked, LooksUp, Times};
+use crate::on_wgpu::{bind, draw_pipeline, entry, storage_type, texture_type, uniform_type};
 use std::sync::Arc;
 use terrafill_fill::{CpuStopwatch, DeviceError};
 use terrafill_gpu::{Gpu, RenderTargets, read_texture};
@@ -114,8 +113,7 @@ impl OnWgpu {
         };
         let all = view(0, kept, wgpu::TextureViewDimension::D2Array);
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let read = buffer_type(wgpu::BufferBindingType::Storage { read_only: true });
-        let block = buffer_type(wgpu::BufferBindingType::Uniform);
+        let (read, block) = (storage_type(true), uniform_type());
         let entries = [
             entry(1, wgpu::ShaderStages::VERTEX, read),
             entry(2, both, block),
@@ -123,11 +121,7 @@ impl OnWgpu {
         let (layout, bound) = bind(gpu, &entries, &[at(1, &places), at(2, &constants)]);
         let pipeline = layer_pipeline(gpu, &layout, into)?;
         let fragment = wgpu::ShaderStages::FRAGMENT;
-        let texels = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2Array,
-            multisampled: false,
-        };
+        let texels = texture_type(wgpu::TextureViewDimension::D2Array);
         let entries = [
             entry(0, fragment, block),
             entry(2, fragment, block),
@@ -306,7 +300,7 @@ impl LooksUp for OnWgpu {
             }
         };
         Ok(Looked {
-            numbers: numbers_of(&self.targets.read()?.rgba),
+            picture: self.targets.read()?,
             depths,
             counted: Counted::default(),
         })
@@ -314,19 +308,12 @@ impl LooksUp for OnWgpu {
 
     fn time(&mut self) -> Result<FrameTimes, DeviceError> {
         let watch = CpuStopwatch::start();
-        let times = |watch: &CpuStopwatch| Times {
-            cpu_ms: watch.cpu_ms(),
-            wall_ms: watch.wall_ms(),
-            // The passes of the layers keep no time.
-            gpu_ms: None,
-        };
         self.draw_layers()?;
-        let maps = times(&watch);
+        // The passes of the layers keep no GPU time.
+        let maps = Times::since(&watch, None);
         self.draw_picture()?;
-        Ok(FrameTimes {
-            all: times(&watch),
-            maps,
-        })
+        let all = Times::since(&watch, None);
+        Ok(FrameTimes { all, maps })
     }
 
     fn passes(&self) -> usize {

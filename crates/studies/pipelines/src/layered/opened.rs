@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Opening layers and their picture on an interface.
 
-use super::listed::{Listed, Looked, LooksUp, numbers_of};
+use super::listed::Listed;
 use super::on_wgpu::{Into, OnWgpu};
-use crate::lights::{FrameTimes, LayerParts, LightWay, OnVulkan, known, uniform};
+use crate::draws::LooksUp;
+use crate::lights::{LayerParts, LightWay, OnVulkan, known};
+use crate::on_vulkan::uniform;
 use crate::way::Interface;
 use std::sync::Arc;
 use terrafill_fill::{DeviceError, Devices};
@@ -55,28 +57,5 @@ impl Listed {
     ) -> Result<Box<dyn LooksUp>, DeviceError> {
         let gpu = terrafill_gpu::shared_gpu(devices)?;
         Ok(Box::new(OnWgpu::new(&gpu, self, into)?))
-    }
-}
-
-impl LooksUp for OnVulkan {
-    fn draw(&mut self) -> Result<Looked, DeviceError> {
-        let shown = OnVulkan::draw(self)?;
-        Ok(Looked {
-            numbers: numbers_of(&shown.picture.rgba),
-            depths: shown.depths,
-            counted: shown.counted,
-        })
-    }
-
-    fn time(&mut self) -> Result<FrameTimes, DeviceError> {
-        OnVulkan::time(self)
-    }
-
-    fn passes(&self) -> usize {
-        OnVulkan::passes(self)
-    }
-
-    fn bytes(&self) -> u64 {
-        self.map_bytes()
     }
 }

@@ -4,8 +4,9 @@
 //! A square of 1 × 1 is seen from straight above; a light's ray moves aside by its shear a unit of depth, so
 //! that a level plane lies undistorted on every map. Depths grow towards the lights.
 
-use super::listed::{Listed, Looked, rectangle};
+use super::listed::{Listed, numbers_of, rectangle};
 use super::variance_bounds::{TAPS, light, moments};
+use crate::draws::Looked;
 use crate::lights::LightColumns;
 use crate::variance::{DepthFormat, Moments, gaussian};
 use bytemuck::{Pod, Zeroable};
@@ -223,8 +224,13 @@ impl Shade {
         }
     }
 
-    pub(crate) fn size(self) -> [u32; 2] {
-        [self.sides()[1]; 2]
+    /// Of the picture.
+    pub(crate) fn size(self) -> ImageSize {
+        let [_, side] = self.sides();
+        ImageSize {
+            width: side,
+            height: side,
+        }
     }
 
     /// What is drawn.
@@ -267,10 +273,7 @@ impl Shade {
             places,
             layers: self.shears().into_iter().map(layer).collect(),
             side: texels,
-            size: ImageSize {
-                width: pixels,
-                height: pixels,
-            },
+            size: self.size(),
             values,
             picture: "pipelines/shaded.wgsl",
             constants: bytemuck::bytes_of(&constants).to_vec(),
@@ -365,7 +368,7 @@ impl Shade {
         };
         let mut found = Found::default();
         let (mut dark, mut black, mut outside) = (0, 0, 0);
-        for (pixel, shown) in (0..).zip(&looked.numbers) {
+        for (pixel, shown) in (0..).zip(numbers_of(&looked.picture.rgba)) {
             if !self.is_inside(pixel) {
                 continue;
             }
@@ -377,10 +380,10 @@ impl Shade {
             let taps = self.window(&looked.depths, 0, self.texel_of(pixel));
             let receiver = receivers[pixel as usize];
             let allowed = light(&taps, receiver, self.moments(), least.map(f64::from));
-            found.add(allowed, *shown);
-            dark += usize::from(*shown < LIT);
-            black += usize::from(*shown < 1.0 - LIT);
-            outside += usize::from(!(0.0..=1.0).contains(shown));
+            found.add(allowed, shown);
+            dark += usize::from(shown < LIT);
+            black += usize::from(shown < 1.0 - LIT);
+            outside += usize::from(!(0.0..=1.0).contains(&shown));
         }
         let share = |count: usize| count as f64 / found.judged.max(1) as f64;
         found.figures = vec![
@@ -398,7 +401,7 @@ impl Shade {
         };
         let mut found = Found::default();
         let (mut relative, mut absolute, mut max) = (0.0, 0.0, 0.0_f64);
-        for (pixel, shown) in (0..).zip(&looked.numbers) {
+        for (pixel, shown) in (0..).zip(numbers_of(&looked.picture.rgba)) {
             if !self.is_inside(pixel) {
                 continue;
             }
@@ -409,8 +412,8 @@ impl Shade {
             }
             let taps = self.window(&looked.depths, 0, self.texel_of(pixel));
             let [_, variance] = moments(&taps, way.offset(receivers[pixel as usize]));
-            found.wrong += usize::from(!variance.allows(*shown));
-            let error = f64::from(*shown) - variance.value;
+            found.wrong += usize::from(!variance.allows(shown));
+            let error = f64::from(shown) - variance.value;
             relative += (error / variance.value).powi(2);
             absolute += error * error;
             max = max.max(error.abs());
@@ -427,7 +430,7 @@ impl Shade {
     fn judge_disc(self, looked: &Looked) -> Found {
         let mut found = Found::default();
         let least = self.least().map(f64::from);
-        for (pixel, shown) in (0..).zip(&looked.numbers) {
+        for (pixel, shown) in (0..).zip(numbers_of(&looked.picture.rgba)) {
             found.judged += 1;
             if !shown.is_finite() {
                 found.non_finite += 1;
@@ -444,7 +447,7 @@ impl Shade {
             });
             // Four products are rounded.
             let allowed = product.map(|[low, high]| [low * (1.0 - 1e-6), high * (1.0 + 1e-6)]);
-            found.add(allowed, *shown);
+            found.add(allowed, shown);
         }
         found
     }
@@ -453,7 +456,7 @@ impl Shade {
         let [texels, pixels] = self.sides();
         let mut found = Found::default();
         let (mut differing, mut farthest) = (0, 0.0_f64);
-        for (pixel, shown) in (0..).zip(&looked.numbers) {
+        for (pixel, shown) in (0..).zip(numbers_of(&looked.picture.rgba)) {
             found.judged += 1;
             if !shown.is_finite() {
                 found.non_finite += 1;
@@ -475,7 +478,7 @@ impl Shade {
                     farthest = farthest.max(away.abs() * f64::from(texels));
                 }
             }
-            found.wrong += usize::from(f64::from(*shown) != f64::from(mask));
+            found.wrong += usize::from(f64::from(shown) != f64::from(mask));
         }
         let area = f64::from(differing) / f64::from(pixels).powi(2) / SHEARS.len() as f64;
         let perimeter = TAU * RADIUS;

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The cases: variance and hard shadows on devices, by moments, formats, spreads and resolutions.
 
-use super::listed::LooksUp;
+use super::listed::numbers_of;
 use super::shaded::{SHEARS, Shade};
 use crate::STUDY;
-use crate::draws::verdict_of;
-use crate::images::write_shares;
-use crate::keys::{API, DEPTH, EXPERIMENT, FLOOR, LAYERS_BY, MOMENTS, SIGMA, SIZE_PX, TEXELS};
+use crate::draws::{LooksUp, planned, verified};
+use crate::images::{of_shares, size_px, write};
+use crate::keys::{API, DEPTH, EXPERIMENT, FLOOR, LAYERS_BY, MOMENTS, SIGMA, TEXELS};
 use crate::lights::LightWay;
 use crate::variance::{DepthFormat, Moments};
 use crate::way::Interface;
 use std::collections::BTreeMap;
-use terrafill_results::{CaseId, ConditionKey, PlannedCase, Status, Verdict};
-use terrafill_study::{Context, Group, Session, StudyError, size_name};
+use terrafill_results::{ConditionKey, Verdict};
+use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged};
 
 /// Under the variance.
 const LEAST: f32 = 1e-7;
@@ -28,12 +28,6 @@ struct ShadeCase {
     shade: Shade,
     interface: Interface,
     way: LightWay,
-}
-
-/// Shadows on devices.
-pub(crate) struct Shades {
-    planned: Vec<PlannedCase>,
-    cases: Vec<ShadeCase>,
 }
 
 fn shades(is_quick: bool) -> Vec<Shade> {
@@ -114,83 +108,72 @@ impl Shade {
     }
 }
 
-impl Shades {
-    pub(crate) fn new(is_quick: bool, samples: u32) -> Self {
-        let (mut planned, mut cases) = (Vec::new(), Vec::new());
-        for shade in shades(is_quick) {
-            let mut ways = vec![
-                (Interface::Vulkan, LightWay::Passes),
-                (Interface::Wgpu, LightWay::Passes),
-            ];
-            if shade.has_several_lights() {
-                ways.push((Interface::Vulkan, LightWay::Copied));
-            }
-            for (interface, way) in ways {
-                let mut conditions = shade.conditions();
-                conditions.push((API, interface.name().to_owned()));
-                conditions.push((LAYERS_BY, way.name().to_owned()));
-                let values: Vec<&str> = conditions.iter().map(|(_, value)| &**value).collect();
-                let name = values.join("/");
-                conditions.push((SIZE_PX, size_name(shade.size())));
-                planned.push(PlannedCase {
-                    id: CaseId::new(STUDY, name, conditions),
-                    // What is drawn once says all but of several lights.
-                    samples: if shade.has_several_lights() {
-                        samples
-                    } else {
-                        0
-                    },
-                    may_be_wrong: false,
-                });
-                cases.push(ShadeCase {
-                    shade,
-                    interface,
-                    way,
-                });
-            }
-        }
-        Self { planned, cases }
-    }
+fn cases(is_quick: bool) -> Vec<ShadeCase> {
+    let ways = [
+        (Interface::Vulkan, LightWay::Passes),
+        (Interface::Wgpu, LightWay::Passes),
+        (Interface::Vulkan, LightWay::Copied),
+    ];
+    let of = |shade: Shade| {
+        let count = if shade.has_several_lights() { 3 } else { 2 };
+        let ways = ways.into_iter().take(count);
+        ways.map(move |(interface, way)| ShadeCase {
+            shade,
+            interface,
+            way,
+        })
+    };
+    shades(is_quick).into_iter().flat_map(of).collect()
 }
 
-impl Group for Shades {
-    fn name(&self) -> String {
-        format!("{STUDY}/shaded")
-    }
+/// Shadows on devices.
+pub(crate) fn group(is_quick: bool, samples: u32) -> impl Group {
+    group_of(cases(is_quick), samples)
+}
 
-    fn cases(&self) -> &[PlannedCase] {
-        &self.planned
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(ShadeSession {
-            group: self,
-            context,
-            opened: BTreeMap::new(),
-        }))
+fn group_of(cases: Vec<ShadeCase>, samples: u32) -> CaseGroup<Vec<ShadeCase>> {
+    let case = |case: &ShadeCase| {
+        let mut conditions = case.shade.conditions();
+        conditions.push((API, case.interface.name().to_owned()));
+        conditions.push((LAYERS_BY, case.way.name().to_owned()));
+        // What is drawn once says all but of several lights.
+        let samples = if case.shade.has_several_lights() {
+            samples
+        } else {
+            0
+        };
+        planned(conditions, Some(size_px(case.shade.size())), samples)
+    };
+    CaseGroup {
+        name: format!("{STUDY}/shaded"),
+        cases: cases.iter().map(case).collect(),
+        warm_up: None,
+        work: cases,
+        open: |group, context| {
+            Ok(Box::new(CaseSession(ShadeSession {
+                group,
+                context,
+                opened: BTreeMap::new(),
+            })))
+        },
     }
 }
 
 struct ShadeSession<'a> {
-    group: &'a Shades,
+    group: &'a CaseGroup<Vec<ShadeCase>>,
     context: Context<'a>,
     /// By case.
     opened: BTreeMap<usize, Box<dyn LooksUp>>,
 }
 
-impl ShadeSession<'_> {
-    /// Path of the picture of what several lights reach.
-    fn picture(&self, case: usize, numbers: &[f32]) -> Result<Option<String>, StudyError> {
-        let ShadeCase {
-            shade,
-            interface,
-            way,
-        } = self.group.cases[case];
-        let is_shown = interface == Interface::Vulkan && way == LightWay::Passes;
-        if !is_shown || !shade.has_several_lights() {
-            return Ok(None);
+impl ShadeCase {
+    /// Shares of light of its picture, where it is kept: what several lights reach.
+    fn shares(self, numbers: Vec<f32>) -> Option<Vec<f32>> {
+        let is_shown = self.interface == Interface::Vulkan && self.way == LightWay::Passes;
+        if !is_shown || !self.shade.has_several_lights() {
+            return None;
         }
-        let shares: Vec<f32> = match shade {
+        Some(match self.shade {
             // Masks of lights: the lighter, the more of them.
             Shade::Hard { .. } => {
                 let most = SHEARS.len() as f32;
@@ -202,30 +185,21 @@ impl ShadeSession<'_> {
                 let share = |mask: &f32| (*mask as u32).count_ones() as f32 / most;
                 numbers.iter().map(share).collect()
             }
-            _ => numbers.to_vec(),
-        };
-        let name = &self.group.planned[case].id.name;
-        let written = write_shares(self.context.folder, name, shade.size(), &shares);
-        written.map(Some).map_err(|message| StudyError::Broken {
-            place: name.clone(),
-            message,
+            _ => numbers,
         })
     }
 }
 
-impl Session for ShadeSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+impl Measures for ShadeSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let drawn = self.group.work[case];
         let ShadeCase {
             shade,
             interface,
             way,
-        } = self.group.cases[case];
-        let opened = shade.scene().open(self.context.devices, interface, way);
-        let drawn = opened.and_then(|mut opened| Ok((opened.draw()?, opened)));
-        let (looked, opened) = match drawn {
-            Ok(drawn) => drawn,
-            Err(error) => return Ok(verdict_of(&error)),
-        };
+        } = drawn;
+        let mut opened = shade.scene().open(self.context.devices, interface, way)?;
+        let looked = opened.draw()?;
         let found = shade.judge(&looked);
         let reason = if found.wrong_texels > 0 {
             let texels = found.wrong_texels;
@@ -250,24 +224,22 @@ impl Session for ShadeSession<'_> {
             ("lights_passes", opened.passes() as f64),
         ]);
         figures.extend(looked.counted.figures());
-        if self.group.planned[case].samples > 0 {
+        let planned = &self.group.cases[case];
+        if planned.samples > 0 {
             self.opened.insert(case, opened);
         }
-        let picture = self.picture(case, &looked.numbers)?;
-        Ok(Verdict {
-            status: match reason.is_empty() {
-                true => Status::Ok,
-                false => Status::Wrong,
-            },
-            reason,
-            figures,
-            notes: picture.into_iter().map(|path| ("picture", path)).collect(),
-        })
+        let notes = match drawn.shares(numbers_of(&looked.picture.rgba)) {
+            Some(shares) => {
+                let name = &planned.id.name;
+                write(self.context.folder, name, shade.size(), of_shares(&shares))?
+            }
+            None => Vec::new(),
+        };
+        Ok(judged(reason, figures, notes))
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        let opened = self.opened.get_mut(&case).ok_or("it was not verified")?;
-        Ok(opened.time().map_err(|error| error.to_string())?.figures())
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        Ok(verified(&mut self.opened, case)?.time()?.figures())
     }
 }
 

@@ -3,15 +3,16 @@
 
 use super::scene::{DistantLight, LightConstants};
 use super::way::LightWay;
-use crate::draws::{Counted, Times};
+use crate::draws::{Counted, FrameTimes, Looked, LooksUp, Times};
 use crate::grid::{Grid, GridConstants, View};
+use crate::on_vulkan::{heights, uniform};
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError, Picture, RouteTexelFormat, RouteTexels};
+use terrafill_fill::{CpuStopwatch, DeviceError};
 use terrafill_scene::ImageSize;
 use terrafill_vulkan::{
-    Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, GeometryOutput, Gpu, LayerPipeline,
-    LayeredDepth, Measured, PrimitiveStages, RenderTargets, Resource, Resources, SampledImage,
-    Shader, Topology, VertexFormat,
+    DirectDraw, DirectReport, DrawCall, DrawPipeline, GeometryOutput, Gpu, LayerPipeline,
+    LayeredDepth, Measured, PrimitiveStages, RenderTargets, Resource, Resources, Shader, Topology,
+    VertexFormat,
 };
 
 const LIT: &str = "pipelines/lit.wgsl";
@@ -47,20 +48,6 @@ pub(crate) struct LayerParts {
     pub(crate) size: ImageSize,
 }
 
-/// What a frame showed.
-pub(crate) struct Shown {
-    pub(crate) picture: Picture,
-    pub(crate) depths: Vec<f32>,
-    /// Of the maps.
-    pub(crate) counted: Counted,
-}
-
-/// Times of a frame, and of its maps alone.
-pub(crate) struct FrameTimes {
-    pub(crate) all: Times,
-    pub(crate) maps: Times,
-}
-
 /// A geometry shader for so many layers, where the way has one.
 pub(crate) fn known(
     gpu: &Gpu,
@@ -71,21 +58,6 @@ pub(crate) fn known(
         let what = format!("a geometry shader compiled for {layers} layers");
         DeviceError::unsupported(&what, &gpu.facts.name)
     })
-}
-
-/// A uniform block.
-pub(crate) fn uniform(gpu: &Arc<Gpu>, label: &str, bytes: &[u8]) -> Result<Resource, DeviceError> {
-    let buffer = Buffer::upload(gpu, label, bytes, BufferUse::Uniform)?;
-    Ok(Resource::Uniform(Arc::new(buffer)))
-}
-
-impl FrameTimes {
-    pub(crate) fn figures(&self) -> Vec<(&'static str, f64)> {
-        let mut figures = self.all.figures();
-        figures.push(("lights_maps_cpu_ms", self.maps.cpu_ms));
-        figures.extend(self.maps.gpu_ms.map(|ms| ("lights_maps_gpu_ms", ms)));
-        figures
-    }
 }
 
 impl OnVulkan {
@@ -103,13 +75,6 @@ impl OnVulkan {
         let layers = u32::try_from(lights.len()).unwrap_or(u32::MAX);
         let constants = GridConstants::new(grid, &View::new());
         let of_lights = LightConstants::new(grid, lights, side);
-        let texels = RouteTexels {
-            format: RouteTexelFormat::R32Float,
-            is_filtered: false,
-            size: [grid.cells + 1; 2],
-            is_cube: false,
-            bytes: bytemuck::cast_slice(&grid.heights).to_vec(),
-        };
         let parts = LayerParts {
             way,
             layers,
@@ -119,7 +84,7 @@ impl OnVulkan {
             vertices: [6 * grid.cells * grid.cells; 2],
             resources: vec![
                 uniform(gpu, "grid constants", bytemuck::bytes_of(&constants))?,
-                Resource::Image(Arc::new(SampledImage::route(gpu, &texels)?)),
+                Resource::Image(heights(gpu, grid)?),
                 uniform(gpu, "lights", bytemuck::bytes_of(&of_lights))?,
             ],
             behind: None,
@@ -170,33 +135,14 @@ impl OnVulkan {
         })
     }
 
-    /// Passes of a frame: those of the maps and that of the picture.
-    pub(crate) fn passes(&self) -> usize {
-        self.maps.passes() + 1
-    }
-
-    pub(crate) fn map_bytes(&self) -> u64 {
-        self.maps.bytes()
-    }
-
-    pub(crate) fn draw(&mut self) -> Result<Shown, DeviceError> {
+    fn draw_maps(&mut self, measured: Measured) -> Result<DirectReport, DeviceError> {
         let instances = self.way.instances(self.layers);
         let pipeline = &self.maps_pipeline;
-        let measured = Measured::Statistics;
-        let report = self
-            .maps
-            .draw(pipeline, self.vertices[0], instances, measured)?;
-        self.picture(Measured::Nothing)?;
-        Ok(Shown {
-            picture: self.targets.read()?,
-            depths: self.maps.read()?,
-            counted: report
-                .statistics
-                .map_or_else(Counted::default, Counted::from),
-        })
+        self.maps
+            .draw(pipeline, self.vertices[0], instances, measured)
     }
 
-    fn picture(&mut self, measured: Measured) -> Result<Option<f64>, DeviceError> {
+    fn draw_picture(&mut self, measured: Measured) -> Result<Option<f64>, DeviceError> {
         let ranges: Vec<_> = std::iter::once(0..self.vertices[1]).collect();
         let draw = DirectDraw {
             pipeline: &self.pipeline,
@@ -205,29 +151,34 @@ impl OnVulkan {
         };
         Ok(self.targets.draw_directly(None, &draw, measured)?.gpu_ms)
     }
+}
 
-    pub(crate) fn time(&mut self) -> Result<FrameTimes, DeviceError> {
+impl LooksUp for OnVulkan {
+    fn draw(&mut self) -> Result<Looked, DeviceError> {
+        let report = self.draw_maps(Measured::Statistics)?;
+        self.draw_picture(Measured::Nothing)?;
+        Ok(Looked {
+            picture: self.targets.read()?,
+            depths: self.maps.read()?,
+            counted: Counted::from(report.statistics),
+        })
+    }
+
+    fn time(&mut self) -> Result<FrameTimes, DeviceError> {
         let watch = CpuStopwatch::start();
-        let instances = self.way.instances(self.layers);
-        let pipeline = &self.maps_pipeline;
-        let measured = Measured::Times;
-        let report = self
-            .maps
-            .draw(pipeline, self.vertices[0], instances, measured)?;
-        let maps = Times {
-            cpu_ms: watch.cpu_ms(),
-            wall_ms: watch.wall_ms(),
-            gpu_ms: report.gpu_ms,
-        };
-        let picture_ms = self.picture(measured)?;
-        let all = Times {
-            cpu_ms: watch.cpu_ms(),
-            wall_ms: watch.wall_ms(),
-            gpu_ms: maps
-                .gpu_ms
-                .zip(picture_ms)
-                .map(|(maps, picture)| maps + picture),
-        };
+        let report = self.draw_maps(Measured::Times)?;
+        let maps = Times::since(&watch, report.gpu_ms);
+        let picture_ms = self.draw_picture(Measured::Times)?;
+        let both = maps.gpu_ms.zip(picture_ms);
+        let all = Times::since(&watch, both.map(|(maps, picture)| maps + picture));
         Ok(FrameTimes { all, maps })
+    }
+
+    fn passes(&self) -> usize {
+        self.maps.passes() + 1
+    }
+
+    fn bytes(&self) -> u64 {
+        self.maps.bytes()
     }
 }

@@ -3,7 +3,7 @@
 
 use super::*;
 use std::rc::Rc;
-use terrafill_fill::Devices;
+use terrafill_results::Status;
 use terrafill_shaders::struct_layout;
 
 #[test]
@@ -31,7 +31,7 @@ fn devices_blur_as_defined_and_another_exposure_is_noticed() {
     {
         return;
     }
-    let group = Blurs::new(true, 1);
+    let group = group_of(cases(true), 1);
     let folder = tempfile::tempdir().expect("a folder");
     let context = Context {
         devices: &devices,
@@ -39,7 +39,7 @@ fn devices_blur_as_defined_and_another_exposure_is_noticed() {
     };
     let mut session = group.open(context).expect("opens");
     let (mut right, mut rms): (_, BTreeMap<String, f64>) = (0, BTreeMap::new());
-    for (at, (planned, case)) in group.planned.iter().zip(&group.cases).enumerate() {
+    for (at, (planned, case)) in group.cases.iter().zip(&group.work).enumerate() {
         let verdict = session.verify(at).expect("a verdict");
         let name = &planned.id.name;
         eprintln!("{name}: {} {:?}", verdict.reason, verdict.figures);
@@ -80,7 +80,8 @@ fn devices_blur_as_defined_and_another_exposure_is_noticed() {
     };
     let drawn = |scene: Listed| {
         let opened = scene.open(&devices, Interface::Vulkan, LightWay::Passes);
-        opened.expect("opens").draw().expect("draws").numbers
+        let looked = opened.expect("opens").draw().expect("draws");
+        numbers_of(&looked.picture.rgba)
     };
     let middle = at(Moments::Middle, 16);
     assert_eq!(middle.judge(&drawn(middle.scene())).0, 0);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Shadows on devices against their formulas, and what must be noticed.
 
-use super::super::listed::Looked;
 use super::*;
+use crate::draws::Looked;
+use crate::images::run_folder;
 use std::rc::Rc;
 use terrafill_fill::Devices;
+use terrafill_results::Status;
 
 fn figure(verdict: &Verdict, name: &str) -> f64 {
     let figure = verdict.figures.iter().find(|figure| figure.0 == name);
@@ -24,15 +26,15 @@ fn devices_show_what_the_formulas_allow() {
     if !has_devices(&devices) {
         return;
     }
-    let group = Shades::new(true, 1);
-    let folder = tempfile::tempdir().expect("a folder");
+    let group = group_of(cases(true), 1);
+    let folder = run_folder();
     let context = Context {
         devices: &devices,
         folder: folder.path(),
     };
     let mut session = group.open(context).expect("opens");
     let mut right = 0;
-    for (at, (planned, case)) in group.planned.iter().zip(&group.cases).enumerate() {
+    for (at, (planned, case)) in group.cases.iter().zip(&group.work).enumerate() {
         let verdict = session.verify(at).expect("a verdict");
         let name = &planned.id.name;
         eprintln!("{name}: {} {:?}", verdict.reason, verdict.figures);
@@ -104,6 +106,6 @@ fn other_moments_other_maps_and_a_light_that_is_aside_are_noticed() {
     let hard = Shade::Hard { texels: 64 };
     let mut looked = draw(&hard.scene());
     assert_eq!(hard.judge(&looked).wrong, 0);
-    looked.numbers.rotate_right(40);
+    looked.picture.rgba.rotate_right(4 * 40);
     assert!(hard.judge(&looked).wrong > 100);
 }

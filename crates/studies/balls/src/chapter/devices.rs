@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The chapter's section on balls that step on devices.
+
+use crate::keys::{
+    BALL_DEVICE_MAX_M, BALL_DEVICE_RMS_M, BALL_UPLOAD_BYTES, BALLS, INTERFACE, PART, WAY,
+};
+use crate::metrics::METRICS;
+use crate::stepping::Way;
+use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};
+use terrafill_plot::number::significant;
+use terrafill_results::{Case, Clock, Finding, Metric};
+
+const CPU: &Metric = Metric::of(&METRICS, "ball_step_cpu_us");
+const WALL: &Metric = Metric::of(&METRICS, "ball_step_wall_us");
+const GPU: &Metric = Metric::of(&METRICS, "ball_step_gpu_us");
+/// Numbers of balls between which the slope is taken.
+const SLOPE: [&str; 2] = ["10000", "1000000"];
+/// Slopes of log time over log number of balls that count as proportional.
+const PROPORTIONAL: std::ops::RangeInclusive<f64> = 0.9..=1.1;
+
+pub(super) const SECTION: Section<'static> = Section {
+    title: "Steps on devices",
+    text: "Balls are dropped from 0.1 to 0.3 m onto a spring of k/m = 1e3 1/s² and take 240 steps of 1/480 s by \
+           symplectic Euler. A device steps them from one buffer into another, and nothing is drawn. Errors are \
+           against the same integrator in f64, for 10 000 balls at most. A frame is four steps in one submission. \
+           CPU time is that of the whole process, threads of a driver that draws on the CPU included.",
+    cases: Select::With(PART, "device"),
+    named_by: Names::Columns(&[("interface", INTERFACE), ("way", WAY), ("balls", BALLS)]),
+    columns: &[
+        Column::metric("largest error, m", BALL_DEVICE_MAX_M),
+        Column::metric("rms error, m", BALL_DEVICE_RMS_M),
+        Column::metric("CPU µs a step", CPU),
+        Column::of(
+            "CPU ns a step and ball",
+            Figure::Computed(|case| Some(1e3 * case.value(CPU)? / balls(case))),
+        ),
+        Column::metric("wall µs a step", WALL),
+        Column::metric("GPU µs a step", GPU).or("the device keeps no time"),
+        Column::metric("uploaded in all steps", BALL_UPLOAD_BYTES),
+    ],
+    ..Section::EMPTY
+};
+
+/// What devices are compared by.
+fn time(clock: Clock) -> &'static Metric {
+    clock.pick(GPU, CPU)
+}
+
+fn balls(case: &Case) -> f64 {
+    case.condition(BALLS).parse().unwrap_or(f64::NAN)
+}
+
+/// Slope of log time over log number of balls.
+fn slope(first: (f64, f64), last: (f64, f64)) -> f64 {
+    (last.1 / first.1).ln() / (last.0 / first.0).ln()
+}
+
+fn slope_of(cases: &Cases<'_>, way: Way) -> Option<f64> {
+    let (interface, name) = way.names();
+    let own = cases.with(&[(INTERFACE, interface), (WAY, name)]);
+    let point = |count: &str| {
+        let case = own
+            .with(&[(BALLS, count)])
+            .iter()
+            .find(|case| case.counts())?;
+        Some((balls(case), case.value(time(cases.clock()))?))
+    };
+    Some(slope(point(SLOPE[0])?, point(SLOPE[1])?))
+}
+
+/// The way that steps the most balls fastest, with what explains it.
+pub(super) fn recommended(cases: &Cases<'_>) -> Option<String> {
+    let clock = cases.clock();
+    let timed = cases.with(&[(PART, "device")]);
+    let timed = timed.fitting(|case| case.counts() && case.value(time(clock)).is_some());
+    let most = timed.iter().map(balls).max_by(f64::total_cmp)?;
+    let best = timed
+        .fitting(|case| balls(case) >= most)
+        .best(time(clock))?;
+    let name = |case: &Case| format!("{} {}", case.condition(INTERFACE), case.condition(WAY));
+    let uploaded = best.case.value(BALL_UPLOAD_BYTES).map(significant);
+    Some(format!(
+        "{most} balls are stepped fastest by {}{}: {} ns of {} a ball and step, {} bytes uploaded.",
+        name(best.case),
+        best.tied_with(name),
+        significant(1e3 * best.value / most),
+        clock.name(),
+        uploaded.unwrap_or_default(),
+    ))
+}
+
+pub(super) fn findings(cases: &Cases<'_>) -> Vec<Finding> {
+    let own = cases.with(&[(PART, "device")]);
+    let of_way = |way: Way| {
+        let (interface, name) = way.names();
+        let slope = slope_of(&own, way);
+        finding(
+            format!(
+                "{} of a step by {interface} {name} grows as the balls do, from 1e4 to 1e6:",
+                cases.clock().pick("GPU time", "CPU time")
+            ),
+            slope.map(|slope| PROPORTIONAL.contains(&slope)),
+            slope.map_or_else(String::new, |slope| format!("slope {}", significant(slope))),
+        )
+    };
+    let most = own.greatest(BALL_UPLOAD_BYTES);
+    let mut findings = Way::ALL.map(of_way).to_vec();
+    findings.push(finding(
+        "The CPU uploads nothing while balls step on a device:",
+        most.map(|most| most <= 0.0),
+        most.map_or_else(String::new, |most| format!("at most {most} B")),
+    ));
+    findings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_results::RunEnvironment;
+    use terrafill_results::made_up::{MadeUpRun, case_id};
+
+    /// The sentence on the fastest way, where the two clocks of the ways on Vulkan disagree.
+    fn fastest(device_type: &str, gpu_timestamps: bool) -> String {
+        let mut made = MadeUpRun {
+            environment: RunEnvironment {
+                device_type: device_type.to_owned(),
+                gpu_timestamps,
+                ..RunEnvironment::default()
+            },
+            ..MadeUpRun::default()
+        };
+        for (way, [gpu, cpu]) in [
+            (Way::VulkanCompute, [1.0, 9.0]),
+            (Way::VulkanFeedback, [3.4, 8.0]),
+        ] {
+            let (interface, name) = way.names();
+            let conditions = [
+                ("part", "device"),
+                ("interface", interface),
+                ("way", name),
+                ("balls", "1000000"),
+            ];
+            let case = made.case(case_id(crate::STUDY, name, &conditions));
+            case.timed(GPU, &[gpu]).timed(CPU, &[cpu]);
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = made.write(folder.path()).expect("a run");
+        recommended(&Cases::of_study(&run, crate::STUDY)).expect("a sentence")
+    }
+
+    #[test]
+    fn a_gpu_ranks_its_steps_by_its_own_clock_and_a_software_device_by_the_process() {
+        let said = fastest("discrete-gpu", true);
+        assert!(said.contains("by vulkan compute"), "{said}");
+        assert!(said.contains("GPU time"), "{said}");
+        // Negative control: process CPU time names the other way, and is said.
+        let said = fastest("cpu", true);
+        assert!(said.contains("by vulkan transform-feedback"), "{said}");
+        assert!(said.contains("process CPU time"), "{said}");
+    }
+
+    #[test]
+    fn time_in_proportion_has_slope_1_and_a_fixed_cost_has_less() {
+        assert!((slope((1e4, 3.0), (1e6, 300.0)) - 1.0).abs() < 1e-12);
+        assert!(PROPORTIONAL.contains(&slope((1e4, 3.3), (1e6, 300.0))));
+        // Twins: a fixed cost as large as that of 1e4 balls, and growth by the power 1.2.
+        assert!(!PROPORTIONAL.contains(&slope((1e4, 6.0), (1e6, 303.0))));
+        assert!(!PROPORTIONAL.contains(&slope((1e4, 1.0), (1e6, 100_f64.powf(1.2)))));
+    }
+}

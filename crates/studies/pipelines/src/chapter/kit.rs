@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Times of the chapter's sections, cases beside others, and columns that need two cases.
+
+use crate::keys::API;
+use crate::metrics::METRICS;
+use terrafill_lab::{Cases, Column, Comparison, Figure, Follows, finding};
+use terrafill_plot::number::{significant, times};
+use terrafill_results::{
+    Block, Case, Cell, ChapterError, Claim, Clock, ConditionKey, Estimate, Finding, Heading,
+    Metric, Scope, Table, ratio,
+};
+
+const CPU: &Metric = Metric::of(&METRICS, "pipeline_cpu_ms");
+const GPU: &Metric = Metric::of(&METRICS, "pipeline_gpu_ms");
+const WALL: &Metric = Metric::of(&METRICS, "pipeline_wall_ms");
+
+/// Times.
+pub(super) const TIME: Figure = Figure::ByClock(GPU, CPU);
+/// Times of ways that differ in what the CPU does and sends each frame, of which a device's clock knows nothing.
+pub(super) const FRAME: Figure = Figure::ByClock(WALL, CPU);
+/// What the latter covers of a frame.
+pub(super) const WHOLE: Scope = Scope::UPLOAD.and(Scope::DRAW);
+
+/// The metric of [`TIME`].
+pub(super) fn time(clock: Clock) -> &'static Metric {
+    clock.pick(GPU, CPU)
+}
+
+/// The metric of [`FRAME`].
+pub(super) fn frame_time(clock: Clock) -> &'static Metric {
+    clock.pick(WALL, CPU)
+}
+
+/// A column of what devices count.
+pub(super) const fn counter(heading: &'static str, metric: &'static Metric) -> Column {
+    Column::metric(heading, metric).or_of(|case| match case.condition(API) {
+        "wgpu" => "counted on Vulkan alone",
+        _ => "not counted by the device for this stage",
+    })
+}
+
+/// A column of shares in percent.
+pub(super) const fn percent(heading: &'static str, metric: &'static Metric) -> Column {
+    Column::metric(heading, metric).written(|share| significant(100.0 * share))
+}
+
+/// What published figures cannot show.
+pub(super) fn remark(text: &str) -> Result<Option<Block>, ChapterError> {
+    Ok(Some(Block::Remark(text.to_owned())))
+}
+
+/// A figure in a sentence.
+pub(super) fn said(case: &Case, metric: &Metric) -> String {
+    let value = case.value(metric).map(significant);
+    value.unwrap_or_else(|| "–".to_owned())
+}
+
+/// Timed cases of the greatest number of a condition, and that number.
+pub(super) fn of_most<'a>(
+    cases: &Cases<'a>,
+    key: ConditionKey,
+    metric: &Metric,
+) -> Option<(&'a str, Cases<'a>)> {
+    let timed = cases.fitting(|case| case.counts() && case.value(metric).is_some());
+    let number = |text: &&str| text.parse::<u32>().unwrap_or(0);
+    let most = timed.distinct(key).into_iter().max_by_key(number)?;
+    Some((most, timed.with(&[(key, most)])))
+}
+
+/// The case that differs in these conditions and in no other.
+pub(super) fn beside<'a>(
+    cases: &Cases<'a>,
+    case: &Case,
+    changed: &[(ConditionKey, &str)],
+) -> Option<&'a Case> {
+    let rest = |case: &Case| {
+        let mut rest = case.id().conditions.clone();
+        rest.retain(|name, _| changed.iter().all(|(key, _)| key.name() != name));
+        rest
+    };
+    let own = rest(case);
+    cases.with(changed).iter().find(|other| rest(other) == own)
+}
+
+/// How many times as fast `fast` is as `slow`: time of the second over time of the first.
+pub(super) fn gain(slow: Option<&Case>, fast: Option<&Case>, metric: &Metric) -> Option<Estimate> {
+    let (slow, fast) = (
+        slow.filter(|case| case.counts())?,
+        fast.filter(|case| case.counts())?,
+    );
+    ratio(slow, fast, metric)
+}
+
+/// A ratio as a cell.
+pub(super) fn ratio_cell(case: &Case, ratio: Option<Estimate>) -> Cell {
+    let why = match case.reason.as_str() {
+        "" => "not measured",
+        reason => reason,
+    };
+    Cell::or_absent(ratio.as_ref().map(times), why)
+}
+
+/// A table of these cases with a further column.
+pub(super) fn with_column(
+    mut table: Table,
+    cases: &Cases<'_>,
+    (at, heading): (usize, Heading),
+    cell: impl Fn(&Case) -> Cell,
+) -> Table {
+    table.headings.insert(at, heading);
+    for (row, case) in table.rows.iter_mut().zip(cases.iter()) {
+        row.cells.insert(at, cell(case));
+    }
+    table
+}
+
+/// What pairs say of a claim on a time: the first's over the second's.
+pub(super) fn compared(
+    cases: &Cases<'_>,
+    (changed, follows): (ConditionKey, &[Follows<'_>]),
+    (metric, needs): (&'static Metric, Scope),
+    pairs: &[[&Case; 2]],
+    (claim, says): (String, Claim),
+) -> Finding {
+    let comparison = Comparison {
+        changed: changed.name(),
+        follows,
+        one_sided: None,
+        metric,
+        needs,
+    };
+    cases.compared(&comparison, pairs, says, claim)
+}
+
+/// That none of these figures is above 0.
+pub(super) fn none_of(claim: &str, what: &str, values: &[f64]) -> Finding {
+    let most = values.iter().copied().max_by(f64::total_cmp);
+    let because = most.map(|most| format!("at most {most} {what} in {} cases", values.len()));
+    let holds = most.map(|most| most <= 0.0);
+    finding(format!("{claim}:"), holds, because.unwrap_or_default())
+}
