@@ -47,26 +47,10 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     primary: Figure::Metric(BALL_CPU_US),
     answers,
     sections: &[
-        Section {
-            title: "Contact 1e3",
-            cases: Select::Fitting(|case| is_drop(case, "1e3")),
-            ..CONTACT
-        },
-        Section {
-            title: "Contact 1e5",
-            cases: Select::Fitting(|case| is_drop(case, "1e5")),
-            ..CONTACT
-        },
-        Section {
-            title: "Contact 1e7",
-            cases: Select::Fitting(|case| is_drop(case, "1e7")),
-            ..CONTACT
-        },
-        Section {
-            title: "Contact hard",
-            cases: Select::Fitting(|case| is_drop(case, "hard")),
-            ..CONTACT
-        },
+        contact("Contact 1e3", |case| is_drop(case, "1e3")),
+        contact("Contact 1e5", |case| is_drop(case, "1e5")),
+        contact("Contact 1e7", |case| is_drop(case, "1e7")),
+        contact("Contact hard", |case| is_drop(case, "hard")),
         Section {
             title: "Orders and bottoms",
             cases: Select::With(PART, "drop"),
@@ -119,28 +103,33 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
 
 const NO_BALL: &str = "no ball left";
 
-const CONTACT: Section<'static> = Section {
-    per: Some(ARITHMETIC),
-    drawing: Some(Drawing {
-        caption: "Height after 5 s against the closed form.",
-        panels: &[
-            Panel {
-                title: "against step",
-                across: (
-                    "time step, s",
-                    Figure::Computed(|case| Some(1.0 / number(case, STEPS_PER_SECOND))),
-                ),
-                ..ERRORS
-            },
-            Panel {
-                title: "against time",
-                across: ("CPU µs for a second of a ball", Figure::Metric(BALL_CPU_US)),
-                ..ERRORS
-            },
-        ],
-    }),
-    ..Section::EMPTY
-};
+/// Error against step and against time, a plot for each arithmetic.
+const fn contact(title: &'static str, cases: fn(&Case) -> bool) -> Section<'static> {
+    Section {
+        title,
+        cases: Select::Fitting(cases),
+        per: Some(ARITHMETIC),
+        drawing: Some(Drawing {
+            caption: "Height after 5 s against the closed form.",
+            panels: &[
+                Panel {
+                    title: "against step",
+                    across: (
+                        "time step, s",
+                        Figure::Computed(|case| Some(1.0 / number(case, STEPS_PER_SECOND))),
+                    ),
+                    ..ERRORS
+                },
+                Panel {
+                    title: "against time",
+                    across: ("CPU µs for a second of a ball", Figure::Metric(BALL_CPU_US)),
+                    ..ERRORS
+                },
+            ],
+        }),
+        ..Section::EMPTY
+    }
+}
 
 const ERRORS: Panel<'static> = Panel {
     // What blew up is at the edge, whatever is left of it.

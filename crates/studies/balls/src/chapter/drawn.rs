@@ -13,7 +13,7 @@ use crate::walk::ALLOWED_M;
 use terrafill_lab::{Cases, Column, Comparison, Figure, Names, Section, Select, finding};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
-    Block, Case, Claim, Clock, Finding, Metric, Outcome, Scope, Standing, ratio,
+    Block, Case, Claim, Clock, Estimate, Finding, Metric, Noise, Outcome, Scope, ratio,
 };
 
 const FRAME_CPU: &Metric = Metric::of(&METRICS, "ball_frame_cpu_us");
@@ -101,10 +101,10 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
         let (interface, name) = way.names();
         let [each, all] = pair(cases, way)?;
         let slowdown = ratio(each, all, metric).filter(|_| each.counts() && all.counts())?;
-        let how = match Standing::of_times(&slowdown, noise).0 {
-            Standing::Holds => "best drawn by one draw for all",
-            Standing::DoesNotHold => "best drawn by a draw each",
-            _ => "drawn as well by one draw for all as by a draw each, a tie",
+        let how = match faster(&slowdown, noise) {
+            Some(true) => "best drawn by one draw for all",
+            Some(false) => "best drawn by a draw each",
+            None => "drawn as well by one draw for all as by a draw each, a tie",
         };
         let (each, all) = (each.value(BALL_DRAWS)?, all.value(BALL_DRAWS)?);
         Some(format!(
@@ -114,6 +114,18 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
         ))
     };
     Way::ALL.into_iter().filter_map(of_way).collect()
+}
+
+/// Whether a draw each takes longer; `None` where identical work differed by as much. Too few processes for an interval
+/// leave the ratio itself.
+fn faster(slowdown: &Estimate, noise: Option<Noise>) -> Option<bool> {
+    let band = Noise::band(noise);
+    let [low, high] = slowdown.interval.unwrap_or([slowdown.middle; 2]);
+    match (low > band, high < 1.0 / band) {
+        (true, _) => Some(true),
+        (_, true) => Some(false),
+        _ => None,
+    }
 }
 
 fn each_is_slower(cases: &Cases<'_>, way: Way) -> Finding {
@@ -190,4 +202,27 @@ pub(super) fn findings(cases: &Cases<'_>) -> Vec<Finding> {
             most(BALL_UPLOAD_BYTES),
         ),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_noise_covers_is_a_tie_with_few_processes_too() {
+        let of = |middle: f64, interval| {
+            let processes = 5;
+            let slowdown = Estimate {
+                middle,
+                interval,
+                processes,
+            };
+            faster(&slowdown, None)
+        };
+        assert_eq!(of(2.0, None), Some(true));
+        assert_eq!(of(0.5, Some([0.4, 0.6])), Some(false));
+        assert_eq!(of(1.0, None), None);
+        // Negative control: an interval that reaches 1 decides nothing.
+        assert_eq!(of(2.0, Some([0.9, 3.0])), None);
+    }
 }

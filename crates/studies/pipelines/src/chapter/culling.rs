@@ -267,9 +267,11 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
         let ties = culled
             .iter()
             .filter(|(other, views)| other != place && views.ms <= band * best.ms);
-        let ties: String = ties
-            .map(|(other, _)| format!(", tied with {other}"))
-            .collect();
+        let ties: Vec<&str> = ties.map(|(other, _)| *other).collect();
+        let ties = match ties.is_empty() {
+            true => String::new(),
+            false => format!(", tied with {}", ties.join(" and ")),
+        };
         let shaded = best.shaded.map_or_else(String::new, |shaded| {
             format!(" and {} vertex shader invocations", significant(shaded))
         });

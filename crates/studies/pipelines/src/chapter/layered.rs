@@ -40,13 +40,40 @@ const fn column(heading: &'static str, metric: &'static Metric) -> Column {
     Column::metric(heading, metric).or("not finite")
 }
 
-pub(super) const TERRACES: Section<'static> = Section {
-    title: "Variance shadows on devices: terraces that nothing shadows",
+pub(super) const JUDGED: Section<'static> = Section {
+    title: "Variance and hard shadows on devices",
     text: "A level plane is seen from straight above, and looked up in the depth maps of distant lights: 25 depths a light \
            as published, their moments summed in the shader, or one texel. Terraces of 8 × 8 pixels that nothing shadows \
            show what the published formula makes of a lit plane; rough ground shows the noise of its variance; a disc \
            above the plane, under four lights, has edges at all angles. Each pixel is held against the same formula in \
-           f64 on the maps that the device drew, whose rounding is bounded; the maps against rays along the lights.",
+           f64 on the maps that the device drew, whose rounding is bounded; the maps against rays along the lights. As \
+           published, lights multiply, so that a shadow of one dims what the others give, and rounding makes a lit plane \
+           black where its variance comes out as 0 or below.",
+    cases: Select::Fitting(|case| case.condition(EXPERIMENT).starts_with("shaded")),
+    named_by: Names::Columns(&[
+        ("shown", EXPERIMENT),
+        ("moments", MOMENTS),
+        ("depth", DEPTH),
+        ("floor", FLOOR),
+        ("spread", SIGMA),
+        ("texels", TEXELS),
+        INTERFACE,
+        BY,
+    ]),
+    columns: &[
+        Column::metric("wrong texels", LAYERED_WRONG_TEXELS),
+        Column::metric("wrong pixels", LAYERED_WRONG_PX),
+        Column::metric("left open", LAYERED_OPEN_PX),
+        Column::metric("of", LAYERED_JUDGED_PX),
+        Column::metric("not finite", VARIANCE_NON_FINITE),
+        Column::metric("passes", LIGHTS_PASSES),
+    ],
+    pictures: &[("picture", "")],
+    ..Section::EMPTY
+};
+
+pub(super) const TERRACES: Section<'static> = Section {
+    title: "Terraces that nothing shadows",
     cases: Select::With(EXPERIMENT, "shaded-plane"),
     named_by: Names::Columns(&[
         ("moments", MOMENTS),
@@ -59,11 +86,6 @@ pub(super) const TERRACES: Section<'static> = Section {
         column("below 0.99 of the light", VARIANCE_DARK_SHARE),
         column("black pixels", VARIANCE_BLACK_PX),
         column("outside of 0 to 1", VARIANCE_OUTSIDE_SHARE),
-        column("wrong texels", LAYERED_WRONG_TEXELS),
-        column("wrong pixels", LAYERED_WRONG_PX),
-        column("left open", LAYERED_OPEN_PX),
-        column("of", LAYERED_JUDGED_PX),
-        column("not finite", VARIANCE_NON_FINITE),
     ],
     ..Section::EMPTY
 };
@@ -81,48 +103,19 @@ pub(super) const ROUGH: Section<'static> = Section {
         column("relative, rms", VARIANCE_RELATIVE_RMS),
         column("absolute, rms", VARIANCE_ABSOLUTE_RMS),
         column("absolute, largest", VARIANCE_ABSOLUTE_MAX),
-        column("wrong texels", LAYERED_WRONG_TEXELS),
-        column("wrong pixels", LAYERED_WRONG_PX),
-        column("left open", LAYERED_OPEN_PX),
-        column("of", LAYERED_JUDGED_PX),
-        column("not finite", VARIANCE_NON_FINITE),
     ],
-    ..Section::EMPTY
-};
-
-pub(super) const DISC: Section<'static> = Section {
-    title: "A plane under a disc and four lights: the product of their variance shadows",
-    text: "As published, lights multiply, so that a shadow of one dims what the others give, and rounding makes a lit \
-           plane black where its variance comes out as 0 or below.",
-    cases: Select::With(EXPERIMENT, "shaded-disc"),
-    named_by: Names::Columns(&[("moments", MOMENTS), ("floor", FLOOR), INTERFACE, BY]),
-    columns: &[
-        column("passes", LIGHTS_PASSES),
-        column("wrong texels", LAYERED_WRONG_TEXELS),
-        column("wrong pixels", LAYERED_WRONG_PX),
-        column("left open", LAYERED_OPEN_PX),
-        column("of", LAYERED_JUDGED_PX),
-        column("not finite", VARIANCE_NON_FINITE),
-    ],
-    pictures: &[("picture", "")],
     ..Section::EMPTY
 };
 
 pub(super) const HARD: Section<'static> = Section {
-    title: "The same by one texel a light",
+    title: "Hard shadows of the disc by one texel a light",
     cases: Select::With(EXPERIMENT, "shaded-hard"),
     named_by: Names::Columns(&[("texels", TEXELS), INTERFACE, BY]),
     columns: &[
         column("wrong area", HARD_WRONG_AREA),
         column("over perimeter · texel", HARD_AREA_SHARE),
         column("largest deviation, texels", HARD_DEVIATION_TEXELS),
-        column("wrong texels", LAYERED_WRONG_TEXELS),
-        column("wrong pixels", LAYERED_WRONG_PX),
-        column("left open", LAYERED_OPEN_PX),
-        column("of", LAYERED_JUDGED_PX),
-        column("not finite", VARIANCE_NON_FINITE),
     ],
-    pictures: &[("picture", "")],
     ..Section::EMPTY
 };
 
@@ -357,7 +350,8 @@ fn claim(cases: &Cases<'_>) -> Finding {
 
 /// How to sum variances, and the fastest ways to blur, with what explains them.
 pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
-    let subtracted = cases.with(&[(MOMENTS, "receiver subtracted")]);
+    let shaded = cases.fitting(|case| case.condition(EXPERIMENT).starts_with("shaded"));
+    let subtracted = shaded.with(&[(MOMENTS, "receiver subtracted")]);
     let plane = [
         (EXPERIMENT, "shaded-plane"),
         (DEPTH, "f32"),
