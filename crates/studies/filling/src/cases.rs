@@ -5,13 +5,13 @@ use crate::keys::{
     APPROXIMATE, ASIDE, CAP_STEP, LAYOUT, NEEDS_RUNG, NEEDS_STEP, PICTURE, REGIONS, ROLE, RUNG,
     SCENE, STEP, TECHNIQUE, TOLERANCE_M, VARIANT, VIEW,
 };
-use crate::memory::{LayoutOfScene, REGION_COUNTS};
+use crate::memory::REGION_COUNTS;
 use crate::request::{STUDY, Wishes};
 use crate::subject::Subject;
 use crate::textured::{ShownPicture, is_of_2007, is_picture_scene, textured_variants};
 use std::sync::Arc;
 use terrafill_core::MeshOptions;
-use terrafill_fill::{Role, Technique, matrix_row, needs_ladder};
+use terrafill_fill::{Role, Technique, Variant, matrix_row, needs_ladder};
 use terrafill_gpu::BaselineKind;
 use terrafill_results::{CaseId, ConditionKey, PlannedCase};
 use terrafill_scene::{LazyMesh, PlanOptions, Scene, View, WallHeights};
@@ -103,6 +103,19 @@ pub(crate) struct FillCase {
 }
 
 impl FillCase {
+    pub(crate) fn new(subject: Subject, purpose: Purpose, frames: u32) -> Self {
+        Self {
+            subject,
+            mesh: None,
+            shown: ShownPicture::Scene,
+            purposes: vec![purpose],
+            place: None,
+            needs_place: None,
+            regions: None,
+            frames,
+        }
+    }
+
     pub(crate) fn is(&self, purpose: Purpose) -> bool {
         self.purposes.contains(&purpose)
     }
@@ -284,16 +297,7 @@ impl Builder<'_> {
 
     /// A case that exists already takes the purpose on, and the larger number of frames.
     fn add(&mut self, subject: Subject, purpose: Purpose, frames: u32) -> &mut FillCase {
-        let new = FillCase {
-            subject,
-            mesh: None,
-            shown: ShownPicture::Scene,
-            purposes: vec![purpose],
-            place: None,
-            needs_place: None,
-            regions: None,
-            frames,
-        };
+        let new = FillCase::new(subject, purpose, frames);
         let name = (new.subject.backend(), new.variant_name());
         let is_same = |case: &FillCase| (case.subject.backend(), case.variant_name()) == name;
         let index = match self.cases.iter().position(is_same) {
@@ -326,15 +330,11 @@ impl Builder<'_> {
         for (variant, shown) in variants {
             let is_varied =
                 shown != ShownPicture::Scene || !is_first || is_of_2007(&variant.switches);
+            let subject = Subject::Fill(technique, variant);
+            let frames = frames[usize::from(is_varied)];
             self.cases.push(FillCase {
-                subject: Subject::Fill(technique, variant),
-                mesh: None,
                 shown,
-                purposes: vec![Purpose::Texture],
-                place: None,
-                needs_place: None,
-                regions: None,
-                frames: frames[usize::from(is_varied)],
+                ..FillCase::new(subject, Purpose::Texture, frames)
             });
         }
     }
@@ -342,7 +342,13 @@ impl Builder<'_> {
     fn add_sweeps(&mut self, technique: &'static dyn Technique, frames: u32) {
         let scene = self.scene;
         let variants = technique.variants(scene, Role::Sweep);
-        let mut points = Vec::new();
+        let mut add = |variant: &Variant, mesh: MeshOptions, name: String, purpose: Purpose| {
+            let subject = Subject::Fill(technique, variant.clone());
+            self.cases.push(FillCase {
+                mesh: Some((mesh, name)),
+                ..FillCase::new(subject, purpose, frames)
+            });
+        };
         for variant in &variants {
             for &tolerance in &scene.sweep_boundary_tolerance_m {
                 let mesh = MeshOptions {
@@ -350,7 +356,7 @@ impl Builder<'_> {
                     ..scene.mesh
                 };
                 let name = format!("boundary-tolerance-m={tolerance}");
-                points.push((variant, mesh, name, Purpose::Sweep));
+                add(variant, mesh, name, Purpose::Sweep);
             }
         }
         // One layout: the question is one about meshes.
@@ -361,20 +367,8 @@ impl Builder<'_> {
                     ..scene.mesh
                 };
                 let name = format!("cap-step-deg={step}");
-                points.push((variant, mesh, name, Purpose::Subdivision));
+                add(variant, mesh, name, Purpose::Subdivision);
             }
-        }
-        for (variant, mesh, name, purpose) in points {
-            self.cases.push(FillCase {
-                subject: Subject::Fill(technique, variant.clone()),
-                mesh: Some((mesh, name)),
-                shown: ShownPicture::Scene,
-                purposes: vec![purpose],
-                place: None,
-                needs_place: None,
-                regions: None,
-                frames,
-            });
         }
     }
 
@@ -397,12 +391,8 @@ impl Builder<'_> {
             let own = meshes.len();
             let others = REGION_COUNTS.into_iter().filter(|count| *count != own);
             cases.extend([own].into_iter().chain(others).map(|regions| FillCase {
-                purposes: vec![Purpose::Memory],
-                place: None,
-                needs_place: None,
                 regions: Some(regions),
-                frames: 0,
-                ..case.clone()
+                ..FillCase::new(case.subject.clone(), Purpose::Memory, 0)
             }));
         }
         self.cases.extend(cases);
@@ -417,7 +407,13 @@ impl Builder<'_> {
             Some(regions) => {
                 let layout = case.subject.layout();
                 let name = format!("{scene}/memory/{technique}/{layout}/{regions}");
-                (name, self.memory_conditions(&layout, technique, regions))
+                let conditions = vec![
+                    (SCENE, scene.clone()),
+                    (TECHNIQUE, technique.to_owned()),
+                    (LAYOUT, layout),
+                    (REGIONS, regions.to_string()),
+                ];
+                (name, conditions)
             }
             None => {
                 let variant = case.variant_name();
@@ -436,20 +432,6 @@ impl Builder<'_> {
                 || case.subject.may_be_wrong()
                 || case.subject.is_approximate(),
         }
-    }
-
-    fn memory_conditions(
-        &self,
-        layout: &str,
-        technique: &str,
-        regions: usize,
-    ) -> Vec<(ConditionKey, String)> {
-        vec![
-            (SCENE, self.scene.name.clone()),
-            (TECHNIQUE, technique.to_owned()),
-            (LAYOUT, layout.to_owned()),
-            (REGIONS, regions.to_string()),
-        ]
     }
 
     /// One for each thing that tells the case from others; switches with their defaults.
@@ -510,20 +492,4 @@ impl Builder<'_> {
 /// them 2 pixels from where it should be. How exact tall walls are is part of the question.
 fn has_tall_walls(case: &FillCase) -> bool {
     case.subject.plan().wall_heights == WallHeights::Global
-}
-
-impl ViewGroup {
-    /// What a case about memory is about.
-    pub(crate) fn layout_of<'a>(
-        &'a self,
-        case: &'a FillCase,
-        meshes: &'a [LazyMesh],
-        is_drawn: &'a [bool],
-    ) -> LayoutOfScene<'a> {
-        LayoutOfScene {
-            subject: &case.subject,
-            meshes,
-            is_drawn,
-        }
-    }
 }

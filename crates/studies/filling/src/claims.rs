@@ -55,19 +55,24 @@ pub(crate) struct Step {
     pub(crate) views: Vec<String>,
 }
 
+/// What is expected of the gain of a step, in these views.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub(crate) struct Gain {
+    pub(crate) name: String,
+    pub(crate) expects: Claim,
+    #[serde(default = "every_view")]
+    pub(crate) views: Vec<String>,
+    #[serde(default)]
+    pub(crate) only: Only,
+}
+
 /// How a claim is tested.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub(crate) enum Test {
     /// By the gain of a step: time without it over time with it.
-    Step {
-        name: String,
-        expects: Claim,
-        #[serde(default = "every_view")]
-        views: Vec<String>,
-        #[serde(default)]
-        only: Only,
-    },
+    Step(Gain),
     /// By a counter of a step: its value without the step over that with it.
     Counter {
         step: String,
@@ -120,7 +125,7 @@ pub(crate) enum Test {
 impl Tested for Test {
     fn expects(&self) -> Option<Claim> {
         match self {
-            Self::Step { expects, .. }
+            Self::Step(Gain { expects, .. })
             | Self::Counter { expects, .. }
             | Self::Textured { expects, .. }
             | Self::TimeOverVolumes { expects, .. }
@@ -191,7 +196,7 @@ mod tests {
     #[test]
     fn claims_name_steps_that_there_are() {
         for claimed in &PAPER.claims {
-            let (Test::Step { name: step, .. }
+            let (Test::Step(Gain { name: step, .. })
             | Test::Counter { step, .. }
             | Test::LargestGain(Step { step, .. })
             | Test::RightPicture(Step { step, .. })

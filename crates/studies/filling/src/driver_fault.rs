@@ -181,16 +181,7 @@ mod tests {
         }
         variant.switches.faces = FacePasses::TwoPass;
         variant.plan.horizon_culling = false;
-        FillCase {
-            subject: Subject::Fill(technique, variant),
-            mesh: None,
-            shown: Default::default(),
-            purposes: vec![Purpose::Ladder],
-            place: None,
-            needs_place: None,
-            regions: None,
-            frames: 0,
-        }
+        FillCase::new(Subject::Fill(technique, variant), Purpose::Ladder, 0)
     }
 
     fn expected(driver: Driver<'_>, case: &FillCase) -> bool {

@@ -1,78 +1,157 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a probe frame says about its case, and what of it is written.
 
-use crate::cases::{FillCase, Place};
+use crate::cases::{FillCase, Place, Purpose};
+use std::collections::BTreeMap;
 use terrafill_conformance::{ErrorFigures, TextureErrors};
 use terrafill_core::{MeshOptions, VolumeHeights};
 use terrafill_fill::{Counters, DeviceError, FillInput, Frame, MemoryUse, Needs};
 use terrafill_results::{Status, Verdict};
-use terrafill_scene::{HeightRange, LazyMesh};
+use terrafill_scene::HeightRange;
 
-/// Figures of a probe frame.
-#[derive(Debug, Default)]
+/// Notes of every case; empty for what it has not.
+const NOTES: [&str; 11] = [
+    "left_out",
+    "texture_route",
+    "mask_hash",
+    "ids_hash",
+    "image",
+    "difference_image",
+    "reference_image",
+    // The surroundings of the worst pixel, and its column and row.
+    "worst_image",
+    "worst_px",
+    "change",
+    "needs_change",
+];
+
+/// What a probe frame says.
+#[derive(Debug)]
 pub(crate) struct Probe {
     pub(crate) status: Status,
     pub(crate) reason: String,
-    memory: MemoryUse,
-    counters: Option<Counters>,
-    /// Of the same frame drawn once more; `None` of a case that is not timed.
-    pub(crate) steady: Option<Counters>,
-    pub(crate) figures: Option<ErrorFigures>,
-    regions: Option<[u64; 2]>,
-    left_out: String,
-    boundary_deviation_m: Option<f64>,
-    wall_height_m: Option<f64>,
-    /// How far walls are from those along geodetic normals, where they are no such walls.
-    pub(crate) wall_shift_m: Option<f64>,
-    /// The tallest wall that the cap step allows, by formula.
-    pub(crate) wall_bound_m: Option<f64>,
-    cap_triangles: Option<u64>,
-    surface_bytes: Option<u64>,
-    pub(crate) plan_cpu_ms: Option<f64>,
-    pub(crate) prepare_cpu_ms: Option<f64>,
-    pub(crate) image: String,
-    pub(crate) difference_image: String,
-    pub(crate) reference_image: String,
-    /// The surroundings of the worst pixel, and its column and row.
-    pub(crate) worst_image: String,
-    pub(crate) worst_px: String,
+    figures: Vec<(&'static str, f64)>,
+    notes: BTreeMap<&'static str, String>,
     pub(crate) texture_errors: Option<TextureErrors>,
-    /// Largest and mean difference of a colour channel from the reference's picture.
-    pub(crate) colour: Option<(u64, f64)>,
-    /// What the view holds and leaves out, where that is told.
-    pub(crate) needs: Option<Needs>,
-    /// Pixels on which the reference's own tests disagree, in all and outside the boundary band.
-    pub(crate) disagreements: Option<(u64, u64)>,
-    /// How far the boundary as drawn lies from the true one: largest and 99th percentile, pixels.
-    pub(crate) moved_px_true: Option<[f64; 2]>,
 }
 
 impl Probe {
-    pub(crate) fn new(memory: MemoryUse, input: &FillInput, frame: &Frame) -> Self {
-        let meshes = &input.scene.meshes;
-        Self {
-            memory,
-            counters: frame.counters,
-            regions: Some([
-                input.plan.regions.len() as u64,
-                input.plan.left_out.len() as u64,
-            ]),
-            left_out: input.left_out_summary(),
-            boundary_deviation_m: largest_deviation(meshes),
-            wall_height_m: tallest_wall(input),
-            cap_triangles: Some(cap_triangles(input)),
-            surface_bytes: Some(surface_bytes(input)),
-            ..Self::default()
+    pub(crate) fn new(case: &FillCase, memory: MemoryUse, frame: &Frame) -> Self {
+        let mut probe = Self {
+            status: Status::default(),
+            reason: String::new(),
+            figures: Vec::new(),
+            notes: NOTES.map(|name| (name, String::new())).into(),
+            texture_errors: None,
+        };
+        let change = |place: Option<Place>| place.map_or("", |place| place.change).to_owned();
+        probe.note("change", change(case.place));
+        probe.note("needs_change", change(case.needs_place));
+        let texture_bytes = Some(memory.texture_bytes).filter(|_| case.is(Purpose::Texture));
+        probe.add_counts([
+            ("geometry_bytes", Some(memory.geometry_bytes())),
+            ("vertex_bytes", Some(memory.vertex_bytes)),
+            ("index_bytes", Some(memory.index_bytes)),
+            ("constant_bytes", Some(memory.constant_bytes)),
+            ("target_bytes", Some(memory.target_bytes)),
+            ("texture_bytes", texture_bytes),
+            ("buffers", Some(memory.buffers)),
+        ]);
+        if let Some(of) = &frame.counters {
+            probe.add_counts([
+                ("upload_bytes", Some(of.upload_bytes)),
+                ("draws", Some(of.draws)),
+                ("vertices", Some(of.vertices)),
+                ("vertex_shader_invocations", of.vertex_shader_invocations),
+                ("geometry_shader_primitives", of.geometry_shader_primitives),
+                ("clipper_invocations", of.clipper_invocations),
+                ("clipper_primitives_out", of.clipper_primitives_out),
+                (
+                    "fragment_shader_invocations",
+                    of.fragment_shader_invocations,
+                ),
+                ("stencil_fragments", of.stencil_fragments),
+                ("buffer_creations", Some(of.buffer_creations)),
+                ("pipeline_creations", Some(of.pipeline_creations)),
+            ]);
+        }
+        probe
+    }
+
+    pub(crate) fn add(&mut self, name: &'static str, figure: Option<f64>) {
+        self.figures.extend(figure.map(|figure| (name, figure)));
+    }
+
+    pub(crate) fn add_counts(
+        &mut self,
+        counts: impl IntoIterator<Item = (&'static str, Option<u64>)>,
+    ) {
+        for (name, count) in counts {
+            self.add(name, count.map(|count| count as f64));
         }
     }
 
-    /// Of a rival, which makes no use of our plans and meshes.
-    pub(crate) fn of_rival(memory: MemoryUse, frame: &Frame) -> Self {
-        Self {
-            memory,
-            counters: frame.counters,
-            ..Self::default()
+    pub(crate) fn note(&mut self, name: &'static str, text: String) {
+        self.notes.insert(name, text);
+    }
+
+    pub(crate) fn has_note(&self, name: &str) -> bool {
+        self.notes.get(name).is_some_and(|text| !text.is_empty())
+    }
+
+    /// What our plans and meshes make of the view.
+    pub(crate) fn add_input(&mut self, input: &FillInput) {
+        let FillInput { plan, scene, .. } = input;
+        self.note("left_out", input.left_out_summary());
+        self.add_counts([
+            ("regions_drawn", Some(plan.regions.len() as u64)),
+            ("regions_left_out", Some(plan.left_out.len() as u64)),
+            ("cap_triangles", Some(cap_triangles(input))),
+            ("surface_bytes", Some(surface_bytes(input))),
+        ]);
+        let deviations = scene.meshes.iter().map(|mesh| mesh.boundary_deviation_m);
+        self.add("boundary_deviation_m", deviations.reduce(f64::max));
+        self.add("wall_height_m", tallest_wall(input));
+    }
+
+    /// What the view holds and leaves out.
+    pub(crate) fn add_needs(&mut self, needs: &Needs) {
+        let spared = needs.list.iter().map(|need| need.spared_bytes);
+        self.add_counts([
+            ("held_bytes", Some(needs.held_bytes())),
+            ("made_bytes", Some(needs.made.made_bytes)),
+            ("spared_bytes", Some(spared.sum())),
+            ("held_pipelines", Some(needs.pipelines())),
+            ("made_pipelines", Some(needs.made.pipeline_creations)),
+        ]);
+        for need in &needs.list {
+            self.note(need.feature.note(), need.line());
         }
+    }
+
+    /// Of the same frame drawn once more.
+    pub(crate) fn add_steady(&mut self, of: &Counters) {
+        self.add_counts([
+            ("steady_buffer_creations", Some(of.buffer_creations)),
+            ("steady_pipeline_creations", Some(of.pipeline_creations)),
+            ("steady_uploads", Some(of.uploads)),
+        ]);
+    }
+
+    /// How the picture differs from the reference's.
+    pub(crate) fn add_errors(&mut self, of: &ErrorFigures) {
+        let outside = of.mismatched_px_outside_band;
+        self.add_counts([
+            ("filled_px", Some(of.filled_px)),
+            ("mismatched_px", Some(of.mismatched_px)),
+            ("mismatched_px_outside_band", Some(outside)),
+            ("foreign_px", of.foreign_px),
+            ("tiny_regions", Some(of.tiny_regions)),
+            ("non_finite", Some(of.non_finite)),
+        ]);
+        self.add("hausdorff_px", of.hausdorff_px);
+        self.add("boundary_moved_px", of.boundary_moved_px);
+        self.add("area_error", of.area_error);
     }
 
     pub(crate) fn remark(&mut self, remark: &str) {
@@ -102,11 +181,6 @@ impl Probe {
         self.reason = format!("approximate: {found}");
     }
 
-    /// How a case ends of which the driver is known to lose pixels.
-    pub(crate) fn settle(&mut self, (status, reason): (Status, String)) {
-        (self.status, self.reason) = (status, reason);
-    }
-
     /// Where every texel lies at a silhouette nothing speaks against them, and nothing for them: that
     /// is not a pass.
     pub(crate) fn let_off_if_all_silhouette(&mut self, is_mask_right: bool) {
@@ -123,164 +197,24 @@ impl Probe {
         }
     }
 
-    /// - `texts`: hashes of mask and ids, and the routes of a textured fill
-    pub(crate) fn verdict(
-        self,
-        case: &FillCase,
-        [mask_hash, ids_hash, texture_route]: [String; 3],
-    ) -> Verdict {
-        let figures = self.values(case);
-        let change = |place: Option<Place>| place.map_or("", |place| place.change).to_owned();
-        let needs = self.needs.iter().flat_map(|needs| &needs.list);
-        let needs: Vec<_> = needs
-            .map(|need| (need.feature.note(), need.line()))
-            .collect();
-        let own = vec![
-            ("left_out", self.left_out),
-            ("texture_route", texture_route),
-            ("mask_hash", mask_hash),
-            ("ids_hash", ids_hash),
-            ("image", self.image),
-            ("difference_image", self.difference_image),
-            ("reference_image", self.reference_image),
-            ("worst_image", self.worst_image),
-            ("worst_px", self.worst_px),
-            ("change", change(case.place)),
-            ("needs_change", change(case.needs_place)),
-        ];
+    pub(crate) fn verdict(mut self) -> Verdict {
+        if let Some(errors) = self.texture_errors {
+            self.add_counts([
+                ("texel_non_finite", Some(errors.non_finite)),
+                ("texel_compared_px", Some(errors.compared_px)),
+            ]);
+            // Of no pixel there is no error, which is not 0.
+            if errors.compared_px > 0 {
+                self.add("texel_rms", Some(worse(errors.rms_texels)));
+                self.add("texel_max", Some(worse(errors.max_texels)));
+            }
+        }
         Verdict {
             status: self.status,
             reason: self.reason,
-            figures,
-            notes: own.into_iter().chain(needs).collect(),
+            figures: self.figures,
+            notes: self.notes.into_iter().collect(),
         }
-    }
-
-    fn values(&self, case: &FillCase) -> Vec<(&'static str, f64)> {
-        let memory = &self.memory;
-        let is_textured = case.is(crate::cases::Purpose::Texture);
-        let mut counts: Vec<(&'static str, Option<u64>)> = vec![
-            ("geometry_bytes", Some(memory.geometry_bytes())),
-            ("vertex_bytes", Some(memory.vertex_bytes)),
-            ("index_bytes", Some(memory.index_bytes)),
-            ("constant_bytes", Some(memory.constant_bytes)),
-            ("target_bytes", Some(memory.target_bytes)),
-            (
-                "texture_bytes",
-                Some(memory.texture_bytes).filter(|_| is_textured),
-            ),
-            ("buffers", Some(memory.buffers)),
-            ("regions_drawn", self.regions.map(|[drawn, _]| drawn)),
-            (
-                "regions_left_out",
-                self.regions.map(|[_, left_out]| left_out),
-            ),
-            ("cap_triangles", self.cap_triangles),
-            ("surface_bytes", self.surface_bytes),
-        ];
-        if let Some(counters) = &self.counters {
-            counts.extend([
-                ("upload_bytes", Some(counters.upload_bytes)),
-                ("draws", Some(counters.draws)),
-                ("vertices", Some(counters.vertices)),
-                (
-                    "vertex_shader_invocations",
-                    counters.vertex_shader_invocations,
-                ),
-                (
-                    "geometry_shader_primitives",
-                    counters.geometry_shader_primitives,
-                ),
-                ("clipper_invocations", counters.clipper_invocations),
-                ("clipper_primitives_out", counters.clipper_primitives_out),
-                (
-                    "fragment_shader_invocations",
-                    counters.fragment_shader_invocations,
-                ),
-                ("stencil_fragments", counters.stencil_fragments),
-                ("buffer_creations", Some(counters.buffer_creations)),
-                ("pipeline_creations", Some(counters.pipeline_creations)),
-            ]);
-        }
-        if let Some(needs) = &self.needs {
-            let spared = needs.list.iter().map(|need| need.spared_bytes);
-            counts.extend([
-                ("held_bytes", Some(needs.held_bytes())),
-                ("made_bytes", Some(needs.made.made_bytes)),
-                ("spared_bytes", Some(spared.sum())),
-                ("held_pipelines", Some(needs.pipelines())),
-                ("made_pipelines", Some(needs.made.pipeline_creations)),
-            ]);
-        }
-        if let Some(counters) = &self.steady {
-            counts.extend([
-                ("steady_buffer_creations", Some(counters.buffer_creations)),
-                (
-                    "steady_pipeline_creations",
-                    Some(counters.pipeline_creations),
-                ),
-                ("steady_uploads", Some(counters.uploads)),
-            ]);
-        }
-        if let Some(figures) = &self.figures {
-            counts.extend([
-                ("filled_px", Some(figures.filled_px)),
-                ("mismatched_px", Some(figures.mismatched_px)),
-                (
-                    "mismatched_px_outside_band",
-                    Some(figures.mismatched_px_outside_band),
-                ),
-                ("foreign_px", figures.foreign_px),
-                ("tiny_regions", Some(figures.tiny_regions)),
-                ("non_finite", Some(figures.non_finite)),
-            ]);
-        }
-        if let Some((all, outside)) = self.disagreements {
-            counts.extend([
-                ("reference_disagreements", Some(all)),
-                ("reference_disagreements_outside_band", Some(outside)),
-            ]);
-        }
-        let errors = self.texture_errors;
-        counts.extend([
-            ("texel_non_finite", errors.map(|errors| errors.non_finite)),
-            ("texel_compared_px", errors.map(|errors| errors.compared_px)),
-            ("colour_max", self.colour.map(|(largest, _)| largest)),
-        ]);
-        // Of no pixel there is no error, which is not 0.
-        let compared = errors.filter(|errors| errors.compared_px > 0);
-        let figures = self.figures.as_ref();
-        let measures = [
-            ("plan_cpu_ms", self.plan_cpu_ms),
-            ("prepare_cpu_ms", self.prepare_cpu_ms),
-            ("boundary_deviation_m", self.boundary_deviation_m),
-            ("wall_height_m", self.wall_height_m),
-            ("wall_bound_m", self.wall_bound_m),
-            ("wall_shift_m", self.wall_shift_m),
-            (
-                "hausdorff_px",
-                figures.and_then(|figures| figures.hausdorff_px),
-            ),
-            (
-                "boundary_moved_px",
-                figures.and_then(|figures| figures.boundary_moved_px),
-            ),
-            (
-                "moved_px_true",
-                self.moved_px_true.map(|[largest, _]| largest),
-            ),
-            ("moved_px_true_p99", self.moved_px_true.map(|[_, p99]| p99)),
-            ("area_error", figures.and_then(|figures| figures.area_error)),
-            ("texel_rms", compared.map(|errors| worse(errors.rms_texels))),
-            ("texel_max", compared.map(|errors| worse(errors.max_texels))),
-            ("colour_mean", self.colour.map(|(_, mean)| mean)),
-        ];
-        let counts = counts.into_iter();
-        let counts = counts.map(|(name, count)| (name, count.map(|count| count as f64)));
-        counts
-            .chain(measures)
-            .filter_map(|(name, value)| Some((name, value?)))
-            .collect()
     }
 }
 
@@ -343,11 +277,6 @@ fn surface_bytes(input: &FillInput) -> u64 {
     let mesh = size_of_val(&*surface.vertices_rte) + size_of_val(&*surface.triangles);
     let picture = input.scene.picture.as_ref();
     mesh as u64 + picture.map_or(0, |picture| picture.bytes())
-}
-
-fn largest_deviation(meshes: &[LazyMesh]) -> Option<f64> {
-    let deviations = meshes.iter().map(|mesh| mesh.boundary_deviation_m);
-    deviations.reduce(f64::max)
 }
 
 /// Whether every texel of a picture was left out of the comparison because a silhouette is near, as in

@@ -6,6 +6,7 @@ use crate::cases::{FillCase, Purpose, ViewGroup};
 use crate::driver_fault::{Driver, DriverFault};
 use crate::images::{file_stem, write_rgb, zoomed};
 use crate::keys::WALL_SHIFT_M;
+use crate::memory::LayoutOfScene;
 use crate::probe::{Probe, failed, tallest_wall_allowed};
 use crate::rounding::{objection, rounding_px};
 use crate::scenes::{build_meshes, mesh_error};
@@ -312,32 +313,35 @@ impl<'a> ViewSession<'a> {
         let against = self.against(case);
         self.reference(against)?;
         let is_rival = case.is(Purpose::Rival);
-        let mut probe = if is_rival {
-            Probe::of_rival(drawn.memory, &drawn.frame)
-        } else {
-            Probe::new(drawn.memory, &drawn.input, &drawn.frame)
-        };
-        probe.plan_cpu_ms = drawn.plan_cpu_ms.filter(|_| !is_rival);
-        let mesh = case
-            .mesh
-            .as_ref()
-            .map_or(self.group.scene.mesh, |(mesh, _)| *mesh);
-        probe.wall_bound_m = case
-            .is(Purpose::Subdivision)
-            .then(|| tallest_wall_allowed(&drawn.input, &mesh))
-            .flatten();
-        probe.wall_shift_m = case.subject.figure(WALL_SHIFT_M.name, &drawn.input);
-        probe.prepare_cpu_ms = Some(drawn.prepare_cpu_ms).filter(|_| !is_rival);
+        let mut probe = Probe::new(case, drawn.memory, &drawn.frame);
+        // A rival makes no use of our plans and meshes.
+        if !is_rival {
+            probe.add_input(&drawn.input);
+            probe.add("plan_cpu_ms", drawn.plan_cpu_ms);
+            probe.add("prepare_cpu_ms", Some(drawn.prepare_cpu_ms));
+        }
+        let mesh = case.mesh.as_ref().map(|(mesh, _)| *mesh);
+        let mesh = mesh.unwrap_or(self.group.scene.mesh);
+        if case.is(Purpose::Subdivision) {
+            probe.add("wall_bound_m", tallest_wall_allowed(&drawn.input, &mesh));
+        }
+        let shift_m = case.subject.figure(WALL_SHIFT_M.name, &drawn.input);
+        probe.add("wall_shift_m", shift_m);
         if tells_needs(case) {
             match drawn.backend.needs(&drawn.input) {
-                Ok(needs) => probe.needs = needs,
+                Ok(Some(needs)) => probe.add_needs(&needs),
+                Ok(None) => {}
                 Err(error) => return Ok(failed(&error)),
             }
         }
         // What is timed is a frame like the one before it.
         if case.frames > 0 {
             match drawn.backend.render(&drawn.input) {
-                Ok(again) => probe.steady = again.counters,
+                Ok(again) => {
+                    if let Some(counters) = &again.counters {
+                        probe.add_steady(counters);
+                    }
+                }
                 Err(error) => return Ok(failed(&error)),
             }
         }
@@ -351,25 +355,19 @@ impl<'a> ViewSession<'a> {
         let is_moved = may_move && !is_approximate;
         match self.figures(hash, &drawn.frame, is_moved, against) {
             Ok(figures) if is_approximate => {
-                let reasons = match verdict_of_moved(&figures, 0.0) {
-                    Comparison::Pass => Vec::new(),
-                    Comparison::Fail(reasons) => reasons,
-                };
+                let reasons = reasons_of(verdict_of_moved(&figures, 0.0));
                 let reference = &self.reference(against)?.frame;
                 let moved = movement_in_picture(reference, &drawn.frame);
-                probe.figures = Some(ErrorFigures {
+                probe.add_errors(&ErrorFigures {
                     boundary_moved_px: moved.ok().flatten(),
                     ..figures
                 });
                 probe.set_approximate(&reasons);
             }
             Ok(figures) => {
-                let mut reasons = match verdict_of_moved(&figures, moved_px) {
-                    Comparison::Pass => Vec::new(),
-                    Comparison::Fail(reasons) => reasons,
-                };
+                let mut reasons = reasons_of(verdict_of_moved(&figures, moved_px));
                 let is_mask_right = reasons.is_empty();
-                probe.figures = Some(figures);
+                probe.add_errors(&figures);
                 if is_mapped(&case.subject) {
                     let compared = self.textured_references.compare(&drawn.input, &drawn.frame);
                     probe.texture_errors = compared.0;
@@ -378,7 +376,7 @@ impl<'a> ViewSession<'a> {
                 probe.set_status(&reasons);
                 if let Some(fault) = self.driver_fault(case) {
                     let settled = self.settle(fault, &reasons, (hash.1, moved_px), &drawn.frame)?;
-                    probe.settle(settled);
+                    (probe.status, probe.reason) = settled;
                 }
                 probe.let_off_if_all_silhouette(is_mask_right);
             }
@@ -387,7 +385,7 @@ impl<'a> ViewSession<'a> {
                 probe.reason = error;
             }
         }
-        if is_textured(&case.subject) && !is_mapped(&case.subject) {
+        if route(&case.subject).is_some() && !is_mapped(&case.subject) {
             probe.remark(NOT_MAPPED);
         }
         if case.frames > 0 && one_at_a_time(&case.subject) {
@@ -401,14 +399,21 @@ impl<'a> ViewSession<'a> {
         if is_plain_main || is_wrong {
             self.write_pictures(case, drawn, ids_hash.is_empty(), &mut probe)?;
         }
-        if is_textured(&case.subject) && (is_wrong || shows_chosen(case)) {
+        if route(&case.subject).is_some() && (is_wrong || shows_chosen(case)) {
             self.write_textured_pictures(case, drawn, &mut probe)?;
         }
         let reference = self.reference(against)?;
-        probe.disagreements = Some(reference.disagreements);
-        probe.moved_px_true = reference.moved_px_true;
-        if probe.reference_image.is_empty() {
-            probe.reference_image.clone_from(&reference.image);
+        let (all, outside) = reference.disagreements;
+        probe.add_counts([
+            ("reference_disagreements", Some(all)),
+            ("reference_disagreements_outside_band", Some(outside)),
+        ]);
+        if let Some([largest, p99]) = reference.moved_px_true {
+            probe.add("moved_px_true", Some(largest));
+            probe.add("moved_px_true_p99", Some(p99));
+        }
+        if !probe.has_note("reference_image") {
+            probe.note("reference_image", reference.image.clone());
         }
         if checks_nothing(&reference.frame) {
             probe.remark("no region boundary in sight: this view checks nothing");
@@ -416,7 +421,10 @@ impl<'a> ViewSession<'a> {
         if let Some(note) = &self.group.view.note {
             probe.remark(note);
         }
-        Ok(probe.verdict(case, [mask_hash, ids_hash, texture_route]))
+        probe.note("mask_hash", mask_hash);
+        probe.note("ids_hash", ids_hash);
+        probe.note("texture_route", texture_route);
+        Ok(probe.verdict())
     }
 
     /// The pixels that the driver is known to lose of a case.
@@ -454,11 +462,8 @@ impl<'a> ViewSession<'a> {
         let against = Against::scene(self.group.scene.edge_rule);
         let (excused, differing) = fault.excused(frame, &self.reference(against)?.frame, as_mask);
         let figures = self.compare_pixels(&excused, as_mask, moved_px > 0.0, against);
-        let against = match figures.map(|figures| verdict_of_moved(&figures, moved_px)) {
-            Ok(Comparison::Pass) => Vec::new(),
-            Ok(Comparison::Fail(reasons)) => reasons,
-            Err(error) => vec![error],
-        };
+        let against = figures.map(|figures| reasons_of(verdict_of_moved(&figures, moved_px)));
+        let against = against.unwrap_or_else(|error| vec![error]);
         Ok(fault.settle(reasons, &against, differing))
     }
 
@@ -557,7 +562,7 @@ impl<'a> ViewSession<'a> {
     ) -> Result<(), StudyError> {
         let (stem, size) = (self.stem(case), self.group.size);
         if let Ok(picture) = drawn.backend.picture(&drawn.input) {
-            probe.image = self.write_once(&stem, size, &picture.rgb())?;
+            probe.note("image", self.write_once(&stem, size, &picture.rgb())?);
         }
         let reference = self.reference(self.against(case))?;
         let filled;
@@ -570,7 +575,7 @@ impl<'a> ViewSession<'a> {
         };
         if let Ok(rgb) = difference_rgb(expected, frame, MARKER_RADIUS_PX) {
             let name = format!("{stem}_difference");
-            probe.difference_image = self.write_once(&name, size, &rgb)?;
+            probe.note("difference_image", self.write_once(&name, size, &rgb)?);
         }
         if let (Ok(Some(worst)), Ok(exact)) = (
             worst_pixel(expected, frame),
@@ -584,8 +589,8 @@ impl<'a> ViewSession<'a> {
             let parts: [&[u8]; 3] = [&paint(expected), &paint(&shown), &exact];
             let (size, rgb) = zoomed(size, worst, &parts);
             let name = format!("{stem}_worst");
-            probe.worst_image = self.write_once(&name, size, &rgb)?;
-            probe.worst_px = format!("{}, {}", worst[0], worst[1]);
+            probe.note("worst_image", self.write_once(&name, size, &rgb)?);
+            probe.note("worst_px", format!("{}, {}", worst[0], worst[1]));
         }
         Ok(())
     }
@@ -622,14 +627,17 @@ impl<'a> ViewSession<'a> {
         let references = &self.textured_references;
         match references.pictures(&drawn.input, &drawn.frame, &picture) {
             Ok(pictures) => {
-                let write = |name: &str, rgb: &[u8]| {
-                    write_cut_out(self.folder, name, size, pictures.centre, rgb)
-                };
-                probe.image = write(&format!("{stem}_cut"), &pictures.found)?;
-                probe.difference_image = write(&format!("{stem}_cut_x10"), &pictures.difference)?;
-                let reference = format!("{stem}_cut_reference");
-                probe.reference_image = write(&reference, &pictures.reference)?;
-                probe.colour = pictures.largest.zip(pictures.mean);
+                for (note, end, rgb) in [
+                    ("image", "cut", &pictures.found),
+                    ("difference_image", "cut_x10", &pictures.difference),
+                    ("reference_image", "cut_reference", &pictures.reference),
+                ] {
+                    let name = format!("{stem}_{end}");
+                    let path = write_cut_out(self.folder, &name, size, pictures.centre, rgb)?;
+                    probe.note(note, path);
+                }
+                probe.add_counts([("colour_max", pictures.largest)]);
+                probe.add("colour_mean", pictures.mean);
             }
             Err(why) => probe.remark(&why),
         }
@@ -664,10 +672,12 @@ impl<'a> ViewSession<'a> {
             is_drawn[planned.mesh] = true;
         }
         let meshes: &[LazyMesh] = &self.input.scene.meshes;
-        let figures = self
-            .group
-            .layout_of(case, meshes, &is_drawn)
-            .figures(regions, allocated);
+        let layout = LayoutOfScene {
+            subject: &case.subject,
+            meshes,
+            is_drawn: &is_drawn,
+        };
+        let figures = layout.figures(regions, allocated);
         Ok(Verdict {
             status: Status::Ok,
             reason: match allocated {
@@ -829,12 +839,12 @@ fn allocated_by(case: &FillCase) -> (&'static str, String) {
     (case.subject.backend(), case.variant_name())
 }
 
-/// Hashes of the mask and of the ids; the latter is empty where regions are not told apart.
 /// `None` of no numbers.
 fn largest_and_p99(values: &[f64]) -> Option<[f64; 2]> {
     Some([quantile(values, 1.0)?, quantile(values, 0.99)?])
 }
 
+/// Hashes of the mask and of the ids; the latter is empty where regions are not told apart.
 fn hashes(backend: &dyn FillBackend, frame: &Frame) -> (String, String) {
     let ids = match backend.tells_regions_apart() {
         true => ids_hash(frame),
@@ -843,26 +853,19 @@ fn hashes(backend: &dyn FillBackend, frame: &Frame) -> (String, String) {
     (mask_hash(frame), ids)
 }
 
-/// Whether regions are filled with a picture.
-fn is_textured(subject: &Subject) -> bool {
-    subject
-        .switches()
-        .is_some_and(|switches| switches.texture.is_some())
+/// How regions find their places in a picture; `None` of a plain fill.
+fn route(subject: &Subject) -> Option<RouteChoice> {
+    subject.switches()?.texture
 }
 
-/// Whether what they are filled with has its place on the ground.
+/// Whether what regions are filled with has its place on the ground.
 fn is_mapped(subject: &Subject) -> bool {
-    let route = subject.switches().and_then(|switches| switches.texture);
-    route.is_some_and(|route| route != RouteChoice::Floor)
+    route(subject).is_some_and(|route| route != RouteChoice::Floor)
 }
 
 /// Whether the case is a textured fill as it should be used.
 fn shows_chosen(case: &FillCase) -> bool {
-    let route = case
-        .subject
-        .switches()
-        .and_then(|switches| switches.texture);
-    route == Some(RouteChoice::Chosen) && case.shown == ShownPicture::Scene
+    route(&case.subject) == Some(RouteChoice::Chosen) && case.shown == ShownPicture::Scene
 }
 
 /// Whether it stands in every view's comparison.
@@ -881,6 +884,14 @@ fn tells_needs(case: &FillCase) -> bool {
 fn one_at_a_time(subject: &Subject) -> bool {
     let colour = subject.switches().map(|switches| switches.colour);
     matches!(colour, Some(ColourWay::Rectangle | ColourWay::Volume))
+}
+
+/// What speaks against a picture.
+fn reasons_of(verdict: Comparison) -> Vec<String> {
+    match verdict {
+        Comparison::Pass => Vec::new(),
+        Comparison::Fail(reasons) => reasons,
+    }
 }
 
 /// By how many pixels a plan may have moved boundaries on purpose. Where all that is drawn is as it was written,

@@ -42,34 +42,29 @@ impl Subject {
         }
     }
 
-    fn variant(&self) -> Option<&Variant> {
+    /// `None` of a full-screen pass.
+    fn fill(&self) -> Option<(&'static dyn Technique, &Variant)> {
         match self {
             Self::Baseline(_) => None,
-            Self::Fill(_, variant) => Some(variant),
+            Self::Fill(technique, variant) => Some((*technique, variant)),
         }
     }
 
     /// Whether its pictures differ from the reference by nature, so that how far is the question.
     pub(crate) fn is_approximate(&self) -> bool {
-        match self {
-            Self::Baseline(_) => false,
-            Self::Fill(technique, variant) => technique.is_approximate(variant),
-        }
+        let fill = self.fill();
+        fill.is_some_and(|(technique, variant)| technique.is_approximate(variant))
     }
 
     /// Whether its error is part of the answer.
     pub(crate) fn may_be_wrong(&self) -> bool {
-        match self {
-            Self::Baseline(_) => false,
-            Self::Fill(technique, variant) => technique.may_be_wrong(variant),
-        }
+        let fill = self.fill();
+        fill.is_some_and(|(technique, variant)| technique.may_be_wrong(variant))
     }
 
     /// One of the technique's own figures about a frame.
     pub(crate) fn figure(&self, name: &str, input: &FillInput) -> Option<f64> {
-        let Self::Fill(technique, variant) = self else {
-            return None;
-        };
+        let (technique, variant) = self.fill()?;
         let mut figures = technique.figures(variant, input).into_iter();
         figures.find(|(found, _)| *found == name)?.1
     }
@@ -78,7 +73,7 @@ impl Subject {
     /// technique. The first of its own parameters is called `layout`, whatever it is called there, so
     /// that it is one column for all.
     pub(crate) fn settings(&self) -> Vec<(ConditionKey, String)> {
-        let Self::Fill(technique, variant) = self else {
+        let Some((technique, variant)) = self.fill() else {
             return Vec::new();
         };
         let first = technique
@@ -99,56 +94,50 @@ impl Subject {
 
     /// The fill's switches; a full-screen pass has none.
     pub(crate) fn switches(&self) -> Option<&Switches> {
-        self.variant().map(|variant| &variant.switches)
+        self.fill().map(|(_, variant)| &variant.switches)
     }
 
     /// How its frames are planned.
     pub(crate) fn plan(&self) -> PlanOptions {
-        let plan = self.variant().map(|variant| variant.plan);
+        let plan = self.fill().map(|(_, variant)| variant.plan);
         plan.unwrap_or_default()
     }
 
     /// The interface that it draws by.
     pub(crate) fn api(&self) -> Api {
-        match self {
-            Self::Baseline(_) => terrafill_gpu::API,
-            Self::Fill(technique, _) => technique.api(),
-        }
+        let api = self.fill().map(|(technique, _)| technique.api());
+        api.unwrap_or(terrafill_gpu::API)
     }
 
     /// How it stores positions, where that is a choice.
     pub(crate) fn positions(&self) -> Option<PositionFormat> {
-        let value = self.variant()?.value(POSITIONS.name())?;
+        let value = self.fill()?.1.value(POSITIONS.name())?;
         let mut formats = PositionFormat::ALL.into_iter();
         formats.find(|format| format.name() == value)
     }
 
     /// How geometry is stored; empty where there is none.
     pub(crate) fn layout(&self) -> String {
-        match self {
-            Self::Baseline(_) => String::new(),
-            Self::Fill(technique, variant) => technique.layout(variant),
-        }
+        let layout = self
+            .fill()
+            .map(|(technique, variant)| technique.layout(variant));
+        layout.unwrap_or_default()
     }
 
     /// Bytes of one region by the layout's formula; `None` where there is no geometry.
     ///
     /// - `is_drawn`: whether the view draws it, since some layouts hold parts for those only
     pub(crate) fn formula(&self, mesh: &RegionMesh, is_drawn: bool) -> Option<GeometryBytes> {
-        match self {
-            Self::Baseline(_) => None,
-            Self::Fill(technique, variant) => technique.bytes(variant, mesh, is_drawn).ok(),
-        }
+        let (technique, variant) = self.fill()?;
+        technique.bytes(variant, mesh, is_drawn).ok()
     }
 
     /// Bytes that all regions share, by the layout's formula.
     pub(crate) fn shared_formula(&self, meshes: &[LazyMesh]) -> GeometryBytes {
-        match self {
-            Self::Baseline(_) => GeometryBytes::default(),
-            Self::Fill(technique, variant) => {
-                let meshes: Vec<&RegionMesh> = meshes.iter().map(|mesh| &**mesh).collect();
-                technique.shared_bytes(variant, &meshes).unwrap_or_default()
-            }
-        }
+        let meshes: Vec<&RegionMesh> = meshes.iter().map(|mesh| &**mesh).collect();
+        let bytes = self
+            .fill()
+            .and_then(|(technique, variant)| technique.shared_bytes(variant, &meshes).ok());
+        bytes.unwrap_or_default()
     }
 }

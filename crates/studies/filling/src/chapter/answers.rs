@@ -5,17 +5,15 @@
 //! Everything is computed from the rows. A fill is a technique with its switches; it competes where its
 //! picture is right and its time was measured.
 
-use super::data::{Data, View, competes, counter, distinct, has_role, is_approximate};
+use super::data::{Data, View, counter, distinct, has_role, is_approximate, is_baseline};
+use super::table::{figures, row};
 use super::{fronts, memory, needs, textured};
-use crate::keys::{
-    BOUNDARY_MOVED_PX, GEOMETRY_BYTES, HAUSDORFF_PX, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND,
-    REGIONS_DRAWN, STENCIL_FRAGMENTS, VERTICES,
-};
+use crate::keys::*;
+use terrafill_plot::dotted;
 use terrafill_plot::number::{bytes, count, figure, significant, spread};
-use terrafill_plot::{Palette, dotted};
 use terrafill_results::{
-    Answers, Block, Case, Cell, ChapterError, Finding, Heading, Metric, Row, Spread, Standing,
-    Table, TableLayout, typical,
+    Answers, Block, Case, Cell, ChapterError, Finding, Metric, Outcome, Spread, Standing, Table,
+    TableLayout, typical,
 };
 
 /// From so many regions in view on, their number decides.
@@ -29,30 +27,45 @@ const FEW_FRAGMENTS: u32 = 16;
 /// As many ties as a cell names.
 const MAX_TIES: usize = 3;
 
+/// Fills that compete in a view, each with its typical time, fastest first.
+struct Contest<'d, 'a> {
+    view: &'d View<'a>,
+    fills: Vec<(&'a Case, f64)>,
+}
+
+impl Contest<'_, '_> {
+    /// Every fill of a view draws the same regions; the first one that counted stands for all.
+    fn counted(&self, metric: &Metric) -> Option<f64> {
+        self.fills.iter().find_map(|(case, _)| case.value(metric))
+    }
+
+    fn fragments_a_vertex(&self) -> Option<f64> {
+        let vertices = self.counted(VERTICES).filter(|vertices| *vertices > 0.0)?;
+        Some(self.counted(STENCIL_FRAGMENTS)? / vertices)
+    }
+}
+
 /// What the chapter offers for the first page.
 pub(super) fn answers(data: &Data<'_>) -> Result<Answers, ChapterError> {
+    let contests = data.views.iter().map(|view| {
+        let timed = view.competing();
+        let timed = timed.filter_map(|case| Some((case, data.typical(case)?.middle)));
+        let mut fills: Vec<(&Case, f64)> = timed.collect();
+        fills.sort_by(|a, b| a.1.total_cmp(&b.1));
+        Contest { view, fills }
+    });
+    let contests: Vec<Contest<'_, '_>> = contests.collect();
     let mut blocks = Vec::new();
-    if let Some(matrix) = matrix(data) {
+    if let Some(matrix) = matrix(data, &contests) {
         blocks.push(matrix);
         blocks.extend(fronts::block(data)?);
-        blocks.extend(guide(data));
+        blocks.extend(guide(data, &contests));
     }
     Ok(Answers {
         scope: scope(data).into_iter().collect(),
         blocks,
         requirements: requirements(data),
     })
-}
-
-/// Fills that compete in a view, each with its typical time, fastest first.
-fn candidates<'a>(data: &Data<'a>, view: &View<'a>) -> Vec<(&'a Case, f64)> {
-    let timed = view.cases.iter().filter_map(|case| {
-        let time = data.typical(case).filter(|_| competes(case))?;
-        Some((*case, time.middle))
-    });
-    let mut timed: Vec<(&Case, f64)> = timed.collect();
-    timed.sort_by(|a, b| a.1.total_cmp(&b.1));
-    timed
 }
 
 /// Distance of the drawn boundary from the reference's and mismatched pixels: less is more exact.
@@ -71,8 +84,8 @@ struct Winners<'a> {
     recommended: &'a Case,
 }
 
-fn winners<'a>(data: &Data<'a>, candidates: &[(&'a Case, f64)]) -> Option<Winners<'a>> {
-    let cases = || candidates.iter().map(|(case, _)| *case);
+fn winners<'a>(data: &Data<'a>, contest: &Contest<'_, 'a>) -> Option<Winners<'a>> {
+    let cases = || contest.fills.iter().map(|(case, _)| *case);
     let fastest = cases().next()?;
     let ties = cases().skip(1).filter(|case| data.ties_with(case, fastest));
     let ties: Vec<&Case> = ties.collect();
@@ -81,85 +94,76 @@ fn winners<'a>(data: &Data<'a>, candidates: &[(&'a Case, f64)]) -> Option<Winner
     let smallest = cases().filter(|case| counter(case, GEOMETRY_BYTES).is_some());
     let exact = cases().filter_map(|case| Some((case, error(case)?)));
     let by_error = |a: &[f64; 2], b: &[f64; 2]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]));
+    let most_exact = exact.min_by(|a, b| by_error(&a.1, &b.1));
     let close = std::iter::once(fastest).chain(ties.iter().copied());
     Some(Winners {
         smallest: smallest.min_by_key(sized),
-        most_exact: exact
-            .min_by(|a, b| by_error(&a.1, &b.1))
-            .map(|(case, _)| case),
+        most_exact: most_exact.map(|(case, _)| case),
         recommended: close.min_by_key(sized).unwrap_or(fastest),
         fastest,
         ties,
     })
 }
 
-fn matrix(data: &Data<'_>) -> Option<Block> {
-    let palette = Palette::new(data.all_series());
-    let mut rows = Vec::new();
-    for scene in data.scenes() {
-        for view in &scene.views {
-            let candidates = candidates(data, view);
-            let Some(winners) = winners(data, &candidates) else {
-                continue;
-            };
-            let cell = |case: Option<&Case>| match case {
-                Some(case) => winner(data, &palette, case),
-                None => Cell::absent("no fill of this view has such a figure"),
-            };
-            let picture = view.cases.iter().map(|case| case.note("reference_image"));
-            rows.push(Row::new(vec![
-                Cell {
-                    detail: format!(
-                        "{} of {} fills right",
-                        candidates.len(),
-                        view.cases
-                            .iter()
-                            .filter(|case| !has_role(case, "sweep") && !is_approximate(case))
-                            .count()
-                    ),
-                    picture: picture.max().unwrap_or_default().to_owned(),
-                    section: scene.name.to_owned(),
-                    ..Cell::name(format!("{}, {}", scene.name, view.name))
-                },
-                cell(Some(winners.recommended)),
-                cell(Some(winners.fastest)),
-                ties(data, &winners.ties),
-                cell(winners.smallest),
-                cell(winners.most_exact),
-            ]));
-        }
-    }
-    (!rows.is_empty()).then(|| {
-        Block::Table(Table {
-            caption: format!(
-                "Every view with its best fills. A cell: technique, {} with {}, bytes of geometry, \
-                 Hausdorff distance of the boundary from the reference's, by how much levels of detail \
-                 moved it, and mismatched pixels. Point at a cell for the command that draws it.",
-                data.unit(),
-                brackets(data)
-            ),
-            headings: vec![
-                Heading::plain("scene, view"),
-                Heading::explained(
-                    "recommended",
-                    "of the fastest fill and its ties, the one with the fewest bytes of geometry",
-                ),
-                Heading::plain("fastest"),
-                Heading::explained(
-                    "ties",
-                    "fills that differ from the fastest by no more than identical work did",
-                ),
-                Heading::explained("smallest", "fewest bytes of geometry; of several the fastest"),
-                Heading::explained(
-                    "most exact",
-                    "least boundary distance, then fewest mismatched pixels; of several the fastest",
-                ),
-            ],
-            rows,
-            is_main: true,
-            layout: TableLayout::Cards,
-        })
-    })
+fn matrix(data: &Data<'_>, contests: &[Contest<'_, '_>]) -> Option<Block> {
+    let rows = contests.iter().filter_map(|contest| {
+        let (view, winners) = (contest.view, winners(data, contest)?);
+        let cell = |case: Option<&Case>| match case {
+            Some(case) => winner(data, case),
+            None => Cell::absent("no fill of this view has such a figure"),
+        };
+        let cases = || view.cases.iter();
+        let all = cases().filter(|case| !has_role(case, "sweep") && !is_approximate(case));
+        let picture = cases().map(|case| case.note("reference_image")).max();
+        let name = Cell {
+            detail: format!("{} of {} fills right", contest.fills.len(), all.count()),
+            picture: picture.unwrap_or_default().to_owned(),
+            section: view.scene.to_owned(),
+            ..Cell::name(view.title())
+        };
+        let cells = [
+            cell(Some(winners.recommended)),
+            cell(Some(winners.fastest)),
+            ties(data, &winners.ties),
+            cell(winners.smallest),
+            cell(winners.most_exact),
+        ];
+        Some(row(name, cells))
+    });
+    let headings = [
+        ("scene, view", ""),
+        (
+            "recommended",
+            "of the fastest fill and its ties, the one with the fewest bytes of geometry",
+        ),
+        ("fastest", ""),
+        (
+            "ties",
+            "fills that differ from the fastest by no more than identical work did",
+        ),
+        (
+            "smallest",
+            "fewest bytes of geometry; of several the fastest",
+        ),
+        (
+            "most exact",
+            "least boundary distance, then fewest mismatched pixels; of several the fastest",
+        ),
+    ];
+    let caption = format!(
+        "Every view with its best fills. A cell: technique, {} with {}, bytes of geometry, Hausdorff \
+         distance of the boundary from the reference's, by how much levels of detail moved it, and \
+         mismatched pixels. Point at a cell for the command that draws it.",
+        data.unit(),
+        brackets(data)
+    );
+    let table = Table {
+        caption,
+        is_main: true,
+        layout: TableLayout::Cards,
+        ..figures(&headings, rows.collect())
+    };
+    (!table.rows.is_empty()).then_some(Block::Table(table))
 }
 
 /// What the brackets after a time are.
@@ -172,7 +176,7 @@ fn brackets(data: &Data<'_>) -> &'static str {
     }
 }
 
-fn winner(data: &Data<'_>, palette: &Palette, case: &Case) -> Cell {
+fn winner(data: &Data<'_>, case: &Case) -> Cell {
     let time = match typical(case, data.metric) {
         Some(time) if time.interval.is_some() => figure(&time),
         // The figure that ranks it, among its samples.
@@ -196,9 +200,7 @@ fn winner(data: &Data<'_>, palette: &Palette, case: &Case) -> Cell {
             distance.as_deref().unwrap_or("–"),
             wrong.as_deref().unwrap_or("–"),
         ),
-        marker: palette.marker(&data.marked(case)),
-        command: data.command(case),
-        ..Cell::name(data.label(case))
+        ..data.name_cell(case, data.label(case))
     };
     dotted(cell, case, data.metric)
 }
@@ -220,156 +222,121 @@ fn ties(data: &Data<'_>, ties: &[&Case]) -> Cell {
     }
 }
 
-/// What the rows say for one kind of view.
-struct Advice {
-    kind: String,
-    /// Titles of the views.
-    views: Vec<String>,
-    /// Each fill that is right in all of them: geometric mean and maximum of its ratio to the best.
-    ranked: Vec<(String, f64, f64)>,
-}
+/// Fills that are right in all of some views: geometric mean and maximum of the ratio to each view's best.
+type Ranked = Vec<(String, f64, f64)>;
 
-/// Fills in these views, by the mean of how much longer they take than the best.
-fn ranked(data: &Data<'_>, views: &[&View<'_>]) -> Vec<(String, f64, f64)> {
-    let all = views.iter().map(|view| candidates(data, view));
-    let all: Vec<Vec<(&Case, f64)>> = all.collect();
-    let names = all.iter().flatten().map(|(case, _)| data.label(case));
+/// By the mean of how much longer they take than the best.
+fn ranked(data: &Data<'_>, contests: &[&Contest<'_, '_>]) -> Ranked {
+    let named = contests.iter().map(|contest| {
+        let fills = contest.fills.iter();
+        fills.map(|(case, _)| (data.label(case), *case)).collect()
+    });
+    let named: Vec<Vec<(String, &Case)>> = named.collect();
     let mut ranked = Vec::new();
-    for name in distinct(names) {
-        let ratios = all.iter().filter_map(|candidates| {
-            let (best, _) = candidates.first()?;
-            let (own, _) = candidates
-                .iter()
-                .find(|(case, _)| data.label(case) == name)?;
+    for name in distinct(named.iter().flatten().map(|(name, _)| name)) {
+        let ratios = named.iter().filter_map(|fills| {
+            let (_, best) = fills.first()?;
+            let (_, own) = fills.iter().find(|(own, _)| own == name)?;
             Some(data.over_fastest(own, best)?.middle)
         });
         let ratios: Vec<f64> = ratios.collect();
-        if ratios.len() == views.len() {
-            let mean = ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len() as f64;
+        if ratios.len() == contests.len() {
             let most = ratios.iter().copied().fold(0.0, f64::max);
-            ranked.push((name, mean.exp(), most));
+            ranked.push((name.clone(), geometric_mean(&ratios), most));
         }
     }
     ranked.sort_by(|a, b| a.1.total_cmp(&b.1));
     ranked
 }
 
+fn geometric_mean(values: &[f64]) -> f64 {
+    let logs = values.iter().map(|value| value.ln()).sum::<f64>();
+    (logs / values.len() as f64).exp()
+}
+
 /// What to take when, in words. Kinds of views are found by what their fills count.
-fn guide(data: &Data<'_>) -> Vec<Block> {
-    let scenes = data.scenes();
-    let views = || {
-        let of_scene = |scene: &'_ super::data::Scene<'_>| scene.name.to_owned();
-        scenes
-            .iter()
-            .flat_map(move |scene| scene.views.iter().map(move |view| (of_scene(scene), view)))
-    };
-    // Every fill of a view draws the same regions; the first one that counted stands for all.
-    let counted = |view: &View<'_>, metric: &Metric| {
-        let all = candidates(data, view);
-        all.iter().find_map(|(case, _)| case.value(metric))
-    };
-    let fragments_a_vertex = |view: &View<'_>| {
-        let (fragments, vertices) = (counted(view, STENCIL_FRAGMENTS)?, counted(view, VERTICES)?);
-        (vertices > 0.0).then(|| fragments / vertices)
-    };
-    let advice = |kind: String, is_it: &dyn Fn(&View<'_>) -> bool| {
-        let own: Vec<(String, &View<'_>)> = views().filter(|(_, view)| is_it(view)).collect();
-        Advice {
-            kind,
-            ranked: ranked(data, &own.iter().map(|(_, view)| *view).collect::<Vec<_>>()),
-            views: own
-                .iter()
-                .map(|(scene, view)| format!("{scene}, {}", view.name))
-                .collect(),
-        }
+fn guide(data: &Data<'_>, contests: &[Contest<'_, '_>]) -> Vec<Block> {
+    let [regions, many, few] = [MANY_REGIONS, MANY_FRAGMENTS, FEW_FRAGMENTS];
+    let printed = |number: u32| count(number.into());
+    let advice = |kind: String, is_it: &dyn Fn(&Contest<'_, '_>) -> bool| {
+        let own: Vec<&Contest<'_, '_>> = contests.iter().filter(|view| is_it(view)).collect();
+        advised(data, &kind, &own)
     };
     let by_time = [
         advice(
-            format!(
-                "Many regions in view (from {} on)",
-                count(MANY_REGIONS.into())
-            ),
-            &|view| counted(view, REGIONS_DRAWN).is_some_and(|n| n >= MANY_REGIONS.into()),
+            format!("Many regions in view (from {} on)", printed(regions)),
+            &|view| {
+                view.counted(REGIONS_DRAWN)
+                    .is_some_and(|n| n >= regions.into())
+            },
         ),
         advice(
             format!(
                 "Eye near, fill rate is the limit (from {} stencil-tested fragments a vertex on)",
-                count(MANY_FRAGMENTS.into())
+                printed(many)
             ),
-            &|view| fragments_a_vertex(view).is_some_and(|n| n >= MANY_FRAGMENTS.into()),
+            &|view| view.fragments_a_vertex().is_some_and(|n| n >= many.into()),
         ),
         advice(
             format!(
                 "Eye far, vertices are the limit (at most {} fragments a vertex)",
-                count(FEW_FRAGMENTS.into())
+                printed(few)
             ),
-            &|view| fragments_a_vertex(view).is_some_and(|n| n <= FEW_FRAGMENTS.into()),
+            &|view| view.fragments_a_vertex().is_some_and(|n| n <= few.into()),
         ),
         advice("Over all views".to_owned(), &|_| true),
     ];
-    let mut lines: Vec<String> = by_time
-        .iter()
-        .filter_map(|advice| advised(data, advice))
-        .collect();
-    lines.extend(memory_advice(data));
-    lines.extend(exact_advice(data));
+    let all: Vec<&Contest<'_, '_>> = contests.iter().collect();
+    let ranked = ranked(data, &all);
+    let lines = by_time.into_iter().chain([
+        memory_advice(data, contests, &ranked),
+        exact_advice(data, &ranked),
+    ]);
+    let lines: Vec<String> = lines.flatten().collect();
     match lines.is_empty() {
         true => Vec::new(),
-        false => vec![
-            Block::Heading {
-                level: 3,
-                text: "What to take".to_owned(),
-            },
-            Block::List(lines),
-        ],
+        false => vec![Block::section("What to take"), Block::List(lines)],
     }
 }
 
 /// `kind → fill`, with what it costs beside the best and what ties with it.
-fn advised(data: &Data<'_>, advice: &Advice) -> Option<String> {
-    let (name, mean, most) = advice.ranked.first()?;
-    let ties = advice.ranked.iter().skip(1).take_while(|(_, other, _)| {
+fn advised(data: &Data<'_>, kind: &str, contests: &[&Contest<'_, '_>]) -> Option<String> {
+    let ranked = ranked(data, contests);
+    let (name, mean, most) = ranked.first()?;
+    let ties = ranked.iter().skip(1).take_while(|(_, other, _)| {
         let noise = data.noise;
         noise.is_some_and(|noise| noise.is_tie(other / mean))
     });
     let ties: Vec<&str> = ties.map(|(name, ..)| name.as_str()).collect();
-    let views = match advice.views.as_slice() {
-        [only] => only.clone(),
+    let views = match contests {
+        [only] => only.view.title(),
         several => format!("{} views", several.len()),
     };
+    let shown = ties[..ties.len().min(MAX_TIES)].join(", ");
     let ties = match ties.len() {
         0 => String::new(),
-        some if some <= MAX_TIES => format!("; ties: {}", ties.join(", ")),
-        some => format!(
-            "; ties: {} and {} more",
-            ties[..MAX_TIES].join(", "),
-            some - MAX_TIES
-        ),
+        some if some <= MAX_TIES => format!("; ties: {shown}"),
+        some => format!("; ties: {shown} and {} more", some - MAX_TIES),
     };
     Some(format!(
-        "{} → {name}: {views}, {} × the best of each on average, {} × at most{ties}.",
-        advice.kind,
+        "{kind} → {name}: {views}, {} × the best of each on average, {} × at most{ties}.",
         significant(*mean),
         significant(*most),
     ))
 }
 
-/// The fill that holds least on average over scenes, and what that costs in time.
-fn memory_advice(data: &Data<'_>) -> Option<String> {
-    let scenes = data.scenes();
-    let views: Vec<&View<'_>> = scenes.iter().flat_map(|scene| &scene.views).collect();
-    let all = ranked(data, &views);
+/// The fill that holds least on average over views, and what that costs in time.
+fn memory_advice(data: &Data<'_>, contests: &[Contest<'_, '_>], ranked: &Ranked) -> Option<String> {
     let held = |name: &str| -> Option<f64> {
-        let cases = views.iter().flat_map(|view| candidates(data, view));
-        let own = cases.filter(|(case, _)| data.label(case) == name);
-        let bytes: Vec<f64> = own
-            .filter_map(|(case, _)| case.value(GEOMETRY_BYTES))
-            .filter(|bytes| *bytes > 0.0)
-            .collect();
-        let logs: f64 = bytes.iter().map(|bytes| bytes.ln()).sum();
-        (!bytes.is_empty()).then(|| (logs / bytes.len() as f64).exp())
+        let fills = contests.iter().flat_map(|contest| &contest.fills);
+        let own = fills.filter(|(case, _)| data.label(case) == name);
+        let bytes = own.filter_map(|(case, _)| case.value(GEOMETRY_BYTES));
+        let bytes: Vec<f64> = bytes.filter(|bytes| *bytes > 0.0).collect();
+        (!bytes.is_empty()).then(|| geometric_mean(&bytes))
     };
-    let sized = all.iter().filter_map(|fill| Some((fill, held(&fill.0)?)));
+    let sized = ranked
+        .iter()
+        .filter_map(|fill| Some((fill, held(&fill.0)?)));
     let sized: Vec<_> = sized.collect();
     // The first of several is the fastest.
     let ((name, mean, _), least) = sized.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -383,19 +350,16 @@ fn memory_advice(data: &Data<'_>) -> Option<String> {
 }
 
 /// The fastest fill that moves no boundary on purpose, where another one is faster.
-fn exact_advice(data: &Data<'_>) -> Option<String> {
-    let scenes = data.scenes();
-    let views: Vec<&View<'_>> = scenes.iter().flat_map(|scene| &scene.views).collect();
-    let all = ranked(data, &views);
+fn exact_advice(data: &Data<'_>, ranked: &Ranked) -> Option<String> {
     let moves = |name: &str| {
-        let mut cases = views.iter().flat_map(|view| &view.cases);
-        cases.any(|case| data.label(case) == name && case.value(BOUNDARY_MOVED_PX).is_some())
+        let mut cases = data.views.iter().flat_map(|view| &view.cases);
+        cases.any(|case| case.value(BOUNDARY_MOVED_PX).is_some() && data.label(case) == name)
     };
-    let (fastest, ..) = all.first()?;
+    let (fastest, ..) = ranked.first()?;
     if !moves(fastest) {
         return None;
     }
-    let (name, mean, most) = all.iter().find(|(name, ..)| !moves(name))?;
+    let (name, mean, most) = ranked.iter().find(|(name, ..)| !moves(name))?;
     Some(format!(
         "Boundaries must not move at all → {name}: {} × the best of each view on average, {} × at most.",
         significant(*mean),
@@ -403,61 +367,67 @@ fn exact_advice(data: &Data<'_>) -> Option<String> {
     ))
 }
 
-/// Which pictures were compared, in exact numbers.
-fn scope(data: &Data<'_>) -> Option<String> {
-    let drawn = data.cases.iter().filter(|case| !super::is_baseline(case));
-    let drawn: Vec<&&Case> = drawn.collect();
-    if drawn.is_empty() {
-        return None;
-    }
-    let outside = |case: &&&&Case| counter(case, MISMATCHED_PX_OUTSIDE_BAND);
-    let compared = drawn.iter().filter(|case| outside(case).is_some());
-    let meant = drawn.iter().filter(|case| case.planned.may_be_wrong);
-    let compared: Vec<_> = compared.collect();
-    let is_fault = |case: &Case| case.outcome == super::Outcome::DriverFault;
-    let faults = drawn.iter().filter(|case| is_fault(case)).count();
-    let must_match = compared
+/// Which pictures were compared, in exact numbers; `None` for a run that drew none.
+pub(super) fn scope(data: &Data<'_>) -> Option<String> {
+    let cases = data.cases.iter().copied();
+    let drawn: Vec<&Case> = cases.filter(|case| !is_baseline(case)).collect();
+    let counted = |is_it: &dyn Fn(&Case) -> bool| {
+        let own = drawn.iter().filter(|case| is_it(case));
+        own.count() as u64
+    };
+    let compared = counted(&|case| counter(case, MISMATCHED_PX_OUTSIDE_BAND).is_some());
+    let exceptions = [
+        (
+            counted(&|case| case.planned.may_be_wrong && !is_approximate(case)),
+            "of sweeps, whose error is the question",
+        ),
+        (counted(&is_approximate), "approximate by nature"),
+        (
+            counted(&|case| case.outcome == Outcome::DriverFault),
+            "with a known driver fault",
+        ),
+    ];
+    let some = exceptions.iter().filter(|(number, _)| *number > 0);
+    let some: Vec<String> = some
+        .map(|(number, what)| format!("{} {what}", count(*number)))
+        .collect();
+    let exceptions = match some.is_empty() {
+        true => String::new(),
+        false => format!(" ({})", some.join(", ")),
+    };
+    let others = if some.is_empty() {
+        ""
+    } else {
+        " of the others"
+    };
+    let wrong = match wrong(data) {
+        0 => "none".to_owned(),
+        some => count(some as u64),
+    };
+    (!drawn.is_empty()).then(|| {
+        format!(
+            "{} of {} pictures compared with the reference{exceptions}. Wrong outside the 1-pixel boundary \
+             band: {wrong}{others}.",
+            count(compared),
+            count(drawn.len() as u64),
+        )
+    })
+}
+
+/// Compared pictures that do not match, those aside whose error is the question or a known fault.
+pub(super) fn wrong(data: &Data<'_>) -> usize {
+    let has_to_match = |case: &&&Case| {
+        !case.planned.may_be_wrong && case.outcome != Outcome::DriverFault && !is_baseline(case)
+    };
+    let differs = |case: &&&Case| match counter(case, MISMATCHED_PX_OUTSIDE_BAND) {
+        Some(outside) => outside > 0 || case.outcome == Outcome::Wrong,
+        None => false,
+    };
+    data.cases
         .iter()
-        .filter(|case| !case.planned.may_be_wrong && !is_fault(case));
-    let wrong = must_match
-        .filter(|case| outside(case) != Some(0) || case.outcome == super::Outcome::Wrong)
-        .count();
-    let approximate = meant.clone().filter(|case| is_approximate(case)).count() as u64;
-    let points = meant.count() as u64 - approximate;
-    let meant = points + approximate;
-    Some(format!(
-        "{} of {} pictures compared with the reference; {}{}. {}",
-        count(compared.len() as u64),
-        count(drawn.len() as u64),
-        match (points, approximate) {
-            (0, 0) => "none is meant to be wrong".to_owned(),
-            (1, 0) => "1 sweep point may be wrong: its error is the question".to_owned(),
-            (some, 0) => format!(
-                "{} sweep points may be wrong: their error is the question",
-                count(some)
-            ),
-            (0, some) => format!("{} approximate: their error is the question", count(some)),
-            (some, more) => format!(
-                "{} sweep points may be wrong and {} are approximate: their error is the question",
-                count(some),
-                count(more)
-            ),
-        },
-        match faults {
-            0 => String::new(),
-            some => format!("; {some} differ by a known driver fault"),
-        },
-        match wrong {
-            0 if meant == 0 && faults == 0 =>
-                "All match outside the 1-pixel boundary band.".to_owned(),
-            0 => "All others match outside the 1-pixel boundary band.".to_owned(),
-            1 => "1 of the others does not match outside the 1-pixel boundary band.".to_owned(),
-            some => format!(
-                "{} of the others do not match outside the 1-pixel boundary band.",
-                count(some as u64)
-            ),
-        }
-    ))
+        .filter(has_to_match)
+        .filter(differs)
+        .count()
 }
 
 fn requirements(data: &Data<'_>) -> Vec<Finding> {
@@ -473,10 +443,8 @@ fn requirements(data: &Data<'_>) -> Vec<Finding> {
 
 /// No picture has a wrong pixel outside the band, those aside whose error is the question.
 fn pictures(data: &Data<'_>) -> Finding {
-    let own = data
-        .cases
-        .iter()
-        .filter(|case| !case.planned.may_be_wrong && !super::is_baseline(case));
+    let own = data.cases.iter();
+    let own = own.filter(|case| !case.planned.may_be_wrong && !is_baseline(case));
     let outside = own.filter_map(|case| case.value(MISMATCHED_PX_OUTSIDE_BAND));
     let outside: Vec<f64> = outside.collect();
     let wrong = outside.iter().filter(|px| **px > 0.0).count();

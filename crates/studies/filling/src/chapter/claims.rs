@@ -6,18 +6,14 @@
 //! claim whose rows are not in the run has an empty cell.
 
 use super::data::{
-    Data, Pairing, Timed, counter, declared, distinct, has_role, is_approximate, is_baseline,
-    is_compared,
+    Data, Timed, counter, declared, grouped, has_role, is_approximate, is_baseline, is_compared,
+    is_more, one_change,
 };
 use super::rungs::{Ladder, Rung, SOURCE, counters};
 use super::textured::AS_IN_2007_OVER_PLAIN;
 use super::{fill_rate, memory, subdivision, textured};
-use crate::claims::{Only, PAPER, Rival, Step, Test};
-use crate::keys::{
-    COLOUR_GPU_MS, FRAGMENT_SHADER_INVOCATIONS, LAYOUT, MISMATCHED_PX_OUTSIDE_BAND, NORMALS,
-    REGIONS_LEFT_OUT, SCENE, STENCIL_FRAGMENTS, STENCIL_GPU_MS, STEP, TECHNIQUE, VARIANT, VERTICES,
-    VIEW, WALL_SHIFT_M,
-};
+use crate::claims::{self, Gain, Only, PAPER, Rival, Test};
+use crate::keys::*;
 use terrafill_lab::{
     Answer, Claimed, Comparison, Follows, Told, claims_blocks, claims_table, overall,
 };
@@ -86,20 +82,21 @@ fn of_answers(answers: Vec<(&str, Answer)>, reason: String) -> Told {
 }
 
 /// The ladders that speak of the document: of one technique, on the first scene that has them.
-pub(super) fn documents<'l, 'a>(ladders: &'l [Ladder<'a>]) -> Vec<&'l Ladder<'a>> {
+fn documents<'l, 'a>(ladders: &'l [Ladder<'a>]) -> Vec<&'l Ladder<'a>> {
     let own = || ladders.iter().filter(|ladder| ladder.technique == VOLUMES);
     let scene = own().next().map(|ladder| ladder.scene);
     own().filter(|ladder| Some(ladder.scene) == scene).collect()
 }
 
-/// Rungs of a step, each with its ladder.
-fn steps<'l, 'a>(
-    ladders: &[&'l Ladder<'a>],
-    step: &str,
-    views: &[String],
-) -> Vec<(&'l Ladder<'a>, &'l Rung<'a>)> {
-    let is_of_view = |ladder: &&&Ladder<'_>| views.iter().any(|view| view == ladder.view);
-    let found = ladders.iter().filter(is_of_view).filter_map(|ladder| {
+/// A rung with its ladder.
+type Step<'l, 'a> = (&'l Ladder<'a>, &'l Rung<'a>);
+
+/// Rungs of a step in these views.
+fn steps<'l, 'a>(ladders: &[&'l Ladder<'a>], step: &str, views: &[String]) -> Vec<Step<'l, 'a>> {
+    let own = ladders
+        .iter()
+        .filter(|ladder| views.iter().any(|view| view == ladder.view));
+    let found = own.filter_map(|ladder| {
         let rung = ladder.rungs.iter().find(|rung| rung.step == step)?;
         Some((*ladder, rung))
     });
@@ -107,15 +104,10 @@ fn steps<'l, 'a>(
 }
 
 /// The same, those that say something of the claim.
-fn telling_steps<'l, 'a>(
-    ladders: &[&'l Ladder<'a>],
-    step: &str,
-    views: &[String],
-    only: Only,
-) -> Vec<(&'l Ladder<'a>, &'l Rung<'a>)> {
+fn telling_steps<'l, 'a>(ladders: &[&'l Ladder<'a>], of: &Gain) -> Vec<Step<'l, 'a>> {
     let vertices = |case: &Case| counter(case, VERTICES);
-    let mut found = steps(ladders, step, views);
-    found.retain(|(_, rung)| match only {
+    let mut found = steps(ladders, &of.name, &of.views);
+    found.retain(|(_, rung)| match of.only {
         Only::Any => true,
         Only::AllInSight => counter(rung.case, REGIONS_LEFT_OUT) == Some(0),
         Only::WhereItActs => rung.before.and_then(vertices) != vertices(rung.case),
@@ -124,24 +116,22 @@ fn telling_steps<'l, 'a>(
 }
 
 /// What the run says of a claim.
-pub(super) fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed<Test>) -> Told {
+fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed<Test>) -> Told {
     let own = documents(ladders);
-    let in_views = |of: &Step| steps(&own, &of.step, &of.views);
+    let in_views = |of: &claims::Step| steps(&own, &of.step, &of.views);
     match &claimed.test {
-        Test::Step {
-            name,
-            expects,
-            views,
-            only,
-        } => {
-            let found = telling_steps(&own, name, views, *only);
-            let acts_nowhere = *only == Only::WhereItActs && found.is_empty();
-            if acts_nowhere && !steps(&own, name, views).is_empty() {
+        Test::Step(of) => {
+            let found = telling_steps(&own, of);
+            let acts_nowhere = of.only == Only::WhereItActs && found.is_empty();
+            if acts_nowhere && !steps(&own, &of.name, &of.views).is_empty() {
                 return not_measured(
                     "in these views the eye is inside every volume, or so near that the step changes nothing",
                 );
             }
-            of_step(data, &found, *expects)
+            let answers = found.iter();
+            let answers =
+                answers.map(|(ladder, rung)| (ladder.view, answer(data, rung, of.expects)));
+            of_answers(answers.collect(), reason(&found))
         }
         Test::Counter {
             step,
@@ -205,14 +195,8 @@ pub(super) fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed<T
     }
 }
 
-fn of_step(data: &Data<'_>, found: &[(&Ladder<'_>, &Rung<'_>)], claim: Claim) -> Told {
-    let answers = found.iter();
-    let answers = answers.map(|(ladder, rung)| (ladder.view, answer(data, rung, claim)));
-    of_answers(answers.collect(), reason(found))
-}
-
 /// What a rung's gain says of a claim, by the noise of its scene.
-pub(super) fn answer(data: &Data<'_>, rung: &Rung<'_>, claim: Claim) -> Answer {
+fn answer(data: &Data<'_>, rung: &Rung<'_>, claim: Claim) -> Answer {
     let Some(before) = rung.before else {
         return Answer::not_measured("no kept step comes before it");
     };
@@ -233,22 +217,21 @@ pub(super) fn answer(data: &Data<'_>, rung: &Rung<'_>, claim: Claim) -> Answer {
         false => Scope::DRAW,
     };
     let comparison = Comparison {
-        changed: STEP.name(),
         follows: &follows,
-        one_sided: None,
         metric: data.time_covering(needs),
         needs,
+        ..one_change(STEP)
     };
     data.judge(comparison, [before, rung.case], claim)
 }
 
 /// What the step that moved most changed in counters.
-fn reason(found: &[(&Ladder<'_>, &Rung<'_>)]) -> String {
+fn reason(found: &[Step<'_, '_>]) -> String {
     let moved = |rung: &Rung<'_>| rung.gain.map_or(0.0, |gain| gain.middle.ln().abs());
     let most = found
         .iter()
         .max_by(|a, b| moved(a.1).total_cmp(&moved(b.1)));
-    let of = |(ladder, rung): &(&Ladder<'_>, &Rung<'_>)| {
+    let of = |(ladder, rung): &Step<'_, '_>| {
         Some(format!(
             "{}: {}",
             ladder.view,
@@ -266,7 +249,7 @@ fn exactly(value: f64) -> Estimate {
     }
 }
 
-fn of_counter(found: &[(&Ladder<'_>, &Rung<'_>)], metric: &str, claim: Claim) -> Told {
+fn of_counter(found: &[Step<'_, '_>], metric: &str, claim: Claim) -> Told {
     let parts = found.iter().filter_map(|(ladder, rung)| {
         let ratio = rung.before?.value(metric)? / rung.case.value(metric)?;
         let standing = claim.standing_beyond(&exactly(ratio), 1.0);
@@ -296,17 +279,13 @@ fn own_steps<'l, 'a>(ladder: &'l Ladder<'a>) -> impl Iterator<Item = &'l Rung<'a
     own.filter(|rung| !rung.is_aside)
 }
 
-fn largest(data: &Data<'_>, step: &str, found: &[(&Ladder<'_>, &Rung<'_>)]) -> Told {
+fn largest(data: &Data<'_>, step: &str, found: &[Step<'_, '_>]) -> Told {
     let parts = found.iter().filter_map(|(ladder, rung)| {
         let gain = rung.gain.as_ref()?;
         let others = own_steps(ladder).filter(|other| other.step != step);
         let others = others.filter_map(|other| Some((other.step, other.gain?)));
         let (next, next_gain) = others.max_by(|a, b| a.1.middle.total_cmp(&b.1.middle))?;
-        let standing = match (gain.interval, next_gain.interval) {
-            (Some([low, _]), Some([_, high])) if low > high => Standing::Holds,
-            (Some([_, high]), Some([low, _])) if high < low => Standing::DoesNotHold,
-            _ => Standing::CannotTell,
-        };
+        let standing = is_more(gain, &next_gain);
         let (gain, next_gain) = (data.ratio_text(gain), data.ratio_text(&next_gain));
         Some((
             format!("{} {gain}, next {next} {next_gain}", ladder.view),
@@ -316,7 +295,7 @@ fn largest(data: &Data<'_>, step: &str, found: &[(&Ladder<'_>, &Rung<'_>)]) -> T
     told(parts.collect(), reason(found))
 }
 
-fn second_pass(found: &[(&Ladder<'_>, &Rung<'_>)]) -> Told {
+fn second_pass(found: &[Step<'_, '_>]) -> Told {
     let parts = found.iter().filter_map(|(ladder, rung)| {
         let share = share(rung.case, COLOUR_GPU_MS, STENCIL_GPU_MS)?;
         let standing = Claim::AtLeast(0.5).standing(&share);
@@ -368,10 +347,7 @@ fn of_ratios(data: &Data<'_>, found: &[Timed<'_>], claim: Claim, reason: String)
 fn flat_mesh(data: &Data<'_>) -> Told {
     let found = super::textured::flat_mesh_errors(data).into_iter();
     let parts = found.map(|(view, [angles, barycentric])| {
-        let standing = match barycentric <= angles {
-            true => Standing::Holds,
-            false => Standing::DoesNotHold,
-        };
+        let standing = Standing::holds_if(barycentric <= angles);
         let [angles, barycentric] = [angles, barycentric].map(significant);
         (format!("{view} {angles} ÷ {barycentric}"), standing)
     });
@@ -385,50 +361,36 @@ fn flat_mesh(data: &Data<'_>) -> Told {
 
 fn worst_at_horizon(data: &Data<'_>) -> Told {
     let all = textured::compared(data, AS_IN_2007_OVER_PLAIN);
-    let scenes = distinct(all.iter().map(Timed::scene));
-    let parts = scenes.into_iter().filter_map(|scene| {
-        let own = || all.iter().filter(|timed| timed.scene() == scene);
-        let at_horizon = |timed: &&Timed<'_>| timed.title.ends_with("horizon");
-        let over = |timed: &Timed<'_>| ratio(timed.cases[0], timed.cases[1], data.metric);
-        let horizon = own().find(at_horizon).and_then(over)?;
-        let others = own().filter(|timed| !at_horizon(timed));
-        let next = others
-            .filter_map(over)
-            .max_by(|a, b| a.middle.total_cmp(&b.middle))?;
-        let standing = match (horizon.interval, next.interval) {
-            (Some([low, _]), Some([_, high])) if low > high => Standing::Holds,
-            (Some([_, high]), Some([low, _])) if high < low => Standing::DoesNotHold,
-            _ => Standing::CannotTell,
-        };
-        let text = format!(
-            "{scene}: {}, elsewhere at most {}",
-            times(&horizon),
-            times(&next)
-        );
-        Some((text, standing))
+    let over = |timed: &&Timed<'_>| ratio(timed.cases[0], timed.cases[1], data.metric);
+    let scenes = grouped(&all, |timed| timed.cases[0].condition(SCENE)).into_iter();
+    let parts = scenes.filter_map(|(scene, own)| {
+        let at_horizon = |timed: &&&Timed<'_>| timed.title.ends_with("horizon");
+        let horizon = own.iter().copied().find(|timed| at_horizon(&timed));
+        let horizon = horizon.as_ref().and_then(over)?;
+        let others = own.iter().filter(|timed| !at_horizon(timed));
+        let others = others.filter_map(over);
+        let next = others.max_by(|a, b| a.middle.total_cmp(&b.middle))?;
+        let most = times(&next);
+        let text = format!("{scene}: {}, elsewhere at most {most}", times(&horizon));
+        Some((text, is_more(&horizon, &next)))
     });
     told(parts.collect(), AS_IN_2007_OVER_PLAIN.to_owned())
 }
 
 fn of_geometry_shader(data: &Data<'_>, claim: Claim) -> Told {
     let found = memory::geometry_shader_ratios(data);
-    let parts = found.iter().map(|(name, ratio)| {
-        let standing = claim.standing_beyond(&exactly(*ratio), 1.0);
+    let has_documents = found
+        .iter()
+        .any(|(name, _)| memory::is_documents_layout(name));
+    let parts = found.iter().filter(|_| has_documents).map(|(name, ratio)| {
         // The document's own layout decides; the others are named beside it.
         let standing = match memory::is_documents_layout(name) {
-            true => standing,
+            true => claim.standing_beyond(&exactly(*ratio), 1.0),
             false => Standing::Holds,
         };
         (format!("{name} {} ×", significant(*ratio)), standing)
     });
-    let parts: Vec<_> = match found
-        .iter()
-        .any(|(name, _)| memory::is_documents_layout(name))
-    {
-        true => parts.collect(),
-        false => Vec::new(),
-    };
-    told(parts, memory::why_strips_are_smaller())
+    told(parts.collect(), memory::why_strips_are_smaller())
 }
 
 fn centric_normals(data: &Data<'_>) -> Told {
@@ -454,41 +416,39 @@ fn centric_normals(data: &Data<'_>) -> Told {
 }
 
 /// Each case of a rival with that of volumes of the same view, and what to call the two.
-fn beside_volumes<'a>(data: &Data<'a>, rival: &Rival) -> Vec<(String, &'a Case, &'a Case)> {
-    let cases = || data.cases.iter().copied();
-    let is_own = |case: &&Case| {
+fn beside_volumes<'a>(data: &Data<'a>, rival: &Rival) -> Vec<(String, [&'a Case; 2])> {
+    let cases = data.cases.iter().copied();
+    let own = cases.filter(|case| {
         case.condition(TECHNIQUE) == rival.technique
             && case.condition_named(&rival.key) == rival.value
-    };
-    let pairs = cases().filter(is_own).filter_map(|own| {
-        let of = [SCENE, VIEW].map(|key| own.condition(key));
-        let is_volumes = |case: &&Case| {
-            [SCENE, VIEW].map(|key| case.condition(key)) == of
-                && case.condition(TECHNIQUE) == VOLUMES
-                && case.condition(VARIANT) == "doubled"
-        };
-        Some((of.join(" "), own, cases().find(is_volumes)?))
+    });
+    let is_volumes =
+        |case: &&Case| case.condition(TECHNIQUE) == VOLUMES && case.condition(VARIANT) == "doubled";
+    let pairs = own.filter_map(|own| {
+        let volumes = data.beside(own).iter().copied().find(is_volumes)?;
+        let title = [SCENE, VIEW].map(|key| own.condition(key)).join(" ");
+        Some((title, [own, volumes]))
     });
     pairs.collect()
 }
 
 /// A technique and volumes.
-const RIVALS: Pairing = Pairing {
-    changed: TECHNIQUE,
+const RIVALS: Comparison<'static> = Comparison {
     follows: &[Follows {
         key: LAYOUT.name(),
         because: "each technique calls the first of its own parameters so",
     }],
     one_sided: Some("a switch that only one of the two techniques has"),
+    ..one_change(TECHNIQUE)
 };
 
 /// A rival and volumes, view by view.
 fn over_volumes<'a>(data: &Data<'a>, rival: &Rival) -> Vec<Timed<'a>> {
     let found = beside_volumes(data, rival).into_iter();
-    let timed = found.map(|(title, own, volumes)| Timed {
+    let timed = found.map(|(title, cases)| Timed {
         title,
         pairing: RIVALS,
-        cases: [own, volumes],
+        cases,
     });
     timed.collect()
 }
@@ -512,7 +472,7 @@ fn costs_more(data: &Data<'_>, rival: &Rival, metrics: &[String]) -> Told {
 fn wrong_pixels(data: &Data<'_>, rival: &Rival) -> Told {
     let found = beside_volumes(data, rival);
     let outside = |case: &Case| counter(case, MISMATCHED_PX_OUTSIDE_BAND);
-    let parts = found.iter().filter_map(|(title, own, _)| {
+    let parts = found.iter().filter_map(|(title, [own, _])| {
         let pixels = outside(own)?;
         Some((format!("{title} {} px", count(pixels)), pixels))
     });
@@ -520,7 +480,9 @@ fn wrong_pixels(data: &Data<'_>, rival: &Rival) -> Told {
     // The document says of the view from close by what no other view need show.
     let standing = Standing::holds_if(parts.iter().any(|(_, pixels)| *pixels > 0));
     let parts = parts.into_iter().map(|(text, _)| (text, standing));
-    let volumes = found.iter().filter_map(|(_, _, volumes)| outside(volumes));
+    let volumes = found
+        .iter()
+        .filter_map(|(_, [_, volumes])| outside(volumes));
     let most = volumes.max().map_or("–".to_owned(), count);
     told(
         parts.collect(),
@@ -537,30 +499,20 @@ fn surface_independence(data: &Data<'_>) -> Told {
             // An experiment whose error is its answer says nothing of surfaces.
             && !case.planned.may_be_wrong
     };
-    let cases = || data.cases.iter().filter(plain);
-    let tally = |on_terrain: bool| {
-        let own = || {
-            cases().filter(move |case| ON_TERRAIN.contains(&case.condition(SCENE)) == on_terrain)
-        };
-        let ended = |outcome| own().filter(|case| case.outcome == outcome).count();
-        (ended(Outcome::Ok), ended(Outcome::Wrong))
+    let tally = |what: &str, on_terrain: bool| {
+        let own = data.cases.iter().filter(plain);
+        let own = own.filter(|case| ON_TERRAIN.contains(&case.condition(SCENE)) == on_terrain);
+        let ended = |outcome| own.clone().filter(|case| case.outcome == outcome).count();
+        let (right, wrong) = (ended(Outcome::Ok), ended(Outcome::Wrong));
+        let text = format!("{what}: {right} of {} pictures right", right + wrong);
+        (right + wrong > 0).then(|| (text, Standing::holds_if(wrong == 0)))
     };
-    let [(ok_bare, wrong_bare), (ok_terrain, wrong_terrain)] = [tally(false), tally(true)];
-    if ok_bare + wrong_bare == 0 || ok_terrain + wrong_terrain == 0 {
+    let tallies = [tally("bare ellipsoid", false), tally("terrain", true)];
+    let [Some(bare), Some(terrain)] = tallies else {
         return not_measured("the run has surfaces of one kind only");
-    }
-    let text = |what: &str, ok: usize, wrong: usize| {
-        let standing = Standing::holds_if(wrong == 0);
-        (
-            format!("{what}: {ok} of {} pictures right", ok + wrong),
-            standing,
-        )
     };
     told(
-        vec![
-            text("bare ellipsoid", ok_bare, wrong_bare),
-            text("terrain", ok_terrain, wrong_terrain),
-        ],
+        vec![bare, terrain],
         "fills read the surface's depth and nothing else of it".to_owned(),
     )
 }
@@ -601,18 +553,12 @@ pub(super) fn of_ladder(data: &Data<'_>, ladder: &Ladder<'_>) -> Vec<Finding> {
         return Vec::new();
     }
     let finding = |claimed: &Claimed<Test>| {
-        let Test::Step {
-            name,
-            expects,
-            views,
-            only,
-        } = &claimed.test
-        else {
+        let Test::Step(of) = &claimed.test else {
             return None;
         };
-        let found = telling_steps(&[ladder], name, views, *only);
+        let found = telling_steps(&[ladder], of);
         let (_, rung) = found.first()?;
-        let answer = answer(data, rung, *expects);
+        let answer = answer(data, rung, of.expects);
         let figure = match claimed.figure.as_str() {
             "" => String::new(),
             figure => format!(" ({figure})"),
@@ -647,14 +593,9 @@ pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> 
     let mut keys = textured::undecided(data);
     for claimed in &PAPER.claims {
         let (timed, claim) = match &claimed.test {
-            Test::Step {
-                name,
-                expects,
-                views,
-                only,
-            } => {
-                for (_, rung) in telling_steps(&own, name, views, *only) {
-                    let is_open = answer(data, rung, *expects).standing == Standing::CannotTell;
+            Test::Step(of) => {
+                for (_, rung) in telling_steps(&own, of) {
+                    let is_open = answer(data, rung, of.expects).standing == Standing::CannotTell;
                     if is_open || (is_noisy && rung.gain.is_some()) {
                         let cases = rung.before.into_iter().chain([rung.case]);
                         keys.extend(cases.map(|case| case.id().key()));

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The study's cases as its chapter reads them, in scenes and views, with the run's clock.
 
-use crate::keys::{
-    APPROXIMATE, ASIDE, BOUNDARY_LOD_PX, BOUNDARY_TOLERANCE_M, FILL_WALL_MS, LAYOUT, NEEDS_RUNG,
-    NEEDS_STEP, PICTURE, ROLE, RUNG, SCENE, STEP, TECHNIQUE, TOLERANCE_M, VARIANT, VIEW,
-};
+use crate::keys::*;
 use crate::metrics::METRICS;
 use crate::request::STUDY;
+use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 use terrafill_lab::{Answer, Comparison, Follows};
+use terrafill_plot::Palette;
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
-    Case, Cell, Claim, ConditionKey, Estimate, Heading, Metric, Noise, Outcome, REPEATS, Run,
-    Scope, Spread, over_typical, process_medians, ratio, sample_spread, typical,
+    Case, Cell, Claim, ConditionKey, Estimate, Metric, Noise, Outcome, REPEATS, Run, Scope, Spread,
+    Standing, over_typical, process_medians, ratio, sample_spread, typical,
 };
 
 /// Full-screen pass that reads depth in a shader and writes a constant.
@@ -29,46 +28,31 @@ const DEFAULT_SIZE: (u32, u32) = (1024, 1024);
 /// By how many pixels levels of detail may move a boundary.
 const LEVELS: ConditionKey = BOUNDARY_LOD_PX;
 
-/// Conditions that say which case it is and not how its technique is set.
-const NO_SWITCHES: [ConditionKey; 13] = [
-    ASIDE,
-    NEEDS_RUNG,
-    NEEDS_STEP,
-    APPROXIMATE,
-    SCENE,
-    VIEW,
-    TECHNIQUE,
-    VARIANT,
-    LAYOUT,
-    ROLE,
-    RUNG,
-    STEP,
-    REPEATS,
-];
-
 /// Conditions that say what a case is for, or name the switches that it has anyway.
 const BOOKKEEPING: [ConditionKey; 7] = [ASIDE, NEEDS_RUNG, NEEDS_STEP, ROLE, RUNG, STEP, VARIANT];
 
-/// What a pair of cases may differ in.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Pairing {
-    pub(super) changed: ConditionKey,
-    pub(super) follows: &'static [Follows<'static>],
-    pub(super) one_sided: Option<&'static str>,
+/// Conditions besides those that say which case it is and not how its technique is set.
+const NO_SWITCHES: [ConditionKey; 6] = [APPROXIMATE, SCENE, VIEW, TECHNIQUE, LAYOUT, REPEATS];
+
+/// Two cases that differ in one condition; which of their figures is compared is chosen with the claim.
+pub(super) const fn one_change(changed: ConditionKey) -> Comparison<'static> {
+    Comparison {
+        changed: changed.name(),
+        follows: &[],
+        one_sided: None,
+        metric: FILL_WALL_MS,
+        needs: Scope::DRAW,
+    }
 }
 
 /// Two times that a claim compares.
 pub(super) struct Timed<'a> {
     pub(super) title: String,
-    pub(super) pairing: Pairing,
+    pub(super) pairing: Comparison<'static>,
     pub(super) cases: [&'a Case; 2],
 }
 
 impl Timed<'_> {
-    pub(super) fn scene(&self) -> &str {
-        self.cases[0].condition(SCENE)
-    }
-
     /// What the time of the first over that of the second says of a claim, by the noise of its scene.
     pub(super) fn answer(&self, data: &Data<'_>, claim: Claim) -> Answer {
         self.answer_in(data, data.time_covering(Scope::DRAW), Scope::DRAW, claim)
@@ -82,17 +66,10 @@ impl Timed<'_> {
         needs: Scope,
         claim: Claim,
     ) -> Answer {
-        let Pairing {
-            changed,
-            follows,
-            one_sided,
-        } = self.pairing;
         let comparison = Comparison {
-            changed: changed.name(),
-            follows,
-            one_sided,
             metric,
             needs,
+            ..self.pairing
         };
         data.judge(comparison, self.cases, claim)
     }
@@ -106,25 +83,23 @@ pub(super) struct Data<'a> {
     pub(super) run: &'a Run,
     /// Every case that draws, A/A twins left out, in the plan's order.
     pub(super) cases: Vec<&'a Case>,
-    /// Bytes of layouts.
-    pub(super) memory: Vec<&'a Case>,
+    /// The same by scene and view.
+    of_views: BTreeMap<[&'a str; 2], Vec<&'a Case>>,
+    /// Bytes of layouts by scene, in order of appearance.
+    pub(super) memory: Vec<(&'a str, Vec<&'a Case>)>,
+    /// The views of a scene follow each other. Cases that have a section of their own are in none.
+    pub(super) views: Vec<View<'a>>,
     /// The fill's time by the run's clock.
     pub(super) metric: &'static Metric,
     pub(super) noise: Option<Noise>,
-    /// Full-screen passes by scene, view and technique.
-    passes: BTreeMap<[&'a str; 3], &'a Case>,
     /// The shortest variant on each curve.
-    shortest: BTreeMap<Curve, &'a str>,
-}
-
-/// The cases of one scene.
-pub(super) struct Scene<'a> {
-    pub(super) name: &'a str,
-    pub(super) views: Vec<View<'a>>,
+    shortest: BTreeMap<String, &'a str>,
+    palette: OnceCell<Palette>,
 }
 
 /// The cases of one view.
 pub(super) struct View<'a> {
+    pub(super) scene: &'a str,
     pub(super) name: &'a str,
     /// Full-screen passes.
     pub(super) baselines: Vec<&'a Case>,
@@ -134,32 +109,95 @@ pub(super) struct View<'a> {
     pub(super) rivals: Vec<&'a Case>,
 }
 
+impl<'a> View<'a> {
+    pub(super) fn title(&self) -> String {
+        format!("{}, {}", self.scene, self.name)
+    }
+
+    /// Those that compete.
+    pub(super) fn competing(&self) -> impl Iterator<Item = &'a Case> + Clone + '_ {
+        let cases = self.cases.iter().copied();
+        cases.filter(|case| competes(case))
+    }
+}
+
 impl<'a> Data<'a> {
     pub(super) fn new(run: &'a Run, metric: &'static Metric) -> Self {
         let own = || run.cases.iter().filter(|case| case.id().study == STUDY);
         let (memory, cases): (Vec<&Case>, Vec<&Case>) = own()
             .filter(|case| !case.is_twin())
             .partition(|case| has_role(case, "memory"));
-        let key = |case: &'a Case| [SCENE, VIEW, TECHNIQUE].map(|key| case.condition(key));
-        // Backwards, so that of several the first one stays.
-        let passes = cases.iter().rev().filter(|case| is_baseline(case));
-        let passes = passes.map(|case| (key(case), *case)).collect();
-        let mut shortest: BTreeMap<Curve, &str> = BTreeMap::new();
+        let scene_of = |case: &&'a Case| case.condition(SCENE);
+        let view_of = |case: &&'a Case| [SCENE, VIEW].map(|key| case.condition(key));
+        let mut shortest: BTreeMap<String, &str> = BTreeMap::new();
         for case in &cases {
             let variant = case.condition(VARIANT);
-            let known = shortest.entry(Curve::of(case)).or_insert(variant);
+            let known = shortest.entry(curve(case)).or_insert(variant);
             if (variant.len(), variant) < (known.len(), *known) {
                 *known = variant;
             }
         }
+        let listed = cases.iter().copied().filter(|case| is_listed(case));
+        let of_scenes = grouped(listed, scene_of).into_iter();
+        let views = of_scenes.flat_map(|(scene, cases)| {
+            let views = grouped(cases, view_of).into_iter();
+            views.map(move |([_, name], cases)| {
+                let (baselines, cases) = cases.into_iter().partition(|case| is_baseline(case));
+                let cases: Vec<&Case> = cases;
+                let (rivals, cases) = cases.into_iter().partition(|case| is_rival(case));
+                View {
+                    scene,
+                    name,
+                    baselines,
+                    cases,
+                    rivals,
+                }
+            })
+        });
         Self {
-            passes,
+            views: views.collect(),
+            of_views: grouped(cases.iter().copied(), view_of)
+                .into_iter()
+                .collect(),
+            memory: grouped(memory, scene_of),
             shortest,
             run,
             cases,
-            memory,
             metric,
             noise: Noise::of(own(), metric),
+            palette: OnceCell::new(),
+        }
+    }
+
+    /// Views of one scene after the other.
+    pub(super) fn scenes(&self) -> impl Iterator<Item = &[View<'a>]> {
+        self.views.chunk_by(|a, b| a.scene == b.scene)
+    }
+
+    /// Every case of a view that draws.
+    pub(super) fn of_view<'s>(&'s self, of: [&'s str; 2]) -> &'s [&'a Case] {
+        self.of_views.get(&of).map_or(&[], Vec::as_slice)
+    }
+
+    /// Every case of the view of this one.
+    pub(super) fn beside<'s>(&'s self, case: &'s Case) -> &'s [&'a Case] {
+        self.of_view([SCENE, VIEW].map(|key| case.condition(key)))
+    }
+
+    /// Colour and marker of each series.
+    pub(super) fn palette(&self) -> &Palette {
+        self.palette.get_or_init(|| Palette::new(self.all_series()))
+    }
+
+    /// A case's name with its marker and the command that draws it.
+    pub(super) fn name_cell(&self, case: &Case, text: String) -> Cell {
+        Cell {
+            marker: match is_baseline(case) {
+                true => String::new(),
+                false => self.palette().marker(&self.marked(case)),
+            },
+            command: self.command(case),
+            ..Cell::name(text)
         }
     }
 
@@ -246,8 +284,8 @@ impl<'a> Data<'a> {
 
     /// The full-screen pass of the case's scene and view.
     pub(super) fn baseline(&self, case: &Case, technique: &str) -> Option<&'a Case> {
-        let [scene, view] = [SCENE, VIEW].map(|key| case.condition(key));
-        self.passes.get(&[scene, view, technique]).copied()
+        let mut cases = self.beside(case).iter().copied();
+        cases.find(|pass| pass.condition(TECHNIQUE) == technique)
     }
 
     /// Time of `case` over that of a full-screen pass.
@@ -267,12 +305,6 @@ impl<'a> Data<'a> {
         format!("{}{}", times(ratio), if is_tie { " (tie)" } else { "" })
     }
 
-    /// Ratios closer to 1 than this factor are no difference in a scene's ladder: so far reach the intervals
-    /// of identical work there. A narrower band could not call identical work no difference.
-    pub(super) fn band(&self, scene: &str) -> f64 {
-        Noise::band(self.ladder_noise(scene))
-    }
-
     /// By how much identical work differed on a scene's ladder; anywhere in the scene where none of the
     /// ladder was measured twice.
     pub(super) fn ladder_noise(&self, scene: &str) -> Option<Noise> {
@@ -280,24 +312,25 @@ impl<'a> Data<'a> {
     }
 
     fn noise_on(&self, scene: &str, metric: &Metric) -> Option<Noise> {
-        let own = || {
-            self.run
-                .cases
-                .iter()
-                .filter(|case| case.id().study == STUDY)
-        };
-        let of_scene = || own().filter(|case| case.condition(SCENE) == scene);
-        let of_ladder = of_scene().filter(|case| has_role(case, "ladder"));
-        Noise::of(of_ladder, metric).or_else(|| Noise::of(of_scene(), metric))
+        let own = self
+            .run
+            .cases
+            .iter()
+            .filter(|case| case.id().study == STUDY);
+        let of_scene = own.filter(|case| case.condition(SCENE) == scene);
+        let of_ladder = of_scene.clone().filter(|case| has_role(case, "ladder"));
+        Noise::of(of_ladder, metric).or_else(|| Noise::of(of_scene, metric))
     }
 
-    /// What is taken as no difference, in a sentence.
+    /// What is taken as no difference in a scene's ladder, in a sentence. A band narrower than the intervals of
+    /// identical work reach could not call identical work no difference.
     pub(super) fn band_sentence(&self, scene: Option<&str>) -> String {
         let Some(scene) = scene else {
             return String::new();
         };
-        let percent = significant(100.0 * (self.band(scene) - 1.0));
-        match self.ladder_noise(scene) {
+        let noise = self.ladder_noise(scene);
+        let percent = significant(100.0 * (Noise::band(noise) - 1.0));
+        match noise {
             Some(noise) => format!(
                 "Less than {percent} % either way is no difference: so far the intervals of identical work \
                  reached in this run, measured twice under {} names.",
@@ -312,11 +345,11 @@ impl<'a> Data<'a> {
 
     /// Twins of the cases with these keys, and of what else stands on their ladder.
     pub(super) fn ladder_twins(&self, keys: &[String]) -> Vec<String> {
-        let scenes = self
+        let own = self
             .cases
             .iter()
             .filter(|case| keys.contains(&case.id().key()));
-        let scenes = distinct(scenes.map(|case| case.condition(SCENE)));
+        let scenes = distinct(own.map(|case| case.condition(SCENE)));
         let twins = self.run.cases.iter().filter(|case| {
             case.is_twin() && has_role(case, "ladder") && scenes.contains(&case.condition(SCENE))
         });
@@ -330,60 +363,20 @@ impl<'a> Data<'a> {
         Cell::or_absent(ratio.map(|ratio| self.ratio_text(ratio)), why)
     }
 
-    /// Scenes in order of appearance with the cases that have no chapter of their own.
-    pub(super) fn scenes(&self) -> Vec<Scene<'a>> {
-        let mut scenes: Vec<Scene<'a>> = Vec::new();
-        for &case in self.cases.iter().filter(|case| is_listed(case)) {
-            let (scene, view) = (case.condition(SCENE), case.condition(VIEW));
-            let scene = find_or_push(
-                &mut scenes,
-                |known| known.name == scene,
-                || Scene {
-                    name: scene,
-                    views: Vec::new(),
-                },
-            );
-            let view = find_or_push(
-                &mut scene.views,
-                |known| known.name == view,
-                || View {
-                    name: view,
-                    baselines: Vec::new(),
-                    cases: Vec::new(),
-                    rivals: Vec::new(),
-                },
-            );
-            if is_baseline(case) {
-                view.baselines.push(case);
-            } else if is_rival(case) {
-                view.rivals.push(case);
-            } else {
-                view.cases.push(case);
-            }
-        }
-        scenes
-    }
-
     /// Names of all curves: a curve's place here is its colour and marker in every plot. Those that
     /// most views have come first, as the first ones differ most.
-    pub(super) fn all_series(&self) -> Vec<String> {
-        let listed = self
-            .cases
-            .iter()
-            .filter(|case| is_listed(case) && !is_baseline(case));
-        let mut views: BTreeMap<String, BTreeSet<[&str; 2]>> = BTreeMap::new();
-        for case in listed {
-            let view = [SCENE, VIEW].map(|key| case.condition(key));
-            views.entry(self.marked(case)).or_default().insert(view);
+    fn all_series(&self) -> Vec<String> {
+        let mut views: BTreeMap<String, BTreeSet<usize>> = BTreeMap::new();
+        for (place, view) in self.views.iter().enumerate() {
+            for case in view.cases.iter().chain(&view.rivals) {
+                views.entry(self.marked(case)).or_default().insert(place);
+            }
         }
-        for case in &self.memory {
+        for case in self.memory.iter().flat_map(|(_, cases)| cases) {
             views.entry(layout_name(case)).or_default();
         }
-        let mut series: Vec<(String, usize)> = views
-            .into_iter()
-            .map(|(series, views)| (series, views.len()))
-            .collect();
-        series.sort_by_key(|(_, views)| std::cmp::Reverse(*views));
+        let mut series: Vec<(String, BTreeSet<usize>)> = views.into_iter().collect();
+        series.sort_by_key(|(_, views)| std::cmp::Reverse(views.len()));
         series.into_iter().map(|(series, _)| series).collect()
     }
 
@@ -422,7 +415,7 @@ impl<'a> Data<'a> {
     /// What is one curve: technique and switches without the knob. Named by the shortest variant on it,
     /// which is the one that leaves the knob alone where there is one.
     pub(super) fn series(&self, case: &Case) -> String {
-        let shortest = self.shortest.get(&Curve::of(case)).copied();
+        let shortest = self.shortest.get(&curve(case)).copied();
         let variant = shortest.unwrap_or_else(|| case.condition(VARIANT));
         format!("{}/{variant}", case.condition(TECHNIQUE))
     }
@@ -449,33 +442,19 @@ fn is_full_plan(case: &Case) -> bool {
 }
 
 /// Technique and layout.
-fn layout_name(case: &Case) -> String {
+pub(super) fn layout_name(case: &Case) -> String {
     let of = |key| case.condition(key);
     format!("{}/{}", of(TECHNIQUE), of(LAYOUT))
 }
 
-/// Technique, layout and switches without the knob.
-#[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Curve {
-    technique: String,
-    layout: String,
-    set: Vec<(String, String)>,
-}
-
-impl Curve {
-    fn of(case: &Case) -> Self {
-        // Whatever is chosen of an approximate fill says how far it is off.
-        let is_knob = |key: &str| key == KNOB.name() || is_approximate(case);
-        let set = switches(case).into_iter();
-        let set = set.filter(|(key, _)| !is_knob(key));
-        Self {
-            technique: case.condition(TECHNIQUE).to_owned(),
-            layout: case.condition(LAYOUT).to_owned(),
-            set: set
-                .map(|(key, value)| (key.to_owned(), value.to_owned()))
-                .collect(),
-        }
-    }
+/// Technique, layout and switches without the knob. Whatever is chosen of an approximate fill is one: it says how
+/// far it is off.
+fn curve(case: &Case) -> String {
+    let set = switches(case).into_iter();
+    let set = set.filter(|(key, _)| *key != KNOB.name() && !is_approximate(case));
+    set.fold(layout_name(case), |curve, (key, value)| {
+        format!("{curve},{key}={value}")
+    })
 }
 
 /// Technique and variant.
@@ -552,16 +531,10 @@ pub(super) fn switches(case: &Case) -> Vec<(&str, &str)> {
     conditions
         .map(|(key, value)| (key.as_str(), value.as_str()))
         .filter(|(key, value)| {
-            NO_SWITCHES.iter().all(|own| own.name() != *key) && !value.is_empty()
+            let mut others = NO_SWITCHES.iter().chain(&BOOKKEEPING);
+            others.all(|own| own.name() != *key) && !value.is_empty()
         })
         .collect()
-}
-
-/// Whether two cases have these conditions in common.
-pub(super) fn is_same(a: &Case, b: &Case, conditions: &[ConditionKey]) -> bool {
-    conditions
-        .iter()
-        .all(|key| a.condition(*key) == b.condition(*key))
 }
 
 /// Value of the knob, metres: as the switch names it, else as the mesh was built.
@@ -577,6 +550,15 @@ pub(super) fn declared(name: &str) -> &'static Metric {
     Metric::of(&METRICS, name)
 }
 
+/// Whether one figure is more than another, by their intervals.
+pub(super) fn is_more(one: &Estimate, other: &Estimate) -> Standing {
+    match (one.interval, other.interval) {
+        (Some([low, _]), Some([_, high])) if low > high => Standing::Holds,
+        (Some([_, high]), Some([low, _])) if high < low => Standing::DoesNotHold,
+        _ => Standing::CannotTell,
+    }
+}
+
 /// A counter.
 #[allow(
     clippy::cast_possible_truncation,
@@ -590,35 +572,26 @@ pub(super) fn counter(case: &Case, metric: impl AsRef<str>) -> Option<u64> {
     Some(value.round() as u64)
 }
 
-/// Columns of tables whose first one holds names.
-pub(super) fn headings(first: &str, metrics: &[(&str, &Metric)]) -> Vec<Heading> {
-    let columns = metrics
-        .iter()
-        .map(|(text, metric)| Heading::metric(*text, *metric));
-    std::iter::once(Heading::plain(first))
-        .chain(columns)
-        .collect()
-}
-
 /// Items without repetitions, in order of appearance.
-pub(super) fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<T> {
-    let mut seen = Vec::new();
-    for item in items {
-        if !seen.contains(&item) {
-            seen.push(item);
-        }
-    }
-    seen
+pub(super) fn distinct<T: Ord + Clone>(items: impl IntoIterator<Item = T>) -> Vec<T> {
+    let groups = grouped(items, T::clone).into_iter();
+    groups.map(|(item, _)| item).collect()
 }
 
-fn find_or_push<T>(
-    items: &mut Vec<T>,
-    is_it: impl Fn(&T) -> bool,
-    make: impl FnOnce() -> T,
-) -> &mut T {
-    let index = items.iter().position(is_it).unwrap_or_else(|| {
-        items.push(make());
-        items.len() - 1
-    });
-    &mut items[index]
+/// Items of the same key together, in order of appearance.
+pub(super) fn grouped<T, K: Ord + Clone>(
+    items: impl IntoIterator<Item = T>,
+    key: impl Fn(&T) -> K,
+) -> Vec<(K, Vec<T>)> {
+    let mut places: BTreeMap<K, usize> = BTreeMap::new();
+    let mut groups: Vec<(K, Vec<T>)> = Vec::new();
+    for item in items {
+        let key = key(&item);
+        let place = *places.entry(key.clone()).or_insert(groups.len());
+        if place == groups.len() {
+            groups.push((key, Vec::new()));
+        }
+        groups[place].1.push(item);
+    }
+    groups
 }

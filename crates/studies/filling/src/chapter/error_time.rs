@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Error against run time of one view: two panels side by side, wrong pixels and boundary deviation.
+//! Error against run time of one view: two panels side by side, wrong pixels and error of the boundary.
 //!
 //! One curve per layout through its knob, the boundary tolerance. A wrong case whose error is the
 //! question stands where its figures put it; any other wrong or failed case stands on the edge.
 
-use super::data::{Data, View, has_role, is_approximate, knob_m, name, setting, standing};
+use super::data::{Data, View, grouped, has_role, is_approximate, knob_m, name, setting, standing};
+use super::table::plot;
 use crate::keys::{BOUNDARY_DEVIATION_M, MISMATCHED_PX};
-use std::collections::BTreeMap;
 use terrafill_plot::{
-    Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, length,
-    panels,
+    Arrangement, Curve, Point, PointStanding, Reading, Upwards, WorkPrecision, length, panels,
 };
-use terrafill_results::{Case, ChapterError, Metric, Outcome};
+use terrafill_results::{Block, Case, ChapterError, Metric, Outcome};
 
 /// Title, axis and metric of each panel.
 const QUANTITIES: [(&str, &str, &Metric); 2] = [
@@ -27,14 +26,9 @@ const QUANTITIES: [(&str, &str, &Metric); 2] = [
     ),
 ];
 
-/// Draws both panels; `None` when neither would hold a point. Beside it the cases without a point, each
-/// with its reason.
-pub(super) fn plot(
-    data: &Data<'_>,
-    scene: &str,
-    view: &View<'_>,
-    palette: &Palette,
-) -> Result<Option<(String, Vec<String>)>, ChapterError> {
+/// Every fill of a view; nothing when neither panel would hold a point.
+pub(super) fn of_view(data: &Data<'_>, view: &View<'_>) -> Result<Option<Block>, ChapterError> {
+    let title = format!("{}: error against run time", view.title());
     let across = format!("fill, {}: median, 5–95 % of samples", data.unit());
     let plots = QUANTITIES.map(|(title, up, metric)| WorkPrecision {
         title,
@@ -44,31 +38,42 @@ pub(super) fn plot(
         curves: curves(data, view, metric),
         lines: Vec::new(),
     });
-    let title = format!("{scene}, {}: error against run time", view.name);
-    let svg = panels(&title, &plots, Arrangement::SideBySide, palette)?;
-    Ok(svg.map(|svg| (svg, not_drawn(data, view))))
+    let svg = panels(&title, &plots, Arrangement::SideBySide, data.palette())?;
+    let not_drawn = match not_drawn(data, view) {
+        none if none.is_empty() => String::new(),
+        some => format!(" Not drawn: {}.", some.join("; ")),
+    };
+    let caption = format!(
+        "Error against run time; one curve per layout through its boundary tolerance, which labels the points. \
+         Zero errors stand on the line at the bottom; wrong and failed cases (crosses) are pinned to the upper \
+         edge, except those whose error is the question, which stand at it; open marks are approximate fills. \
+         Ringed and joined by dashes: the Pareto front, where at least 95 % of bootstrap resamples of the \
+         processes keep it.{not_drawn}"
+    );
+    Ok(plot(caption, svg))
 }
 
 /// The cases as curves, one for each layout.
 pub(super) fn curves(data: &Data<'_>, view: &View<'_>, metric: &Metric) -> Vec<Curve> {
-    let mut curves: BTreeMap<String, Vec<Point>> = BTreeMap::new();
-    for case in &view.cases {
-        let is_shown = match case.outcome {
-            Outcome::Ok => data.time(case).is_some() && case.value(metric).is_some(),
-            Outcome::Wrong | Outcome::Failed => true,
-            Outcome::Skipped | Outcome::Missing | Outcome::DriverFault => false,
-        };
-        if is_shown {
-            let points = curves.entry(data.series(case)).or_default();
-            points.push(point(data, view, case, metric));
-        }
-    }
-    let curve = |(name, points)| Curve { name, points };
+    let shown = view.cases.iter().filter(|case| match case.outcome {
+        Outcome::Ok => data.time(case).is_some() && case.value(metric).is_some(),
+        Outcome::Wrong | Outcome::Failed => true,
+        Outcome::Skipped | Outcome::Missing | Outcome::DriverFault => false,
+    });
+    let mut curves = grouped(shown, |case| data.series(case));
+    curves.sort_by(|a, b| a.0.cmp(&b.0));
+    let curve = |(name, cases): (String, Vec<&&Case>)| Curve {
+        name,
+        points: cases
+            .iter()
+            .map(|case| point(data, view, case, metric))
+            .collect(),
+    };
     curves.into_iter().map(curve).collect()
 }
 
 /// A case by its time and an error.
-pub(super) fn point(data: &Data<'_>, view: &View<'_>, case: &Case, metric: &Metric) -> Point {
+fn point(data: &Data<'_>, view: &View<'_>, case: &Case, metric: &Metric) -> Point {
     let time = |spread| Reading::sampled(spread, &data.replicates(case));
     let setting = setting(case, view).filter(|_| is_approximate(case));
     let number = setting.and_then(|value| value.parse().ok());

@@ -6,11 +6,12 @@
 //! For vertices the fragments must be equal, for fragments the vertices. Only steps after culling count
 //! that change nothing else, and of these the one that changes the work most.
 
-use super::data::Data;
+use super::data::{Data, is_more};
 use super::rungs::{Ladder, Rung};
+use super::table::{figures, part, row};
 use crate::keys::{FRAGMENT_SHADER_INVOCATIONS, STENCIL_FRAGMENTS, VERTICES};
 use terrafill_plot::number::{figure, significant};
-use terrafill_results::{Block, Cell, Estimate, Finding, Heading, Row, Standing, Table};
+use terrafill_results::{Block, Cell, Estimate, Finding, Standing};
 
 /// Steps that change how many vertices or fragments there are and nothing that costs anything beside.
 const STEPS: [&str; 9] = [
@@ -50,15 +51,9 @@ pub(super) struct Slopes<'a> {
 impl Slopes<'_> {
     /// Whether time grows faster with fragments than with vertices.
     pub(super) fn standing(&self) -> Standing {
-        let interval =
-            |slope: &Option<Slope<'_>>| slope.as_ref().map(|slope| slope.exponent.interval);
-        match (interval(&self.vertices), interval(&self.fragments)) {
-            (None, _) | (_, None) => Standing::NotMeasured,
-            (Some(Some([_, most])), Some(Some([least, _]))) if least > most => Standing::Holds,
-            (Some(Some([least, _])), Some(Some([_, most]))) if most < least => {
-                Standing::DoesNotHold
-            }
-            _ => Standing::CannotTell,
+        match (&self.vertices, &self.fragments) {
+            (Some(vertices), Some(fragments)) => is_more(&fragments.exponent, &vertices.exponent),
+            _ => Standing::NotMeasured,
         }
     }
 }
@@ -130,7 +125,7 @@ pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Block> {
     if !slopes.iter().any(has_any) {
         return Vec::new();
     }
-    let cell = |slope: &Option<Slope<'_>>, same: &str| match slope {
+    let of = |slope: &Option<Slope<'_>>, same: &str| match slope {
         Some(slope) => Cell {
             detail: format!("{}: {} × the work", slope.step, significant(slope.lever)),
             ..Cell::plain(figure(&slope.exponent))
@@ -140,37 +135,31 @@ pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Block> {
         )),
     };
     let rows = slopes.iter().map(|slopes| {
-        Row::new(vec![
-            Cell::name(slopes.title),
-            cell(&slopes.vertices, "fragments"),
-            cell(&slopes.fragments, "vertices"),
-        ])
+        let cells = [
+            of(&slopes.vertices, "fragments"),
+            of(&slopes.fragments, "vertices"),
+        ];
+        row(Cell::name(slopes.title), cells)
     });
+    let headings = [
+        ("scene, view: technique", ""),
+        (
+            "over vertices",
+            "both fills have the same fragments, within 5 %",
+        ),
+        (
+            "over fragments",
+            "both fills have the same vertices, within 5 %",
+        ),
+    ];
     let mut blocks = vec![
-        Block::Heading {
-            level: 4,
-            text: "Fill rate or vertices".to_owned(),
-        },
+        part("Fill rate or vertices".to_owned()),
         Block::Text(format!(
             "Exponent b of {} = c · workᵇ between two fills that differ in one step after culling, with \
              its 95 % interval: 0 where that work costs nothing, 1 where it costs everything.",
             data.run.clock().name()
         )),
-        Block::Table(Table {
-            headings: vec![
-                Heading::plain("scene, view: technique"),
-                Heading::explained(
-                    "over vertices",
-                    "both fills have the same fragments, within 5 %",
-                ),
-                Heading::explained(
-                    "over fragments",
-                    "both fills have the same vertices, within 5 %",
-                ),
-            ],
-            rows: rows.collect(),
-            ..Table::default()
-        }),
+        Block::Table(figures(&headings, rows.collect())),
     ];
     blocks.extend(slopes.iter().map(|slopes| {
         Block::Finding(Finding {

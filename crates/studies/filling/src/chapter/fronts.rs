@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Error against cost, one panel a scene: the sum over the scene's views, by each clock and by work.
 
-use super::data::{Data, Scene, competes, counter, distinct};
+use super::data::{Data, View, counter, distinct};
+use super::table;
 use crate::keys::{
     FILL_CPU_MS, FILL_GPU_MS, FILL_WALL_MS, GEOMETRY_BYTES, MISMATCHED_PX, STENCIL_FRAGMENTS,
 };
-use terrafill_plot::{FrontPanel, FrontPoint, Fronts, Palette};
-use terrafill_results::{Block, Case, ChapterError, Choice, Metric, Plot, process_medians};
+use terrafill_plot::{FrontPanel, FrontPoint, Fronts};
+use terrafill_results::{Block, Case, ChapterError, Choice, Metric, process_medians};
 
 /// Costs of a fill other than its time by the run's clock: name and metric.
 const COSTS: [(&str, &Metric); 4] = [
@@ -40,8 +41,6 @@ fn choice(
     data: &Data<'_>,
     is_wanted: impl Fn(&Metric) -> bool,
 ) -> Result<Option<Block>, ChapterError> {
-    let scenes = data.scenes();
-    let palette = Palette::new(data.all_series());
     let mut costs = COSTS;
     costs.sort_by_key(|(_, metric)| *metric != data.metric);
     let mut ways = Vec::new();
@@ -51,20 +50,13 @@ fn choice(
             across: name,
             up: UP,
             area: "bytes of geometry",
-            panels: scenes
-                .iter()
-                .map(|scene| panel(data, scene, metric))
+            panels: data
+                .scenes()
+                .map(|views| panel(data, views, metric))
                 .collect(),
         };
-        if let Some(svg) = plot.draw(&palette)? {
-            ways.push((
-                name.to_owned(),
-                vec![Block::Plot(Plot {
-                    caption: caption(name),
-                    svg,
-                })],
-            ));
-        }
+        let plot = table::plot(caption(name), plot.draw(data.palette())?);
+        ways.extend(plot.map(|plot| (name.to_owned(), vec![plot])));
     }
     Ok((!ways.is_empty()).then(|| {
         Block::Choice(Choice {
@@ -84,21 +76,19 @@ fn caption(cost: &str) -> String {
     )
 }
 
-fn panel(data: &Data<'_>, scene: &Scene<'_>, metric: &Metric) -> FrontPanel {
-    let competes = |case: &&&Case| competes(case);
-    let cases = scene.views.iter().flat_map(|view| &view.cases);
-    let names = distinct(cases.filter(competes).map(|case| data.label(case)));
+fn panel(data: &Data<'_>, views: &[View<'_>], metric: &Metric) -> FrontPanel {
+    let cases = views.iter().flat_map(View::competing);
+    let names = distinct(cases.map(|case| data.label(case)));
     let points = names.into_iter().filter_map(|name| {
-        let of_views = scene.views.iter().map(|view| {
-            let mut own = view.cases.iter().filter(competes);
+        let of_views = views.iter().map(|view| {
+            let mut own = view.competing();
             own.find(|case| data.label(case) == name && case.counts())
-                .copied()
         });
         let of_views: Option<Vec<&Case>> = of_views.collect();
         point(data, name, &of_views?, metric)
     });
     FrontPanel {
-        name: scene.name.to_owned(),
+        name: views[0].scene.to_owned(),
         points: points.collect(),
     }
 }

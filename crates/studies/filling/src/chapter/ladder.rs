@@ -4,20 +4,36 @@
 //!
 //! Claims are compared with the measured interval; nothing here knows what came out.
 
-use super::data::{Data, counter, name, standing};
+use super::data::{Data, is_more};
 use super::rungs::{Ladder, Rung, SOURCE, counters};
+use super::table::Show::{Bytes, Count, Own, Ratios, Status};
+use super::table::{Column, figures, part, row, step_cells, steps_plot, table};
 use super::{claims, fill_rate};
 use crate::keys::{
     DRAWS, GEOMETRY_BYTES, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND, STENCIL_FRAGMENTS, VERTICES,
 };
-use terrafill_plot::number::{bytes, count, significant};
-use terrafill_plot::{RatioAxis, Step, Steps};
-use terrafill_results::{
-    Block, Case, Cell, ChapterError, Estimate, Heading, Outcome, Plot, Row, Table,
-};
+use terrafill_plot::number::significant;
+use terrafill_results::{Block, Case, Cell, ChapterError, Estimate, Outcome, Standing, Table};
 
-/// Ratios of this chapter's axes.
-pub(super) const AXIS_ONE: &str = "depth-pass = 1";
+const COLUMNS: [Column; 11] = [
+    ("step", Own("")),
+    ("status", Status),
+    ("÷\u{a0}depth-pass (5\u{2060}–\u{2060}95\u{a0}%)", Ratios),
+    (
+        "gain over the last kept step [95\u{a0}%]",
+        Own("time of the last kept step before over this one's, paired by process"),
+    ),
+    ("geometry bytes", Bytes(GEOMETRY_BYTES)),
+    ("draws", Count(DRAWS)),
+    ("vertices", Count(VERTICES)),
+    ("stencil-tested fragments", Count(STENCIL_FRAGMENTS)),
+    ("px that differ", Count(MISMATCHED_PX)),
+    ("outside band", Count(MISMATCHED_PX_OUTSIDE_BAND)),
+    (
+        "because",
+        Own("what the step changed of the work that is done"),
+    ),
+];
 
 /// Every ladder of the run.
 pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Block>, ChapterError> {
@@ -46,250 +62,84 @@ pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Bloc
 }
 
 fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, ChapterError> {
-    let mut blocks = vec![Block::Heading {
-        level: 4,
-        text: ladder.title.clone(),
-    }];
-    let missing = missing(&ladder.rungs);
+    let rungs = &ladder.rungs;
+    let mut blocks = vec![part(ladder.title.clone())];
+    let missing = missing(rungs);
     if !missing.is_empty() {
         blocks.push(Block::Alarm(format!(
             "Rungs without a result: {}.",
             missing.join("; ")
         )));
     }
-    let sentences = sentences(data, &ladder.rungs);
-    if !sentences.is_empty() {
-        blocks.push(Block::Text(sentences.join(" ")));
-    }
-    if let Some(svg) = plot(data, ladder)? {
-        blocks.push(Block::Plot(Plot {
-            caption: String::new(),
-            svg,
-        }));
-    }
-    blocks.push(Block::Table(table(data, &ladder.rungs)));
+    let title = format!("{}: time over depth-pass, step by step", ladder.title);
+    let gain = |rung: &Rung<'_>| {
+        let gain = rung
+            .gain
+            .map(|gain| format!(" · gain {}", significant(gain.middle)));
+        gain.unwrap_or_default()
+    };
+    blocks.extend(steps_plot(data, title, rungs, gain)?);
+    let rows = rungs.iter().map(|rung| {
+        let because = match rung.before {
+            Some(before) => Cell::name(counters(before, rung.case)),
+            None => Cell::absent("nothing comes before it"),
+        };
+        let own = step_cells(data, rung).into_iter().chain([because]);
+        (rung.case, own.collect())
+    });
+    blocks.push(Block::Table(table(data, &COLUMNS, rows)));
     let findings = claims::of_ladder(data, ladder);
     blocks.extend(findings.into_iter().map(Block::Finding));
     Ok(blocks)
 }
 
-fn table(data: &Data<'_>, rungs: &[Rung<'_>]) -> Table {
-    let mut headings = vec![
-        Heading::plain("step"),
-        Heading::plain("status"),
-        Heading::explained(
-            "÷\u{a0}depth-pass (5\u{2060}–\u{2060}95\u{a0}%)",
-            "times over the median of the full-screen depth-pass of the same view",
-        ),
-        Heading::explained(
-            "gain over the last kept step [95\u{a0}%]",
-            "time of the last kept step before over this one's, paired by process",
-        ),
-    ];
-    let metrics = [
-        ("geometry bytes", GEOMETRY_BYTES),
-        ("draws", DRAWS),
-        ("vertices", VERTICES),
-        ("stencil-tested fragments", STENCIL_FRAGMENTS),
-        ("px that differ", MISMATCHED_PX),
-        ("outside band", MISMATCHED_PX_OUTSIDE_BAND),
-    ];
-    headings.extend(metrics.map(|(text, metric)| Heading::metric(text, metric)));
-    headings.push(Heading::explained(
-        "because",
-        "what the step changed of the work that is done",
-    ));
-    let rows = rungs.iter().map(|rung| {
-        let case = rung.case;
-        let why = match case.reason.as_str() {
-            "" => case.outcome.name(),
-            reason => reason,
-        };
-        let absent = |text: Option<String>| Cell::or_absent(text, why);
-        let ratio = data
-            .spread_over_depth_pass(case)
-            .map(terrafill_plot::number::spread);
-        let mut cells = vec![
-            Cell {
-                detail: name(case),
-                ..Cell::name(format!(
-                    "{} · {}{}: {}",
-                    rung.number,
-                    if rung.is_aside { "aside, " } else { "" },
-                    rung.step,
-                    case.note("change")
-                ))
-            },
-            Cell::plain(case.outcome.name()),
-            absent(ratio),
-            match &rung.gain {
-                Some(gain) => Cell::plain(data.ratio_text(gain)),
-                None => Cell::absent("no kept step before it, or no times of both"),
-            },
-        ];
-        cells.extend(metrics.map(|(_, metric)| {
-            let print = if metric.name.ends_with("bytes") {
-                bytes
-            } else {
-                count
-            };
-            absent(counter(case, metric).map(print))
-        }));
-        cells.push(match rung.before {
-            Some(before) => Cell::name(counters(before, case)),
-            None => Cell::absent("nothing comes before it"),
-        });
-        Row {
-            cells,
-            status: case.outcome.name().to_owned(),
-            remark: match case.outcome {
-                Outcome::Ok => String::new(),
-                _ => case.reason.clone(),
-            },
-        }
-    });
-    Table {
-        rows: rows.collect(),
-        headings,
-        ..Table::default()
-    }
-}
-
-fn plot(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Option<String>, ChapterError> {
-    let rows = ladder.rungs.iter().map(|rung| {
-        let ratio = data.spread_over_depth_pass(rung.case);
-        let gain = rung.gain.map_or_else(String::new, |gain| {
-            format!(" · gain {}", significant(gain.middle))
-        });
-        let value = ratio.map_or_else(String::new, |ratio| {
-            format!("{} ×{gain}", significant(ratio.median))
-        });
-        Step {
-            label: format!("{} · {}", rung.number, rung.step),
-            begins: ratio.and_then(|ratio| Some(ratio.median * rung.gain?.middle)),
-            is_kept: rung.is_kept(),
-            ratio: ratio.ok_or_else(|| no_ratio(data, rung.case)),
-            value,
-            command: data.command(rung.case),
-        }
-    });
-    let axis = axis_title(data);
-    let steps = Steps {
-        title: format!("{}: time over depth-pass, step by step", ladder.title),
-        axis: RatioAxis {
-            title: &axis,
-            one: AXIS_ONE,
-        },
-        rows: rows.collect(),
-    };
-    Ok(steps.draw()?)
-}
-
-/// What the axis of every plot of ratios says.
-pub(super) fn axis_title(data: &Data<'_>) -> String {
-    format!(
-        "{} of the fill ÷ that of the depth-pass, median with 5–95 % of samples (logarithmic)",
-        data.run.clock().name()
-    )
-}
-
-/// Why a case has no ratio to the depth-pass.
-pub(super) fn no_ratio(data: &Data<'_>, case: &Case) -> String {
-    let why = match case.outcome {
-        Outcome::Ok if data.time(case).is_none() => "no fill time",
-        Outcome::Ok => "no depth-pass measured",
-        _ => standing(case),
-    };
-    why.to_owned()
-}
-
-/// Steps by what they gave, most first.
-fn by_gain<'r>(rungs: &'r [Rung<'_>]) -> Vec<(&'r str, &'r Estimate)> {
-    let gains = rungs
-        .iter()
-        .filter(|rung| !rung.is_aside)
-        .filter_map(|rung| Some((rung.step, rung.gain.as_ref()?)));
-    let mut gains: Vec<(&str, &Estimate)> = gains.collect();
+/// The step that gave most, and whether another one may have given as much.
+fn gave_most(data: &Data<'_>, rungs: &[Rung<'_>]) -> Option<String> {
+    let own = rungs.iter().filter(|rung| !rung.is_aside);
+    let gains = own.filter_map(|rung| Some((rung.step, rung.gain?)));
+    let mut gains: Vec<(&str, Estimate)> = gains.collect();
     gains.sort_by(|a, b| b.1.middle.total_cmp(&a.1.middle));
-    gains
+    let (step, most) = gains.first()?;
+    let is_close = |(_, second): &&(&str, Estimate)| is_more(most, second) != Standing::Holds;
+    let close = gains.get(1).filter(is_close);
+    let close = close.map_or_else(String::new, |(second, _)| {
+        format!(", not clearly more than {second}")
+    });
+    Some(format!("{step}: {}{close}", data.ratio_text(most)))
 }
 
 fn overview(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Table {
     let rows = ladders.iter().map(|ladder| {
-        let right = || {
-            ladder
-                .rungs
-                .iter()
-                .filter(|rung| !rung.is_aside)
-                .map(|rung| rung.case)
-                .filter(|case| case.counts())
-        };
+        let kept = ladder.rungs.iter().filter(|rung| rung.is_kept());
+        let mut right = kept.map(|rung| rung.case);
         let over_depth_pass = |case: Option<&Case>| {
             let ratio = case.and_then(|case| data.spread_over_depth_pass(case));
             Cell::or_absent(ratio.map(|ratio| significant(ratio.median)), "no ratio")
         };
-        let (first, last) = (right().next(), right().next_back());
+        let first = right.next();
+        let last = right.next_back().or(first);
         let total = first
             .zip(last)
             .and_then(|(first, last)| data.over(first, last));
-        let gains = by_gain(&ladder.rungs);
-        let most = gains
-            .first()
-            .map(|(step, gain)| format!("{step}: {}", data.ratio_text(gain)));
-        Row::new(vec![
-            Cell::name(&ladder.title),
+        let cells = [
             over_depth_pass(first),
             over_depth_pass(last),
             data.ratio_cell(total.as_ref(), "no two right steps with times"),
-            Cell::or_absent(most, "no gain was measured"),
-        ])
+            Cell::or_absent(gave_most(data, &ladder.rungs), "no gain was measured"),
+        ];
+        row(Cell::name(&ladder.title), cells)
     });
+    let headings = [
+        "scene, view: technique",
+        "first right step ÷\u{a0}depth-pass",
+        "last ÷\u{a0}depth-pass",
+        "first ÷ last [95\u{a0}%]",
+        "gave most",
+    ];
     Table {
-        headings: [
-            "scene, view: technique",
-            "first right step ÷\u{a0}depth-pass",
-            "last ÷\u{a0}depth-pass",
-            "first ÷ last [95\u{a0}%]",
-            "gave most",
-        ]
-        .map(Heading::plain)
-        .into(),
-        rows: rows.collect(),
         is_main: true,
-        ..Table::default()
+        ..figures(&headings.map(|text| (text, "")), rows.collect())
     }
-}
-
-/// What gave most, and where the ladder ends.
-fn sentences(data: &Data<'_>, rungs: &[Rung<'_>]) -> Vec<String> {
-    let mut sentences = Vec::new();
-    let gains = by_gain(rungs);
-    if let Some((step, most)) = gains.first() {
-        let is_close = |second: &Estimate| match (second.interval, most.interval) {
-            (Some([_, high]), Some([low, _])) => high > low,
-            _ => true,
-        };
-        sentences.push(format!(
-            "{step} gave most: {}{}.",
-            data.ratio_text(most),
-            match gains.get(1) {
-                Some((second, gain)) if is_close(gain) =>
-                    format!(", not clearly more than {second}"),
-                _ => String::new(),
-            }
-        ));
-    }
-    let on_the_way = || rungs.iter().rev().filter(|rung| !rung.is_aside);
-    let last_right = on_the_way().find(|rung| rung.case.counts());
-    if let (Some(right), Some(last)) = (last_right, on_the_way().next())
-        && right.number != last.number
-    {
-        sentences.push(format!(
-            "The last step that is right is {}, {}.",
-            right.number, right.step
-        ));
-    }
-    sentences
 }
 
 /// Names of rungs that are not there.

@@ -5,14 +5,11 @@
 //! The reference alone says what is right. That two pictures are the same says only that two
 //! techniques agree, and stands beside the reference's verdict, never instead.
 
-use super::data::{Data, counter, distinct, has_role, is_same, name, switches};
-use crate::keys::{
-    BOUNDARY_LOD_PX, LAYOUT, MISMATCHED_PX_OUTSIDE_BAND, NORMALS, POSITIONS, SCENE, TECHNIQUE,
-    TOLERANCE_M, VARIANT, VIEW,
-};
-use terrafill_results::{
-    Block, Case, Cell, CellClass, ConditionKey, Heading, Outcome, Row, Table, TableLayout,
-};
+use super::data::{Data, counter, distinct, grouped, has_role, layout_name, name, switches};
+use super::table::{figures, part, row};
+use crate::keys::*;
+use std::collections::BTreeMap;
+use terrafill_results::{Block, Case, Cell, CellClass, ConditionKey, Outcome, Table, TableLayout};
 
 /// Switches that draw another boundary, other positions or other walls: their pictures are compared among
 /// themselves.
@@ -29,18 +26,18 @@ enum Found {
     Red(String),
 }
 
+/// A case with what is said of it.
+type Examined<'a> = (&'a Case, Found);
+
 /// The matrix of every scene that has one.
 pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
-    let cells = data
-        .cases
-        .iter()
-        .copied()
-        .filter(|case| has_role(case, "matrix"));
-    let cells: Vec<&Case> = cells.collect();
-    if cells.is_empty() {
+    let cells = data.cases.iter().copied();
+    let cells = cells.filter(|case| has_role(case, "matrix"));
+    let scenes = grouped(cells, |case| case.condition(SCENE));
+    if scenes.is_empty() {
         return Vec::new();
     }
-    let mut blocks = vec![
+    let head = vec![
         Block::section("Every technique, layout and switch"),
         Block::Text(
             "Each cell is drawn once. ✓: right by the reference, 0 wrong pixels outside the band, and \
@@ -50,66 +47,34 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
                 .to_owned(),
         ),
     ];
-    for scene in distinct(cells.iter().map(|case| case.condition(SCENE))) {
-        let own = cells
-            .iter()
-            .copied()
-            .filter(|case| case.condition(SCENE) == scene);
-        blocks.extend(scene_blocks(scene, &own.collect::<Vec<_>>()));
-    }
-    blocks
+    let scenes = scenes.iter();
+    let scenes = scenes.flat_map(|(scene, cells)| scene_blocks(scene, cells));
+    head.into_iter().chain(scenes).collect()
 }
 
 fn scene_blocks(scene: &str, cells: &[&Case]) -> Vec<Block> {
     let views = distinct(cells.iter().map(|case| case.condition(VIEW)));
-    let sets = distinct(cells.iter().map(|case| set_switches(case, cells)));
-    let found: Vec<(&Case, Found)> = cells
-        .iter()
-        .map(|case| (*case, examine(case, cells)))
-        .collect();
-    let red: Vec<String> = found
-        .iter()
-        .filter_map(|(case, found)| match found {
-            Found::Red(what) => Some(format!("{}: {what}", name_in_view(case))),
-            _ => None,
-        })
-        .collect();
-    let equal = found
-        .iter()
-        .filter(|(_, found)| *found == Found::Equal)
-        .count();
-    let skipped = skipped(&found);
+    let firsts = firsts(cells);
+    let found = cells.iter().map(|case| (*case, examine(case, &firsts)));
+    let found: Vec<Examined<'_>> = found.collect();
+    let red = found.iter().filter_map(|(case, found)| match found {
+        Found::Red(what) => Some(format!("{}: {what}", name_in_view(case))),
+        _ => None,
+    });
+    let red: Vec<String> = red.collect();
+    let equal = found.iter().filter(|(_, found)| *found == Found::Equal);
+    let equal = equal.count();
     let drawn = equal + red.len();
     let mut blocks = vec![
-        Block::Heading {
-            level: 4,
-            text: format!("{scene}: {equal} of {drawn} cells right and equal"),
-        },
+        part(format!("{scene}: {equal} of {drawn} cells right and equal")),
         Block::Remark(format!("Marks in a cell: {}.", views.join(", "))),
     ];
     blocks.extend(Block::folded_list(
         format!("{} cells are not", red.len()),
         red,
     ));
-    let layouts = distinct(found.iter().map(|(case, _)| layout(case)));
-    // The layouts of a technique together, in the order of the techniques.
-    let techniques = distinct(layouts.iter().map(|(technique, _)| *technique));
-    let rows = techniques.iter().flat_map(|technique| {
-        let own = layouts.iter().filter(move |(of, _)| of == technique);
-        own.map(|layout_of| row(*layout_of, &sets, &found, cells))
-    });
-    let heading = |set: &Vec<String>| match set.is_empty() {
-        true => Heading::plain("as it should be used"),
-        false => Heading::plain(set.join(", ")),
-    };
-    blocks.push(Block::Table(Table {
-        headings: std::iter::once(Heading::plain("layout"))
-            .chain(sets.iter().map(heading))
-            .collect(),
-        rows: rows.collect(),
-        layout: TableLayout::UprightHeadings,
-        ..Table::default()
-    }));
+    blocks.push(Block::Table(marks(&found)));
+    let skipped = skipped(&found);
     if !skipped.is_empty() {
         blocks.push(Block::Remark(format!(
             "Unavailable on this device: {}.",
@@ -119,39 +84,52 @@ fn scene_blocks(scene: &str, cells: &[&Case]) -> Vec<Block> {
     blocks
 }
 
-fn layout(case: &Case) -> (&str, &str) {
-    (case.condition(TECHNIQUE), case.condition(LAYOUT))
+/// A row for each layout, those of a technique together; a column for each set of switches in which cases differ
+/// from the plainest one of their layout, which is the one with the shortest variant.
+fn marks(found: &[Examined<'_>]) -> Table {
+    let techniques = grouped(found, |(case, _)| case.condition(TECHNIQUE)).into_iter();
+    let layouts = techniques.flat_map(|(_, own)| grouped(own, |(case, _)| layout_name(case)));
+    let layouts: Vec<(String, Vec<&Examined<'_>>)> = layouts.collect();
+    let plain: BTreeMap<&str, BTreeMap<&str, &str>> = layouts
+        .iter()
+        .map(|(layout, own)| (layout.as_str(), plainest(own)))
+        .collect();
+    let set = |case: &Case| {
+        let plain = &plain[layout_name(case).as_str()];
+        let own = switches(case).into_iter();
+        let own = own.filter(|(key, value)| plain.get(key) != Some(value));
+        let own = own.map(|(key, value)| format!("{key}={value}"));
+        own.collect::<Vec<_>>().join(", ")
+    };
+    let sets = distinct(found.iter().map(|(case, _)| set(case)));
+    let rows = layouts.iter().map(|(layout, own)| {
+        let by_set: BTreeMap<_, _> = grouped(own.iter().copied(), |(case, _)| set(case))
+            .into_iter()
+            .collect();
+        let cells = sets.iter();
+        let cells = cells.map(|set| cell(by_set.get(set).map_or(&[], Vec::as_slice)));
+        row(Cell::name(layout), cells)
+    });
+    let headings = sets.iter().map(|set| match set.as_str() {
+        "" => ("as it should be used", ""),
+        set => (set, ""),
+    });
+    let headings: Vec<_> = [("layout", "")].into_iter().chain(headings).collect();
+    Table {
+        layout: TableLayout::UprightHeadings,
+        ..figures(&headings, rows.collect())
+    }
 }
 
-/// Switches in which a case differs from the plainest one of its technique and layout, which is the
-/// one with the shortest variant.
-fn set_switches(case: &Case, cells: &[&Case]) -> Vec<String> {
-    let kin = cells.iter().filter(|other| layout(other) == layout(case));
-    let plainest = kin.min_by_key(|other| other.condition(VARIANT).len());
-    let plain = plainest.map_or_else(Vec::new, |case| switches(case));
-    let own = switches(case);
-    let set = own.iter().filter(|switch| !plain.contains(switch));
-    set.map(|(key, value)| format!("{key}={value}")).collect()
-}
-
-fn row(
-    layout_of: (&str, &str),
-    sets: &[Vec<String>],
-    found: &[(&Case, Found)],
-    cells: &[&Case],
-) -> Row {
-    let mut row = vec![Cell::name(format!("{}/{}", layout_of.0, layout_of.1))];
-    row.extend(sets.iter().map(|set| {
-        let own = found
-            .iter()
-            .filter(|(case, _)| layout(case) == layout_of && set_switches(case, cells) == *set);
-        cell(&own.collect::<Vec<_>>())
-    }));
-    Row::new(row)
+/// Switches of the case with the shortest variant.
+fn plainest<'c>(own: &[&Examined<'c>]) -> BTreeMap<&'c str, &'c str> {
+    let cases = own.iter().map(|(case, _)| *case);
+    let plainest = cases.min_by_key(|case| case.condition(VARIANT).len());
+    plainest.map_or_else(BTreeMap::new, |case| switches(case).into_iter().collect())
 }
 
 /// A mark for each view; empty where the layout has no such switch.
-fn cell(found: &[&(&Case, Found)]) -> Cell {
+fn cell(found: &[&Examined<'_>]) -> Cell {
     let mark = |found: &Found| match found {
         Found::Equal => "✓",
         Found::Skipped(_) => "–",
@@ -178,18 +156,15 @@ fn cell(found: &[&(&Case, Found)]) -> Cell {
 }
 
 /// Reasons of skipped cells, with how many they are.
-fn skipped(found: &[(&Case, Found)]) -> Vec<String> {
-    let reasons = || {
-        found.iter().filter_map(|(_, found)| match found {
-            Found::Skipped(reason) => Some(reason.as_str()),
-            _ => None,
-        })
-    };
-    let counted = distinct(reasons()).into_iter().map(|reason| {
-        let cells = reasons().filter(|other| *other == reason).count();
-        format!("{reason} ({cells} cells)")
+fn skipped(found: &[Examined<'_>]) -> Vec<String> {
+    let reasons = found.iter().filter_map(|(_, found)| match found {
+        Found::Skipped(reason) => Some(reason.as_str()),
+        _ => None,
     });
-    counted.collect()
+    let counted = grouped(reasons, |reason| *reason).into_iter();
+    counted
+        .map(|(reason, cells)| format!("{reason} ({} cells)", cells.len()))
+        .collect()
 }
 
 fn name_in_view(case: &Case) -> String {
@@ -201,13 +176,30 @@ fn name_in_view(case: &Case) -> String {
     )
 }
 
-/// The first case of the same view and geometry that has such a hash.
-fn first_of_kind<'a>(case: &Case, cells: &[&'a Case], hash: &str) -> Option<&'a Case> {
-    let is_kin = |other: &&&Case| is_same(other, case, &GEOMETRY) && !other.note(hash).is_empty();
-    cells.iter().find(is_kin).copied()
+/// Hashes of a picture, and what each is of.
+const HASHES: [(&str, &str); 2] = [
+    ("mask_hash", "its mask"),
+    ("ids_hash", "its regions' picture"),
+];
+
+/// The first case of each view and geometry that has such a hash.
+type Firsts<'a> = BTreeMap<(&'static str, [&'a str; 5]), &'a Case>;
+
+fn geometry(case: &Case) -> [&str; 5] {
+    GEOMETRY.map(|key| case.condition(key))
 }
 
-fn examine(case: &Case, cells: &[&Case]) -> Found {
+fn firsts<'a>(cells: &[&'a Case]) -> Firsts<'a> {
+    // Backwards, so that the first one stays.
+    let all = cells.iter().rev().flat_map(|case| {
+        let own = HASHES.into_iter();
+        let own = own.filter(|(hash, _)| !case.note(hash).is_empty());
+        own.map(|(hash, _)| ((hash, geometry(case)), *case))
+    });
+    all.collect()
+}
+
+fn examine(case: &Case, firsts: &Firsts<'_>) -> Found {
     match case.outcome {
         // What follows the first remark is about the view.
         Outcome::Skipped | Outcome::DriverFault => {
@@ -227,12 +219,11 @@ fn examine(case: &Case, cells: &[&Case]) -> Found {
     if case.note("mask_hash").is_empty() {
         return Found::Red("no hash of its mask was recorded".to_owned());
     }
-    for (hash, what) in [
-        ("mask_hash", "its mask"),
-        ("ids_hash", "its regions' picture"),
-    ] {
+    for (hash, what) in HASHES {
         let own = case.note(hash);
-        let first = first_of_kind(case, cells, hash).filter(|_| !own.is_empty());
+        let first = firsts
+            .get(&(hash, geometry(case)))
+            .filter(|_| !own.is_empty());
         if let Some(first) = first.filter(|first| first.note(hash) != own) {
             return Found::Red(format!("{what} differs from that of {}", name(first)));
         }

@@ -8,32 +8,36 @@
 mod answers;
 mod approximate;
 mod claims;
+mod comparisons;
 mod data;
 mod error_time;
-mod exponent;
 mod fill_rate;
 mod fronts;
 mod ladder;
 mod matrix;
 mod memory;
 mod needs;
-mod pairs;
 mod published;
 mod rivals;
 mod rungs;
 mod scenes;
 mod subdivision;
 mod summary;
+mod table;
 mod techniques;
 #[cfg(test)]
 mod tests;
 mod textured;
-mod walls;
 
 use crate::keys::{FILL_CPU_MS, FILL_GPU_MS, MISMATCHED_PX_OUTSIDE_BAND};
 use crate::request::STUDY;
 use data::{Data, is_baseline};
-use terrafill_results::{Answers, Block, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run};
+use rungs::FULL_PLAN;
+pub(crate) use scenes::picture;
+pub(crate) use table::{figures, row};
+use terrafill_results::{
+    Answers, Block, Case, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run,
+};
 
 /// What filling regions costs and how right it is.
 #[derive(Debug, Clone, Copy, Default)]
@@ -60,26 +64,26 @@ impl Chapter for FillingChapter {
 
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
         let data = self.data(run);
-        let mut blocks = Vec::new();
-        blocks.extend(pictures_sentence(&data));
-        blocks.extend(scenes::overview(&data));
-        blocks.extend(fronts::section(&data)?);
-        blocks.extend(approximate::blocks(&data)?);
-        let ladders = rungs::ladders(&data);
-        blocks.extend(claims::blocks(&data, &ladders));
-        blocks.extend(ladder::blocks(&data, &ladders)?);
-        blocks.extend(walls::blocks(&data, &ladders));
-        blocks.extend(rivals::blocks(&data));
-        blocks.extend(pairs::blocks(&data));
-        blocks.extend(matrix::blocks(&data));
-        blocks.extend(memory::blocks(&data)?);
-        blocks.extend(needs::blocks(&data)?);
-        blocks.extend(exponent::blocks(&data));
-        blocks.extend(subdivision::blocks(&data)?);
-        blocks.extend(textured::blocks(&data));
-        blocks.extend(scenes::blocks(&data)?);
-        blocks.extend(techniques::blocks(&data));
-        Ok(blocks)
+        let ladders = rungs::ladders(&data, FULL_PLAN);
+        let sections = [
+            pictures_sentence(&data).into_iter().collect(),
+            fronts::section(&data)?,
+            approximate::blocks(&data),
+            claims::blocks(&data, &ladders),
+            ladder::blocks(&data, &ladders)?,
+            comparisons::walls(&data, &ladders),
+            rivals::blocks(&data),
+            comparisons::pairs(&data),
+            matrix::blocks(&data),
+            memory::blocks(&data)?,
+            needs::blocks(&data)?,
+            comparisons::scales(&data),
+            subdivision::blocks(&data)?,
+            textured::blocks(&data),
+            scenes::blocks(&data)?,
+            techniques::blocks(&data),
+        ];
+        Ok(sections.into_iter().flatten().collect())
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
@@ -103,7 +107,7 @@ impl Chapter for FillingChapter {
         if data.cases.is_empty() {
             return Ok(Vec::new());
         }
-        let ladders = rungs::ladders(&data);
+        let ladders = rungs::ladders(&data, FULL_PLAN);
         Ok(vec![
             summary::table(&data)?,
             claims::table(&data, &ladders)?,
@@ -112,27 +116,32 @@ impl Chapter for FillingChapter {
 
     fn undecided(&self, run: &Run) -> Vec<String> {
         let data = self.data(run);
-        claims::undecided(&data, &rungs::ladders(&data))
+        claims::undecided(&data, &rungs::ladders(&data, FULL_PLAN))
     }
 }
 
 /// What in a case's figures contradicts its outcome.
-fn contradiction(data: &Data<'_>, case: &terrafill_results::Case) -> Option<String> {
-    let outside = case.value(MISMATCHED_PX_OUTSIDE_BAND);
-    let name = case.id();
+fn contradiction(data: &Data<'_>, case: &Case) -> Option<String> {
     let samples = case.samples(data.metric).into_iter().flatten();
     let times = samples.flat_map(|(_, of_process)| of_process.values());
     let (all, usable) = times.fold((0_usize, 0_usize), |(all, usable), ms| {
         (all + 1, usable + usize::from(ms.is_finite() && *ms > 0.0))
     });
     if usable < all {
-        let lost = all - usable;
+        let (name, lost) = (case.id(), all - usable);
         return Some(format!(
             "{name}: {lost} of {all} times are 0, negative or not finite; left out"
         ));
     }
-    match outside {
-        _ if case.outcome != Outcome::Ok || is_baseline(case) => None,
+    (case.outcome == Outcome::Ok && !is_baseline(case))
+        .then(|| never_right(case))
+        .flatten()
+}
+
+/// What contradicts that a case is right.
+pub(crate) fn never_right(case: &Case) -> Option<String> {
+    let name = case.id();
+    match case.value(MISMATCHED_PX_OUTSIDE_BAND) {
         None => Some(format!("{name}: ok, but never compared with the reference")),
         Some(px) if px > 0.0 => Some(format!(
             "{name}: ok, though {px} pixels outside the boundary band are wrong"
@@ -141,29 +150,11 @@ fn contradiction(data: &Data<'_>, case: &terrafill_results::Case) -> Option<Stri
     }
 }
 
-/// Whether the pictures match the reference, those aside whose error is the question.
+/// Which pictures were compared and whether they match, seen at once where some do not.
 fn pictures_sentence(data: &Data<'_>) -> Option<Block> {
-    if data.cases.is_empty() {
-        return None;
-    }
-    let outside = |case: &terrafill_results::Case| data::counter(case, MISMATCHED_PX_OUTSIDE_BAND);
-    let has_to_match = |case: &&&terrafill_results::Case| {
-        !case.planned.may_be_wrong && case.outcome != Outcome::DriverFault
-    };
-    let cases = data.cases.iter().filter(has_to_match);
-    let compared: Vec<_> = cases.filter(|case| outside(case).is_some()).collect();
-    let differing = compared
-        .iter()
-        .filter(|case| outside(case) != Some(0) || case.outcome == Outcome::Wrong)
-        .count();
-    Some(match (compared.len(), differing) {
-        (0, _) => Block::Text("No picture was compared with the reference.".to_owned()),
-        (all, 0) => Block::Text(format!(
-            "Every picture that was compared ({all}) matches the reference outside the 1-pixel \
-             boundary band."
-        )),
-        (all, some) => Block::Alarm(format!(
-            "{some} of {all} compared pictures do not match the reference."
-        )),
+    let scope = answers::scope(data)?;
+    Some(match answers::wrong(data) {
+        0 => Block::Text(scope),
+        _ => Block::Alarm(scope),
     })
 }

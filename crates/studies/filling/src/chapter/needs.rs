@@ -4,19 +4,37 @@
 //!
 //! Every figure is what the backend held and the device made; sums that differ are an alarm.
 
-use super::data::{Data, counter, distinct, has_role, name, title};
-use super::ladder;
-use super::rungs::counters;
-use crate::keys::{
-    HELD_BYTES, HELD_PIPELINES, MADE_BYTES, MADE_PIPELINES, NEEDS_RUNG, NEEDS_STEP, SCENE,
-    SPARED_BYTES, TECHNIQUE, VARIANT, VIEW,
-};
+use super::data::{Data, counter, distinct, grouped, has_role, name, title};
+use super::rungs::{Ladder, NEEDS, Rung, counters, ladders};
+use super::table::Show::{Count, Own, Ratios, Status};
+use super::table::{Column, figures, part, row, step_cells, steps_plot, table};
+use crate::keys::*;
 use terrafill_fill::{Feature, Need};
-use terrafill_plot::number::{bytes, count, significant, spread};
-use terrafill_plot::{RatioAxis, Step, Steps};
-use terrafill_results::{
-    Block, Case, Cell, ChapterError, Estimate, Finding, Heading, Metric, Plot, Row, Standing, Table,
-};
+use terrafill_plot::number::{bytes, count, significant};
+use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Row, Standing, Table};
+
+const SUMS: [Column; 7] = [
+    ("view", Own("")),
+    ("fill", Own("")),
+    ("bytes held", Count(HELD_BYTES)),
+    ("bytes spared", Count(SPARED_BYTES)),
+    ("pipelines", Count(HELD_PIPELINES)),
+    ("features built in", Own("")),
+    ("left out", Own("")),
+];
+
+const STEPS: [Column; 7] = [
+    ("step", Own("")),
+    ("status", Status),
+    ("bytes held", Count(HELD_BYTES)),
+    ("pipelines", Count(HELD_PIPELINES)),
+    ("÷\u{a0}depth-pass (5\u{2060}–\u{2060}95\u{a0}%)", Ratios),
+    (
+        "gain over the step before [95\u{a0}%]",
+        Own("time of the step before over this one's, paired by process"),
+    ),
+    ("features", Own("what the step left out or brought in")),
+];
 
 /// Title of the section.
 pub(super) const TITLE: &str = "What each scene needs";
@@ -36,9 +54,9 @@ impl<'a> Told<'a> {
         (!needs.is_empty()).then_some(Self { case, needs })
     }
 
-    fn features(&self, is_held: bool) -> usize {
+    fn features(&self, is_held: bool) -> u64 {
         let needs = self.needs.iter();
-        needs.filter(|need| need.is_held == is_held).count()
+        needs.filter(|need| need.is_held == is_held).count() as u64
     }
 
     /// Names of features that are built in here and not there.
@@ -69,16 +87,14 @@ fn all<'a>(data: &Data<'a>) -> Vec<Told<'a>> {
 }
 
 /// Whether a case holds only what its view needs: the last of the rungs, or the only one.
-fn is_needed(told: &Told<'_>, all: &[Told<'_>]) -> bool {
-    let key = |case: &Case| {
-        let keys = [SCENE, VIEW, TECHNIQUE];
-        keys.map(|key| case.condition(key).to_owned())
-    };
-    has_role(told.case, "needs")
-        && all.iter().all(|other| {
-            key(other.case) != key(told.case)
-                || !has_role(other.case, "needs")
-                || rung(other.case) <= rung(told.case)
+fn is_needed(data: &Data<'_>, case: &Case) -> bool {
+    let technique = case.condition(TECHNIQUE);
+    let mut others = data.beside(case).iter();
+    has_role(case, "needs")
+        && others.all(|other| {
+            other.condition(TECHNIQUE) != technique
+                || !has_role(other, "needs")
+                || rung(other) <= rung(case)
         })
 }
 
@@ -105,29 +121,18 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         ));
         blocks.push(Block::List(red));
     }
-    for scene in distinct(all.iter().map(|told| told.case.condition(SCENE))) {
-        let of_scene = |told: &&Told<'_>| told.case.condition(SCENE) == scene;
-        blocks.push(Block::Heading {
-            level: 4,
-            text: format!("Needs of {scene}"),
-        });
-        let needed: Vec<&Told<'_>> = all
-            .iter()
-            .filter(of_scene)
-            .filter(|told| is_needed(told, &all))
-            .collect();
-        for technique in distinct(needed.iter().map(|told| told.case.condition(TECHNIQUE))) {
-            let own = needed.iter().copied();
-            let own: Vec<&Told<'_>> = own
-                .filter(|told| told.case.condition(TECHNIQUE) == technique)
-                .collect();
-            blocks.push(Block::Table(features(&own)));
+    let ladders = ladders(data, NEEDS);
+    for (scene, own) in grouped(&all, |told| told.case.condition(SCENE)) {
+        blocks.push(part(format!("Needs of {scene}")));
+        let needed = own.iter().copied();
+        let needed = needed.filter(|told| is_needed(data, told.case));
+        for (technique, own) in grouped(needed, |told| told.case.condition(TECHNIQUE)) {
+            blocks.push(Block::Table(features(technique, &own)));
         }
-        let own: Vec<&Told<'_>> = all.iter().filter(of_scene).collect();
-        let listed = |told: &&&Told<'_>| rung(told.case).is_none() || is_needed(told, &all);
-        let compared: Vec<&Told<'_>> = own.iter().filter(listed).copied().collect();
-        blocks.push(Block::Table(sums(&compared, &all)));
-        blocks.extend(ladders(data, &own)?);
+        blocks.push(Block::Table(sums(data, &own)));
+        for ladder in ladders.iter().filter(|ladder| ladder.scene == scene) {
+            blocks.extend(ladder_blocks(data, ladder)?);
+        }
     }
     Ok(blocks)
 }
@@ -151,17 +156,10 @@ pub(super) fn requirement(data: &Data<'_>) -> Option<Finding> {
 /// How sums over features differ from what the device made.
 fn disagreement(told: &Told<'_>) -> Option<String> {
     let case = told.case;
+    let sum = |figure: fn(&Need) -> u64| told.needs.iter().map(figure).sum::<u64>();
     let declared = [
-        (
-            "bytes",
-            MADE_BYTES,
-            told.needs.iter().map(|need| need.bytes).sum::<u64>(),
-        ),
-        (
-            "pipelines",
-            MADE_PIPELINES,
-            told.needs.iter().map(|need| need.pipelines).sum(),
-        ),
+        ("bytes", MADE_BYTES, sum(|need| need.bytes)),
+        ("pipelines", MADE_PIPELINES, sum(|need| need.pipelines)),
     ];
     let differing =
         declared
@@ -177,152 +175,138 @@ fn disagreement(told: &Told<'_>) -> Option<String> {
 }
 
 /// One row for each feature, and for each group of views of which the same is said.
-fn features(needed: &[&Told<'_>]) -> Table {
-    let mut rows = Vec::new();
-    for (feature, _) in Feature::ALL {
+fn features(technique: &str, needed: &[&Told<'_>]) -> Table {
+    let views = |(feature, _): (Feature, _)| {
+        let told = needed.iter().filter_map(|told| {
+            let need = told.needs.iter().find(|need| need.feature == feature)?;
+            Some((need, told.case.condition(VIEW)))
+        });
         let mut groups: Vec<(&Need, Vec<&str>)> = Vec::new();
-        for told in needed {
-            let mut own = told.needs.iter();
-            let Some(need) = own.find(|need| need.feature == feature) else {
-                continue;
-            };
-            let view = told.case.condition(VIEW);
+        for (need, view) in told {
             match groups.iter_mut().find(|(known, _)| *known == need) {
                 Some((_, views)) => views.push(view),
                 None => groups.push((need, vec![view])),
             }
         }
-        for (need, views) in groups {
-            let is_everywhere = views.len() == needed.len();
-            rows.push(row(
-                need,
-                if is_everywhere {
-                    "all".to_owned()
-                } else {
-                    views.join(", ")
-                },
-            ));
-        }
-    }
-    let of = needed
-        .first()
-        .map_or("", |told| told.case.condition(TECHNIQUE));
+        groups
+    };
+    let rows = Feature::ALL.into_iter().flat_map(views);
+    let rows = rows.map(|(need, views)| match views.len() == needed.len() {
+        true => feature(need, "all"),
+        false => feature(need, &views.join(", ")),
+    });
     let variants = distinct(needed.iter().map(|told| told.case.condition(VARIANT)));
+    let headings = [
+        ("feature", ""),
+        ("views", ""),
+        ("built in", ""),
+        ("bytes", "of its buffers and textures, as made"),
+        ("pipelines", "made for it"),
+        (
+            "would take",
+            "bytes that it would take, where it is left out and would take any",
+        ),
+        ("because", ""),
+    ];
     Table {
-        caption: format!("Only what is needed, by {of}: {}.", variants.join("; ")),
-        headings: vec![
-            Heading::plain("feature"),
-            Heading::plain("views"),
-            Heading::plain("built in"),
-            Heading::explained("bytes", "of its buffers and textures, as made"),
-            Heading::explained("pipelines", "made for it"),
-            Heading::explained(
-                "would take",
-                "bytes that it would take, where it is left out and would take any",
-            ),
-            Heading::plain("because"),
-        ],
-        rows,
-        ..Table::default()
+        caption: format!(
+            "Only what is needed, by {technique}: {}.",
+            variants.join("; ")
+        ),
+        ..figures(&headings, rows.collect())
     }
 }
 
-fn row(need: &Need, views: String) -> Row {
-    let some = |number: u64, print: fn(u64) -> String, why: &str| {
-        Cell::or_absent((number > 0).then(|| print(number)), why)
-    };
-    Row::new(vec![
-        Cell::name(shown(need.feature)),
+fn feature(need: &Need, views: &str) -> Row {
+    let some = |number: u64, why: &str| Cell::or_absent((number > 0).then(|| count(number)), why);
+    let cells = [
         Cell::name(views),
         Cell::name(if need.is_held { "yes" } else { "left out" }),
-        some(
-            need.bytes,
-            count,
-            "it has no buffer and no texture of its own",
-        ),
-        some(need.pipelines, count, "no pipeline was made for it"),
-        some(
-            need.spared_bytes,
-            count,
-            "it is built in, or would take no bytes",
-        ),
+        some(need.bytes, "it has no buffer and no texture of its own"),
+        some(need.pipelines, "no pipeline was made for it"),
+        some(need.spared_bytes, "it is built in, or would take no bytes"),
         Cell::name(&need.reason),
-    ])
+    ];
+    row(Cell::name(shown(need.feature)), cells)
 }
 
-/// Sums of all fills that say what they hold.
-fn sums(told: &[&Told<'_>], all: &[Told<'_>]) -> Table {
-    let row = |told: &&Told<'_>| {
-        let case = told.case;
-        let print = |metric: &Metric, print: fn(u64) -> String| {
-            Cell::or_absent(counter(case, metric).map(print), "not recorded by this run")
+/// Sums of all fills that say what they hold; rungs before the last one have their own table.
+fn sums(data: &Data<'_>, told: &[&Told<'_>]) -> Table {
+    let listed = |told: &&&Told<'_>| rung(told.case).is_none() || is_needed(data, told.case);
+    let told = told.iter().filter(listed);
+    let rows = told.clone().map(|told| {
+        let detail = match is_needed(data, told.case) {
+            true => "only what is needed",
+            false => "",
         };
-        let detail = if is_needed(told, all) {
-            "only what is needed".to_owned()
-        } else {
-            String::new()
+        let features = [true, false].map(|is_held| Cell::plain(count(told.features(is_held))));
+        let fill = Cell {
+            detail: detail.to_owned(),
+            ..Cell::name(name(told.case))
         };
-        Row::new(vec![
-            Cell::name(case.condition(VIEW)),
-            Cell {
-                detail,
-                ..Cell::name(name(case))
+        let names = [Cell::name(told.case.condition(VIEW)), fill];
+        (told.case, names.into_iter().chain(features).collect())
+    });
+    let mut table = table(data, &SUMS, rows);
+    table.caption = "What fills of each view hold in all.".to_owned();
+    let rows = table.rows.into_iter().zip(told);
+    table.rows = rows
+        .map(|(row, told)| row.bad_if(disagreement(told).is_some()))
+        .collect();
+    table
+}
+
+/// The way from everything to what is needed.
+fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, ChapterError> {
+    let rungs = &ladder.rungs;
+    let title = format!(
+        "{}, {}: time over depth-pass, from everything to what is needed",
+        ladder.scene, ladder.view
+    );
+    let held = |rung: &Rung<'_>| {
+        let held = counter(rung.case, HELD_BYTES);
+        held.map_or_else(String::new, |held| format!(" · {}", bytes(held)))
+    };
+    let rows = rungs.iter().map(|rung| {
+        let features = match rung.before.and_then(Told::of).zip(Told::of(rung.case)) {
+            None => Cell::absent("nothing comes before it"),
+            Some((before, told)) => Cell {
+                detail: counters(before.case, rung.case),
+                ..Cell::name(change(&before, &told))
             },
-            print(HELD_BYTES, count),
-            print(SPARED_BYTES, count),
-            print(HELD_PIPELINES, count),
-            Cell::plain(count(told.features(true) as u64)),
-            Cell::plain(count(told.features(false) as u64)),
-        ])
-        .bad_if(disagreement(told).is_some())
-    };
-    Table {
-        caption: "What fills of each view hold in all.".to_owned(),
-        headings: vec![
-            Heading::plain("view"),
-            Heading::plain("fill"),
-            Heading::metric("bytes held", HELD_BYTES),
-            Heading::metric("bytes spared", SPARED_BYTES),
-            Heading::metric("pipelines", HELD_PIPELINES),
-            Heading::plain("features built in"),
-            Heading::plain("left out"),
-        ],
-        rows: told.iter().map(row).collect(),
-        ..Table::default()
-    }
+        };
+        let own = step_cells(data, rung).into_iter().chain([features]);
+        (rung.case, own.collect())
+    });
+    let heading = part(format!(
+        "From everything to what {} needs, by {}",
+        ladder.view, ladder.technique
+    ));
+    let blocks = [
+        Some(heading),
+        sentence(data, rungs).map(Block::Text),
+        steps_plot(data, title, rungs, held)?,
+        Some(Block::Table(Table {
+            is_main: true,
+            ..table(data, &STEPS, rows)
+        })),
+    ];
+    Ok(blocks.into_iter().flatten().collect())
 }
 
-/// The ways from everything to what is needed, one for each view and technique.
-fn ladders(data: &Data<'_>, told: &[&Told<'_>]) -> Result<Vec<Block>, ChapterError> {
-    let rungs = || {
-        told.iter()
-            .copied()
-            .filter(|told| rung(told.case).is_some())
-    };
-    let key = |told: &Told<'_>| [VIEW, TECHNIQUE].map(|key| told.case.condition(key).to_owned());
-    let mut blocks = Vec::new();
-    for of in distinct(rungs().map(key)) {
-        let mut own: Vec<&Told<'_>> = rungs().filter(|told| key(told) == of).collect();
-        own.sort_by_key(|told| rung(told.case));
-        let [view, technique] = &of;
-        blocks.push(Block::Heading {
-            level: 4,
-            text: format!("From everything to what {view} needs, by {technique}"),
-        });
-        blocks.extend(sentence(data, &own).map(Block::Text));
-        if let Some(svg) = plot(data, &own)? {
-            blocks.push(Block::Plot(Plot {
-                caption: String::new(),
-                svg,
-            }));
-        }
-        blocks.push(Block::Table(steps(data, &own)));
+/// What a step left out and brought in.
+fn change(before: &Told<'_>, after: &Told<'_>) -> String {
+    let (gone, come) = (before.without(after), after.without(before));
+    match (gone.is_empty(), come.is_empty()) {
+        (true, true) => "the same features".to_owned(),
+        (false, true) => format!("without {}", gone.join(", ")),
+        (true, false) => format!("with {}", come.join(", ")),
+        (false, false) => format!("with {} in place of {}", come.join(", "), gone.join(", ")),
     }
-    Ok(blocks)
 }
 
 /// What all of leaving out is worth.
-fn sentence(data: &Data<'_>, rungs: &[&Told<'_>]) -> Option<String> {
+fn sentence(data: &Data<'_>, rungs: &[Rung<'_>]) -> Option<String> {
     let (first, last) = (rungs.first()?.case, rungs.last()?.case);
     let held = |case| counter(case, HELD_BYTES);
     let (before, after) = (held(first)?, held(last)?);
@@ -339,125 +323,6 @@ fn sentence(data: &Data<'_>, rungs: &[&Told<'_>]) -> Option<String> {
         bytes(after),
         bytes(before)
     ))
-}
-
-/// Time of the step before over this one's.
-fn gain(data: &Data<'_>, rungs: &[&Told<'_>], index: usize) -> Option<Estimate> {
-    let before = rungs[index.checked_sub(1)?].case;
-    data.over(before, rungs[index].case)
-}
-
-fn steps(data: &Data<'_>, rungs: &[&Told<'_>]) -> Table {
-    let rows = rungs.iter().enumerate().map(|(index, told)| {
-        let case = told.case;
-        let before = index.checked_sub(1).map(|before| rungs[before]);
-        let why = match case.reason.as_str() {
-            "" => case.outcome.name(),
-            reason => reason,
-        };
-        let print = |metric: &Metric, print: fn(u64) -> String| {
-            Cell::or_absent(counter(case, metric).map(print), why)
-        };
-        let gain = gain(data, rungs, index);
-        let gone = match before {
-            None => Cell::absent("nothing comes before it"),
-            Some(before) => {
-                let gone = before.without(told);
-                let come = told.without(before);
-                let said = match (gone.is_empty(), come.is_empty()) {
-                    (true, true) => "the same features".to_owned(),
-                    (false, true) => format!("without {}", gone.join(", ")),
-                    (true, false) => format!("with {}", come.join(", ")),
-                    (false, false) => {
-                        format!("with {} in place of {}", come.join(", "), gone.join(", "))
-                    }
-                };
-                Cell {
-                    detail: counters(before.case, case),
-                    ..Cell::name(said)
-                }
-            }
-        };
-        Row {
-            cells: vec![
-                Cell {
-                    detail: name(case),
-                    ..Cell::name(format!(
-                        "{} · {}: {}",
-                        index + 1,
-                        case.condition(NEEDS_STEP),
-                        case.note("needs_change")
-                    ))
-                },
-                Cell::plain(case.outcome.name()),
-                print(HELD_BYTES, count),
-                print(HELD_PIPELINES, count),
-                Cell::or_absent(data.spread_over_depth_pass(case).map(spread), why),
-                data.ratio_cell(
-                    gain.as_ref(),
-                    "no right step before it, or no times of both",
-                ),
-                gone,
-            ],
-            status: case.outcome.name().to_owned(),
-            remark: String::new(),
-        }
-    });
-    Table {
-        headings: vec![
-            Heading::plain("step"),
-            Heading::plain("status"),
-            Heading::metric("bytes held", HELD_BYTES),
-            Heading::metric("pipelines", HELD_PIPELINES),
-            Heading::explained(
-                "÷\u{a0}depth-pass (5\u{2060}–\u{2060}95\u{a0}%)",
-                "times over the median of the full-screen depth-pass of the same view",
-            ),
-            Heading::explained(
-                "gain over the step before [95\u{a0}%]",
-                "time of the step before over this one's, paired by process",
-            ),
-            Heading::explained("features", "what the step left out or brought in"),
-        ],
-        rows: rows.collect(),
-        is_main: true,
-        ..Table::default()
-    }
-}
-
-fn plot(data: &Data<'_>, rungs: &[&Told<'_>]) -> Result<Option<String>, ChapterError> {
-    let rows = rungs.iter().enumerate().map(|(index, told)| {
-        let case = told.case;
-        let ratio = data.spread_over_depth_pass(case);
-        let held = counter(case, HELD_BYTES)
-            .map_or_else(String::new, |held| format!(" · {}", bytes(held)));
-        Step {
-            label: format!("{} · {}", index + 1, case.condition(NEEDS_STEP)),
-            value: ratio.map_or_else(String::new, |ratio| {
-                format!("{} ×{held}", significant(ratio.median))
-            }),
-            begins: ratio
-                .zip(gain(data, rungs, index))
-                .map(|(ratio, gain)| ratio.median * gain.middle),
-            is_kept: case.counts(),
-            ratio: ratio.ok_or_else(|| ladder::no_ratio(data, case)),
-            command: data.command(case),
-        }
-    });
-    let axis = ladder::axis_title(data);
-    let case = rungs.first().map(|told| told.case);
-    let steps = Steps {
-        title: format!(
-            "{}: time over depth-pass, from everything to what is needed",
-            case.map_or_else(String::new, title)
-        ),
-        axis: RatioAxis {
-            title: &axis,
-            one: ladder::AXIS_ONE,
-        },
-        rows: rows.collect(),
-    };
-    Ok(steps.draw()?)
 }
 
 #[cfg(test)]

@@ -4,13 +4,10 @@
 //! A rung is compared with the last one before it on the way whose picture is right; what stands aside is
 //! on no way.
 
-use super::data::{Data, counter, distinct};
-use crate::keys::{
-    ASIDE, DRAWS, FRAGMENT_SHADER_INVOCATIONS, GEOMETRY_BYTES, RUNG, SCENE, STENCIL_FRAGMENTS,
-    STEP, TECHNIQUE, UPLOAD_BYTES, VERTICES, VIEW,
-};
+use super::data::{Data, counter, grouped};
+use crate::keys::*;
 use terrafill_plot::number::{bytes, count};
-use terrafill_results::{Case, Estimate};
+use terrafill_results::{Case, ConditionKey, Estimate};
 
 /// Where the findings come from, as printed.
 pub(super) const SOURCE: &str = "Cozzi (2007)";
@@ -19,6 +16,8 @@ pub(super) const SOURCE: &str = "Cozzi (2007)";
 pub(super) struct Rung<'a> {
     pub(super) number: u32,
     pub(super) step: &'a str,
+    /// What changes, in a sentence.
+    pub(super) change: &'a str,
     pub(super) case: &'a Case,
     /// Beside the way: nothing is compared with it.
     pub(super) is_aside: bool,
@@ -46,32 +45,31 @@ pub(super) struct Ladder<'a> {
     pub(super) rungs: Vec<Rung<'a>>,
 }
 
+/// Conditions that number and name rungs, and the note that says what changes.
+type Names = (ConditionKey, ConditionKey, &'static str);
+
+/// Rungs of the way from the method of 2007 to the full plan.
+pub(super) const FULL_PLAN: Names = (RUNG, STEP, "change");
+/// Rungs of the way from everything that a fill can hold to what its view needs.
+pub(super) const NEEDS: Names = (NEEDS_RUNG, NEEDS_STEP, "needs_change");
+
 /// Every ladder of the run.
-pub(super) fn ladders<'a>(data: &Data<'a>) -> Vec<Ladder<'a>> {
-    let rungs = || {
-        data.cases
-            .iter()
-            .copied()
-            .filter(|case| !case.condition(RUNG).is_empty())
+pub(super) fn ladders<'a>(data: &Data<'a>, names: Names) -> Vec<Ladder<'a>> {
+    let cases = data.cases.iter().copied();
+    let numbered = cases.filter_map(|case| Some((case.condition(names.0).parse().ok()?, case)));
+    let key = |(_, case): &(u32, &'a Case)| [SCENE, VIEW, TECHNIQUE].map(|key| case.condition(key));
+    let ladder = |([scene, view, technique], rungs): ([&'a str; 3], Vec<(u32, &'a Case)>)| Ladder {
+        title: format!("{scene}, {view}: {technique}"),
+        scene,
+        view,
+        technique,
+        rungs: climb(data, names, rungs),
     };
-    let key = |case: &'a Case| [SCENE, VIEW, TECHNIQUE].map(|key| case.condition(key));
-    let ladder = |of: [&'a str; 3]| {
-        let [scene, view, technique] = of;
-        Ladder {
-            title: format!("{scene}, {view}: {technique}"),
-            scene,
-            view,
-            technique,
-            rungs: climb(data, rungs().filter(|case| key(case) == of)),
-        }
-    };
-    distinct(rungs().map(key)).into_iter().map(ladder).collect()
+    grouped(numbered, key).into_iter().map(ladder).collect()
 }
 
 /// Rungs by number, each with its gain.
-fn climb<'a>(data: &Data<'a>, cases: impl Iterator<Item = &'a Case>) -> Vec<Rung<'a>> {
-    let numbered = cases.filter_map(|case| Some((case.condition(RUNG).parse().ok()?, case)));
-    let mut cases: Vec<(u32, &Case)> = numbered.collect();
+fn climb<'a>(data: &Data<'a>, names: Names, mut cases: Vec<(u32, &'a Case)>) -> Vec<Rung<'a>> {
     cases.sort_by_key(|(number, _)| *number);
     let mut before: Option<&Case> = None;
     let mut skipped = None;
@@ -79,9 +77,10 @@ fn climb<'a>(data: &Data<'a>, cases: impl Iterator<Item = &'a Case>) -> Vec<Rung
     for (number, case) in cases {
         let rung = Rung {
             number,
-            step: case.condition(STEP),
+            step: case.condition(names.1),
+            change: case.note(names.2),
             case,
-            is_aside: is_aside(case),
+            is_aside: names == FULL_PLAN && case.condition(ASIDE) == "yes",
             before,
             skipped,
             gain: before.and_then(|before| data.over(before, case)),
@@ -94,10 +93,6 @@ fn climb<'a>(data: &Data<'a>, cases: impl Iterator<Item = &'a Case>) -> Vec<Rung
         rungs.push(rung);
     }
     rungs
-}
-
-fn is_aside(case: &Case) -> bool {
-    case.condition(ASIDE) == "yes"
 }
 
 /// What a step changes of the work that is done, in a sentence: why its gain may be what it is.

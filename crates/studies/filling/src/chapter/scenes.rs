@@ -2,29 +2,19 @@
 //! Every scene with its views: plots, tables of all cases, and pictures beside the reference's.
 
 use super::data::{
-    DEPTH_PASS, Data, STENCIL_PASS, Scene, View, competes, counter, has_role, is_approximate,
-    is_baseline, is_rival, name, standing,
+    DEPTH_PASS, Data, STENCIL_PASS, View, counter, grouped, has_role, is_approximate, is_rival,
+    name, setting, standing,
 };
-use super::ladder::no_ratio;
-use super::{error_time, memory, published};
-use crate::keys::{
-    BOUNDARY_DEVIATION_M, BOUNDARY_MOVED_PX, COLOUR_GPU_MS, CONSTANT_BYTES, DRAWS, FILL_CPU_MS,
-    FILL_GPU_MS, FOREIGN_PX, GEOMETRY_BYTES, HAUSDORFF_PX, INDEX_BYTES, MISMATCHED_PX,
-    MISMATCHED_PX_OUTSIDE_BAND, MOVED_PX_TRUE, REGIONS_LEFT_OUT, SCENE, STENCIL_GPU_MS,
-    SURFACE_BYTES, SURFACE_GPU_MS, TECHNIQUE, VERTEX_BYTES, VERTICES, VIEW,
-};
-use terrafill_plot::number::{bytes, count, significant, spread};
-use terrafill_plot::{Bar, Bars, Palette, RatioAxis, RatioGroup, RatioPlot, RatioRow, dotted};
+use super::table::Show::{Count, Figure, OtherClock, Over, Own, Status, Time, Times};
+use super::table::{Column, no_ratio, part, plot, table};
+use super::{error_time, published};
+use crate::keys::*;
+use terrafill_plot::number::{count, significant, times};
+use terrafill_plot::{RatioAxis, RatioGroup, RatioPlot, RatioRow};
 use terrafill_results::{
-    Block, Case, Cell, CellClass, ChapterError, Estimate, Heading, Metric, Outcome, Picture,
-    PictureFigure, Pictures, Plot, Row, Spread, Table, sample_spread,
+    Block, Case, Cell, ChapterError, Estimate, Outcome, Picture, PictureFigure, Pictures, Spread,
+    Table, over_typical,
 };
-
-const NO_GPU_TIME: &str = "the device gave no GPU time";
-const NO_PASS_TIME: &str = "no GPU time of its own: stencil and colour alternate region by region, or the device gave none";
-const NOT_COUNTED: &str = "not counted by this technique";
-const NOT_COMPARED: &str = "not compared with the reference";
-const NOT_RECORDED: &str = "not recorded by this run";
 
 /// Key of the pictures of differences, as `terrafill-conformance` draws them.
 const DIFFERENCE_KEY: &str = "Pictures: the reference, and every picture, those that are the same once. A \
@@ -34,192 +24,73 @@ const DIFFERENCE_KEY: &str = "Pictures: the reference, and every picture, those 
     boundary, framed in white, with 24 × 24 pixels around it, from left to right the reference, the \
     picture and the difference. A picture that is chosen by Tab or click fills the window.";
 
-/// How a metric is printed.
-#[derive(Clone, Copy)]
-enum Print {
-    /// Three digits; a time counts for nothing when the picture is wrong.
-    Time,
-    /// Three digits.
-    Figure,
-    /// Every digit.
-    Count,
-}
-
-/// Columns after those by the run's clock: heading, metric, how it is printed, and why a case that is
-/// right may lack it.
-const COLUMNS: [(&str, &Metric, Print, &str); 14] = [
+const COLUMNS: [Column; 24] = [
+    ("case", Own("")),
+    ("status", Status),
+    ("fill, {unit} (5–95 %)", Times),
     (
-        "surface, GPU\u{a0}ms",
-        SURFACE_GPU_MS,
-        Print::Time,
-        "the technique draws a surface of its own, untimed, or the device gave no GPU time",
+        "÷\u{a0}fastest right",
+        Own("medians over processes; no right fill is below 1, an approximate one may be"),
     ),
-    ("surface bytes", SURFACE_BYTES, Print::Count, NOT_COUNTED),
-    (
-        "stencil, GPU\u{a0}ms",
-        STENCIL_GPU_MS,
-        Print::Time,
-        NO_PASS_TIME,
-    ),
-    (
-        "colour, GPU\u{a0}ms",
-        COLOUR_GPU_MS,
-        Print::Time,
-        NO_PASS_TIME,
-    ),
-    ("geometry bytes", GEOMETRY_BYTES, Print::Count, NOT_COUNTED),
-    ("draws", DRAWS, Print::Count, NOT_COUNTED),
-    ("vertices", VERTICES, Print::Count, NOT_COUNTED),
-    (
-        "regions left out",
-        REGIONS_LEFT_OUT,
-        Print::Count,
-        NOT_RECORDED,
-    ),
-    ("px that differ", MISMATCHED_PX, Print::Count, NOT_COMPARED),
-    (
-        "outside band",
-        MISMATCHED_PX_OUTSIDE_BAND,
-        Print::Count,
-        NOT_COMPARED,
-    ),
-    (
-        "Hausdorff, px",
-        HAUSDORFF_PX,
-        Print::Figure,
-        "one of the two pictures has no boundary, or they were not compared",
-    ),
-    (
-        "moved, px",
-        BOUNDARY_MOVED_PX,
-        Print::Figure,
-        "only levels of detail move boundaries on purpose; or too many pixels mismatch to compare",
-    ),
-    (
-        "by the surface, px",
-        MOVED_PX_TRUE,
-        Print::Figure,
-        "the surface does not say where the ground truly is, or they were not compared",
-    ),
-    (
-        "boundary,\u{a0}m",
-        BOUNDARY_DEVIATION_M,
-        Print::Figure,
-        NOT_RECORDED,
-    ),
+    ("÷\u{a0}depth-pass", Over(DEPTH_PASS)),
+    ("÷\u{a0}stencil-pass", Over(STENCIL_PASS)),
+    ("fill, {other}", OtherClock),
+    ("surface, GPU\u{a0}ms", Time(SURFACE_GPU_MS)),
+    ("surface bytes", Count(SURFACE_BYTES)),
+    ("stencil, GPU\u{a0}ms", Time(STENCIL_GPU_MS)),
+    ("colour, GPU\u{a0}ms", Time(COLOUR_GPU_MS)),
+    ("geometry bytes", Count(GEOMETRY_BYTES)),
+    ("constant bytes", Count(CONSTANT_BYTES)),
+    ("target bytes", Count(TARGET_BYTES)),
+    ("to prepare, CPU\u{a0}ms", Time(PREPARE_CPU_MS)),
+    ("draws", Count(DRAWS)),
+    ("vertices", Count(VERTICES)),
+    ("regions left out", Count(REGIONS_LEFT_OUT)),
+    ("px that differ", Count(MISMATCHED_PX)),
+    ("outside band", Count(MISMATCHED_PX_OUTSIDE_BAND)),
+    ("Hausdorff, px", Figure(HAUSDORFF_PX)),
+    ("moved, px", Figure(BOUNDARY_MOVED_PX)),
+    ("by the surface, px", Figure(MOVED_PX_TRUE)),
+    ("boundary,\u{a0}m", Figure(BOUNDARY_DEVIATION_M)),
 ];
-
-/// Views with their fastest right technique.
-pub(super) fn overview(data: &Data<'_>) -> Option<Block> {
-    let mut rows = Vec::new();
-    for scene in data.scenes() {
-        for view in &scene.views {
-            rows.extend(overview_row(data, scene.name, view));
-        }
-    }
-    (!rows.is_empty()).then(|| {
-        Block::Table(Table {
-            caption: format!(
-                "The fastest right technique of each view by {}. A tie differs from it by no more than \
-                 identical work did.",
-                data.run.clock().name()
-            ),
-            headings: vec![
-                Heading::plain("scene, view"),
-                Heading::plain("right of all"),
-                Heading::plain("fastest"),
-                Heading::metric(format!("fill, {}", data.unit()), data.metric),
-                Heading::plain("÷\u{a0}depth-pass"),
-                Heading::plain("÷\u{a0}stencil-pass"),
-                Heading::plain("ties"),
-            ],
-            rows,
-            is_main: true,
-            ..Table::default()
-        })
-    })
-}
-
-fn overview_row(data: &Data<'_>, scene: &str, view: &View<'_>) -> Option<Row> {
-    let all = view.cases.iter().copied().filter(|case| competes(case));
-    let right = all.clone().filter(|case| case.counts());
-    let fastest = best(data, view)?;
-    let time = data.typical(fastest)?;
-    let ties = right
-        .clone()
-        .filter(|case| case.id() != fastest.id() && data.ties_with(case, fastest));
-    let ties: Vec<String> = ties.map(name).collect();
-    let over = |technique| {
-        let ratio = data.over_baseline(fastest, technique);
-        data.ratio_cell(ratio.as_ref(), "this pass was not measured")
-    };
-    Some(Row::new(vec![
-        Cell::name(format!("{scene}, {}", view.name)),
-        Cell::plain(format!("{} of {}", right.count(), all.count())),
-        Cell::name(name(fastest)),
-        Cell::plain(significant(time.middle)),
-        over(DEPTH_PASS),
-        over(STENCIL_PASS),
-        match data.noise {
-            Some(_) => Cell::name(ties.join("; ")),
-            None => Cell::absent("no identical work was measured twice"),
-        },
-    ]))
-}
 
 /// Every scene.
 pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
-    let palette = Palette::new(data.all_series());
+    let clock = data.run.clock().name();
     let mut blocks = Vec::new();
-    for scene in data.scenes() {
-        blocks.push(Block::section(scene.name));
-        if let Some(svg) = ratio_plot(data, &scene, &palette)? {
-            blocks.push(Block::Plot(Plot {
-                caption: format!(
-                    "{} of each right fill over that of its view's fastest: the medians over \
-                     processes, one over the other. Points of sweeps and approximate fills compete with \
-                     none and stand in the plots of error against run time. \
-                     Whiskers: 95 % interval, where there are five processes or more. Shaded: ties. \
-                     Dashed: the depth-pass of that view, a full-screen pass that reads depth and \
-                     writes a constant colour; a yardstick, not a bound. A cross at the right edge has \
-                     no time that counts.",
-                    sentence(data.run.clock().name())
-                ),
-                svg,
-            }));
-        }
-        if let Some(svg) = bytes_plot(data, &scene, &palette)? {
-            blocks.push(Block::Plot(Plot {
-                caption:
-                    "Bytes per variant. Printed: geometry (positions, flags, indices) and its \
-                          ratio to vertex/doubled where that was measured."
-                        .to_owned(),
-                svg,
-            }));
-        }
-        blocks.extend(published::blocks(data, &scene));
-        let has_pictures = |view| pictures(data, &scene, view).is_some();
-        if scene.views.iter().any(has_pictures) {
+    for views in data.scenes() {
+        let scene = views[0].scene;
+        blocks.push(Block::section(scene));
+        let caption = format!(
+            "By {clock}: each right fill over its view's fastest, medians over processes. Points of sweeps and \
+             approximate fills compete with none and stand in the plots of error against run time. Whiskers: 95 % \
+             interval, where there are five processes or more. Shaded: ties. Dashed: the depth-pass of that view, \
+             a full-screen pass that reads depth and writes a constant colour; a yardstick, not a bound. A cross \
+             at the right edge has no time that counts."
+        );
+        blocks.extend(plot(caption, ratio_plot(data, views)?));
+        blocks.extend(published::blocks(data, views));
+        let pictures: Vec<_> = views.iter().map(|view| pictures(data, view)).collect();
+        if pictures.iter().any(Option::is_some) {
             blocks.push(Block::Remark(DIFFERENCE_KEY.to_owned()));
         }
-        for view in &scene.views {
-            blocks.extend(view_blocks(data, &scene, view, &palette)?);
+        for (view, pictures) in views.iter().zip(pictures) {
+            blocks.push(part(view.title()));
+            blocks.extend(pictures.map(Block::Pictures));
+            blocks.push(Block::Table(cases(data, view)));
+            blocks.extend(left_out(view));
+            blocks.extend(error_time::of_view(data, view)?);
         }
     }
     Ok(blocks)
 }
 
 /// Each case that competes over the fastest right one of its view, fastest first.
-fn ratio_plot(
-    data: &Data<'_>,
-    scene: &Scene<'_>,
-    palette: &Palette,
-) -> Result<Option<String>, ChapterError> {
-    let groups = scene.views.iter().map(|view| {
-        let best = best(data, view);
+fn ratio_plot(data: &Data<'_>, views: &[View<'_>]) -> Result<Option<String>, ChapterError> {
+    let groups = views.iter().map(|view| {
+        let best = data.fastest(view.competing());
         let ratio = |case: &Case| data.over_fastest(case, best?);
-        let mut cases = view.cases.clone();
-        cases.retain(|case| competes(case));
+        let mut cases: Vec<&Case> = view.competing().collect();
         let order = |case: &Case| ratio(case).map_or(f64::INFINITY, |ratio| ratio.middle);
         cases.sort_by(|a, b| order(a).total_cmp(&order(b)));
         let dashed = view.baselines.iter().find_map(|pass| {
@@ -227,11 +98,11 @@ fn ratio_plot(
             let name = format!("depth-pass {} × (dashed)", significant(ratio.middle));
             Some((ratio.middle, name))
         });
+        let rows = cases.into_iter();
         RatioGroup {
             name: view.name.to_owned(),
             dashed,
-            rows: cases
-                .into_iter()
+            rows: rows
                 .map(|case| ratio_row(data, case, ratio(case)))
                 .collect(),
         }
@@ -241,7 +112,7 @@ fn ratio_plot(
         data.run.clock().name()
     );
     let plot = RatioPlot {
-        title: format!("{}: fill time over the fastest", scene.name),
+        title: format!("{}: fill time over the fastest", views[0].scene),
         axis: RatioAxis {
             title: &title,
             one: "fastest = 1",
@@ -249,7 +120,7 @@ fn ratio_plot(
         tie_factor: data.noise.map(|noise| noise.max_factor()),
         groups: groups.collect(),
     };
-    Ok(plot.draw(palette)?)
+    Ok(plot.draw(data.palette())?)
 }
 
 fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow {
@@ -276,252 +147,70 @@ fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow 
     }
 }
 
-/// The fastest right fill of a view.
-pub(super) fn best<'a>(data: &Data<'a>, view: &View<'a>) -> Option<&'a Case> {
-    data.fastest(view.cases.iter().copied().filter(|case| competes(case)))
-}
-
-/// With a capital.
-fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().map(char::to_uppercase);
-    first.into_iter().flatten().chain(letters).collect()
-}
-
-/// What one variant holds, largest over the scene's views: geometry is the same in all of them,
-/// per-view constants vary.
-fn bytes_plot(
-    data: &Data<'_>,
-    scene: &Scene<'_>,
-    palette: &Palette,
-) -> Result<Option<String>, ChapterError> {
-    let mut variants: Vec<(&Case, [u64; 3], u64)> = Vec::new();
-    for case in scene.views.iter().flat_map(|view| &view.cases) {
-        let Some(geometry) = counter(case, GEOMETRY_BYTES) else {
-            continue;
+fn cases(data: &Data<'_>, view: &View<'_>) -> Table {
+    let all = view.baselines.iter().chain(&view.cases).chain(&view.rivals);
+    let fastest = data.fastest(view.competing());
+    let rows = all.clone().map(|case| {
+        let (label, name) = (data.label(case), name(case));
+        // Of what is approximate, the value that tells it from others of its technique.
+        let detail = match setting(case, view).filter(|_| is_approximate(case)) {
+            Some(setting) => setting.to_owned(),
+            None if name == label => String::new(),
+            None => name,
         };
-        let index = counter(case, INDEX_BYTES).unwrap_or(0);
-        let vertex = counter(case, VERTEX_BYTES).unwrap_or(geometry.saturating_sub(index));
-        let parts = [vertex, index, counter(case, CONSTANT_BYTES).unwrap_or(0)];
-        match variants
-            .iter_mut()
-            .find(|(known, ..)| name(known) == name(case))
-        {
-            Some((_, most, of)) if parts.iter().sum::<u64>() > most.iter().sum() => {
-                (*most, *of) = (parts, geometry);
-            }
-            Some(_) => {}
-            None => variants.push((case, parts, geometry)),
-        }
-    }
-    let base = variants
-        .iter()
-        .find(|(case, ..)| name(case) == memory::BASE);
-    let base = base
-        .map(|(_, _, geometry)| *geometry)
-        .filter(|base| *base > 0);
-    let rows = variants.iter().map(|(case, parts, geometry)| Bar {
-        label: data.label(case),
-        series: data.marked(case),
-        parts: *parts,
-        value: match base {
-            Some(base) => {
-                let ratio = significant(*geometry as f64 / base as f64);
-                format!("{} · {ratio} ×", bytes(*geometry))
-            }
-            None => bytes(*geometry),
-        },
-        command: data.command(case),
+        let cell = Cell {
+            detail,
+            ..data.name_cell(case, label)
+        };
+        let counts = case.counts() || is_approximate(case) || is_rival(case);
+        let over = fastest.filter(|_| counts);
+        let over = over.and_then(|fastest| over_typical(case, fastest, data.metric));
+        let why = match case.reason.as_str() {
+            "" => "it is not right or was not timed, or no fill of this view is",
+            reason => reason,
+        };
+        (
+            *case,
+            vec![cell, Cell::or_absent(over.map(|over| times(&over)), why)],
+        )
     });
-    let bars = Bars {
-        title: format!("{}: bytes per variant", scene.name),
-        axis: "bytes on the device, largest over the views",
-        parts: ["positions and flags", "indices", "constants per view"],
-        rows: rows.collect(),
-    };
-    Ok(bars.draw(palette)?)
-}
-
-fn view_blocks(
-    data: &Data<'_>,
-    scene: &Scene<'_>,
-    view: &View<'_>,
-    palette: &Palette,
-) -> Result<Vec<Block>, ChapterError> {
-    let mut blocks = vec![Block::Heading {
-        level: 4,
-        text: format!("{}, {}", scene.name, view.name),
-    }];
-    blocks.extend(pictures(data, scene, view).map(Block::Pictures));
-    blocks.push(Block::Table(table(data, palette, view)));
-    blocks.extend(left_out(view));
-    if let Some((svg, not_drawn)) = error_time::plot(data, scene.name, view, palette)? {
-        let not_drawn = match not_drawn.is_empty() {
-            true => String::new(),
-            false => format!(" Not drawn: {}.", not_drawn.join("; ")),
-        };
-        blocks.push(Block::Plot(Plot {
-            caption: format!(
-                "Error against run time; one curve per layout through its boundary tolerance, which \
-                 labels the points. Zero errors stand on the line at the bottom; wrong and failed cases \
-                 (crosses) are pinned to the upper edge, except those whose error is the question, \
-                 which stand at it; open marks are approximate fills. Ringed and joined by dashes: the Pareto front, where at least 95 % of \
-                 bootstrap resamples of the processes keep it.{not_drawn}"
-            ),
-            svg,
-        }));
+    let mut table = table(data, &COLUMNS, rows);
+    for (row, case) in table.rows.iter_mut().zip(all) {
+        row.remark.clone_from(&case.reason);
     }
-    Ok(blocks)
+    table
 }
 
-fn table(data: &Data<'_>, palette: &Palette, view: &View<'_>) -> Table {
-    let clock = data.run.clock();
-    let other = clock.pick(
-        ("fill, CPU\u{a0}ms", FILL_CPU_MS),
-        ("fill, GPU\u{a0}ms", FILL_GPU_MS),
-    );
-    let mut headings = vec![
-        Heading::plain("case"),
-        Heading::plain("status"),
-        Heading::metric(format!("fill, {} (5–95 %)", data.unit()), data.metric),
-        Heading::explained(
-            "÷\u{a0}depth-pass",
-            "over the full-screen pass that reads depth, paired by process",
-        ),
-        Heading::explained(
-            "÷\u{a0}stencil-pass",
-            "over the full-screen pass that clears and tests the stencil, paired by process",
-        ),
-        Heading::metric(other.0, other.1),
-    ];
-    headings.extend(COLUMNS.map(|(text, metric, ..)| Heading::metric(text, metric)));
-    let cases = view.baselines.iter().chain(&view.cases);
-    let cases = cases.chain(&view.rivals);
-    Table {
-        rows: cases
-            .map(|case| row(data, palette, case, other.1))
-            .collect(),
-        headings,
-        ..Table::default()
-    }
-}
-
-fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &Metric) -> Row {
-    let over = |technique| match data.over_baseline(case, technique) {
-        Some(ratio) => Cell::plain(significant(ratio.middle)),
-        None => absent(case, "this pass was not measured in this run"),
-    };
-    let mut cells = vec![
-        Cell {
-            marker: match is_baseline(case) {
-                true => String::new(),
-                false => palette.marker(&data.marked(case)),
-            },
-            command: data.command(case),
-            detail: match name(case) {
-                name if name == data.label(case) => String::new(),
-                name => name,
-            },
-            ..Cell::name(data.label(case))
-        },
-        Cell::plain(standing(case)),
-        time_cell(
-            case,
-            data.metric,
-            data.time(case).map(spread),
-            "no frame was timed",
-        ),
-        over(DEPTH_PASS),
-        over(STENCIL_PASS),
-        time_cell(
-            case,
-            other_metric,
-            sample_spread(case, other_metric).map(|ms| significant(ms.median)),
-            NO_GPU_TIME,
-        ),
-    ];
-    cells.extend(COLUMNS.map(|(_, metric, print, why)| {
-        let value = case.value(metric);
-        match print {
-            Print::Time => time_cell(case, metric, value.map(significant), why),
-            Print::Figure => value.map_or_else(
-                || absent(case, why),
-                |value| Cell::plain(significant(value)),
-            ),
-            Print::Count => counter(case, metric)
-                .map_or_else(|| absent(case, why), |value| Cell::plain(count(value))),
-        }
-    }));
-    Row {
-        cells,
-        status: standing(case).to_owned(),
-        remark: case.reason.clone(),
-    }
-}
-
-/// A time, which counts for nothing when the picture is wrong.
-fn time_cell(case: &Case, metric: &Metric, text: Option<String>, why: &str) -> Cell {
-    let cell = match text {
-        Some(text) if is_approximate(case) => Cell {
-            title: "approximate: its picture differs by nature, and it competes with none"
-                .to_owned(),
-            ..Cell::plain(text)
-        },
-        // A rival's error is part of the answer, and stands beside its time.
-        Some(text) if case.outcome == Outcome::Wrong && !is_rival(case) => Cell {
-            class: CellClass::Void,
-            title: "the picture is wrong: this time counts for nothing".to_owned(),
-            ..Cell::plain(text)
-        },
-        Some(text) => Cell::plain(text),
-        None => absent(case, why),
-    };
-    dotted(cell, case, metric)
-}
-
-fn absent(case: &Case, why: &str) -> Cell {
-    Cell::absent(match (case.outcome, case.reason.as_str()) {
-        (Outcome::Ok, _) if is_baseline(case) => "does not apply to a full-screen pass".to_owned(),
-        (Outcome::Ok, _) => why.to_owned(),
-        (outcome, "") => format!("{}, no reason was recorded", outcome.name()),
-        (outcome, reason) => format!("{}: {reason}", outcome.name()),
+/// One of a case's pictures, if it has it.
+pub(crate) fn picture(case: &Case, note: &str, caption: impl Into<String>) -> Option<Picture> {
+    let path = case.note(note);
+    (!path.is_empty()).then(|| Picture {
+        path: path.to_owned(),
+        caption: caption.into(),
     })
 }
 
 /// The reference's picture, then each case's beside its difference and its worst pixel. Wrong cases
 /// of the ladder and the matrix are among them: their own tables have no room for pictures.
-fn pictures(data: &Data<'_>, scene: &Scene<'_>, view: &View<'_>) -> Option<Pictures> {
-    let picture = |case: &Case, note: &str, caption: String| {
-        let path = case.note(note);
-        (!path.is_empty()).then(|| Picture {
-            path: path.to_owned(),
-            caption,
-        })
-    };
-    let listed: Vec<&Case> = view.cases.iter().chain(&view.rivals).copied().collect();
-    let wrong = data.cases.iter().copied().filter(|case| {
-        let is_here = case.condition(SCENE) == scene.name && case.condition(VIEW) == view.name;
+fn pictures(data: &Data<'_>, view: &View<'_>) -> Option<Pictures> {
+    let listed = || view.cases.iter().chain(&view.rivals).copied();
+    let all = data.of_view([view.scene, view.name]).iter().copied();
+    let wrong = all.filter(|case| {
         // Textured fills have their pictures in their own section.
-        is_here
-            && case.outcome == Outcome::Wrong
+        case.outcome == Outcome::Wrong
             && !has_role(case, "texture")
-            && !listed.iter().any(|listed| listed.id() == case.id())
+            && !listed().any(|listed| listed.id() == case.id())
     });
-    let cases: Vec<&Case> = listed.iter().copied().chain(wrong).collect();
-    let reference = cases
-        .iter()
-        .find_map(|case| picture(case, "reference_image", "reference".to_owned()))
-        .map(|reference| PictureFigure {
-            pictures: vec![reference],
-            notes: Vec::new(),
-        });
+    let cases: Vec<&Case> = listed().chain(wrong).collect();
+    let mut references = cases.iter();
+    let reference = references.find_map(|case| picture(case, "reference_image", "reference"));
     let own = cases.iter().filter_map(|case| {
         // Where nothing differs, a difference shows nothing.
         let differs = counter(case, MISMATCHED_PX) != Some(0);
         let worst = format!("worst pixel ({})", case.note("worst_px"));
         let pictures = [
-            picture(case, "image", "picture".to_owned()),
-            picture(case, "difference_image", "difference".to_owned()).filter(|_| differs),
+            picture(case, "image", "picture"),
+            picture(case, "difference_image", "difference").filter(|_| differs),
             picture(case, "worst_image", worst).filter(|_| differs),
         ];
         let pictures: Vec<Picture> = pictures.into_iter().flatten().collect();
@@ -530,16 +219,17 @@ fn pictures(data: &Data<'_>, scene: &Scene<'_>, view: &View<'_>) -> Option<Pictu
             notes: vec![caption(case)],
         })
     });
-    let path = reference
-        .as_ref()
-        .and_then(|figure| figure.pictures.first());
     // A committed run leaves pictures out, and a worst pixel cannot be laid over the whole.
     let has_pictures = cases.iter().any(|case| !case.note("image").is_empty());
-    let path = path.filter(|_| has_pictures);
-    let path = path.map_or_else(String::new, |picture| picture.path.clone());
+    let laid_over = reference.as_ref().filter(|_| has_pictures);
+    let laid_over = laid_over.map_or_else(String::new, |picture| picture.path.clone());
+    let reference = reference.map(|reference| PictureFigure {
+        pictures: vec![reference],
+        notes: Vec::new(),
+    });
     let figures: Vec<PictureFigure> = reference.into_iter().chain(own).collect();
     (!figures.is_empty()).then_some(Pictures {
-        reference: path,
+        reference: laid_over,
         figures,
         ..Pictures::default()
     })
@@ -570,21 +260,13 @@ fn caption(case: &Case) -> String {
 
 /// Frame plans that left something out, equal ones together.
 fn left_out(view: &View<'_>) -> Option<Block> {
-    let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
-    for case in view
-        .cases
-        .iter()
-        .filter(|case| !case.note("left_out").is_empty())
-    {
-        let text = case.note("left_out");
-        match groups.iter_mut().find(|(known, _)| *known == text) {
-            Some((_, cases)) => cases.push(name(case)),
-            None => groups.push((text, vec![name(case)])),
-        }
-    }
-    let lines = groups
-        .iter()
-        .map(|(text, cases)| format!("{}: {text}", cases.join("; ")));
+    let cases = view.cases.iter().copied();
+    let cases = cases.filter(|case| !case.note("left_out").is_empty());
+    let groups = grouped(cases, |case| case.note("left_out")).into_iter();
+    let lines = groups.map(|(text, cases)| {
+        let cases: Vec<String> = cases.into_iter().map(name).collect();
+        format!("{}: {text}", cases.join("; "))
+    });
     let lines: Vec<String> = lines.collect();
     (!lines.is_empty()).then(|| Block::Folded {
         summary: "What the frame plans left out, by reason".to_owned(),

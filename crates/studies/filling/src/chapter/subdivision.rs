@@ -5,23 +5,34 @@
 //! Cozzi (2007, 2.1.7.2) expected coarse meshes with tall walls to win and left it unmeasured. How tall they
 //! must be at most follows from the step: `terrafill_core::MeshOptions::sagitta_bound_m`.
 
-use super::data::{Data, Pairing, Timed, counter, distinct, has_role, title};
-use super::rungs::SOURCE;
-use crate::keys::{
-    CAP_STEP, CAP_TRIANGLES, HAUSDORFF_PX, LAYOUT, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND,
-    STENCIL_FRAGMENTS, TECHNIQUE, WALL_BOUND_M, WALL_HEIGHT_M,
+use super::data::{
+    DEPTH_PASS, Data, Timed, counter, grouped, has_role, layout_name, one_change, title,
 };
-use terrafill_plot::number::{count, significant};
+use super::rungs::SOURCE;
+use super::table::Show::{Count, Figure, Median, Over, Own};
+use super::table::{Column, part, plot, table};
+use crate::keys::*;
+use terrafill_plot::number::significant;
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
-use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, ConditionKey, Finding, Heading, Metric, Outcome, Plot,
-    Row, Standing, Table,
-};
+use terrafill_results::{Block, Case, Cell, ChapterError, Claim, ConditionKey, Finding, Standing};
 
 /// The switch whose values are swept.
 const KNOB: ConditionKey = CAP_STEP;
+
+const COLUMNS: [Column; 10] = [
+    ("cap step", Own("")),
+    ("triangles of caps", Count(CAP_TRIANGLES)),
+    ("tallest wall, m", Figure(WALL_HEIGHT_M)),
+    ("at most by formula, m", Figure(WALL_BOUND_M)),
+    ("fill, {unit}", Median),
+    ("÷\u{a0}depth-pass", Over(DEPTH_PASS)),
+    ("stencil fragments", Count(STENCIL_FRAGMENTS)),
+    ("px that differ", Count(MISMATCHED_PX)),
+    ("outside band", Count(MISMATCHED_PX_OUTSIDE_BAND)),
+    ("Hausdorff, px", Figure(HAUSDORFF_PX)),
+];
 
 /// Meshes of one view by their cap steps, degrees, finest first.
 struct Sweep<'a> {
@@ -48,21 +59,13 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
                 .to_owned(),
         ),
     ];
-    if let Some(svg) = plot(data, &sweeps)? {
-        blocks.push(Block::Plot(Plot {
-            caption:
-                "Left: fill time; whiskers: 5–95 % of samples. Right: the tallest wall drawn, \
-                      bottom to top."
-                    .to_owned(),
-            svg,
-        }));
-    }
+    let caption = "Left: fill time; whiskers: 5–95 % of samples. Right: the tallest wall drawn, bottom to top.";
+    blocks.extend(plot(caption, time_and_walls(data, &sweeps)?));
     for sweep in &sweeps {
-        blocks.push(Block::Heading {
-            level: 4,
-            text: format!("Cap steps of {}", sweep.title),
-        });
-        blocks.push(Block::Table(table(data, sweep)));
+        blocks.push(part(format!("Cap steps of {}", sweep.title)));
+        let cases = sweep.cases.iter();
+        let rows = cases.map(|(step, case)| (*case, vec![Cell::name(format!("{step}°"))]));
+        blocks.push(Block::Table(table(data, &COLUMNS, rows)));
         blocks.extend(finding(data, sweep).map(Block::Finding));
         blocks.extend(walls_by_formula(sweep).map(Block::Finding));
     }
@@ -70,78 +73,19 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
 }
 
 fn sweeps<'a>(data: &Data<'a>) -> Vec<Sweep<'a>> {
-    let swept = || {
-        let own = data
-            .cases
-            .iter()
-            .copied()
-            .filter(|case| has_role(case, "subdivision"));
-        own.filter_map(|case| Some((case.condition(KNOB).parse::<f64>().ok()?, case)))
-    };
+    let own = data.cases.iter().copied();
+    let own = own.filter(|case| has_role(case, "subdivision"));
+    let swept = own.filter_map(|case| Some((case.condition(KNOB).parse::<f64>().ok()?, case)));
     // Meshes of one technique: another draws the same mesh in another time.
-    let name = |case: &Case| {
-        let [technique, layout] = [TECHNIQUE, LAYOUT].map(|key| case.condition(key));
-        format!("{}: {technique}/{layout}", title(case))
-    };
-    let names = distinct(swept().map(|(_, case)| name(case)));
-    let sweeps = names.into_iter().map(|of| {
-        let mut cases: Vec<(f64, &Case)> = swept().filter(|(_, case)| name(case) == of).collect();
+    let name = |(_, case): &(f64, &'a Case)| format!("{}: {}", title(case), layout_name(case));
+    let sweeps = grouped(swept, name).into_iter().map(|(title, mut cases)| {
         cases.sort_by(|a, b| a.0.total_cmp(&b.0));
         // A step that cuts nothing gives the mesh of a finer one, and says nothing of steps.
         cases.dedup_by_key(|(_, case)| counter(case, CAP_TRIANGLES).ok_or_else(|| case.id().key()));
-        Sweep { title: of, cases }
+        Sweep { title, cases }
     });
     sweeps.filter(|sweep| sweep.cases.len() >= 2).collect()
 }
-
-fn table(data: &Data<'_>, sweep: &Sweep<'_>) -> Table {
-    let rows = sweep.cases.iter().map(|(step, case)| {
-        let why = match case.reason.as_str() {
-            "" => "not measured",
-            reason => reason,
-        };
-        let cell = |text: Option<String>| Cell::or_absent(text, why);
-        let counted = |metric: &Metric| cell(counter(case, metric).map(count));
-        let figure = |metric: &Metric| cell(case.value(metric).map(significant));
-        let over = data.over_baseline(case, super::data::DEPTH_PASS);
-        Row::new(vec![
-            Cell::name(format!("{step}°")),
-            counted(CAP_TRIANGLES),
-            figure(WALL_HEIGHT_M),
-            figure(WALL_BOUND_M),
-            cell(data.right_time(case).map(|ms| significant(ms.median))),
-            cell(over.map(|ratio| significant(ratio.middle))),
-            counted(STENCIL_FRAGMENTS),
-            counted(MISMATCHED_PX),
-            counted(MISMATCHED_PX_OUTSIDE_BAND),
-            figure(HAUSDORFF_PX),
-        ])
-        .bad_if(case.outcome != Outcome::Ok)
-    });
-    Table {
-        rows: rows.collect(),
-        headings: vec![
-            Heading::plain("cap step"),
-            Heading::metric("triangles of caps", CAP_TRIANGLES),
-            Heading::metric("tallest wall, m", WALL_HEIGHT_M),
-            Heading::metric("at most by formula, m", WALL_BOUND_M),
-            Heading::metric(format!("fill, {}", data.unit()), data.metric),
-            Heading::plain("÷\u{a0}depth-pass"),
-            Heading::metric("stencil fragments", STENCIL_FRAGMENTS),
-            Heading::metric("px that differ", MISMATCHED_PX),
-            Heading::metric("outside band", MISMATCHED_PX_OUTSIDE_BAND),
-            Heading::metric("Hausdorff, px", HAUSDORFF_PX),
-        ],
-        ..Table::default()
-    }
-}
-
-/// Two meshes of one region.
-const STEPS: Pairing = Pairing {
-    changed: KNOB,
-    follows: &[],
-    one_sided: None,
-};
 
 /// Time of the coarsest mesh over that of the finest, for each view.
 pub(super) fn coarsest_over_finest<'a>(data: &Data<'a>) -> Vec<Timed<'a>> {
@@ -149,7 +93,7 @@ pub(super) fn coarsest_over_finest<'a>(data: &Data<'a>) -> Vec<Timed<'a>> {
         let (fine, coarse) = (sweep.cases.first()?.1, sweep.cases.last()?.1);
         Some(Timed {
             title: sweep.title,
-            pairing: STEPS,
+            pairing: one_change(KNOB),
             cases: [coarse, fine],
         })
     };
@@ -161,7 +105,7 @@ fn finding(data: &Data<'_>, sweep: &Sweep<'_>) -> Option<Finding> {
     let (fine, coarse) = (sweep.cases.first()?, sweep.cases.last()?);
     let timed = Timed {
         title: sweep.title.clone(),
-        pairing: STEPS,
+        pairing: one_change(KNOB),
         cases: [fine.1, coarse.1],
     };
     let answer = timed.answer(data, Claim::Faster);
@@ -186,26 +130,19 @@ fn finding(data: &Data<'_>, sweep: &Sweep<'_>) -> Option<Finding> {
 /// Whether walls are as low as the formula says; nothing where no case has both figures.
 fn walls_by_formula(sweep: &Sweep<'_>) -> Option<Finding> {
     let walls = sweep.cases.iter().filter_map(|(step, case)| {
-        let metric = |name| case.value(name);
-        Some((*step, metric(WALL_HEIGHT_M)?, metric(WALL_BOUND_M)?))
+        let (found, bound) = (case.value(WALL_HEIGHT_M)?, case.value(WALL_BOUND_M)?);
+        let [of, most] = [found, bound].map(significant);
+        Some((format!("{step}°: {of} of {most} m"), found <= bound))
     });
-    let walls: Vec<(f64, f64, f64)> = walls.collect();
-    let texts = walls.iter().map(|(step, found, bound)| {
-        format!(
-            "{step}°: {} of {} m",
-            significant(*found),
-            significant(*bound)
-        )
-    });
-    let texts: Vec<String> = texts.collect();
-    (!walls.is_empty()).then(|| Finding {
+    let (texts, are_within): (Vec<String>, Vec<bool>) = walls.unzip();
+    (!texts.is_empty()).then(|| Finding {
         claim: "No wall is taller than the sagitta of its cap step asks for.".to_owned(),
-        standing: Standing::holds_if(walls.iter().all(|(_, found, bound)| found <= bound)),
+        standing: Standing::holds_if(are_within.iter().all(|is_within| *is_within)),
         because: texts.join(", "),
     })
 }
 
-fn plot(data: &Data<'_>, sweeps: &[Sweep<'_>]) -> Result<Option<String>, ChapterError> {
+fn time_and_walls(data: &Data<'_>, sweeps: &[Sweep<'_>]) -> Result<Option<String>, ChapterError> {
     let time = |case: &Case| {
         let spread = data.right_time(case)?;
         Some(Reading::sampled(spread, &data.replicates(case)))

@@ -5,19 +5,20 @@
 //! Cozzi (2007) named the two arctangents of the texture coordinates as what textured fill loses most
 //! on. Findings are compared with the measured interval; nothing here knows what came out.
 
+use super::comparisons::row_of_ratios;
 use super::data::{
-    DEPTH_PASS, Data, Pairing, Timed, counter, distinct, is_same, name, switches, title,
+    DEPTH_PASS, Data, Timed, counter, grouped, layout_name, name, one_change, switches, title,
 };
-use crate::keys::{
-    COLOUR_MAX, COLOUR_MEAN, LAYOUT, NORMALIZE, PICTURE, POSITION, SCENE, TECHNIQUE,
-    TEXEL_COMPARED_PX, TEXEL_MAX, TEXEL_NON_FINITE, TEXEL_RMS, TEXTURE, TEXTURE_BYTES, VIEW,
-};
-use terrafill_lab::Follows;
+use super::scenes::picture;
+use super::table::Show::{Bytes, Count, Figure, Over, Own, Status};
+use super::table::{Column, NO_TEXELS, figures, part, table};
+use crate::keys::*;
+use terrafill_lab::{Comparison, Follows};
 use terrafill_plot::dotted;
-use terrafill_plot::number::{bytes, count, significant, spread};
+use terrafill_plot::number::{count, significant, spread};
 use terrafill_results::{
-    Block, Case, Cell, Claim, ConditionKey, Estimate, Finding, Heading, Outcome, Picture,
-    PictureFigure, Pictures, Row, Standing, Table, ratio,
+    Block, Case, Cell, Claim, ConditionKey, Estimate, Finding, Outcome, PictureFigure, Pictures,
+    Standing, Table, ratio,
 };
 
 /// Switches that a plain fill of the same layout has not.
@@ -36,32 +37,22 @@ const MAX_OVER_PLAIN: f64 = 1.3;
 /// The view for which that is asked.
 const TOP_DOWN: &str = "top-down";
 
-type TextureSwitches = &'static [(ConditionKey, &'static str)];
+/// Texture switches that are not as usual, `key=value`, sorted; empty for the plain fill.
+type TextureSwitches = &'static str;
 
-/// What is compared: time of the one over time of the other, by their texture switches, sorted.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Comparison {
-    heading: &'static str,
-    pub(super) case: TextureSwitches,
-    /// Empty: the plain fill.
-    pub(super) control: TextureSwitches,
-    /// What of the two may differ.
-    pairing: Pairing,
-}
-
-const fn one_change(changed: ConditionKey) -> Pairing {
-    Pairing {
-        changed,
-        follows: &[],
-        one_sided: None,
-    }
-}
+/// What is compared: heading; whose time is divided; by whose; what of the two may differ.
+pub(super) type Compared = (
+    &'static str,
+    TextureSwitches,
+    TextureSwitches,
+    Comparison<'static>,
+);
 
 /// Two routes to a texel.
-const ROUTES: Pairing = one_change(TEXTURE);
+const ROUTES: Comparison<'static> = one_change(TEXTURE);
 
 /// Two routes of which one starts from another position.
-const STARTS: Pairing = Pairing {
+const STARTS: Comparison<'static> = Comparison {
     follows: &[Follows {
         key: POSITION.name(),
         because: "where the route starts is part of it",
@@ -70,7 +61,7 @@ const STARTS: Pairing = Pairing {
 };
 
 /// A textured fill and the plain one of its layout.
-const OVER_PLAIN: Pairing = Pairing {
+const OVER_PLAIN: Comparison<'static> = Comparison {
     follows: &[
         Follows {
             key: POSITION.name(),
@@ -88,186 +79,172 @@ const OVER_PLAIN: Pairing = Pairing {
     ..ROUTES
 };
 
-const CHOSEN: TextureSwitches = &[(TEXTURE, "chosen")];
-const NATIVE: TextureSwitches = &[(TEXTURE, "atan2-native+bowring-1")];
+const PLAIN: TextureSwitches = "";
+const CHOSEN: TextureSwitches = "texture=chosen";
+const NATIVE: TextureSwitches = "texture=atan2-native+bowring-1";
 /// What any textured fill must pay that looks at depth.
-const FLOOR: TextureSwitches = &[(TEXTURE, "floor")];
+const FLOOR: TextureSwitches = "texture=floor";
 
 /// The document's fill as it was.
-const AS_IN_2007: TextureSwitches = &[
-    (NORMALIZE, "superfluous"),
-    (POSITION, "inverse-ecef"),
-    (TEXTURE, "atan2-native+geocentric"),
-];
+const AS_IN_2007: TextureSwitches =
+    "normalize=superfluous,position=inverse-ecef,texture=atan2-native+geocentric";
+const EACH_2007: TextureSwitches =
+    "normalize=superfluous,picture=each,position=inverse-ecef,texture=atan2-native+geocentric";
+const SMALL_2007: TextureSwitches =
+    "normalize=superfluous,picture=32,position=inverse-ecef,texture=atan2-native+geocentric";
 /// The same without the normalisation that nothing needs.
-const ATAN_2007: TextureSwitches = &[
-    (POSITION, "inverse-ecef"),
-    (TEXTURE, "atan2-native+geocentric"),
-];
+const ATAN_2007: TextureSwitches = "position=inverse-ecef,texture=atan2-native+geocentric";
+const TABLE_2007: TextureSwitches = "position=inverse-ecef,texture=lut-256-r16-linear+geocentric";
+const SERIES_2007: TextureSwitches = "position=inverse-ecef,texture=odd-7+geocentric";
+const CUBE_2007: TextureSwitches = "position=inverse-ecef,texture=cube-512";
 
 /// Barycentric coordinates in a flat mesh, from the region's own offset.
-const BARYCENTRIC: TextureSwitches = &[(TEXTURE, "barycentric")];
+const BARYCENTRIC: TextureSwitches = "texture=barycentric";
+
+const NAMES: [(TextureSwitches, &str); 12] = [
+    (PLAIN, "plain fill"),
+    (CHOSEN, "chosen route"),
+    (NATIVE, "native atan2"),
+    (FLOOR, "least textured fill"),
+    (AS_IN_2007, "as in 2007"),
+    (EACH_2007, "as in 2007, a picture each"),
+    (SMALL_2007, "as in 2007, picture of 32²"),
+    (ATAN_2007, "2007, native atan2"),
+    (TABLE_2007, "2007, 1D texture"),
+    (SERIES_2007, "2007, series"),
+    (CUBE_2007, "2007, texture of spherical coordinates"),
+    (BARYCENTRIC, "barycentric coordinates"),
+];
 
 /// Of each view with both: its title, and the largest texel error by angles about the body's centre in f32
 /// and by barycentric coordinates.
 pub(super) fn flat_mesh_errors(data: &Data<'_>) -> Vec<(String, [f64; 2])> {
-    let of = |view: &TexturedView<'_>| {
+    let of = |view: TexturedView<'_>| {
         let worst = |wanted| view.case(wanted)?.value(TEXEL_MAX);
-        Some((view.title.clone(), [worst(NATIVE)?, worst(BARYCENTRIC)?]))
+        let errors = [worst(NATIVE)?, worst(BARYCENTRIC)?];
+        Some((view.title, errors))
     };
-    views(data).iter().filter_map(of).collect()
+    views(data).into_iter().filter_map(of).collect()
 }
 
 /// The document's fill beside the plain one.
 pub(super) const AS_IN_2007_OVER_PLAIN: &str = "as in 2007 ÷ plain";
 
+const OVER_CUBE: &str = "2007, native atan2 ÷ texture of spherical coordinates";
+const CHOSEN_OVER_PLAIN: &str = "chosen route ÷ plain";
+const LEAST_OVER_PLAIN: &str = "least textured fill ÷ plain";
+const CHOSEN_OVER_LEAST: &str = "chosen route ÷ least";
+
 /// The document's comparisons.
-pub(super) const COMPARISONS: [Comparison; 13] = [
-    Comparison {
-        heading: AS_IN_2007_OVER_PLAIN,
-        case: AS_IN_2007,
-        control: &[],
-        pairing: OVER_PLAIN,
-    },
-    Comparison {
-        heading: "chosen route ÷ plain",
-        case: CHOSEN,
-        control: &[],
-        pairing: OVER_PLAIN,
-    },
-    Comparison {
-        heading: "least textured fill ÷ plain",
-        case: FLOOR,
-        control: &[],
-        pairing: OVER_PLAIN,
-    },
-    Comparison {
-        heading: "chosen route ÷ least",
-        case: CHOSEN,
-        control: FLOOR,
-        pairing: ROUTES,
-    },
-    Comparison {
-        heading: "native atan2 ÷ chosen route",
-        case: NATIVE,
-        control: CHOSEN,
-        pairing: ROUTES,
-    },
-    Comparison {
-        heading: "as in 2007, a picture each ÷ one for all",
-        case: &[
-            (NORMALIZE, "superfluous"),
-            (PICTURE, "each"),
-            (POSITION, "inverse-ecef"),
-            (TEXTURE, "atan2-native+geocentric"),
-        ],
-        control: AS_IN_2007,
-        pairing: one_change(PICTURE),
-    },
-    Comparison {
-        heading: "as in 2007, picture of the scene ÷ of 32²",
-        case: AS_IN_2007,
-        control: &[
-            (NORMALIZE, "superfluous"),
-            (PICTURE, "32"),
-            (POSITION, "inverse-ecef"),
-            (TEXTURE, "atan2-native+geocentric"),
-        ],
-        pairing: one_change(PICTURE),
-    },
-    Comparison {
-        heading: "as in 2007 ÷ without the superfluous normalize",
-        case: AS_IN_2007,
-        control: ATAN_2007,
-        pairing: one_change(NORMALIZE),
-    },
-    Comparison {
-        heading: "2007, native atan2 ÷ 1D texture",
-        case: ATAN_2007,
-        control: &[
-            (POSITION, "inverse-ecef"),
-            (TEXTURE, "lut-256-r16-linear+geocentric"),
-        ],
-        pairing: ROUTES,
-    },
-    Comparison {
-        heading: "2007, native atan2 ÷ series",
-        case: ATAN_2007,
-        control: &[(POSITION, "inverse-ecef"), (TEXTURE, "odd-7+geocentric")],
-        pairing: ROUTES,
-    },
-    Comparison {
-        heading: "2007, native atan2 ÷ texture of spherical coordinates",
-        case: ATAN_2007,
-        control: &[(POSITION, "inverse-ecef"), (TEXTURE, "cube-512")],
-        pairing: ROUTES,
-    },
-    Comparison {
-        heading: "2007, native atan2 ÷ the two reads alone",
-        case: ATAN_2007,
-        control: FLOOR,
-        pairing: STARTS,
-    },
-    Comparison {
-        heading: "2007, native atan2 ÷ barycentric coordinates",
-        case: ATAN_2007,
-        control: BARYCENTRIC,
-        pairing: STARTS,
-    },
+pub(super) const COMPARISONS: [Compared; 13] = [
+    (AS_IN_2007_OVER_PLAIN, AS_IN_2007, PLAIN, OVER_PLAIN),
+    (CHOSEN_OVER_PLAIN, CHOSEN, PLAIN, OVER_PLAIN),
+    (LEAST_OVER_PLAIN, FLOOR, PLAIN, OVER_PLAIN),
+    (CHOSEN_OVER_LEAST, CHOSEN, FLOOR, ROUTES),
+    ("native atan2 ÷ chosen route", NATIVE, CHOSEN, ROUTES),
+    (
+        "as in 2007, a picture each ÷ one for all",
+        EACH_2007,
+        AS_IN_2007,
+        one_change(PICTURE),
+    ),
+    (
+        "as in 2007, picture of the scene ÷ of 32²",
+        AS_IN_2007,
+        SMALL_2007,
+        one_change(PICTURE),
+    ),
+    (
+        "as in 2007 ÷ without the superfluous normalize",
+        AS_IN_2007,
+        ATAN_2007,
+        one_change(NORMALIZE),
+    ),
+    (
+        "2007, native atan2 ÷ 1D texture",
+        ATAN_2007,
+        TABLE_2007,
+        ROUTES,
+    ),
+    (
+        "2007, native atan2 ÷ series",
+        ATAN_2007,
+        SERIES_2007,
+        ROUTES,
+    ),
+    (OVER_CUBE, ATAN_2007, CUBE_2007, ROUTES),
+    (
+        "2007, native atan2 ÷ the two reads alone",
+        ATAN_2007,
+        FLOOR,
+        STARTS,
+    ),
+    (
+        "2007, native atan2 ÷ barycentric coordinates",
+        ATAN_2007,
+        BARYCENTRIC,
+        STARTS,
+    ),
 ];
 
-/// A sentence, the comparison that speaks of it, and what it claims.
-struct TextureClaim {
-    sentence: &'static str,
-    /// By its heading.
-    comparison: &'static str,
-    claim: Claim,
-    /// The one view that it is about; all without.
-    view: Option<&'static str>,
-}
+/// A sentence, the heading of the comparison that speaks of it, what it claims, and the one view that it is about;
+/// all without.
+type TextureClaim = (&'static str, &'static str, Claim, Option<&'static str>);
+
+/// What this project requires of itself.
+const GOAL: TextureClaim = (
+    "This project's goal: by the chosen route, less than 1.3 times the plain fill.",
+    CHOSEN_OVER_PLAIN,
+    Claim::LessThan(MAX_OVER_PLAIN),
+    Some(TOP_DOWN),
+);
 
 const CLAIMS: [TextureClaim; 5] = [
-    TextureClaim {
-        sentence: "Cozzi (2007), observed: “two atan() calls which are very expensive”.",
-        comparison: "2007, native atan2 ÷ texture of spherical coordinates",
-        claim: Claim::Faster,
-        view: None,
-    },
-    TextureClaim {
-        sentence: "Cozzi (2007), anticipated: without them “the performance could double”.",
-        comparison: "2007, native atan2 ÷ texture of spherical coordinates",
-        claim: Claim::AtLeast(2.0),
-        view: None,
-    },
-    TextureClaim {
-        sentence: "This project's goal: by the chosen route, less than 1.3 times the plain fill.",
-        comparison: "chosen route ÷ plain",
-        claim: Claim::LessThan(MAX_OVER_PLAIN),
-        view: Some(TOP_DOWN),
-    },
-    TextureClaim {
-        sentence: "Whether this device can reach it: the least textured fill takes less than 1.3 times \
-                   the plain one.",
-        comparison: "least textured fill ÷ plain",
-        claim: Claim::LessThan(MAX_OVER_PLAIN),
-        view: Some(TOP_DOWN),
-    },
-    TextureClaim {
-        sentence: "By the chosen route, less than 1.3 times the least textured fill.",
-        comparison: "chosen route ÷ least",
-        claim: Claim::LessThan(MAX_OVER_PLAIN),
-        view: None,
-    },
+    (
+        "Cozzi (2007), observed: “two atan() calls which are very expensive”.",
+        OVER_CUBE,
+        Claim::Faster,
+        None,
+    ),
+    (
+        "Cozzi (2007), anticipated: without them “the performance could double”.",
+        OVER_CUBE,
+        Claim::AtLeast(2.0),
+        None,
+    ),
+    GOAL,
+    (
+        "Whether this device can reach it: the least textured fill takes less than 1.3 times the plain one.",
+        LEAST_OVER_PLAIN,
+        Claim::LessThan(MAX_OVER_PLAIN),
+        Some(TOP_DOWN),
+    ),
+    (
+        "By the chosen route, less than 1.3 times the least textured fill.",
+        CHOSEN_OVER_LEAST,
+        Claim::LessThan(MAX_OVER_PLAIN),
+        None,
+    ),
 ];
 
-/// The claim among [`CLAIMS`] that this project requires of itself.
-const REQUIRED: usize = 2;
+const COLUMNS: [Column; 10] = [
+    ("fill", Own("")),
+    ("status", Status),
+    ("fill, {unit}", Own("")),
+    ("÷\u{a0}depth-pass", Over(DEPTH_PASS)),
+    ("÷\u{a0}plain", Own("")),
+    ("texels, RMS", Figure(TEXEL_RMS)),
+    ("texels, largest", Figure(TEXEL_MAX)),
+    ("non-finite", Count(TEXEL_NON_FINITE)),
+    ("px compared", Count(TEXEL_COMPARED_PX)),
+    ("texture bytes", Bytes(TEXTURE_BYTES)),
+];
 
 /// What is required of textured fills; nothing for a run that plans none.
 pub(super) fn requirements(data: &Data<'_>) -> Vec<Finding> {
     match views(data).is_empty() {
         true => Vec::new(),
-        false => findings(data, &CLAIMS[REQUIRED]),
+        false => findings(data, &GOAL),
     }
 }
 
@@ -286,7 +263,7 @@ struct TexturedView<'a> {
 impl<'a> TexturedView<'a> {
     /// The first technique's case with these texture switches.
     fn case(&self, wanted: TextureSwitches) -> Option<&'a Case> {
-        let found = |case: &&&Case| texture_switches(case) == wanted;
+        let found = |case: &&&Case| texture_set(case) == wanted;
         self.cases.iter().find(found).copied()
     }
 }
@@ -310,7 +287,6 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
             data.run.clock().name()
         )),
     ];
-    blocks.splice(1..1, recommended(data, &views));
     blocks.extend(ratios(data, &views));
     for claim in &CLAIMS {
         blocks.extend(findings(data, claim).into_iter().map(Block::Finding));
@@ -320,11 +296,8 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
         not_measured(data, &views),
     ));
     for view in &views {
-        blocks.push(Block::Heading {
-            level: 4,
-            text: format!("Textured: {}", view.title),
-        });
-        blocks.push(Block::Table(table(data, view)));
+        blocks.push(part(format!("Textured: {}", view.title)));
+        blocks.push(Block::Table(fills(data, view)));
     }
     let figures: Vec<PictureFigure> = views.iter().filter_map(figure).collect();
     if !figures.is_empty() {
@@ -341,41 +314,9 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     blocks
 }
 
-/// What the recommended route costs and how exact it is, view by view.
-fn recommended(data: &Data<'_>, views: &[TexturedView<'_>]) -> Option<Block> {
-    let lines = views.iter().filter_map(|view| {
-        let case = view.case(CHOSEN).filter(|case| case.counts())?;
-        let over_plain = plain_of(data, case).and_then(|plain| data.over(case, plain));
-        let cost = match (data.right_time(case), over_plain) {
-            (Some(time), Some(ratio)) => format!(
-                "{} ms, {} the plain fill",
-                significant(time.median),
-                data.ratio_text(&ratio)
-            ),
-            _ => "not timed".to_owned(),
-        };
-        let texels = |metric| {
-            let value = case.value(metric).map(significant);
-            value.unwrap_or_else(|| "–".to_owned())
-        };
-        let route = case.note("texture_route").split(';').next();
-        Some(format!(
-            "{}, by the recommended route ({}): {cost}; texels off by {} RMS and {} at most.",
-            view.title,
-            route.unwrap_or_default(),
-            texels(TEXEL_RMS),
-            texels(TEXEL_MAX),
-        ))
-    });
-    let lines: Vec<String> = lines.collect();
-    (!lines.is_empty()).then_some(Block::List(lines))
-}
-
 fn views<'a>(data: &Data<'a>) -> Vec<TexturedView<'a>> {
-    let textured = || data.cases.iter().copied().filter(|case| is_textured(case));
-    let titles = distinct(textured().map(title));
-    let view = |of: String| {
-        let own = textured().filter(|case| title(case) == of);
+    let textured = data.cases.iter().copied().filter(|case| is_textured(case));
+    let view = |(title, own): (String, Vec<&'a Case>)| {
         let mut cases: Vec<&Case> = Vec::new();
         for case in own {
             for case in plain_of(data, case).into_iter().chain([case]) {
@@ -384,9 +325,10 @@ fn views<'a>(data: &Data<'a>) -> Vec<TexturedView<'a>> {
                 }
             }
         }
-        TexturedView { title: of, cases }
+        TexturedView { title, cases }
     };
-    titles.into_iter().map(view).collect()
+    let views = grouped(textured, |case| title(case)).into_iter();
+    views.map(view).collect()
 }
 
 /// Switches that make the fill a textured one and are not as usual, by name; none of a plain fill.
@@ -400,23 +342,30 @@ fn texture_switches(case: &Case) -> Vec<(ConditionKey, &str)> {
         .collect()
 }
 
-/// The same fill without a picture.
-fn plain_of<'a>(data: &Data<'a>, case: &Case) -> Option<&'a Case> {
-    let others = |of: &Case| -> Vec<(String, String)> {
-        let own = switches(of).into_iter();
-        let own = own.filter(|(key, _)| TEXTURE_KEYS.iter().all(|own| own.name() != *key));
-        own.map(|(key, value)| (key.to_owned(), value.to_owned()))
-            .collect()
-    };
-    let wanted = others(case);
-    let same = [SCENE, VIEW, TECHNIQUE, LAYOUT];
-    let is_plain = |other: &&&Case| {
-        !is_textured(other) && is_same(other, case, &same) && others(other) == wanted
-    };
-    data.cases.iter().find(is_plain).copied()
+/// The same in one text.
+fn texture_set(case: &Case) -> String {
+    let set = texture_switches(case).into_iter();
+    let set = set.map(|(key, value)| format!("{}={value}", key.name()));
+    set.collect::<Vec<_>>().join(",")
 }
 
-fn compare(data: &Data<'_>, view: &TexturedView<'_>, comparison: &Comparison) -> Option<Estimate> {
+/// The same fill without a picture.
+fn plain_of<'a>(data: &Data<'a>, case: &Case) -> Option<&'a Case> {
+    let is_other = |(key, _): &(&str, &str)| TEXTURE_KEYS.iter().all(|own| own.name() != *key);
+    let others = switches(case).into_iter().filter(is_other);
+    let others: Vec<(&str, &str)> = others.collect();
+    let mut cases = data.beside(case).iter().copied();
+    cases.find(|other| {
+        !is_textured(other)
+            && layout_name(other) == layout_name(case)
+            && switches(other)
+                .into_iter()
+                .filter(is_other)
+                .eq(others.iter().copied())
+    })
+}
+
+fn compare(data: &Data<'_>, view: &TexturedView<'_>, comparison: &Compared) -> Option<Estimate> {
     let [case, control] = both(data, view, comparison)?;
     ratio(case, control, data.metric)
 }
@@ -425,12 +374,12 @@ fn compare(data: &Data<'_>, view: &TexturedView<'_>, comparison: &Comparison) ->
 fn both<'a>(
     data: &Data<'a>,
     view: &TexturedView<'a>,
-    comparison: &Comparison,
+    (_, case, control, _): &Compared,
 ) -> Option<[&'a Case; 2]> {
-    let case = view.case(comparison.case)?;
+    let case = view.case(case)?;
     // The plain fill of the same technique and layout, not the first one there is.
-    let control = match comparison.control {
-        [] => plain_of(data, case)?,
+    let control = match *control {
+        PLAIN => plain_of(data, case)?,
         wanted => view.case(wanted)?,
     };
     let both = [case, control];
@@ -448,15 +397,14 @@ fn may_be_compared(case: &Case) -> bool {
 /// Where there is none of that name.
 pub(super) fn compared<'a>(data: &Data<'a>, heading: &str) -> Vec<Timed<'a>> {
     let mut comparisons = COMPARISONS.iter();
-    let comparison = comparisons.find(|comparison| comparison.heading == heading);
-    let Some(comparison) = comparison else {
+    let Some(comparison) = comparisons.find(|comparison| comparison.0 == heading) else {
         panic!("no comparison of textured fills is called {heading:?}");
     };
     let of = |view: TexturedView<'a>| {
         let cases = both(data, &view, comparison)?;
         Some(Timed {
             title: view.title,
-            pairing: comparison.pairing,
+            pairing: comparison.3,
             cases,
         })
     };
@@ -478,177 +426,103 @@ pub(super) fn undecided(data: &Data<'_>) -> Vec<String> {
 
 /// View by view, a cell for each comparison.
 fn ratios(data: &Data<'_>, views: &[TexturedView<'_>]) -> Option<Block> {
-    let rows: Vec<Row> = views
-        .iter()
-        .filter_map(|view| {
-            let ratios = COMPARISONS.map(|comparison| compare(data, view, &comparison));
-            ratios.iter().any(Option::is_some).then(|| {
-                let mut cells = vec![Cell::name(&view.title)];
-                let why = "no case of one of the two, or it is not right";
-                cells.extend(
-                    ratios
-                        .iter()
-                        .map(|ratio| data.ratio_cell(ratio.as_ref(), why)),
-                );
-                Row::new(cells)
-            })
-        })
-        .collect();
-    let headings = COMPARISONS
-        .iter()
-        .map(|comparison| Heading::plain(comparison.heading));
-    (!rows.is_empty()).then(|| {
-        Block::Table(Table {
-            headings: std::iter::once(Heading::plain("view"))
-                .chain(headings)
-                .collect(),
-            rows,
-            is_main: true,
-            ..Table::default()
-        })
-    })
+    let rows = views.iter().filter_map(|view| {
+        let ratios = COMPARISONS.map(|comparison| compare(data, view, &comparison));
+        row_of_ratios(data, view.title.clone(), &ratios)
+    });
+    let headings = COMPARISONS.map(|(heading, ..)| (heading, ""));
+    let headings: Vec<_> = [("view", "")].into_iter().chain(headings).collect();
+    let table = Table {
+        is_main: true,
+        ..figures(&headings, rows.collect())
+    };
+    (!table.rows.is_empty()).then_some(Block::Table(table))
 }
 
 /// One for each view with such times.
-fn findings(data: &Data<'_>, claim: &TextureClaim) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    for timed in compared(data, claim.comparison) {
-        let view = timed.cases[0].condition(VIEW);
-        if claim.view.is_some_and(|wanted| wanted != view) {
-            continue;
-        }
-        let answer = timed.answer(data, claim.claim);
-        let Some(ratio) = &answer.figure else {
-            continue;
-        };
-        let ours = format!("{}: {}", timed.title, data.ratio_text(ratio));
-        findings.push(Finding {
-            claim: claim.sentence.to_owned(),
-            standing: answer.standing,
-            because: match answer.because.as_str() {
-                "" => ours,
-                because => format!("{ours}. {because}"),
-            },
-        });
-    }
-    if findings.is_empty() {
-        findings.push(Finding {
-            claim: claim.sentence.to_owned(),
-            standing: Standing::NotMeasured,
-            because: String::new(),
-        });
-    }
-    findings
-}
-
-fn table(data: &Data<'_>, view: &TexturedView<'_>) -> Table {
-    Table {
-        headings: vec![
-            Heading::plain("fill"),
-            Heading::plain("status"),
-            Heading::metric(format!("fill, {}", data.unit()), data.metric),
-            Heading::plain("÷\u{a0}depth-pass"),
-            Heading::plain("÷\u{a0}plain"),
-            Heading::metric("texels, RMS", TEXEL_RMS),
-            Heading::metric("texels, largest", TEXEL_MAX),
-            Heading::metric("non-finite", TEXEL_NON_FINITE),
-            Heading::metric("px compared", TEXEL_COMPARED_PX),
-            Heading::metric("texture bytes", TEXTURE_BYTES),
-        ],
-        rows: view.cases.iter().map(|case| row(data, case)).collect(),
-        ..Table::default()
-    }
-}
-
-fn row(data: &Data<'_>, case: &Case) -> Row {
-    let why = match case.reason.as_str() {
-        "" if is_textured(case) => "not measured",
-        "" => "a plain fill has no texels",
-        reason => reason,
+fn findings(data: &Data<'_>, (sentence, comparison, claim, view): &TextureClaim) -> Vec<Finding> {
+    let finding = |standing, because| Finding {
+        claim: (*sentence).to_owned(),
+        standing,
+        because,
     };
-    let cell = |text: Option<String>| Cell::or_absent(text, why);
-    let over_plain = Some(case)
-        .filter(|case| is_textured(case))
-        .filter(|case| may_be_compared(case))
-        .and_then(|case| ratio(case, plain_of(data, case)?, data.metric));
-    let over_depth_pass = data.over_baseline(case, DEPTH_PASS);
-    let time = data.time(case).filter(|_| may_be_compared(case));
-    let remark = [case.note("texture_route"), case.reason.as_str()];
-    let remark = remark.iter().filter(|text| !text.is_empty());
-    Row {
-        cells: vec![
-            Cell {
-                detail: name(case),
-                ..Cell::name(label(case))
-            },
-            Cell::plain(case.outcome.name()),
-            dotted(cell(time.map(spread)), case, data.metric),
-            cell(over_depth_pass.map(|ratio| significant(ratio.middle))),
-            cell(over_plain.map(|ratio| data.ratio_text(&ratio))),
-            cell(case.value(TEXEL_RMS).map(significant)),
-            cell(case.value(TEXEL_MAX).map(significant)),
-            cell(counter(case, TEXEL_NON_FINITE).map(count)),
-            cell(counter(case, TEXEL_COMPARED_PX).map(count)),
-            cell(counter(case, TEXTURE_BYTES).map(bytes)),
-        ],
-        status: case.outcome.name().to_owned(),
-        remark: match is_textured(case) {
-            true => remark.copied().collect::<Vec<_>>().join(". "),
-            false => String::new(),
-        },
-    }
-}
-
-/// What a case is, in words.
-pub(super) fn label(case: &Case) -> String {
-    let mut words = Vec::new();
-    for (key, value) in texture_switches(case) {
-        match (key, value) {
-            (TEXTURE, "chosen") => words.insert(0, "chosen route".to_owned()),
-            (TEXTURE, "floor") => words.insert(0, "least textured fill".to_owned()),
-            (TEXTURE, route) if route.starts_with("atan2-native") => {
-                words.insert(0, "native atan2".to_owned());
-            }
-            (PICTURE, "each") => words.push("a picture for each region".to_owned()),
-            (PICTURE, size) => words.push(format!("a picture of {size}²")),
-            (NORMALIZE, _) => words.push("normalised in vain".to_owned()),
-            (POSITION, "inverse-ecef") => words.push("position as in 2007".to_owned()),
-            (TEXTURE, route) => words.insert(0, route.to_owned()),
-            (key, value) => words.push(format!("{key}={value}")),
+    let found = compared(data, comparison).into_iter().filter_map(|timed| {
+        let of = timed.cases[0].condition(VIEW);
+        if view.is_some_and(|wanted| wanted != of) {
+            return None;
         }
+        let answer = timed.answer(data, *claim);
+        let ratio = data.ratio_text(answer.figure.as_ref()?);
+        let ours = format!("{}: {ratio}", timed.title);
+        let because = match answer.because.as_str() {
+            "" => ours,
+            because => format!("{ours}. {because}"),
+        };
+        Some(finding(answer.standing, because))
+    });
+    let found: Vec<Finding> = found.collect();
+    match found.is_empty() {
+        true => vec![finding(Standing::NotMeasured, String::new())],
+        false => found,
     }
-    if words.is_empty() {
-        return "plain fill".to_owned();
-    }
-    words.join(", ")
 }
 
-/// Cases without a result, timed cases whose comparison cannot be formed.
+fn fills(data: &Data<'_>, view: &TexturedView<'_>) -> Table {
+    let rows = view.cases.iter().map(|case| {
+        let case = *case;
+        let plain = plain_of(data, case).filter(|_| is_textured(case) && may_be_compared(case));
+        let over_plain = plain.and_then(|plain| ratio(case, plain, data.metric));
+        let why = match case.reason.as_str() {
+            "" if is_textured(case) => "not measured",
+            "" => NO_TEXELS,
+            reason => reason,
+        };
+        let time = data.time(case).filter(|_| may_be_compared(case));
+        let time = Cell::or_absent(time.map(spread), why);
+        let label = Cell {
+            detail: name(case),
+            ..Cell::name(label(case))
+        };
+        let own = vec![
+            label,
+            dotted(time, case, data.metric),
+            data.ratio_cell(over_plain.as_ref(), why),
+        ];
+        (case, own)
+    });
+    let mut table = table(data, &COLUMNS, rows);
+    for (row, case) in table.rows.iter_mut().zip(&view.cases) {
+        let remark = [case.note("texture_route"), case.reason.as_str()];
+        let remark = remark
+            .into_iter()
+            .filter(|text| is_textured(case) && !text.is_empty());
+        row.remark = remark.collect::<Vec<_>>().join(". ");
+    }
+    table
+}
+
+/// What a case is, in words where it has some.
+pub(super) fn label(case: &Case) -> String {
+    let set = texture_set(case);
+    let named = NAMES.iter().find(|(own, _)| *own == set);
+    named.map_or(set.clone(), |(_, words)| (*words).to_owned())
+}
+
+/// What no row tells: right fills whose texels were not compared, and views without a time.
 fn not_measured(data: &Data<'_>, views: &[TexturedView<'_>]) -> Vec<String> {
     let mut lines = Vec::new();
     for view in views {
-        for case in view.cases.iter().filter(|case| is_textured(case)) {
-            let key = case.id();
-            if case.outcome != Outcome::Ok {
-                lines.push(format!("{key}: {}: {}", case.outcome.name(), case.reason));
-            } else if texture_switches(case) != FLOOR
-                && counter(case, TEXEL_COMPARED_PX).unwrap_or(0) == 0
-            {
-                lines.push(format!("{key}: its texture coordinates were not compared"));
-            }
-        }
-        let absent = COMPARISONS
-            .iter()
-            .filter(|comparison| compare(data, view, comparison).is_none());
-        let absent: Vec<&str> = absent.map(|comparison| comparison.heading).collect();
+        let right = view.cases.iter().filter(|case| case.outcome == Outcome::Ok);
+        let uncompared = right.filter(|case| {
+            let has_place = is_textured(case) && texture_set(case) != FLOOR;
+            has_place && counter(case, TEXEL_COMPARED_PX).unwrap_or(0) == 0
+        });
+        lines.extend(
+            uncompared
+                .map(|case| format!("{}: its texture coordinates were not compared", case.id())),
+        );
         if view.cases.iter().all(|case| data.time(case).is_none()) {
             lines.push(format!("{}: drawn and compared, not timed", view.title));
-        } else if !absent.is_empty() {
-            lines.push(format!(
-                "{}: no right case with times for {}",
-                view.title,
-                absent.join("; ")
-            ));
         }
     }
     lines
@@ -662,24 +536,21 @@ fn figure(view: &TexturedView<'_>) -> Option<PictureFigure> {
         case.value(metric)
             .map_or_else(|| "–".to_owned(), significant)
     };
-    let picture = |note: &str, caption: &str| Picture {
-        path: case.note(note).to_owned(),
-        caption: caption.to_owned(),
+    let pictures = [
+        picture(case, "reference_image", "reference"),
+        picture(case, "image", "technique"),
+        picture(case, "difference_image", "difference × 10"),
+    ];
+    let wrong = match case.outcome {
+        Outcome::Ok => "",
+        _ => " (wrong)",
     };
     Some(PictureFigure {
-        pictures: vec![
-            picture("reference_image", "reference"),
-            picture("image", "technique"),
-            picture("difference_image", "difference × 10"),
-        ],
+        pictures: pictures.into_iter().flatten().collect(),
         notes: vec![format!(
-            "{}, {}{}: {} texels RMS, {} at most; colours differ by {} of 255 on average, {} at most",
+            "{}, {}{wrong}: {} texels RMS, {} at most; colours differ by {} of 255 on average, {} at most",
             view.title,
             name(case),
-            match case.outcome {
-                Outcome::Ok => "",
-                _ => " (wrong)",
-            },
             figure(TEXEL_RMS),
             figure(TEXEL_MAX),
             figure(COLOUR_MEAN),

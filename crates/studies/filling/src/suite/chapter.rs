@@ -5,13 +5,14 @@
 use super::keys::{EXPECTED, SCENE, SCENE_REASON, SUITE_CASE_S, VIEW};
 use super::plan::{EXTREME, WHOLE};
 use super::session::REFUSED;
+use crate::chapter::{figures, never_right, picture, row};
 use crate::keys::{
     FILL_CPU_MS, FILL_GPU_MS, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND, REGIONS_DRAWN,
 };
 use terrafill_plot::number::significant;
 use terrafill_results::{
-    Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Finding, Heading, Metric,
-    Outcome, Picture, PictureFigure, Pictures, Row, Run, Standing, Table, median, process_medians,
+    Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Finding, Metric, Outcome,
+    Picture, PictureFigure, Pictures, Row, Run, Standing, Table, median, process_medians,
 };
 
 /// What came of scenes that globes usually break at.
@@ -70,6 +71,21 @@ impl View<'_> {
         cases.filter_map(|case| case.value(SUITE_CASE_S)).sum()
     }
 
+    /// What came out wrong.
+    fn failed(&self) -> impl Iterator<Item = &Case> {
+        let cases = self.cases.iter().copied();
+        cases.filter(|case| Came::of(case) == Came::Failed)
+    }
+
+    /// The first technique's, small.
+    fn picture(&self) -> Cell {
+        let first = self.cases.first();
+        Cell {
+            picture: first.map_or("", |case| case.note("image")).to_owned(),
+            ..Cell::default()
+        }
+    }
+
     /// The worst of its techniques.
     fn came(&self) -> Came {
         let came = self.cases.iter().map(|case| Came::of(case));
@@ -80,7 +96,7 @@ impl View<'_> {
 /// Views in the plan's order.
 fn views(run: &Run) -> Vec<View<'_>> {
     let mut views: Vec<View<'_>> = Vec::new();
-    for case in run.of_study(EXTREME).filter(|case| !case.is_twin()) {
+    for case in cases(run) {
         let (scene, name) = (case.condition(SCENE), case.condition(VIEW));
         match views.last_mut() {
             Some(last) if (last.scene, last.name) == (scene, name) => last.cases.push(case),
@@ -92,6 +108,10 @@ fn views(run: &Run) -> Vec<View<'_>> {
         }
     }
     views
+}
+
+fn cases(run: &Run) -> impl Iterator<Item = &Case> {
+    run.of_study(EXTREME).filter(|case| !case.is_twin())
 }
 
 /// Views of one scene after the other.
@@ -167,8 +187,6 @@ impl Chapter for ExtremeChapter {
             return Ok(Vec::new());
         };
         let views = views(run);
-        let metric = run.clock().pick(FILL_GPU_MS, FILL_CPU_MS);
-        let unit = run.clock().pick("GPU ms", "process CPU ms");
         let mut blocks = vec![Block::Text(sentence), Block::Remark(KEY.to_owned())];
         let failed: Vec<String> = views.iter().flat_map(failures).collect();
         if !failed.is_empty() {
@@ -177,59 +195,18 @@ impl Chapter for ExtremeChapter {
             blocks.push(Block::List(failed));
         }
         blocks.push(Block::Table(summary(&views)));
-        let headings = || {
-            vec![
-                Heading::plain("view"),
-                Heading::plain("expected"),
-                Heading::explained("result", "the worst of the techniques"),
-                Heading::explained(
-                    "mismatches",
-                    "pixels that differ from the reference, most of the techniques",
-                ),
-                Heading::explained(
-                    "outside the band",
-                    "farther than one pixel from a boundary; 0 allowed",
-                ),
-                Heading::explained(format!("fill, {unit}"), "one frame of the first technique"),
-                Heading::explained(
-                    "all, s",
-                    "wall clock of the whole view: reading, meshing, reference, every technique",
-                ),
-                Heading::explained("drawn", "regions in the frame plan"),
-                Heading::explained("left out and why", "what the frame plan leaves out"),
-                Heading::plain("picture"),
-            ]
-        };
         for scene in by_scene(&views) {
-            let Some(first) = scene.first() else {
-                continue;
-            };
-            blocks.push(Block::section(first.scene));
-            blocks.push(Block::Text(format!("{}.", first.scene_reason())));
-            blocks.push(Block::Table(Table {
-                headings: headings(),
-                rows: scene.iter().map(|view| row(view, metric)).collect(),
-                ..Table::default()
-            }));
+            blocks.push(Block::section(scene[0].scene));
+            blocks.push(Block::Text(format!("{}.", scene[0].scene_reason())));
+            blocks.push(Block::Table(table(run.clock(), scene)));
             blocks.extend(pictures(scene));
         }
         Ok(blocks)
     }
 
     fn contradictions(&self, run: &Run) -> Vec<String> {
-        let cases = run.of_study(EXTREME).filter(|case| !case.is_twin());
-        let passed = cases.filter(|case| Came::of(case) == Came::Passed);
-        let found = passed.filter_map(|case| {
-            let name = case.id();
-            match case.value(MISMATCHED_PX_OUTSIDE_BAND) {
-                None => Some(format!("{name}: ok, but never compared with the reference")),
-                Some(px) if px > 0.0 => Some(format!(
-                    "{name}: ok, though {px} pixels outside the boundary band are wrong"
-                )),
-                Some(_) => None,
-            }
-        });
-        found.collect()
+        let passed = cases(run).filter(|case| Came::of(case) == Came::Passed);
+        passed.filter_map(never_right).collect()
     }
 }
 
@@ -241,67 +218,87 @@ const KEY: &str = "Passed: every technique's picture matches the reference outsi
 
 /// A line for each technique that failed.
 fn failures(view: &View<'_>) -> Vec<String> {
-    let failed = view
-        .cases
-        .iter()
-        .filter(|case| Came::of(case) == Came::Failed);
-    failed
-        .map(|case| {
-            let reason = match case.reason.as_str() {
-                "" => "no reason was recorded",
-                reason => reason,
-            };
-            format!("{}: {} ({reason})", case.id(), case.outcome.name())
-        })
-        .collect()
+    let failed = view.failed().map(|case| {
+        let reason = match case.reason.as_str() {
+            "" => "no reason was recorded",
+            reason => reason,
+        };
+        format!("{}: {} ({reason})", case.id(), case.outcome.name())
+    });
+    failed.collect()
 }
 
 /// A row for each scene: why it is here and how its views ended.
 fn summary(views: &[View<'_>]) -> Table {
     let ends = [Came::Passed, Came::Refused, Came::Failed];
-    let mut headings = ["scene", "why it is here", "views"]
-        .map(Heading::plain)
-        .to_vec();
-    headings.extend(ends.map(|came| Heading::plain(came.name())));
-    headings.push(Heading::explained("all, s", "wall clock of all its views"));
-    headings.push(Heading::plain("first view"));
-    let row = |scene: &[View<'_>]| {
-        let first = scene.first();
-        let mut name = Cell::name(first.map_or("", |view| view.scene));
-        name.section.clone_from(&name.text);
-        let reason = first.map_or("", View::scene_reason);
-        let mut cells = vec![
-            name,
-            Cell::name(reason),
+    let of = |scene: &[View<'_>]| {
+        let name = Cell {
+            section: scene[0].scene.to_owned(),
+            ..Cell::name(scene[0].scene)
+        };
+        let seconds: f64 = scene.iter().map(View::seconds).sum();
+        let counts = ends.map(|came| Cell::plain(count(scene, came).to_string()));
+        let before = [
+            Cell::name(scene[0].scene_reason()),
             Cell::plain(scene.len().to_string()),
         ];
-        cells.extend(ends.map(|came| Cell::plain(count(scene, came).to_string())));
-        cells.push(Cell::plain(significant(
-            scene.iter().map(View::seconds).sum(),
-        )));
-        let picture = first.and_then(|view| view.cases.first());
-        cells.push(Cell {
-            picture: picture.map_or("", |case| case.note("image")).to_owned(),
-            ..Cell::default()
-        });
+        let after = [Cell::plain(significant(seconds)), scene[0].picture()];
         let worst = scene.iter().map(View::came).max();
         Row {
-            cells,
             status: worst.unwrap_or(Came::Missing).name().to_owned(),
-            ..Row::default()
+            ..row(name, before.into_iter().chain(counts).chain(after))
         }
     };
+    let [passed, refused, failed] = ends.map(Came::name);
+    let headings = [
+        ("scene", ""),
+        ("why it is here", ""),
+        ("views", ""),
+        (passed, ""),
+        (refused, ""),
+        (failed, ""),
+        ("all, s", "wall clock of all its views"),
+        ("first view", ""),
+    ];
     Table {
-        headings,
-        rows: by_scene(views).map(row).collect(),
         is_main: true,
-        ..Table::default()
+        ..figures(&headings, by_scene(views).map(of).collect())
     }
 }
 
-fn row(view: &View<'_>, metric: &Metric) -> Row {
+/// A row for each view of a scene.
+fn table(clock: Clock, scene: &[View<'_>]) -> Table {
+    let time = format!("fill, {}", clock.pick("GPU ms", "process CPU ms"));
+    let headings = [
+        ("view", ""),
+        ("expected", ""),
+        ("result", "the worst of the techniques"),
+        (
+            "mismatches",
+            "pixels that differ from the reference, most of the techniques",
+        ),
+        (
+            "outside the band",
+            "farther than one pixel from a boundary; 0 allowed",
+        ),
+        (&time, "one frame of the first technique"),
+        (
+            "all, s",
+            "wall clock of the whole view: reading, meshing, reference, every technique",
+        ),
+        ("drawn", "regions in the frame plan"),
+        ("left out and why", "what the frame plan leaves out"),
+        ("picture", ""),
+    ];
+    let metric = clock.pick(FILL_GPU_MS, FILL_CPU_MS);
+    let rows = scene.iter().map(|view| row_of(view, metric));
+    figures(&headings, rows.collect())
+}
+
+fn row_of(view: &View<'_>, metric: &Metric) -> Row {
     let came = view.came();
     let first = view.cases.first().copied();
+    let text = |of: fn(&Case) -> &str| first.map_or("", of);
     let most = |name: &Metric| {
         let values = view.cases.iter().filter_map(|case| case.value(name));
         values.reduce(f64::max)
@@ -317,84 +314,65 @@ fn row(view: &View<'_>, metric: &Metric) -> Row {
         let replicates: Vec<f64> = process_medians(case, metric).into_values().collect();
         median(&replicates)
     });
-    let expected = first.map_or("", |case| case.condition(EXPECTED));
-    let left_out = first.map_or("", |case| case.note("left_out"));
     let drawn = first.and_then(|case| case.value(REGIONS_DRAWN));
-    let mut result = Cell::name(came.name());
-    result.class = match came {
-        Came::Failed => CellClass::Bad,
-        _ => CellClass::Name,
+    let name = match view.name {
+        WHOLE => "the whole scene",
+        name => name,
     };
-    result.detail = first.map_or("", |case| case.note(REFUSED)).to_owned();
-    let picture = first.map_or("", |case| case.note("image"));
-    let whole = if view.name == WHOLE {
-        "the whole scene"
-    } else {
-        view.name
+    let (class, remark) = match came {
+        Came::Failed => (CellClass::Bad, ""),
+        _ => (CellClass::Name, text(|case| &case.reason)),
     };
-    let remarks = first.map_or("", |case| case.reason.as_str());
+    let name = Cell {
+        detail: remark.to_owned(),
+        ..Cell::name(name)
+    };
+    let result = Cell {
+        class,
+        detail: text(|case| case.note(REFUSED)).to_owned(),
+        ..Cell::name(came.name())
+    };
+    let cells = [
+        Cell::name(text(|case| case.condition(EXPECTED))),
+        result,
+        figure(most(MISMATCHED_PX)),
+        figure(most(MISMATCHED_PX_OUTSIDE_BAND)),
+        Cell::or_absent(time.map(significant), "no frame was timed"),
+        Cell::plain(significant(view.seconds())),
+        figure(drawn),
+        match (text(|case| case.note("left_out")), drawn) {
+            ("", Some(_)) => Cell::name("nothing"),
+            ("", None) => Cell::absent("no frame was planned"),
+            (text, _) => Cell::name(text),
+        },
+        view.picture(),
+    ];
     Row {
-        cells: vec![
-            Cell {
-                detail: match came {
-                    Came::Failed => String::new(),
-                    _ => remarks.to_owned(),
-                },
-                ..Cell::name(whole)
-            },
-            Cell::name(expected),
-            result,
-            figure(most(MISMATCHED_PX)),
-            figure(most(MISMATCHED_PX_OUTSIDE_BAND)),
-            Cell::or_absent(time.map(significant), "no frame was timed"),
-            Cell::plain(significant(view.seconds())),
-            figure(drawn),
-            match (left_out, drawn) {
-                ("", Some(_)) => Cell::name("nothing"),
-                ("", None) => Cell::absent("no frame was planned"),
-                (text, _) => Cell::name(text),
-            },
-            Cell {
-                picture: picture.to_owned(),
-                ..Cell::default()
-            },
-        ],
         status: came.name().to_owned(),
         remark: failures(view).join("; "),
+        ..row(name, cells)
     }
 }
 
 /// Each view's picture, and where a technique failed what differs.
 fn pictures(scene: &[View<'_>]) -> Option<Block> {
-    let mut figures = Vec::new();
-    for view in scene {
-        let shown = |case: &Case, note: &str, caption: &str| {
-            let path = case.note(note);
-            (!path.is_empty()).then(|| Picture {
-                path: path.to_owned(),
-                caption: caption.to_owned(),
-            })
-        };
-        let mut pictures = Vec::new();
-        if let Some(first) = view.cases.first() {
-            pictures.extend(shown(first, "image", "picture"));
-        }
-        for case in view
-            .cases
-            .iter()
-            .filter(|case| Came::of(case) == Came::Failed)
-        {
-            pictures.extend(shown(case, "reference_image", "reference"));
-            pictures.extend(shown(case, "difference_image", "difference"));
-            pictures.extend(shown(case, "worst_image", "worst pixel"));
-        }
-        if !pictures.is_empty() {
-            figures.push(PictureFigure {
-                pictures,
-                notes: vec![format!("{}: {}", view.name, view.came().name())],
-            });
-        }
-    }
+    let figure = |view: &View<'_>| {
+        let first = view.cases.first();
+        let first = first.and_then(|case| picture(case, "image", "picture"));
+        let failed = view.failed().flat_map(|case| {
+            [
+                picture(case, "reference_image", "reference"),
+                picture(case, "difference_image", "difference"),
+                picture(case, "worst_image", "worst pixel"),
+            ]
+        });
+        let pictures: Vec<Picture> = first.into_iter().chain(failed.flatten()).collect();
+        (!pictures.is_empty()).then(|| PictureFigure {
+            pictures,
+            notes: vec![format!("{}: {}", view.name, view.came().name())],
+        })
+    };
+    let figures: Vec<PictureFigure> = scene.iter().filter_map(figure).collect();
     (!figures.is_empty()).then(|| {
         Block::Pictures(Pictures {
             figures,

@@ -8,7 +8,6 @@ use super::session::{Closed, SuiteSession, words_of};
 use crate::cases::{FillCase, Purpose, ViewGroup};
 use crate::scenes::build_meshes;
 use crate::subject::{Subject, Surfaces, Techniques};
-use crate::textured::ShownPicture;
 use std::cell::{OnceCell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -265,16 +264,8 @@ impl SuiteGroup {
                     Err(error) => return Err(error.to_string()),
                 }
             }
-            cases.push(FillCase {
-                subject: Subject::Fill(technique, variant),
-                mesh: None,
-                shown: ShownPicture::Scene,
-                purposes: vec![Purpose::Suite],
-                place: None,
-                needs_place: None,
-                regions: None,
-                frames: FRAMES,
-            });
+            let subject = Subject::Fill(technique, variant);
+            cases.push(FillCase::new(subject, Purpose::Suite, FRAMES));
         }
         Ok(ViewGroup {
             scene: Arc::clone(scene),

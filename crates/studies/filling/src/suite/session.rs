@@ -126,66 +126,51 @@ impl<'a> SuiteSession<'a> {
     fn drawn(
         &mut self,
         draw: impl FnOnce(&mut ViewSession<'a>) -> Result<Verdict, StudyError>,
-    ) -> Came {
+    ) -> Result<Verdict, Closed> {
         match &mut self.state {
-            State::Closed(Closed::Missing(message)) => Came::Missing(message.clone()),
-            State::Closed(Closed::Refused(message)) => Came::Refused(message.clone()),
-            State::Closed(Closed::Crashed(message)) => Came::Crashed(message.clone()),
-            State::Accepted => Came::Drawn(Verdict {
+            State::Closed(closed) => Err(closed.clone()),
+            State::Accepted => Ok(Verdict {
                 status: Status::Ok,
                 ..Verdict::default()
             }),
             State::Drawing(session) => {
-                let drawn = catch_unwind(AssertUnwindSafe(|| draw(session)));
-                match drawn {
-                    Ok(Ok(verdict)) => Came::Drawn(verdict),
-                    Ok(Err(error)) => Came::Crashed(error.to_string()),
-                    Err(panic) => Came::Crashed(words_of(&*panic)),
-                }
+                let drawn = unpanicked(|| draw(session));
+                drawn.map_err(Closed::Crashed)
             }
         }
     }
 }
 
-/// What came of a case.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Came {
-    Missing(String),
-    Refused(String),
-    Crashed(String),
-    Drawn(Verdict),
-}
-
 /// Holds what came of a case against what must.
-pub(super) fn settle(expect: &Expectation, came: Came) -> Verdict {
+pub(super) fn settle(expect: &Expectation, came: Result<Verdict, Closed>) -> Verdict {
     // A technique that cannot draw something says so as its case breaks off or is skipped.
     let came = match came {
-        Came::Drawn(verdict)
+        Ok(verdict)
             if matches!(expect, Expectation::Refused(_))
                 && matches!(verdict.status, Status::Failed | Status::Skipped) =>
         {
-            Came::Refused(verdict.reason)
+            Err(Closed::Refused(verdict.reason))
         }
         other => other,
     };
     match (expect, came) {
-        (_, Came::Missing(message)) => Verdict::skipped(message),
-        (_, Came::Crashed(message)) => Verdict::failed(message),
-        (Expectation::Fills, Came::Drawn(verdict)) => verdict,
-        (Expectation::Fills, Came::Refused(message)) => {
+        (_, Err(Closed::Missing(message))) => Verdict::skipped(message),
+        (_, Err(Closed::Crashed(message))) => Verdict::failed(message),
+        (Expectation::Fills, Ok(verdict)) => verdict,
+        (Expectation::Fills, Err(Closed::Refused(message))) => {
             Verdict::failed(format!("refused, expected to be filled: {message}"))
         }
-        (Expectation::Refused(words), Came::Refused(message)) if message.contains(words) => {
+        (Expectation::Refused(words), Err(Closed::Refused(message))) if message.contains(words) => {
             Verdict {
                 status: Status::Ok,
                 notes: vec![(REFUSED, message)],
                 ..Verdict::default()
             }
         }
-        (Expectation::Refused(words), Came::Refused(message)) => Verdict::failed(format!(
+        (Expectation::Refused(words), Err(Closed::Refused(message))) => Verdict::failed(format!(
             "refused with other words than {words:?}: {message}"
         )),
-        (Expectation::Refused(words), Came::Drawn(verdict)) => Verdict {
+        (Expectation::Refused(words), Ok(verdict)) => Verdict {
             status: Status::Failed,
             reason: format!("accepted, expected to be refused with {words:?}"),
             ..verdict
@@ -231,12 +216,7 @@ impl Session for SuiteSession<'_> {
 
     fn begin_block(&mut self) -> Result<(), StudyError> {
         if let State::Drawing(session) = &mut self.state {
-            let begun = catch_unwind(AssertUnwindSafe(|| session.begin_block()));
-            self.broken = match begun {
-                Ok(Ok(())) => None,
-                Ok(Err(error)) => Some(error.to_string()),
-                Err(panic) => Some(words_of(&*panic)),
-            };
+            self.broken = unpanicked(|| session.begin_block()).err();
         }
         Ok(())
     }
@@ -249,8 +229,7 @@ impl Session for SuiteSession<'_> {
         let State::Drawing(session) = &mut self.state else {
             return Err("there is nothing to time".to_owned());
         };
-        let sampled = catch_unwind(AssertUnwindSafe(|| session.sample(case)));
-        sampled.unwrap_or_else(|panic| Err(words_of(&*panic)))
+        unpanicked(|| session.sample(case))
     }
 }
 
@@ -294,6 +273,14 @@ impl Heard {
     }
 }
 
+/// What the work gives, or what it says where it fails or panics.
+fn unpanicked<T, E: ToString>(work: impl FnOnce() -> Result<T, E>) -> Result<T, String> {
+    match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(done) => done.map_err(|error| error.to_string()),
+        Err(panic) => Err(words_of(&*panic)),
+    }
+}
+
 /// What a panic said.
 pub(super) fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
     let words = panic.downcast_ref::<String>().map(String::as_str);
@@ -317,24 +304,27 @@ mod tests {
         let fills = Expectation::Fills;
         let refused = Expectation::Refused("allowed 255".to_owned());
         let message = "volumes: found 256, allowed 255".to_owned();
-        let status = |expect, came: Came| settle(expect, came).status;
-        assert_eq!(status(&fills, Came::Drawn(right())), Status::Ok);
-        assert_eq!(status(&refused, Came::Refused(message.clone())), Status::Ok);
-        let by_technique = Verdict::failed(message.clone());
+        let status = |expect, came| settle(expect, came).status;
+        assert_eq!(status(&fills, Ok(right())), Status::Ok);
         assert_eq!(
-            status(&refused, Came::Drawn(by_technique.clone())),
+            status(&refused, Err(Closed::Refused(message.clone()))),
             Status::Ok
         );
+        let by_technique = Verdict::failed(message.clone());
+        assert_eq!(status(&refused, Ok(by_technique.clone())), Status::Ok);
         // Twins: turned round, each is a failure; so are other words and a crash.
-        assert_eq!(status(&refused, Came::Drawn(right())), Status::Failed);
-        assert_eq!(status(&fills, Came::Refused(message)), Status::Failed);
-        assert_eq!(status(&fills, Came::Drawn(by_technique)), Status::Failed);
-        let other = Came::Refused("no such file".to_owned());
+        assert_eq!(status(&refused, Ok(right())), Status::Failed);
+        assert_eq!(
+            status(&fills, Err(Closed::Refused(message))),
+            Status::Failed
+        );
+        assert_eq!(status(&fills, Ok(by_technique)), Status::Failed);
+        let other = Err(Closed::Refused("no such file".to_owned()));
         assert_eq!(status(&refused, other), Status::Failed);
         for expect in [&fills, &refused] {
-            let crashed = Came::Crashed("panicked: allowed 255".to_owned());
+            let crashed = Err(Closed::Crashed("panicked: allowed 255".to_owned()));
             assert_eq!(status(expect, crashed), Status::Failed);
-            let missing = Came::Missing("no data".to_owned());
+            let missing = Err(Closed::Missing("no data".to_owned()));
             assert_eq!(status(expect, missing), Status::Skipped);
         }
         // A wrong picture stays wrong.
@@ -342,6 +332,6 @@ mod tests {
             status: Status::Wrong,
             ..Verdict::default()
         };
-        assert_eq!(status(&fills, Came::Drawn(wrong)), Status::Wrong);
+        assert_eq!(status(&fills, Ok(wrong)), Status::Wrong);
     }
 }
