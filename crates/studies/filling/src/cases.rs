@@ -9,6 +9,7 @@ use crate::memory::REGION_COUNTS;
 use crate::request::{STUDY, Wishes};
 use crate::subject::Subject;
 use crate::textured::{ShownPicture, is_of_2007, is_picture_scene, textured_variants};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use terrafill_core::MeshOptions;
 use terrafill_fill::{Role, Technique, Variant, matrix_row, needs_ladder};
@@ -120,6 +121,11 @@ impl FillCase {
         self.purposes.contains(&purpose)
     }
 
+    /// Technique and variant: a view has no two cases of one name.
+    fn name(&self) -> (&'static str, String) {
+        (self.subject.backend(), self.variant_name())
+    }
+
     /// Its variant with what of mesh and picture is its own.
     pub(crate) fn variant_name(&self) -> String {
         let mesh = self.mesh.as_ref().map(|(_, name)| name.as_str());
@@ -162,6 +168,7 @@ pub(crate) fn view_group(
         view,
         wishes,
         cases: Vec::new(),
+        places: BTreeMap::new(),
     };
     if is_picture_scene(scene) {
         for technique in &wishes.techniques {
@@ -193,6 +200,8 @@ struct Builder<'a> {
     view: &'a View,
     wishes: &'a Wishes,
     cases: Vec<FillCase>,
+    /// Of the first case of each technique and variant.
+    places: BTreeMap<(&'static str, String), usize>,
 }
 
 impl Builder<'_> {
@@ -298,9 +307,8 @@ impl Builder<'_> {
     /// A case that exists already takes the purpose on, and the larger number of frames.
     fn add(&mut self, subject: Subject, purpose: Purpose, frames: u32) -> &mut FillCase {
         let new = FillCase::new(subject, purpose, frames);
-        let name = (new.subject.backend(), new.variant_name());
-        let is_same = |case: &FillCase| (case.subject.backend(), case.variant_name()) == name;
-        let index = match self.cases.iter().position(is_same) {
+        let known = self.places.get(&new.name()).copied();
+        let index = match known {
             Some(index) => {
                 let case = &mut self.cases[index];
                 if !case.is(purpose) {
@@ -309,12 +317,16 @@ impl Builder<'_> {
                 case.frames = case.frames.max(frames);
                 index
             }
-            None => {
-                self.cases.push(new);
-                self.cases.len() - 1
-            }
+            None => self.push(new),
         };
         &mut self.cases[index]
+    }
+
+    fn push(&mut self, case: FillCase) -> usize {
+        let index = self.cases.len();
+        self.places.entry(case.name()).or_insert(index);
+        self.cases.push(case);
+        index
     }
 
     /// - `frames`: of the two routes, which are held against a limit, and of what varies them
@@ -332,7 +344,7 @@ impl Builder<'_> {
                 shown != ShownPicture::Scene || !is_first || is_of_2007(&variant.switches);
             let subject = Subject::Fill(technique, variant);
             let frames = frames[usize::from(is_varied)];
-            self.cases.push(FillCase {
+            self.push(FillCase {
                 shown,
                 ..FillCase::new(subject, Purpose::Texture, frames)
             });
@@ -344,7 +356,7 @@ impl Builder<'_> {
         let variants = technique.variants(scene, Role::Sweep);
         let mut add = |variant: &Variant, mesh: MeshOptions, name: String, purpose: Purpose| {
             let subject = Subject::Fill(technique, variant.clone());
-            self.cases.push(FillCase {
+            self.push(FillCase {
                 mesh: Some((mesh, name)),
                 ..FillCase::new(subject, purpose, frames)
             });
