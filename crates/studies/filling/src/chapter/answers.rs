@@ -13,7 +13,7 @@ use terrafill_plot::dotted;
 use terrafill_plot::number::{bytes, count, figure, significant, spread};
 use terrafill_results::{
     Answers, Block, Case, Cell, ChapterError, Finding, Metric, Outcome, Spread, Standing, Table,
-    TableLayout, typical,
+    TableLayout,
 };
 
 /// From so many regions in view on, their number decides.
@@ -151,11 +151,11 @@ fn matrix(data: &Data<'_>, contests: &[Contest<'_, '_>]) -> Option<Block> {
         ),
     ];
     let caption = format!(
-        "Every view with its best fills. A cell: technique, {} with {}, bytes of geometry, Hausdorff \
-         distance of the boundary from the reference's, by how much levels of detail moved it, and \
-         mismatched pixels. Point at a cell for the command that draws it.",
+        "Every view with its best fills. A cell: technique, {} with its [95 % interval], or (5–95 % of samples) \
+         where there are too few processes, bytes of geometry, Hausdorff distance of the boundary from the \
+         reference's, by how much levels of detail moved it, and mismatched pixels. Point at a cell for the \
+         command that draws it.",
         data.unit(),
-        brackets(data)
     );
     let table = Table {
         caption,
@@ -166,23 +166,12 @@ fn matrix(data: &Data<'_>, contests: &[Contest<'_, '_>]) -> Option<Block> {
     (!table.rows.is_empty()).then_some(Block::Table(table))
 }
 
-/// What the brackets after a time are.
-fn brackets(data: &Data<'_>) -> &'static str {
-    let has_interval =
-        |case: &&Case| typical(case, data.metric).is_some_and(|time| time.interval.is_some());
-    match data.cases.iter().any(has_interval) {
-        true => "its [95 % interval]",
-        false => "(5–95 % of samples), since too few processes give no interval",
-    }
-}
-
 fn winner(data: &Data<'_>, case: &Case) -> Cell {
-    let time = match typical(case, data.metric) {
+    let time = match data.typical(case) {
         Some(time) if time.interval.is_some() => figure(&time),
         // The figure that ranks it, among its samples.
         time => {
-            let samples = data.time(case).zip(time);
-            let samples = samples.map(|(samples, time)| Spread {
+            let samples = data.time(case).zip(time).map(|(samples, time)| Spread {
                 median: time.middle,
                 ..samples
             });

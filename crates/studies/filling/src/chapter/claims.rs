@@ -39,19 +39,17 @@ const UPLOADS: &str = "buffers";
 const SUBDIVISION: Claim = Claim::NotFaster;
 
 /// Parts of an answer, each with its words.
-type Parts = Vec<(String, Standing)>;
-
+///
 /// - `reason`: from counters where there are any
-fn told(parts: Parts, reason: String) -> Told {
-    let standings: Vec<Standing> = parts.iter().map(|(_, standing)| *standing).collect();
-    let ours: Vec<String> = parts.into_iter().map(|(text, _)| text).collect();
+fn told(parts: impl IntoIterator<Item = (String, Standing)>, reason: impl Into<String>) -> Told {
+    let (ours, standings): (Vec<String>, Vec<Standing>) = parts.into_iter().unzip();
     let standing = overall(&standings);
     Told {
         ours: ours.join("; "),
         standing,
         reason: match standing {
             Standing::NotMeasured => "its rows are not in this run".to_owned(),
-            _ => reason,
+            _ => reason.into(),
         },
     }
 }
@@ -78,7 +76,7 @@ fn of_answers(answers: Vec<(&str, Answer)>, reason: String) -> Told {
         let ours = answer.figure.as_ref().map_or("–".to_owned(), times);
         (format!("{title} {ours}"), answer.standing)
     });
-    told(parts.collect(), reason)
+    told(parts, reason)
 }
 
 /// The ladders that speak of the document: of one technique, on the first scene that has them.
@@ -143,7 +141,7 @@ fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed<Test>) -> To
         Test::RightPicture(step) => {
             let found = in_views(step).into_iter();
             let parts = found.map(|(ladder, rung)| picture(ladder.view, rung.case));
-            told(parts.collect(), String::new())
+            told(parts, "")
         }
         Test::SecondPass(step) => second_pass(&in_views(step)),
         Test::FillRate => of_fill_rate(&own),
@@ -258,7 +256,7 @@ fn of_counter(found: &[Step<'_, '_>], metric: &str, claim: Claim) -> Told {
             standing,
         ))
     });
-    told(parts.collect(), reason(found))
+    told(parts, reason(found))
 }
 
 fn picture(view: &str, case: &Case) -> (String, Standing) {
@@ -292,7 +290,7 @@ fn largest(data: &Data<'_>, step: &str, found: &[Step<'_, '_>]) -> Told {
             standing,
         ))
     });
-    told(parts.collect(), reason(found))
+    told(parts, reason(found))
 }
 
 fn second_pass(found: &[Step<'_, '_>]) -> Told {
@@ -311,7 +309,7 @@ fn second_pass(found: &[Step<'_, '_>]) -> Told {
             of(FRAGMENT_SHADER_INVOCATIONS)
         )
     });
-    told(parts.collect(), fragments.unwrap_or_default())
+    told(parts, fragments.unwrap_or_default())
 }
 
 fn of_fill_rate(ladders: &[&Ladder<'_>]) -> Told {
@@ -331,10 +329,7 @@ fn of_fill_rate(ladders: &[&Ladder<'_>]) -> Told {
             slopes.standing(),
         ))
     });
-    told(
-        parts.collect(),
-        "exponents of time, on every view after culling".to_owned(),
-    )
+    told(parts, "exponents of time, on every view after culling")
 }
 
 fn of_ratios(data: &Data<'_>, found: &[Timed<'_>], claim: Claim, reason: String) -> Told {
@@ -352,10 +347,9 @@ fn flat_mesh(data: &Data<'_>) -> Told {
         (format!("{view} {angles} ÷ {barycentric}"), standing)
     });
     told(
-        parts.collect(),
+        parts,
         "in a flat triangle a meridian is its chord: that error grows with the square of a region's size, and \
-         the study precision measures it from 10 m up"
-            .to_owned(),
+         the study precision measures it from 10 m up",
     )
 }
 
@@ -374,7 +368,7 @@ fn worst_at_horizon(data: &Data<'_>) -> Told {
         let text = format!("{scene}: {}, elsewhere at most {most}", times(&horizon));
         Some((text, is_more(&horizon, &next)))
     });
-    told(parts.collect(), AS_IN_2007_OVER_PLAIN.to_owned())
+    told(parts, AS_IN_2007_OVER_PLAIN)
 }
 
 fn of_geometry_shader(data: &Data<'_>, claim: Claim) -> Told {
@@ -390,7 +384,7 @@ fn of_geometry_shader(data: &Data<'_>, claim: Claim) -> Told {
         };
         (format!("{name} {} ×", significant(*ratio)), standing)
     });
-    told(parts.collect(), memory::why_strips_are_smaller())
+    told(parts, memory::why_strips_are_smaller())
 }
 
 fn centric_normals(data: &Data<'_>) -> Told {
@@ -408,10 +402,9 @@ fn centric_normals(data: &Data<'_>) -> Told {
         )
     });
     told(
-        parts.collect(),
+        parts,
         "walls through the same vertices are |h| sin δ apart at height h, δ the angle between both normals: \
-         on the Earth 0.34 % of the height at most"
-            .to_owned(),
+         on the Earth 0.34 % of the height at most",
     )
 }
 
@@ -485,7 +478,7 @@ fn wrong_pixels(data: &Data<'_>, rival: &Rival) -> Told {
         .filter_map(|(_, [_, volumes])| outside(volumes));
     let most = volumes.max().map_or("–".to_owned(), count);
     told(
-        parts.collect(),
+        parts,
         format!("outside the boundary band; of volumes at most {most}"),
     )
 }
@@ -513,7 +506,7 @@ fn surface_independence(data: &Data<'_>) -> Told {
     };
     told(
         vec![bare, terrain],
-        "fills read the surface's depth and nothing else of it".to_owned(),
+        "fills read the surface's depth and nothing else of it",
     )
 }
 

@@ -7,7 +7,7 @@
 use super::data::{Data, is_more};
 use super::rungs::{Ladder, Rung, SOURCE, counters};
 use super::table::Show::{Bytes, Count, Own, Ratios, Status};
-use super::table::{Column, figures, part, row, step_cells, steps_plot, table};
+use super::table::{Column, figures, head, part, row, step_cells, steps_plot, table};
 use super::{claims, fill_rate};
 use crate::keys::{
     DRAWS, GEOMETRY_BYTES, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND, STENCIL_FRAGMENTS, VERTICES,
@@ -40,9 +40,9 @@ pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Bloc
     if ladders.is_empty() {
         return Ok(Vec::new());
     }
-    let mut blocks = vec![
-        Block::section("From 2007 to the full plan"),
-        Block::Text(format!(
+    let mut blocks = head(
+        "From 2007 to the full plan",
+        format!(
             "One switch at a time, from the un-optimised method to the full plan. Gain = {} of the \
              last kept step before ÷ this step's, paired by process; above 1 is faster. A step is kept \
              unless its picture is wrong or it stands aside: an experiment that the next step does not \
@@ -51,9 +51,9 @@ pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Bloc
              here agrees. {}",
             data.run.clock().name(),
             data.band_sentence(ladders.first().map(|ladder| ladder.scene)),
-        )),
-        Block::Table(overview(data, ladders)),
-    ];
+        ),
+    );
+    blocks.push(Block::Table(overview(data, ladders)));
     blocks.extend(fill_rate::blocks(data, ladders));
     for ladder in ladders {
         blocks.extend(ladder_blocks(data, ladder)?);

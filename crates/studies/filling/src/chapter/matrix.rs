@@ -6,7 +6,7 @@
 //! techniques agree, and stands beside the reference's verdict, never instead.
 
 use super::data::{Data, counter, distinct, grouped, has_role, layout_name, name, switches};
-use super::table::{figures, part, row};
+use super::table::{figures, head, part, row};
 use crate::keys::*;
 use std::collections::BTreeMap;
 use terrafill_results::{Block, Case, Cell, CellClass, ConditionKey, Outcome, Table, TableLayout};
@@ -37,16 +37,13 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     if scenes.is_empty() {
         return Vec::new();
     }
-    let head = vec![
-        Block::section("Every technique, layout and switch"),
-        Block::Text(
-            "Each cell is drawn once. ✓: right by the reference, 0 wrong pixels outside the band, and \
+    let head = head(
+        "Every technique, layout and switch",
+        "Each cell is drawn once. ✓: right by the reference, 0 wrong pixels outside the band, and \
              the same picture to the pixel as the first of its kind. ✗: anything else. –: unavailable \
              on this device. One mark for each view. Other boundaries (levels of detail) and other \
-             positions are other pictures, and are compared among themselves."
-                .to_owned(),
-        ),
-    ];
+             positions are other pictures, and are compared among themselves.",
+    );
     let scenes = scenes.iter();
     let scenes = scenes.flat_map(|(scene, cells)| scene_blocks(scene, cells));
     head.into_iter().chain(scenes).collect()

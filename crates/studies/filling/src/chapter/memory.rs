@@ -4,7 +4,7 @@
 use super::data::{Data, counter, grouped, layout_name};
 use super::rungs::SOURCE;
 use super::table::Show::{Count, Own};
-use super::table::{Column, NOT_RECORDED, part, plot, table};
+use super::table::{Column, NOT_RECORDED, head, part, plot, table};
 use crate::keys::*;
 use terrafill_plot::number::{bytes, count, significant};
 use terrafill_plot::{Line, LinePanel, Lines};
@@ -89,16 +89,13 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
     if scenes.is_empty() {
         return Ok(Vec::new());
     }
-    let mut blocks = vec![
-        Block::section("Memory"),
-        Block::Text(
-            "Bytes of positions, flags and indices, by each layout's formula and as its technique allocated \
+    let mut blocks = head(
+        "Memory",
+        "Bytes of positions, flags and indices, by each layout's formula and as its technique allocated \
              them, without constants. The two must agree. Layouts that are made every frame hold, beside \
              what they read, only what the view draws. Walls of vertex/per-triangle are lists, 24 indices a \
-             volume; as strips they would have 18."
-                .to_owned(),
-        ),
-    ];
+             volume; as strips they would have 18.",
+    );
     let rows = scenes.iter().flat_map(|(_, own)| own);
     let red = rows.filter_map(|case| {
         let what = disagreement(case)?;

@@ -78,7 +78,7 @@ impl Chapter for FillingChapter {
             memory::blocks(&data)?,
             needs::blocks(&data)?,
             comparisons::scales(&data),
-            subdivision::blocks(&data)?,
+            subdivision::blocks(&data),
             textured::blocks(&data),
             scenes::blocks(&data)?,
             techniques::blocks(&data),

@@ -7,7 +7,7 @@
 use super::data::{Data, counter, distinct, grouped, has_role, name, title};
 use super::rungs::{Ladder, NEEDS, Rung, counters, ladders};
 use super::table::Show::{Count, Own, Ratios, Status};
-use super::table::{Column, figures, part, row, step_cells, steps_plot, table};
+use super::table::{Column, figures, head, part, row, step_cells, steps_plot, table};
 use crate::keys::*;
 use terrafill_fill::{Feature, Need};
 use terrafill_plot::number::{bytes, count, significant};
@@ -104,16 +104,13 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
     if all.is_empty() {
         return Ok(Vec::new());
     }
-    let mut blocks = vec![
-        Block::section(TITLE),
-        Block::Text(
-            "What a fill holds for a view, and what it leaves out, each with the value that decided it. \
+    let mut blocks = head(
+        TITLE,
+        "What a fill holds for a view, and what it leaves out, each with the value that decided it. \
              Bytes are those of buffers and textures that the device was asked to make, pipelines likewise. \
              “Only what is needed” is the variant that decides by itself what each view needs: `terrafill \
-             bench SCENE --ladder SCENE` measures the way there from everything that a fill can hold."
-                .to_owned(),
-        ),
-    ];
+             bench SCENE --ladder SCENE` measures the way there from everything that a fill can hold.",
+    );
     let red: Vec<String> = all.iter().filter_map(disagreement).collect();
     if !red.is_empty() {
         blocks.push(Block::Alarm(

@@ -24,7 +24,7 @@ const DIFFERENCE_KEY: &str = "Pictures: the reference, and every picture, those 
     boundary, framed in white, with 24 × 24 pixels around it, from left to right the reference, the \
     picture and the difference. A picture that is chosen by Tab or click fills the window.";
 
-const COLUMNS: [Column; 24] = [
+const COLUMNS: [Column; 26] = [
     ("case", Own("")),
     ("status", Status),
     ("fill, {unit} (5–95 %)", Times),
@@ -40,6 +40,8 @@ const COLUMNS: [Column; 24] = [
     ("stencil, GPU\u{a0}ms", Time(STENCIL_GPU_MS)),
     ("colour, GPU\u{a0}ms", Time(COLOUR_GPU_MS)),
     ("geometry bytes", Count(GEOMETRY_BYTES)),
+    ("vertex bytes", Count(VERTEX_BYTES)),
+    ("index bytes", Count(INDEX_BYTES)),
     ("constant bytes", Count(CONSTANT_BYTES)),
     ("target bytes", Count(TARGET_BYTES)),
     ("to prepare, CPU\u{a0}ms", Time(PREPARE_CPU_MS)),

@@ -10,13 +10,10 @@ use super::data::{
 };
 use super::rungs::SOURCE;
 use super::table::Show::{Count, Figure, Median, Over, Own};
-use super::table::{Column, part, plot, table};
+use super::table::{Column, head, part, table};
 use crate::keys::*;
 use terrafill_plot::number::significant;
-use terrafill_plot::{
-    Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
-};
-use terrafill_results::{Block, Case, Cell, ChapterError, Claim, ConditionKey, Finding, Standing};
+use terrafill_results::{Block, Case, Cell, Claim, ConditionKey, Finding, Standing};
 
 /// The switch whose values are swept.
 const KNOB: ConditionKey = CAP_STEP;
@@ -41,26 +38,21 @@ struct Sweep<'a> {
 }
 
 /// Every view with at least two cap steps.
-pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
+pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     let sweeps = sweeps(data);
     if sweeps.is_empty() {
-        return Ok(Vec::new());
+        return Vec::new();
     }
-    let mut blocks = vec![
-        Block::section("Subdivision against wall height"),
-        Block::Text(
-            "A coarse cap bends away from the ground, so its volume must reach higher to hold the \
+    let mut blocks = head(
+        "Subdivision against wall height",
+        "A coarse cap bends away from the ground, so its volume must reach higher to hold the \
              terrain; a fine one needs more triangles. Cozzi (2007, 2.1.7.2) anticipated of it: \
              “the extra subdivision is not going to payoff”, and left it unmeasured. The volume's \
              heights follow from the mesh, so every picture must be right. By formula: with a step s, \
              in radians between the normals of an edge's ends, a body of radii a and b, ρ = a²/b and \
              R = b²/a, no facet hangs deeper than R − √(R² − r²) with r = √3/2 ρ s, and no wall is \
-             taller than the terrain and that."
-                .to_owned(),
-        ),
-    ];
-    let caption = "Left: fill time; whiskers: 5–95 % of samples. Right: the tallest wall drawn, bottom to top.";
-    blocks.extend(plot(caption, time_and_walls(data, &sweeps)?));
+             taller than the terrain and that.",
+    );
     for sweep in &sweeps {
         blocks.push(part(format!("Cap steps of {}", sweep.title)));
         let cases = sweep.cases.iter();
@@ -69,7 +61,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         blocks.extend(finding(data, sweep).map(Block::Finding));
         blocks.extend(walls_by_formula(sweep).map(Block::Finding));
     }
-    Ok(blocks)
+    blocks
 }
 
 fn sweeps<'a>(data: &Data<'a>) -> Vec<Sweep<'a>> {
@@ -140,54 +132,4 @@ fn walls_by_formula(sweep: &Sweep<'_>) -> Option<Finding> {
         standing: Standing::holds_if(are_within.iter().all(|is_within| *is_within)),
         because: texts.join(", "),
     })
-}
-
-fn time_and_walls(data: &Data<'_>, sweeps: &[Sweep<'_>]) -> Result<Option<String>, ChapterError> {
-    let time = |case: &Case| {
-        let spread = data.right_time(case)?;
-        Some(Reading::sampled(spread, &data.replicates(case)))
-    };
-    let wall = |case: &Case| case.value(WALL_HEIGHT_M).map(Reading::exact);
-    let up = format!("fill, {}: median, 5–95 %", data.unit());
-    let panel = |title, up, curves| WorkPrecision {
-        title,
-        across: "largest edge of a cap triangle, degrees",
-        up,
-        upwards: Upwards::Amount,
-        curves,
-        lines: Vec::new(),
-    };
-    let plots = [
-        panel("Fill time", up.as_str(), curves(sweeps, time)),
-        panel("Wall height", "tallest wall drawn, m", curves(sweeps, wall)),
-    ];
-    let palette = Palette::new(sweeps.iter().map(|sweep| sweep.title.clone()).collect());
-    let title = "subdivision against wall height";
-    Ok(panels(title, &plots, Arrangement::SideBySide, &palette)?)
-}
-
-fn curves(sweeps: &[Sweep<'_>], height: impl Fn(&Case) -> Option<Reading>) -> Vec<Curve> {
-    let curve = |sweep: &Sweep<'_>| Curve {
-        name: sweep.title.clone(),
-        points: sweep
-            .cases
-            .iter()
-            .map(|(step, case)| {
-                let y = height(case);
-                Point {
-                    knob: *step,
-                    label: String::new(),
-                    x: Some(Reading::exact(*step)),
-                    standing: match y {
-                        Some(_) => PointStanding::Right,
-                        None => PointStanding::Failed,
-                    },
-                    command: String::new(),
-                    y,
-                    y_rms: None,
-                }
-            })
-            .collect(),
-    };
-    sweeps.iter().map(curve).collect()
 }

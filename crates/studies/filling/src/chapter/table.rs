@@ -244,7 +244,7 @@ pub(crate) fn row(name: Cell, cells: impl IntoIterator<Item = Cell>) -> Row {
 }
 
 /// A section of one table, among those that `summary.md` repeats; nothing where it has no row.
-pub(super) fn section(title: &str, text: String, table: Table) -> Vec<Block> {
+pub(super) fn section(title: &str, text: impl Into<String>, table: Table) -> Vec<Block> {
     if table.rows.is_empty() {
         return Vec::new();
     }
@@ -252,11 +252,14 @@ pub(super) fn section(title: &str, text: String, table: Table) -> Vec<Block> {
         is_main: true,
         ..table
     };
-    vec![
-        Block::section(title),
-        Block::Text(text),
-        Block::Table(table),
-    ]
+    let mut blocks = head(title, text);
+    blocks.push(Block::Table(table));
+    blocks
+}
+
+/// A section's heading and what is said below it.
+pub(super) fn head(title: &str, text: impl Into<String>) -> Vec<Block> {
+    vec![Block::section(title), Block::Text(text.into())]
 }
 
 /// Heading of a part of a section.

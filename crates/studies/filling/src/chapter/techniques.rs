@@ -48,7 +48,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     let headings: Vec<_> = [("scene, view", "")].into_iter().chain(headings).collect();
     let text = "Each technique's fastest right fill of each view, and its time over that of the view's fastest fill \
                 by any technique, paired by process.";
-    let mut blocks = section("Techniques", text.to_owned(), figures(&headings, rows));
+    let mut blocks = section("Techniques", text, figures(&headings, rows));
     for (technique, own) in &techniques {
         blocks.extend(not_right(technique, own).into_iter().flatten());
     }

@@ -1207,7 +1207,7 @@ fn coarse_caps_with_tall_walls_are_compared_with_fine_ones() {
     };
     let swept = |faster: f64, coarsest: f64| swept_to(f64::INFINITY, faster, coarsest);
     let faster = swept(1.5, 400.0);
-    assert!(words(&faster).contains("tallest wall drawn, m"));
+    assert!(words(&faster).contains("tallest wall, m"));
     let walls = findings(&faster)[1];
     assert_eq!(walls.standing, Standing::Holds);
     assert!(
@@ -1328,7 +1328,7 @@ fn a_wrong_time_counts_for_nothing_and_what_is_absent_has_its_reason() {
         }
     }
     let pass = row_of(table, "depth-pass/full-screen");
-    assert_eq!(pass[20].title, "does not apply to a full-screen pass");
+    assert_eq!(pass[22].title, "does not apply to a full-screen pass");
     let plots: Vec<&str> = chapter
         .iter()
         .filter_map(|block| match block {

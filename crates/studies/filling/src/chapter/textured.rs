@@ -11,7 +11,7 @@ use super::data::{
 };
 use super::scenes::picture;
 use super::table::Show::{Bytes, Count, Figure, Over, Own, Status};
-use super::table::{Column, NO_TEXELS, figures, part, table};
+use super::table::{Column, NO_TEXELS, figures, head, part, table};
 use crate::keys::*;
 use terrafill_lab::{Comparison, Follows};
 use terrafill_plot::dotted;
@@ -274,9 +274,9 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     if views.is_empty() {
         return Vec::new();
     }
-    let mut blocks = vec![
-        Block::section("Textured fill"),
-        Block::Text(format!(
+    let mut blocks = head(
+        "Textured fill",
+        format!(
             "Every fragment of a textured fill finds its longitude and latitude and from them its place \
              in a picture. Times are {}, beside the plain fill of the same layout in the same \
              processes; an interval is that of 95 %. The error of a fill is how far its texels lie from \
@@ -285,8 +285,8 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
              the same pixels, but a fragment only reads its depth and samples the picture once, nowhere \
              in particular; its texels have no error.",
             data.run.clock().name()
-        )),
-    ];
+        ),
+    );
     blocks.extend(ratios(data, &views));
     for claim in &CLAIMS {
         blocks.extend(findings(data, claim).into_iter().map(Block::Finding));

@@ -4,7 +4,7 @@
 //! Only reasons and expectations are read here. The scenes themselves are opened by their groups.
 
 use super::keys::{EXPECTED, ROLE, SCENE, SCENE_REASON, TECHNIQUE, VIEW};
-use super::session::{Closed, SuiteSession, words_of};
+use super::session::{Closed, State, SuiteSession, drawing, words_of};
 use crate::cases::{FillCase, Purpose, ViewGroup};
 use crate::scenes::build_meshes;
 use crate::subject::{Subject, Surfaces, Techniques};
@@ -246,6 +246,24 @@ impl SuiteGroup {
         opened.unwrap_or_else(|panic| Err(Closed::Crashed(words_of(&*panic))))
     }
 
+    fn open_view<'a>(&'a self, context: Context<'a>) -> Result<State<'a>, StudyError> {
+        let opened = match self.last.get(self.place, || self.open_scene()) {
+            Ok(opened) => opened,
+            Err(closed) => return Ok(Err(closed)),
+        };
+        let Some(view) = &self.view else {
+            return Ok(Ok(None));
+        };
+        let group = match self.drawn.get() {
+            Some(group) => group,
+            None => match self.view_group(&opened, view) {
+                Ok(group) => self.drawn.get_or_init(|| group),
+                Err(message) => return Ok(Err(Closed::Refused(message))),
+            },
+        };
+        drawing(group, &opened.prepared, context)
+    }
+
     /// The cases of this view of the opened scene.
     fn view_group(&self, opened: &Opened, wanted: &SuiteView) -> Result<ViewGroup, String> {
         let scene = &opened.scene;
@@ -293,23 +311,8 @@ impl Group for SuiteGroup {
     }
 
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        let session = SuiteSession::begin(self.expect(), &self.planned, context.folder)?;
-        let opened = match self.last.get(self.place, || self.open_scene()) {
-            Ok(opened) => opened,
-            Err(closed) => return Ok(Box::new(session.closed(closed))),
-        };
-        let Some(view) = &self.view else {
-            return Ok(Box::new(session.accepted()));
-        };
-        let drawn = match self.drawn.get() {
-            Some(drawn) => Ok(drawn),
-            None => self
-                .view_group(&opened, view)
-                .map(|group| self.drawn.get_or_init(|| group)),
-        };
-        Ok(Box::new(match drawn {
-            Ok(drawn) => session.drawing(drawn, &opened.prepared, context)?,
-            Err(message) => session.closed(Closed::Refused(message)),
-        }))
+        let mut session = SuiteSession::begin(self.expect(), &self.planned, context.folder)?;
+        session.state = self.open_view(context)?;
+        Ok(Box::new(session))
     }
 }

@@ -46,18 +46,14 @@ const NO_LAYER: &str = "validation-layer-missing";
 /// What a refusal that is right is told by, in the case's notes.
 pub(super) const REFUSED: &str = "refused";
 
-enum State<'a> {
-    Closed(Closed),
-    /// The scene that must be refused whole was not.
-    Accepted,
-    Drawing(Box<ViewSession<'a>>),
-}
+/// What is drawn, or why nothing is; `None` for a scene that must be refused whole and was not.
+pub(super) type State<'a> = Result<Option<Box<ViewSession<'a>>>, Closed>;
 
 pub(super) struct SuiteSession<'a> {
     expect: &'a Expectation,
     planned: &'a [PlannedCase],
     in_hand: PathBuf,
-    state: State<'a>,
+    pub(super) state: State<'a>,
     /// Since opening began, until the first case has it.
     since: Instant,
     /// Why no frame can be timed.
@@ -75,41 +71,12 @@ impl<'a> SuiteSession<'a> {
             expect,
             planned,
             in_hand: folder.join(IN_HAND),
-            state: State::Accepted,
+            state: Ok(None),
             since: Instant::now(),
             broken: None,
         };
         session.take_in_hand(0)?;
         Ok(session)
-    }
-
-    pub(super) fn closed(mut self, closed: Closed) -> Self {
-        self.state = State::Closed(closed);
-        self
-    }
-
-    pub(super) fn accepted(mut self) -> Self {
-        self.state = State::Accepted;
-        self
-    }
-
-    pub(super) fn drawing(
-        self,
-        group: &'a ViewGroup,
-        prepared: &PreparedScene,
-        context: Context<'a>,
-    ) -> Result<Self, StudyError> {
-        let opened = catch_unwind(AssertUnwindSafe(|| {
-            ViewSession::of_scene(group, prepared, context)
-        }));
-        let state = match opened {
-            Ok(Ok(session)) => State::Drawing(Box::new(session)),
-            // Without a device nothing of the suite can go on.
-            Ok(Err(error @ StudyError::NoDevice(_))) => return Err(error),
-            Ok(Err(error)) => State::Closed(Closed::Refused(error.to_string())),
-            Err(panic) => State::Closed(Closed::Crashed(words_of(&*panic))),
-        };
-        Ok(Self { state, ..self })
     }
 
     /// Writes down which case is in hand, for whoever finds this process dead.
@@ -128,17 +95,32 @@ impl<'a> SuiteSession<'a> {
         draw: impl FnOnce(&mut ViewSession<'a>) -> Result<Verdict, StudyError>,
     ) -> Result<Verdict, Closed> {
         match &mut self.state {
-            State::Closed(closed) => Err(closed.clone()),
-            State::Accepted => Ok(Verdict {
+            Err(closed) => Err(closed.clone()),
+            Ok(None) => Ok(Verdict {
                 status: Status::Ok,
                 ..Verdict::default()
             }),
-            State::Drawing(session) => {
-                let drawn = unpanicked(|| draw(session));
-                drawn.map_err(Closed::Crashed)
-            }
+            Ok(Some(session)) => unpanicked(|| draw(session)).map_err(Closed::Crashed),
         }
     }
+}
+
+/// Opens a view of a scene that is ready.
+pub(super) fn drawing<'a>(
+    group: &'a ViewGroup,
+    prepared: &PreparedScene,
+    context: Context<'a>,
+) -> Result<State<'a>, StudyError> {
+    let opened = catch_unwind(AssertUnwindSafe(|| {
+        ViewSession::of_scene(group, prepared, context)
+    }));
+    Ok(match opened {
+        Ok(Ok(session)) => Ok(Some(Box::new(session))),
+        // Without a device nothing of the suite can go on.
+        Ok(Err(error @ StudyError::NoDevice(_))) => return Err(error),
+        Ok(Err(error)) => Err(Closed::Refused(error.to_string())),
+        Err(panic) => Err(Closed::Crashed(words_of(&*panic))),
+    })
 }
 
 /// Holds what came of a case against what must.
@@ -215,7 +197,7 @@ impl Session for SuiteSession<'_> {
     }
 
     fn begin_block(&mut self) -> Result<(), StudyError> {
-        if let State::Drawing(session) = &mut self.state {
+        if let Ok(Some(session)) = &mut self.state {
             self.broken = unpanicked(|| session.begin_block()).err();
         }
         Ok(())
@@ -226,7 +208,7 @@ impl Session for SuiteSession<'_> {
         if let Some(message) = &self.broken {
             return Err(message.clone());
         }
-        let State::Drawing(session) = &mut self.state else {
+        let Ok(Some(session)) = &mut self.state else {
             return Err("there is nothing to time".to_owned());
         };
         unpanicked(|| session.sample(case))
