@@ -177,6 +177,42 @@ impl Metric {
         }
     }
 
+    /// A time in milliseconds.
+    #[must_use]
+    pub const fn time_ms(name: &'static str, meaning: &'static str) -> Self {
+        Self::less(name, "ms", Kind::Time, meaning)
+    }
+
+    /// Bytes, of which fewer are better.
+    #[must_use]
+    pub const fn bytes(name: &'static str, meaning: &'static str) -> Self {
+        Self::less(name, "bytes", Kind::Bytes, meaning)
+    }
+
+    /// A count of which less is better.
+    #[must_use]
+    pub const fn counter(name: &'static str, meaning: &'static str) -> Self {
+        Self::less(name, "", Kind::Counter, meaning)
+    }
+
+    /// A count that describes its case.
+    #[must_use]
+    pub const fn quantity(name: &'static str, meaning: &'static str) -> Self {
+        Self::neither(name, "", Kind::Counter, meaning)
+    }
+
+    /// A difference from the reference.
+    #[must_use]
+    pub const fn error(name: &'static str, unit: &'static str, meaning: &'static str) -> Self {
+        Self::less(name, unit, Kind::Error, meaning)
+    }
+
+    /// A difference from the reference in pixels.
+    #[must_use]
+    pub const fn error_px(name: &'static str, meaning: &'static str) -> Self {
+        Self::error(name, "px", meaning)
+    }
+
     /// A figure that describes its case.
     #[must_use]
     pub const fn neither(

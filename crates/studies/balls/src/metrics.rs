@@ -12,16 +12,14 @@ pub(crate) const METRICS: [Metric; 35] = [
     )
     .covering(Scope::PLAN)
     .ranking(Primary::Any),
-    Metric::less(
+    Metric::error(
         "ball_rms_m",
         "m",
-        Kind::Error,
         "Root mean square error of height after 5 s against the closed form, over balls not blown up.",
     ),
-    Metric::less(
+    Metric::error(
         "ball_blown_share",
         "",
-        Kind::Error,
         "Share of the balls above 1 km, below −1 km or with more than ten times their first energy.",
     ),
     Metric::neither(
@@ -42,42 +40,32 @@ pub(crate) const METRICS: [Metric; 35] = [
         Kind::Error,
         "Mean energy after one contact over that before it, over 1,000 places in a step at which it begins.",
     ),
-    Metric::less(
+    Metric::error(
         "ball_contact_energy_max",
         "",
-        Kind::Error,
         "Largest energy after one contact over that before it.",
     ),
-    Metric::less(
+    Metric::error(
         "ball_contact_energy_rms",
         "",
-        Kind::Error,
         "Root mean square of the energy ratio of one contact, less 1.",
     ),
-    Metric::less(
+    Metric::error(
         "ball_contact_stayed_share",
         "",
-        Kind::Error,
         "Share of the contacts that did not end within 100 half periods.",
     ),
-    Metric::less(
+    Metric::error(
         "ball_sunk_share",
         "",
-        Kind::Error,
         "Share of the balls deeper than half a metre after 10 s.",
     ),
-    Metric::less(
+    Metric::error(
         "ball_rest_gap_m",
         "m",
-        Kind::Error,
         "Largest difference of a resting ball from its depth g/ω².",
     ),
-    Metric::less(
-        "ball_rest_speed",
-        "m/s",
-        Kind::Error,
-        "Largest speed of a ball at rest.",
-    ),
+    Metric::error("ball_rest_speed", "m/s", "Largest speed of a ball at rest."),
     Metric::less(
         "ball_step_cpu_us",
         "µs",
@@ -99,97 +87,76 @@ pub(crate) const METRICS: [Metric; 35] = [
         "Wall time of one step of all balls on a device, nothing drawn.",
     )
     .covering(Scope::DISPATCH),
-    Metric::less(
+    Metric::error(
         "ball_device_max_m",
         "m",
-        Kind::Error,
         "Largest difference of a ball's height on a device from the same integrator in f64.",
     ),
-    Metric::less(
+    Metric::error(
         "ball_device_rms_m",
         "m",
-        Kind::Error,
         "Root mean square difference of heights on a device from the same integrator in f64.",
     ),
-    Metric::neither(
-        "ball_device_judged",
-        "",
-        Kind::Counter,
-        "Balls compared with f64.",
-    ),
+    Metric::quantity("ball_device_judged", "Balls compared with f64."),
     Metric::less(
         "ball_upload_bytes",
         "B",
         Kind::Bytes,
         "Bytes that the CPU wrote for the device during all steps.",
     ),
-    Metric::less(
+    Metric::error(
         "ball_terrain_max_m",
         "m",
-        Kind::Error,
         "Largest distance of a ball over terrain from the same integrator in f64, after 240 steps.",
     ),
-    Metric::less(
+    Metric::error(
         "ball_terrain_p95_m",
         "m",
-        Kind::Error,
         "95th percentile of that distance: at a border of cells slopes jump, and a ball there may leave otherwise.",
     ),
-    Metric::less(
+    Metric::error(
         "ball_terrain_beyond",
         "",
-        Kind::Error,
         "Balls over terrain that end more than 1 mm from the same integrator in f64.",
     ),
-    Metric::less(
+    Metric::error(
         "ball_terrain_unexplained",
         "",
-        Kind::Error,
         "Those of them that never touched the ground in another cell than f64 had them in.",
     ),
-    Metric::less(
+    Metric::error(
         "ball_terrain_guided_m",
         "m",
-        Kind::Error,
         "Largest distance from f64 that takes the device's cell within 0.5 mm of a border, after 240 steps.",
     ),
-    Metric::less(
+    Metric::error(
         "ball_terrain_step_m",
         "m",
-        Kind::Error,
         "Largest difference of a ball's place after one step from that of f64 from the same state, along an axis.",
     ),
-    Metric::less(
+    Metric::error(
         "ball_terrain_step_speed",
         "m/s",
-        Kind::Error,
         "The same of its velocity.",
     ),
-    Metric::neither(
+    Metric::quantity(
         "ball_terrain_followed",
-        "",
-        Kind::Counter,
         "Balls that were followed step by step.",
     ),
-    Metric::less(
+    Metric::error(
         "ball_terrain_rms_m",
         "m",
-        Kind::Error,
         "Root mean square of that distance.",
     ),
-    Metric::less(
+    Metric::error_px(
         "ball_mismatched_px",
-        "px",
-        Kind::Error,
         "Pixels that show another ball than the reference allows, outside of the band of 1/32 pixel.",
     ),
-    Metric::less(
+    Metric::error_px(
         "ball_differing_px",
-        "px",
-        Kind::Error,
         "Pixels that differ from those of one draw for all balls, stepped in the same way.",
     ),
-    Metric::less("ball_draws", "", Kind::Counter, "Draw calls of a frame."),
+    Metric::counter("ball_draws", "Draw calls of a frame."),
     Metric::less(
         "ball_frame_cpu_us",
         "µs",

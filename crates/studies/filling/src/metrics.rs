@@ -5,22 +5,16 @@ use terrafill_results::{Kind, Metric, Primary, Scope};
 
 /// Times first, then bytes, counters, errors, textured fills and bytes of layouts.
 pub(crate) const METRICS: [Metric; 74] = [
-    Metric::less(
-        "fill_cpu_ms",
-        "ms",
-        Kind::Time,
+    Metric::time_ms(
+"fill_cpu_ms",
         "CPU time of the whole process from recording the fill until the device is done with it. On a software driver it contains the driver's threads and is the steadiest clock on a busy machine.",
     ).covering(Scope::FRAME).ranking(Primary::Cpu),
-    Metric::less(
-        "fill_gpu_ms",
-        "ms",
-        Kind::Time,
+    Metric::time_ms(
+"fill_gpu_ms",
         "The whole fill, by the GPU's clock. Copies that a frame submits are inside of it, what the CPU writes before is not.",
     ).covering(Scope::DEVICE).ranking(Primary::Gpu),
-    Metric::less(
-        "fill_wall_ms",
-        "ms",
-        Kind::Time,
+    Metric::time_ms(
+"fill_wall_ms",
         "Wall clock over the same span.",
     ).covering(Scope::FRAME),
     Metric::neither(
@@ -29,88 +23,60 @@ pub(crate) const METRICS: [Metric; 74] = [
         Kind::Time,
         "The pass that draws the planet and leaves depth behind, by the GPU's clock. Not part of the fill.",
     ).covering(Scope::DRAW),
-    Metric::less(
-        "stencil_gpu_ms",
-        "ms",
-        Kind::Time,
+    Metric::time_ms(
+"stencil_gpu_ms",
         "The pass that marks the regions' pixels in the stencil, by the GPU's clock. Not measured where stencil and colour alternate region by region.",
     ).covering(Scope::DISPATCH.and(Scope::DRAW)),
-    Metric::less(
-        "colour_gpu_ms",
-        "ms",
-        Kind::Time,
+    Metric::time_ms(
+"colour_gpu_ms",
         "The pass that colours the marked pixels, by the GPU's clock. Not measured as above.",
     ).covering(Scope::DRAW),
-    Metric::less(
-        "plan_cpu_ms",
-        "ms",
-        Kind::Time,
+    Metric::time_ms(
+"plan_cpu_ms",
         "Process CPU time of planning one frame: culling, cap heights and screen rectangles of every region. Not part of the fill's times, since an unchanged view is not planned again.",
     ).covering(Scope::PLAN),
-    Metric::less(
-        "prepare_cpu_ms",
-        "ms",
-        Kind::Time,
+    Metric::time_ms(
+"prepare_cpu_ms",
         "Process CPU time of making the probe frame ready, once: pipelines, geometry, uploads, a mesh cut along the surface, a mask drawn. Not part of the fill's times, since an unchanged view needs it once.",
     ).covering(Scope::PLAN.and(Scope::UPLOAD)),
-    Metric::less(
-        "geometry_bytes",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"geometry_bytes",
         "Bytes of positions, flags and indices that the technique holds for the scene: `vertex_bytes` + `index_bytes`.",
     ),
-    Metric::less(
-        "vertex_bytes",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"vertex_bytes",
         "Buffers with positions and flags, bytes.",
     ),
-    Metric::less(
-        "index_bytes",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"index_bytes",
         "Index buffers, or the index lists that a pulling shader reads, bytes.",
     ),
-    Metric::less(
-        "constant_bytes",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"constant_bytes",
         "Per-region constants of the view, bytes.",
     ),
-    Metric::less(
-        "target_bytes",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"target_bytes",
         "Bytes of further targets that the technique draws into, such as numbers that regions add up in, or a mask of ids.",
     ),
-    Metric::less(
-        "texture_bytes",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"texture_bytes",
         "Bytes of pictures with all their levels and of the routes' tables on the device.",
     ),
-    Metric::less(
-        "upload_bytes",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"upload_bytes",
         "Bytes uploaded per frame once everything is prepared.",
     ),
-    Metric::less(
-        "buffers",
-        "",
-        Kind::Counter,
+    Metric::counter(
+"buffers",
         "Number of buffers the technique holds.",
     ),
-    Metric::less(
-        "held_bytes",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"held_bytes",
         "Bytes of every buffer and texture that the fill holds for the view, padding included: the sum over the features in the `need_` notes.",
     ),
-    Metric::less(
-        "made_bytes",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"made_bytes",
         "Bytes of the buffers and textures that the device was asked to make for the fill, measuring included. Must equal `held_bytes`: a backend is prepared once.",
     ),
     Metric::neither(
@@ -119,35 +85,26 @@ pub(crate) const METRICS: [Metric; 74] = [
         Kind::Bytes,
         "Bytes that the features left out would take, where they would take any.",
     ),
-    Metric::less(
-        "held_pipelines",
-        "",
-        Kind::Counter,
+    Metric::counter(
+"held_pipelines",
         "Pipelines that the fill holds for the view and for measuring: the sum over the features in the `need_` notes.",
     ),
-    Metric::less(
-        "made_pipelines",
-        "",
-        Kind::Counter,
+    Metric::counter(
+"made_pipelines",
         "Pipelines that the device was asked to make for the fill since its backend was opened. Must equal `held_pipelines`.",
     ),
-    Metric::less("draws", "", Kind::Counter, "Draw calls of one fill."),
-    Metric::less(
-        "vertices",
-        "",
-        Kind::Counter,
+    Metric::counter(
+"draws", "Draw calls of one fill."),
+    Metric::counter(
+"vertices",
         "Vertices that the draws process: the sum of their vertex or index counts.",
     ),
-    Metric::neither(
-        "regions_drawn",
-        "",
-        Kind::Counter,
+    Metric::quantity(
+"regions_drawn",
         "Regions that the frame plan kept.",
     ),
-    Metric::neither(
-        "regions_left_out",
-        "",
-        Kind::Counter,
+    Metric::quantity(
+"regions_left_out",
         "Regions that the frame plan left out; `left_out` has the reasons.",
     ),
     Metric::less(
@@ -186,40 +143,28 @@ pub(crate) const METRICS: [Metric; 74] = [
         Kind::DriverCounter,
         "Fragments of volumes in the stencil work, whether or not the depth test lets them touch the stencil; counted in an extra frame that is not timed.",
     ),
-    Metric::less(
-        "buffer_creations",
-        "",
-        Kind::Counter,
+    Metric::counter(
+"buffer_creations",
         "Buffers made for the probe frame's fill, by `prepare` or later.",
     ),
-    Metric::less(
-        "pipeline_creations",
-        "",
-        Kind::Counter,
+    Metric::counter(
+"pipeline_creations",
         "Pipelines made for the probe frame's fill, by `prepare` or later.",
     ),
-    Metric::less(
-        "steady_buffer_creations",
-        "",
-        Kind::Counter,
+    Metric::counter(
+"steady_buffer_creations",
         "Buffers made for the same frame drawn once more: 0 in a steady state.",
     ),
-    Metric::less(
-        "steady_pipeline_creations",
-        "",
-        Kind::Counter,
+    Metric::counter(
+"steady_pipeline_creations",
         "Pipelines made for the same frame drawn once more: 0 in a steady state.",
     ),
-    Metric::less(
-        "steady_uploads",
-        "",
-        Kind::Counter,
+    Metric::counter(
+"steady_uploads",
         "Writes of the CPU into buffers for the same frame drawn once more: 0 in a steady state.",
     ),
-    Metric::less(
-        "cap_triangles",
-        "",
-        Kind::Counter,
+    Metric::counter(
+"cap_triangles",
         "Triangles of one cap of every region drawn.",
     ),
     Metric::neither(
@@ -240,10 +185,9 @@ pub(crate) const METRICS: [Metric; 74] = [
         Kind::Counter,
         "The tallest wall of the regions drawn if their caps' triangles bent away as far as the cap step allows, by formula, metres. Of the sweep through cap steps alone.",
     ),
-    Metric::less(
-        "wall_shift_m",
-        "m",
-        Kind::Error,
+    Metric::error(
+"wall_shift_m",
+"m",
         "How far at most walls that lead away from the body's centre are from walls along geodetic normals, where they meet the surface drawn, metres. Not measured of walls along geodetic normals.",
     ),
     Metric::neither(
@@ -252,52 +196,37 @@ pub(crate) const METRICS: [Metric; 74] = [
         Kind::DriverCounter,
         "Pixels that the technique gave to a region.",
     ),
-    Metric::less(
-        "mismatched_px",
-        "px",
-        Kind::Error,
+    Metric::error_px(
+"mismatched_px",
         "Pixels whose region differs from the reference's.",
     ),
-    Metric::less(
-        "mismatched_px_outside_band",
-        "px",
-        Kind::Error,
+    Metric::error_px(
+"mismatched_px_outside_band",
         "Wrong pixels outside the boundary band. One is enough to make a case `wrong`.",
     ),
-    Metric::less(
-        "hausdorff_px",
-        "px",
-        Kind::Error,
+    Metric::error_px(
+"hausdorff_px",
         "Symmetric Hausdorff distance between the boundaries of the two pictures, pixels: the farthest that any boundary pixel of either is from the other's. Regions of fewer than 4 pixels are left out.",
     ),
-    Metric::less(
-        "boundary_moved_px",
-        "px",
-        Kind::Error,
+    Metric::error_px(
+"boundary_moved_px",
         "How far boundaries moved that levels of detail simplify on purpose: the farthest that the centre of a mismatched pixel is from a place where the reference shows the id of the frame, pixels, found in steps of 1/16. Of approximate fills: to the centre of such a pixel, and empty beyond 64 pixels.",
     ),
-    Metric::less(
-        "moved_px_true",
-        "px",
-        Kind::Error,
+    Metric::error_px(
+"moved_px_true",
         "How far the surface's triangles move a boundary: the farthest that a place seen on one lies from where the surface at its full resolution has the same place. What hides what is left aside. The same for every technique of a view. Empty where the surface cannot say, and of rivals that draw a surface of their own.",
     ),
-    Metric::less(
-        "moved_px_true_p99",
-        "px",
-        Kind::Error,
+    Metric::error_px(
+"moved_px_true_p99",
         "The same, not exceeded by 99 of 100 boundary pixels.",
     ),
-    Metric::less(
-        "foreign_px",
-        "px",
-        Kind::Error,
+    Metric::error_px(
+"foreign_px",
         "Of boundaries that levels of detail simplify: mismatched pixels with an id that the reference shows nowhere within 2 pixels. Two neighbours are rounded each by itself, so that a pixel of their border may belong to both, which colours it as a third region, or to neither.",
     ),
-    Metric::less(
-        "area_error",
-        "",
-        Kind::Error,
+    Metric::error(
+"area_error",
+"",
         "Pixels filled over the reference's, minus 1.",
     ),
     Metric::neither(
@@ -306,22 +235,17 @@ pub(crate) const METRICS: [Metric; 74] = [
         Kind::DriverCounter,
         "Pieces of fewer than 4 pixels in the reference, or in the frame where the reference shows them between the centres of its pixels; left out of `hausdorff_px`.",
     ),
-    Metric::less(
-        "non_finite",
-        "",
-        Kind::Error,
+    Metric::error(
+"non_finite",
+"",
         "Distances or positions that came out as NaN or infinite.",
     ),
-    Metric::less(
-        "reference_disagreements",
-        "px",
-        Kind::Error,
+    Metric::error_px(
+"reference_disagreements",
         "Pixels on which the reference's two independent inside tests disagree.",
     ),
-    Metric::less(
-        "reference_disagreements_outside_band",
-        "px",
-        Kind::Error,
+    Metric::error_px(
+"reference_disagreements_outside_band",
         "Those of them outside the boundary band.",
     ),
     Metric::neither(
@@ -330,10 +254,9 @@ pub(crate) const METRICS: [Metric; 74] = [
         Kind::Error,
         "Largest deviation that the mesh was allowed, metres.",
     ),
-    Metric::less(
-        "boundary_deviation_m",
-        "m",
-        Kind::Error,
+    Metric::error(
+"boundary_deviation_m",
+"m",
         "Largest distance found between a boundary edge as drawn and the edge by its rule, metres.",
     ),
     Metric::neither(
@@ -342,22 +265,18 @@ pub(crate) const METRICS: [Metric; 74] = [
         Kind::Counter,
         "Largest edge of a cap triangle, degrees.",
     ),
-    Metric::less(
-        "texel_rms",
-        "texels",
-        Kind::Error,
+    Metric::error(
+"texel_rms",
+"texels",
         "Root mean square error of the texture coordinates, texels, of the worse axis.",
     ),
-    Metric::less(
-        "texel_max",
-        "texels",
-        Kind::Error,
+    Metric::error(
+"texel_max",
+"texels",
         "Largest error of the texture coordinates, texels, of the worse axis.",
     ),
-    Metric::less(
-        "texel_non_finite",
-        "px",
-        Kind::Error,
+    Metric::error_px(
+"texel_non_finite",
         "Pixels with a texture coordinate or level of detail that is NaN or infinite; at most 0.",
     ),
     Metric::neither(
@@ -366,77 +285,56 @@ pub(crate) const METRICS: [Metric; 74] = [
         Kind::DriverCounter,
         "Pixels whose texture coordinates were compared.",
     ),
-    Metric::less(
-        "colour_max",
-        "",
-        Kind::Error,
+    Metric::error(
+"colour_max",
+"",
         "Largest difference of a colour channel from the reference's picture, of 255, over pixels that both fill with the same region, edges included.",
     ),
-    Metric::less(
-        "colour_mean",
-        "",
-        Kind::Error,
+    Metric::error(
+"colour_mean",
+"",
         "Mean of those differences over the three channels.",
     ),
-    Metric::neither(
-        "mesh_vertices",
-        "",
-        Kind::Counter,
+    Metric::quantity(
+"mesh_vertices",
         "Vertices of their meshes, each counted once.",
     ),
-    Metric::neither("mesh_triangles", "", Kind::Counter, "Triangles of one cap."),
-    Metric::neither(
-        "boundary_edges",
-        "",
-        Kind::Counter,
+    Metric::quantity(
+"mesh_triangles", "Triangles of one cap."),
+    Metric::quantity(
+"boundary_edges",
         "Edges of their boundaries: as many walls.",
     ),
-    Metric::neither(
-        "boundary_loops",
-        "",
-        Kind::Counter,
+    Metric::quantity(
+"boundary_loops",
         "Closed loops of their boundaries.",
     ),
-    Metric::less(
-        "formula_vertex_bytes",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"formula_vertex_bytes",
         "Bytes of positions and flags by the layout's formula. A layout that is made every frame holds what it makes for the regions in view only.",
     ),
-    Metric::less(
-        "formula_index_bytes",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"formula_index_bytes",
         "Bytes of indices by the layout's formula, as for vertices.",
     ),
-    Metric::less(
-        "allocated_vertex_bytes",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"allocated_vertex_bytes",
         "Bytes of positions and flags as the technique allocated them; empty where nothing was drawn. Must equal the formula.",
     ),
-    Metric::less(
-        "allocated_index_bytes",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"allocated_index_bytes",
         "Bytes of indices as allocated, as for vertices.",
     ),
-    Metric::less(
-        "region_bytes_smallest",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"region_bytes_smallest",
         "Bytes of the smallest region by formula, without what regions share.",
     ),
-    Metric::less(
-        "region_bytes_median",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"region_bytes_median",
         "Bytes of the median region by formula.",
     ),
-    Metric::less(
-        "region_bytes_largest",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"region_bytes_largest",
         "Bytes of the largest region by formula.",
     ),
 ];

@@ -46,10 +46,8 @@ pub(crate) const METRICS: [Metric; 15] = [
         "flight_pieces_evicted",
         "Of these, let go because the memory was full.",
     ),
-    Metric::less(
+    Metric::bytes(
         "flight_piece_bytes",
-        "bytes",
-        Kind::Bytes,
         "Memory of all pieces; largest of all frames.",
     ),
     Metric::neither(
@@ -58,16 +56,13 @@ pub(crate) const METRICS: [Metric; 15] = [
         Kind::Bytes,
         "Memory that pieces may take.",
     ),
-    Metric::neither(
+    Metric::quantity(
         "flight_frames_compared",
-        "",
-        Kind::Counter,
         "Frames that were compared with the reference over the triangles of that very frame.",
     ),
-    Metric::less(
+    Metric::error(
         "flight_frames_wrong",
         "",
-        Kind::Error,
         "Frames that were not within the tolerances of a fill.",
     ),
     error_px(

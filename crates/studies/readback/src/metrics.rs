@@ -5,23 +5,16 @@ use terrafill_results::{Direction, Kind, Metric, Primary, Scope};
 
 /// Everything that the study measures.
 pub(crate) const METRICS: [Metric; 4] = [
-    Metric::less(
+    Metric::time_ms(
         "readback_cpu_ms",
-        "ms",
-        Kind::Time,
         "Process CPU time of reading colour and depth of the render targets back to the CPU: \
          allocation, copy, wait, and packing of rows.",
     )
     .covering(Scope::READ_BACK)
     .ranking(Primary::Cpu),
-    Metric::less(
-        "readback_wall_ms",
-        "ms",
-        Kind::Time,
-        "Wall clock over the same span.",
-    )
-    .covering(Scope::READ_BACK)
-    .ranking(Primary::Wall),
+    Metric::time_ms("readback_wall_ms", "Wall clock over the same span.")
+        .covering(Scope::READ_BACK)
+        .ranking(Primary::Wall),
     Metric::neither(
         "readback_bytes",
         "bytes",

@@ -19,10 +19,9 @@ pub(crate) const METRICS: [Metric; 2] = [
         Kind::Time,
         "Wall clock of one technique in one view of a suite, with its part of reading, meshing and the reference.",
     ).covering(Scope::PLAN.and(Scope::FRAME).and(Scope::READ_BACK)),
-    Metric::less(
-        "validation_messages",
-        "",
-        Kind::Error,
+    Metric::error(
+"validation_messages",
+"",
         "Messages of the Vulkan validation layer while a case was drawn and compared. Absent where the layer was off.",
     ),
 ];
