@@ -2,6 +2,7 @@
 //! Targets on wgpu of any format, the one pass over them, and their read-back.
 
 use bytemuck::Pod;
+use glam::DVec3;
 use std::sync::Arc;
 use terrafill_fill::DeviceError;
 use terrafill_gpu::{Gpu, PassTimer, TimedPass, read_texture};
@@ -16,6 +17,26 @@ pub(crate) struct Canvas {
     colour: wgpu::Texture,
     depth: wgpu::Texture,
     timer: Option<PassTimer>,
+}
+
+/// What a pipeline runs, and what its vertices are read from.
+pub(crate) struct Stages<'a> {
+    pub(crate) module: &'a wgpu::ShaderModule,
+    /// Of the vertex stage and of the fragment stage.
+    pub(crate) entry_points: [&'a str; 2],
+    pub(crate) constants: &'a [(&'a str, f64)],
+    pub(crate) buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+}
+
+/// A buffer of vertices without gaps between them.
+pub(crate) fn vertices(
+    attributes: &[wgpu::VertexAttribute],
+) -> Option<wgpu::VertexBufferLayout<'_>> {
+    Some(wgpu::VertexBufferLayout {
+        array_stride: attributes.iter().map(|one| one.format.size()).sum(),
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes,
+    })
 }
 
 impl Canvas {
@@ -51,15 +72,23 @@ impl Canvas {
         &self,
         label: &str,
         layout: &wgpu::PipelineLayout,
-        vertex: wgpu::VertexState<'_>,
-        (module, entry_point): (&wgpu::ShaderModule, &str),
-        options: wgpu::PipelineCompilationOptions<'_>,
+        stages: &Stages<'_>,
     ) -> wgpu::RenderPipeline {
+        let options = || wgpu::PipelineCompilationOptions {
+            constants: stages.constants,
+            ..Default::default()
+        };
+        let [vertex, fragment] = stages.entry_points;
         self.gpu
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(label),
                 layout: Some(layout),
-                vertex,
+                vertex: wgpu::VertexState {
+                    module: stages.module,
+                    entry_point: Some(vertex),
+                    compilation_options: options(),
+                    buffers: stages.buffers,
+                },
                 primitive: Default::default(),
                 depth_stencil: Some(wgpu::DepthStencilState {
                     format: DEPTH,
@@ -70,9 +99,9 @@ impl Canvas {
                 }),
                 multisample: Default::default(),
                 fragment: Some(wgpu::FragmentState {
-                    module,
-                    entry_point: Some(entry_point),
-                    compilation_options: options,
+                    module: stages.module,
+                    entry_point: Some(fragment),
+                    compilation_options: options(),
                     targets: &[Some(self.format.into())],
                 }),
                 multiview_mask: None,
@@ -146,6 +175,65 @@ impl Canvas {
         let bytes = read_texture(&self.gpu, &self.colour, wgpu::TextureAspect::All)?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
+}
+
+/// A texture that shaders read and the CPU writes.
+pub(crate) fn texture(
+    gpu: &Gpu,
+    label: &str,
+    [width, height, depth_or_array_layers]: [u32; 3],
+    format: wgpu::TextureFormat,
+) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
+/// Writes whole layers of four bytes a texel, from number `z` on.
+#[allow(clippy::cast_possible_truncation, reason = "a number of layers")]
+pub(crate) fn write_layers(gpu: &Gpu, texture: &wgpu::Texture, z: u32, texels: &[u8]) {
+    let (width, height) = (texture.width(), texture.height());
+    let layers = texels.len() / (4 * width * height) as usize;
+    gpu.queue.write_texture(
+        wgpu::TexelCopyTextureInfo {
+            origin: wgpu::Origin3d { x: 0, y: 0, z },
+            ..texture.as_image_copy()
+        },
+        texels,
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * width),
+            rows_per_image: Some(height),
+        },
+        wgpu::Extent3d {
+            depth_or_array_layers: layers as u32,
+            ..texture.size()
+        },
+    );
+}
+
+/// Direction of a place, −1 … 1 both ways, on a face of a cube in WebGPU's order: +x, −x, +y, −y, +z, −z.
+pub(crate) fn on_cube(face: u32, [s, t]: [f64; 2]) -> DVec3 {
+    let direction = match face {
+        0 => [1.0, -t, -s],
+        1 => [-1.0, -t, s],
+        2 => [s, 1.0, t],
+        3 => [s, -1.0, -t],
+        4 => [s, -t, 1.0],
+        _ => [-s, -t, -1.0],
+    };
+    DVec3::from(direction)
 }
 
 /// A buffer that the CPU writes now and then.

@@ -1,35 +1,23 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The chapter on surfaces of a globe: error against time and against triangles, a plot for each view.
+//! The chapter on surfaces of a globe: error against time and against triangles, a plot for each view; then what
+//! further parts of the study found.
 
-use crate::clock::{draw, whole};
+use crate::clock::{DRAW, FRAME, whole};
 use crate::keys::{
     API, GLOBE_DEPTH_M_MAX, GLOBE_EXPECTED_LOWEST_M, GLOBE_EXPECTED_MAP_M_MAX,
     GLOBE_EXPECTED_PX_MAX, GLOBE_EXTRA_PX, GLOBE_LOWEST_M, GLOBE_MAKE_CPU_MS, GLOBE_MAP_M_MAX,
-    GLOBE_MAP_PX_MAX, GLOBE_MAP_PX_MEDIAN, GLOBE_MAP_PX_P99, GLOBE_PX_MEDIAN, GLOBE_UNCOVERED_PX,
-    GLOBE_UPLOAD_BYTES, GLOBE_UPLOAD_CPU_MS, KNOB, PART, SURFACE, VALUE, VIEW,
+    GLOBE_MAP_PX_MAX, GLOBE_MAP_PX_MEDIAN, GLOBE_MAP_PX_P99, GLOBE_PX_MAX, GLOBE_PX_MEDIAN,
+    GLOBE_PX_P99, GLOBE_TRIANGLES, GLOBE_UNCOVERED_PX, GLOBE_UPLOAD_BYTES, GLOBE_UPLOAD_CPU_MS,
+    GLOBE_WHOLE_CPU_MS, GLOBE_WHOLE_GPU_MS, KNOB, PART, SURFACE, VALUE, VIEW,
 };
-use crate::metrics::METRICS;
-use crate::{
-    controllers, counts, forms, grid_facts, made, projection, published, shading, tiled, zones,
-};
-use terrafill_plot::number::{measured_bytes, significant};
-use terrafill_plot::{
-    Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, dotted,
-    panels,
-};
-use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Metric, Noise, Plot, Row,
-    Run, Table, process_medians, sample_spread,
-};
+use crate::{counts, made, shading, tiled, zones};
+use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section};
+use terrafill_plot::number::significant;
+use terrafill_plot::{PointStanding, Upwards};
+use terrafill_results::{Answers, Block, Case, Chapter, ChapterError, Clock, Metric, Run};
 
-const PX_MAX: &Metric = Metric::of(&METRICS, "globe_px_max");
-const PX_P99: &Metric = Metric::of(&METRICS, "globe_px_p99");
-const TRIANGLES: &Metric = Metric::of(&METRICS, "globe_triangles");
 /// A quarter of a pixel: what no one sees.
 const FINE_PX: f64 = 0.25;
-
-/// Why a formula's cell is empty.
-const NO_FORMULA: &str = "no formula for it, or none that holds in this view";
 
 /// What is measured.
 const WHAT_IS_COMPARED: &str = "Each surface draws the bare body. A pixel's ray meets the true ellipsoid at one place and the \
@@ -56,10 +44,8 @@ impl Chapter for GlobesChapter {
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
-        let sights = sights(run);
-        let noise = noise(run);
-        let blocks = sights.iter();
-        let blocks = blocks.filter_map(|sight| answer(sight, run.clock(), noise));
+        let views = surfaces(run).by(VIEW);
+        let blocks = views.iter().filter_map(|(view, cases)| answer(view, cases));
         Ok(Answers {
             blocks: blocks.map(Block::Text).collect(),
             ..Answers::default()
@@ -67,85 +53,32 @@ impl Chapter for GlobesChapter {
     }
 
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
-        // What documents printed and what follows from formulas alone answers nobody who measured other things.
-        if run.of_study(crate::STUDY).next().is_none() {
-            return Ok(Vec::new());
-        }
-        let (sights, clock, noise) = (sights(run), run.clock(), noise(run));
         let mut blocks = Vec::new();
-        if !sights.is_empty() {
-            blocks.push(Block::Text(WHAT_IS_COMPARED.to_owned()));
-        }
-        let names = series(&sights);
-        let palette = Palette::new(names);
-        for sight in &sights {
-            blocks.push(Block::section(format!("View {}", sight.view)));
-            blocks.extend(answer(sight, clock, noise).map(Block::Text));
-            let time = clock.pick(
-                "make, upload: CPU ms; draw: GPU ms",
-                "make, upload, draw: process CPU ms",
-            );
-            for (across, by) in [(time, whole(clock)), ("triangles", TRIANGLES)] {
-                let svg = drawing(sight, across, by, &palette)?;
-                blocks.extend(svg.map(|svg| {
-                    Block::Plot(Plot {
-                        caption: format!(
-                            "{}: error against {}, one curve a surface through its knob, on wgpu.",
-                            sight.view,
-                            if by == TRIANGLES { "triangles" } else { "time" }
-                        ),
-                        svg,
-                    })
-                }));
+        for (view, cases) in surfaces(run).by(VIEW) {
+            if blocks.is_empty() {
+                blocks.push(Block::Text(WHAT_IS_COMPARED.to_owned()));
             }
-            blocks.push(Block::Table(table(sight, clock)));
-            blocks.push(Block::Table(against_formulas(sight)));
+            blocks.extend(of_view(view, &cases)?);
         }
-        blocks.extend(tiled::blocks(run, clock));
-        blocks.extend(tiled::stage::blocks(run, clock));
-        blocks.extend(tiled::picture::blocks(run, clock));
-        blocks.extend(grid_facts::blocks(run));
-        blocks.extend(forms::blocks(run));
-        blocks.extend(made::blocks(run, clock));
-        blocks.extend(counts::blocks(run)?);
-        blocks.extend(zones::blocks(run)?);
-        blocks.extend(shading::blocks(run, clock)?);
-        blocks.extend(projection::blocks());
-        blocks.extend(published::blocks(&tiled::frame_times_by_cells(run, clock)));
-        blocks.extend(controllers::blocks()?);
+        let parts = [
+            tiled::SECTION,
+            tiled::stage::SECTION,
+            tiled::picture::SECTION,
+            made::SECTION,
+            counts::SECTION,
+            zones::SECTION,
+        ];
+        let all = Cases::of_study(run, crate::STUDY);
+        for section in parts.iter().chain(&shading::SECTIONS) {
+            blocks.extend(section.blocks(&all)?);
+        }
         Ok(blocks)
     }
 }
 
-/// A view.
-struct Sight<'a> {
-    view: &'a str,
-    cases: Vec<&'a Case>,
-}
-
-/// By how much identical work differed.
-fn noise(run: &Run) -> Option<Noise> {
-    let own: Vec<&Case> = run.of_study(crate::STUDY).collect();
-    Noise::of(own.iter().copied(), whole(run.clock()))
-}
-
-/// In the order in which they first appear.
-fn sights(run: &Run) -> Vec<Sight<'_>> {
-    let mut sights: Vec<Sight<'_>> = Vec::new();
-    let own = run.of_study(crate::STUDY);
-    // Other parts of the study say which they are.
-    let own = own.filter(|case| !case.is_twin() && case.condition(PART).is_empty());
-    for case in own {
-        let view = case.condition(VIEW);
-        match sights.iter_mut().find(|sight| sight.view == view) {
-            Some(sight) => sight.cases.push(case),
-            None => sights.push(Sight {
-                view,
-                cases: vec![case],
-            }),
-        }
-    }
-    sights
+/// Of the surfaces; other parts of the study say which they are.
+fn surfaces(run: &Run) -> Cases<'_> {
+    Cases::of_study(run, crate::STUDY).with(&[(PART, "")])
 }
 
 /// A curve's name: the surface, and the interface where it is not the first one.
@@ -156,23 +89,6 @@ fn curve_name(case: &Case) -> String {
     }
 }
 
-/// Vulkan itself draws the same triangles: its times stand in tables, since twice as many curves would hide each other.
-fn is_drawn(case: &Case) -> bool {
-    case.condition(API) != "vulkan"
-}
-
-fn series(sights: &[Sight<'_>]) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    let cases = sights.iter().flat_map(|sight| &sight.cases);
-    for case in cases.filter(|case| is_drawn(case)) {
-        let name = curve_name(case);
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    names
-}
-
 fn case_name(case: &Case) -> String {
     match case.condition(KNOB) {
         "" => curve_name(case),
@@ -180,218 +96,170 @@ fn case_name(case: &Case) -> String {
     }
 }
 
-fn value(case: &Case, metric: &Metric) -> Option<f64> {
-    case.value(metric).filter(|_| case.counts())
+fn of_view(view: &str, cases: &Cases<'_>) -> Result<Vec<Block>, ChapterError> {
+    let title = format!("View {view}");
+    let mut blocks = vec![Block::section(title.clone())];
+    blocks.extend(answer(view, cases).map(Block::Text));
+    // Vulkan itself draws the same triangles: its times stand in tables, since twice as many curves would hide each other.
+    let shown = cases.fitting(|case| case.condition(API) != "vulkan");
+    for drawing in &DRAWINGS {
+        blocks.extend(drawing.block(&title, &shown)?);
+    }
+    blocks.push(Block::Table(SURFACES.table(title.clone(), cases)));
+    let with = cases.fitting(|case| EXPECTED.iter().any(|metric| case.value(metric).is_some()));
+    let caption = format!("{title}: what formulas say, and what was found");
+    blocks.push(Block::Table(AGAINST_FORMULAS.table(caption, &with)));
+    Ok(blocks)
 }
 
 /// The cheapest of those whose error no one sees, and which of them tie with it.
-fn answer(sight: &Sight<'_>, clock: Clock, noise: Option<Noise>) -> Option<String> {
-    let timed = |case: &&Case| Some((value(case, whole(clock))?, value(case, PX_MAX)?));
-    let all = sight.cases.iter().copied();
-    let with = all.filter_map(|case| timed(&case).map(|(ms, px)| (case, ms, px)));
-    let with: Vec<(&Case, f64, f64)> = with.collect();
-    let fine = with
-        .iter()
-        .filter(|(case, _, px)| *px <= FINE_PX && value(case, GLOBE_UNCOVERED_PX) == Some(0.0));
-    let best = fine.clone().min_by(|a, b| a.1.total_cmp(&b.1));
-    let unit = clock.pick("ms, GPU and CPU", "ms of process CPU time");
-    Some(match best {
-        Some((case, ms, px)) => {
-            let ties = |noise: Noise| -> Vec<String> {
-                fine.filter(|(other, time, _)| other.id() != case.id() && noise.is_tie(time / ms))
-                    .map(|(other, ..)| case_name(other))
-                    .collect()
-            };
-            let ties = match noise.map(ties) {
-                None => "No identical work was measured twice, so ties are not known.".to_owned(),
-                Some(none) if none.is_empty() => "None ties with it.".to_owned(),
-                Some(names) => format!(
-                    "Within what identical work differed by tie: {}.",
-                    names.join("; ")
-                ),
-            };
-            format!(
-                "View {}: the cheapest with at most ¼ px of error and no hole is {}: {} px, {} {unit}. \
-                 {ties}",
-                sight.view,
-                case_name(case),
-                significant(*px),
-                significant(*ms)
-            )
-        }
-        None => {
-            let (case, ms, px) = with.iter().min_by(|a, b| a.2.total_cmp(&b.2))?;
-            format!(
-                "View {}: none has at most ¼ px of error and no hole; the least error is that of {}: {} \
-                 px, {} {unit}.",
-                sight.view,
-                case_name(case),
-                significant(*px),
-                significant(*ms)
-            )
-        }
-    })
+fn answer(view: &str, cases: &Cases<'_>) -> Option<String> {
+    let time = whole(cases.clock());
+    let figures = |case: &Case| {
+        let [px, ms] = [case.value(GLOBE_PX_MAX), case.value(time)].map(Option::unwrap_or_default);
+        let clock = cases.clock();
+        let unit = clock.pick("ms, GPU and CPU", "ms of process CPU time");
+        format!("{} px, {} {unit}", significant(px), significant(ms))
+    };
+    let timed = cases.fitting(|case| case.counts() && case.value(time).is_some());
+    let fine = timed.fitting(|case| {
+        case.value(GLOBE_PX_MAX).is_some_and(|px| px <= FINE_PX)
+            && case.value(GLOBE_UNCOVERED_PX) == Some(0.0)
+    });
+    let Some(best) = fine.best(time) else {
+        let least = timed.best(GLOBE_PX_MAX)?.case;
+        return Some(format!(
+            "View {view}: none has at most ¼ px of error and no hole; the least error is that of {}: {}.",
+            case_name(least),
+            figures(least)
+        ));
+    };
+    let ties = match (fine.noise(time), best.ties.is_empty()) {
+        (None, _) => " No identical work was measured twice, so ties are not known.",
+        (_, true) => " None ties with it.",
+        (_, false) => "",
+    };
+    Some(format!(
+        "View {view}: the cheapest with at most ¼ px of error and no hole is {}{}: {}.{ties}",
+        case_name(best.case),
+        best.tied_with(case_name),
+        figures(best.case)
+    ))
 }
 
-fn drawing(
-    sight: &Sight<'_>,
-    across: &str,
-    by: &'static Metric,
-    palette: &Palette,
-) -> Result<Option<String>, ChapterError> {
-    let plots = [("largest", PX_MAX), ("99 % of the pixels", PX_P99)];
-    let plots = plots.map(|(title, error)| WorkPrecision {
+/// Errors against something.
+const fn errors(
+    title: &'static str,
+    across: (&'static str, Figure),
+    error: &'static Metric,
+) -> Panel<'static> {
+    Panel {
         title,
         across,
-        up: "error, px",
+        up: ("error, px", Figure::Metric(error)),
         upwards: Upwards::Error,
-        curves: curves(sight, by, error),
-        lines: Vec::new(),
-    });
-    let title = format!("error of surfaces in view {}", sight.view);
-    Ok(panels(&title, &plots, Arrangement::SideBySide, palette)?)
-}
-
-fn curves(sight: &Sight<'_>, by: &Metric, error: &Metric) -> Vec<Curve> {
-    let mut curves: Vec<Curve> = Vec::new();
-    for case in sight.cases.iter().filter(|case| is_drawn(case)) {
-        let spread = sample_spread(case, by).filter(|_| case.counts());
-        let x = match by == TRIANGLES {
-            true => value(case, by).map(Reading::exact),
-            false => spread.map(|spread| {
-                let replicates: Vec<f64> = process_medians(case, by).into_values().collect();
-                Reading::sampled(spread, &replicates)
-            }),
-        };
-        let Some(x) = x else { continue };
-        let point = Point {
-            knob: case.condition(VALUE).parse().unwrap_or(0.0),
-            label: case.condition(VALUE).to_owned(),
-            x: Some(x),
-            y: value(case, error).map(Reading::exact),
-            y_rms: None,
-            standing: PointStanding::Right,
-            command: String::new(),
-        };
-        let name = curve_name(case);
-        match curves.iter_mut().find(|curve| curve.name == name) {
-            Some(curve) => curve.points.push(point),
-            None => curves.push(Curve {
-                name,
-                points: vec![point],
-            }),
-        }
-    }
-    curves
-}
-
-/// Why a figure is not there.
-fn why(case: &Case) -> &str {
-    match case.reason.as_str() {
-        "" => "not measured",
-        reason => reason,
+        curve: Names::Of("", curve_name),
+        knob: Figure::Condition(VALUE),
+        label: Some(Names::Joined(&[VALUE])),
+        standing: |case| match case.counts() {
+            true => PointStanding::Right,
+            false => PointStanding::Failed,
+        },
+        ..Panel::EMPTY
     }
 }
 
-/// A row for each case, those that were not measured too.
-fn table(sight: &Sight<'_>, clock: Clock) -> Table {
-    let columns = [
-        ("triangles", TRIANGLES),
-        ("frame, ms", whole(clock)),
-        ("make, ms", GLOBE_MAKE_CPU_MS),
-        ("upload, ms", GLOBE_UPLOAD_CPU_MS),
-        ("draw, ms", draw(clock)),
-        ("px, largest", PX_MAX),
-        ("px, 99 %", PX_P99),
-        ("px, median", GLOBE_PX_MEDIAN),
-        ("map px, largest", GLOBE_MAP_PX_MAX),
-        ("map px, 99 %", GLOBE_MAP_PX_P99),
-        ("map px, median", GLOBE_MAP_PX_MEDIAN),
-        ("depth, m", GLOBE_DEPTH_M_MAX),
-        ("uncovered px", GLOBE_UNCOVERED_PX),
-        ("extra px", GLOBE_EXTRA_PX),
-    ];
-    let rows = sight.cases.iter().map(|case| {
-        let mut cells = vec![Cell::name(case_name(case))];
-        let upload = value(case, GLOBE_UPLOAD_BYTES).map(measured_bytes);
-        cells.push(Cell::or_absent(upload, why(case)));
-        cells.extend(columns.iter().map(|(_, metric)| {
-            let reason = match case.condition(KNOB) {
-                "" if case.counts() => "there are no triangles",
-                _ => why(case),
-            };
-            let figure = Cell::or_absent(value(case, metric).map(significant), reason);
-            dotted(figure, case, metric)
-        }));
-        Row {
-            cells,
-            status: case.outcome.name().to_owned(),
-            remark: case.reason.clone(),
-        }
-    });
-    let mut headings = vec![
-        Heading::plain("surface"),
-        Heading::metric("upload", GLOBE_UPLOAD_BYTES),
-    ];
-    let metrics = columns.iter();
-    headings.extend(metrics.map(|(text, metric)| Heading::metric(*text, *metric)));
-    Table {
-        caption: format!("View {}", sight.view),
-        headings,
-        rows: rows.collect(),
-        is_main: true,
-        ..Table::default()
-    }
+const BY_TIME: (&str, Figure) = (
+    "make, upload and draw, ms",
+    Figure::ByClock(GLOBE_WHOLE_GPU_MS, GLOBE_WHOLE_CPU_MS),
+);
+const BY_TRIANGLES: (&str, Figure) = ("triangles", Figure::Metric(GLOBE_TRIANGLES));
+
+const DRAWINGS: [Drawing<'static>; 2] = [
+    Drawing {
+        caption: "Error against time, one curve a surface through its knob, on wgpu.",
+        panels: &[
+            errors("largest", BY_TIME, GLOBE_PX_MAX),
+            errors("99 % of the pixels", BY_TIME, GLOBE_PX_P99),
+        ],
+    },
+    Drawing {
+        caption: "Error against triangles, one curve a surface through its knob, on wgpu.",
+        panels: &[
+            errors("largest", BY_TRIANGLES, GLOBE_PX_MAX),
+            errors("99 % of the pixels", BY_TRIANGLES, GLOBE_PX_P99),
+        ],
+    },
+];
+
+const SURFACES: Section<'static> = Section {
+    named_by: Names::Of("surface", case_name),
+    columns: &[
+        Column::metric("upload", GLOBE_UPLOAD_BYTES),
+        Column::metric("triangles", GLOBE_TRIANGLES).or("there are no triangles"),
+        FRAME,
+        Column::metric("make, ms", GLOBE_MAKE_CPU_MS),
+        Column::metric("upload, ms", GLOBE_UPLOAD_CPU_MS),
+        DRAW,
+        Column::metric("px, largest", GLOBE_PX_MAX),
+        Column::metric("px, 99 %", GLOBE_PX_P99),
+        Column::metric("px, median", GLOBE_PX_MEDIAN),
+        Column::metric("map px, largest", GLOBE_MAP_PX_MAX).or("there are no triangles"),
+        Column::metric("map px, 99 %", GLOBE_MAP_PX_P99).or("there are no triangles"),
+        Column::metric("map px, median", GLOBE_MAP_PX_MEDIAN).or("there are no triangles"),
+        Column::metric("depth, m", GLOBE_DEPTH_M_MAX),
+        Column::metric("uncovered px", GLOBE_UNCOVERED_PX),
+        Column::metric("extra px", GLOBE_EXTRA_PX),
+    ],
+    is_main: true,
+    ..Section::EMPTY
+};
+
+/// What formulas say.
+const EXPECTED: [&Metric; 3] = [
+    GLOBE_EXPECTED_PX_MAX,
+    GLOBE_EXPECTED_MAP_M_MAX,
+    GLOBE_EXPECTED_LOWEST_M,
+];
+
+/// Why a formula's cell is empty.
+const NO_FORMULA: &str = "no formula for it, or none that holds in this view";
+
+/// Found over what a formula says.
+const fn over(of: fn(&Case) -> Option<f64>) -> Column {
+    Column::of("found / formula", Figure::Computed(of)).or("no formula says more than 0")
 }
 
-/// What was measured beside what formulas say.
-fn against_formulas(sight: &Sight<'_>) -> Table {
-    let figures = [
-        ("px, largest", PX_MAX, GLOBE_EXPECTED_PX_MAX),
-        ("map, m", GLOBE_MAP_M_MAX, GLOBE_EXPECTED_MAP_M_MAX),
-        ("lowest, m", GLOBE_LOWEST_M, GLOBE_EXPECTED_LOWEST_M),
-    ];
-    let with = sight.cases.iter().filter(|case| {
-        let mut expected = figures.iter().map(|(_, _, expected)| value(case, expected));
-        expected.any(|value| value.is_some())
-    });
-    let rows = with.map(|case| {
-        let by = match case.note("expected-by") {
-            "" => "no formula",
-            by => by,
-        };
-        let mut cells = vec![Cell::name(case_name(case))];
-        for (_, found, expected) in figures {
-            let (found, expected) = (value(case, found), value(case, expected));
-            let ratio = found.zip(expected).filter(|(_, expected)| *expected != 0.0);
-            cells.push(Cell::or_absent(expected.map(significant), NO_FORMULA));
-            cells.push(Cell::or_absent(found.map(significant), why(case)));
-            let ratio = ratio.map(|(found, expected)| significant(found / expected));
-            cells.push(Cell::or_absent(ratio, "no formula says more than 0"));
-        }
-        cells.push(Cell::name(by));
-        Row::new(cells)
-    });
-    let mut headings = vec![Heading::plain("surface")];
-    for (text, found, expected) in figures {
-        headings.push(Heading::metric(format!("{text}: formula"), expected));
-        headings.push(Heading::metric(format!("{text}: found"), found));
-        headings.push(Heading::plain("found / formula"));
-    }
-    headings.push(Heading::plain("formula"));
-    Table {
-        caption: format!("View {}: what formulas say, and what was found", sight.view),
-        headings,
-        rows: rows.collect(),
-        ..Table::default()
-    }
+fn ratio(case: &Case, [found, expected]: [&Metric; 2]) -> Option<f64> {
+    let expected = case.value(expected).filter(|expected| *expected != 0.0);
+    Some(case.value(found)? / expected?)
 }
+
+const AGAINST_FORMULAS: Section<'static> = Section {
+    named_by: Names::Of("surface", case_name),
+    columns: &[
+        Column::metric("px, largest: formula", GLOBE_EXPECTED_PX_MAX).or(NO_FORMULA),
+        Column::metric("px, largest: found", GLOBE_PX_MAX),
+        over(|case| ratio(case, [GLOBE_PX_MAX, GLOBE_EXPECTED_PX_MAX])),
+        Column::metric("map, m: formula", GLOBE_EXPECTED_MAP_M_MAX).or(NO_FORMULA),
+        Column::metric("map, m: found", GLOBE_MAP_M_MAX),
+        over(|case| ratio(case, [GLOBE_MAP_M_MAX, GLOBE_EXPECTED_MAP_M_MAX])),
+        Column::metric("lowest, m: formula", GLOBE_EXPECTED_LOWEST_M).or(NO_FORMULA),
+        Column::metric("lowest, m: found", GLOBE_LOWEST_M),
+        over(|case| ratio(case, [GLOBE_LOWEST_M, GLOBE_EXPECTED_LOWEST_M])),
+        Column::of(
+            "formula",
+            Figure::Words(|case| Some(case.note("expected-by").to_owned())),
+        ),
+    ],
+    ..Section::EMPTY
+};
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_results::Status;
     use terrafill_results::made_up::{MadeUpRun, case_id};
+    use terrafill_results::{Plot, Status};
 
     /// A surface at two values of its knob, and one that could not be opened.
     fn blocks(holes_px: f64) -> (Answers, Vec<Block>) {
@@ -412,9 +280,9 @@ mod tests {
         };
         for (value, ms, px, triangles) in [("10", 1.0, 2.0, 200.0), ("40", 3.0, 0.2, 3200.0)] {
             let case = run.case(id("mesh", value));
-            case.figure(PX_MAX, px);
-            case.figure(PX_P99, 0.5 * px);
-            case.figure(TRIANGLES, triangles);
+            case.figure(GLOBE_PX_MAX, px);
+            case.figure(GLOBE_PX_P99, 0.5 * px);
+            case.figure(GLOBE_TRIANGLES, triangles);
             case.figure("globe_uncovered_px", holes_px);
             case.timed(whole(Clock::ProcessCpu), &[ms, ms]);
         }

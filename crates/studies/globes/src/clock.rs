@@ -3,7 +3,8 @@
 
 use crate::keys::{GLOBE_DRAW_CPU_MS, GLOBE_DRAW_GPU_MS, GLOBE_WHOLE_CPU_MS, GLOBE_WHOLE_GPU_MS};
 use terrafill_fill::CpuStopwatch;
-use terrafill_results::{Clock, Metric};
+use terrafill_lab::{Column, Comparison};
+use terrafill_results::{Clock, ConditionKey, Metric, Scope};
 use terrafill_study::Figures;
 
 /// Of a whole frame.
@@ -14,6 +15,28 @@ pub(crate) fn whole(clock: Clock) -> &'static Metric {
 /// Of drawing it.
 pub(crate) fn draw(clock: Clock) -> &'static Metric {
     clock.pick(GLOBE_DRAW_GPU_MS, GLOBE_DRAW_CPU_MS)
+}
+
+/// A column of whole frames.
+pub(crate) const FRAME: Column =
+    Column::clocked("frame, ms", GLOBE_WHOLE_GPU_MS, GLOBE_WHOLE_CPU_MS);
+
+/// A column of their drawing.
+pub(crate) const DRAW: Column = Column::clocked("draw, ms", GLOBE_DRAW_GPU_MS, GLOBE_DRAW_CPU_MS);
+
+/// Two cases that differ in one condition, by a time that covers what is asked.
+pub(crate) const fn compared_in(
+    changed: ConditionKey,
+    metric: &'static Metric,
+    needs: Scope,
+) -> Comparison<'static> {
+    Comparison {
+        changed: changed.name(),
+        follows: &[],
+        one_sided: None,
+        metric,
+        needs,
+    }
 }
 
 /// Times the steps of a frame, one after the other.

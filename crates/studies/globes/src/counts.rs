@@ -2,32 +2,29 @@
 //! Level of detail by counted pixels (Gebbie and Bailey, occlusion queries), drawn and counted on devices. A quadtree
 //! over a large picture splits and merges by counts that are some frames old.
 
+pub(crate) mod course;
 pub(crate) mod device;
 pub(crate) mod scene;
 mod section;
 
-pub(crate) use section::blocks;
+pub(crate) use section::{SECTION, why_not_settled};
 
 use crate::STUDY;
 use crate::keys;
 use crate::keys::{API, COUNTED_BY, DELAY, HYSTERESIS, PATH, SIZE_PX, TRANSFERS};
 use crate::list::{Eye, List};
-use device::{Counters, NODE_TEXELS, Way};
-use scene::{ByRays, Drawn, Picture};
+use course::Course;
+use device::{Counters, NODE_TEXELS, SIDE_PX, Way};
+use scene::{Drawn, Picture};
 use std::collections::BTreeMap;
 use terrafill_control::{Node, Quadtree, Thresholds};
 use terrafill_fill::CpuStopwatch;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
-use terrafill_scene::ImageSize;
-use terrafill_study::{
-    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
-};
+use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "counts";
 
-/// Pixels a side: with pictures of 64² texels, some 40 nodes.
-const SIDE_PX: u32 = 400;
 /// Frames in which a loop comes to rest or does not.
 const FRAMES: usize = 48;
 /// Frames of the zoom.
@@ -64,12 +61,11 @@ struct Work {
 /// All of it.
 pub(crate) struct Counts {
     work: Vec<Work>,
-    cases: Vec<PlannedCase>,
     list: List,
 }
 
 impl Counts {
-    pub(crate) fn new(list: &List, is_quick: bool, samples: u32) -> Self {
+    pub(crate) fn planned(list: &List, is_quick: bool, samples: u32) -> CaseGroup<Self> {
         let mut work = Vec::new();
         let views = VIEWS.iter().take(if is_quick { 2 } else { VIEWS.len() });
         for view in views {
@@ -94,11 +90,15 @@ impl Counts {
                 transfers,
             }));
         }
-        let cases = work.iter().map(|work| case(work, samples));
-        Self {
-            cases: cases.collect(),
-            work,
-            list: list.clone(),
+        CaseGroup {
+            name: format!("{STUDY}/{PART}"),
+            cases: work.iter().map(|work| case(work, samples)).collect(),
+            warm_up: None,
+            work: Self {
+                work,
+                list: list.clone(),
+            },
+            open: |group, context| Ok(Box::new(CaseSession(CountPart::new(&group.work, context)))),
         }
     }
 
@@ -107,11 +107,7 @@ impl Counts {
             Path::Still(view) => view.as_str(),
             Path::Zoom => VIEWS[0],
         };
-        let mut views = self.list.view.iter();
-        let row = views.find(|row| row.name == view);
-        let mut row = row
-            .ok_or_else(|| format!("no view is called {view:?}"))?
-            .clone();
+        let mut row = self.list.view(view)?.clone();
         if work.path == Path::Zoom {
             let share = frame as f64 / ZOOM_FRAMES as f64;
             row.height_m = ZOOM_M[0] * (ZOOM_M[1] / ZOOM_M[0]).powf(share.min(1.0));
@@ -151,20 +147,6 @@ fn case(work: &Work, samples: u32) -> PlannedCase {
     }
 }
 
-impl Group for Counts {
-    fn name(&self) -> String {
-        format!("{STUDY}/{PART}")
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(CaseSession(CountPart::new(self, context))))
-    }
-}
-
 struct CountPart<'a> {
     group: &'a Counts,
     counters: Counters<'a>,
@@ -172,35 +154,26 @@ struct CountPart<'a> {
     last: BTreeMap<usize, (Eye, Drawn)>,
 }
 
-/// What a loop did.
+/// A loop, and what its paging cost.
 #[derive(Debug, Clone, PartialEq, Default)]
-struct Course {
-    /// After each frame.
-    leaves: Vec<usize>,
-    /// The last frame in which anything changed.
-    last_change: Option<usize>,
+struct Paged {
+    course: Course,
     /// CPU time of each frame's paging.
     paging_ms: Vec<f64>,
     /// Pixels of all nodes in the last frame.
     pixels: u64,
-    /// Largest difference from rays, nodes off by more than their edges, and nodes compared.
-    against_rays: (u64, usize, usize),
 }
 
 impl<'a> CountPart<'a> {
     fn new(group: &'a Counts, context: Context<'a>) -> Self {
-        let size = ImageSize {
-            width: SIDE_PX,
-            height: SIDE_PX,
-        };
         Self {
             group,
-            counters: Counters::new(context.devices, size),
+            counters: Counters::new(context.devices),
             last: BTreeMap::new(),
         }
     }
 
-    fn run(&mut self, case: usize) -> Result<Course, Failure> {
+    fn run(&mut self, case: usize) -> Result<Paged, Failure> {
         let work = self.group.work[case].clone();
         let frames = match work.path {
             Path::Still(_) => FRAMES,
@@ -214,26 +187,22 @@ impl<'a> CountPart<'a> {
         // Of each leaf, the frame in which it was first drawn.
         let mut since: BTreeMap<Node, usize> = BTreeMap::new();
         let mut counted: Vec<BTreeMap<Node, u64>> = Vec::new();
-        let mut course = Course::default();
+        let mut paged = Paged::default();
         let mut last = None;
         for frame in 0..frames {
             let eye = self.group.eye(&work, frame)?;
             let drawn = picture.drawn(&eye, tree.leaves());
-            let counts = self.counters.get(work.way)?.count(&eye, &drawn)?;
-            let counts: BTreeMap<Node, u64> = drawn.nodes.iter().copied().zip(counts).collect();
+            let counts = self.counters.by_node(work.way, &eye, &drawn)?;
             since = drawn
                 .nodes
                 .iter()
                 .map(|node| (*node, since.get(node).copied().unwrap_or(frame)))
                 .collect();
-            course.pixels = counts.values().sum();
-            counted.push(counts);
+            paged.pixels = counts.values().sum();
             if frame == 0 || frame + 1 == frames {
-                let (largest, wrong) = ByRays::new(&eye, &drawn).against(&counted[frame]);
-                let (so_far, so_wrong, compared) = course.against_rays;
-                let nodes = compared + drawn.nodes.len();
-                course.against_rays = (so_far.max(largest), so_wrong + wrong, nodes);
+                paged.course.compare(&eye, &drawn, &counts);
             }
+            counted.push(counts);
             last = Some((eye, drawn));
             let new = match (frame + 1).checked_sub(work.delay) {
                 // A count may be used so many frames after the one that it is of.
@@ -249,105 +218,58 @@ impl<'a> CountPart<'a> {
             };
             let watch = CpuStopwatch::start();
             if !new.is_empty() {
-                course.last_change = Some(frame);
+                paged.course.last_change = Some(frame);
                 self.counters.get(work.way)?.page(new.len())?;
             }
-            course.paging_ms.push(watch.cpu_ms());
-            course.leaves.push(tree.count());
+            paged.paging_ms.push(watch.cpu_ms());
+            paged.course.sizes.push(tree.count() as f64);
         }
         self.last.extend(last.map(|last| (case, last)));
-        Ok(course)
+        Ok(paged)
     }
 }
 
-/// Frames after which nothing changes; `None` where changes go on to the end.
-fn settled(course: &Course, delay: usize) -> Option<usize> {
-    let frames = course.leaves.len();
-    let last = course.last_change.map_or(0, |frame| frame + 1);
-    // A change may still come from a count that is on its way.
-    (last + 2 * delay + 2 <= frames).then_some(last)
-}
-
-fn verdict(work: &Work, course: &Course) -> Verdict {
-    let (largest, wrong, compared) = course.against_rays;
-    let leaves = course.leaves.last().copied().unwrap_or(0);
-    let texels = leaves as f64 * f64::from(NODE_TEXELS * NODE_TEXELS);
-    let mean_ms = course.paging_ms.iter().sum::<f64>() / course.paging_ms.len().max(1) as f64;
-    let max_ms = course.paging_ms.iter().copied().fold(0.0, f64::max);
-    let mut figures = vec![
-        ("globe_count_off_px", largest as f64),
-        ("globe_count_wrong_nodes", wrong as f64),
-        ("globe_count_nodes", compared as f64),
-        ("globe_count_leaves", leaves as f64),
+fn verdict(work: &Work, paged: &Paged) -> Verdict {
+    let leaves = paged.course.sizes.last().copied().unwrap_or(0.0);
+    let mean_ms = paged.paging_ms.iter().sum::<f64>() / paged.paging_ms.len().max(1) as f64;
+    let max_ms = paged.paging_ms.iter().copied().fold(0.0, f64::max);
+    let (mut figures, reason) = paged.course.exactness();
+    figures.extend([
+        ("globe_count_leaves", leaves),
         ("globe_count_page_cpu_ms", mean_ms),
         ("globe_count_page_max_cpu_ms", max_ms),
-    ];
-    if course.pixels > 0 {
-        figures.push(("globe_count_texels_per_px", texels / course.pixels as f64));
-    }
-    let mut reason = String::new();
-    if wrong > 0 {
-        reason = format!(
-            "{wrong} of {compared} nodes are off by more pixels than they have at their edges, allowed 0"
-        );
+    ]);
+    if paged.pixels > 0 {
+        let texels = leaves * f64::from(NODE_TEXELS * NODE_TEXELS);
+        let share = texels / paged.pixels as f64;
+        figures.push(("globe_count_texels_per_px", share));
     }
     if let Path::Still(_) = work.path {
-        let settled = settled(course, work.delay);
-        figures.push(("globe_count_cycles", f64::from(u8::from(settled.is_none()))));
-        figures.extend(settled.map(|frames| ("globe_count_settle_frames", frames as f64)));
+        figures.extend(paged.course.rest(work.delay));
     }
-    let leaves: Vec<String> = course.leaves.iter().map(usize::to_string).collect();
-    judged(reason, figures, vec![("leaves", leaves.join(" "))])
+    judged(reason, figures, vec![("leaves", paged.course.note())])
 }
 
 impl Measures for CountPart<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
-        let course = self.run(case)?;
-        Ok(verdict(&self.group.work[case], &course))
+        let paged = self.run(case)?;
+        Ok(verdict(&self.group.work[case], &paged))
     }
 
     /// The last frame with its counts read at once, and without counts.
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        let way = self.group.work[case].way;
-        let last = self.last.remove(&case);
+        let last = self.last.get(&case);
         let (eye, drawn) = last.ok_or("it was not verified".to_owned())?;
-        let counter = self.counters.get(way)?;
-        let watch = CpuStopwatch::start();
-        counter.count(&eye, &drawn)?;
-        let counted_ms = watch.cpu_ms();
-        let watch = CpuStopwatch::start();
-        counter.draw(&eye, &drawn)?;
-        let plain_ms = watch.cpu_ms();
-        self.last.insert(case, (eye, drawn));
-        Ok(vec![
-            ("globe_counted_cpu_ms", counted_ms),
-            ("globe_uncounted_cpu_ms", plain_ms),
-        ])
+        Ok(self.counters.time(self.group.work[case].way, eye, drawn)?)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use scene::ByRays;
     use std::rc::Rc;
     use terrafill_fill::{Devices, device_for_test};
-
-    fn course(leaves: usize, last_change: Option<usize>) -> Course {
-        Course {
-            leaves: vec![4; leaves],
-            last_change,
-            ..Course::default()
-        }
-    }
-
-    #[test]
-    fn a_loop_that_changes_to_the_end_has_not_settled() {
-        assert_eq!(settled(&course(48, None), 1), Some(0));
-        assert_eq!(settled(&course(48, Some(9)), 1), Some(10));
-        // Twins: at the end, and just before it.
-        assert_eq!(settled(&course(48, Some(47)), 1), None);
-        assert_eq!(settled(&course(48, Some(44)), 3), None);
-    }
 
     #[test]
     fn devices_count_what_rays_see_and_a_wide_hysteresis_comes_to_rest() {
@@ -356,13 +278,13 @@ mod tests {
             return;
         }
         let list = List::shipped().expect("a list");
-        let counts = Counts::new(&list, true, 1);
+        let counts = Counts::planned(&list, true, 1);
         let folder = tempfile::tempdir().expect("a folder");
         let context = Context {
             devices: &devices,
             folder: folder.path(),
         };
-        let mut session = CountPart::new(&counts, context);
+        let mut session = CountPart::new(&counts.work, context);
         let mut ends = Vec::new();
         for way in Way::ALL {
             let is_it = |work: &Work| {
@@ -371,13 +293,13 @@ mod tests {
                     && work.delay == 1
                     && work.path == Path::Still("nadir-1161km".to_owned())
             };
-            let case = counts.work.iter().position(is_it).expect("planned");
+            let case = counts.work.work.iter().position(is_it).expect("planned");
             match session.run(case) {
-                Ok(course) => {
-                    eprintln!("{way:?}: {:?} {:?}", course.leaves, course.against_rays);
+                Ok(Paged { course, .. }) => {
+                    eprintln!("{way:?}: {:?} {:?}", course.sizes, course.against_rays);
                     assert!(course.against_rays.1 == 0 && course.against_rays.2 > 8);
-                    assert!(settled(&course, 1).is_some_and(|frames| frames > 1));
-                    ends.push(course.leaves);
+                    assert!(course.settled(1).is_some_and(|frames| frames > 1));
+                    ends.push(course.sizes);
                     let (eye, drawn) = &session.last[&case];
                     let rays = ByRays::new(eye, drawn);
                     let mut fewer: BTreeMap<Node, u64> = rays

@@ -213,7 +213,7 @@ pub(crate) fn shift_px(eye: &Eye, ecef: DVec3, centre: [f64; 2]) -> f64 {
     if view.z >= 0.0 {
         return diagonal;
     }
-    let per_tangent = 0.5 * f64::from(eye.size.height) / eye.camera.tan_half_fov();
+    let per_tangent = eye.focal_px();
     let x = 0.5 * f64::from(eye.size.width) - per_tangent * view.x / view.z - centre[0];
     let y = 0.5 * f64::from(eye.size.height) + per_tangent * view.y / view.z - centre[1];
     x.hypot(y).min(diagonal)
@@ -223,12 +223,7 @@ pub(crate) fn shift_px(eye: &Eye, ecef: DVec3, centre: [f64; 2]) -> f64 {
 /// point of it.
 pub(crate) fn on_map(eye: &Eye, facet: [DVec3; 3], point: DVec3) -> Geodetic {
     let corners = facet.map(|corner| eye.body.ecef_to_geodetic(corner + eye.camera.eye_ecef));
-    let [a, b, c] = facet;
-    let normal = (b - a).cross(c - a);
-    let share = |from: DVec3, to: DVec3| {
-        (from - point).cross(to - point).dot(normal) / normal.length_squared()
-    };
-    let shares = [share(b, c), share(c, a), share(a, b)];
+    let shares = shares(facet, point);
     let first = corners[0].longitude_rad;
     let (mut east, mut up) = (0.0, 0.0);
     for (corner, share) in corners.iter().zip(shares) {
@@ -241,6 +236,25 @@ pub(crate) fn on_map(eye: &Eye, facet: [DVec3; 3], point: DVec3) -> Geodetic {
         latitude_rad: up.sinh().atan(),
         height_m: 0.0,
     }
+}
+
+/// Shares of a triangle's corners at a point of it.
+pub(crate) fn shares([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 3] {
+    let normal = (b - a).cross(c - a);
+    let share = |from: DVec3, to: DVec3| {
+        (from - point).cross(to - point).dot(normal) / normal.length_squared()
+    };
+    [share(b, c), share(c, a), share(a, b)]
+}
+
+/// A pixel and those beside it, in an image of so many pixels.
+pub(crate) fn around(pixel: usize, width: usize, count: usize) -> impl Iterator<Item = usize> {
+    let (row, column) = (pixel / width, pixel % width);
+    let rows = row.saturating_sub(1)..(row + 2).min(count / width);
+    rows.flat_map(move |row| {
+        let columns = column.saturating_sub(1)..(column + 2).min(width);
+        columns.map(move |column| row * width + column)
+    })
 }
 
 /// Mercator's y of a latitude, ±π at the ends of its square and beyond.

@@ -6,15 +6,14 @@
 //! by the depth that the device wrote.
 
 mod api;
+#[cfg(test)]
+mod arithmetic;
 mod canvas;
 mod chapter;
 mod clock;
-mod controllers;
 mod counts;
 mod error;
 mod expected;
-mod forms;
-mod grid_facts;
 mod image;
 mod keys;
 mod list;
@@ -22,11 +21,9 @@ mod made;
 mod metrics;
 mod opened;
 mod projection;
-mod published;
 mod shading;
 mod sight;
 mod study;
-mod table;
 mod tiled;
 mod zones;
 

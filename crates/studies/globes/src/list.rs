@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What is measured: views, and surfaces through their knobs, read from `plan.toml`.
 
+use glam::DVec3;
 use serde::Deserialize;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_scene::{Camera, CameraPose, ImageSize};
@@ -85,6 +86,14 @@ impl List {
     pub(crate) fn shipped() -> Result<Self, String> {
         Self::parse(PLAN)
     }
+
+    /// # Errors
+    /// That there is no view of this name.
+    pub(crate) fn view(&self, name: &str) -> Result<&ViewRow, String> {
+        let mut views = self.view.iter();
+        let view = views.find(|view| view.name == name);
+        view.ok_or_else(|| format!("no view is called {name:?}"))
+    }
 }
 
 /// An eye over a body, and an image.
@@ -94,6 +103,22 @@ pub(crate) struct Eye {
     pub(crate) pose: CameraPose,
     pub(crate) camera: Camera,
     pub(crate) size: ImageSize,
+}
+
+impl Eye {
+    /// Pixels per radian in the image's middle.
+    pub(crate) fn focal_px(&self) -> f64 {
+        0.5 * f64::from(self.size.height) / self.camera.tan_half_fov()
+    }
+
+    /// The place on the body below it, where the body is the unit sphere.
+    pub(crate) fn foot(&self) -> DVec3 {
+        let foot = Geodetic {
+            height_m: 0.0,
+            ..self.pose.eye
+        };
+        self.body.geodetic_to_ecef(foot) / self.body.radii_m()
+    }
 }
 
 impl ViewRow {

@@ -8,15 +8,15 @@ mod heights;
 mod section;
 mod spiral;
 
-pub(crate) use section::blocks;
+pub(crate) use section::SECTION;
 
 use crate::STUDY;
 use crate::clock::FrameWatch;
-use crate::forms;
 use crate::keys;
 use crate::keys::{HEIGHTS, LAW, LOOKUP, SIZE_PX, TRIG, VERTICES, VIEW};
 use crate::list::{Eye, List};
 use crate::opened::Opened;
+use crate::shading::KIND;
 use device::{MadeScene, MadeTargets};
 use glam::DVec3;
 use heights::HeightCube;
@@ -24,14 +24,12 @@ use spiral::{Lookup, Source, Spiral};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
-use terrafill_core::{Ellipsoid, Geodetic};
+use terrafill_core::Ellipsoid;
 use terrafill_fill::DeviceError;
 use terrafill_plot::number::significant;
 use terrafill_results::{CaseId, PlannedCase, Skipped, Verdict};
 use terrafill_scene::Scene;
-use terrafill_study::{
-    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
-};
+use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "made";
@@ -81,7 +79,7 @@ pub(crate) fn height_fields(
             ("base".to_owned(), "relief".into()),
             ("seed".to_owned(), SEED.into()),
         ];
-        let surface = opened.get(forms::KIND, &parameters.into_iter().collect())?;
+        let surface = opened.get(KIND, &parameters.into_iter().collect())?;
         HeightCube::of("relief", &body, &surface, HEIGHT_CELLS)
     };
     let earth = || {
@@ -105,7 +103,6 @@ pub(crate) fn height_fields(
 /// All of it.
 pub(crate) struct Made {
     work: Vec<Work>,
-    cases: Vec<PlannedCase>,
     list: List,
     side_px: u32,
     fields: Vec<Arc<HeightCube>>,
@@ -113,11 +110,11 @@ pub(crate) struct Made {
 
 impl Made {
     /// - `fields`: [`height_fields`]
-    pub(crate) fn new(
+    pub(crate) fn planned(
         list: &List,
         (side_px, samples): (u32, u32),
         fields: Vec<Arc<HeightCube>>,
-    ) -> Self {
+    ) -> CaseGroup<Self> {
         let mut work = Vec::new();
         for view in VIEWS {
             for source in Source::ALL {
@@ -188,12 +185,24 @@ impl Made {
                         || work.terrain.is_some_and(|(_, how)| how == Lookup::Absolute)),
             }
         });
-        Self {
+        CaseGroup {
+            name: format!("{STUDY}/{PART}"),
             cases: cases.collect(),
-            work,
-            list: list.clone(),
-            side_px,
-            fields,
+            warm_up: None,
+            work: Self {
+                work,
+                list: list.clone(),
+                side_px,
+                fields,
+            },
+            open: |group, context| {
+                Ok(Box::new(CaseSession(MadePart {
+                    group: &group.work,
+                    context,
+                    targets: None,
+                    ready: BTreeMap::new(),
+                })))
+            },
         }
     }
 
@@ -206,37 +215,11 @@ impl Made {
     }
 
     fn eye(&self, work: &Work) -> Result<Eye, String> {
-        let mut views = self.list.view.iter();
-        let row = views.find(|row| row.name == work.view);
-        let row = row.ok_or_else(|| format!("no view is called {:?}", work.view))?;
-        let eye = row.eye(self.side_px);
+        let view = self.list.view(work.view)?;
+        let eye = view.eye(self.side_px);
         Ok(self.heights(work).map_or(eye, |heights| {
-            let foot = Geodetic {
-                height_m: 0.0,
-                ..eye.pose.eye
-            };
-            let foot = eye.body.geodetic_to_ecef(foot) / eye.body.radii_m();
-            row.eye_above(heights.height_m(foot), self.side_px)
+            view.eye_above(heights.height_m(eye.foot()), self.side_px)
         }))
-    }
-}
-
-impl Group for Made {
-    fn name(&self) -> String {
-        format!("{STUDY}/{PART}")
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(CaseSession(MadePart {
-            group: self,
-            context,
-            targets: None,
-            ready: BTreeMap::new(),
-        })))
     }
 }
 
@@ -249,7 +232,6 @@ struct MadePart<'a> {
 
 /// Vertices of the device against f64: largest on the screen and on the ground, and how many are not finite.
 fn against(eye: &Eye, spiral: &Spiral, made: &[[f32; 3]]) -> (f64, f64, usize) {
-    let focal_px = 0.5 * f64::from(eye.size.height) / eye.camera.tan_half_fov();
     let (mut px, mut metres, mut lost) = (0.0_f64, 0.0_f64, 0);
     for (number, vertex) in (0..).zip(made) {
         let (found, exact) = (DVec3::from(vertex.map(f64::from)), spiral.place(number));
@@ -258,7 +240,7 @@ fn against(eye: &Eye, spiral: &Spiral, made: &[[f32; 3]]) -> (f64, f64, usize) {
             continue;
         }
         let angle = found.cross(exact).length().atan2(found.dot(exact));
-        px = px.max(angle * focal_px);
+        px = px.max(angle * eye.focal_px());
         metres = metres.max(found.distance(exact));
     }
     (px, metres, lost)

@@ -3,7 +3,7 @@
 
 use terrafill_results::{Kind, Metric, Primary, Scope};
 
-pub(crate) const METRICS: [Metric; 79] = [
+pub(crate) const METRICS: [Metric; 69] = [
     Metric::less(
         "globe_whole_cpu_ms",
         "ms",
@@ -174,12 +174,6 @@ pub(crate) const METRICS: [Metric; 79] = [
         "What a formula says of `globe_lowest_m`.",
     ),
     Metric::neither(
-        "globe_closed_map_m_max",
-        "m",
-        Kind::Error,
-        "What the closed form says of `globe_map_m_max` over a grid on the screen seen straight down.",
-    ),
-    Metric::neither(
         "globe_tile_px",
         "px",
         Kind::Counter,
@@ -258,30 +252,6 @@ pub(crate) const METRICS: [Metric; 79] = [
         "Of them, those that the seam's rule leaves whole.",
     ),
     Metric::less(
-        "globe_tile_untouched",
-        "",
-        Kind::Error,
-        "Of them, those into which the seam's rule inserts nothing.",
-    ),
-    Metric::neither(
-        "globe_tile_with_pole",
-        "",
-        Kind::Counter,
-        "Triangles that hold a pole.",
-    ),
-    Metric::neither(
-        "globe_tile_crossing_met",
-        "",
-        Kind::Counter,
-        "Triangles across ±180° that hold no pole and have a corner whose ray met the body.",
-    ),
-    Metric::less(
-        "globe_tile_untouched_met",
-        "",
-        Kind::Error,
-        "Of them, those into which the seam's rule inserts nothing.",
-    ),
-    Metric::less(
         "globe_tile_count",
         "",
         Kind::Counter,
@@ -311,36 +281,6 @@ pub(crate) const METRICS: [Metric; 79] = [
         "",
         Kind::Error,
         "The same, 99 % of the pixels.",
-    ),
-    Metric::less(
-        "globe_form_px_max",
-        "px",
-        Kind::Error,
-        "How far vertices are moved by single precision or a short series, seen by the eye, largest.",
-    ),
-    Metric::less(
-        "globe_form_m_max",
-        "m",
-        Kind::Error,
-        "The same in metres, largest.",
-    ),
-    Metric::less(
-        "globe_form_m_median",
-        "m",
-        Kind::Error,
-        "The same in metres, median of the vertices.",
-    ),
-    Metric::less(
-        "globe_form_rings",
-        "",
-        Kind::Counter,
-        "Fewest rings of the spiral with which no edge between them sags by more than ¼ px.",
-    ),
-    Metric::neither(
-        "globe_form_expected_rings",
-        "",
-        Kind::Counter,
-        "What the law's formula says of `globe_form_rings`.",
     ),
     Metric::less(
         "globe_count_off_px",

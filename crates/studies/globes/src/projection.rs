@@ -8,8 +8,6 @@
 use glam::{DVec3, DVec4};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use terrafill_core::{Ellipsoid, Geodetic};
-use terrafill_plot::number::significant;
-use terrafill_results::{Block, Cell, Heading, Row, Table};
 use terrafill_scene::{Camera, ImageSize};
 
 /// A projection.
@@ -23,11 +21,7 @@ pub(crate) enum Projection {
 }
 
 /// How far from the focus half of the rim is reached, radii.
-const K: f64 = 0.5;
-/// Half a picture's rows, of which segments are counted.
-const RIM_PX: f64 = 540.0;
-/// What no one sees, pixels.
-const FINE_PX: f64 = 0.25;
+pub(crate) const K: f64 = 0.5;
 
 impl Projection {
     pub(crate) const ALL: [Self; 5] = [
@@ -109,85 +103,6 @@ pub(crate) fn dome(view: DVec3) -> [f64; 2] {
     }
 }
 
-/// Fewest segments of a straight path with which no point is off by more than a quarter of a pixel.
-///
-/// - `place`: along the path, 0 … 1, to pixels
-fn segments(place: impl Fn(f64) -> [f64; 2]) -> u32 {
-    (1..1000)
-        .find(|count| off_px(&place, *count) <= FINE_PX)
-        .unwrap_or(1000)
-}
-
-/// Largest distance between a path and its segments at the same share of the way.
-fn off_px(place: &impl Fn(f64) -> [f64; 2], count: u32) -> f64 {
-    const PARTS: u32 = 32;
-    let count_ = f64::from(count);
-    let mut worst = 0.0_f64;
-    for segment in 0..count {
-        let [from, to] = [segment, segment + 1].map(|at| f64::from(at) / count_);
-        let [a, b] = [place(from), place(to)];
-        for part in 1..PARTS {
-            let share = f64::from(part) / f64::from(PARTS);
-            let at = place(from + share * (to - from));
-            let off = [0, 1].map(|i| a[i] + share * (b[i] - a[i]) - at[i]);
-            worst = worst.max(off[0].hypot(off[1]));
-        }
-    }
-    worst
-}
-
-/// The section.
-pub(crate) fn blocks() -> Vec<Block> {
-    let rows = paths().map(|(name, place)| {
-        let ten = off_px(&place, 10);
-        Row::new(vec![
-            Cell::name(name),
-            Cell::plain(segments(&place).to_string()),
-            Cell::plain(significant(ten)),
-        ])
-    });
-    vec![
-        Block::section("Projections"),
-        Block::Text(
-            "Gebbie & Bailey draw a decal as 10 × 10 sub-quads, whose edges a projection bends. Paths as long as K, \
-             or as the eye's distance in the dome, at a rim of 540 px; computed."
-                .to_owned(),
-        ),
-        Block::Table(Table {
-            caption: "Segments that a straight path needs".to_owned(),
-            headings: ["path", "segments for ¼ px", "off with 10, px"].map(Heading::plain).into(),
-            rows: rows.into(),
-            ..Table::default()
-        }),
-    ]
-}
-
-type Path = Box<dyn Fn(f64) -> [f64; 2]>;
-
-fn paths() -> [(&'static str, Path); 4] {
-    let px = |at: [f64; 2]| at.map(|at| RIM_PX * at);
-    [
-        (
-            "hyperbolic, from the focus outwards",
-            Box::new(move |share| px(hyperbolic_polar([share * K, 0.0], K))),
-        ),
-        (
-            "hyperbolic, past the focus",
-            Box::new(move |share| px(hyperbolic_polar([(share - 0.5) * K, 0.25 * K], K))),
-        ),
-        (
-            "hyperbolic by Cartesian coordinates, past the focus",
-            Box::new(move |share| {
-                px([(share - 0.5) * K, 0.25 * K].map(|at| hyperbolic_cartesian(at, K)))
-            }),
-        ),
-        (
-            "dome, across the view",
-            Box::new(move |share| px(dome(DVec3::new(share, 0.0, -1.0)))),
-        ),
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -218,34 +133,6 @@ mod tests {
         assert!((dome(DVec3::X)[0] - 1.0).abs() < 1e-12);
         assert!((dome(DVec3::new(1.0, 0.0, -1.0))[0] - 0.5).abs() < 1e-12);
         assert!(hyperbolic_cartesian(0.0, 0.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn segments_are_as_many_as_the_second_derivative_says() {
-        let [(_, outwards), _, _, (_, across)] = paths();
-        // f'' = 1080 / K² at the focus: k = √540 = 23.2 for a quarter of a pixel.
-        assert!(
-            (22..=24).contains(&segments(&outwards)),
-            "{}",
-            segments(&outwards)
-        );
-        assert!(
-            (off_px(&outwards, 10) - 1.17).abs() < 0.02,
-            "{}",
-            off_px(&outwards, 10)
-        );
-        assert!(
-            (9..=12).contains(&segments(&across)),
-            "{}",
-            segments(&across)
-        );
-        assert!(
-            (off_px(&across, 10) - 0.27).abs() < 0.02,
-            "{}",
-            off_px(&across, 10)
-        );
-        // Twin: a straight map needs one.
-        assert_eq!(segments(|share| [RIM_PX * share, 0.0]), 1);
     }
 
     #[test]

@@ -5,11 +5,12 @@
 mod device;
 mod judge;
 mod layers;
-mod rows;
 mod section;
 mod tessellation;
 
-pub(crate) use section::blocks;
+pub(crate) use section::SECTIONS;
+#[cfg(test)]
+pub(crate) use section::TABLE_3;
 
 use crate::STUDY;
 use crate::clock::FrameWatch;
@@ -27,10 +28,8 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::rc::Rc;
 use terrafill_core::Geodetic;
-use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
-use terrafill_study::{
-    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
-};
+use terrafill_results::{Case, CaseId, PlannedCase, Verdict, quantile};
+use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
 use terrafill_surface::SurfaceFrame;
 use toml::{Table, Value};
 
@@ -72,7 +71,6 @@ struct Work {
 /// All of it.
 pub(crate) struct Shadings {
     work: Vec<Work>,
-    cases: Vec<PlannedCase>,
     list: List,
     opened: Rc<Opened>,
     face: u32,
@@ -139,6 +137,11 @@ fn work(side_px: u32, is_quick: bool) -> Vec<Work> {
     all
 }
 
+/// - `what`: its condition of that name
+fn is_of(case: &Case, what: &str) -> bool {
+    case.condition(keys::PART) == PART && case.condition(WHAT) == what
+}
+
 fn fault_name(fault: u32) -> &'static str {
     let mut faults = FAULTS.iter();
     faults
@@ -147,12 +150,12 @@ fn fault_name(fault: u32) -> &'static str {
 }
 
 impl Shadings {
-    pub(crate) fn new(
+    pub(crate) fn planned(
         list: &List,
         (side_px, samples): (u32, u32),
         is_quick: bool,
         opened: &Rc<Opened>,
-    ) -> Self {
+    ) -> CaseGroup<Self> {
         let work = work(side_px, is_quick);
         let cases = work.iter().map(|work| {
             let pictures = if work.shading.by_angles {
@@ -187,45 +190,37 @@ impl Shadings {
                 may_be_wrong: work.shading.fault > 0,
             }
         });
-        Self {
+        CaseGroup {
+            name: format!("{STUDY}/{PART}"),
             cases: cases.collect(),
-            work,
-            list: list.clone(),
-            opened: Rc::clone(opened),
-            face: if is_quick { QUICK_FACE } else { FACE },
+            warm_up: None,
+            work: Self {
+                work,
+                list: list.clone(),
+                opened: Rc::clone(opened),
+                face: if is_quick { QUICK_FACE } else { FACE },
+            },
+            open: |group, context| {
+                Ok(Box::new(CaseSession(ShadingPart {
+                    group: &group.work,
+                    cases: &group.cases,
+                    context,
+                    pictures: None,
+                    targets: BTreeMap::new(),
+                    ready: BTreeMap::new(),
+                })))
+            },
         }
     }
 
     fn eye(&self, work: &Work) -> Result<Eye, String> {
-        let mut views = self.list.view.iter();
-        let row = views.find(|row| row.name == work.view);
-        let row = row.ok_or_else(|| format!("no view is called {:?}", work.view))?;
-        Ok(row.eye(work.size_px))
-    }
-}
-
-impl Group for Shadings {
-    fn name(&self) -> String {
-        format!("{STUDY}/{PART}")
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(CaseSession(ShadingPart {
-            group: self,
-            context,
-            pictures: None,
-            targets: BTreeMap::new(),
-            ready: BTreeMap::new(),
-        })))
+        Ok(self.list.view(work.view)?.eye(work.size_px))
     }
 }
 
 struct ShadingPart<'a> {
     group: &'a Shadings,
+    cases: &'a [PlannedCase],
     context: Context<'a>,
     pictures: Option<Pictures>,
     /// By size and view.
@@ -287,7 +282,7 @@ impl Measures for ShadingPart<'_> {
         figures.push(("globe_upload_bytes", sent as f64));
         let mut notes = Vec::new();
         if work.what != "tessellation" {
-            let name = self.group.cases[case].id.key().replace(['/', '='], "-");
+            let name = self.cases[case].id.key().replace(['/', '='], "-");
             let size = [work.size_px; 2];
             let pixels = picture.iter().map(|colour| bytes(*colour));
             let path = write_png(self.context.folder, &name, size, pixels)?;

@@ -5,7 +5,7 @@ use crate::STUDY;
 use crate::api::{Drawing, Interface, RAYS, VULKAN, WGPU};
 use crate::canvas::no_triangles;
 use crate::clock::FrameWatch;
-use crate::error::{Errors, of_depth, of_frame};
+use crate::error::{Errors, around, of_depth, of_frame};
 use crate::expected::{Expected, expected};
 use crate::keys::{API, KNOB, SIZE_PX, SURFACE, VALUE, VIEW};
 use crate::list::{Eye, Formula, SurfaceRow, ViewRow, number};
@@ -18,9 +18,7 @@ use std::sync::Arc;
 use terrafill_fill::{DeviceError, SurfaceView, ViewConstants, ViewId};
 use terrafill_gpu::RayCast;
 use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
-use terrafill_study::{
-    CaseSession, Context, Depth, Failure, Figures, Group, Measures, Session, StudyError,
-};
+use terrafill_study::{CaseGroup, CaseSession, Context, Depth, Failure, Figures, Measures};
 use terrafill_surface::{Surface, SurfaceError, SurfaceFrame};
 use toml::Value;
 
@@ -102,20 +100,18 @@ pub(crate) fn works(rows: &[SurfaceRow], depth: Depth) -> Vec<Work> {
 
 /// All surfaces in one view.
 pub(crate) struct Sight {
-    view: ViewRow,
     eye: Eye,
     works: Vec<Work>,
-    cases: Vec<PlannedCase>,
     opened: Rc<Opened>,
 }
 
 impl Sight {
-    pub(crate) fn new(
-        view: ViewRow,
+    pub(crate) fn planned(
+        view: &ViewRow,
         works: &[Work],
         opened: &Rc<Opened>,
         (side_px, samples): (u32, u32),
-    ) -> Self {
+    ) -> CaseGroup<Self> {
         let eye = view.eye(side_px);
         let cases = works.iter().map(|work| {
             let (knob, value) = work
@@ -147,33 +143,25 @@ impl Sight {
                 may_be_wrong: work.has_cracks,
             }
         });
-        Self {
+        CaseGroup {
+            name: format!("{STUDY}/{}", view.name),
             cases: cases.collect(),
-            view,
-            eye,
-            works: works.to_vec(),
-            opened: Rc::clone(opened),
+            warm_up: None,
+            work: Self {
+                eye,
+                works: works.to_vec(),
+                opened: Rc::clone(opened),
+            },
+            open: |group, context| {
+                Ok(Box::new(CaseSession(SightPart {
+                    sight: &group.work,
+                    context,
+                    targets: BTreeMap::new(),
+                    judged: BTreeMap::new(),
+                    ready: BTreeMap::new(),
+                })))
+            },
         }
-    }
-}
-
-impl Group for Sight {
-    fn name(&self) -> String {
-        format!("{STUDY}/{}", self.view.name)
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(CaseSession(SightPart {
-            sight: self,
-            context,
-            targets: BTreeMap::new(),
-            judged: BTreeMap::new(),
-            ready: BTreeMap::new(),
-        })))
     }
 }
 
@@ -316,11 +304,8 @@ impl Measures for SightPart<'_> {
             ("triangles", format!("{hash:016x}")),
             ("expected-by", judged.expected.by.to_owned()),
         ];
-        Ok(terrafill_study::judged(
-            standing(&judged.errors, otherwise),
-            figures,
-            notes,
-        ))
+        let reason = standing(&judged.errors, otherwise);
+        Ok(terrafill_study::judged(reason, figures, notes))
     }
 
     fn recheck(
@@ -383,16 +368,8 @@ fn upload_bytes(frame: Option<&SurfaceFrame>) -> u64 {
 /// Pixels that one of two pictures shows and the other does not, but for those beside the outline of the
 /// first.
 pub(crate) fn drawn_otherwise(width: usize, rays: &[bool], device: &[bool]) -> usize {
-    let height = rays.len() / width.max(1);
-    let is_plain = |pixel: usize| {
-        let (row, column) = (pixel / width, pixel % width);
-        let rows = row.saturating_sub(1)..(row + 2).min(height);
-        rows.flat_map(|row| {
-            let columns = column.saturating_sub(1)..(column + 2).min(width);
-            columns.map(move |column| row * width + column)
-        })
-        .all(|beside| rays[beside] == rays[pixel])
-    };
+    let is_plain =
+        |pixel: usize| around(pixel, width, rays.len()).all(|beside| rays[beside] == rays[pixel]);
     (0..rays.len())
         .filter(|&pixel| rays[pixel] != device[pixel] && is_plain(pixel))
         .count()

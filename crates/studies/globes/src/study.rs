@@ -2,14 +2,13 @@
 //! What is measured together: surfaces through their knobs in each view, and further parts.
 
 use crate::counts::Counts;
-use crate::forms::{self, Forms};
-use crate::grid_facts::GridFacts;
-use crate::list::List;
+use crate::list::{List, ViewRow};
 use crate::made::{Made, height_fields};
 use crate::metrics::METRICS;
 use crate::opened::Opened;
 use crate::shading::{self, Shadings};
 use crate::sight::{Sight, works};
+use crate::tiled::options::Options;
 use crate::tiled::picture::{self, Pictured};
 use crate::tiled::stage::Stages;
 use crate::tiled::{self, Tiled};
@@ -59,6 +58,10 @@ impl Study for GlobesStudy {
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let list = List::shipped().map_err(StudyError::BadInput)?;
         let is_quick = request.depth == Depth::Quick;
+        let planned = |views: &[ViewRow]| -> Vec<ViewRow> {
+            let views = views.iter().filter(|view| view.quick || !is_quick);
+            views.cloned().collect()
+        };
         let (mut rows, mut skipped) = (Vec::new(), Vec::new());
         for row in list.surface.clone() {
             if self.surfaces.iter().any(|kind| kind.name() == row.kind) {
@@ -73,28 +76,20 @@ impl Study for GlobesStudy {
         let works = works(&rows, request.depth);
         let opened = Rc::new(Opened::new(self.surfaces));
         let sizes = sizes(request);
-        let views = list
-            .view
-            .iter()
-            .filter(|view| view.quick || !is_quick)
-            .cloned();
-        let mut groups: Vec<Box<dyn Group>> = views
-            .map(|view| -> Box<dyn Group> { Box::new(Sight::new(view, &works, &opened, sizes)) })
-            .collect();
+        let mut groups: Vec<Box<dyn Group>> = Vec::new();
+        for view in &planned(&list.view) {
+            groups.push(Box::new(Sight::planned(view, &works, &opened, sizes)));
+        }
         if opened.has(tiled::KIND) {
-            groups.push(Box::new(GridFacts::new(&opened)));
-            let views = list
-                .tiled_view
-                .iter()
-                .filter(|view| view.quick || !is_quick);
-            for view in views {
-                groups.push(Box::new(Tiled::planned(view, sizes, is_quick, &opened)));
-                groups.push(Box::new(Stages::new(view, sizes, &opened)));
+            for view in &planned(&list.tiled_view) {
+                let options = Options::of_view(is_quick, view.all_cells);
+                groups.push(Box::new(Tiled::planned(view, sizes, options, &opened)));
+                groups.push(Box::new(Stages::planned(view, sizes, &opened)));
             }
             match picture::blue_marble(request.data_dir.as_deref()) {
                 Ok(of_earth) => {
                     let views = &list.tiled_view;
-                    let pictured = Pictured::new(views, sizes, is_quick, of_earth, &opened);
+                    let pictured = Pictured::planned(views, sizes, is_quick, of_earth, &opened);
                     groups.push(Box::new(pictured));
                 }
                 Err(reason) => skipped.push(Skipped {
@@ -108,20 +103,19 @@ impl Study for GlobesStudy {
                 reason: format!("there is no surface of the kind {:?}", tiled::KIND),
             });
         }
-        if opened.has(forms::KIND) {
-            groups.push(Box::new(Forms::new(&opened)));
-            groups.push(Box::new(Shadings::new(&list, sizes, is_quick, &opened)));
+        if opened.has(shading::KIND) {
+            groups.push(Box::new(Shadings::planned(&list, sizes, is_quick, &opened)));
         } else {
             skipped.push(Skipped {
-                what: format!("{STUDY}/{}, {STUDY}/{}", forms::PART, shading::PART),
-                reason: format!("there is no surface of the kind {:?}", forms::KIND),
+                what: format!("{STUDY}/{}", shading::PART),
+                reason: format!("there is no surface of the kind {:?}", shading::KIND),
             });
         }
         let (fields, without) = height_fields(&opened, request.data_dir.as_deref());
         skipped.extend(without);
-        groups.push(Box::new(Made::new(&list, sizes, fields)));
-        groups.push(Box::new(Counts::new(&list, is_quick, sizes.1)));
-        groups.push(Box::new(Zones::new(is_quick, sizes.1)));
+        groups.push(Box::new(Made::planned(&list, sizes, fields)));
+        groups.push(Box::new(Counts::planned(&list, is_quick, sizes.1)));
+        groups.push(Box::new(Zones::planned(is_quick, sizes.1)));
         Ok(Planned { groups, skipped })
     }
 

@@ -4,14 +4,16 @@
 
 mod device;
 mod mesh;
-mod options;
+pub(crate) mod options;
 pub(crate) mod picture;
 mod section;
 pub(crate) mod stage;
 mod tile_set;
 mod truth;
 
-pub(crate) use section::{blocks, frame_times_by_cells};
+#[cfg(test)]
+pub(crate) use section::PUBLISHED_FPS;
+pub(crate) use section::SECTION;
 
 use crate::STUDY;
 use crate::clock::FrameWatch;
@@ -27,9 +29,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_fill::DeviceError;
 use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
-use terrafill_study::{
-    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
-};
+use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
 use terrafill_surface::{Surface, SurfaceFrame};
 use tile_set::{Content, Shown, TileSet};
 use toml::{Table, Value};
@@ -42,22 +42,18 @@ pub(crate) const KIND: &str = "screen-grid";
 
 /// A view, and the ways to lay tiles over it.
 pub(crate) struct Tiled {
-    name: String,
     eye: Eye,
     options: Vec<Options>,
-    cases: Vec<PlannedCase>,
     opened: Rc<Opened>,
 }
 
 impl Tiled {
-    /// - `has_all_cells`: whether the published numbers of cells are gone through
-    pub(crate) fn new(
+    pub(crate) fn planned(
         view: &ViewRow,
         (side_px, samples): (u32, u32),
         options: Vec<Options>,
         opened: &Rc<Opened>,
-    ) -> Self {
-        let eye = view.eye(side_px);
+    ) -> CaseGroup<Self> {
         let cases = options.iter().map(|options| {
             let conditions = [
                 (keys::PART, PART.to_owned()),
@@ -80,44 +76,25 @@ impl Tiled {
                 may_be_wrong: options.may_be_wrong(),
             }
         });
-        Self {
-            name: view.name.clone(),
-            eye,
+        CaseGroup {
+            name: format!("{STUDY}/{PART}/{}", view.name),
             cases: cases.collect(),
-            options,
-            opened: Rc::clone(opened),
+            warm_up: None,
+            work: Self {
+                eye: view.eye(side_px),
+                options,
+                opened: Rc::clone(opened),
+            },
+            open: |group, context| {
+                Ok(Box::new(CaseSession(TiledPart {
+                    group: &group.work,
+                    context,
+                    targets: None,
+                    truths: BTreeMap::new(),
+                    ready: BTreeMap::new(),
+                })))
+            },
         }
-    }
-
-    /// As the view's ways are planned.
-    pub(crate) fn planned(
-        view: &ViewRow,
-        sizes: (u32, u32),
-        is_quick: bool,
-        opened: &Rc<Opened>,
-    ) -> Self {
-        let options = Options::of_view(is_quick, view.all_cells);
-        Self::new(view, sizes, options, opened)
-    }
-}
-
-impl Group for Tiled {
-    fn name(&self) -> String {
-        format!("{STUDY}/{PART}/{}", self.name)
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(CaseSession(TiledPart {
-            group: self,
-            context,
-            targets: None,
-            truths: BTreeMap::new(),
-            ready: BTreeMap::new(),
-        })))
     }
 }
 

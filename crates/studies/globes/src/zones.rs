@@ -6,28 +6,24 @@
 mod field;
 mod section;
 
-pub(crate) use section::blocks;
+pub(crate) use section::SECTION;
 
 use crate::STUDY;
-use crate::counts::device::{Counters, Way};
-use crate::counts::scene::{ByRays, Drawn};
+use crate::counts::course::Course;
+use crate::counts::device::{Counters, SIDE_PX, Way};
+use crate::counts::scene::Drawn;
 use crate::keys;
 use crate::keys::{API, COUNTED_BY, HYSTERESIS, SIZE_PX, SPIKE_M};
 use crate::list::{Eye, ViewRow};
 use field::{COARSE_TRIANGLES, FINEST, Field, Levels, ZONES, node, number};
 use std::collections::BTreeMap;
-use terrafill_control::{Node, ZoneRule};
-use terrafill_fill::CpuStopwatch;
+use terrafill_control::ZoneRule;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
-use terrafill_scene::ImageSize;
-use terrafill_study::{
-    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
-};
+use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "zones";
 
-const SIDE_PX: u32 = 400;
 const EYE_M: f64 = 800.0;
 const PITCH_DEG: f64 = -12.0;
 /// Frames in which zones come to rest or do not.
@@ -50,14 +46,21 @@ struct Work {
     wanted: f64,
 }
 
+impl Work {
+    fn field(self) -> Field {
+        Field {
+            spike_m: self.spike_m,
+        }
+    }
+}
+
 /// All of it.
 pub(crate) struct Zones {
     work: Vec<Work>,
-    cases: Vec<PlannedCase>,
 }
 
 impl Zones {
-    pub(crate) fn new(is_quick: bool, samples: u32) -> Self {
+    pub(crate) fn planned(is_quick: bool, samples: u32) -> CaseGroup<Self> {
         let ways = &Way::ALL[..if is_quick { 1 } else { 2 }];
         let all = &WANTED[..if is_quick { 1 } else { WANTED.len() }];
         let mut work = Vec::new();
@@ -95,9 +98,12 @@ impl Zones {
                 may_be_wrong: false,
             }
         });
-        Self {
+        CaseGroup {
+            name: format!("{STUDY}/{PART}"),
             cases: cases.collect(),
-            work,
+            warm_up: None,
+            work: Self { work },
+            open: |group, context| Ok(Box::new(CaseSession(ZonePart::new(&group.work, context)))),
         }
     }
 }
@@ -116,39 +122,6 @@ fn eye() -> Eye {
     row.eye(SIDE_PX)
 }
 
-impl Group for Zones {
-    fn name(&self) -> String {
-        format!("{STUDY}/{PART}")
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(CaseSession(ZonePart::new(self, context))))
-    }
-}
-
-/// What a loop did.
-#[derive(Debug, Clone, PartialEq, Default)]
-struct Course {
-    /// Triangles of all zones, frame by frame.
-    triangles: Vec<f64>,
-    /// Frames in which a zone changed its level.
-    changes: Vec<usize>,
-    /// Largest difference from rays, nodes off by more than their edges, and nodes compared.
-    against_rays: (u64, usize, usize),
-}
-
-impl Course {
-    /// Frames after which nothing changes; `None` where changes go on to the end.
-    fn settled(&self) -> Option<usize> {
-        let last = self.changes.last().map_or(0, |frame| frame + 1);
-        (last + 2 * DELAY + 2 <= self.triangles.len()).then_some(last)
-    }
-}
-
 struct ZonePart<'a> {
     group: &'a Zones,
     counters: Counters<'a>,
@@ -160,26 +133,12 @@ struct ZonePart<'a> {
 
 impl<'a> ZonePart<'a> {
     fn new(group: &'a Zones, context: Context<'a>) -> Self {
-        let size = ImageSize {
-            width: SIDE_PX,
-            height: SIDE_PX,
-        };
         Self {
             group,
-            counters: Counters::new(context.devices, size),
+            counters: Counters::new(context.devices),
             hides: BTreeMap::new(),
             last: BTreeMap::new(),
         }
-    }
-
-    fn counts(
-        &mut self,
-        way: Way,
-        eye: &Eye,
-        drawn: &Drawn,
-    ) -> Result<BTreeMap<Node, u64>, Failure> {
-        let counts = self.counters.get(way)?.count(eye, drawn)?;
-        Ok(drawn.nodes.iter().copied().zip(counts).collect())
     }
 
     /// Of what a zone shows a level below the finest over what it shows at the finest, the largest.
@@ -188,18 +147,17 @@ impl<'a> ZonePart<'a> {
         if let Some(known) = self.hides.get(&key) {
             return Ok(*known);
         }
-        let (eye, field) = (
-            eye(),
-            Field {
-                spike_m: work.spike_m,
-            },
-        );
+        let (eye, field) = (eye(), work.field());
         let mut worst = 1.0_f64;
-        let fine = self.counts(work.way, &eye, &field.drawn(&eye, &[FINEST; ZONES * ZONES]))?;
+        let mut counts = |levels: &Levels| {
+            let drawn = field.drawn(&eye, levels);
+            self.counters.by_node(work.way, &eye, &drawn)
+        };
+        let fine = counts(&[FINEST; ZONES * ZONES])?;
         for zone in 0..ZONES * ZONES {
             let mut levels = [FINEST; ZONES * ZONES];
             levels[zone] = FINEST - 1;
-            let coarse = self.counts(work.way, &eye, &field.drawn(&eye, &levels))?;
+            let coarse = counts(&levels)?;
             let [fine, coarse] = [&fine, &coarse].map(|counts| counts[&node(zone)]);
             if coarse >= MIN_PX {
                 worst = worst.max(coarse as f64 / fine.max(1) as f64);
@@ -211,12 +169,7 @@ impl<'a> ZonePart<'a> {
 
     fn run(&mut self, case: usize) -> Result<Course, Failure> {
         let work = self.group.work[case];
-        let (eye, field) = (
-            eye(),
-            Field {
-                spike_m: work.spike_m,
-            },
-        );
+        let (eye, field) = (eye(), work.field());
         let rule = ZoneRule::new(
             COARSE_TRIANGLES.into(),
             FINEST,
@@ -226,19 +179,15 @@ impl<'a> ZonePart<'a> {
         let mut levels: Levels = [0; ZONES * ZONES];
         // Of each zone, the frame in which its level was first drawn.
         let mut since = [0; ZONES * ZONES];
-        let mut counted: Vec<BTreeMap<Node, u64>> = Vec::new();
+        let mut counted = Vec::new();
         let mut course = Course::default();
         for frame in 0..FRAMES {
             let drawn = field.drawn(&eye, &levels);
-            let counts = self.counts(work.way, &eye, &drawn)?;
-            counted.push(counts);
+            counted.push(self.counters.by_node(work.way, &eye, &drawn)?);
             let triangles = levels.iter().map(|level| rule.triangles(*level));
-            course.triangles.push(triangles.sum());
+            course.sizes.push(triangles.sum());
             if frame == 0 || frame + 1 == FRAMES {
-                let (largest, wrong) = ByRays::new(&eye, &drawn).against(&counted[frame]);
-                let (so_far, so_wrong, compared) = course.against_rays;
-                let nodes = compared + drawn.nodes.len();
-                course.against_rays = (so_far.max(largest), so_wrong + wrong, nodes);
+                course.compare(&eye, &drawn, &counted[frame]);
                 self.last.insert(case, drawn);
             }
             let Some(old) = (frame + 1).checked_sub(DELAY) else {
@@ -254,7 +203,7 @@ impl<'a> ZonePart<'a> {
                 if next != levels[zone] {
                     levels[zone] = next;
                     since[zone] = frame + 1;
-                    course.changes.push(frame);
+                    course.last_change = Some(frame);
                 }
             }
         }
@@ -267,51 +216,20 @@ impl Measures for ZonePart<'_> {
         let work = self.group.work[case];
         let hides = self.hidden(work)?;
         let course = self.run(case)?;
-        let (largest, wrong, compared) = course.against_rays;
-        let settled = course.settled();
-        let mut figures = vec![
-            ("globe_zone_hides", hides),
-            ("globe_count_off_px", largest as f64),
-            ("globe_count_wrong_nodes", wrong as f64),
-            ("globe_count_nodes", compared as f64),
-            ("globe_count_cycles", f64::from(u8::from(settled.is_none()))),
-        ];
-        figures.extend(settled.map(|frames| ("globe_count_settle_frames", frames as f64)));
-        figures.extend(
-            course
-                .triangles
-                .last()
-                .map(|count| ("globe_triangles", *count)),
-        );
-        let reason = match wrong {
-            0 => String::new(),
-            wrong => format!(
-                "{wrong} of {compared} zones are off by more pixels than they have at their edges, allowed 0"
-            ),
-        };
-        let triangles: Vec<String> = course.triangles.iter().map(f64::to_string).collect();
-        Ok(judged(
-            reason,
-            figures,
-            vec![("triangles-by-frame", triangles.join(" "))],
-        ))
+        let (mut figures, reason) = course.exactness();
+        figures.push(("globe_zone_hides", hides));
+        figures.extend(course.rest(DELAY));
+        let last = course.sizes.last();
+        figures.extend(last.map(|count| ("globe_triangles", *count)));
+        let note = ("triangles-by-frame", course.note());
+        Ok(judged(reason, figures, vec![note]))
     }
 
-    /// The last frame with its counts read at once, and without counts.
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
         let drawn = self.last.get(&case);
         let drawn = drawn.ok_or("it was not verified".to_owned())?;
-        let counter = self.counters.get(self.group.work[case].way)?;
-        let eye = eye();
-        let watch = CpuStopwatch::start();
-        counter.count(&eye, drawn)?;
-        let counted_ms = watch.cpu_ms();
-        let watch = CpuStopwatch::start();
-        counter.draw(&eye, drawn)?;
-        Ok(vec![
-            ("globe_counted_cpu_ms", counted_ms),
-            ("globe_uncounted_cpu_ms", watch.cpu_ms()),
-        ])
+        let way = self.group.work[case].way;
+        Ok(self.counters.time(way, &eye(), drawn)?)
     }
 }
 
@@ -327,26 +245,26 @@ mod tests {
         if device_for_test(terrafill_gpu::shared_gpu(&devices)).is_none() {
             return;
         }
-        let zones = Zones::new(true, 1);
+        let zones = Zones::planned(true, 1);
         let folder = tempfile::tempdir().expect("a folder");
         let context = Context {
             devices: &devices,
             folder: folder.path(),
         };
-        let mut part = ZonePart::new(&zones, context);
+        let mut part = ZonePart::new(&zones.work, context);
         let mut of = |spike_m: f64, hysteresis: f64| {
-            let mut work = zones.work.iter();
+            let mut work = zones.work.work.iter();
             let is_it = |work: &Work| work.spike_m == spike_m && work.hysteresis == hysteresis;
             let case = work.position(is_it).expect("planned");
-            let hides = part.hidden(zones.work[case]).unwrap_or(f64::NAN);
+            let hides = part.hidden(zones.work.work[case]).unwrap_or(f64::NAN);
             let course = part.run(case).ok().expect("counted");
             eprintln!(
                 "spikes of {spike_m} m, hysteresis {hysteresis}: hide all but 1/{hides:.2}, rest after {:?}, {:?}",
-                course.settled(),
+                course.settled(DELAY),
                 course.against_rays
             );
             assert_eq!(course.against_rays.1, 0);
-            (hides, course.settled())
+            (hides, course.settled(DELAY))
         };
         let (plain, rest) = of(0.0, 4.0);
         assert!(

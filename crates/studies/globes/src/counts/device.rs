@@ -3,20 +3,28 @@
 //! and a histogram. WebGPU's queries say no more than zero or not.
 
 use super::scene::Drawn;
-use crate::canvas::{Canvas, view_constants, written};
+use crate::canvas::{Canvas, Stages, texture, vertices, view_constants, write_layers, written};
 use crate::list::Eye;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, Devices, ViewConstants};
+use terrafill_control::Node;
+use terrafill_fill::{CpuStopwatch, DeviceError, Devices, ViewConstants};
 use terrafill_gpu::read_buffer;
 use terrafill_scene::ImageSize;
+use terrafill_study::Figures;
 use terrafill_vulkan::{
     Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, Measured, PrimitiveStages, Resource,
     Resources, Shader, Topology, VertexFormat,
 };
 
+/// Pixels a side: with pictures of 64² texels, some 40 nodes.
+pub(crate) const SIDE_PX: u32 = 400;
+const SIZE: ImageSize = ImageSize {
+    width: SIDE_PX,
+    height: SIDE_PX,
+};
 /// Texels along a side of a node's picture.
 pub(crate) const NODE_TEXELS: u32 = 64;
 
@@ -50,10 +58,10 @@ impl Way {
         }
     }
 
-    fn open(self, devices: &Devices, size: ImageSize) -> Result<Box<dyn Counter>, DeviceError> {
+    fn open(self, devices: &Devices) -> Result<Box<dyn Counter>, DeviceError> {
         Ok(match self {
-            Self::Histogram => Box::new(ByHistogram::new(devices, size)?),
-            Self::Queries => Box::new(ByQueries::new(devices, size)?),
+            Self::Histogram => Box::new(ByHistogram::new(devices)?),
+            Self::Queries => Box::new(ByQueries::new(devices)?),
         })
     }
 }
@@ -61,16 +69,14 @@ impl Way {
 /// Counters of one size, opened when they are first wanted.
 pub(crate) struct Counters<'a> {
     devices: &'a Devices,
-    size: ImageSize,
     /// By interface.
     open: BTreeMap<&'static str, Box<dyn Counter>>,
 }
 
 impl<'a> Counters<'a> {
-    pub(crate) fn new(devices: &'a Devices, size: ImageSize) -> Self {
+    pub(crate) fn new(devices: &'a Devices) -> Self {
         Self {
             devices,
-            size,
             open: BTreeMap::new(),
         }
     }
@@ -78,17 +84,46 @@ impl<'a> Counters<'a> {
     pub(crate) fn get(&mut self, way: Way) -> Result<&mut dyn Counter, DeviceError> {
         let [name, _] = way.names();
         if let Entry::Vacant(entry) = self.open.entry(name) {
-            entry.insert(way.open(self.devices, self.size)?);
+            entry.insert(way.open(self.devices)?);
         }
         let counter = self.open.get_mut(name);
         let counter = counter.ok_or(DeviceError::Missing("a counter of pixels"))?;
         Ok(counter.as_mut())
     }
+
+    /// Pixels of each node.
+    pub(crate) fn by_node(
+        &mut self,
+        way: Way,
+        eye: &Eye,
+        drawn: &Drawn,
+    ) -> Result<BTreeMap<Node, u64>, DeviceError> {
+        let counts = self.get(way)?.count(eye, drawn)?;
+        Ok(drawn.nodes.iter().copied().zip(counts).collect())
+    }
+
+    /// A frame with its counts read at once, and without counts.
+    pub(crate) fn time(
+        &mut self,
+        way: Way,
+        eye: &Eye,
+        drawn: &Drawn,
+    ) -> Result<Figures, DeviceError> {
+        let counter = self.get(way)?;
+        let watch = CpuStopwatch::start();
+        counter.count(eye, drawn)?;
+        let counted_ms = watch.cpu_ms();
+        let watch = CpuStopwatch::start();
+        counter.draw(eye, drawn)?;
+        Ok(vec![
+            ("globe_counted_cpu_ms", counted_ms),
+            ("globe_uncounted_cpu_ms", watch.cpu_ms()),
+        ])
+    }
 }
 
 struct ByHistogram {
     canvas: Canvas,
-    size: ImageSize,
     draw: wgpu::RenderPipeline,
     count: wgpu::ComputePipeline,
     view: wgpu::Buffer,
@@ -98,7 +133,7 @@ struct ByHistogram {
 }
 
 impl ByHistogram {
-    fn new(devices: &Devices, size: ImageSize) -> Result<Self, DeviceError> {
+    fn new(devices: &Devices) -> Result<Self, DeviceError> {
         let gpu = terrafill_gpu::shared_gpu(devices)?;
         let view_layout = gpu.buffer_layout(
             "nodes",
@@ -137,27 +172,19 @@ impl ByHistogram {
                 ],
             });
         let module = gpu.shader("globes/nodes.wgsl")?;
-        let canvas = Canvas::new(&gpu, size, wgpu::TextureFormat::R32Uint);
+        let canvas = Canvas::new(&gpu, SIZE, wgpu::TextureFormat::R32Uint);
         let attributes = [
             wgpu::vertex_attr_array![0 => Float32x3],
             wgpu::vertex_attr_array![1 => Uint32],
         ];
-        let buffers = attributes.each_ref().map(|attributes| {
-            Some(wgpu::VertexBufferLayout {
-                array_stride: attributes[0].format.size(),
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes,
-            })
-        });
-        let layout = gpu.pipeline_layout("nodes", &[Some(&view_layout)]);
-        let vertex = wgpu::VertexState {
+        let stages = Stages {
             module: &module,
-            entry_point: Some("vertex_main"),
-            compilation_options: Default::default(),
-            buffers: &buffers,
+            entry_points: ["vertex_main", "fragment_main"],
+            constants: &[],
+            buffers: &attributes.each_ref().map(|attributes| vertices(attributes)),
         };
-        let fragment = (&module, "fragment_main");
-        let draw = canvas.pipeline("nodes", &layout, vertex, fragment, Default::default());
+        let layout = gpu.pipeline_layout("nodes", &[Some(&view_layout)]);
+        let draw = canvas.pipeline("nodes", &layout, &stages);
         let count = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some("counts"),
             layout: Some(&gpu.pipeline_layout("counts", &[None, Some(&counted)])),
@@ -166,22 +193,13 @@ impl ByHistogram {
             compilation_options: Default::default(),
             cache: None,
         });
-        let pictures = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("picture of a node"),
-            size: wgpu::Extent3d {
-                width: NODE_TEXELS,
-                height: NODE_TEXELS,
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8Unorm,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
+        let pictures = texture(
+            &gpu,
+            "picture of a node",
+            [NODE_TEXELS, NODE_TEXELS, 1],
+            wgpu::TextureFormat::Rgba8Unorm,
+        );
         Ok(Self {
-            size,
             draw,
             count,
             bound_view: gpu.bind_buffers("view", &view_layout, &[&view]),
@@ -242,8 +260,8 @@ impl Counter for ByHistogram {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.count);
         pass.set_bind_group(1, &bound, &[]);
-        let [x, y] = [self.size.width, self.size.height].map(|pixels| pixels.div_ceil(8));
-        pass.dispatch_workgroups(x, y, 1);
+        let groups = SIDE_PX.div_ceil(8);
+        pass.dispatch_workgroups(groups, groups, 1);
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
         let bytes = read_buffer(gpu, &counts)?;
@@ -261,16 +279,7 @@ impl Counter for ByHistogram {
         let gpu = &self.canvas.gpu;
         let texels = vec![0x7f_u8; 4 * (NODE_TEXELS * NODE_TEXELS) as usize];
         for _ in 0..count {
-            gpu.queue.write_texture(
-                self.pictures.as_image_copy(),
-                &texels,
-                wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(4 * NODE_TEXELS),
-                    rows_per_image: None,
-                },
-                self.pictures.size(),
-            );
+            write_layers(gpu, &self.pictures, 0, &texels);
         }
         gpu.queue.submit([]);
         gpu.wait()
@@ -286,7 +295,7 @@ struct ByQueries {
 }
 
 impl ByQueries {
-    fn new(devices: &Devices, size: ImageSize) -> Result<Self, DeviceError> {
+    fn new(devices: &Devices) -> Result<Self, DeviceError> {
         let gpu = terrafill_vulkan::shared_gpu(devices)?;
         let bytes = size_of::<ViewConstants>() as u64;
         let view = Buffer::streamed(&gpu, "view constants", bytes, BufferUse::Uniform)?;
@@ -303,7 +312,7 @@ impl ByQueries {
             topology: Topology::Triangles,
         };
         Ok(Self {
-            targets: terrafill_vulkan::RenderTargets::new(&gpu, size)?,
+            targets: terrafill_vulkan::RenderTargets::new(&gpu, SIZE)?,
             pipeline: DrawPipeline::new(&gpu, &resources, stages, shader("fragment_main"))?,
             view,
             vertices: Buffer::streamed(&gpu, "nodes", 12, BufferUse::Vertex)?,

@@ -3,6 +3,7 @@
 //!
 //! A node draws its whole area as 10 × 10 sub-quads, as Gebbie and Bailey's decals do.
 
+use crate::error::around;
 use crate::list::Eye;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -126,39 +127,24 @@ impl ByRays {
 
     /// - `numbers`: of nodes from 1, row by row; 0 for none
     fn of_picture(numbers: &[u32], width: usize, nodes: &[Node]) -> Self {
-        let height = numbers.len() / width.max(1);
         let mut counts: BTreeMap<Node, [u64; 2]> =
             nodes.iter().map(|node| (*node, [0; 2])).collect();
-        for (pixel, &number) in numbers.iter().enumerate() {
-            let (row, column) = (pixel / width, pixel % width);
-            let rows = row.saturating_sub(1)..(row + 2).min(height);
-            let mut around = rows.flat_map(|row| {
-                let columns = column.saturating_sub(1)..(column + 2).min(width);
-                columns.map(move |column| numbers[row * width + column])
-            });
-            let is_beside = around.any(|other| other != number);
-            // A pixel at an edge may be another's in the device's picture, so it counts for all that touch it.
-            if is_beside {
-                let rows = row.saturating_sub(1)..(row + 2).min(height);
-                let mut touching: Vec<u32> = rows
-                    .flat_map(|row| {
-                        let columns = column.saturating_sub(1)..(column + 2).min(width);
-                        columns.map(move |column| numbers[row * width + column])
-                    })
-                    .collect();
-                touching.sort_unstable();
-                touching.dedup();
-                for number in touching {
-                    let node = number.checked_sub(1).and_then(|at| nodes.get(at as usize));
-                    if let Some(count) = node.and_then(|node| counts.get_mut(node)) {
-                        count[1] += 1;
-                    }
-                }
-            }
+        let mut count = |number: u32, which: usize| {
             let node = number.checked_sub(1).and_then(|at| nodes.get(at as usize));
             if let Some(count) = node.and_then(|node| counts.get_mut(node)) {
-                count[0] += 1;
+                count[which] += 1;
             }
+        };
+        for (pixel, &number) in numbers.iter().enumerate() {
+            let around = around(pixel, width, numbers.len());
+            let mut touching: Vec<u32> = around.map(|beside| numbers[beside]).collect();
+            touching.sort_unstable();
+            touching.dedup();
+            // A pixel at an edge may be another's in the device's picture, so it counts for all that touch it.
+            if touching.len() > 1 {
+                touching.into_iter().for_each(|number| count(number, 1));
+            }
+            count(number, 0);
         }
         Self { counts }
     }

@@ -2,7 +2,7 @@
 //! The spiral on wgpu, its vertices from wherever they come.
 
 use super::spiral::{Lookup, Relief, Source, Spiral};
-use crate::canvas::{Canvas, view_constants, written};
+use crate::canvas::{Canvas, Stages, vertices, view_constants, written};
 use crate::list::Eye;
 use bytemuck::{Pod, Zeroable};
 use std::f64::consts::TAU;
@@ -161,7 +161,7 @@ impl MadeTargets {
         let usage =
             wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let size = VERTEX_BYTES * u64::from(spiral.count());
-        let vertices = written(gpu, "vertices of the spiral", size, usage);
+        let made_vertices = written(gpu, "vertices of the spiral", size, usage);
         let triangles = spiral.triangles();
         let indices = triangles.as_flattened();
         let bytes = bytemuck::cast_slice(indices);
@@ -173,7 +173,7 @@ impl MadeTargets {
         let samples = bytemuck::cast_slice(samples);
         let heights = gpu.upload("heights", samples, wgpu::BufferUsages::STORAGE)?;
         let [read, made] = &self.layouts;
-        let buffers = [&constants, &directions, &relief, &heights, &vertices];
+        let buffers = [&constants, &directions, &relief, &heights, &made_vertices];
         let bound = [
             gpu.bind_buffers("spiral", read, &buffers[..4]),
             gpu.bind_buffers("spiral", made, &buffers),
@@ -184,10 +184,6 @@ impl MadeTargets {
             ("SERIES", flag(has_series)),
             ("LOCAL", flag(lookup == Some(Lookup::Local))),
         ];
-        let options = || wgpu::PipelineCompilationOptions {
-            constants: &overrides,
-            ..Default::default()
-        };
         let compute = (source == Source::Compute).then(|| {
             gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some("spiral"),
@@ -197,16 +193,15 @@ impl MadeTargets {
                     Some(_) => "make_displaced_main",
                     None => "make_main",
                 }),
-                compilation_options: options(),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: &overrides,
+                    ..Default::default()
+                },
                 cache: None,
             })
         });
         let attributes = wgpu::vertex_attr_array![0 => Float32x3];
-        let buffer = [Some(wgpu::VertexBufferLayout {
-            array_stride: VERTEX_BYTES,
-            step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &attributes,
-        })];
+        let buffer = [vertices(&attributes)];
         let layout = match source {
             Source::Number => gpu.pipeline_layout("spiral", &[Some(&self.view_layout), Some(read)]),
             Source::Sent | Source::Compute => {
@@ -218,19 +213,13 @@ impl MadeTargets {
             Source::Number => ("making_main", &buffer[..0]),
             Source::Sent | Source::Compute => ("read_main", &buffer[..]),
         };
-        let vertex = wgpu::VertexState {
+        let stages = Stages {
             module: &module,
-            entry_point: Some(entry_point),
-            compilation_options: match source {
-                Source::Number => options(),
-                Source::Sent | Source::Compute => Default::default(),
-            },
+            entry_points: [entry_point, "fragment_main"],
+            constants: &overrides,
             buffers,
         };
-        let fragment = (&module, "fragment_main");
-        let pipeline =
-            self.canvas
-                .pipeline("spiral", &layout, vertex, fragment, Default::default());
+        let pipeline = self.canvas.pipeline("spiral", &layout, &stages);
         Ok(MadeScene {
             source,
             pipeline,
@@ -240,7 +229,7 @@ impl MadeTargets {
             constants,
             relief,
             bound,
-            vertices,
+            vertices: made_vertices,
             index_count: u32::try_from(indices.len()).unwrap_or(u32::MAX),
             indices: index_buffer,
             vertex_count: spiral.count(),

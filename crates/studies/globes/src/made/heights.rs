@@ -4,6 +4,7 @@
 //! A face has a sample on each of its corners and edges, so that neighbours share those and bilinear heights are
 //! continuous all over the body. Directions are those of scaled space, in which the body is a sphere.
 
+use crate::canvas::on_cube;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -48,18 +49,6 @@ fn along_face(face: u32, d: DVec3) -> [f64; 3] {
     }
 }
 
-fn direction(face: u32, [s, t]: [f64; 2]) -> DVec3 {
-    let d = match face {
-        0 => [1.0, -t, -s],
-        1 => [-1.0, -t, s],
-        2 => [s, 1.0, t],
-        3 => [s, -1.0, -t],
-        4 => [s, -t, 1.0],
-        _ => [-s, -t, -1.0],
-    };
-    DVec3::from(d)
-}
-
 fn face_of(d: DVec3) -> u32 {
     let size = d.abs();
     let (axis, value) = if size.x >= size.y && size.x >= size.z {
@@ -89,7 +78,7 @@ impl HeightCube {
             let (face, at) = (number / (across * across), number % (across * across));
             let place =
                 [at % across, at / across].map(|at| 2.0 * f64::from(at) / f64::from(side) - 1.0);
-            let ground = direction(face, place).normalize() * radii;
+            let ground = on_cube(face, place).normalize() * radii;
             let place = body.ecef_to_geodetic(ground);
             let height_m = surface.true_height_m(
                 place.longitude_rad.to_degrees(),
@@ -162,7 +151,7 @@ mod tests {
             for at in 0..(side + 1) * (side + 1) {
                 let place = [at % (side + 1), at / (side + 1)];
                 let place = place.map(|at| 2.0 * f64::from(at) / f64::from(side) - 1.0);
-                let d = direction(face, place).normalize();
+                let d = on_cube(face, place).normalize();
                 samples.push((1000.0 * (d.x + 2.0 * d.y * d.z + 3.0)) as f32);
             }
         }
@@ -174,23 +163,23 @@ mod tests {
         };
         for face in 0..FACES {
             for place in [[-1.0, 0.25], [0.5, 1.0], [0.0, 0.0], [-0.75, -0.25]] {
-                let d = direction(face, place);
+                let d = on_cube(face, place);
                 let [s, t, out] = along_face(face, d);
                 assert_eq!([s / out, t / out], place);
                 let unit = d.normalize();
                 let exact = 1000.0 * (unit.x + 2.0 * unit.y * unit.z + 3.0);
                 assert!((cube.height_m(d) - exact).abs() < 1e-3, "{face} {place:?}");
                 // Just over an edge another face answers, and says the same.
-                let beyond = direction(face, place.map(|at| at * (1.0 + 1e-9)));
+                let beyond = on_cube(face, place.map(|at| at * (1.0 + 1e-9)));
                 assert!((cube.height_m(beyond) - cube.height_m(d)).abs() < 1e-3);
             }
         }
         // Twin: a sample of an edge that one face alone has otherwise.
-        let d = direction(0, [1.0, 0.25]);
+        let d = on_cube(0, [1.0, 0.25]);
         let OnFace { face, cell, .. } = cube.on_face(d);
         let number = (face * (side + 1) + cell[1]) * (side + 1) + side;
         cube.samples[number as usize] += 500.0;
-        let beyond = direction(0, [1.0 + 1e-9, 0.25]);
+        let beyond = on_cube(0, [1.0 + 1e-9, 0.25]);
         assert!((cube.height_m(beyond) - cube.height_m(d)).abs() > 1.0);
     }
 }

@@ -6,7 +6,6 @@ use crate::list::Eye;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, LN_2, TAU};
 use std::sync::Arc;
-use terrafill_core::Geodetic;
 
 /// Radius of the fan, pixels, and of the inner circle at most.
 const FAN_PX: f64 = 50.0;
@@ -104,11 +103,7 @@ impl Spiral {
         let (mut outer, mut height) = (angle_to(distance), distance - 1.0);
         let mut focus = eye.camera.eye_ecef * ((1.0 - distance) / distance);
         let relief = heights.map(|heights| {
-            let foot = Geodetic {
-                height_m: 0.0,
-                ..eye.pose.eye
-            };
-            let foot = eye.body.geodetic_to_ecef(foot) / radii;
+            let foot = eye.foot();
             let normal = (foot / radii).normalize();
             let base_m = heights.height_m(foot);
             let above_m = eye.pose.eye.height_m - base_m;
@@ -130,8 +125,9 @@ impl Spiral {
             true => DVec3::new(-up.y / across, up.x / across, 0.0),
             false => DVec3::Y,
         };
-        let focal_px = 0.5 * f64::from(eye.size.height) / eye.camera.tan_half_fov();
-        let inner = (FAN_PX * height / focal_px).min(MAX_INNER).min(0.5 * outer);
+        let inner = (FAN_PX * height / eye.focal_px())
+            .min(MAX_INNER)
+            .min(0.5 * outer);
         Self {
             axes: [east * radii, up.cross(east) * radii, up * radii],
             focus,

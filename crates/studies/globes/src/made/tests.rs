@@ -3,9 +3,11 @@
 
 use super::*;
 use std::rc::Rc;
+use terrafill_core::Geodetic;
 use terrafill_fill::{Devices, device_for_test};
 use terrafill_results::Status;
 use terrafill_spiral::SpiralKind;
+use terrafill_study::Group as _;
 
 /// Relief from a seed; without data no other.
 fn fields() -> Vec<Arc<HeightCube>> {
@@ -51,12 +53,12 @@ fn every_vertex_lies_on_the_body_and_every_edge_is_shared() {
 
 #[test]
 fn over_terrain_every_vertex_is_as_high_as_the_field_says() {
-    let made = Made::new(&List::shipped().expect("a list"), (160, 1), fields());
-    let field = &made.fields[0];
+    let made = Made::planned(&List::shipped().expect("a list"), (160, 1), fields());
+    let field = &made.work.fields[0];
     assert!(field.highest_m > 3000.0 && field.bytes() == 4 * 6 * 257 * 257);
-    for work in made.work.iter().filter(|work| work.terrain.is_some()) {
-        let eye = made.eye(work).expect("the view");
-        let spiral = made.spiral(&eye, work);
+    for work in made.work.work.iter().filter(|work| work.terrain.is_some()) {
+        let eye = made.work.eye(work).expect("the view");
+        let spiral = made.work.spiral(&eye, work);
         let mut highest_m: f64 = 0.0;
         for number in 0..spiral.count() {
             let place = eye
@@ -83,14 +85,14 @@ fn devices_make_the_vertices_of_f64_and_both_stages_the_same() {
         return;
     }
     let list = List::shipped().expect("a list");
-    let made = Made::new(&list, (160, 1), fields());
+    let made = Made::planned(&list, (160, 1), fields());
     let folder = tempfile::tempdir().expect("a folder");
     let context = Context {
         devices: &devices,
         folder: folder.path(),
     };
     let mut session = made.open(context).expect("opens");
-    for (case, work) in made.work.iter().enumerate() {
+    for (case, work) in made.work.work.iter().enumerate() {
         let verdict = session.verify(case).expect("a verdict");
         let figures: Vec<String> = verdict
             .figures

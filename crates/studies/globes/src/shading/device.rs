@@ -2,7 +2,7 @@
 //! Layers on wgpu: pictures baked from the functions, and colours in `f32` so that what is not finite is seen.
 
 use super::layers::{Lights, base, bump, cloud, night};
-use crate::canvas::Canvas;
+use crate::canvas::{self, Canvas, Stages, on_cube, texture, write_layers};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -63,18 +63,9 @@ pub(crate) struct Pictures {
     maps: Vec<wgpu::Texture>,
 }
 
-/// Direction of a texel of a cube's face (WebGPU's order: +x, −x, +y, −y, +z, −z).
-fn face_direction(face: u32, [s, t]: [f64; 2]) -> DVec3 {
-    let [u, v] = [2.0 * s - 1.0, 2.0 * t - 1.0];
-    let direction = match face {
-        0 => [1.0, -v, -u],
-        1 => [-1.0, -v, u],
-        2 => [u, 1.0, v],
-        3 => [u, -1.0, -v],
-        4 => [u, -v, 1.0],
-        _ => [-u, -v, -1.0],
-    };
-    DVec3::from(direction).normalize()
+/// Direction of a texel of a cube's face.
+fn face_direction(face: u32, at: [f64; 2]) -> DVec3 {
+    on_cube(face, at.map(|at| 2.0 * at - 1.0)).normalize()
 }
 
 fn map_direction([u, v]: [f64; 2]) -> DVec3 {
@@ -134,15 +125,12 @@ impl Pictures {
             let texels: Vec<u8> = (0..6)
                 .flat_map(|number| baked(layer, [face; 2], |at| face_direction(number, at)))
                 .collect();
-            texture(gpu, [face, face, 6], &texels)
+            filled(gpu, [face, face, 6], &texels)
         });
         let size = [4 * face, 2 * face];
         let maps = (0..LAYERS).map(|layer| {
-            texture(
-                gpu,
-                [size[0], size[1], 1],
-                &baked(layer, size, map_direction),
-            )
+            let texels = baked(layer, size, map_direction);
+            filled(gpu, [size[0], size[1], 1], &texels)
         });
         Self {
             cubes: cubes.collect(),
@@ -151,32 +139,9 @@ impl Pictures {
     }
 }
 
-fn texture(gpu: &Gpu, [width, height, layers]: [u32; 3], texels: &[u8]) -> wgpu::Texture {
-    let size = wgpu::Extent3d {
-        width,
-        height,
-        depth_or_array_layers: layers,
-    };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("layer"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    gpu.queue.write_texture(
-        texture.as_image_copy(),
-        texels,
-        wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(4 * width),
-            rows_per_image: Some(height),
-        },
-        size,
-    );
+fn filled(gpu: &Gpu, size: [u32; 3], texels: &[u8]) -> wgpu::Texture {
+    let texture = texture(gpu, "layer", size, wgpu::TextureFormat::Rgba8Unorm);
+    write_layers(gpu, &texture, 0, texels);
     texture
 }
 
@@ -275,25 +240,14 @@ impl LayerTargets {
             ("BY_ANGLES", f64::from(u8::from(shading.by_angles))),
             ("FAULT", f64::from(shading.fault)),
         ];
-        let options = || wgpu::PipelineCompilationOptions {
-            constants: &constants,
-            ..Default::default()
-        };
         let attributes = wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x3, 2 => Float32x3];
-        let vertex = wgpu::VertexState {
+        let stages = Stages {
             module: &module,
-            entry_point: Some("vertex_main"),
-            compilation_options: options(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<LayerVertex>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &attributes,
-            })],
+            entry_points: ["vertex_main", "fragment_main"],
+            constants: &constants,
+            buffers: &[canvas::vertices(&attributes)],
         };
-        let fragment = (&module, "fragment_main");
-        let pipeline = self
-            .canvas
-            .pipeline("layers", &self.layout, vertex, fragment, options());
+        let pipeline = self.canvas.pipeline("layers", &self.layout, &stages);
         let (vertices, indices) = (bytemuck::cast_slice(vertices), triangles.as_flattened());
         Ok(LayerScene {
             pipeline,

@@ -3,6 +3,7 @@
 
 use super::device::Shading;
 use super::layers::{colour, lights};
+use crate::error::shares;
 use crate::list::Eye;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -76,15 +77,6 @@ pub(super) fn judge(
         }
     }
     found
-}
-
-/// Shares of a triangle's corners at a point of it.
-fn shares([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 3] {
-    let normal = (b - a).cross(c - a);
-    let share = |from: DVec3, to: DVec3| {
-        (from - point).cross(to - point).dot(normal) / normal.length_squared()
-    };
-    [share(b, c), share(c, a), share(a, b)]
 }
 
 /// Geodetic normal of a place relative to the eye.

@@ -2,235 +2,88 @@
 //! Time against the number of triangles, with the full shader and with a white one: the windows and triangles of Gebbie
 //! and Bailey's Table 1.
 
-use super::REMOVED;
-use super::rows::{cases, noise, value};
-use crate::clock::draw;
-use crate::keys;
-use crate::keys::{CELLS, GLOBE_TRIANGLES, SIZE_PX};
-use crate::published::tessellation_published;
-use crate::table::with;
-use terrafill_plot::number::significant;
-use terrafill_plot::{
-    Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
-};
-use terrafill_results::{
-    Block, Case, Cell, ChapterError, Clock, Estimate, Finding, Heading, Noise, Plot, Row, Run,
-    Standing, Table, process_medians, ratio, sample_spread,
-};
+use super::{REMOVED, is_of};
+use crate::clock::{DRAW, compared_in, draw};
+use crate::keys::{self, CELLS, GLOBE_DRAW_CPU_MS, GLOBE_DRAW_GPU_MS, GLOBE_TRIANGLES, SIZE_PX};
+use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, Select};
+use terrafill_plot::number::{significant, times};
+use terrafill_results::{Case, Claim, Finding, Scope, ratio};
 
 /// Share of the time above which time is not independent of the number of triangles.
 const INDEPENDENT: f64 = 0.03;
 
-/// Features removed, and the shader's name.
-const SHADERS: [(u32, &str); 2] = [(0, "full shader"), (REMOVED, "white shader")];
+/// Gebbie & Bailey, Table 1: GPU ms with the full shader at 1000², 800² and 600², of 17,058 triangles and of 2,146.
+pub(crate) const PUBLISHED_MS: [[f64; 2]; 3] = [[13.313, 13.7], [9.623, 9.37], [6.3, 5.884]];
 
-/// The section; nothing where no case was planned.
-pub(super) fn blocks(run: &Run, clock: Clock) -> Result<Vec<Block>, ChapterError> {
-    let cases = cases(run, "tessellation");
-    if cases.is_empty() {
-        return Ok(Vec::new());
-    }
-    let noise = noise(run, clock);
-    let mut blocks = vec![Block::section("Time against tessellation")];
-    let svg = drawing(&cases, clock)?;
-    blocks.extend(svg.map(|svg| {
-        Block::Plot(Plot {
-            caption: "Time of drawing against triangles, one curve a window; both axes logarithmic. Time that does not \
-                      depend on tessellation is level."
-                .to_owned(),
-            svg,
-        })
-    }));
-    blocks.push(Block::Table(tessellation_table(&cases, clock)));
-    blocks.push(Block::Finding(finding(&cases, clock, noise)));
-    Ok(blocks)
-}
-
-/// In the order in which they were planned.
-fn windows<'a>(cases: &[&'a Case]) -> Vec<&'a str> {
-    let mut windows: Vec<&str> = Vec::new();
-    for case in cases {
-        if !windows.contains(&case.condition(SIZE_PX)) {
-            windows.push(case.condition(SIZE_PX));
-        }
-    }
-    windows
-}
-
-fn drawing(cases: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError> {
-    let windows = windows(cases);
-    let name = |window: &str| format!("{window}² px");
-    let palette = Palette::new(windows.iter().map(|window| name(window)).collect());
-    let metric = draw(clock);
-    let point = |case: &&Case| -> Option<Point> {
-        let triangles = value(case, GLOBE_TRIANGLES)?;
-        let spread = sample_spread(case, metric).filter(|_| case.counts())?;
-        let replicates: Vec<f64> = process_medians(case, metric).into_values().collect();
-        Some(Point {
-            knob: triangles,
-            label: significant(triangles),
-            x: Some(Reading::exact(triangles)),
-            y: Some(Reading::sampled(spread, &replicates)),
-            y_rms: None,
-            standing: PointStanding::Right,
-            command: String::new(),
-        })
-    };
-    let up = clock.pick("draw, GPU ms", "draw, process CPU ms");
-    let plots = SHADERS.map(|(removed, title)| WorkPrecision {
-        title,
-        across: "triangles",
-        up,
-        upwards: Upwards::Amount,
-        curves: windows
-            .iter()
-            .map(|window| Curve {
-                name: name(window),
-                points: with(
-                    &with(cases, keys::REMOVED, &removed.to_string()),
-                    SIZE_PX,
-                    window,
-                )
-                .iter()
-                .filter_map(point)
-                .collect(),
-            })
-            .collect(),
-        lines: Vec::new(),
-    });
-    let title = "time of drawing a globe against its triangles";
-    Ok(panels(title, &plots, Arrangement::SideBySide, &palette)?)
-}
-
-fn tessellation_table(cases: &[&Case], clock: Clock) -> Table {
-    let drawing = draw(clock);
-    let [full, white] =
-        SHADERS.map(|(removed, _)| with(cases, keys::REMOVED, &removed.to_string()));
-    let largest = windows(cases).last().copied().unwrap_or_default();
-    let firsts = [&full, &white].map(|cases| {
-        let first = cases
-            .iter()
-            .rev()
-            .find(|case| case.condition(SIZE_PX) == largest);
-        first.and_then(|case| value(case, drawing))
-    });
-    let rows = full.iter().rev().map(|case| {
-        let key = |case: &Case| {
-            [
-                case.condition(SIZE_PX).to_owned(),
-                case.condition(CELLS).to_owned(),
-            ]
-        };
-        let plain = white.iter().find(|other| key(other) == key(case));
-        let times =
-            [Some(*case), plain.copied()].map(|case| case.and_then(|case| value(case, drawing)));
-        let mut cells = vec![
-            Cell::plain(format!("{}²", case.condition(SIZE_PX))),
-            Cell::or_absent(
-                value(case, GLOBE_TRIANGLES).map(significant),
-                "not measured",
+pub(super) const SECTION: Section<'static> = Section {
+    title: "Time against tessellation",
+    text: "Windows and triangles as in Gebbie & Bailey's Table 1, with the full shader and with all seven features \
+           removed. Time that does not depend on tessellation is level.",
+    cases: Select::Fitting(|case| is_of(case, "tessellation")),
+    named_by: Names::Columns(&[("window, px", SIZE_PX), ("features removed", keys::REMOVED)]),
+    columns: &[Column::metric("triangles", GLOBE_TRIANGLES), DRAW],
+    findings: &[independent],
+    drawing: Some(Drawing {
+        caption: "Time of drawing against triangles, one curve a window and shader; both axes logarithmic.",
+        panels: &[Panel {
+            across: ("triangles", Figure::Metric(GLOBE_TRIANGLES)),
+            up: (
+                "draw, ms",
+                Figure::ByClock(GLOBE_DRAW_GPU_MS, GLOBE_DRAW_CPU_MS),
             ),
-        ];
-        for (ms, first) in times.into_iter().zip(firsts) {
-            let ratio = ms.zip(first).map(|(ms, first)| ms / first);
-            cells.push(Cell::or_absent(ratio.map(significant), "not measured"));
-            cells.push(Cell::or_absent(ms.map(significant), "not measured"));
+            curve: Names::Of("", |case| {
+                let [window, removed] = [SIZE_PX, keys::REMOVED].map(|key| case.condition(key));
+                format!("{window}² px, {removed} removed")
+            }),
+            knob: Figure::Metric(GLOBE_TRIANGLES),
+            ..Panel::EMPTY
+        }],
+    }),
+    ..Section::EMPTY
+};
+
+/// Of each window the case with the most triangles and the one with the fewest.
+fn ends<'a>(cases: &Cases<'a>, removed: u32) -> Vec<[&'a Case; 2]> {
+    let own = cases.with(&[(keys::REMOVED, &removed.to_string())]);
+    let of = |window: Cases<'a>| {
+        let mut own: Vec<&Case> = window.iter().collect();
+        own.sort_by(|a, b| {
+            let [a, b] = [a, b].map(|case| case.value(GLOBE_TRIANGLES).unwrap_or(0.0));
+            a.total_cmp(&b)
+        });
+        match own[..] {
+            [fewest, .., most] => Some([most, fewest]),
+            _ => None,
         }
-        Row::new(cells)
-    });
-    Table {
-        caption: "Windows and triangles as in Gebbie & Bailey's Table 1, with the full shader and a white one; ratios to \
-                  the first row"
-            .to_owned(),
-        headings: vec![
-            Heading::plain("window"),
-            Heading::metric("triangles", GLOBE_TRIANGLES),
-            Heading::plain("full, ratio"),
-            Heading::metric("full, draw ms", drawing),
-            Heading::plain("white, ratio"),
-            Heading::metric("white, draw ms", drawing),
-        ],
-        rows: rows.collect(),
-        ..Table::default()
-    }
+    };
+    let windows = own.by(SIZE_PX).into_iter();
+    windows.filter_map(|(_, window)| of(window)).collect()
 }
 
-/// Time with the most triangles over that with the fewest, by window.
-fn growth(cases: &[&Case], clock: Clock) -> Vec<(String, Estimate)> {
-    let of = |window: &&str| {
-        let own = with(cases, SIZE_PX, window);
-        let mut times: Vec<(f64, &Case)> = own
-            .iter()
-            .filter_map(|case| {
-                value(case, draw(clock))?;
-                Some((value(case, GLOBE_TRIANGLES)?, *case))
-            })
-            .collect();
-        times.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (fewest, most) = (times.first()?, times.last()?);
-        let growth = ratio(most.1, fewest.1, draw(clock))?;
-        (times.len() > 1).then(|| ((*window).to_owned(), growth))
-    };
-    windows(cases).iter().filter_map(of).collect()
-}
-
-fn per_cent(share: f64) -> String {
-    format!("{:+.1} %", 100.0 * share)
-}
-
-/// The claim is false where one window's time grows by more than 3 % and by more than identical work differs, and
-/// true where no interval has so much.
-fn standing(growth: &[(String, Estimate)], noise: Option<Noise>) -> Standing {
-    let grows = |ratio: &Estimate| {
-        let is_longer = Standing::of_times(ratio, noise).0 == Standing::Holds;
-        is_longer
-            && ratio
-                .interval
-                .is_some_and(|[low, _]| low - 1.0 > INDEPENDENT)
-    };
-    let is_level = |ratio: &Estimate| {
-        ratio
-            .interval
-            .is_some_and(|[_, high]| high - 1.0 <= INDEPENDENT)
-    };
-    let mut ratios = growth.iter().map(|(_, ratio)| ratio);
-    match growth.is_empty() {
-        true => Standing::CannotTell,
-        false if ratios.clone().any(grows) => Standing::DoesNotHold,
-        false if ratios.all(is_level) => Standing::Holds,
-        false => Standing::CannotTell,
-    }
-}
-
-fn finding(cases: &[&Case], clock: Clock, noise: Option<Noise>) -> Finding {
-    let words = |growth: &[(String, Estimate)]| {
-        let shares = growth
-            .iter()
-            .map(|(window, ratio)| format!("{window}²: {}", per_cent(ratio.middle - 1.0)));
-        shares.collect::<Vec<_>>().join(", ")
-    };
-    let [full, white] = SHADERS
-        .map(|(removed, _)| growth(&with(cases, keys::REMOVED, &removed.to_string()), clock));
-    let [published, _] = tessellation_published();
-    let published: Vec<String> = published.iter().map(|share| per_cent(*share)).collect();
-    let noise_text = match noise {
-        Some(noise) => format!(
-            "Identical work differed by up to {} %.",
-            significant(100.0 * (noise.max_factor() - 1.0))
-        ),
-        None => "No identical work was measured twice.".to_owned(),
-    };
-    Finding {
-        claim: "Gebbie & Bailey: with the full shader GPU time does not depend on the number of triangles".to_owned(),
-        standing: standing(&full, noise),
-        because: format!(
-            "From 2,146 triangles to 17,058 about, full shader: {}; white: {}. Published, full, at 1000², 800², 600²: {}. \
-             More than {} % counts as dependent. {noise_text}",
-            words(&full),
-            words(&white),
-            published.join(", "),
+fn independent(cases: &Cases<'_>) -> Finding {
+    let metric = draw(cases.clock());
+    let white = ends(cases, REMOVED).into_iter();
+    let white = white.filter_map(|[most, fewest]| ratio(most, fewest, metric));
+    let white: Vec<String> = white.map(|growth| times(&growth)).collect();
+    let published = PUBLISHED_MS.map(|[most, fewest]| significant(most / fewest));
+    let found = cases.compared(
+        &compared_in(CELLS, metric, Scope::DRAW),
+        &ends(cases, 0),
+        Claim::LessThan(1.0 + INDEPENDENT),
+        format!(
+            "Gebbie & Bailey: with the full shader GPU time does not depend on the number of triangles: eight times as \
+             many take at most {} % longer",
             100.0 * INDEPENDENT
         ),
+    );
+    Finding {
+        because: format!(
+            "By window, full shader: {}. White: {}. Published, full, at 1000², 800², 600²: {}.",
+            found.because,
+            white.join("; "),
+            published.join("; ")
+        ),
+        ..found
     }
 }
 
@@ -238,36 +91,45 @@ fn finding(cases: &[&Case], clock: Clock, noise: Option<Noise>) -> Finding {
 mod tests {
     use super::*;
 
-    /// Windows whose times grow by these ratios in every process.
-    fn growth_of(ratios: &[f64], processes: usize) -> Vec<(String, Estimate)> {
-        let estimate = |ratio: &f64| Estimate {
-            middle: *ratio,
-            interval: (processes >= 5).then_some([*ratio; 2]),
-            processes,
-        };
-        let windows = ratios
-            .iter()
-            .map(|ratio| ("600".to_owned(), estimate(ratio)));
-        windows.collect()
+    use terrafill_results::made_up::{MadeUpRun, case_id};
+    use terrafill_results::{Clock, Standing};
+
+    /// What times with many triangles, over 1 ms with few, say of one window each; a repeat takes as much longer.
+    fn standing(ratios: &[f64], repeat: f64, processes: usize) -> Standing {
+        let mut made = MadeUpRun::default();
+        for (window, ratio) in ratios.iter().enumerate() {
+            for (n, triangles, ms) in [("47", 2_146.0, 1.0), ("132", 17_058.0, *ratio)] {
+                let window = window.to_string();
+                let conditions = [
+                    ("part", super::super::PART),
+                    ("what", "tessellation"),
+                    ("removed", "0"),
+                    ("size_px", &window),
+                    ("n", n),
+                ];
+                let id = case_id(crate::STUDY, &format!("{window}/{n}"), &conditions);
+                let metric = draw(Clock::ProcessCpu);
+                made.case(id.twin())
+                    .timed(metric, &vec![repeat * ms; processes]);
+                let case = made.case(id);
+                case.timed(metric, &vec![ms; processes]);
+                case.figure(GLOBE_TRIANGLES, triangles);
+            }
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = made.write(folder.path()).expect("a run");
+        independent(&Cases::of_study(&run, crate::STUDY)).standing
     }
 
     #[test]
     fn growth_beyond_the_noise_is_dependence_and_within_it_nothing_is_known() {
-        let noise = Noise {
-            max: 0.1,
-            median: 0.01,
-            pairs: 4,
-            reach: 0.1,
-            between: None,
-        };
-        let of = |ratios: &[f64]| standing(&growth_of(ratios, 5), Some(noise));
-        assert_eq!(of(&[]), Standing::CannotTell);
+        let of = |ratios: &[f64]| standing(ratios, 1.1, 5);
+        assert_eq!(of(&[]), Standing::NotMeasured);
         assert_eq!(of(&[1.02, 0.95]), Standing::Holds);
-        // Twins: within the noise, and beyond it.
-        assert_eq!(of(&[1.02, 1.05]), Standing::CannotTell);
+        // Negative controls: within the noise, and beyond it.
+        assert_eq!(of(&[1.02, 1.05]), Standing::NoDifference);
         assert_eq!(of(&[1.02, 1.3]), Standing::DoesNotHold);
         // Too few processes decide nothing.
-        let few = growth_of(&[1.02, 1.3], 3);
-        assert_eq!(standing(&few, Some(noise)), Standing::CannotTell);
+        assert_eq!(standing(&[1.02, 1.3], 1.1, 3), Standing::CannotTell);
     }
 }

@@ -8,6 +8,7 @@ use terrafill_fill::{Devices, device_for_test};
 use terrafill_reference::SurfaceTriangles;
 use terrafill_results::Status;
 use terrafill_spiral::SpiralKind;
+use terrafill_study::Group as _;
 use terrafill_surface::SurfaceKind;
 
 const KINDS: &[&dyn SurfaceKind] = &[&SpiralKind];
@@ -26,14 +27,14 @@ fn layers_are_their_functions_and_the_printed_faults_show() {
     }
     let list = List::shipped().expect("a list");
     let opened = Rc::new(Opened::new(KINDS));
-    let shadings = Shadings::new(&list, (120, 1), true, &opened);
+    let shadings = Shadings::planned(&list, (120, 1), true, &opened);
     let folder = tempfile::tempdir().expect("a folder");
     let context = Context {
         devices: &devices,
         folder: folder.path(),
     };
     let mut session = shadings.open(context).expect("opens");
-    for (case, work) in shadings.work.iter().enumerate() {
+    for (case, work) in shadings.work.work.iter().enumerate() {
         let verdict = session.verify(case).expect("a verdict");
         let figures: Vec<String> = verdict
             .figures
@@ -68,8 +69,8 @@ fn layers_are_their_functions_and_the_printed_faults_show() {
 fn a_lost_colour_is_counted_and_another_layer_is_seen() {
     let list = List::shipped().expect("a list");
     let opened = Rc::new(Opened::new(KINDS));
-    let shadings = Shadings::new(&list, (40, 1), true, &opened);
-    let eye = shadings.eye(&shadings.work[0]).expect("the view");
+    let shadings = Shadings::planned(&list, (40, 1), true, &opened);
+    let eye = shadings.work.eye(&shadings.work.work[0]).expect("the view");
     let surface = opened.get(KIND, &Table::new()).expect("a surface");
     let frame = surface.frame(&eye.camera, eye.size).expect("a frame");
     let triangles = SurfaceTriangles::new(&frame);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Tiles over a grid on wgpu.
 
-use super::mesh::{MapMesh, MapVertex, origin};
+use super::mesh::{MapMesh, origin};
 use super::options::{Drawing, Options, Seam};
 use super::tile_set::{Content, Shown, TileSet};
-use super::truth::{MAX_LEVEL, Tile, Truth, finest, focal_px};
-use crate::canvas::{Canvas, view_constants, written};
+use super::truth::{MAX_LEVEL, Tile, Truth, finest};
+use crate::canvas::{Canvas, Stages, vertices, view_constants, written};
 use crate::list::Eye;
 use bytemuck::{Pod, Zeroable};
 use std::collections::BTreeMap;
@@ -59,7 +59,7 @@ impl MapConstants {
         }
         Self {
             origin_u: origin.u as f32,
-            texel_scale: (TAU * eye.body.equatorial_radius_m() * focal_px(eye) / TILE_TEXELS)
+            texel_scale: (TAU * eye.body.equatorial_radius_m() * eye.focal_px() / TILE_TEXELS)
                 as f32,
             end_sine: max_latitude_rad().sin() as f32,
             cap_span: CAP_SPAN as f32,
@@ -200,7 +200,14 @@ impl MapTargets {
         let mut all = vec![Some(view), Some(map)];
         all.extend(layouts);
         let layout = gpu.pipeline_layout(entry_point, &all);
-        let pipeline = pipeline(&self.canvas, &layout, (path, entry_point))?;
+        let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x2, 2 => Float32];
+        let stages = Stages {
+            module: &gpu.shader(path)?,
+            entry_points: ["vertex_main", entry_point],
+            constants: &[],
+            buffers: &[vertices(&attributes)],
+        };
+        let pipeline = self.canvas.pipeline(entry_point, &layout, &stages);
         if drawing != Drawing::Bindless {
             self.pipelines.insert(key, pipeline.clone());
         }
@@ -373,27 +380,6 @@ fn texels(
 
 fn vertex_buffer(gpu: &Gpu, size: u64) -> wgpu::Buffer {
     written(gpu, "map vertices", size, wgpu::BufferUsages::VERTEX)
-}
-
-fn pipeline(
-    canvas: &Canvas,
-    layout: &wgpu::PipelineLayout,
-    (path, entry_point): (&str, &str),
-) -> Result<wgpu::RenderPipeline, DeviceError> {
-    let module = canvas.gpu.shader(path)?;
-    let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x2, 2 => Float32];
-    let vertex = wgpu::VertexState {
-        module: &module,
-        entry_point: Some("vertex_main"),
-        compilation_options: Default::default(),
-        buffers: &[Some(wgpu::VertexBufferLayout {
-            array_stride: size_of::<MapVertex>() as u64,
-            step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &attributes,
-        })],
-    };
-    let fragment = (&module, entry_point);
-    Ok(canvas.pipeline(entry_point, layout, vertex, fragment, Default::default()))
 }
 
 #[cfg(test)]

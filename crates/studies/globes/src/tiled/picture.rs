@@ -7,7 +7,7 @@
 
 mod section;
 
-pub(crate) use section::blocks;
+pub(crate) use section::SECTION;
 
 use super::device::{MapScene, MapTargets};
 use super::grid;
@@ -31,9 +31,7 @@ use terrafill_fill::DeviceError;
 use terrafill_maps::{CAP_SPAN, MapTile, PictureLevel, cut_cap, cut_tile};
 use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
 use terrafill_scene::{MipChain, Scene};
-use terrafill_study::{
-    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
-};
+use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "picture";
@@ -65,20 +63,19 @@ pub(crate) fn blue_marble(data_dir: Option<&Path>) -> Result<Arc<MipChain>, Stri
 /// Views of the map under a picture.
 pub(crate) struct Pictured {
     views: Vec<ViewRow>,
-    cases: Vec<PlannedCase>,
     side_px: u32,
     picture: Arc<MipChain>,
     opened: Rc<Opened>,
 }
 
 impl Pictured {
-    pub(crate) fn new(
+    pub(crate) fn planned(
         views: &[ViewRow],
         (side_px, samples): (u32, u32),
         is_quick: bool,
         picture: Arc<MipChain>,
         opened: &Rc<Opened>,
-    ) -> Self {
+    ) -> CaseGroup<Self> {
         let names: &[&str] = if is_quick { &QUICK_VIEWS } else { &VIEWS };
         let views: Vec<ViewRow> = views
             .iter()
@@ -98,32 +95,25 @@ impl Pictured {
                 may_be_wrong: false,
             }
         });
-        Self {
+        CaseGroup {
+            name: format!("{STUDY}/{PART}"),
             cases: cases.collect(),
-            views,
-            side_px,
-            picture,
-            opened: Rc::clone(opened),
+            warm_up: None,
+            work: Self {
+                views,
+                side_px,
+                picture,
+                opened: Rc::clone(opened),
+            },
+            open: |group, context| {
+                Ok(Box::new(CaseSession(PicturePart {
+                    group: &group.work,
+                    context,
+                    targets: None,
+                    ready: BTreeMap::new(),
+                })))
+            },
         }
-    }
-}
-
-impl Group for Pictured {
-    fn name(&self) -> String {
-        format!("{STUDY}/{PART}")
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(CaseSession(PicturePart {
-            group: self,
-            context,
-            targets: None,
-            ready: BTreeMap::new(),
-        })))
     }
 }
 

@@ -4,7 +4,7 @@
 
 mod section;
 
-pub(crate) use section::blocks;
+pub(crate) use section::SECTION;
 
 use super::mesh::{MapMesh, MapVertex, map_mesh};
 use super::options::{Options, Seam};
@@ -23,9 +23,7 @@ use std::sync::Arc;
 use terrafill_fill::{DeviceError, Picture, ViewConstants};
 use terrafill_maps::TILE_TEXELS;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
-use terrafill_study::{
-    CaseSession, Context, Failure, Figures, Group, Measures, Session, StudyError, judged,
-};
+use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
 use terrafill_vulkan::{
     Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, GeometryOutput, Gpu, Measured,
     PrimitiveStages, RenderTargets, Resource, Resources, Shader, Topology, VertexFormat,
@@ -91,14 +89,16 @@ impl Splitter {
 
 /// A view, and who splits.
 pub(crate) struct Stages {
-    name: String,
     eye: Eye,
-    cases: Vec<PlannedCase>,
     opened: Rc<Opened>,
 }
 
 impl Stages {
-    pub(crate) fn new(view: &ViewRow, (side_px, samples): (u32, u32), opened: &Rc<Opened>) -> Self {
+    pub(crate) fn planned(
+        view: &ViewRow,
+        (side_px, samples): (u32, u32),
+        opened: &Rc<Opened>,
+    ) -> CaseGroup<Self> {
         let cases = Splitter::ALL.map(|splitter| {
             let [by, limit] = splitter.names();
             let name = format!("{PART}/{}/{by}{limit}", view.name);
@@ -115,11 +115,23 @@ impl Stages {
                 may_be_wrong: splitter.may_be_wrong(),
             }
         });
-        Self {
-            name: view.name.clone(),
-            eye: view.eye(side_px),
+        CaseGroup {
+            name: format!("{STUDY}/{PART}/{}", view.name),
             cases: cases.into(),
-            opened: Rc::clone(opened),
+            warm_up: None,
+            work: Self {
+                eye: view.eye(side_px),
+                opened: Rc::clone(opened),
+            },
+            open: |group, context| {
+                Ok(Box::new(CaseSession(StagePart {
+                    group: &group.work,
+                    context,
+                    targets: None,
+                    truths: None,
+                    ready: BTreeMap::new(),
+                })))
+            },
         }
     }
 
@@ -128,26 +140,6 @@ impl Stages {
             seam: splitter.seam(),
             ..Options::BASE
         }
-    }
-}
-
-impl Group for Stages {
-    fn name(&self) -> String {
-        format!("{STUDY}/{PART}/{}", self.name)
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(CaseSession(StagePart {
-            group: self,
-            context,
-            targets: None,
-            truths: None,
-            ready: BTreeMap::new(),
-        })))
     }
 }
 
@@ -328,6 +320,7 @@ mod tests {
     use terrafill_fill::{Devices, device_for_test};
     use terrafill_results::Status;
     use terrafill_screen_grid::ScreenGridKind;
+    use terrafill_study::Group as _;
     use terrafill_surface::SurfaceKind;
 
     const KINDS: &[&dyn SurfaceKind] = &[&ScreenGridKind];
@@ -343,7 +336,7 @@ mod tests {
             .tiled_view
             .iter()
             .find(|view| view.name == "globe-antimeridian");
-        let stages = Stages::new(
+        let stages = Stages::planned(
             view.expect("the view"),
             (160, 1),
             &Rc::new(Opened::new(KINDS)),

@@ -8,6 +8,7 @@ use crate::list::List;
 use terrafill_fill::{Devices, device_for_test};
 use terrafill_results::Status;
 use terrafill_screen_grid::ScreenGridKind;
+use terrafill_study::Group as _;
 use terrafill_surface::SurfaceKind;
 
 const KINDS: &[&dyn SurfaceKind] = &[&ScreenGridKind];
@@ -24,7 +25,7 @@ fn verdicts(name: &str, side_px: u32, options: Vec<Options>) -> Option<Vec<Verdi
     device_for_test(terrafill_gpu::shared_gpu(&devices))?;
     let opened = Rc::new(Opened::new(KINDS));
     let count = options.len();
-    let tiled = Tiled::new(&view(name), (side_px, 1), options, &opened);
+    let tiled = Tiled::planned(&view(name), (side_px, 1), options, &opened);
     let folder = tempfile::tempdir().expect("a folder");
     let context = Context {
         devices: &devices,
@@ -39,7 +40,7 @@ fn verdicts(name: &str, side_px: u32, options: Vec<Options>) -> Option<Vec<Verdi
             .collect();
         eprintln!(
             "{name} {:?}: {:?} {} {}",
-            tiled.options[case],
+            tiled.work.options[case],
             verdict.status,
             verdict.reason,
             shown.join(", ")

@@ -4,6 +4,7 @@
 
 use super::options::Drawing;
 use super::truth::{Texel, Tile};
+use crate::canvas::{texture, write_layers};
 use std::ops::Range;
 use terrafill_fill::DeviceError;
 use terrafill_gpu::Gpu;
@@ -75,26 +76,13 @@ fn check_capacity(gpu: &Gpu, drawing: Drawing, found: usize) -> Result<(), Devic
 }
 
 /// - `layers`: whose number each tile has
-fn texture(gpu: &Gpu, content: &Content, layers: Range<u32>) -> wgpu::Texture {
+fn of_layers(gpu: &Gpu, content: &Content, layers: Range<u32>) -> wgpu::Texture {
     let format = match content {
         Content::Addresses => wgpu::TextureFormat::R32Uint,
         Content::Colours(_) => wgpu::TextureFormat::Rgba8Unorm,
     };
-    let size = wgpu::Extent3d {
-        width: SIDE,
-        height: SIDE,
-        depth_or_array_layers: layers.end - layers.start,
-    };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("tiles of the map"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
+    let size = [SIDE, SIDE, layers.end - layers.start];
+    let texture = texture(gpu, "tiles of the map", size, format);
     for (z, layer) in (0..).zip(layers) {
         let addresses: Vec<u32>;
         let texels: &[u8] = match content {
@@ -106,24 +94,7 @@ fn texture(gpu: &Gpu, content: &Content, layers: Range<u32>) -> wgpu::Texture {
             }
             Content::Colours(tiles) => &tiles[layer as usize],
         };
-        gpu.queue.write_texture(
-            wgpu::TexelCopyTextureInfo {
-                texture: &texture,
-                mip_level: 0,
-                origin: wgpu::Origin3d { x: 0, y: 0, z },
-                aspect: wgpu::TextureAspect::All,
-            },
-            texels,
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(4 * SIDE),
-                rows_per_image: None,
-            },
-            wgpu::Extent3d {
-                depth_or_array_layers: 1,
-                ..size
-            },
-        );
+        write_layers(gpu, &texture, z, texels);
     }
     texture
 }
@@ -143,9 +114,9 @@ impl TileSet {
         check_capacity(gpu, drawing, tiles.len())?;
         let count = u32::try_from(tiles.len()).unwrap_or(u32::MAX);
         let textures = match drawing {
-            Drawing::Array | Drawing::DrawEach => vec![texture(gpu, content, 0..count)],
+            Drawing::Array | Drawing::DrawEach => vec![of_layers(gpu, content, 0..count)],
             Drawing::Bindless => (0..count)
-                .map(|tile| texture(gpu, content, tile..tile + 1))
+                .map(|tile| of_layers(gpu, content, tile..tile + 1))
                 .collect(),
         };
         Ok(Self { tiles, textures })

@@ -168,13 +168,8 @@ fn truth(
     })
 }
 
-/// Pixels per radian in the image's middle.
-pub(crate) fn focal_px(eye: &Eye) -> f64 {
-    0.5 * f64::from(eye.size.height) / eye.camera.tan_half_fov()
-}
-
 fn wanted_level(eye: &Eye, place: Geodetic, distance_m: f64) -> u32 {
-    level_of(&eye.body, place.latitude_rad, focal_px(eye), distance_m).min(MAX_LEVEL)
+    level_of(&eye.body, place.latitude_rad, eye.focal_px(), distance_m).min(MAX_LEVEL)
 }
 
 /// The finest level that a pixel of the map asks for.

@@ -6,6 +6,7 @@ use crate::list::List;
 use terrafill_fill::{Devices, device_for_test};
 use terrafill_results::Status;
 use terrafill_screen_grid::ScreenGridKind;
+use terrafill_study::Group as _;
 use terrafill_surface::SurfaceKind;
 
 const KINDS: &[&dyn SurfaceKind] = &[&ScreenGridKind];
@@ -30,7 +31,7 @@ fn colours_are_those_of_the_texels_and_a_changed_tile_shows() {
     }
     let list = List::shipped().expect("a list");
     let opened = Rc::new(Opened::new(KINDS));
-    let group = Pictured::new(&list.tiled_view, (96, 1), true, made_up(), &opened);
+    let group = Pictured::planned(&list.tiled_view, (96, 1), true, made_up(), &opened);
     assert_eq!(group.cases.len(), QUICK_VIEWS.len());
     let folder = tempfile::tempdir().expect("a folder");
     let context = Context {
