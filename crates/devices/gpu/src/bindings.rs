@@ -30,13 +30,20 @@ impl Gpu {
         layout: &wgpu::BindGroupLayout,
         buffers: &[&wgpu::Buffer],
     ) -> wgpu::BindGroup {
-        let entries: Vec<_> = (0..)
-            .zip(buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry {
-                binding,
-                resource: buffer.as_entire_binding(),
-            })
-            .collect();
+        let buffers = buffers.iter().map(|buffer| buffer.as_entire_binding());
+        self.bind(label, layout, buffers)
+    }
+
+    /// Resources in a layout, numbered in this order.
+    #[must_use]
+    pub fn bind<'a>(
+        &self,
+        label: &str,
+        layout: &wgpu::BindGroupLayout,
+        resources: impl IntoIterator<Item = wgpu::BindingResource<'a>>,
+    ) -> wgpu::BindGroup {
+        let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+        let entries: Vec<_> = (0..).zip(resources).map(entry).collect();
         self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(label),
             layout,
@@ -75,15 +82,23 @@ impl Gpu {
         visibility: wgpu::ShaderStages,
         types: &[wgpu::BindingType],
     ) -> wgpu::BindGroupLayout {
-        let entries: Vec<_> = (0..)
-            .zip(types)
-            .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry {
-                binding,
-                visibility,
-                ty,
-                count: None,
-            })
-            .collect();
+        self.mixed_layout(label, types.iter().map(|ty| (visibility, *ty)))
+    }
+
+    /// A layout of what each of these stages reads, numbered in this order.
+    #[must_use]
+    pub fn mixed_layout(
+        &self,
+        label: &str,
+        types: impl IntoIterator<Item = (wgpu::ShaderStages, wgpu::BindingType)>,
+    ) -> wgpu::BindGroupLayout {
+        let entry = |(binding, (visibility, ty))| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility,
+            ty,
+            count: None,
+        };
+        let entries: Vec<_> = (0..).zip(types).map(entry).collect();
         let descriptor = wgpu::BindGroupLayoutDescriptor {
             label: Some(label),
             entries: &entries,
@@ -99,14 +114,7 @@ impl Gpu {
         layout: &wgpu::BindGroupLayout,
         view: &wgpu::TextureView,
     ) -> wgpu::BindGroup {
-        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(label),
-            layout,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::TextureView(view),
-            }],
-        })
+        self.bind(label, layout, [wgpu::BindingResource::TextureView(view)])
     }
 
     /// A pipeline layout without immediates.
