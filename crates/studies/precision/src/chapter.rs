@@ -71,14 +71,9 @@ impl Chapter for PrecisionChapter {
         if data.formulas.is_empty() {
             return Ok(Answers::default());
         }
-        let compared = data
-            .formulas
-            .iter()
-            .filter(|row| row.count(POINTS).is_some());
-        let meant = data
-            .formulas
-            .iter()
-            .filter(|row| row.0.planned.may_be_wrong);
+        let formulas = || data.formulas.iter();
+        let compared = formulas().filter(|row| row.figure(POINTS).is_some());
+        let meant = formulas().filter(|row| row.0.planned.may_be_wrong);
         Ok(Answers {
             scope: vec![format!(
                 "{} of {} formulas at a place compared with the exact map in double precision; {} may be \
@@ -94,15 +89,9 @@ impl Chapter for PrecisionChapter {
 }
 
 fn summary(data: &Data<'_>) -> String {
-    let of = |status| {
-        data.formulas
-            .iter()
-            .copied()
-            .filter(|row| row.0.outcome == status)
-            .count()
-    };
-    let points = data.formulas.iter().filter_map(|row| row.count(POINTS));
-    let points: u64 = points.sum();
+    let formulas = || data.formulas.iter();
+    let of = |status| formulas().filter(|row| row.0.outcome == status).count();
+    let points: u64 = formulas().map(|row| row.count(POINTS)).sum();
     let routes: BTreeSet<&str> = data.of("coordinate").map(|row| row.route()).collect();
     format!(
         "{} rows of {} places in all, {} coordinate routes: {} within their bound, {} not finite, above \

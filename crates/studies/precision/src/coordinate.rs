@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Coordinate routes over a region.
 
-use crate::error::{AngleErrors, AngleFigures, judge};
+use crate::error::{AngleErrors, judge};
 use crate::kernel::{CoordinateKernel, Kernels, ask};
+use crate::keys::{
+    ADD_MUL_FMA, CHOSEN, COMPARES_SELECTS, DEVICE_MAX_M, DEVICE_MAX_RAD, DEVICE_RMS_M,
+    DEVICE_RMS_RAD, DIVISIONS, EMULATED_MAX_M, EMULATED_RMS_M, EXPECTED_MAX_RAD, MAX_PX,
+    MAX_TEXELS, NON_FINITE_DEVICE, NON_FINITE_EMULATED, OPERATIONS_COST, PIXEL_M, POINTS,
+    RESIDUAL_MAX_M, RESIDUAL_MAX_RAD, RESIDUAL_RMS_RAD, RMS_PX, RMS_TEXELS, SQRT, TEXTURE_FETCHES,
+    TEXTURE_PX, TRANSCENDENTAL,
+};
 use crate::place::Place;
 use crate::routes::family;
 use crate::row::{PrecisionPart, PrecisionRow};
@@ -42,12 +49,13 @@ pub(crate) fn rows(
     let inputs: Vec<[f32; 4]> = samples.iter().map(input).collect();
     let mut rows = Vec::new();
     for (kernel, cpu) in kernels.coordinate.iter().zip(&on_cpu) {
-        let mut row = blank_row(kernel);
-        put_place(&mut row, place);
-        row.points = u32::try_from(samples.len()).unwrap_or(u32::MAX);
-        row.texture_px = Some(place.texture_px());
-        row.pixel_m = Some(place.pixel_m());
-        row.chosen = chosen == Some(kernel.route);
+        let mut row = identity(place, &kernel.route);
+        put_operations(&mut row, &kernel.program.operations());
+        row.put(POINTS, samples.len() as f64);
+        row.put(TEXTURE_PX, f64::from(place.texture_px()));
+        row.put(PIXEL_M, place.pixel_m());
+        let is_chosen = chosen == Some(kernel.route);
+        row.put(CHOSEN, f64::from(u8::from(is_chosen)));
         put_cpu(&mut row, cpu);
         match ask(&kernel.device, &cpu.constants, &inputs)? {
             Ok(answers) => put_device(&mut row, place, &samples, &answers.values),
@@ -66,47 +74,41 @@ pub(crate) fn rows(
 
 /// A route's row in a region before anything is measured.
 pub(crate) fn identity(place: &Place, route: &CoordinateRoute) -> PrecisionRow {
-    let mut row = of_route(route);
-    put_place(&mut row, place);
-    row
-}
-
-fn put_place(row: &mut PrecisionRow, place: &Place) {
-    row.condition = place.name();
-    row.extent_deg = Some(place.extent_deg);
-    row.latitude_deg = Some(place.latitude_deg);
-    row.lowest_m = Some(place.heights.1);
-    row.highest_m = Some(place.heights.2);
-}
-
-/// What names a route's row whatever the condition.
-pub(crate) fn of_route(route: &CoordinateRoute) -> PrecisionRow {
-    let (family, knob) = family(route);
     PrecisionRow {
-        part: PrecisionPart::Coordinate,
-        route: route.name(),
-        family,
-        knob,
-        ..PrecisionRow::default()
+        extent_deg: Some(place.extent_deg),
+        latitude_deg: Some(place.latitude_deg),
+        heights_m: Some([place.heights.1, place.heights.2]),
+        ..of_route(PrecisionPart::Coordinate, route, place.name())
     }
 }
 
-/// The same with what its program counts.
-pub(crate) fn blank_row(kernel: &CoordinateKernel) -> PrecisionRow {
-    let mut row = of_route(&kernel.route);
-    put_operations(&mut row, &kernel.program.operations());
-    row
+/// A route's row before its region is known.
+pub(crate) fn of_route(
+    part: PrecisionPart,
+    route: &CoordinateRoute,
+    condition: String,
+) -> PrecisionRow {
+    let (family, knob) = family(route);
+    PrecisionRow {
+        family,
+        knob,
+        ..PrecisionRow::new(part, &route.name(), condition)
+    }
 }
 
 /// Counts of operations, and what the chooser makes of them.
 pub(crate) fn put_operations(row: &mut PrecisionRow, operations: &Operations) {
-    row.add_mul_fma = Some(operations.add_mul_fma);
-    row.divisions = Some(operations.divisions);
-    row.compares_selects = Some(operations.compares_selects);
-    row.sqrt = Some(operations.sqrt);
-    row.transcendental = Some(operations.transcendental);
-    row.texture_fetches = Some(operations.texture_fetches);
-    row.operations_cost = Some(CostTable::default().cost(operations));
+    for (metric, count) in [
+        (ADD_MUL_FMA, operations.add_mul_fma),
+        (DIVISIONS, operations.divisions),
+        (COMPARES_SELECTS, operations.compares_selects),
+        (SQRT, operations.sqrt),
+        (TRANSCENDENTAL, operations.transcendental),
+        (TEXTURE_FETCHES, operations.texture_fetches),
+    ] {
+        row.put(metric, f64::from(count));
+    }
+    row.put(OPERATIONS_COST, CostTable::default().cost(operations));
 }
 
 fn input(sample: &Sample) -> [f32; 4] {
@@ -169,27 +171,28 @@ fn errors_of(
 }
 
 fn put_cpu(row: &mut PrecisionRow, cpu: &OnCpu) {
-    row.non_finite_emulated = Some(cpu.errors.non_finite);
+    row.put(NON_FINITE_EMULATED, cpu.errors.non_finite as f64);
     let figures = cpu.errors.figures();
-    row.emulated_max_m = figures.map(|f| f.max_m);
-    row.emulated_rms_m = figures.map(|f| f.rms_m);
-    row.residual_max_m = Some(cpu.residual.max_m);
-    row.residual_max_rad = Some(cpu.residual.max_rad);
-    row.residual_rms_rad = Some(cpu.residual.rms_rad);
-    row.expected_max_rad = Some(cpu.residual.expected_max_rad);
+    row.put(EMULATED_MAX_M, figures.map(|f| f.max_m));
+    row.put(EMULATED_RMS_M, figures.map(|f| f.rms_m));
+    row.put(RESIDUAL_MAX_M, cpu.residual.max_m);
+    row.put(RESIDUAL_MAX_RAD, cpu.residual.max_rad);
+    row.put(RESIDUAL_RMS_RAD, cpu.residual.rms_rad);
+    row.put(EXPECTED_MAX_RAD, cpu.residual.expected_max_rad);
 }
 
 fn put_device(row: &mut PrecisionRow, place: &Place, samples: &[Sample], values: &[[f32; 4]]) {
     let answers = values.iter().map(|value| [value[0], value[1]]);
     let errors = errors_of(place, samples, answers);
-    row.non_finite_device = Some(errors.non_finite);
-    let figures: Option<AngleFigures> = errors.figures();
-    row.device_max_m = figures.map(|f| f.max_m);
-    row.device_rms_m = figures.map(|f| f.rms_m);
-    row.device_max_rad = figures.map(|f| f.max_rad);
-    row.device_rms_rad = figures.map(|f| f.rms_rad);
-    row.max_texels = figures.map(|f| f.max_texels);
-    row.rms_texels = figures.map(|f| f.rms_texels);
-    row.max_px = figures.map(|f| f.max_m / place.pixel_m());
-    row.rms_px = figures.map(|f| f.rms_m / place.pixel_m());
+    row.put(NON_FINITE_DEVICE, errors.non_finite as f64);
+    if let Some(found) = errors.figures() {
+        row.put(DEVICE_MAX_M, found.max_m);
+        row.put(DEVICE_RMS_M, found.rms_m);
+        row.put(DEVICE_MAX_RAD, found.max_rad);
+        row.put(DEVICE_RMS_RAD, found.rms_rad);
+        row.put(MAX_TEXELS, found.max_texels);
+        row.put(RMS_TEXELS, found.rms_texels);
+        row.put(MAX_PX, found.max_m / place.pixel_m());
+        row.put(RMS_PX, found.rms_m / place.pixel_m());
+    }
 }

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Sums of measured errors, and what is said where formula and measurement part.
 
+use crate::keys::{
+    DEVICE_MAX_M, DEVICE_MAX_RAD, DEVICE_RMS_M, DEVICE_RMS_RAD, EXPECTED_MAX_RAD,
+    MAX_OVER_RESIDUAL, MEASURED_OVER_EXPECTED, NON_FINITE_DEVICE, NON_FINITE_EMULATED, POINTS,
+    RESIDUAL_MAX_M, RESIDUAL_RMS_M, RESIDUAL_RMS_RAD, RMS_OVER_RESIDUAL, TEXTURE_FETCHES,
+    TRANSCENDENTAL,
+};
 use crate::row::PrecisionRow;
 use std::f64::consts::{PI, TAU};
-use terrafill_results::Status;
+use terrafill_results::{Metric, Status};
 use terrafill_texture::{SAMPLING_SLACK, Sample};
 
 /// Measured and computed error that differ by more need a reason.
@@ -114,6 +120,18 @@ impl LengthErrors {
         self.squares += error_m * error_m;
     }
 
+    /// Into a row: how many are not finite, and the others' largest and root mean square.
+    pub(crate) fn put(
+        &self,
+        row: &mut PrecisionRow,
+        non_finite: &'static Metric,
+        [max, rms]: [&'static Metric; 2],
+    ) {
+        row.put(non_finite, self.non_finite as f64);
+        row.put(max, self.figures().map(|[max, _]| max));
+        row.put(rms, self.figures().map(|[_, rms]| rms));
+    }
+
     /// Largest and root mean square; `None` without a finite error.
     pub(crate) fn figures(&self) -> Option<[f64; 2]> {
         (self.count > 0.0).then(|| [self.max, (self.squares / self.count).sqrt()])
@@ -132,37 +150,35 @@ const NO_MAP_M: f64 = 2e7;
 ///
 /// - `rounding_share`: how much of the expected error is rounding
 pub(crate) fn judge(row: &mut PrecisionRow, rounding_share: f64) {
-    let over = |measured: Option<f64>, computed: Option<f64>| {
-        let (measured, computed) = (measured?, computed?);
+    let over = |measured: &Metric, computed: &Metric| {
+        let (measured, computed) = (row.figure(measured)?, row.figure(computed)?);
         (computed.is_finite() && computed > 0.0).then(|| measured / computed)
     };
-    row.max_over_residual = over(row.device_max_m, row.residual_max_m);
-    row.rms_over_residual = match row.residual_rms_rad {
-        Some(_) => over(row.device_rms_rad, row.residual_rms_rad),
-        None => over(row.device_rms_m, row.residual_rms_m),
+    let max = over(DEVICE_MAX_M, RESIDUAL_MAX_M);
+    let rms = match row.figure(RESIDUAL_RMS_RAD) {
+        Some(_) => over(DEVICE_RMS_RAD, RESIDUAL_RMS_RAD),
+        None => over(DEVICE_RMS_M, RESIDUAL_RMS_M),
     };
-    let is_map = row.residual_max_m.is_none_or(|bound| bound < NO_MAP_M);
-    row.measured_over_expected = match row.expected_max_rad {
+    let bound_m = row.figure(RESIDUAL_MAX_M);
+    let is_map = bound_m.is_none_or(|bound| bound < NO_MAP_M);
+    let of_expected = match row.figure(EXPECTED_MAX_RAD) {
         _ if !is_map => None,
-        Some(_) => over(row.device_max_rad, row.expected_max_rad),
-        None => row.rms_over_residual,
+        Some(_) => over(DEVICE_MAX_RAD, EXPECTED_MAX_RAD),
+        None => rms,
     };
+    row.put(MAX_OVER_RESIDUAL, max);
+    row.put(RMS_OVER_RESIDUAL, rms);
+    row.put(MEASURED_OVER_EXPECTED, of_expected);
     row.residual_reason = residual_reason(row, rounding_share);
     (row.status, row.reason) = if row.non_finite() > 0 {
-        let all = u64::from(row.points);
-        let reason = format!(
-            "not finite: {} of {all} emulated, {} on the device",
-            row.non_finite_emulated.unwrap_or(0),
-            row.non_finite_device.unwrap_or(0)
-        );
+        let [all, emulated, device] = [POINTS, NON_FINITE_EMULATED, NON_FINITE_DEVICE]
+            .map(|metric| row.figure(metric).unwrap_or(0.0));
+        let reason = format!("not finite: {emulated} of {all} emulated, {device} on the device");
         (Status::Wrong, reason)
     } else if !is_map {
         let reason = "no answer here: by its formula the error is as large as the body";
         (Status::Wrong, reason.to_owned())
-    } else if row
-        .max_over_residual
-        .is_some_and(|ratio| ratio > SAMPLING_SLACK)
-    {
+    } else if max.is_some_and(|ratio| ratio > SAMPLING_SLACK) {
         (Status::Wrong, "the error is above its bound".to_owned())
     } else {
         (Status::Ok, String::new())
@@ -174,18 +190,21 @@ fn agrees(ratio: f64) -> bool {
 }
 
 fn residual_reason(row: &PrecisionRow, rounding_share: f64) -> String {
-    let Some(ratio) = row.measured_over_expected.filter(|ratio| !agrees(*ratio)) else {
+    let ratio = row.figure(MEASURED_OVER_EXPECTED);
+    let Some(ratio) = ratio.filter(|ratio| !agrees(*ratio)) else {
         return String::new();
     };
-    let reason = if row.transcendental.is_some_and(|calls| calls > 0) {
+    let calls = |metric| row.figure(metric).is_some_and(|count| count > 0.0);
+    let is_exact = |metric| row.figure(metric) == Some(0.0);
+    let reason = if calls(TRANSCENDENTAL) {
         "expected is a correctly rounded function; the device's own is another, within what WGSL grants"
-    } else if row.rms_over_residual.is_some_and(agrees) && ratio < 1.0 {
+    } else if row.figure(RMS_OVER_RESIDUAL).is_some_and(agrees) && ratio < 1.0 {
         "few of the measured places come near the largest error; root mean squares agree"
-    } else if row.texture_fetches.is_some_and(|fetches| fetches > 0) {
+    } else if calls(TEXTURE_FETCHES) {
         "the sampler's own error: expected by the largest that it was seen to make, which other texels do not meet"
     } else if rounding_share > 0.5 && ratio < 1.0 {
         "rounding: steps that are exact here, such as products with 0, are taken for rounded ones"
-    } else if row.device_max_m == Some(0.0) || row.device_rms_m == Some(0.0) {
+    } else if is_exact(DEVICE_MAX_M) || is_exact(DEVICE_RMS_M) {
         "no error at all at the measured places"
     } else {
         "no reason known"
@@ -250,16 +269,19 @@ mod tests {
     }
 
     fn row(device: f64, bound: f64, non_finite: u64) -> PrecisionRow {
-        let mut row = PrecisionRow {
-            device_max_m: Some(device),
-            residual_max_m: Some(bound),
-            device_max_rad: Some(device),
-            expected_max_rad: Some(0.5),
-            non_finite_device: Some(non_finite),
-            transcendental: Some(2),
-            ..PrecisionRow::default()
-        };
+        let mut row = bare(device, bound);
+        row.put(NON_FINITE_DEVICE, non_finite as f64);
+        row.put(TRANSCENDENTAL, 2.0);
         judge(&mut row, 0.0);
+        row
+    }
+
+    fn bare(device: f64, bound: f64) -> PrecisionRow {
+        let mut row = PrecisionRow::default();
+        row.put(DEVICE_MAX_M, device);
+        row.put(RESIDUAL_MAX_M, bound);
+        row.put(DEVICE_MAX_RAD, device);
+        row.put(EXPECTED_MAX_RAD, 0.5);
         row
     }
 
@@ -279,15 +301,12 @@ mod tests {
         assert_eq!(row(0.9, 1.0, 1).status, Status::Wrong, "NaN is no answer");
         let nowhere = row(3e7, 4e7, 0);
         assert_eq!(
-            (nowhere.status, nowhere.measured_over_expected),
+            (nowhere.status, nowhere.figure(MEASURED_OVER_EXPECTED)),
             (Status::Wrong, None)
         );
         assert_eq!(row(0.9, f64::INFINITY, 0).status, Status::Wrong);
         // Twin: without a call of the device's own there is no such excuse.
-        let mut bare = PrecisionRow {
-            transcendental: None,
-            ..row(1.1, 2.0, 0)
-        };
+        let mut bare = bare(1.1, 2.0);
         judge(&mut bare, 0.0);
         assert_eq!(bare.residual_reason, "no reason known");
     }

@@ -4,6 +4,7 @@
 //! There is a finding against a route where its bound is finite, so that its formula has an answer, and
 //! an error was measured above the bound nonetheless or an answer was not finite.
 
+use crate::keys::{MAX_OVER_RESIDUAL, RESIDUAL_MAX_M};
 use crate::row::{PrecisionPart, PrecisionRow};
 use terrafill_results::Status;
 use terrafill_texture::{CoordinateRoute, SuiteCell, SuiteFinding};
@@ -34,7 +35,7 @@ pub fn suite_findings(rows: &[PrecisionRow]) -> Vec<SuiteFinding> {
 
 /// Whether the formula says that there is an answer.
 fn is_believed(row: &PrecisionRow) -> bool {
-    row.part == PrecisionPart::Coordinate && row.residual_max_m.is_some_and(f64::is_finite)
+    row.part == PrecisionPart::Coordinate && row.figure(RESIDUAL_MAX_M).is_some_and(f64::is_finite)
 }
 
 fn finding(row: &PrecisionRow) -> Option<SuiteFinding> {
@@ -44,7 +45,7 @@ fn finding(row: &PrecisionRow) -> Option<SuiteFinding> {
             extent_deg: row.extent_deg?,
             latitude_deg: row.latitude_deg?,
         },
-        worst_over_bound: row.max_over_residual.unwrap_or(0.0),
+        worst_over_bound: row.figure(MAX_OVER_RESIDUAL).unwrap_or(0.0),
         non_finite: row.non_finite(),
     })
 }
@@ -65,20 +66,20 @@ fn add(there: &mut SuiteFinding, found: &SuiteFinding) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::keys::NON_FINITE_DEVICE;
 
     fn row(part: PrecisionPart, route: &str, ratio: f64, non_finite: u64) -> PrecisionRow {
         let is_wrong = non_finite > 0 || ratio > 1.02;
-        PrecisionRow {
-            part,
-            route: route.to_owned(),
+        let mut row = PrecisionRow {
             extent_deg: Some(10.0),
             latitude_deg: Some(45.0),
-            residual_max_m: Some(5.0),
-            max_over_residual: Some(ratio),
-            non_finite_device: Some(non_finite),
             status: if is_wrong { Status::Wrong } else { Status::Ok },
-            ..PrecisionRow::default()
-        }
+            ..PrecisionRow::new(part, route, String::new())
+        };
+        row.put(RESIDUAL_MAX_M, 5.0);
+        row.put(MAX_OVER_RESIDUAL, ratio);
+        row.put(NON_FINITE_DEVICE, non_finite as f64);
+        row
     }
 
     #[test]
@@ -103,12 +104,12 @@ mod tests {
         ];
         assert_eq!(of, expected);
         let mut unknown = rows.clone();
-        unknown[1].max_over_residual = Some(f64::NAN);
+        unknown[1].put(MAX_OVER_RESIDUAL, f64::NAN);
         assert!(suite_findings(&unknown)[0].worst_over_bound.is_nan());
         // Twin: where the formula says itself that it is no map, no finding is needed.
-        let beyond = rows.map(|row| PrecisionRow {
-            residual_max_m: Some(f64::INFINITY),
-            ..row
+        let beyond = rows.map(|mut row| {
+            row.put(RESIDUAL_MAX_M, f64::INFINITY);
+            row
         });
         assert_eq!(suite_findings(&beyond), []);
     }

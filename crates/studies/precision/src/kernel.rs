@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Routes on the device: the text of each, compiled once and asked for every region.
 
-use crate::failure::{broken, lost};
+use crate::failure::broken;
 use crate::place::{Place, radical_inverse};
 use crate::row::PrecisionPart;
 use crate::sight::{self, MAPPINGS};
@@ -153,7 +153,7 @@ impl Kernels {
             CoordinateKernel {
                 route: *route,
                 sampler: samplers.of(&program),
-                device: coordinate_evaluator(gpu, &route.name(), &program),
+                device: coordinate_evaluator(gpu, &route.name(), &program, &program.wgsl()),
                 program,
             }
         });
@@ -184,14 +184,14 @@ impl Kernels {
         for kernel in &mut self.coordinate {
             if let (Ok(device), Some(place)) = (&mut kernel.device, &region) {
                 let constants = kernel.route.constants(&place.region);
-                device.set_constants(&constants).map_err(lost)?;
+                device.set_constants(&constants).map_err(broken)?;
                 device.prepare_timing(&offsets, of_offset, TURNS);
             }
         }
         for kernel in &mut self.position {
             if let Ok(device) = &mut kernel.device {
                 let constants = sight::timed_constants(kernel.route, kernel.mapping);
-                device.set_constants(&constants).map_err(lost)?;
+                device.set_constants(&constants).map_err(broken)?;
                 device.prepare_timing(&depths, sight::TIMED_STEP, TURNS);
             }
         }
@@ -282,16 +282,9 @@ fn timed_offsets() -> Vec<[f32; 4]> {
 }
 
 /// The route's evaluator, or why there is none.
+///
+/// - `wgsl`: of the program, or a wrong one that must be noticed
 pub(crate) fn coordinate_evaluator(
-    gpu: &Arc<Gpu>,
-    name: &str,
-    program: &Program,
-) -> Result<Evaluator, String> {
-    coordinate_evaluator_of(gpu, name, program, &program.wgsl())
-}
-
-/// The same with a text of its own, so that a wrong one can be shown to be noticed.
-pub(crate) fn coordinate_evaluator_of(
     gpu: &Arc<Gpu>,
     name: &str,
     program: &Program,
@@ -360,8 +353,8 @@ pub(crate) fn ask(
 ) -> Result<Result<Evaluation, String>, StudyError> {
     match device {
         Ok(device) => {
-            device.set_constants(constants).map_err(lost)?;
-            device.evaluate(inputs).map(Ok).map_err(lost)
+            device.set_constants(constants).map_err(broken)?;
+            device.evaluate(inputs).map(Ok).map_err(broken)
         }
         Err(why) => Ok(Err(format!("not on this device: {why}"))),
     }

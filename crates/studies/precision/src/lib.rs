@@ -10,13 +10,13 @@
 //! Halton sequence, so that neither can fit itself.
 
 mod chapter;
-mod conditions;
 mod coordinate;
 mod error;
 mod failure;
 mod findings;
 mod kernel;
 mod keys;
+mod metrics;
 mod place;
 mod position;
 mod routes;

@@ -4,6 +4,11 @@
 use crate::coordinate::put_operations;
 use crate::error::{AGREEMENT, LengthErrors, judge};
 use crate::kernel::{Kernels, ask};
+use crate::keys::{
+    DEVICE_MAX_M, DEVICE_RMS_M, EMULATED_MAX_M, EMULATED_RMS_M, MAX_PX, MEASURED_OVER_EXPECTED,
+    NON_FINITE_DEVICE, NON_FINITE_EMULATED, PIXEL_M, POINTS, RESIDUAL_MAX_M, RESIDUAL_RMS_M,
+    RMS_PX,
+};
 use crate::place::radical_inverse;
 use crate::row::{PrecisionPart, PrecisionRow};
 use crate::sight::{CLEARED_PIXEL, DISTANCE_SPREAD, IMAGE, Sight, TIMED_DISTANCE_M};
@@ -71,24 +76,13 @@ pub(crate) fn rows(
 /// A route's row before anything is measured.
 pub(crate) fn identity(sight: &Sight, route: PositionRoute) -> PrecisionRow {
     PrecisionRow {
-        part: PrecisionPart::Position,
-        route: route.name().to_owned(),
-        family: route.name().to_owned(),
-        condition: sight.name(),
         extent_deg: Some(sight.extent_deg),
         latitude_deg: Some(sight.latitude_deg),
         anchor: sight.anchor.name().to_owned(),
         distance_m: sight.distance_m,
         depth_format: sight.format.name(),
-        ..PrecisionRow::default()
+        ..PrecisionRow::new(PrecisionPart::Position, route.name(), sight.name())
     }
-}
-
-/// The same with what its program counts.
-fn blank_row(sight: &Sight, route: PositionRoute) -> PrecisionRow {
-    let mut row = identity(sight, route);
-    put_operations(&mut row, &route.operations(&sight.format));
-    row
 }
 
 /// What the routes make of a pixel in which nothing was drawn. No fragment is there, so nothing is
@@ -105,20 +99,22 @@ fn cleared_rows(
     for kernel in kernels.position.iter().filter(|k| k.mapping == mapping) {
         let route = kernel.route;
         let constants = route.constants(view, region);
-        let mut row = blank_row(sight, route);
-        row.points = 1;
+        let mut row = identity(sight, route);
+        put_operations(&mut row, &route.operations(&sight.format));
+        row.put(POINTS, 1.0);
         row.status = Status::Ok;
         row.reason = "cleared depth: no fragment is there".to_owned();
-        let non_finite = |answer: [f32; 3]| u64::from(answer.iter().any(|v| !v.is_finite()));
+        let non_finite =
+            |answer: [f32; 3]| f64::from(u8::from(answer.iter().any(|v| !v.is_finite())));
         let emulated = route.emulate(&sight.format, &constants, CLEARED_PIXEL, depth);
         row.emulated_answer = format!("{emulated:?}");
-        row.non_finite_emulated = Some(non_finite(emulated));
+        row.put(NON_FINITE_EMULATED, non_finite(emulated));
         let [x, y] = CLEARED_PIXEL;
         match ask(&kernel.device, &constants, &[[x, y, depth, 0.0]])? {
             Ok(answers) => {
                 let [x, y, z, _] = answers.values[0];
                 row.device_answer = format!("{:?}", [x, y, z]);
-                row.non_finite_device = Some(non_finite([x, y, z]));
+                row.put(NON_FINITE_DEVICE, non_finite([x, y, z]));
             }
             Err(why) => (row.status, row.reason) = (Status::Skipped, why),
         }
@@ -168,40 +164,36 @@ fn drawn_rows(
             route.emulate(&sight.format, &constants, [x, y], depth)
         });
         let emulated = errors_of(&seen, emulated);
-        let mut row = PrecisionRow {
-            points,
-            non_finite_emulated: Some(emulated.non_finite),
-            emulated_max_m: emulated.figures().map(|[max, _]| max),
-            emulated_rms_m: emulated.figures().map(|[_, rms]| rms),
-            pixel_m: Some(pixel_m),
-            residual_max_m: Some(residual.max_m),
-            residual_rms_m: Some(residual.rms_m),
-            ..blank_row(sight, route)
-        };
+        let mut row = identity(sight, route);
+        put_operations(&mut row, &route.operations(&sight.format));
+        row.put(POINTS, f64::from(points));
+        emulated.put(
+            &mut row,
+            NON_FINITE_EMULATED,
+            [EMULATED_MAX_M, EMULATED_RMS_M],
+        );
+        row.put(PIXEL_M, pixel_m);
+        row.put(RESIDUAL_MAX_M, residual.max_m);
+        row.put(RESIDUAL_RMS_M, residual.rms_m);
         let mut unmeasured = String::new();
         match ask(&kernel.device, &constants, &inputs)? {
             Ok(answers) => {
                 let answers = answers.values.iter().map(|[x, y, z, _]| [*x, *y, *z]);
                 let device = errors_of(&seen, answers);
-                row.non_finite_device = Some(device.non_finite);
-                row.device_max_m = device.figures().map(|[max, _]| max);
-                row.device_rms_m = device.figures().map(|[_, rms]| rms);
-                row.max_px = row.device_max_m.map(|m| m / pixel_m);
-                row.rms_px = row.device_rms_m.map(|m| m / pixel_m);
+                device.put(&mut row, NON_FINITE_DEVICE, [DEVICE_MAX_M, DEVICE_RMS_M]);
+                row.put(MAX_PX, row.figure(DEVICE_MAX_M).map(|m| m / pixel_m));
+                row.put(RMS_PX, row.figure(DEVICE_RMS_M).map(|m| m / pixel_m));
             }
             Err(why) => unmeasured = why,
         }
         judge(&mut row, 1.0);
-        if row
-            .measured_over_expected
-            .is_some_and(|ratio| ratio < 1.0 / AGREEMENT)
-        {
+        let ratio = row.figure(MEASURED_OVER_EXPECTED);
+        if ratio.is_some_and(|ratio| ratio < 1.0 / AGREEMENT) {
             row.residual_reason = sight.why_less_than_expected(route).to_owned();
         }
-        let is_more = row
-            .measured_over_expected
-            .is_some_and(|ratio| ratio > AGREEMENT);
-        if is_more && rounds_products(route, sight, &constants, &seen, row.device_rms_m) {
+        let is_more = ratio.is_some_and(|ratio| ratio > AGREEMENT);
+        let rms_m = row.figure(DEVICE_RMS_M);
+        if is_more && rounds_products(route, sight, &constants, &seen, rms_m) {
             row.residual_reason =
                 "the device rounds a fused product and sum twice, as WGSL lets it: \
                                    emulated so, the error is the same"

@@ -2,8 +2,9 @@
 //! Coordinate routes at inputs where formulas break: zeros, subnormals, the axis, the octants' seams,
 //! the antimeridian, what is not a number.
 
-use crate::coordinate::{blank_row, of_route};
+use crate::coordinate::{of_route, put_operations};
 use crate::kernel::{CoordinateKernel, Kernels, ask};
+use crate::keys::{NON_FINITE_DEVICE, NON_FINITE_EMULATED, POINTS};
 use crate::place::Place;
 use crate::row::{PrecisionPart, PrecisionRow};
 use terrafill_results::Status;
@@ -11,7 +12,8 @@ use terrafill_study::StudyError;
 use terrafill_texture::{Arithmetic, CoordinateRoute, MapRegion};
 
 /// One input.
-struct Special {
+#[derive(Debug)]
+pub(crate) struct Special {
     name: &'static str,
     /// Of the whole globe, anchored at 20° on the equator; else of 10° at 45°.
     on_globe: bool,
@@ -29,19 +31,6 @@ impl Special {
         } else {
             (10.0, 45.0)
         }
-    }
-
-    fn place(&self) -> Option<Place> {
-        let (extent_deg, latitude_deg) = self.region_deg();
-        Place::new(extent_deg, latitude_deg, ("0", 0.0, 0.0))
-    }
-
-    fn put(&self, row: &mut PrecisionRow) {
-        let (extent_deg, latitude_deg) = self.region_deg();
-        row.part = PrecisionPart::Special;
-        row.condition = self.name.to_owned();
-        row.extent_deg = Some(extent_deg);
-        row.latitude_deg = Some(latitude_deg);
     }
 }
 
@@ -70,7 +59,7 @@ fn pole(region: &MapRegion, sign: f64) -> [f32; 3] {
 }
 
 /// Every input. Those of the globe reach every octant; of a small region's only those inside.
-const INPUTS: [Special; 24] = [
+pub(crate) static INPUTS: [Special; 24] = [
     inside("anchor, +0", |_| [0.0; 3]),
     inside("anchor, -0", |_| [-0.0; 3]),
     inside("anchor, mixed zeros", |_| [0.0, -0.0, 0.0]),
@@ -138,33 +127,24 @@ const fn beyond(name: &'static str, offset: fn(&MapRegion) -> [f32; 3]) -> Speci
     }
 }
 
-/// Conditions of the special rows.
-pub(crate) fn names() -> Vec<String> {
-    INPUTS.iter().map(|input| input.name.to_owned()).collect()
+/// A route's row at an input before anything is measured.
+pub(crate) fn identity(input: &Special, route: &CoordinateRoute) -> PrecisionRow {
+    let (extent_deg, latitude_deg) = input.region_deg();
+    PrecisionRow {
+        extent_deg: Some(extent_deg),
+        latitude_deg: Some(latitude_deg),
+        ..of_route(PrecisionPart::Special, route, input.name.to_owned())
+    }
 }
 
-/// A route's row at the input called `name` before anything is measured.
-pub(crate) fn identity(name: &str, route: &CoordinateRoute) -> PrecisionRow {
-    let mut row = of_route(route);
-    if let Some(special) = INPUTS.iter().find(|input| input.name == name) {
-        special.put(&mut row);
-    }
-    row
-}
-
-/// Rows of every route at the input called `name`.
-pub(crate) fn rows(name: &str, kernels: &Kernels) -> Result<Vec<PrecisionRow>, StudyError> {
-    let mut rows = Vec::new();
-    let Some(special) = INPUTS.iter().find(|input| input.name == name) else {
-        return Ok(rows);
+/// Rows of every route at an input.
+pub(crate) fn rows(input: &Special, kernels: &Kernels) -> Result<Vec<PrecisionRow>, StudyError> {
+    let (extent_deg, latitude_deg) = input.region_deg();
+    let Some(place) = Place::new(extent_deg, latitude_deg, ("0", 0.0, 0.0)) else {
+        return Ok(Vec::new());
     };
-    let Some(place) = special.place() else {
-        return Ok(rows);
-    };
-    for kernel in &kernels.coordinate {
-        rows.push(row(special, &place, kernel)?);
-    }
-    Ok(rows)
+    let kernels = kernels.coordinate.iter();
+    kernels.map(|kernel| row(input, &place, kernel)).collect()
 }
 
 fn row(
@@ -172,23 +152,23 @@ fn row(
     place: &Place,
     kernel: &CoordinateKernel,
 ) -> Result<PrecisionRow, StudyError> {
-    let mut row = blank_row(kernel);
-    special.put(&mut row);
-    row.points = 1;
+    let mut row = identity(special, &kernel.route);
+    put_operations(&mut row, &kernel.program.operations());
+    row.put(POINTS, 1.0);
     let offset = (special.offset)(&place.region);
     let constants = kernel.route.constants(&place.region);
     let emulated = kernel
         .program
         .emulate(&constants, offset, Arithmetic::Fused);
     row.emulated_answer = text(emulated);
-    row.non_finite_emulated = Some(count(emulated));
+    row.put(NON_FINITE_EMULATED, count(emulated));
     let [x, y, z] = offset;
     row.status = Status::Ok;
     match ask(&kernel.device, &constants, &[[x, y, z, 0.0]])? {
         Ok(answers) => {
             let [longitude, latitude, ..] = answers.values[0];
             row.device_answer = text([longitude, latitude]);
-            row.non_finite_device = Some(count([longitude, latitude]));
+            row.put(NON_FINITE_DEVICE, count([longitude, latitude]));
         }
         Err(why) => (row.status, row.reason) = (Status::Skipped, why),
     }
@@ -200,8 +180,8 @@ fn row(
     Ok(row)
 }
 
-fn count(answer: [f32; 2]) -> u64 {
-    u64::from(answer.iter().any(|angle| !angle.is_finite()))
+fn count(answer: [f32; 2]) -> f64 {
+    f64::from(u8::from(answer.iter().any(|angle| !angle.is_finite())))
 }
 
 fn text([longitude, latitude]: [f32; 2]) -> String {

@@ -2,16 +2,20 @@
 //! The suite as a study: a group of all formulas that are timed together, and one for each condition.
 
 use crate::STUDY;
-use crate::conditions::{CONDITION, OF_PART, PART, ROUTE};
 use crate::kernel::{Kernels, TimedFormula};
-use crate::row::{METRICS, PrecisionRow};
+use crate::keys::{OF_PART, PART, ROUTE};
+use crate::metrics::METRICS;
+use crate::row::PrecisionRow;
 use crate::suite::{Condition, Suite};
 use crate::timing::LoopTime;
 use std::cell::RefCell;
 use std::rc::Rc;
 use terrafill_gpu::shared_gpu;
-use terrafill_results::{CaseId, Chapter, ConditionKey, Metric, PlannedCase, Status, Verdict};
-use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
+use terrafill_results::{Chapter, ConditionKey, Metric, PlannedCase, Verdict};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,
+    Session, Study, StudyError, judged, planned_case,
+};
 
 /// Timed passes of each formula in a process, unless the request says otherwise.
 const SAMPLES: u32 = 5;
@@ -34,7 +38,7 @@ impl Study for PrecisionStudy {
     }
 
     fn conditions(&self) -> Vec<ConditionKey> {
-        crate::conditions::CONDITIONS.to_vec()
+        crate::keys::CONDITIONS.to_vec()
     }
 
     fn least_depth(&self) -> Depth {
@@ -44,9 +48,9 @@ impl Study for PrecisionStudy {
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let suite = Rc::new(Suite::new(request.depth == Depth::Quick));
         let samples = request.samples.unwrap_or(SAMPLES);
-        let mut groups: Vec<Box<dyn Group>> = vec![Box::new(Timing::new(&suite, samples))];
+        let mut groups: Vec<Box<dyn Group>> = vec![Box::new(times(&suite, samples))];
         for condition in suite.conditions() {
-            groups.push(Box::new(Errors::new(&suite, condition)));
+            groups.push(Box::new(errors(&suite, condition)));
         }
         Ok(Planned {
             groups,
@@ -73,60 +77,31 @@ fn kernels(suite: &Suite, context: Context<'_>) -> Result<SharedKernels, StudyEr
 }
 
 /// Formulas that are timed together.
-struct Timing {
-    suite: Rc<Suite>,
-    formulas: Vec<TimedFormula>,
-    cases: Vec<PlannedCase>,
-}
-
-impl Timing {
-    fn new(suite: &Rc<Suite>, samples: u32) -> Self {
-        let formulas = suite.timed();
-        let case = |formula: &TimedFormula| {
-            let (part, route) = (formula.part().name(), formula.name());
-            PlannedCase {
-                id: CaseId::new(
-                    STUDY,
-                    format!("time/{part}/{route}"),
-                    [
-                        (PART, "time".to_owned()),
-                        (OF_PART, part.to_owned()),
-                        (ROUTE, route),
-                    ],
-                ),
-                samples,
-                may_be_wrong: false,
-            }
-        };
-        Self {
-            suite: Rc::clone(suite),
-            cases: formulas.iter().map(case).collect(),
-            formulas,
-        }
-    }
-}
-
-impl Group for Timing {
-    fn name(&self) -> String {
-        format!("{STUDY}/times")
-    }
-
-    fn warm_up(&self) -> Option<u32> {
-        Some(1)
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        let kernels = kernels(&self.suite, context)?;
-        kernels.borrow_mut().prepare_timing()?;
-        Ok(Box::new(TimingSession {
-            formulas: &self.formulas,
-            kernels,
-            empty: None,
-        }))
+fn times(suite: &Rc<Suite>, samples: u32) -> CaseGroup<(Rc<Suite>, Vec<TimedFormula>)> {
+    let formulas = suite.timed();
+    let case = |formula: &TimedFormula| {
+        let conditions = [
+            (PART, "time".to_owned()),
+            (OF_PART, formula.part().name().to_owned()),
+            (ROUTE, formula.name()),
+        ];
+        planned_case(STUDY, samples, conditions)
+    };
+    CaseGroup {
+        name: format!("{STUDY}/times"),
+        cases: formulas.iter().map(case).collect(),
+        warm_up: Some(1),
+        work: (Rc::clone(suite), formulas),
+        open: |group, context| {
+            let (suite, formulas) = &group.work;
+            let kernels = kernels(suite, context)?;
+            kernels.borrow_mut().prepare_timing()?;
+            Ok(Box::new(TimingSession {
+                formulas,
+                kernels,
+                empty: None,
+            }))
+        },
     }
 }
 
@@ -140,10 +115,7 @@ struct TimingSession<'a> {
 impl Session for TimingSession<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
         Ok(match self.kernels.borrow().timed(&self.formulas[case]) {
-            Ok(_) => Verdict {
-                status: Status::Ok,
-                ..Verdict::default()
-            },
+            Ok(_) => judged(String::new(), Vec::new(), Vec::new()),
             Err(why) => Verdict::skipped(format!("not on this device: {why}")),
         })
     }
@@ -153,7 +125,7 @@ impl Session for TimingSession<'_> {
         Ok(())
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+    fn sample(&mut self, case: usize) -> Result<Figures, String> {
         let time = self.kernels.borrow().time(&self.formulas[case])?;
         let empty = self.empty.as_ref().ok_or("no block was begun")?;
         let per_evaluation =
@@ -166,74 +138,46 @@ impl Session for TimingSession<'_> {
 }
 
 /// Formulas under one condition.
-struct Errors {
-    suite: Rc<Suite>,
-    condition: Condition,
-    cases: Vec<PlannedCase>,
-}
-
-impl Errors {
-    fn new(suite: &Rc<Suite>, condition: Condition) -> Self {
-        let identities = suite.identities(&condition);
-        Self {
-            cases: identities
-                .iter()
-                .map(|row| PlannedCase {
-                    id: row.id(),
-                    samples: 0,
-                    // Its error is the question: a formula without an answer is a result.
-                    may_be_wrong: true,
-                })
-                .collect(),
-            suite: Rc::clone(suite),
-            condition,
-        }
+fn errors(suite: &Rc<Suite>, condition: Condition) -> CaseGroup<(Rc<Suite>, Condition)> {
+    let case = |row: &PrecisionRow| PlannedCase {
+        id: row.id(),
+        samples: 0,
+        // Its error is the question: a formula without an answer is a result.
+        may_be_wrong: true,
+    };
+    let rows = suite.identities(&condition);
+    let name = rows.first().map_or_else(String::new, |row| {
+        format!("{}/{}", row.part.name(), row.condition)
+    });
+    CaseGroup {
+        name: format!("{STUDY}/{name}"),
+        cases: rows.iter().map(case).collect(),
+        warm_up: None,
+        work: (Rc::clone(suite), condition),
+        open: |group, context| {
+            let (suite, condition) = &group.work;
+            let kernels = kernels(suite, context)?;
+            let rows = suite.rows(condition, &kernels.borrow())?;
+            let cases = &group.cases;
+            Ok(Box::new(CaseSession(Errors { cases, rows })))
+        },
     }
 }
 
-impl Group for Errors {
-    fn name(&self) -> String {
-        let part = self
-            .cases
-            .first()
-            .map_or("", |case| case.id.condition(PART));
-        let condition = self
-            .cases
-            .first()
-            .map_or("", |case| case.id.condition(CONDITION));
-        format!("{STUDY}/{part}/{condition}")
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        let kernels = kernels(&self.suite, context)?;
-        let rows = self.suite.rows(&self.condition, &kernels.borrow())?;
-        Ok(Box::new(ErrorsSession {
-            cases: &self.cases,
-            rows,
-        }))
-    }
-}
-
-struct ErrorsSession<'a> {
+struct Errors<'a> {
     cases: &'a [PlannedCase],
     rows: Vec<PrecisionRow>,
 }
 
-impl Session for ErrorsSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        let id = &self.cases[case].id;
-        let row = self.rows.iter().find(|row| row.id() == *id);
-        Ok(row.map_or_else(
-            || Verdict::failed("no row was measured under this condition"),
-            PrecisionRow::verdict,
-        ))
+impl Measures for Errors<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let mut rows = self.rows.iter();
+        let row = rows.find(|row| row.id() == self.cases[case].id);
+        let verdict = row.map(PrecisionRow::verdict);
+        verdict.ok_or_else(|| "no row was measured under this condition".to_owned().into())
     }
 
-    fn sample(&mut self, _case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        Err("errors are measured once and not timed".to_owned())
+    fn time(&mut self, _case: usize) -> Result<Figures, Failure> {
+        Err("errors are measured once and not timed".to_owned().into())
     }
 }

@@ -25,16 +25,16 @@ pub(crate) struct Suite {
 }
 
 /// One condition: all its formulas are measured at once.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) enum Condition {
     /// A region, by its place in [`Suite::places`].
     Place(usize),
-    /// An input where formulas break, by name.
-    Special(String),
+    /// An input where formulas break.
+    Special(&'static special::Special),
     /// A view, by its place in [`Suite::sights`].
     Sight(usize),
-    /// A distance and an extent of vertices, by name.
-    Vertex(String),
+    /// Vertices of a region, from a distance.
+    Vertex(vertex::Seen),
 }
 
 impl Suite {
@@ -60,9 +60,9 @@ impl Suite {
     /// Every condition.
     pub(crate) fn conditions(&self) -> Vec<Condition> {
         let places = (0..self.places.len()).map(Condition::Place);
-        let specials = special::names().into_iter().map(Condition::Special);
+        let specials = special::INPUTS.iter().map(Condition::Special);
         let sights = (0..self.sights.len()).map(Condition::Sight);
-        let vertices = vertex::condition_names().into_iter().map(Condition::Vertex);
+        let vertices = vertex::conditions().map(Condition::Vertex);
         places
             .chain(specials)
             .chain(sights)
@@ -79,7 +79,7 @@ impl Suite {
             Condition::Place(index) => {
                 of_routes(&|route| coordinate::identity(&self.places[*index], route))
             }
-            Condition::Special(name) => of_routes(&|route| special::identity(name, route)),
+            Condition::Special(input) => of_routes(&|route| special::identity(input, route)),
             Condition::Sight(index) => {
                 let sight = &self.sights[*index];
                 let routes = PositionRoute::ALL.into_iter();
@@ -87,11 +87,10 @@ impl Suite {
                     .map(|route| position::identity(sight, route))
                     .collect()
             }
-            Condition::Vertex(name) => {
+            Condition::Vertex(seen) => {
                 let formats = VertexFormat::ALL.iter();
-                formats
-                    .map(|format| vertex::identity(*format, name))
-                    .collect()
+                let identity = |format: &VertexFormat| vertex::identity(*format, *seen);
+                formats.map(identity).collect()
             }
         }
     }
@@ -110,9 +109,9 @@ impl Suite {
                 let (place, chosen) = (&self.places[*index], self.chosen[*index]);
                 coordinate::rows(place, chosen, self.points, kernels)
             }
-            Condition::Special(name) => special::rows(name, kernels),
+            Condition::Special(input) => special::rows(input, kernels),
             Condition::Sight(index) => position::rows(&self.sights[*index], self.points, kernels),
-            Condition::Vertex(name) => Ok(vertex::rows(name)),
+            Condition::Vertex(seen) => Ok(vertex::rows(*seen)),
         }
     }
 
@@ -146,7 +145,11 @@ pub fn measure_suite(adapter: Option<String>) -> Result<Vec<PrecisionRow>, Study
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::coordinate_evaluator_of;
+    use crate::kernel::coordinate_evaluator;
+    use crate::keys::{
+        CHOSEN, DEVICE_MAX_M, EMULATED_MAX_M, EXPECTED_MAX_RAD, MAX_PX, NON_FINITE_DEVICE,
+        NON_FINITE_EMULATED, OPERATIONS_COST,
+    };
     use crate::row::PrecisionPart;
     use crate::suite_findings;
     use terrafill_gpu::open_for_test;
@@ -216,20 +219,23 @@ mod tests {
         // degree 7 in absolute angles by hundreds of metres.
         let gnomonic = row(&rows, "gnomonic-3", "heights=0");
         let absolute = row(&rows, "odd-7", "heights=0");
-        assert!(gnomonic.device_max_m.expect("measured") < 1.0);
-        assert!((200.0..1200.0).contains(&absolute.device_max_m.expect("measured")));
-        assert!(gnomonic.operations_cost.is_some());
-        let chosen = rows.iter().filter(|row| row.chosen).count();
+        assert!(gnomonic.figure(DEVICE_MAX_M).expect("measured") < 1.0);
+        assert!((200.0..1200.0).contains(&absolute.figure(DEVICE_MAX_M).expect("measured")));
+        assert!(gnomonic.figure(OPERATIONS_COST).is_some());
+        let chosen = rows
+            .iter()
+            .filter(|row| row.figure(CHOSEN) == Some(1.0))
+            .count();
         assert_eq!(chosen, 2, "one in each region");
         let verdict = gnomonic.verdict();
         let figure = |name: &str| verdict.figures.iter().find(|(of, _)| *of == name);
         assert_eq!(
             figure("device_max_m").map(|f| Some(f.1)),
-            Some(gnomonic.device_max_m)
+            Some(gnomonic.figure(DEVICE_MAX_M))
         );
         assert_eq!(
             figure("expected_max_rad").map(|f| Some(f.1)),
-            Some(gnomonic.expected_max_rad)
+            Some(gnomonic.figure(EXPECTED_MAX_RAD))
         );
         assert!(rows.iter().any(|row| row.part == PrecisionPart::Special));
     }
@@ -273,7 +279,7 @@ mod tests {
             .find(|k| k.route.name().starts_with("odd-7"));
         let odd = odd.expect("in the suite");
         let text = replace(&odd.program.wgsl());
-        odd.device = coordinate_evaluator_of(&gpu, "odd-7", &odd.program, &text);
+        odd.device = coordinate_evaluator(&gpu, "odd-7", &odd.program, &text);
         Some(coordinate::rows(&suite.places[0], None, suite.points, &kernels).expect("runs"))
     }
 
@@ -293,7 +299,7 @@ mod tests {
         assert_eq!(odd.status, Status::Wrong);
         assert!(odd.reason.contains("above its bound"), "{}", odd.reason);
         assert!(
-            odd.emulated_max_m < odd.device_max_m,
+            odd.figure(EMULATED_MAX_M) < odd.figure(DEVICE_MAX_M),
             "the emulation has the right one"
         );
     }
@@ -305,16 +311,19 @@ mod tests {
         });
         let Some(nan) = nan else { return };
         let odd = row(&nan, "odd-7", "");
-        assert_eq!(odd.non_finite_device, Some(u64::from(odd.points)));
         assert_eq!(
-            (odd.non_finite_emulated, odd.status),
-            (Some(0), Status::Wrong)
+            odd.figure(NON_FINITE_DEVICE),
+            odd.figure(crate::keys::POINTS)
         );
-        assert_eq!(odd.device_max_m, None, "no number stands for it");
+        assert_eq!(
+            (odd.figure(NON_FINITE_EMULATED), odd.status),
+            (Some(0.0), Status::Wrong)
+        );
+        assert_eq!(odd.figure(DEVICE_MAX_M), None, "no number stands for it");
         let broken = rows_with(|text| text.replace("return", "retrun")).expect("a device");
         let odd = row(&broken, "odd-7", "");
         assert_eq!(odd.status, Status::Skipped);
-        assert!(odd.reason.contains("not on this device") && odd.emulated_max_m.is_some());
+        assert!(odd.reason.contains("not on this device") && odd.figure(EMULATED_MAX_M).is_some());
     }
 
     /// Every row of these routes at one extent and latitude, whatever the heights, and at the special
@@ -328,7 +337,7 @@ mod tests {
         let mut kernels = Kernels::new(&gpu, routes);
         for kernel in &mut kernels.coordinate {
             let text = replace(&kernel.program.wgsl());
-            kernel.device = coordinate_evaluator_of(&gpu, "replaced", &kernel.program, &text);
+            kernel.device = coordinate_evaluator(&gpu, "replaced", &kernel.program, &text);
         }
         let places = place::places(false).into_iter();
         let here = places.filter(|place| (place.extent_deg, place.latitude_deg) == cell);
@@ -337,8 +346,8 @@ mod tests {
             let of_place = coordinate::rows(&place, None, POINTS, &kernels);
             rows.extend(of_place.expect("runs"));
         }
-        for name in special::names() {
-            rows.extend(special::rows(&name, &kernels).expect("runs"));
+        for input in &special::INPUTS {
+            rows.extend(special::rows(input, &kernels).expect("runs"));
         }
         Some(rows)
     }
@@ -414,7 +423,7 @@ mod tests {
             here.flat_map(|sight| position::rows(sight, QUICK_POINTS, &kernels).expect("runs"));
         let default = rows.filter(|row| row.route == "eye-region");
         let figures = default.map(|row| {
-            let (metres, pixels) = (row.device_max_m, row.max_px);
+            let (metres, pixels) = (row.figure(DEVICE_MAX_M), row.figure(MAX_PX));
             (
                 row.condition,
                 metres.expect("asked"),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Times of formulas beyond the loop around them.
 
-use crate::failure::lost;
+use crate::failure::broken;
 use terrafill_gpu::Evaluator;
 use terrafill_results::median;
 use terrafill_study::StudyError;
@@ -20,7 +20,7 @@ impl LoopTime {
         let mut cpu_ms = Vec::new();
         let mut gpu_ms = Vec::new();
         for _ in 0..EMPTY_PASSES {
-            let time = empty.time(turns).map_err(lost)?;
+            let time = empty.time(turns).map_err(broken)?;
             cpu_ms.push(time.cpu_ms);
             gpu_ms.extend(time.gpu_ms);
         }

@@ -3,6 +3,11 @@
 //! device they are drawn by the backends' own variants.
 
 use crate::error::{AGREEMENT, LengthErrors};
+use crate::keys::{
+    EMULATED_MAX_M, EMULATED_RMS_M, MAX_OVER_RESIDUAL, MAX_PX, MEASURED_OVER_EXPECTED,
+    NON_FINITE_EMULATED, PIXEL_M, POINTS, RESIDUAL_MAX_M, RESIDUAL_RMS_M, RMS_OVER_RESIDUAL,
+    RMS_PX,
+};
 use crate::place::{Place, radical_inverse};
 use crate::row::{PrecisionPart, PrecisionRow};
 use terrafill_core::Geodetic;
@@ -25,47 +30,49 @@ const VERTICES: u32 = 2000;
 const VIEW_ROWS: f64 = 1080.0;
 const FIELD_OF_VIEW_DEG: f64 = 60.0;
 
-/// Distance × extent.
-fn conditions() -> impl Iterator<Item = (f64, f64)> {
-    let distances = DISTANCES_M.into_iter();
-    distances.flat_map(|distance| EXTENTS_DEG.map(|extent| (distance, extent)))
+/// From where vertices of which region are seen.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seen {
+    distance_m: f64,
+    extent_deg: f64,
 }
 
-fn name((distance_m, extent_deg): (f64, f64)) -> String {
-    format!("distance={distance_m};extent={extent_deg}")
-}
-
-pub(crate) fn condition_names() -> Vec<String> {
-    conditions().map(name).collect()
+pub(crate) fn conditions() -> impl Iterator<Item = Seen> {
+    let of = |distance_m| {
+        EXTENTS_DEG.map(|extent_deg| Seen {
+            distance_m,
+            extent_deg,
+        })
+    };
+    DISTANCES_M.into_iter().flat_map(of)
 }
 
 /// A format's row before anything is measured.
-pub(crate) fn identity(format: VertexFormat, condition: &str) -> PrecisionRow {
-    let found = conditions().find(|at| name(*at) == condition);
+pub(crate) fn identity(format: VertexFormat, seen: Seen) -> PrecisionRow {
+    let (distance_m, extent_deg) = (seen.distance_m, seen.extent_deg);
+    let condition = format!("distance={distance_m};extent={extent_deg}");
     PrecisionRow {
-        part: PrecisionPart::Vertex,
-        route: format.name().to_owned(),
-        family: format.name().to_owned(),
-        condition: condition.to_owned(),
-        extent_deg: found.map(|(_, extent_deg)| extent_deg),
-        latitude_deg: found.map(|_| LATITUDE_DEG),
-        distance_m: found.map(|(distance_m, _)| distance_m),
-        ..PrecisionRow::default()
+        extent_deg: Some(extent_deg),
+        latitude_deg: Some(LATITUDE_DEG),
+        distance_m: Some(distance_m),
+        ..PrecisionRow::new(PrecisionPart::Vertex, format.name(), condition)
     }
 }
 
-/// Rows of every format under the condition called so.
-pub(crate) fn rows(condition: &str) -> Vec<PrecisionRow> {
-    let found = conditions().find(|at| name(*at) == condition);
-    let place = found.and_then(|(_, extent)| Place::new(extent, LATITUDE_DEG, ("0", 0.0, 0.0)));
-    let (Some((distance_m, _)), Some(place)) = (found, place) else {
-        return Vec::new();
+/// Rows of every format.
+pub(crate) fn rows(seen: Seen) -> Vec<PrecisionRow> {
+    let place = Place::new(seen.extent_deg, LATITUDE_DEG, ("0", 0.0, 0.0));
+    let of = |place: Place| {
+        let rows = VertexFormat::ALL
+            .iter()
+            .map(|format| row(*format, seen, &place));
+        rows.collect()
     };
-    let row = |format: &VertexFormat| row(*format, condition, distance_m, &place);
-    VertexFormat::ALL.iter().map(row).collect()
+    place.map_or_else(Vec::new, of)
 }
 
-fn row(format: VertexFormat, condition: &str, distance_m: f64, place: &Place) -> PrecisionRow {
+fn row(format: VertexFormat, seen: Seen, place: &Place) -> PrecisionRow {
+    let distance_m = seen.distance_m;
     let body = place.region.body();
     let extent = place.region.extent();
     let [width, height] = extent.size_rad();
@@ -97,22 +104,24 @@ fn row(format: VertexFormat, condition: &str, distance_m: f64, place: &Place) ->
     let ratio = figures.map(|[max, _]| max / bound);
     let rms_ratio = figures.map(|[_, rms]| rms / expected_rms);
     let mut row = PrecisionRow {
-        points: VERTICES,
-        non_finite_emulated: Some(errors.non_finite),
-        emulated_max_m: figures.map(|[max, _]| max),
-        emulated_rms_m: figures.map(|[_, rms]| rms),
-        pixel_m: Some(pixel_m),
-        max_px: figures.map(|[max, _]| max / pixel_m),
-        rms_px: figures.map(|[_, rms]| rms / pixel_m),
-        residual_max_m: Some(bound),
-        residual_rms_m: Some(expected_rms),
-        max_over_residual: ratio,
-        rms_over_residual: rms_ratio,
-        measured_over_expected: rms_ratio,
         status: Status::Ok,
         reason: "by emulation alone: no device evaluates a vertex format by itself".to_owned(),
-        ..identity(format, condition)
+        ..identity(format, seen)
     };
+    row.put(POINTS, f64::from(VERTICES));
+    errors.put(
+        &mut row,
+        NON_FINITE_EMULATED,
+        [EMULATED_MAX_M, EMULATED_RMS_M],
+    );
+    row.put(PIXEL_M, pixel_m);
+    row.put(MAX_PX, figures.map(|[max, _]| max / pixel_m));
+    row.put(RMS_PX, figures.map(|[_, rms]| rms / pixel_m));
+    row.put(RESIDUAL_MAX_M, bound);
+    row.put(RESIDUAL_RMS_M, expected_rms);
+    row.put(MAX_OVER_RESIDUAL, ratio);
+    row.put(RMS_OVER_RESIDUAL, rms_ratio);
+    row.put(MEASURED_OVER_EXPECTED, rms_ratio);
     if row.non_finite() > 0 || ratio.is_some_and(|ratio| ratio > 1.0) {
         (row.status, row.reason) = (Status::Wrong, "above its bound".to_owned());
     }

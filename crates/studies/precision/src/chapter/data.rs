@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the chapter reads from a run: formulas with their figures, and times of routes.
 
-use crate::conditions::{ANCHOR, CONDITION, FAMILY, OF_PART, PART, ROUTE};
-use crate::keys::{CHOSEN, CPU_NS, GPU_NS, NON_FINITE_DEVICE, NON_FINITE_EMULATED};
+use crate::keys::{
+    ANCHOR, CHOSEN, CONDITION, CPU_NS, FAMILY, GPU_NS, NON_FINITE_DEVICE, NON_FINITE_EMULATED,
+    OF_PART, PART, ROUTE,
+};
+use crate::row::whole;
 use std::collections::BTreeMap;
 use terrafill_plot::Reading;
 use terrafill_results::{Case, Clock, ConditionKey, Metric, Outcome, Run, median, spread};
@@ -82,21 +85,14 @@ impl<'a> Formula<'a> {
         self.0.outcome == Outcome::Ok
     }
 
-    /// A figure that counts something.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "counts are whole, not negative and far below 2^53"
-    )]
-    pub(super) fn count(self, metric: &Metric) -> Option<u64> {
-        let value = self.figure(metric)?;
-        (value.is_finite() && value >= 0.0).then(|| value.round() as u64)
+    /// A figure that counts something; 0 where nothing was counted.
+    pub(super) fn count(self, metric: &Metric) -> u64 {
+        self.figure(metric).and_then(whole).unwrap_or(0)
     }
 
     /// Answers that are not finite, emulated or on the device.
     pub(super) fn non_finite(self) -> u64 {
-        let counted = |metric| self.count(metric).unwrap_or(0);
-        counted(NON_FINITE_EMULATED) + counted(NON_FINITE_DEVICE)
+        self.count(NON_FINITE_EMULATED) + self.count(NON_FINITE_DEVICE)
     }
 }
 

@@ -2,12 +2,13 @@
 //! What was computed before the measurement, and whether the measurement agrees.
 
 use super::data::{DEFAULT_POSITION, Data, Formula, MIDDLE, NO_REASON, PLAN, QUARTER, agrees};
-use crate::conditions::{DEPTH_FORMAT, DISTANCE_M};
-use crate::keys;
-use crate::keys::{DEVICE_MAX_M, MAX_OVER_RESIDUAL, MAX_PX, MEASURED_OVER_EXPECTED, RMS_TEXELS};
+use crate::keys::{
+    self, DEPTH_FORMAT, DEVICE_MAX_M, DISTANCE_M, MAX_OVER_RESIDUAL, MAX_PX,
+    MEASURED_OVER_EXPECTED, RMS_TEXELS,
+};
 use std::collections::BTreeSet;
 use terrafill_plot::number::{count, significant};
-use terrafill_results::{Finding, Metric, Standing};
+use terrafill_results::{Finding, Metric};
 
 /// Largest error of a plan's route, texels.
 const MAX_TEXELS: f64 = 0.5;
@@ -18,13 +19,8 @@ const BOUND_SLACK: f64 = 1.02;
 /// What the default position must not exceed, metres, at this distance.
 const DEFAULT_LIMIT: (f64, f64) = (20.0, 1e-4);
 
-/// What was computed before the measurement, and whether it came out so.
 fn finding(holds: bool, text: String) -> Finding {
-    Finding {
-        claim: text,
-        standing: Standing::holds_if(holds),
-        because: String::new(),
-    }
+    terrafill_lab::finding(text, Some(holds), "")
 }
 
 fn largest<'a>(
@@ -107,27 +103,20 @@ pub(super) fn findings(data: &Data<'_>) -> Vec<Finding> {
         ));
     }
     // Where a route is no map at all there is nothing to bound.
-    let measured = || {
-        data.formulas
-            .iter()
-            .copied()
-            .filter(|row| row.figure(MEASURED_OVER_EXPECTED).is_some())
-    };
-    let is_above = |row: &Formula<'_>| {
-        row.figure(MAX_OVER_RESIDUAL)
-            .is_some_and(|r| r > BOUND_SLACK)
-    };
-    let above = measured().filter(is_above).count();
+    let is_measured = |row: &Formula<'_>| row.figure(MEASURED_OVER_EXPECTED).is_some();
+    let measured = || data.formulas.iter().copied().filter(is_measured);
+    let all = count(measured().count() as u64);
+    let ratios = measured().filter_map(|row| row.figure(MAX_OVER_RESIDUAL));
+    let above = ratios.filter(|ratio| *ratio > BOUND_SLACK).count();
     if let Some((ratio, row)) = largest(measured(), MAX_OVER_RESIDUAL) {
         findings.push(finding(
             above == 0,
             format!(
-                "Largest measured error over its bound: {} ({}, {}); {above} of {} rows are above it by \
+                "Largest measured error over its bound: {} ({}, {}); {above} of {all} rows are above it by \
                  more than the 2 % that sampling may miss of a peak.",
                 significant(ratio),
                 row.route(),
                 row.condition(),
-                count(measured().count() as u64),
             ),
         ));
     }
@@ -139,10 +128,9 @@ pub(super) fn findings(data: &Data<'_>) -> Vec<Finding> {
         findings.push(finding(
             unexplained == 0,
             format!(
-                "Formula and measurement agree within 2 × in {} of {} rows; {unexplained} of the others have \
+                "Formula and measurement agree within 2 × in {} of {all} rows; {unexplained} of the others have \
                  no known reason.",
                 count(agreeing.count() as u64),
-                count(measured().count() as u64),
             ),
         ));
     }

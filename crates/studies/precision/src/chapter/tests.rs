@@ -4,10 +4,10 @@
 use super::data::{DEFAULT_POSITION, DRAWN, Data, MIDDLE, PLAN};
 use super::findings::findings;
 use super::plots::ulp;
-use super::tables::{Grid, Line, disagreement_table, position_table, reason_table};
+use super::tables::{disagreements, positions, row};
 use super::*;
 use terrafill_results::made_up::{MadeUpCase, MadeUpRun, case_id};
-use terrafill_results::{CellClass, Standing, Status};
+use terrafill_results::{CellClass, Row, Standing, Status};
 
 /// A coordinate route in the region of 1°.
 fn route<'a>(run: &'a mut MadeUpRun, family: &str, knob: &str, error_m: f64) -> &'a mut MadeUpCase {
@@ -156,7 +156,7 @@ fn positions_count_where_a_plan_puts_the_anchor_and_the_middle_stands_beside() {
         position(&mut run, PLAN, 1e3, 2e-4);
         position(&mut run, MIDDLE, 20.0, 3.8e-3);
         position(&mut run, MIDDLE, 10.0, 4.2e-3);
-        with(&run, |data| (findings(data), position_table(data)))
+        with(&run, |data| (findings(data), positions(data)))
     };
     let (good, table) = found(5e-6);
     assert_eq!([good[0].standing, good[1].standing], [Standing::Holds; 2]);
@@ -170,10 +170,10 @@ fn positions_count_where_a_plan_puts_the_anchor_and_the_middle_stands_beside() {
         "{}",
         good[1].claim
     );
-    assert_eq!(table.rows.len(), 2);
-    assert!(table.rows[1].name.ends_with("anchor=middle"));
+    assert_eq!(table.len(), 2);
+    assert!(table[1].cells[0].text.ends_with("anchor=middle"));
     assert!(
-        table.rows[0].cells[0].starts_with("5.00e-6 m"),
+        table[0].cells[1].text.starts_with("5.00e-6 m"),
         "the worst region"
     );
     // Twin: one region that is worse than the limit is enough.
@@ -201,38 +201,35 @@ fn reasons_are_counted_and_a_row_without_one_is_called_out() {
     let found = |run: &MadeUpRun| {
         with(run, |data| {
             let last = findings(data).pop().expect("some");
-            (reason_table(data), disagreement_table(data), last)
+            (disagreements(data), last)
         })
     };
-    let (reasons, families, last) = found(&run);
-    assert_eq!(reasons.rows[0].cells[..2], ["2", "less than half"]);
-    assert_eq!(reasons.rows[1].cells[..2], ["1", "more than twice"]);
-    assert_eq!(families.rows.len(), 3);
+    let (rows, last) = found(&run);
+    let texts = |row: &Row| [0, 1, 2, 5].map(|at| row.cells[at].text.clone());
+    // The more frequent reason is first.
+    assert_eq!(
+        texts(&rows[0]),
+        ["gnomonic", "1", "0.300 … 0.300", "few places"]
+    );
+    assert_eq!(
+        texts(&rows[2]),
+        ["odd", "1", "4.00 … 4.00", "the device's own"]
+    );
     assert!(last.claim.contains("in 1 of 4 rows") && last.standing == Standing::Holds);
     run.cases[5].note("residual_reason", "no reason known");
-    let (reasons, families, last) = found(&run);
+    let (rows, last) = found(&run);
     assert_eq!(last.standing, Standing::DoesNotHold);
-    assert!(reasons.rows.iter().any(|row| row.is_bad) && families.rows[0].is_bad);
+    assert_eq!(rows[0].cells[1].class, CellClass::Bad);
 }
 
 #[test]
 fn what_is_bad_is_red_and_a_run_without_the_study_has_no_chapter() {
-    let line = |is_bad| Line {
-        name: "a".to_owned(),
-        cells: vec!["1".to_owned(), "–".to_owned()],
-        is_bad,
+    let classes = |is_bad| {
+        let row = row("a", ["1".to_owned(), "–".to_owned()], is_bad);
+        row.cells.into_iter().map(|cell| cell.class)
     };
-    let grid = Grid {
-        headings: Vec::new(),
-        rows: vec![line(true), line(false)],
-    };
-    let blocks_of_grid = grid.blocks("h", "");
-    let Some(Block::Table(table)) = blocks_of_grid.last() else {
-        panic!("a table");
-    };
-    let classes = |row: usize| table.rows[row].cells.iter().map(|cell| cell.class);
-    assert!(classes(0).eq([CellClass::Name, CellClass::Bad, CellClass::Absent]));
-    assert!(classes(1).eq([CellClass::Name, CellClass::Plain, CellClass::Absent]));
+    assert!(classes(true).eq([CellClass::Name, CellClass::Bad, CellClass::Absent]));
+    assert!(classes(false).eq([CellClass::Name, CellClass::Plain, CellClass::Absent]));
     assert_eq!(blocks(&MadeUpRun::default()), []);
 }
 
