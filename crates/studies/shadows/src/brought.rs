@@ -84,9 +84,6 @@ fn options(text: &str) -> Result<Options<'_>, String> {
 
 impl Brought {
     /// Reads a file as the setting names it.
-    ///
-    /// # Errors
-    /// A line that names what is wrong.
     pub(crate) fn new(setting: &str) -> Result<Self, String> {
         let Options {
             file,
@@ -312,9 +309,8 @@ mod tests {
         let [ours, from_obj, from_glb, from_rounded] =
             [&ours, &from_obj, &from_glb, &from_rounded].map(scene);
         let mask = |scene: &Scene, rule| {
-            scene
-                .mask(&scene.channels[0], End::Sea, rule, Scissor::Off)
-                .expect("from above")
+            let drawn = scene.drawn(End::Sea, rule, Scissor::Off);
+            drawn.expect("from above").masks.concat()
         };
         // Triangles by their places, from the least of them on.
         let volume = |scene: &Scene| {

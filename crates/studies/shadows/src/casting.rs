@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What rivals of shadow volumes are handed, and what they answer.
 
-use terrafill_fill::{DeviceError, FrameTimes};
-
 /// Twin of `Receivers` in `shared/receiver.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -28,22 +26,6 @@ pub(crate) struct Casting {
     pub(crate) places: Vec<[f32; 4]>,
     /// Corners, and which triangle of the mesh it is.
     pub(crate) triangles: Vec<[u32; 4]>,
-}
-
-/// Answers of a device, ready to be given again.
-pub(crate) trait Asks {
-    fn mask(&mut self) -> Result<Vec<bool>, DeviceError>;
-
-    /// From depth to answers.
-    fn time(&mut self) -> Result<FrameTimes, DeviceError>;
-
-    /// Of what it holds, and of it what another sun changes.
-    fn bytes(&self) -> [u64; 2];
-
-    /// GPU time of what is built once for casters that rest, ms.
-    fn build_ms(&self) -> Option<f64> {
-        None
-    }
 }
 
 /// 1 for a pixel in shadow.

@@ -6,37 +6,28 @@
 //! has the same bits from both of its triangles, so that no ray slips between them. The depth of a lit
 //! surface and that of its light cap come from one expression and are equal: equal depth fails.
 
+use crate::named::named;
 use crate::reference::{Light, Seen, Truth};
 use crate::scissor::Rectangle;
 use crate::view::View;
 use glam::{DVec3, DVec4};
 use terrafill_casters::{Mesh, Volume};
 
-/// Which faces count.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Rule {
-    /// Front faces that pass +1, back faces that pass −1.
-    Pass,
-    /// Back faces that fail +1, front faces that fail −1.
-    Fail,
-    /// All backwards first, then those that pass forwards.
-    Preload,
-    /// As printed in the paper: front faces that pass +1, back faces that **fail** −1.
-    PassAsPrinted,
+named! {
+    /// Which faces count.
+    all Rule {
+        /// Front faces that pass +1, back faces that pass −1.
+        Pass = "z-pass",
+        /// Back faces that fail +1, front faces that fail −1.
+        Fail = "z-fail",
+        /// All backwards first, then those that pass forwards.
+        Preload = "preload",
+        /// As printed in the paper: front faces that pass +1, back faces that **fail** −1.
+        PassAsPrinted = "z-pass as printed",
+    }
 }
 
 impl Rule {
-    pub(crate) const ALL: [Self; 4] = [Self::Pass, Self::Fail, Self::Preload, Self::PassAsPrinted];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Pass => "z-pass",
-            Self::Fail => "z-fail",
-            Self::Preload => "preload",
-            Self::PassAsPrinted => "z-pass as printed",
-        }
-    }
-
     /// What a fragment adds, and how often it writes.
     fn adds(self, is_front: bool, passes: bool) -> (i32, u64) {
         let way = if is_front { 1 } else { -1 };
@@ -194,22 +185,9 @@ impl Spanned {
     }
 }
 
-/// Draws volumes into a stencil.
+/// Draws volumes into a stencil, where what is seen lies between two depths.
 ///
 /// - `how`: of each part
-pub(crate) fn draw(
-    stencil: &mut Stencil,
-    view: &View,
-    mesh: &Mesh,
-    volume: &Volume,
-    truth: &Truth,
-    how: &dyn Fn(u32) -> Draw,
-) {
-    draw_within(stencil, view, mesh, volume, truth, how, &[]);
-}
-
-/// The same where what is seen lies between two depths.
-///
 /// - `bounds`: of each part, m, nearest and farthest; empty for none
 pub(crate) fn draw_within(
     stencil: &mut Stencil,

@@ -64,11 +64,22 @@ pub(crate) type Retile = Box<dyn Fn(&Picture) -> Result<StencilWork, DeviceError
 
 /// Draws one view.
 pub(crate) trait Draws {
-    /// What is seen and its shadows; counts.
-    fn draw(&mut self) -> Result<(Counters, Picture), DeviceError>;
+    /// Counts, and which pixels are in shadow.
+    fn draw(&mut self) -> Result<(Counters, Vec<bool>), DeviceError>;
 
     /// The shadows alone.
     fn time(&mut self) -> Result<FrameTimes, DeviceError>;
+}
+
+/// What draws a channel.
+pub(crate) struct Channel {
+    pub(crate) draws: Box<dyn Draws>,
+    /// Of what it holds, and of it what another sun changes.
+    pub(crate) bytes: [u64; 2],
+    /// GPU time of what is built once for casters that rest.
+    pub(crate) build_ms: Option<f64>,
+    /// Casters that are not drawn.
+    pub(crate) left_out: usize,
 }
 
 struct Loaded<E, V> {
@@ -90,13 +101,15 @@ impl<V, E: StencilExecutor<V>> Loaded<E, V> {
 }
 
 impl<V, E: StencilExecutor<V>> Draws for Loaded<E, V> {
-    fn draw(&mut self) -> Result<(Counters, Picture), DeviceError> {
+    fn draw(&mut self) -> Result<(Counters, Vec<bool>), DeviceError> {
         self.executor.draw_surface()?;
         self.retile()?;
         let mut counters = self.executor.draw(&mut self.volumes)?;
         let picture = self.executor.read()?;
         counters.stencil_fragments = self.executor.count_fragments(&mut self.volumes)?;
-        Ok((counters, picture))
+        // The cover coloured what is in shadow.
+        let pixels = picture.rgba.chunks_exact(4);
+        Ok((counters, pixels.map(|pixel| pixel[3] != 0).collect()))
     }
 
     fn time(&mut self) -> Result<FrameTimes, DeviceError> {

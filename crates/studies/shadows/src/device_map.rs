@@ -8,13 +8,14 @@ use crate::maps::{Bias, Frame};
 use crate::reference::Light;
 use crate::sea::surface;
 use crate::view::View;
-use crate::way::{DrawError, Positions};
+use crate::way::Positions;
 use crate::work::Scene;
 use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_fill::{CpuStopwatch, DeviceError, Devices, FrameTimes};
-use terrafill_gpu::{Gpu, PassTimer, TimedPass, read_buffer};
+use terrafill_gpu::{Gpu, PassTimer, TimedPass, read_texture};
+use terrafill_study::Failure;
 
 const SHADER: &str = "casters/map.wgsl";
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -31,7 +32,6 @@ pub(crate) struct DeviceMap {
     casters: u32,
     pipelines: [wgpu::RenderPipeline; 2],
     timer: Option<PassTimer>,
-    size: [u32; 2],
     answer: wgpu::Texture,
     depth: wgpu::TextureView,
 }
@@ -52,12 +52,12 @@ impl Scene {
     /// The map's frame as a device has it, over all channels.
     ///
     /// # Errors
-    /// Of the device; [`DrawError::Unfit`] for a map that is larger than its textures.
+    /// Of the device; [`Failure::Unable`] for a map that is larger than its textures.
     pub(crate) fn device_map(
         &self,
         devices: &Devices,
         frame: &Frame,
-    ) -> Result<DeviceMap, DrawError> {
+    ) -> Result<DeviceMap, Failure> {
         let gpu = terrafill_gpu::shared_gpu(devices)?;
         let allowed = gpu.device.limits().max_texture_dimension_2d;
         let found = frame.columns.max(frame.rows);
@@ -66,11 +66,10 @@ impl Scene {
                 "a map of texels of {} m on wgpu: found {found} of them along a side, allowed: {allowed}",
                 frame.texel_m
             );
-            return Err(DrawError::Unfit(texels));
+            return Err(Failure::Unable(texels));
         }
         let sizes = [frame.columns, frame.rows].map(|side| u32::try_from(side).unwrap_or(allowed));
-        let first = self.channels.first().ok_or("no channel")?;
-        let size = first.0.size;
+        let size = self.darkest()?.0.size;
         let used = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let read = wgpu::TextureUsages::TEXTURE_BINDING;
         let map = texture(&gpu, sizes, DEPTH, used | read);
@@ -89,7 +88,6 @@ impl Scene {
             casters: u32::try_from(3 * self.mesh().triangles.len()).unwrap_or(u32::MAX),
             channels,
             map,
-            size,
             answer,
             depth: depth.create_view(&wgpu::TextureViewDescriptor::default()),
             gpu,
@@ -103,7 +101,7 @@ impl Scene {
         layout: &wgpu::BindGroupLayout,
         (view, frame, [low, high]): (&View, &Frame, [f64; 2]),
         map: &wgpu::TextureView,
-    ) -> Result<Channel, DrawError> {
+    ) -> Result<Channel, Failure> {
         let mesh = self.mesh();
         let seen = surface(Positions::Eye, view, mesh);
         let mut vertices: Vec<Vertex> = Vec::with_capacity(3 * seen.triangles.len());
@@ -147,20 +145,8 @@ impl Scene {
         numbers[17] = view.near as f32;
         let asking = bytemuck::cast_slice(&numbers);
         let asking = gpu.upload("asking", asking, wgpu::BufferUsages::UNIFORM)?;
-        let bound = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("map"),
-            layout,
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: asking.as_entire_binding(),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::TextureView(map),
-                },
-            ],
-        });
+        let map = wgpu::BindingResource::TextureView(map);
+        let bound = gpu.bind("map", layout, [asking.as_entire_binding(), map]);
         Ok(Channel {
             count: u32::try_from(vertices.len()).unwrap_or(u32::MAX),
             vertices: gpu.upload(
@@ -177,9 +163,6 @@ impl Scene {
 
 impl DeviceMap {
     /// Masks of all channels by a step of a bias.
-    ///
-    /// # Errors
-    /// [`DeviceError::DeviceLost`].
     #[allow(clippy::cast_possible_truncation, reason = "a device has f32")]
     pub(crate) fn masks(
         &self,
@@ -187,8 +170,6 @@ impl DeviceMap {
         step: f64,
         texel_m: f64,
     ) -> Result<Vec<Vec<bool>>, DeviceError> {
-        let [width, height] = self.size;
-        let row_bytes = width.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let mut masks = Vec::new();
         for (at, channel) in self.channels.iter().enumerate() {
             let mut numbers = channel.numbers;
@@ -196,43 +177,16 @@ impl DeviceMap {
             numbers[BIAS_WORDS[usize::from(bias == Bias::Slope)]] = metres;
             self.gpu
                 .write_buffer(&channel.asking, 0, bytemuck::cast_slice(&numbers));
-            let read = self.gpu.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("answers"),
-                size: u64::from(row_bytes) * u64::from(height),
-                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            });
             let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
             self.draw(&mut encoder, at, false);
-            encoder.copy_texture_to_buffer(
-                self.answer.as_image_copy(),
-                wgpu::TexelCopyBufferInfo {
-                    buffer: &read,
-                    layout: wgpu::TexelCopyBufferLayout {
-                        offset: 0,
-                        bytes_per_row: Some(row_bytes),
-                        rows_per_image: None,
-                    },
-                },
-                wgpu::Extent3d {
-                    width,
-                    height,
-                    depth_or_array_layers: 1,
-                },
-            );
             self.gpu.queue.submit([encoder.finish()]);
-            let bytes = read_buffer(&self.gpu, &read)?;
-            let rows = bytes.chunks_exact(row_bytes as usize);
-            let pixels = rows.flat_map(|row| &row[..width as usize]);
-            masks.push(pixels.map(|answer| *answer > 127).collect());
+            let pixels = read_texture(&self.gpu, &self.answer, wgpu::TextureAspect::All)?;
+            masks.push(pixels.iter().map(|answer| *answer > 127).collect());
         }
         Ok(masks)
     }
 
     /// Draws the map and asks it for a channel.
-    ///
-    /// # Errors
-    /// [`DeviceError::DeviceLost`].
     pub(crate) fn time(&self, channel: usize) -> Result<FrameTimes, DeviceError> {
         let watch = CpuStopwatch::start();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
@@ -324,12 +278,6 @@ fn texture(
 }
 
 fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
-    let entry = |binding, visibility, ty| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility,
-        ty,
-        count: None,
-    };
     let uniform = wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Uniform,
         has_dynamic_offset: false,
@@ -340,14 +288,11 @@ fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
         view_dimension: wgpu::TextureViewDimension::D2,
         multisampled: false,
     };
-    gpu.device
-        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("map"),
-            entries: &[
-                entry(0, wgpu::ShaderStages::VERTEX_FRAGMENT, uniform),
-                entry(1, wgpu::ShaderStages::FRAGMENT, map),
-            ],
-        })
+    let types = [
+        (wgpu::ShaderStages::VERTEX_FRAGMENT, uniform),
+        (wgpu::ShaderStages::FRAGMENT, map),
+    ];
+    gpu.mixed_layout("map", types)
 }
 
 /// Of the map, and of those who ask it.

@@ -6,24 +6,26 @@
 //! in the same order, so that their depths are equal: equal depth fails.
 
 use crate::count::{Wrong, slivers};
-use crate::device::{Draws, Retile};
+use crate::device::{Channel, Draws, Retile};
 use crate::loading::{Loadable, listed, program};
-use crate::reference::{Light, Reference, SEA_RADIUS_M, Truth};
+use crate::reference::{Light, Reference, SEA_RADIUS_M};
 use crate::scissor::Rectangle;
 use crate::sea::surface;
 use crate::source::VolumeSource;
 use crate::tiling::tiled;
 use crate::view::View;
-use crate::way::{Bounds, Cut, DeviceWay, DrawError, Positions, Silhouettes, count};
+use crate::way::{Bounds, Cut, DeviceWay, Positions, Silhouettes, count};
 use crate::work::{End, ROUNDING_PX, Scene};
 use glam::{DMat3, DVec3};
 use std::cell::LazyCell;
+use terrafill_casters::Volume;
 use terrafill_core::{Ellipsoid, VolumeHeights};
 use terrafill_fill::{
-    DeviceError, Devices, FixedPoint, Frame, Picture, PositionFormat, StencilWork, SurfaceView,
-    ViewId, VolumeConstants, VolumeList, VolumePlace, mask_hash,
+    DeviceError, Devices, FixedPoint, Frame, PositionFormat, StencilWork, SurfaceView, ViewId,
+    VolumeConstants, VolumeList, VolumePlace, mask_hash,
 };
 use terrafill_scene::{Camera, ImageSize};
+use terrafill_study::Failure;
 
 /// What a device drew, over all channels.
 #[derive(Default)]
@@ -34,8 +36,9 @@ pub(crate) struct DeviceDrawn {
     pub(crate) draws: u64,
     /// Of volumes; `None` where the device does not count them.
     pub(crate) fragments: Option<u64>,
-    /// Of the volumes' source in a channel, and of it what another sun changes.
+    /// Of a channel, the largest: as of [`Channel`].
     pub(crate) bytes: [u64; 2],
+    pub(crate) build_ms: Option<f64>,
     /// Casters times channels that were not drawn.
     pub(crate) left_out: usize,
     pub(crate) volume_triangles: usize,
@@ -47,39 +50,26 @@ pub(crate) struct DeviceDrawn {
 
 impl Scene {
     /// Draws every channel by a device.
-    ///
-    /// # Errors
-    /// Of the device; or that there is no such volume.
     pub(crate) fn drawn_by(
         &self,
         devices: &Devices,
         way: DeviceWay,
-    ) -> Result<DeviceDrawn, DrawError> {
+    ) -> Result<DeviceDrawn, Failure> {
         let volume = match way.silhouettes {
             Silhouettes::EachTriangle => self.volume_of_each_triangle(way.end),
             _ => self.volume(way.end),
-        };
-        let volume = volume.map_err(|error| error.to_string())?;
+        }?;
         // A rectangle holds the volume closed at the sea, wherever the one that is drawn ends.
         let closed = match way.cut {
             Cut::Off => None,
-            _ => Some(self.volume(End::Sea).map_err(|error| error.to_string())?),
+            _ => Some(self.volume(End::Sea)?),
         };
-        let darkest = self.darkest_channel().ok_or("no channel")?;
-        let mut drawn = DeviceDrawn {
-            volume_triangles: volume.triangles.len(),
-            fragments: Some(0),
-            ..DeviceDrawn::default()
-        };
-        let mesh = self.mesh();
         let found = self.found_by(way, &volume)?;
-        let reference = LazyCell::new(|| Reference::new(mesh, self.to_light));
-        let mut all = Vec::new();
-        for (at, (view, truth)) in self.channels.iter().enumerate() {
+        let open = |view: &View, reference: &Reference<'_>| -> Result<Channel, Failure> {
             let loadable = match &found {
-                None => self.loadable(way, view, &volume, closed.as_ref(), &reference)?,
+                None => self.loadable(way, view, &volume, closed.as_ref(), reference)?,
                 Some(found) => {
-                    let casters = 0..mesh.casters.len();
+                    let casters = 0..self.mesh().casters.len();
                     let whole = Rectangle::whole(view);
                     Loadable {
                         list: casters.map(|caster| listed(whole, caster)).collect(),
@@ -88,41 +78,62 @@ impl Scene {
                     }
                 }
             };
-            let bytes = loadable.source.bytes();
-            drawn.bytes = [0, 1].map(|at| drawn.bytes[at].max(bytes[at]));
-            drawn.left_out += loadable.left_out;
-            let mut channel = self.open(devices, way, view, loadable)?;
-            let (counters, picture) = channel.draw()?;
-            let mask = mask(&picture);
-            let slivers = LazyCell::new(|| slivers(view, &volume, ROUNDING_PX));
+            Ok(Channel {
+                bytes: loadable.source.bytes(),
+                left_out: loadable.left_out,
+                build_ms: None,
+                draws: self.open_with(devices, way, view, loadable, true)?,
+            })
+        };
+        let drawn = self.draw_channels(Some(&volume), open)?;
+        Ok(DeviceDrawn {
+            volume_triangles: volume.triangles.len(),
+            ..drawn
+        })
+    }
+
+    /// Draws every channel and holds it against the reference.
+    ///
+    /// - `volume`: of which triangles may be too thin for a device
+    pub(crate) fn draw_channels(
+        &self,
+        volume: Option<&Volume>,
+        open: impl Fn(&View, &Reference<'_>) -> Result<Channel, Failure>,
+    ) -> Result<DeviceDrawn, Failure> {
+        let darkest = self.darkest_channel()?;
+        let reference = Reference::new(self.mesh(), self.to_light);
+        let mut drawn = DeviceDrawn {
+            fragments: Some(0),
+            ..DeviceDrawn::default()
+        };
+        let mut all = Vec::new();
+        for (at, (view, truth)) in self.channels.iter().enumerate() {
+            let mut channel = open(view, &reference)?;
+            let (counters, mask) = channel.draws.draw()?;
+            let slivers = LazyCell::new(|| volume.map(|own| slivers(view, own, ROUNDING_PX)));
             let is_rim = |at: usize, light| {
-                slivers[at] || self.is_within_rounding(&reference, view, at, light)
+                let is_sliver = slivers.as_ref().is_some_and(|slivers| slivers[at]);
+                is_sliver || self.is_within_rounding(&reference, view, at, light)
             };
             let wrong = Wrong::but_at_rims(&mask, truth, is_rim);
             drawn.wrong = drawn.wrong.plus(wrong);
-            drawn.lost += lost(&mask, truth);
+            let pixels = || mask.iter().zip(&truth.light);
+            let is_lost = |(dark, light): &(&bool, &Light)| !**dark && **light == Light::Shadow;
+            drawn.lost += pixels().filter(is_lost).count();
+            drawn.bytes = [0, 1].map(|at| drawn.bytes[at].max(channel.bytes[at]));
+            drawn.left_out += channel.left_out;
             drawn.draws += counters.draws;
             let fragments = drawn.fragments.zip(counters.stencil_fragments);
             drawn.fragments = fragments.map(|(before, own)| before + own);
             // What is sky has no shadow, whatever the count there.
-            let of_receivers = mask.iter().zip(&truth.light);
-            all.extend(of_receivers.map(|(dark, light)| *dark && *light != Light::Sky));
+            all.extend(pixels().map(|(dark, light)| *dark && *light != Light::Sky));
             if at == darkest {
-                drawn.darkest = Some((channel, mask));
+                drawn.build_ms = channel.build_ms;
+                drawn.darkest = Some((channel.draws, mask));
             }
         }
         drawn.mask_hash = hash(&all);
         Ok(drawn)
-    }
-
-    fn open(
-        &self,
-        devices: &Devices,
-        way: DeviceWay,
-        view: &View,
-        loadable: Loadable,
-    ) -> Result<Box<dyn Draws>, DrawError> {
-        self.open_with(devices, way, view, loadable, true)
     }
 
     /// - `draws_back_faces`: as [`SurfaceView`] has it
@@ -133,7 +144,7 @@ impl Scene {
         view: &View,
         loadable: Loadable,
         draws_back_faces: bool,
-    ) -> Result<Box<dyn Draws>, DrawError> {
+    ) -> Result<Box<dyn Draws>, Failure> {
         let switches = way.switches();
         let Loadable { source, list, .. } = loadable;
         self.seen_by(way.positions, view, |seen| {
@@ -176,9 +187,10 @@ impl Scene {
         &self,
         positions: Positions,
         view: &View,
-        use_it: impl FnOnce(SurfaceView<'_>) -> Result<T, DrawError>,
-    ) -> Result<T, DrawError> {
-        let body = Ellipsoid::new("sea", SEA_RADIUS_M, SEA_RADIUS_M).ok_or("no sphere")?;
+        use_it: impl FnOnce(SurfaceView<'_>) -> Result<T, Failure>,
+    ) -> Result<T, Failure> {
+        let body = Ellipsoid::new("sea", SEA_RADIUS_M, SEA_RADIUS_M)
+            .ok_or_else(|| "no sphere".to_owned())?;
         let size = ImageSize {
             width: view.size[0],
             height: view.size[1],
@@ -234,20 +246,7 @@ fn constants(camera: &Camera, volumes: usize) -> Vec<VolumeConstants> {
     vec![one; volumes.max(1)]
 }
 
-/// Pixels that the cover coloured.
-fn mask(picture: &Picture) -> Vec<bool> {
-    let pixels = picture.rgba.chunks_exact(4);
-    pixels.map(|pixel| pixel[3] != 0).collect()
-}
-
-pub(crate) fn lost(mask: &[bool], truth: &Truth) -> usize {
-    let pixels = mask.iter().zip(&truth.light);
-    pixels
-        .filter(|(is_dark, light)| !**is_dark && **light == Light::Shadow)
-        .count()
-}
-
-pub(crate) fn hash(mask: &[bool]) -> String {
+fn hash(mask: &[bool]) -> String {
     mask_hash(&Frame {
         size: ImageSize {
             width: count(mask.len()),

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Tests of the eye and of the near rectangle, over eyes on deck.
 
-use crate::count::{Rule, Stencil, draw};
 use crate::near::{Boxes, EyeTest, chosen, is_shadowed_at_corners, shadowed_share};
 use crate::reference::{Reference, Truth};
-use crate::scissor::Rectangle;
 use crate::view::{View, deck_eyes, sun};
-use crate::work::{EYES, End, NEARS, Scene};
+use crate::views::Chooser;
+use crate::work::{EYES, NEARS, Scene};
 use terrafill_casters::{Facing, PortSize, port};
 
 /// What a test of the eye came to over all eyes.
@@ -51,15 +50,11 @@ impl EyeTable {
         };
         let mut worst_share = 0.0;
         for near in NEARS {
-            let mut results = EyeTest::ALL.map(|test| {
-                (
-                    test,
-                    EyeResult {
-                        near,
-                        ..EyeResult::default()
-                    },
-                )
-            });
+            let none = EyeResult {
+                near,
+                ..EyeResult::default()
+            };
+            let mut results = EyeTest::ALL.map(|test| (test, none));
             for view in deck_eyes(&mesh, EYES, near) {
                 let share = shadowed_share(&view, &reference);
                 let at_corners = is_shadowed_at_corners(&view, &reference);
@@ -104,33 +99,11 @@ impl EyeTable {
             return Ok(None);
         };
         let scene = Scene::of_port(self.at, vec![view])?;
-        let mesh = scene.mesh();
-        let boxes = Boxes::of(mesh);
-        let reference = Reference::new(mesh, scene.to_light);
-        let volume = scene.volume(End::Sea).map_err(|error| error.to_string())?;
-        let (view, truth) = &scene.channels[0];
-        let masks = [EyeTest::Eye, EyeTest::Exact].map(|test| {
-            let fail = chosen(
-                test,
-                view,
-                scene.to_light,
-                mesh,
-                scene.facing(),
-                &boxes,
-                &reference,
-            );
-            let mut stencil = Stencil::clear(view);
-            let how = |part: u32| {
-                let rule = if fail[part as usize] {
-                    Rule::Fail
-                } else {
-                    Rule::Pass
-                };
-                Some((rule, Rectangle::whole(view)))
-            };
-            draw(&mut stencil, view, mesh, &volume, truth, &how);
-            stencil.mask()
-        });
-        Ok(Some((truth.clone(), masks)))
+        let mask = |test| {
+            let drawn = scene.drawn_chosen(Chooser::Test(test))?;
+            Ok::<_, String>(drawn.masks.concat())
+        };
+        let masks = [mask(EyeTest::Eye)?, mask(EyeTest::Exact)?];
+        Ok(Some((scene.channels[0].1.clone(), masks)))
     }
 }

@@ -30,9 +30,6 @@ fn colour(truth: &Truth, at: usize, is_dark: Option<bool>) -> [u8; 3] {
 }
 
 /// Writes a picture under `folder/images/` and returns its path relative to `folder`.
-///
-/// # Errors
-/// A message with the file's name.
 pub(crate) fn write(
     folder: &Path,
     name: &str,

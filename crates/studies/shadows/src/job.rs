@@ -5,6 +5,7 @@ use crate::count::Rule;
 use crate::keys::{CHECKED_PX, SIZE_PX};
 use crate::ladder::Rung;
 use crate::maps::Bias;
+use crate::named::named;
 use crate::near::EyeTest;
 use crate::outline::Way;
 use crate::rivals::Rival;
@@ -15,23 +16,12 @@ use crate::work::{End, Scissor};
 use terrafill_casters::Policy;
 use terrafill_results::ConditionKey;
 
-/// How a silhouette is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Method {
-    Stack,
-    Hash,
-    Adjacency,
-}
-
-impl Method {
-    pub(crate) const ALL: [Self; 3] = [Self::Stack, Self::Hash, Self::Adjacency];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Stack => "stack",
-            Self::Hash => "hash",
-            Self::Adjacency => "adjacency",
-        }
+named! {
+    /// How a silhouette is found.
+    all Method {
+        Stack = "stack",
+        Hash = "hash",
+        Adjacency = "adjacency",
     }
 }
 
@@ -72,14 +62,22 @@ impl Job {
         match self {
             Self::Model | Self::Outline(..) | Self::Silhouette(..) => Vec::new(),
             Self::Eye(..) => vec![(SIZE_PX, EYE_SIZE)],
-            Self::Device(..)
-            | Self::Near(..)
-            | Self::DeviceRow(..)
-            | Self::DeviceMap(..)
-            | Self::Rival(..)
-            | Self::Rung(..) => vec![(SIZE_PX, timed), (CHECKED_PX, checked)],
+            job if job.is_of_device() => vec![(SIZE_PX, timed), (CHECKED_PX, checked)],
             _ => vec![(SIZE_PX, checked)],
         }
+    }
+
+    /// Whether a device is timed at it.
+    pub(crate) fn is_of_device(self) -> bool {
+        matches!(
+            self,
+            Self::Device(..)
+                | Self::Near(..)
+                | Self::DeviceRow(..)
+                | Self::DeviceMap(..)
+                | Self::Rival(..)
+                | Self::Rung(..)
+        )
     }
 }
 

@@ -3,14 +3,14 @@
 //!
 //! Writes of the stencil are counted along the rays of pixels, as a device with this rung would make them.
 
-use crate::count::{Rule, Stencil, draw_within};
+use crate::count::Rule;
 use crate::device::Interface;
-use crate::near::{Boxes, EyeTest, chosen};
+use crate::near::EyeTest;
 use crate::reference::Reference;
 use crate::scissor::{Rectangle, depths_of_parts, of_parts};
 use crate::way::{Bounds, Counting, Cut, DeviceWay, Positions, Silhouettes};
-use crate::work::{BOUNDS_SHARE, End, Scene};
-use terrafill_casters::{EdgeTable, LightError, Side, Volume};
+use crate::work::{BOUNDS_SHARE, End, Pass, Scene};
+use terrafill_casters::{EdgeTable, Side, Volume};
 use terrafill_fill::{CpuStopwatch, FacePasses};
 
 /// A rung: what it adds, and what the paper says of that.
@@ -82,7 +82,7 @@ pub(crate) fn rungs(interface: Interface) -> Vec<Rung> {
 
 impl Scene {
     /// Every triangle that casts a volume of its own.
-    pub(crate) fn volume_of_each_triangle(&self, end: End) -> Result<Volume, LightError> {
+    pub(crate) fn volume_of_each_triangle(&self, end: End) -> Result<Volume, String> {
         let mut sides: Vec<Side> = Vec::new();
         for (at, &[a, b, c]) in self.mesh().triangles.iter().enumerate() {
             if self.is_lit(at) {
@@ -95,7 +95,7 @@ impl Scene {
         self.volume_of(&sides, end)
     }
 
-    fn found(&self, way: DeviceWay, table: &EdgeTable) -> Result<Volume, LightError> {
+    fn found(&self, way: DeviceWay, table: &EdgeTable) -> Result<Volume, String> {
         match way.silhouettes {
             Silhouettes::EachTriangle => self.volume_of_each_triangle(way.end),
             _ => self.volume_of(&self.sides_by(table), way.end),
@@ -103,14 +103,7 @@ impl Scene {
     }
 
     /// Process CPU time of finding the volumes of a way; adjacency is there already.
-    ///
-    /// # Errors
-    /// As [`Scene::volume`].
-    pub(crate) fn time_volumes(
-        &self,
-        way: DeviceWay,
-        table: &EdgeTable,
-    ) -> Result<f64, LightError> {
+    pub(crate) fn time_volumes(&self, way: DeviceWay, table: &EdgeTable) -> Result<f64, String> {
         let watch = CpuStopwatch::start();
         let volume = self.found(way, table)?;
         let cpu_ms = watch.cpu_ms();
@@ -123,28 +116,21 @@ impl Scene {
     }
 
     /// Stencil writes over all channels.
-    ///
-    /// # Errors
-    /// As [`Scene::volume`].
-    pub(crate) fn writes_of(&self, way: DeviceWay) -> Result<u64, LightError> {
+    pub(crate) fn writes_of(&self, way: DeviceWay) -> Result<u64, String> {
         let mesh = self.mesh();
         let volume = self.found(way, &EdgeTable::of(mesh))?;
         let closed = match way.cut {
             Cut::Off => None,
             _ => Some(self.volume(End::Sea)?),
         };
-        let (boxes, reference) = (Boxes::of(mesh), Reference::new(mesh, self.to_light));
+        let reference = Reference::new(mesh, self.to_light);
         let mut caster_of = vec![0; mesh.parts.len()];
         for (at, caster) in mesh.casters.iter().enumerate() {
             caster_of[caster.parts.clone()].fill(at);
         }
-        let mut writes = 0;
-        for (view, truth) in &self.channels {
+        let drawn = self.draw_by(&volume, |view, _| {
             let fails = match way.counting {
-                Counting::Chosen(test) => {
-                    let facing = self.facing();
-                    chosen(test, view, self.to_light, mesh, facing, &boxes, &reference)
-                }
+                Counting::Chosen(test) => self.fails(test, view, &reference),
                 _ => vec![way.rule == Rule::Fail; mesh.parts.len()],
             };
             // What is drawn together has a rectangle and a range of depth together: parts of a caster by rule.
@@ -175,23 +161,22 @@ impl Scene {
                     (0..parts.len()).map(|part| groups[group(part)]).collect()
                 }
             };
-            let how = |part: u32| {
-                let part = part as usize;
+            let part = |part: usize| {
                 let rule = if fails[part] { Rule::Fail } else { Rule::Pass };
                 rectangle(part).map(|own| (rule, own))
             };
-            let mut stencil = Stencil::clear(view);
-            draw_within(&mut stencil, view, mesh, &volume, truth, &how, &bounds);
-            writes += stencil.updates;
-        }
-        Ok(writes)
+            let parts = (0..fails.len()).map(part).collect();
+            vec![Pass { parts, bounds }]
+        });
+        Ok(drawn.updates)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::count::Wrong;
+    use crate::reference::Truth;
+    use crate::view::View;
 
     #[test]
     fn silhouettes_rules_and_depth_bounds_write_less_and_the_other_rungs_as_much() {
@@ -223,13 +208,8 @@ mod tests {
             let mut volume = scene.volume_of_each_triangle(end).expect("above");
             assert_eq!(volume.open_edges(), [] as [Side; 0]);
             let wrong = |volume: &Volume| {
-                let channels = scene.channels.iter();
-                channels.fold(Wrong::default(), |sum, (view, truth)| {
-                    let mut stencil = Stencil::clear(view);
-                    let how = |_| Some((Rule::Fail, Rectangle::whole(view)));
-                    draw_within(&mut stencil, view, scene.mesh(), volume, truth, &how, &[]);
-                    sum.plus(Wrong::of(&stencil.mask(), truth))
-                })
+                let whole = |view: &View, _: &Truth| vec![scene.whole(view, Rule::Fail)];
+                scene.draw_by(volume, whole).wrong
             };
             assert_eq!(wrong(&volume).outside(), 0);
             let caps = volume.triangles.len() / 4;

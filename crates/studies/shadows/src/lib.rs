@@ -21,6 +21,7 @@ mod list;
 mod loading;
 mod maps;
 mod metrics;
+mod named;
 mod near;
 mod outline;
 mod reference;
@@ -36,7 +37,6 @@ mod views;
 mod way;
 mod work;
 
-pub use chapter::ShadowsChapter;
 pub use study::ShadowsStudy;
 
 /// Name of the study.

@@ -3,7 +3,7 @@
 
 mod planned;
 
-use self::planned::planned;
+use self::planned::{planned, question};
 use crate::brought::Brought;
 use crate::count::Rule;
 use crate::device::Interface;
@@ -59,6 +59,12 @@ const TEXELS_M: [f64; 4] = [1.0, 0.25, 0.1, 0.05];
 const LOW_SUN: [f64; 2] = [10.0, -60.0];
 /// Sun of rails seen from near, low enough to show a step of f32.
 const RAIL_SUN: [f64; 2] = [3.0, -60.0];
+/// From where places in `f32` are looked at.
+const ORIGINS_SEEN: [([f64; 2], Eyes); 3] = [
+    (LOW_SUN, Eyes::Bridge),
+    (RAIL_SUN, Eyes::At(Place::QuayEdge)),
+    (LOW_SUN, Eyes::At(Place::RailShadow)),
+];
 /// Lengths of finite volumes, m.
 const LENGTHS: [f64; 7] = [6.0, 12.0, 25.0, 50.0, 100.0, 200.0, 400.0];
 /// Casters of rows; 255 is the most that 8 bits count.
@@ -79,9 +85,6 @@ const MESHES: [&str; 8] = [
 const QUICK_MESHES: usize = 5;
 /// Stands for a user's mesh where meshes are named.
 pub(crate) const BROUGHT: &str = "";
-/// Timed silhouettes, and frames of a device, a process.
-const SAMPLES: u32 = 3;
-
 /// Questions that a user's model is asked, in order.
 const OF_ANY_MODEL: [&str; 10] = [
     "model",
@@ -218,6 +221,17 @@ fn origin_ways(interface: Interface) -> impl Iterator<Item = DeviceWay> {
     all.map(move |positions| DeviceWay { positions, ..way })
 }
 
+/// Ways of every interface.
+fn of_both<T, W: IntoIterator<Item = T>>(ways: impl Fn(Interface) -> W) -> Vec<T> {
+    Interface::ALL.into_iter().flat_map(ways).collect()
+}
+
+/// Every one of the first with every one of the second.
+fn cross<A: Copy, B: Copy>(first: &[A], second: &[B], job: impl Fn(A, B) -> Job) -> Vec<Job> {
+    let of = |a: &A| second.iter().map(|b| job(*a, *b)).collect::<Vec<_>>();
+    first.iter().flat_map(of).collect()
+}
+
 /// A question's cases.
 pub(crate) type Questions = (&'static str, Vec<(Job, PlannedCase)>);
 
@@ -236,141 +250,73 @@ pub(crate) fn questions(
         None if is_quick => &MESHES[..QUICK_MESHES],
         None => &MESHES[..],
     };
-    let eyes = DECK_SUNS.into_iter().flat_map(|sun| {
-        let of = move |near| EyeTest::ALL.map(|test| Job::Eye(sun, near, test));
-        NEARS.into_iter().flat_map(of)
-    });
-    let updates = suns.iter().flat_map(|sun| {
-        let all = |end| Rule::ALL.map(|rule| Job::Updates(*sun, end, rule));
-        let fail = |end| [Job::Updates(*sun, end, Rule::Fail)];
-        // By what the casters are cut to: each scene is made once.
-        let whole = all(End::Infinite).into_iter().chain(fail(End::SeaOfWhole));
-        whole.chain(all(End::Sea)).chain(fail(End::Calm))
-    });
-    let bounds = suns.iter().flat_map(|sun| {
-        let rules = [Rule::Pass, Rule::Fail];
-        rules.map(|rule| Job::Bounds(*sun, rule))
-    });
-    let views = Place::ALL.into_iter().flat_map(|place| {
-        let of = move |chooser| Job::View(LOW_SUN, place, chooser);
-        Chooser::ALL.into_iter().map(of)
-    });
-    let rows = ROWS
-        .into_iter()
-        .flat_map(|count| [false, true].map(|guard| Job::Row(count, guard)));
-    let outlines = MODELS
-        .into_iter()
-        .flat_map(|count| Way::ALL.map(|way| Job::Outline(count, way)));
-    let silhouettes = meshes
-        .iter()
-        .flat_map(|mesh| Method::ALL.map(|method| Job::Silhouette(mesh, method)));
     let device_suns = match is_quick {
         true => &DEVICE_SUNS[..QUICK_DEVICE_SUNS],
         false => &DEVICE_SUNS[..],
     };
-    let devices = device_suns.iter().flat_map(|sun| {
-        let ways = Interface::ALL.into_iter().flat_map(device_ways);
-        ways.map(move |way| Job::Device(*sun, way))
-    });
-    let rivals = device_suns.iter().flat_map(|sun| {
-        let of = move |rival| Job::Rival(*sun, rival);
-        Rival::ALL.into_iter().map(of)
-    });
-    let ladder = device_suns.iter().flat_map(|sun| {
-        let all = Interface::ALL.into_iter().flat_map(rungs);
-        all.map(move |rung| Job::Rung(*sun, rung))
-    });
-    let origins = Interface::ALL.into_iter().flat_map(origin_ways);
-    let origins = origins.flat_map(|way| {
-        [
-            Job::Origin(LOW_SUN, Eyes::Bridge, way),
-            Job::Origin(RAIL_SUN, Eyes::At(Place::QuayEdge), way),
-            Job::Origin(LOW_SUN, Eyes::At(Place::RailShadow), way),
-        ]
-    });
-    let facings = [true, false].into_iter().flat_map(|is_edge_on| {
-        let ways = Interface::ALL.into_iter().flat_map(facing_ways);
-        ways.map(move |way| Job::Facing(FACING_SUN, is_edge_on, way))
-    });
-    let nears = Interface::ALL.into_iter().flat_map(near_ways);
-    let nears = nears.map(|way| Job::Near(DECK_SUNS[1], way));
-    let device_rows = ROWS.into_iter().flat_map(|casters| {
-        let ways = Interface::ALL.into_iter().flat_map(row_ways);
-        ways.map(move |way| Job::DeviceRow(casters, way))
-    });
     let (map_suns, texels) = match is_quick {
         true => (&MAP_SUNS[..1], &TEXELS_M[..2]),
         false => (&MAP_SUNS[..], &TEXELS_M[..]),
     };
-    let device_maps = map_suns.iter().flat_map(|sun| {
-        let of = move |texel: &f64| Bias::DRAWN.map(|bias| Job::DeviceMap(*sun, *texel, bias));
-        texels.iter().flat_map(of)
+    let eyes = DECK_SUNS.iter().flat_map(|sun| {
+        let of = |near, test| Job::Eye(*sun, near, test);
+        cross(&NEARS, &EyeTest::ALL, of)
+    });
+    // By what the casters are cut to: each scene is made once.
+    let ends = [End::Infinite, End::SeaOfWhole, End::Sea, End::Calm];
+    let rules = |end| match end {
+        End::Infinite | End::Sea => &Rule::ALL[..],
+        _ => &[Rule::Fail],
+    };
+    let updates = suns.iter().flat_map(|sun| {
+        let of = |end| {
+            cross(&[end], rules(end), |end, rule| {
+                Job::Updates(*sun, end, rule)
+            })
+        };
+        ends.into_iter().flat_map(of)
     });
     let maps = map_suns.iter().flat_map(|sun| {
-        let of = move |texel: &f64| Bias::ALL.map(|bias| Job::Map(*sun, *texel, bias));
-        texels.iter().flat_map(of)
+        let of = |texel, bias| Job::Map(*sun, texel, bias);
+        cross(texels, &Bias::ALL, of)
     });
-    let cases = |jobs: Vec<Job>, samples: u32| {
-        jobs.into_iter()
-            .map(|job| (job, planned(job, samples, brought)))
-            .collect()
-    };
-    let all = vec![
-        ("model", cases(vec![Job::Model], 0)),
-        ("eyes", cases(eyes.collect(), 0)),
-        ("updates", cases(updates.collect(), 0)),
-        ("views", cases(views.collect(), 0)),
-        (
-            "scissors",
-            cases(
-                Scissor::ALL
-                    .map(|scissor| Job::Scissor(LOW_SUN, scissor))
-                    .into(),
-                0,
-            ),
-        ),
-        ("bounds", cases(bounds.collect(), 0)),
-        (
-            "finite",
-            cases(LENGTHS.map(|length| Job::Finite(LOW_SUN, length)).into(), 0),
-        ),
-        ("rows", cases(rows.collect(), 0)),
-        ("casters", cases(Policy::ALL.map(Job::Casters).into(), 0)),
-        ("outlines", cases(outlines.collect(), 0)),
-        (
-            "silhouettes",
-            cases(silhouettes.collect(), samples.unwrap_or(SAMPLES)),
-        ),
-        (
-            "devices",
-            cases(devices.collect(), samples.unwrap_or(SAMPLES)),
-        ),
-        (
-            "ladder",
-            cases(ladder.collect(), samples.unwrap_or(SAMPLES)),
-        ),
-        (
-            "rivals",
-            cases(rivals.collect(), samples.unwrap_or(SAMPLES)),
-        ),
-        ("near", cases(nears.collect(), samples.unwrap_or(SAMPLES))),
-        (
-            "device-rows",
-            cases(device_rows.collect(), samples.unwrap_or(SAMPLES)),
-        ),
-        ("facings", cases(facings.collect(), 0)),
-        ("origins", cases(origins.collect(), 0)),
-        ("maps", cases(maps.collect(), samples.unwrap_or(1))),
-        (
-            "device-maps",
-            cases(device_maps.collect(), samples.unwrap_or(SAMPLES)),
-        ),
+    let device_maps = map_suns.iter().flat_map(|sun| {
+        let of = |texel, bias| Job::DeviceMap(*sun, texel, bias);
+        cross(texels, &Bias::DRAWN, of)
+    });
+    let of_place = |place, chooser| Job::View(LOW_SUN, place, chooser);
+    let of_boxes = |is_edge_on, way| Job::Facing(FACING_SUN, is_edge_on, way);
+    let seen = |way, (sun, eyes)| Job::Origin(sun, eyes, way);
+    let all: [Vec<Job>; 20] = [
+        vec![Job::Model],
+        eyes.collect(),
+        updates.collect(),
+        cross(&Place::ALL, &Chooser::ALL, of_place),
+        cross(&[LOW_SUN], &Scissor::ALL, Job::Scissor),
+        cross(suns, &[Rule::Pass, Rule::Fail], Job::Bounds),
+        cross(&[LOW_SUN], &LENGTHS, Job::Finite),
+        cross(&ROWS, &[false, true], Job::Row),
+        Policy::ALL.map(Job::Casters).into(),
+        cross(&MODELS, &Way::ALL, Job::Outline),
+        cross(meshes, &Method::ALL, Job::Silhouette),
+        cross(device_suns, &of_both(device_ways), Job::Device),
+        cross(device_suns, &of_both(rungs), Job::Rung),
+        cross(device_suns, &Rival::ALL, Job::Rival),
+        cross(&DECK_SUNS[1..], &of_both(near_ways), Job::Near),
+        cross(&ROWS, &of_both(row_ways), Job::DeviceRow),
+        cross(&[true, false], &of_both(facing_ways), of_boxes),
+        cross(&of_both(origin_ways), &ORIGINS_SEEN, seen),
+        maps.collect(),
+        device_maps.collect(),
     ];
-    let is_asked = |name| match brought {
-        Some(_) => OF_ANY_MODEL.contains(&name),
-        None => name != "model",
+    let planned = |jobs: Vec<Job>| {
+        let question = jobs.first().map_or("", |job| question(*job));
+        let case = |job| (job, planned(job, samples, brought));
+        (question, jobs.into_iter().map(case).collect())
     };
-    all.into_iter()
-        .filter(|(name, _)| is_asked(*name))
-        .collect()
+    let is_asked = |(name, _): &Questions| match brought {
+        Some(_) => OF_ANY_MODEL.contains(name),
+        None => *name != "model",
+    };
+    all.into_iter().map(planned).filter(is_asked).collect()
 }

@@ -5,18 +5,19 @@
 //! pixel only in passes of 255, each of which darkens for itself.
 
 use crate::count::Rule;
-use crate::near::{Boxes, chosen, near_caps};
+use crate::near::near_caps;
 use crate::reference::Reference;
 use crate::scissor::{Rectangle, of_parts};
 use crate::source::{EyeVolumes, VolumeSource};
 use crate::view::View;
-use crate::way::{Bounds, Counting, Cut, DeviceWay, DrawError, count, eye_vertices};
+use crate::way::{Bounds, Counting, Cut, DeviceWay, count, eye_vertices};
 use crate::work::Scene;
 use glam::DVec4;
 use std::ops::Range;
 use terrafill_casters::Volume;
 use terrafill_fill::{DepthRange, DepthRule, DeviceError, FillCommand, FillProgram, Switches};
 use terrafill_scene::{DrawnAs, NearRectangle, Overlap, PixelRect};
+use terrafill_study::Failure;
 
 /// Volumes that 8 bits count over one pixel.
 const COUNTABLE: usize = 255;
@@ -54,8 +55,7 @@ impl Scene {
                 .map(|part| all(part..part + 1))
                 .collect(),
             Counting::Chosen(test) => {
-                let (boxes, facing) = (Boxes::of(mesh), self.facing());
-                let fail = chosen(test, view, self.to_light, mesh, facing, &boxes, reference);
+                let fail = self.fails(test, view, reference);
                 let of = |caster: &terrafill_casters::Caster| {
                     let split = [false, true].map(|is_near| Together {
                         parts: caster
@@ -82,7 +82,7 @@ impl Scene {
         volume: &Volume,
         closed: Option<&Volume>,
         reference: &Reference<'_>,
-    ) -> Result<Loadable, DrawError> {
+    ) -> Result<Loadable, Failure> {
         let mesh = self.mesh();
         let mut volumes = EyeVolumes {
             vertices: eye_vertices(way.positions, view, volume),
@@ -130,8 +130,7 @@ impl Scene {
                 .push(count(first)..count(volumes.indices.len()));
         }
         if way.counting == Counting::ZpPlus {
-            let caps = near_caps(view, self.to_light, mesh, self.facing());
-            let caps = caps.map_err(|error| DrawError::Unfit(error.to_string()))?;
+            let caps = near_caps(view, self.to_light, mesh, self.facing())?;
             let first = count(volumes.indices.len());
             for place in caps.iter().flatten() {
                 let along = (*place - view.eye).as_vec3().extend(1.0);

@@ -6,11 +6,13 @@
 //! asks the texel that it lies in. Faces turned away from the sun are dark without asking.
 
 use crate::count::Wrong;
+use crate::named::named;
 use crate::reference::{Light, Seen, Truth};
 use crate::view::View;
 use crate::work::Scene;
 use glam::{DVec2, DVec3};
 use terrafill_casters::Mesh;
+use terrafill_study::Failure;
 
 /// The most bytes of a map.
 const MAX_BYTES: f64 = 2.5e9;
@@ -21,32 +23,24 @@ const CONSTANT_M: [f64; 13] = [
 /// Steps of a bias by slope, in texels times the tangent between normal and light.
 const SLOPE_TEXELS: [f64; 7] = [0.0, 0.25, 0.5, 0.71, 1.0, 1.5, 2.0];
 
-/// What keeps a lit receiver from being in its own shadow.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Bias {
-    /// So many metres.
-    Constant,
-    /// So many texels times the slope of the receiver against the light.
-    Slope,
-    /// So many metres, and faces turned away from the sun ask the map too, as where a shader knows no normal.
-    ///
-    /// [`Mapped::wrong_in_three`] with this bias is what another program's curve agrees with: 0.6 % at 5 cm, 2 % at
-    /// 25 cm, 3.8 % at 1 m. Its definition was found by trying several.
-    Everywhere,
+named! {
+    /// What keeps a lit receiver from being in its own shadow.
+    all Bias {
+        /// So many metres.
+        Constant = "constant",
+        /// So many texels times the slope of the receiver against the light.
+        Slope = "slope",
+        /// So many metres, and faces turned away from the sun ask the map too, as where a shader knows no normal.
+        ///
+        /// [`Mapped::wrong_in_three`] with this bias is what another program's curve agrees with: 0.6 % at 5 cm, 2 % at
+        /// 25 cm, 3.8 % at 1 m. Its definition was found by trying several.
+        Everywhere = "constant, no normals",
+    }
 }
 
 impl Bias {
-    pub(crate) const ALL: [Self; 3] = [Self::Constant, Self::Slope, Self::Everywhere];
     /// Of devices.
     pub(crate) const DRAWN: [Self; 2] = [Self::Constant, Self::Slope];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Constant => "constant",
-            Self::Slope => "slope",
-            Self::Everywhere => "constant, no normals",
-        }
-    }
 
     fn steps(self) -> &'static [f64] {
         match self {
@@ -85,23 +79,12 @@ pub(crate) struct Map {
     nearest_m: Vec<f32>,
 }
 
-/// A map that is too large to be tried.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error(
-    "a map of texels of {texel_m} m takes {found_mb:.0} MB, allowed: {} MB",
-    MAX_BYTES / 1e6
-)]
-pub(crate) struct MapError {
-    texel_m: f64,
-    found_mb: f64,
-}
-
 impl Frame {
     /// Round all casters.
     ///
     /// # Errors
-    /// [`MapError`] where it has more texels than it may.
-    pub(crate) fn of(mesh: &Mesh, to_light: DVec3, texel_m: f64) -> Result<Self, MapError> {
+    /// [`Failure::Unable`] where it has more texels than it may.
+    pub(crate) fn of(mesh: &Mesh, to_light: DVec3, texel_m: f64) -> Result<Self, Failure> {
         let level = DVec3::Z.cross(to_light).try_normalize().unwrap_or(DVec3::X);
         let axes = [level, to_light.cross(level)];
         let flat = |place: DVec3| DVec2::new(place.dot(axes[0]), place.dot(axes[1]));
@@ -111,10 +94,10 @@ impl Frame {
         let count = ((high - low) / texel_m).ceil().max(DVec2::ONE);
         let bytes = count.x * count.y * size_of::<f32>() as f64;
         if bytes > MAX_BYTES {
-            return Err(MapError {
-                texel_m,
-                found_mb: bytes / 1e6,
-            });
+            let [found, allowed] = [bytes, MAX_BYTES].map(|bytes| bytes / 1e6);
+            return Err(Failure::Unable(format!(
+                "a map of texels of {texel_m} m takes {found:.0} MB, allowed: {allowed} MB"
+            )));
         }
         #[allow(
             clippy::cast_possible_truncation,
@@ -159,7 +142,7 @@ impl Frame {
 impl Map {
     /// # Errors
     /// As [`Frame::of`].
-    pub(crate) fn of(mesh: &Mesh, to_light: DVec3, texel_m: f64) -> Result<Self, MapError> {
+    pub(crate) fn of(mesh: &Mesh, to_light: DVec3, texel_m: f64) -> Result<Self, Failure> {
         let frame = Frame::of(mesh, to_light, texel_m)?;
         let mut map = Self {
             frame,
@@ -281,10 +264,7 @@ pub(crate) struct Mapped {
 
 impl Scene {
     /// Shadows by a map with texels of this size, at the step of the bias that leaves the fewest wrong.
-    ///
-    /// # Errors
-    /// As [`Map::of`].
-    pub(crate) fn mapped(&self, texel_m: f64, bias: Bias) -> Result<Mapped, MapError> {
+    pub(crate) fn mapped(&self, texel_m: f64, bias: Bias) -> Result<Mapped, Failure> {
         let map = self.map(texel_m)?;
         let asked = self.asked(&map);
         let masks = |step: f64| -> Vec<Vec<bool>> {
@@ -354,10 +334,7 @@ impl Scene {
     }
 
     /// Where a map with texels of this size lies.
-    ///
-    /// # Errors
-    /// As [`Frame::of`].
-    pub(crate) fn frame(&self, texel_m: f64) -> Result<Frame, MapError> {
+    pub(crate) fn frame(&self, texel_m: f64) -> Result<Frame, Failure> {
         Frame::of(self.mesh(), self.to_light, texel_m)
     }
 
@@ -369,10 +346,7 @@ impl Scene {
     }
 
     /// A map with texels of this size.
-    ///
-    /// # Errors
-    /// As [`Map::of`].
-    pub(crate) fn map(&self, texel_m: f64) -> Result<Map, MapError> {
+    pub(crate) fn map(&self, texel_m: f64) -> Result<Map, Failure> {
         Map::of(self.mesh(), self.to_light, texel_m)
     }
 
@@ -479,7 +453,9 @@ mod tests {
     #[test]
     fn a_map_that_fills_the_memory_is_refused() {
         let refused = Map::of(&row(1), sun([30.0, 180.0]), 1e-4).map(|map| map.bytes());
-        let words = refused.expect_err("billions of texels").to_string();
+        let Err(Failure::Unable(words)) = refused else {
+            panic!("billions of texels");
+        };
         assert!(words.contains("allowed: 2500 MB"), "{words}");
     }
 }

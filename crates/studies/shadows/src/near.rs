@@ -4,12 +4,14 @@
 //! z-pass is right for a caster exactly where the near rectangle is outside its volume: where the caster
 //! is disjoint from the prism that the rectangle sweeps towards the sun.
 
+use crate::named::named;
 use crate::reference::Reference;
 use crate::scissor::cut;
 use crate::view::View;
 use glam::DVec3;
 use std::ops::Range;
 use terrafill_casters::{Facing, Mesh};
+use terrafill_study::Failure;
 
 /// The prism is this much wider than the rectangle, m: its planes are rounded by 10⁻¹² of coordinates of
 /// kilometres.
@@ -17,29 +19,17 @@ const MARGIN_M: f64 = 1e-6;
 /// Samples of the near rectangle along each axis, its corners included.
 const SAMPLES: u32 = 17;
 
-/// How the rule is chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum EyeTest {
-    /// As published: the segment from the eye to the sun, for the frame.
-    Eye,
-    /// Box of each model.
-    ModelBox,
-    /// Box of each convex part.
-    PartBox,
-    /// Lit triangles of each convex part.
-    Exact,
-}
-
-impl EyeTest {
-    pub(crate) const ALL: [Self; 4] = [Self::Eye, Self::ModelBox, Self::PartBox, Self::Exact];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Eye => "eye",
-            Self::ModelBox => "near-box-model",
-            Self::PartBox => "near-box-part",
-            Self::Exact => "near-exact",
-        }
+named! {
+    /// How the rule is chosen.
+    all EyeTest {
+        /// As published: the segment from the eye to the sun, for the frame.
+        Eye = "eye",
+        /// Box of each model.
+        ModelBox = "near-box-model",
+        /// Box of each convex part.
+        PartBox = "near-box-part",
+        /// Lit triangles of each convex part.
+        Exact = "near-exact",
     }
 }
 
@@ -171,15 +161,6 @@ const NEAR_SHARE: f64 = 1e-4;
 /// error of 10⁻⁷ of a place becomes a pixel and more.
 const MIN_SLOPE: f64 = 1e-3;
 
-/// A view in which the sun is in the picture's own plane.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error(
-    "zp-plus: found {found} between view and sun, a cosine, allowed: {MIN_SLOPE} and more, either way"
-)]
-pub(crate) struct SlopeError {
-    found: f64,
-}
-
 /// Lit triangles between the near plane and the sun, moved along the light into the near plane.
 ///
 /// There they face the eye. z-pass counts them, and thereby the volumes that the near plane is in (Hornus et al., 2005).
@@ -188,10 +169,12 @@ pub(crate) fn near_caps(
     to_light: DVec3,
     mesh: &Mesh,
     facing: &Facing,
-) -> Result<Vec<[DVec3; 3]>, SlopeError> {
+) -> Result<Vec<[DVec3; 3]>, Failure> {
     let slope = view.forward.dot(to_light);
     if slope.abs() < MIN_SLOPE {
-        return Err(SlopeError { found: slope });
+        return Err(Failure::Unable(format!(
+            "zp-plus: found {slope} between view and sun, a cosine, allowed: {MIN_SLOPE} and more, either way"
+        )));
     }
     let near = view.near * (1.0 + NEAR_SHARE);
     let deep = |place: DVec3| view.forward.dot(place - view.eye) - near;

@@ -5,6 +5,7 @@
 //! A model covers an interval and its contour is drawn over the interval's rim, a pixel in and a pixel
 //! out. What lies inside the model is to be suppressed.
 
+use crate::named::named;
 use terrafill_results::SplitMix64;
 
 /// Pixels of the line.
@@ -12,34 +13,17 @@ const WIDTH: usize = 512;
 /// A stencil without a model.
 const NONE: u8 = 255;
 
-/// How inner contours are suppressed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Way {
-    /// The stencil is cleared for each model.
-    Clear,
-    /// A value for each model; contours pass where the stencil differs from it.
-    Value,
-    /// As printed: they pass where it is equal.
-    ValueAsPrinted,
-    /// Values that run over without a clear: the failing twin.
-    ValueNeverCleared,
-}
-
-impl Way {
-    pub(crate) const ALL: [Self; 4] = [
-        Self::Clear,
-        Self::Value,
-        Self::ValueAsPrinted,
-        Self::ValueNeverCleared,
-    ];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Clear => "clear",
-            Self::Value => "value",
-            Self::ValueAsPrinted => "value as printed",
-            Self::ValueNeverCleared => "value, never cleared",
-        }
+named! {
+    /// How inner contours are suppressed.
+    all Way {
+        /// The stencil is cleared for each model.
+        Clear = "clear",
+        /// A value for each model; contours pass where the stencil differs from it.
+        Value = "value",
+        /// As printed: they pass where it is equal.
+        ValueAsPrinted = "value as printed",
+        /// Values that run over without a clear: the failing twin.
+        ValueNeverCleared = "value, never cleared",
     }
 }
 

@@ -13,37 +13,28 @@ mod on_wgpu;
 
 use self::on_vulkan::Rays;
 use self::on_wgpu::Tiles;
-use crate::casting::{Asks, Casting, Receivers};
-use crate::count::Wrong;
-use crate::drawing::{hash, lost};
-use crate::reference::{Light, Reference};
+use crate::casting::{Casting, Receivers};
+use crate::drawing::DeviceDrawn;
+use crate::named::named;
 use crate::view::View;
-use crate::way::{DrawError, Positions, count};
+use crate::way::{Positions, count};
 use crate::work::Scene;
-use std::cell::LazyCell;
-use terrafill_fill::{Devices, SurfaceView};
+use terrafill_fill::Devices;
+use terrafill_study::Failure;
 
 /// A triangle counts as over a place where the place is this many pixels below it: where rasterisers round corners to
 /// 1/256 of a pixel, depths are no more exact.
 const MARGIN_PX: f64 = 1.0 / 256.0;
 
-/// How shadows come about without volumes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Rival {
-    Tiles,
-    Rays,
+named! {
+    /// How shadows come about without volumes.
+    all Rival {
+        Tiles = "tiles of triangles",
+        Rays = "ray query",
+    }
 }
 
 impl Rival {
-    pub(crate) const ALL: [Self; 2] = [Self::Tiles, Self::Rays];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Tiles => "tiles of triangles",
-            Self::Rays => "ray query",
-        }
-    }
-
     pub(crate) fn api(self) -> &'static str {
         match self {
             Self::Tiles => terrafill_gpu::API.name,
@@ -58,26 +49,9 @@ impl Rival {
     }
 }
 
-/// What a rival came to, over all channels.
-#[derive(Default)]
-pub(crate) struct Asked {
-    pub(crate) wrong: Wrong,
-    /// Shadow pixels of the reference that are lit, in the band too.
-    pub(crate) lost: usize,
-    /// Of a channel, the largest.
-    pub(crate) bytes: [u64; 2],
-    pub(crate) build_ms: Option<f64>,
-    pub(crate) mask_hash: String,
-    /// The channel with the most shadow, and its mask.
-    pub(crate) darkest: Option<(Box<dyn Asks>, Vec<bool>)>,
-}
-
 impl Scene {
     /// Asks a rival in every channel.
-    ///
-    /// # Errors
-    /// Of the device.
-    pub(crate) fn asked_by(&self, devices: &Devices, rival: Rival) -> Result<Asked, DrawError> {
+    pub(crate) fn asked_by(&self, devices: &Devices, rival: Rival) -> Result<DeviceDrawn, Failure> {
         self.asked_with(devices, rival, MARGIN_PX)
     }
 
@@ -86,35 +60,16 @@ impl Scene {
         devices: &Devices,
         rival: Rival,
         margin_px: f64,
-    ) -> Result<Asked, DrawError> {
-        let darkest = self.darkest_channel().ok_or("no channel")?;
-        let reference = LazyCell::new(|| Reference::new(self.mesh(), self.to_light));
-        let mut asked = Asked::default();
-        let mut all = Vec::new();
-        for (at, (view, truth)) in self.channels.iter().enumerate() {
+    ) -> Result<DeviceDrawn, Failure> {
+        self.draw_channels(None, |view, _| {
             let casting = self.casting(view, rival, margin_px);
-            let open = |seen: SurfaceView<'_>| -> Result<Box<dyn Asks>, DrawError> {
+            self.seen_by(Positions::Eye, view, |seen| {
                 Ok(match rival {
-                    Rival::Tiles => Box::new(Tiles::new(devices, seen, &casting)?),
-                    Rival::Rays => Box::new(Rays::new(devices, seen, &casting)?),
+                    Rival::Tiles => Tiles::open(devices, seen, &casting)?,
+                    Rival::Rays => Rays::open(devices, seen, &casting)?,
                 })
-            };
-            let mut channel = self.seen_by(Positions::Eye, view, open)?;
-            let mask = channel.mask()?;
-            let is_rim = |at, light| self.is_within_rounding(&reference, view, at, light);
-            asked.wrong = asked.wrong.plus(Wrong::but_at_rims(&mask, truth, is_rim));
-            asked.lost += lost(&mask, truth);
-            let bytes = channel.bytes();
-            asked.bytes = [0, 1].map(|at| asked.bytes[at].max(bytes[at]));
-            let of_receivers = mask.iter().zip(&truth.light);
-            all.extend(of_receivers.map(|(dark, light)| *dark && *light != Light::Sky));
-            if at == darkest {
-                asked.build_ms = channel.build_ms();
-                asked.darkest = Some((channel, mask));
-            }
-        }
-        asked.mask_hash = hash(&all);
-        Ok(asked)
+            })
+        })
     }
 
     #[allow(clippy::cast_possible_truncation, reason = "a device has f32")]

@@ -8,9 +8,10 @@
 use crate::source::{Adjacency, Adjacent, Computed, EyeMesh, IS_CAP, VolumeSource};
 use crate::view::View;
 use crate::way::Silhouettes;
-use crate::way::{DeviceWay, DrawError, count, eye_vertices};
+use crate::way::{DeviceWay, count, eye_vertices};
 use crate::work::{End, Scene};
 use terrafill_casters::{EdgeTable, Mesh, Side, Volume};
+use terrafill_study::Failure;
 
 /// An edge, from its lower to its higher vertex, and the triangles that have it so and the other way round.
 type Edge = (Side, [u32; 2]);
@@ -20,12 +21,12 @@ impl Scene {
     /// found them.
     ///
     /// # Errors
-    /// [`DrawError::Unfit`] for a mesh in which an edge has not two triangles, one either way.
+    /// [`Failure::Unable`] for a mesh in which an edge has not two triangles, one either way.
     pub(crate) fn found_by(
         &self,
         way: DeviceWay,
         volume: &Volume,
-    ) -> Result<Option<Found>, DrawError> {
+    ) -> Result<Option<Found>, Failure> {
         let source = match way.silhouettes {
             Silhouettes::Adjacency | Silhouettes::EachTriangle => return Ok(None),
             Silhouettes::Pulled => VolumeSource::Pulled(self.pieces(false)?),
@@ -46,7 +47,7 @@ impl Scene {
     }
 
     /// Edges, those within a plane among them if asked for: a facing that is no plane's may differ there.
-    fn edges(&self, within_planes: bool) -> Result<Vec<Edge>, DrawError> {
+    fn edges(&self, within_planes: bool) -> Result<Vec<Edge>, Failure> {
         let mut mesh = self.mesh().clone();
         if within_planes {
             mesh.planes = (0..count(mesh.triangles.len())).collect();
@@ -54,7 +55,7 @@ impl Scene {
         let unfit = || {
             let needs = "silhouettes on devices: found an edge without two triangles, one either way; allowed: \
                          closed meshes";
-            DrawError::Unfit(needs.to_owned())
+            Failure::Unable(needs.to_owned())
         };
         match self.is_robust() {
             true => Err(unfit()),
@@ -65,7 +66,7 @@ impl Scene {
     /// Triangles and edges by caster.
     ///
     /// - `by_corners`: with the opposite corners instead of the triangles of an edge
-    fn pieces(&self, by_corners: bool) -> Result<EyeMesh, DrawError> {
+    fn pieces(&self, by_corners: bool) -> Result<EyeMesh, Failure> {
         let mesh = self.mesh();
         let part_of = mesh.part_of_triangles();
         let mut sides: Vec<Vec<[u32; 4]>> = vec![Vec::new(); mesh.parts.len()];
@@ -102,7 +103,7 @@ impl Scene {
     }
 
     /// Corners with adjacency and facing bits, as `casters/adjacent.wgsl` reads them.
-    fn adjacent(&self, by: Adjacency) -> Result<Adjacent, DrawError> {
+    fn adjacent(&self, by: Adjacency) -> Result<Adjacent, Failure> {
         let mesh = self.mesh();
         // A geometry shader looks at every edge of a triangle; one that is given edges can be given fewer.
         let edges = self.edges(by != Adjacency::Lines)?;

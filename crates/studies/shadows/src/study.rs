@@ -8,8 +8,6 @@ mod on_devices;
 use self::meshes::Ready;
 use crate::STUDY;
 use crate::brought::{Brought, SETTING};
-use crate::casting::Asks;
-use crate::chapter::ShadowsChapter;
 use crate::device::Draws;
 use crate::device_map::DeviceMap;
 use crate::eyes::EyeTable;
@@ -17,15 +15,15 @@ use crate::job::Job;
 use crate::list::questions;
 use crate::metrics::METRICS;
 use crate::view::bridge;
-use crate::way::DrawError;
 use crate::work::{End, Scene, prepared_port};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use terrafill_casters::EdgeTable;
-use terrafill_fill::{CpuStopwatch, DeviceError, FrameTimes};
+use terrafill_fill::{CpuStopwatch, FrameTimes};
 use terrafill_results::{Chapter, ConditionKey, Metric, PlannedCase, Verdict};
 use terrafill_study::{
-    Context, Depth, Group, Planned, Request, Session, Study, StudyError, size_name,
+    CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,
+    Study, StudyError, size_name,
 };
 
 /// Pixels of each channel in which a case is checked: rays take long. What is timed has the request's size.
@@ -81,13 +79,18 @@ impl Study for ShadowsStudy {
                 (job, case)
             };
             let (jobs, cases) = cases.into_iter().map(sized).unzip();
-            Box::new(Question {
-                name,
-                jobs,
+            Box::new(CaseGroup {
+                name: format!("{STUDY}/{name}"),
                 cases,
-                size,
-                timed_size,
-                brought: brought.clone(),
+                warm_up: None,
+                work: Question {
+                    name,
+                    jobs,
+                    size,
+                    timed_size,
+                    brought: brought.clone(),
+                },
+                open: |group, context| Ok(Box::new(CaseSession(Answering::new(group, context)))),
             })
         });
         Ok(Planned {
@@ -97,7 +100,7 @@ impl Study for ShadowsStudy {
     }
 
     fn chapter(&self) -> &dyn Chapter {
-        &ShadowsChapter
+        &crate::chapter::CHAPTER
     }
 }
 
@@ -119,7 +122,6 @@ fn brought(request: &Request) -> Result<Option<Brought>, StudyError> {
 struct Question {
     name: &'static str,
     jobs: Vec<Job>,
-    cases: Vec<PlannedCase>,
     /// Of what is checked, pixels.
     size: [u32; 2],
     /// Of what is timed, pixels.
@@ -128,32 +130,9 @@ struct Question {
     brought: Option<Rc<Brought>>,
 }
 
-impl Group for Question {
-    fn name(&self) -> String {
-        format!("{STUDY}/{}", self.name)
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(Answering {
-            question: self,
-            context,
-            scenes: Vec::new(),
-            eyes: None,
-            meshes: Vec::new(),
-            opened: BTreeMap::new(),
-            asking: BTreeMap::new(),
-            edges: None,
-            map: None,
-        }))
-    }
-}
-
 struct Answering<'a> {
     question: &'a Question,
+    cases: &'a [PlannedCase],
     context: Context<'a>,
     /// The last ones, the very last at the end: cases of a sun follow one another.
     scenes: Vec<(String, Scene)>,
@@ -161,15 +140,27 @@ struct Answering<'a> {
     meshes: Vec<Ready>,
     /// By case: what a device drew.
     opened: BTreeMap<usize, Box<dyn Draws>>,
-    /// By case: what a rival answers.
-    asking: BTreeMap<usize, Box<dyn Asks>>,
     /// Of a scene by name, for silhouettes that are found each frame.
     edges: Option<(String, EdgeTable)>,
     /// The last one, of a sun, a size of texels and whether it is timed: it may fill half of a device.
     map: Option<([f64; 2], f64, bool, DeviceMap)>,
 }
 
-impl Answering<'_> {
+impl<'a> Answering<'a> {
+    fn new(group: &'a CaseGroup<Question>, context: Context<'a>) -> Self {
+        Self {
+            question: &group.work,
+            cases: &group.cases,
+            context,
+            scenes: Vec::new(),
+            eyes: None,
+            meshes: Vec::new(),
+            opened: BTreeMap::new(),
+            edges: None,
+            map: None,
+        }
+    }
+
     /// The scene called `name`, made if it is none of the last ones.
     fn scene(
         &mut self,
@@ -209,91 +200,75 @@ impl Answering<'_> {
 }
 
 /// Of a frame's shadows.
-fn filled(times: &FrameTimes) -> Vec<(&'static str, f64)> {
+fn filled(times: &FrameTimes) -> Figures {
     let mut values = vec![("shadow_fill_cpu_ms", times.fill_cpu_ms)];
     values.extend(times.fill_gpu_ms.map(|ms| ("shadow_fill_gpu_ms", ms)));
     values
 }
 
-impl Session for Answering<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        let answer = match self.question.jobs[case] {
-            job @ (Job::Device(..)
-            | Job::Origin(..)
-            | Job::Facing(..)
-            | Job::Near(..)
-            | Job::DeviceRow(..)
-            | Job::Rung(..)) => self.device(case, job),
-            Job::Rival(sun, rival) => self.rival(case, sun, rival),
+/// Process CPU time of work that must find something.
+fn watched<T>(
+    metric: &'static str,
+    work: impl FnOnce() -> Result<Vec<T>, Failure>,
+) -> Result<Figures, Failure> {
+    let watch = CpuStopwatch::start();
+    let found = work()?;
+    let cpu_ms = watch.cpu_ms();
+    match found.is_empty() {
+        true => Err("nothing was found".to_owned().into()),
+        false => Ok(vec![(metric, cpu_ms)]),
+    }
+}
+
+impl Measures for Answering<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+        match self.question.jobs[case] {
             Job::DeviceMap(sun, texel_m, bias) => self.device_mapped(sun, texel_m, bias),
-            job => self.answer(job).map_err(DrawError::from),
-        };
-        Ok(answer.unwrap_or_else(|error| match error {
-            // A device that is missing, or lacks something, is no defect.
-            DrawError::Device(error @ DeviceError::Unsupported { .. }) => {
-                Verdict::skipped(error.to_string())
-            }
-            error @ DrawError::Unfit(_) => Verdict::skipped(error.to_string()),
-            error => Verdict::failed(error.to_string()),
-        }))
+            job @ (Job::Origin(..) | Job::Facing(..)) => self.device(case, job),
+            job if job.is_of_device() => self.device(case, job),
+            job => self.answer(job),
+        }
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        let (name, method) = match self.question.jobs[case] {
-            Job::Silhouette(name, method) => (name, method),
-            Job::Device(..) | Job::Near(..) | Job::DeviceRow(..) => {
-                let channel = self.opened.get_mut(&case).ok_or("it was not verified")?;
-                let times = channel.time().map_err(|error| error.to_string())?;
-                return Ok(filled(&times));
-            }
-            Job::Rung(sun, rung) => {
-                let found_ms = self.volumes_ms(sun, rung)?;
-                let channel = self.opened.get_mut(&case).ok_or("it was not verified")?;
-                let times = channel.time().map_err(|error| error.to_string())?;
-                let mut values = filled(&times);
-                values.extend(found_ms.map(|ms| ("shadow_volumes_cpu_ms", ms)));
-                return Ok(values);
-            }
-            Job::Rival(..) => {
-                let asking = self.asking.get_mut(&case).ok_or("it was not verified")?;
-                let times = asking.time().map_err(|error| error.to_string())?;
-                return Ok(filled(&times));
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        match self.question.jobs[case] {
+            Job::Silhouette(name, method) => {
+                let mesh = self.ready(name)?;
+                watched("shadow_silhouette_cpu_ms", || Ok(mesh.sides(method)))
             }
             Job::DeviceMap(sun, texel_m, _) => {
-                let failed = |error: DrawError| error.to_string();
                 let size = self.question.timed_size;
                 let scene = self.under(sun)?;
                 let darkest = match scene.timed_at(size) {
                     Some(_) => 0,
-                    None => scene.darkest_channel().ok_or("no channel")?,
+                    None => scene.darkest_channel()?,
                 };
-                let times = self.map(sun, texel_m, true).map_err(failed)?.time(darkest);
-                let times = times.map_err(|error| error.to_string())?;
+                let times = self.map(sun, texel_m, true)?.time(darkest)?;
                 let mut values = filled(&times);
                 values.extend(times.stencil_gpu_ms.map(|ms| ("shadow_map_gpu_ms", ms)));
-                return Ok(values);
+                Ok(values)
             }
             // The bias costs nothing: one comparison takes it in.
             Job::Map(sun, texel_m, _) => {
                 let scene = self.under(sun)?;
-                let watch = CpuStopwatch::start();
-                let map = scene.map(texel_m).map_err(|error| error.to_string())?;
-                let asked = scene.asked(&map);
-                let cpu_ms = watch.cpu_ms();
-                return match asked.is_empty() {
-                    true => Err("nothing is seen".to_owned()),
-                    false => Ok(vec![("shadow_map_cpu_ms", cpu_ms)]),
-                };
+                let mut kept = None;
+                watched("shadow_map_cpu_ms", || {
+                    Ok(scene.asked(kept.insert(scene.map(texel_m)?)))
+                })
             }
-            _ => return Err("nothing of it is timed".to_owned()),
-        };
-        let mesh = self.ready(name)?;
-        let watch = CpuStopwatch::start();
-        let sides = mesh.sides(method);
-        let cpu_ms = watch.cpu_ms();
-        match sides.is_empty() {
-            true => Err("no silhouette".to_owned()),
-            false => Ok(vec![("shadow_silhouette_cpu_ms", cpu_ms)]),
+            job => {
+                let found_ms = match job {
+                    Job::Rung(sun, rung) => self.volumes_ms(sun, rung)?,
+                    _ => None,
+                };
+                let channel = self.opened.get_mut(&case);
+                let times = channel
+                    .ok_or_else(|| "it was not verified".to_owned())?
+                    .time()?;
+                let mut values = filled(&times);
+                values.extend(found_ms.map(|ms| ("shadow_volumes_cpu_ms", ms)));
+                Ok(values)
+            }
         }
     }
 }

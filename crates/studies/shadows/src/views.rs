@@ -1,25 +1,27 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Eyes in the port beside the bridge and the deck, each of which is hard in a way of its own.
 
-use crate::count::{Rule, Stencil, draw};
+use crate::count::Rule;
+use crate::named::named;
 use crate::near::{Boxes, EyeTest, chosen};
 use crate::reference::Reference;
 use crate::scissor::Rectangle;
 use crate::view::View;
-use crate::work::{Drawn, End, Scene};
+use crate::work::{Drawn, End, Pass, Scene};
 use glam::DVec3;
 
-/// A view of the port.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Place {
-    /// Between the legs of a crane, whose lattice has many small shadows.
-    UnderCrane,
-    /// On deck where the shadow of a rail, 5 cm thick, runs through the near rectangle.
-    QuayEdge,
-    /// From a height, over everything.
-    Aerial,
-    /// Where a crane's leg stands in the shadow of a rail, in the middle of a channel [`FINE_COLUMNS`] wide.
-    RailShadow,
+named! {
+    /// A view of the port.
+    Place {
+        /// Between the legs of a crane, whose lattice has many small shadows.
+        UnderCrane = "under-crane",
+        /// On deck where the shadow of a rail, 5 cm thick, runs through the near rectangle.
+        QuayEdge = "quay-edge",
+        /// From a height, over everything.
+        Aerial = "aerial",
+        /// Where a crane's leg stands in the shadow of a rail, in the middle of a channel [`FINE_COLUMNS`] wide.
+        RailShadow = "rail-shadow",
+    }
 }
 
 /// Pixels across a channel of which [`Place::RailShadow`] is the middle: a simulator's.
@@ -28,15 +30,6 @@ const FINE_COLUMNS: f64 = 1024.0;
 impl Place {
     /// Of which rules are asked.
     pub(crate) const ALL: [Self; 3] = [Self::UnderCrane, Self::QuayEdge, Self::Aerial];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::UnderCrane => "under-crane",
-            Self::QuayEdge => "quay-edge",
-            Self::Aerial => "aerial",
-            Self::RailShadow => "rail-shadow",
-        }
-    }
 
     fn view(self, size: [u32; 2]) -> View {
         let (eye, azimuth_deg) = match self {
@@ -105,34 +98,37 @@ impl Scene {
 
     /// Draws volumes closed at the sea by the rule that is chosen for each part.
     pub(crate) fn drawn_chosen(&self, chooser: Chooser) -> Result<Drawn, String> {
-        let mesh = self.mesh();
-        let volume = self.volume(End::Sea).map_err(|error| error.to_string())?;
-        let (boxes, reference) = (Boxes::of(mesh), Reference::new(mesh, self.to_light));
-        let mut drawn = Drawn {
-            volume_triangles: volume.triangles.len(),
-            ..Drawn::default()
-        };
-        for (view, truth) in &self.channels {
-            let fails = match chooser {
-                Chooser::All(_) => Vec::new(),
+        let volume = self.volume(End::Sea)?;
+        let reference = Reference::new(self.mesh(), self.to_light);
+        Ok(self.draw_by(&volume, |view, _| {
+            let pass = match chooser {
+                Chooser::All(rule) => self.whole(view, rule),
                 Chooser::Test(test) => {
-                    let facing = self.facing();
-                    chosen(test, view, self.to_light, mesh, facing, &boxes, &reference)
+                    let whole = Rectangle::whole(view);
+                    let fails = self.fails(test, view, &reference).into_iter();
+                    let rule = |is_fail| if is_fail { Rule::Fail } else { Rule::Pass };
+                    Pass {
+                        parts: fails.map(|is_fail| Some((rule(is_fail), whole))).collect(),
+                        bounds: Vec::new(),
+                    }
                 }
             };
-            let how = |part: u32| {
-                let rule = match chooser {
-                    Chooser::All(rule) => rule,
-                    Chooser::Test(_) if fails[part as usize] => Rule::Fail,
-                    Chooser::Test(_) => Rule::Pass,
-                };
-                Some((rule, Rectangle::whole(view)))
-            };
-            let mut stencil = Stencil::clear(view);
-            draw(&mut stencil, view, mesh, &volume, truth, &how);
-            drawn.add(&stencil, &stencil.mask(), truth);
-        }
-        Ok(drawn)
+            vec![pass]
+        }))
+    }
+
+    /// Which parts a test draws by z-fail.
+    pub(crate) fn fails(&self, test: EyeTest, view: &View, reference: &Reference<'_>) -> Vec<bool> {
+        let (mesh, boxes) = (self.mesh(), Boxes::of(self.mesh()));
+        chosen(
+            test,
+            view,
+            self.to_light,
+            mesh,
+            self.facing(),
+            &boxes,
+            reference,
+        )
     }
 }
 

@@ -3,13 +3,14 @@
 
 use crate::count::Rule;
 use crate::device::Interface;
+use crate::named::named;
 use crate::near::EyeTest;
 use crate::source::Adjacency;
 use crate::view::View;
 use crate::work::End;
 use glam::{DVec3, Vec3};
 use terrafill_casters::Volume;
-use terrafill_fill::{ColourWay, DepthRuleChoice, DeviceError, FacePasses, Switches};
+use terrafill_fill::{ColourWay, DepthRuleChoice, FacePasses, Switches};
 
 /// Where silhouettes are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,46 +92,27 @@ pub(crate) struct DeviceWay {
     pub(crate) bounds: Bounds,
 }
 
-/// What is made of the rectangle round a caster's shadow.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Cut {
-    Off,
-    /// A caster is left out where its rectangle is empty.
-    Culled,
-    /// The same, and the others are cut to theirs.
-    Rectangle,
-}
-
-impl Cut {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Off => "off",
-            Self::Culled => "casters left out",
-            Self::Rectangle => "caster-rect",
-        }
+named! {
+    /// What is made of the rectangle round a caster's shadow.
+    Cut {
+        Off = "off",
+        /// A caster is left out where its rectangle is empty.
+        Culled = "casters left out",
+        /// The same, and the others are cut to theirs.
+        Rectangle = "caster-rect",
     }
 }
 
-/// Where the surface's depth must be for a fragment of a caster to count: in the range of its volume.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Bounds {
-    Off,
-    /// By the device's own test.
-    Native,
-    /// By a fragment shader that reads a copy of depth, and discards.
-    Discard,
-    /// By tiles of the picture, none of whose depths is in the range: the CPU leaves them out.
-    Tiles,
-}
-
-impl Bounds {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Off => "off",
-            Self::Native => "native",
-            Self::Discard => "discard",
-            Self::Tiles => "tiles",
-        }
+named! {
+    /// Where the surface's depth must be for a fragment of a caster to count: in the range of its volume.
+    Bounds {
+        Off = "off",
+        /// By the device's own test.
+        Native = "native",
+        /// By a fragment shader that reads a copy of depth, and discards.
+        Discard = "discard",
+        /// By tiles of the picture, none of whose depths is in the range: the CPU leaves them out.
+        Tiles = "tiles",
     }
 }
 
@@ -181,30 +163,6 @@ impl DeviceWay {
             scissor: self.cut == Cut::Rectangle || self.bounds == Bounds::Tiles,
             ..Switches::default()
         }
-    }
-}
-
-/// Why there is no picture.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum DrawError {
-    #[error(transparent)]
-    Device(#[from] DeviceError),
-    /// What is drawn is not for that way.
-    #[error("{0}")]
-    Unfit(String),
-    #[error("{0}")]
-    Other(String),
-}
-
-impl From<String> for DrawError {
-    fn from(message: String) -> Self {
-        Self::Other(message)
-    }
-}
-
-impl From<&str> for DrawError {
-    fn from(message: &str) -> Self {
-        Self::Other(message.to_owned())
     }
 }
 

@@ -6,7 +6,8 @@ mod staged;
 
 pub(crate) use self::rounding::ROUNDING_PX;
 
-use crate::count::{Rule, Stencil, Wrong, draw, draw_within};
+use crate::count::{Draw, Rule, Stencil, Wrong, draw_within};
+use crate::named::named;
 use crate::reference::{Light, Reference, Seen, Truth};
 use crate::scissor::{Rectangle, above_horizon, around_pixels, depths_of_parts, of_parts};
 #[cfg(test)]
@@ -15,8 +16,8 @@ use crate::view::{View, sun};
 use glam::DVec3;
 use std::cell::OnceCell;
 use terrafill_casters::{
-    EdgeTable, Extent, Facing, LightError, Mesh, Policy, PortSize, Prepared, Side, Volume,
-    feet_below_sea, port, sea_level_below,
+    EdgeTable, Extent, Facing, Mesh, Policy, PortSize, Prepared, Side, Volume, feet_below_sea,
+    port, sea_level_below,
 };
 
 /// Eyes on deck.
@@ -28,7 +29,7 @@ const MARGIN_M: f64 = 1.0;
 /// The same of a sea without waves: what a device draws of it lies less below the sphere.
 const CALM_M: f64 = 0.2;
 /// Casters that 8 bits can count.
-const MAX_COUNT: u32 = 255;
+const MAX_COUNT: usize = 255;
 
 /// Ranges of depth are wider than volumes by this share, as a device's are for its rounding.
 pub(crate) const BOUNDS_SHARE: f64 = 1.0 / 1024.0;
@@ -67,30 +68,13 @@ impl End {
     }
 }
 
-/// What the stencil is restricted to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Scissor {
-    Off,
-    Horizon,
-    CasterRectangle,
-    ReceiverRectangle,
-}
-
-impl Scissor {
-    pub(crate) const ALL: [Self; 4] = [
-        Self::Off,
-        Self::Horizon,
-        Self::CasterRectangle,
-        Self::ReceiverRectangle,
-    ];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Off => "off",
-            Self::Horizon => "horizon",
-            Self::CasterRectangle => "caster-rect",
-            Self::ReceiverRectangle => "receiver-rect",
-        }
+named! {
+    /// What the stencil is restricted to.
+    all Scissor {
+        Off = "off",
+        Horizon = "horizon",
+        CasterRectangle = "caster-rect",
+        ReceiverRectangle = "receiver-rect",
     }
 }
 
@@ -110,13 +94,20 @@ pub(crate) struct Scene {
 pub(crate) struct Drawn {
     pub(crate) wrong: Wrong,
     pub(crate) updates: u64,
-    pub(crate) worst_channel_updates: u64,
     pub(crate) max_overlap: i32,
     pub(crate) volume_triangles: usize,
     /// Shadow pixels of the reference that are lit, in the band too.
     pub(crate) lost: usize,
     /// Those on casters.
     pub(crate) lost_on_casters: usize,
+    /// Of each channel.
+    pub(crate) masks: Vec<Vec<bool>>,
+}
+
+/// What is counted together, of each part: how it is drawn, and between which depths; no depths for all.
+pub(crate) struct Pass {
+    pub(crate) parts: Vec<Draw>,
+    pub(crate) bounds: Vec<[f64; 2]>,
 }
 
 /// What the views hold, over all channels.
@@ -149,9 +140,6 @@ impl Scene {
     }
 
     /// Casters cut so far below the sea, or not at all.
-    ///
-    /// # Errors
-    /// As [`Prepared::cut_below`].
     pub(crate) fn standing(
         prepared: &Prepared,
         at: [f64; 2],
@@ -207,7 +195,7 @@ impl Scene {
         pixels
     }
 
-    pub(crate) fn volume(&self, end: End) -> Result<Volume, LightError> {
+    pub(crate) fn volume(&self, end: End) -> Result<Volume, String> {
         self.volume_of(&self.sides, end)
     }
 
@@ -217,100 +205,53 @@ impl Scene {
     }
 
     /// Volumes that these sides enclose.
-    pub(crate) fn volume_of(&self, sides: &[Side], end: End) -> Result<Volume, LightError> {
+    pub(crate) fn volume_of(&self, sides: &[Side], end: End) -> Result<Volume, String> {
         let mesh = &self.prepared.mesh;
+        let at_sea = |margin_m| {
+            let level = sea_level_below(mesh, self.to_light, margin_m);
+            level
+                .map(Extent::ClosedAt)
+                .map_err(|error| error.to_string())
+        };
         let extent = match end {
             End::Infinite => Extent::Infinite,
-            End::Sea | End::SeaOfWhole => {
-                Extent::ClosedAt(sea_level_below(mesh, self.to_light, MARGIN_M)?)
-            }
-            End::Calm => Extent::ClosedAt(sea_level_below(mesh, self.to_light, CALM_M)?),
+            End::Sea | End::SeaOfWhole => at_sea(MARGIN_M)?,
+            End::Calm => at_sea(CALM_M)?,
             End::Finite(length) => Extent::Finite(length),
         };
-        Volume::of(&self.prepared, &self.facing, sides, self.to_light, &extent)
+        let volume = Volume::of(&self.prepared, &self.facing, sides, self.to_light, &extent);
+        volume.map_err(|error| error.to_string())
     }
 
-    /// Draws all volumes in every channel.
-    pub(crate) fn drawn(&self, end: End, rule: Rule, scissor: Scissor) -> Result<Drawn, String> {
-        let volume = self.volume(end).map_err(|error| error.to_string())?;
-        let mut drawn = Drawn {
-            volume_triangles: volume.triangles.len(),
-            ..Drawn::default()
-        };
-        for (view, truth) in &self.channels {
-            let stencil = self.stencil((view, truth), &volume, rule, scissor)?;
-            drawn.add(&stencil, &stencil.mask(), truth);
-        }
-        Ok(drawn)
-    }
-
-    /// The same closed at the sea, where what is seen lies in each part's range of depths.
+    /// Draws a volume in every channel.
     ///
-    /// - `share`: by which ranges are wider than the volumes
-    pub(crate) fn drawn_within(&self, rule: Rule, share: f64) -> Result<Drawn, String> {
-        let volume = self.volume(End::Sea).map_err(|error| error.to_string())?;
-        let mesh = &self.prepared.mesh;
-        let mut drawn = Drawn {
-            volume_triangles: volume.triangles.len(),
-            ..Drawn::default()
-        };
-        for (view, truth) in &self.channels {
-            let bounds = depths_of_parts(view, &volume, mesh.parts.len(), share);
-            let mut stencil = Stencil::clear(view);
-            let how = |_| Some((rule, Rectangle::whole(view)));
-            draw_within(&mut stencil, view, mesh, &volume, truth, &how, &bounds);
-            drawn.add(&stencil, &stencil.mask(), truth);
-        }
-        Ok(drawn)
-    }
-
-    /// Of each part; a caster's rectangle holds its volume closed at the sea, wherever the volume that
-    /// is drawn ends.
-    fn rectangles(
+    /// - `how`: of a channel its passes, each of which darkens for itself
+    pub(crate) fn draw_by(
         &self,
-        view: &View,
-        truth: &Truth,
-        scissor: Scissor,
-    ) -> Result<Vec<Rectangle>, String> {
-        let parts = self.prepared.mesh.parts.len();
-        let of_casters = || {
-            let closed = self.volume(End::Sea).map_err(|error| error.to_string())?;
-            Ok::<_, String>(of_parts(view, &closed, parts))
-        };
-        Ok(match scissor {
-            Scissor::Off => vec![Rectangle::whole(view); parts],
-            Scissor::Horizon => vec![above_horizon(view); parts],
-            Scissor::CasterRectangle => of_casters()?,
-            Scissor::ReceiverRectangle => {
-                let receivers =
-                    around_pixels(view, |at| matches!(truth.seen[at], Seen::Triangle(..)));
-                let all = of_casters()?.into_iter();
-                all.map(|rectangle| rectangle.and(receivers)).collect()
-            }
-        })
-    }
-
-    /// The same in passes of at most 255 casters, each of which darkens for itself.
-    pub(crate) fn drawn_guarded(&self, rule: Rule) -> Result<Drawn, String> {
-        let volume = self
-            .volume(End::Infinite)
-            .map_err(|error| error.to_string())?;
+        volume: &Volume,
+        how: impl Fn(&View, &Truth) -> Vec<Pass>,
+    ) -> Drawn {
         let mesh = &self.prepared.mesh;
         let mut drawn = Drawn {
             volume_triangles: volume.triangles.len(),
             ..Drawn::default()
         };
         for (view, truth) in &self.channels {
-            let mut dark = vec![false; view.pixel_count()];
             let mut whole = Stencil::clear(view);
-            let passes =
-                u32::try_from(mesh.parts.len()).map_or(0, |parts| parts.div_ceil(MAX_COUNT));
-            for pass in 0..passes {
+            let mut mask = vec![false; view.pixel_count()];
+            for pass in how(view, truth) {
                 let mut stencil = Stencil::clear(view);
-                let how =
-                    |part: u32| (part / MAX_COUNT == pass).then(|| (rule, Rectangle::whole(view)));
-                draw(&mut stencil, view, mesh, &volume, truth, &how);
-                for (dark, is_dark) in dark.iter_mut().zip(stencil.mask()) {
+                let of_part = |part: u32| pass.parts[part as usize];
+                draw_within(
+                    &mut stencil,
+                    view,
+                    mesh,
+                    volume,
+                    truth,
+                    &of_part,
+                    &pass.bounds,
+                );
+                for (dark, is_dark) in mask.iter_mut().zip(stencil.mask()) {
                     *dark |= is_dark;
                 }
                 whole.updates += stencil.updates;
@@ -318,9 +259,76 @@ impl Scene {
                     *sum += count;
                 }
             }
-            drawn.add(&whole, &dark, truth);
+            drawn.add(&whole, mask, truth);
         }
-        Ok(drawn)
+        drawn
+    }
+
+    /// All parts by one rule, wherever they are.
+    pub(crate) fn whole(&self, view: &View, rule: Rule) -> Pass {
+        let part = Some((rule, Rectangle::whole(view)));
+        Pass {
+            parts: vec![part; self.prepared.mesh.parts.len()],
+            bounds: Vec::new(),
+        }
+    }
+
+    /// Draws all volumes in every channel.
+    pub(crate) fn drawn(&self, end: End, rule: Rule, scissor: Scissor) -> Result<Drawn, String> {
+        let volume = self.volume(end)?;
+        // A caster's rectangle holds its volume closed at the sea, wherever the one that is drawn ends.
+        let closed = match scissor {
+            Scissor::Off | Scissor::Horizon => None,
+            _ => Some(self.volume(End::Sea)?),
+        };
+        Ok(self.draw_by(&volume, |view, truth| {
+            let mut pass = self.whole(view, rule);
+            let within = match scissor {
+                Scissor::Off | Scissor::CasterRectangle => Rectangle::whole(view),
+                Scissor::Horizon => above_horizon(view),
+                Scissor::ReceiverRectangle => {
+                    around_pixels(view, |at| matches!(truth.seen[at], Seen::Triangle(..)))
+                }
+            };
+            let own = closed
+                .as_ref()
+                .map(|closed| of_parts(view, closed, pass.parts.len()));
+            for (at, part) in pass.parts.iter_mut().enumerate() {
+                let own = own.as_ref().map_or(within, |own| own[at].and(within));
+                *part = Some((rule, own));
+            }
+            vec![pass]
+        }))
+    }
+
+    /// The same closed at the sea, where what is seen lies in each part's range of depths.
+    ///
+    /// - `share`: by which ranges are wider than the volumes
+    pub(crate) fn drawn_within(&self, rule: Rule, share: f64) -> Result<Drawn, String> {
+        let volume = self.volume(End::Sea)?;
+        let parts = self.prepared.mesh.parts.len();
+        Ok(self.draw_by(&volume, |view, _| {
+            vec![Pass {
+                bounds: depths_of_parts(view, &volume, parts, share),
+                ..self.whole(view, rule)
+            }]
+        }))
+    }
+
+    /// The same in passes of at most 255 casters, each of which darkens for itself.
+    pub(crate) fn drawn_guarded(&self, rule: Rule) -> Result<Drawn, String> {
+        let volume = self.volume(End::Infinite)?;
+        let count = self.prepared.mesh.parts.len();
+        Ok(self.draw_by(&volume, |view, _| {
+            let pass = |first: usize| {
+                let mut pass = self.whole(view, rule);
+                let past = count.min(first + MAX_COUNT);
+                pass.parts[..first].fill(None);
+                pass.parts[past..].fill(None);
+                pass
+            };
+            (0..count).step_by(MAX_COUNT).map(pass).collect()
+        }))
     }
 
     /// Which triangles face the sun.
@@ -353,8 +361,10 @@ impl Scene {
     }
 
     /// The channel with the most shadow.
-    pub(crate) fn darkest_channel(&self) -> Option<usize> {
-        (0..self.channels.len()).max_by_key(|at| self.channels[*at].1.count(Light::Shadow))
+    pub(crate) fn darkest_channel(&self) -> Result<usize, String> {
+        let shadow = |at: &usize| self.channels[*at].1.count(Light::Shadow);
+        let darkest = (0..self.channels.len()).max_by_key(shadow);
+        darkest.ok_or_else(|| "no channel".to_owned())
     }
 
     /// The channel with the most shadow alone, in a picture of that size; `None` where it has that size already.
@@ -362,7 +372,7 @@ impl Scene {
     /// - `size`: the same whenever it is called
     pub(crate) fn timed_at(&self, size: [u32; 2]) -> Option<&Self> {
         let make = || {
-            let (view, _) = self.darkest().filter(|(view, _)| view.size != size)?;
+            let (view, _) = self.darkest().ok().filter(|(view, _)| view.size != size)?;
             let views = vec![view.sized(size)];
             let scene = Self::lit_from(self.prepared.clone(), self.to_light, views);
             Some(Box::new(scene))
@@ -371,45 +381,15 @@ impl Scene {
     }
 
     /// The same, for a picture.
-    pub(crate) fn darkest(&self) -> Option<&(View, Truth)> {
+    pub(crate) fn darkest(&self) -> Result<&(View, Truth), String> {
         self.darkest_channel().map(|at| &self.channels[at])
-    }
-
-    /// Mask of one view.
-    pub(crate) fn mask(
-        &self,
-        (view, truth): &(View, Truth),
-        end: End,
-        rule: Rule,
-        scissor: Scissor,
-    ) -> Result<Vec<bool>, String> {
-        let volume = self.volume(end).map_err(|error| error.to_string())?;
-        let stencil = self.stencil((view, truth), &volume, rule, scissor)?;
-        Ok(stencil.mask())
-    }
-
-    /// What the volumes leave in one view.
-    fn stencil(
-        &self,
-        (view, truth): (&View, &Truth),
-        volume: &Volume,
-        rule: Rule,
-        scissor: Scissor,
-    ) -> Result<Stencil, String> {
-        let rectangles = self.rectangles(view, truth, scissor)?;
-        let mut stencil = Stencil::clear(view);
-        let how = |part: u32| Some((rule, rectangles[part as usize]));
-        let mesh = &self.prepared.mesh;
-        draw(&mut stencil, view, mesh, volume, truth, &how);
-        Ok(stencil)
     }
 }
 
 impl Drawn {
-    pub(crate) fn add(&mut self, stencil: &Stencil, mask: &[bool], truth: &Truth) {
-        self.wrong = self.wrong.plus(Wrong::of(mask, truth));
+    fn add(&mut self, stencil: &Stencil, mask: Vec<bool>, truth: &Truth) {
+        self.wrong = self.wrong.plus(Wrong::of(&mask, truth));
         self.updates += stencil.updates;
-        self.worst_channel_updates = self.worst_channel_updates.max(stencil.updates);
         self.max_overlap = self.max_overlap.max(stencil.max());
         for (at, is_dark) in mask.iter().enumerate() {
             if truth.light[at] == Light::Shadow && !is_dark {
@@ -417,6 +397,7 @@ impl Drawn {
                 self.lost_on_casters += usize::from(matches!(truth.seen[at], Seen::Triangle(..)));
             }
         }
+        self.masks.push(mask);
     }
 }
 

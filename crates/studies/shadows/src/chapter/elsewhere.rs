@@ -4,13 +4,13 @@
 //! That port has the same kinds and counts of parts as ours. Where its cranes, ships and eyes stand is not recorded.
 
 use super::Own;
+use super::findings::finding;
 use crate::keys::{
-    BIAS, EXTENT, EYE_TEST, MAP_WRONG, MISSED, MOSTLY, NEAR_M, RULE, SHADOW_MAP_WRONG_IN_THREE,
-    SUN, TEXEL_M, UPDATES,
+    BIAS, EYE_TEST, MAP_WRONG, MISSED, MOSTLY, NEAR_M, SHADOW_MAP_WRONG_IN_THREE, SUN, TEXEL_M,
 };
 use crate::work::EYES;
 use terrafill_plot::number::significant;
-use terrafill_results::{Finding, Standing};
+use terrafill_results::Finding;
 
 /// Texels, m, and wrong pixels, %, of 7,178 samples.
 const OTHER_CURVE: [(&str, f64); 3] = [("0.05", 0.59), ("0.25", 2.0), ("1", 3.8)];
@@ -22,10 +22,11 @@ const OTHER_WRITES: [(&str, [f64; 3]); 4] = [
     ("1° from 0°", [22.9, 39.3, 9.5]),
 ];
 /// Eyes missed by the segment to the light, % of 400, by sun and near plane, m.
-const OTHER_EYES: [(&str, [(&str, f64); 3]); 2] = [
-    ("30° from -60°", [("0.1", 0.5), ("0.5", 2.0), ("1", 3.5)]),
-    ("5° from 0°", [("0.1", 1.0), ("0.5", 4.5), ("1", 5.5)]),
+const OTHER_EYES: [(&str, [f64; 3]); 2] = [
+    ("30° from -60°", [0.5, 2.0, 3.5]),
+    ("5° from 0°", [1.0, 4.5, 5.5]),
 ];
+const NEARS: [&str; 3] = ["0.1", "0.5", "1"];
 /// Ports, eyes and samples differ: half as much again is the same.
 const SAME: f64 = 1.5;
 
@@ -36,8 +37,13 @@ fn is_same(own: f64, other: f64) -> bool {
     (1.0 / SAME..SAME).contains(&(own / other))
 }
 
-fn three(values: [f64; 3]) -> String {
-    values.map(significant).join(", ")
+fn three(values: impl IntoIterator<Item = f64>) -> String {
+    let texts: Vec<String> = values.into_iter().map(significant).collect();
+    texts.join(", ")
+}
+
+fn or_none(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".to_owned(), significant)
 }
 
 impl Own<'_> {
@@ -47,107 +53,99 @@ impl Own<'_> {
             let conditions = [(SUN, "10° from -60°"), (BIAS, bias), (TEXEL_M, texel)];
             self.value("maps", &conditions, metric)
         };
-        let known = OTHER_CURVE.iter().filter_map(|(texel, other)| {
-            let own = of("constant, no normals", texel, SHADOW_MAP_WRONG_IN_THREE)?;
-            let strict = of("constant", texel, MAP_WRONG);
-            Some((*texel, own, strict, *other))
-        });
-        let known: Vec<(&str, f64, Option<f64>, f64)> = known.collect();
-        let text = known.iter().map(|(texel, own, strict, other)| {
-            let strict = strict.map_or_else(|| "–".to_owned(), significant);
-            format!(
-                "{} % at {texel} m, there {other} % (all seven channels, with normals: {strict} %)",
-                significant(*own)
+        let mut texts = Vec::new();
+        let mut is_alike = true;
+        for (texel, other) in OTHER_CURVE {
+            let Some(own) = of("constant, no normals", texel, SHADOW_MAP_WRONG_IN_THREE) else {
+                continue;
+            };
+            is_alike &= is_same(own, other);
+            texts.push(format!(
+                "{} % at {texel} m, there {other} % (all seven channels, with normals: {} %)",
+                significant(own),
+                or_none(of("constant", texel, MAP_WRONG))
+            ));
+        }
+        (!texts.is_empty()).then(|| {
+            finding(
+                "Wrong pixels of shadow maps grow with texels as another program has it, under a sun at 10°.",
+                is_alike,
+                format!(
+                    "Sea and casters in the three channels that see most of casters, best constant bias there, faces turned \
+                     away from the sun ask the map: {}",
+                    texts.join("; ")
+                ),
             )
-        });
-        (!known.is_empty()).then(|| Finding {
-            claim: "Wrong pixels of shadow maps grow with texels as another program has it, under a sun at 10°."
-                .to_owned(),
-            standing: Standing::holds_if(known.iter().all(|(_, own, _, other)| is_same(*own, *other))),
-            because: format!(
-                "Sea and casters in the three channels that see most of casters, best constant bias there, faces turned away \
-                 from the sun ask the map: {}",
-                text.collect::<Vec<_>>().join("; ")
-            ),
         })
     }
 
     /// Stencil writes by rule and extent.
     pub(super) fn writes_elsewhere(&self) -> Option<Finding> {
-        let known = OTHER_WRITES.iter().filter_map(|(sun, other)| {
-            let of = |extent, rule| {
-                let conditions = [(SUN, *sun), (EXTENT, extent), (RULE, rule)];
-                self.value("updates", &conditions, UPDATES)
+        let mut texts = Vec::new();
+        let mut is_alike = true;
+        for (sun, other) in OTHER_WRITES {
+            let of = |extent, rule| self.writes(sun, extent, rule);
+            let infinite = of("infinite", "z-pass").zip(of("infinite", "z-fail"));
+            let Some(((pass, fail), closed)) = infinite.zip(of("sea-closed", "z-fail")) else {
+                continue;
             };
-            let own = [
-                of("infinite", "z-pass")?,
-                of("infinite", "z-fail")?,
-                of("sea-closed", "z-fail")?,
-            ];
-            Some((*sun, own, *other, of("sea-closed, whole hulls", "z-fail")))
-        });
-        let known: Vec<_> = known.collect();
-        let is_near = |(_, own, other, _): &(&str, [f64; 3], [f64; 3], _)| {
-            own.iter()
+            let own = [pass, fail, closed];
+            is_alike &= own
+                .iter()
                 .zip(other)
-                .all(|(own, other)| is_same(*own, *other))
-        };
-        let text = known.iter().map(|(sun, own, other, whole)| {
-            let whole = whole.map_or_else(|| "–".to_owned(), significant);
-            let own = three(*own);
-            format!(
-                "sun {sun}: {own}, there {}; closed with what lies under the sea {whole}",
-                three(*other)
+                .all(|(own, other)| is_same(*own, other));
+            texts.push(format!(
+                "sun {sun}: {}, there {}; closed with what lies under the sea {}",
+                three(own),
+                three(other),
+                or_none(of("sea-closed, whole hulls", "z-fail"))
+            ));
+        }
+        (!texts.is_empty()).then(|| {
+            finding(
+                "Stencil writes are what another program computed over a port of its own.",
+                is_alike,
+                format!(
+                    "Per pixel, z-pass, z-fail, z-fail of volumes closed at the sea, {}",
+                    texts.join("; ")
+                ),
             )
-        });
-        (!known.is_empty()).then(|| Finding {
-            claim: "Stencil writes are what another program computed over a port of its own."
-                .to_owned(),
-            standing: Standing::holds_if(known.iter().all(is_near)),
-            because: format!(
-                "Per pixel, z-pass, z-fail, z-fail of volumes closed at the sea, {}",
-                text.collect::<Vec<_>>().join("; ")
-            ),
         })
     }
 
     /// Eyes that the published test misses, by near plane.
     pub(super) fn eyes_elsewhere(&self) -> Option<Finding> {
-        let of = |sun, near, metric| {
-            let conditions = [(SUN, sun), (NEAR_M, near), (EYE_TEST, "eye")];
-            self.value("eyes", &conditions, metric)
-        };
-        let known = OTHER_EYES.iter().filter_map(|(sun, others)| {
-            let own = |metric| others.map(|(near, _)| of(*sun, near, metric));
-            let [Some(a), Some(b), Some(c)] = own(MISSED) else {
-                return None;
+        let mut texts = Vec::new();
+        let mut is_alike = true;
+        for (sun, other) in OTHER_EYES {
+            let of = |metric| {
+                let of_near = |near| {
+                    let conditions = [(SUN, sun), (NEAR_M, near), (EYE_TEST, "eye")];
+                    self.value("eyes", &conditions, metric)
+                };
+                NEARS.map(of_near).into_iter().collect::<Option<Vec<f64>>>()
             };
-            let [Some(d), Some(e), Some(f)] = own(MOSTLY) else {
-                return None;
+            let Some((any, mostly)) = of(MISSED).zip(of(MOSTLY)) else {
+                continue;
             };
-            Some((*sun, [a, b, c], [d, e, f], others.map(|(_, other)| other)))
-        });
-        let known: Vec<_> = known.collect();
-        let is_near = |(_, _, mostly, other): &(&str, [f64; 3], [f64; 3], [f64; 3])| {
-            mostly.iter().zip(other).all(|(own, other)| {
-                let [own, other] = [own, other].map(|share| share / 100.0 * EYES as f64);
+            is_alike &= mostly.iter().zip(other).all(|(own, other)| {
+                let [own, other] = [*own, other].map(|share| share / 100.0 * EYES as f64);
                 (own - other).abs() <= COUNT_DEVIATIONS * (own + other).sqrt()
-            })
-        };
-        let text = known.iter().map(|(sun, any, mostly, other)| {
-            let [any, mostly, other] = [any, mostly, other].map(|values| three(*values));
-            format!("sun {sun}: {any}; {mostly}; there {other}")
-        });
-        (!known.is_empty()).then(|| Finding {
-            claim: "The segment to the light leaves as many eyes on deck with most of their picture miscounted as another \
-                    program has it."
-                .to_owned(),
-            standing: Standing::holds_if(known.iter().all(is_near)),
-            because: format!(
-                "In % of {EYES} eyes at 0.1, 0.5 and 1 m of near plane, where any part of the near rectangle is in shadow, and \
-                 where more than half is. {}. Equal within {COUNT_DEVIATIONS} standard deviations of a count, or not",
-                text.collect::<Vec<_>>().join(". ")
-            ),
+            });
+            let [any, mostly, other] = [any, mostly, other.to_vec()].map(three);
+            texts.push(format!("sun {sun}: {any}; {mostly}; there {other}"));
+        }
+        (!texts.is_empty()).then(|| {
+            finding(
+                "The segment to the light leaves as many eyes on deck with most of their picture miscounted as another \
+                 program has it.",
+                is_alike,
+                format!(
+                    "In % of {EYES} eyes at 0.1, 0.5 and 1 m of near plane, where any part of the near rectangle is in shadow, \
+                     and where more than half is. {}. Equal within {COUNT_DEVIATIONS} standard deviations of a count, or not",
+                    texts.join(". ")
+                ),
+            )
         })
     }
 }
@@ -156,6 +154,8 @@ impl Own<'_> {
 mod tests {
     use super::*;
     use crate::chapter::tests::{finding, with};
+    use crate::keys::UPDATES;
+    use terrafill_results::Standing;
     use terrafill_results::made_up::MadeUpRun;
 
     #[test]

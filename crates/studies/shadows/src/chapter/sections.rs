@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the chapter asks, in order.
 
+use super::plots::{
+    device_map_plot, elevation_deg, finite_plot, mesh_kind, whole_triangles, writes,
+};
 use crate::keys::{
     API, BIAS, BOXES, CASTERS, COUNTING, DEPTH_BOUNDS, EXTENT, EYE_TEST, FACES, FILL_CPU, FILL_GPU,
     LENGTH_M, LOST, MAP_WRONG, MESH, MISSED, MODEL, MODELS, MOSTLY, NEAR_M, OUTLINE, PAPER, POLICY,
-    POSITIONS, RIVAL, RULE, SCISSOR, SHADOW_BAND_PX, SHADOW_BUILD_GPU_MS, SHADOW_BYTES,
+    POSITIONS, QUESTION, RIVAL, RULE, SCISSOR, SHADOW_BAND_PX, SHADOW_BUILD_GPU_MS, SHADOW_BYTES,
     SHADOW_CASTERS_LEFT_OUT, SHADOW_CLEARS, SHADOW_CONTOUR_PX, SHADOW_DRAWS, SHADOW_EDGE_ON_PX,
     SHADOW_EYES_MISSED_AT_CORNERS, SHADOW_EYES_NEEDLESS, SHADOW_FAIL_TRIANGLES,
     SHADOW_FALSE_DARK_PX, SHADOW_FALSE_LIT_PX, SHADOW_FRAGMENTS, SHADOW_MAP_BIAS_M,
@@ -15,20 +18,47 @@ use crate::keys::{
     SHADOW_VOLUME_TRIANGLES, SHADOW_VOLUMES_CPU_MS, SILHOUETTE, STEP, SUN, TEXEL_M, TIME, UPDATES,
     VIEW,
 };
-use terrafill_results::{Case, ConditionKey, Metric};
+use terrafill_lab::{Column, Drawing, Figure, Names, Panel, Section, Select};
+use terrafill_plot::Upwards;
+use terrafill_results::{ConditionKey, Metric};
 
-/// A column: its heading and its metric.
-type Column = (&'static str, &'static Metric);
-
-/// A question's section.
-pub(super) struct Section {
-    pub(super) question: &'static str,
-    pub(super) title: &'static str,
-    pub(super) text: &'static str,
-    /// Conditions that name a row.
-    pub(super) named_by: &'static [ConditionKey],
-    pub(super) columns: &'static [Column],
+const fn column(heading: &'static str, metric: &'static Metric) -> Column {
+    Column::metric(heading, metric).or("there is none")
 }
+
+const MESH_SIZE: Column = column("triangles", SHADOW_MESH_TRIANGLES);
+const WRITES: Column = column("writes per pixel", UPDATES);
+const TRIANGLES: Column = column("triangles", SHADOW_VOLUME_TRIANGLES);
+const MAX_COUNT: Column = column("largest count", SHADOW_MAX_OVERLAP);
+const LIT_PX: Column = column("false lit px", SHADOW_FALSE_LIT_PX);
+const DARK_PX: Column = column("false dark px", SHADOW_FALSE_DARK_PX);
+const BAND_PX: Column = column("in the band", SHADOW_BAND_PX);
+const EDGE_ON: Column = column("edge-on px", SHADOW_EDGE_ON_PX);
+const UNDECIDED: Column = column("undecided px", SHADOW_UNDECIDED_PX);
+const SHADE_PX: Column = column("shadow px", SHADOW_PX);
+const LOST_SHARE: Column = column("shadow pixels lost, %", LOST);
+const FIND_MS: Column = column("CPU ms", TIME);
+const SIDES: Column = column("sides", SHADOW_SIDES);
+const OPEN_EDGES: Column = column("open edges", SHADOW_OPEN_EDGES);
+const CPU_MS: Column = column("CPU ms", FILL_CPU);
+const GPU_MS: Column = column("GPU ms", FILL_GPU);
+const RIM_PX: Column = column("at rims", SHADOW_RIM_PX);
+const DRAWS: Column = column("draws", SHADOW_DRAWS);
+const LEFT_OUT: Column = column("casters left out", SHADOW_CASTERS_LEFT_OUT);
+const BYTES: Column = column("bytes", SHADOW_BYTES);
+const SUN_BYTES: Column = column("bytes of another sun", SHADOW_SUN_BYTES);
+const VOLUMES_MS: Column = column("find volumes, CPU ms", SHADOW_VOLUMES_CPU_MS);
+const TREE_MS: Column = column("tree, GPU ms", SHADOW_BUILD_GPU_MS);
+const SPLIT: Column = column("undecided facings, %", SHADOW_UNDECIDED_FACINGS);
+const WRONG: Column = column("wrong, %", MAP_WRONG);
+const IN_THREE: Column = column("of three channels, %", SHADOW_MAP_WRONG_IN_THREE);
+const UNBIASED: Column = column("wrong without bias, %", SHADOW_MAP_WRONG_UNBIASED);
+const BIAS_M: Column = column("best bias, m", SHADOW_MAP_BIAS_M);
+const MAP_MS: Column = column("CPU ms", SHADOW_MAP_CPU_MS);
+const MAP_GPU_MS: Column = column("map alone, GPU ms", SHADOW_MAP_GPU_MS);
+const DIFFERS: Column = column("unlike the CPU's, %", SHADOW_MAP_DIFFERS);
+const FRAGMENTS: Column =
+    column("fragments per pixel", SHADOW_FRAGMENTS).or("not counted by the device");
 
 /// What tells ways of a device apart.
 pub(super) const DEVICE_KEYS: [ConditionKey; 8] = [
@@ -42,363 +72,297 @@ pub(super) const DEVICE_KEYS: [ConditionKey; 8] = [
     SILHOUETTE,
 ];
 
-pub(super) const SECTIONS: [Section; 20] = [
-    Section {
-        question: "model",
-        title: "The model",
-        text: "What the file holds, what keeps it from being closed, and the policy that was applied. Each part hangs \
-               together; parts may touch.",
-        named_by: &[MODEL],
-        columns: &[
-            ("triangles", SHADOW_MESH_TRIANGLES),
-            ("models", SHADOW_MESH_MODELS),
-            ("parts", SHADOW_MESH_PARTS),
-        ],
-    },
-    Section {
-        question: "eyes",
-        title: "Which rule: the test of the eye",
-        text: "400 eyes on deck, 1.7 m over it. Published: z-fail where the segment from the eye to the light \
-               meets a caster. z-pass is right where the near rectangle is outside the volumes. An eye in the \
-               light whose near rectangle is partly in shadow is missed.",
-        named_by: &[SUN, NEAR_M, EYE_TEST],
-        columns: &[
-            ("missed, %", MISSED),
-            ("by five samples, %", SHADOW_EYES_MISSED_AT_CORNERS),
-            ("by more than half, %", MOSTLY),
-            ("needless, %", SHADOW_EYES_NEEDLESS),
-            ("triangles by z-fail, %", SHADOW_FAIL_TRIANGLES),
-            ("near rectangle in shadow where missed, %", SHADOW_NEAR_DARK),
-        ],
-    },
-    Section {
-        question: "updates",
-        title: "Volumes, rules and suns",
-        text: "Volumes end at infinity, or in a plane 1 m below the curved sea for waves, or 0.2 m on a calm sea. What \
-               reaches below the sea counts under z-fail, so casters are cut there too. \"Whole hulls\" are not: piles go \
-               down to 12 m, hulls to 8. Stencil writes per pixel are a cost without noise.",
-        named_by: &[SUN, EXTENT, RULE],
-        columns: &[
-            ("writes per pixel", UPDATES),
-            ("triangles", SHADOW_VOLUME_TRIANGLES),
-            ("largest count", SHADOW_MAX_OVERLAP),
-            ("false lit px", SHADOW_FALSE_LIT_PX),
-            ("false dark px", SHADOW_FALSE_DARK_PX),
-            ("in the band", SHADOW_BAND_PX),
-            ("edge-on px", SHADOW_EDGE_ON_PX),
-            ("undecided px", SHADOW_UNDECIDED_PX),
-            ("shadow px", SHADOW_PX),
-        ],
-    },
-    Section {
-        question: "views",
-        title: "Other eyes",
-        text: "Between the legs of a crane; on deck, where a rail's shadow runs through the near rectangle; and from 250 m \
-               up. Volumes are closed at the sea, and a rule is chosen for all or by a test.",
-        named_by: &[SUN, VIEW, RULE],
-        columns: &[
-            ("writes per pixel", UPDATES),
-            ("largest count", SHADOW_MAX_OVERLAP),
-            ("false lit px", SHADOW_FALSE_LIT_PX),
-            ("false dark px", SHADOW_FALSE_DARK_PX),
-            ("in the band", SHADOW_BAND_PX),
-            ("edge-on px", SHADOW_EDGE_ON_PX),
-            ("undecided px", SHADOW_UNDECIDED_PX),
-            ("shadow px", SHADOW_PX),
-        ],
-    },
-    Section {
-        question: "scissors",
-        title: "Scissors",
-        text: "Three readings of \"what lies above the sea\". One is rows above the horizon, one a rectangle round each \
-               caster's volume, closed at the sea. The third is the same, cut by the rectangle round everything above \
-               the sea. The last leaves shadows on the sea out. z-fail, infinite volumes.",
-        named_by: &[SUN, SCISSOR],
-        columns: &[
-            ("shadow pixels lost, %", LOST),
-            ("writes per pixel", UPDATES),
-            ("false dark px", SHADOW_FALSE_DARK_PX),
-        ],
-    },
-    Section {
-        question: "bounds",
-        title: "Depth bounds",
-        text: "A fragment writes only where the depth of what is seen lies in the range of its part's volume, closed at \
-               the sea: exact under either rule. Counted as an eight-bit stencil would; \"Volumes, rules and suns\" has \
-               the same without bounds. Devices that have the test are measured with it below.",
-        named_by: &[SUN, RULE],
-        columns: &[
-            ("writes per pixel", UPDATES),
-            ("false lit px", SHADOW_FALSE_LIT_PX),
-            ("false dark px", SHADOW_FALSE_DARK_PX),
-            ("in the band", SHADOW_BAND_PX),
-        ],
-    },
-    Section {
-        question: "finite",
-        title: "Finite volumes",
-        text: "Volumes that end after so many metres, with a dark cap, by z-fail, beside those of the section above.",
-        named_by: &[SUN, LENGTH_M],
-        columns: &[
-            ("shadow pixels lost, %", LOST),
-            ("writes per pixel", UPDATES),
-            ("false lit px", SHADOW_FALSE_LIT_PX),
-            ("false dark px", SHADOW_FALSE_DARK_PX),
-        ],
-    },
-    Section {
-        question: "rows",
-        title: "Eight bits",
-        text: "Plates in a row, all of which lie before the same water. A count that is a multiple of 256 wraps to \
-               0. The guard draws passes of at most 255 casters.",
-        named_by: &[CASTERS, COUNTING],
-        columns: &[
-            ("largest count", SHADOW_MAX_OVERLAP),
-            ("shadow px", SHADOW_PX),
-            ("shadow pixels lost, %", LOST),
-            ("false lit px", SHADOW_FALSE_LIT_PX),
-            ("writes per pixel", UPDATES),
-        ],
-    },
-    Section {
-        question: "casters",
-        title: "Casters that are not closed",
-        text: "A hull of 1,022 triangles with a tenth of its deck missing, under each policy, against the shadow of \
-               the whole hull. What passes the hole meets the bottom. z-fail, volumes closed at the sea.",
-        named_by: &[POLICY],
-        columns: &[
-            ("triangles", SHADOW_MESH_TRIANGLES),
-            ("shadow px", SHADOW_PX),
-            ("false lit px", SHADOW_FALSE_LIT_PX),
-            ("false dark px", SHADOW_FALSE_DARK_PX),
-            ("largest count", SHADOW_MAX_OVERLAP),
-            ("writes per pixel", UPDATES),
-        ],
-    },
-    Section {
-        question: "outlines",
-        title: "Outlines by a stencil value",
-        text: "Not a shadow technique: a value S for each model instead of a clear (McGuire & Hughes, 2004). The \
-               test is printed as \"stencil == S\"; inner contours are suppressed by ≠.",
-        named_by: &[MODELS, OUTLINE],
-        columns: &[
-            ("clears", SHADOW_CLEARS),
-            ("contour pixels wrong", SHADOW_CONTOUR_PX),
-        ],
-    },
-    Section {
-        question: "silhouettes",
-        title: "Silhouettes on the CPU",
-        text: "The published stack of borders, the same toggle by a hash, and stored adjacency with a directed \
-               count. All read the same facing bits. With a face turned, two lit triangles have an edge the same \
-               way round: the toggles delete it, and the volume is open.",
-        named_by: &[MESH, SILHOUETTE],
-        columns: &[
-            ("CPU ms", TIME),
-            ("triangles", SHADOW_MESH_TRIANGLES),
-            ("sides", SHADOW_SIDES),
-            ("open edges", SHADOW_OPEN_EDGES),
-        ],
-    },
-    Section {
-        question: "devices",
-        title: "Drawn by devices",
-        text: "The same volumes drawn into a stencil by the executors that fill regions. Vertices come from the CPU, sea and \
-               casters are a surface, and one colour covers the screen where the count is not 0. Times are those of the \
-               channel that has most shadow, all else is over all channels. Rows of one sun differ in one thing \
-               from one to the next. In rows with \"pulled\" a vertex shader reads the two facing bits of each edge, \
-               and what is no side collapses. With \"compute\" a compute shader writes indices and draw arguments. \
-               With \"gs\" a geometry shader makes sides of triangles or of edges with adjacency. Another sun then takes \
-               those bits alone, and ends of its own where volumes are closed. Depth bounds are \"native\", the device's own test. \"Discard\" is \
-               a fragment shader that reads a copy of depth, whose making is timed. With \"tiles\" of 16 pixels \
-               the CPU reads depths back and compares, which is timed too, and draws each caster into those \
-               alone that matter to it. A range is that of a caster, or of each of its convex parts, of which more are drawn. Pixels \"at rims\" are outside the band and within a device's rounding. They lie at \
-               a caster's rim, in a triangle thinner than 1/32 of a pixel, or on the boundary of one part's shadow inside the \
-               shadow of others.",
-        named_by: &DEVICE_KEYS,
-        columns: &[
-            ("CPU ms", FILL_CPU),
-            ("GPU ms", FILL_GPU),
-            ("fragments per pixel", SHADOW_FRAGMENTS),
-            ("false lit px", SHADOW_FALSE_LIT_PX),
-            ("false dark px", SHADOW_FALSE_DARK_PX),
-            ("in the band", SHADOW_BAND_PX),
-            ("at rims", SHADOW_RIM_PX),
-            ("draws", SHADOW_DRAWS),
-            ("casters left out", SHADOW_CASTERS_LEFT_OUT),
-            ("bytes", SHADOW_BYTES),
-            ("bytes of another sun", SHADOW_SUN_BYTES),
-        ],
-    },
-    Section {
-        question: "ladder",
-        title: "One optimisation after the other",
-        text: "Each step is taken on top of those before, as devices draw it, in the channel with most shadow; writes of the \
-               stencil and all else are over all channels. A frame finds its volumes and hands them over until they are \
-               kept, so that its time is that of finding and that of drawing. What Yang & Jin (2006) say of a step stands \
-               beside it: they measured none apart. A rule by part is chosen by the near rectangle, not by the eye.",
-        named_by: &[SUN, API, STEP, PAPER],
-        columns: &[
-            ("draw, CPU ms", FILL_CPU),
-            ("draw, GPU ms", FILL_GPU),
-            ("find volumes, CPU ms", SHADOW_VOLUMES_CPU_MS),
-            ("writes per pixel", UPDATES),
-            ("fragments per pixel", SHADOW_FRAGMENTS),
-            ("draws", SHADOW_DRAWS),
-            ("casters left out", SHADOW_CASTERS_LEFT_OUT),
-            ("bytes", SHADOW_BYTES),
-            ("false lit px", SHADOW_FALSE_LIT_PX),
-            ("false dark px", SHADOW_FALSE_DARK_PX),
-            ("in the band", SHADOW_BAND_PX),
-            ("at rims", SHADOW_RIM_PX),
-        ],
-    },
-    Section {
-        question: "rivals",
-        title: "Rivals that are as exact",
-        text: "Tiles: each triangle that faces the sun descends into a hierarchy of tiles (Sintorn et al., 2011), by compute on \
-               wgpu. Tiles have 128, 32 and 8 pixels a side, a least and a greatest depth. Rays: one from each pixel to the sun, \
-               by ray queries on Vulkan, through a tree of triangles that the driver builds once for casters that rest. Both \
-               are handed the depth that the surface left, in the channel with most shadow; times are from there to an \
-               answer a pixel. A place 1/256 of a pixel below a triangle counts as on it. They need no closed mesh, no \
-               test of the near plane and no count. Volumes stand in \"Drawn by devices\".",
-        named_by: &[SUN, API, RIVAL],
-        columns: &[
-            ("CPU ms", FILL_CPU),
-            ("GPU ms", FILL_GPU),
-            ("tree, GPU ms", SHADOW_BUILD_GPU_MS),
-            ("false lit px", SHADOW_FALSE_LIT_PX),
-            ("false dark px", SHADOW_FALSE_DARK_PX),
-            ("in the band", SHADOW_BAND_PX),
-            ("at rims", SHADOW_RIM_PX),
-            ("shadow px", SHADOW_PX),
-            ("bytes", SHADOW_BYTES),
-            ("bytes of another sun", SHADOW_SUN_BYTES),
-        ],
-    },
-    Section {
-        question: "near",
-        title: "A near plane in shadow, by devices",
-        text: "Of 400 eyes on deck, 1 m of near plane, the one in the light whose near rectangle has most shadow. The \
-               published test chooses z-pass there. zp-plus draws the lit triangles between the near plane and the sun \
-               into the near plane, then z-pass; preload draws everything twice. Volumes are closed at the sea.",
-        named_by: &[SUN, API, RULE],
-        columns: &[
-            ("CPU ms", FILL_CPU),
-            ("GPU ms", FILL_GPU),
-            ("fragments per pixel", SHADOW_FRAGMENTS),
-            ("false lit px", SHADOW_FALSE_LIT_PX),
-            ("false dark px", SHADOW_FALSE_DARK_PX),
-            ("in the band", SHADOW_BAND_PX),
-            ("at rims", SHADOW_RIM_PX),
-            ("shadow px", SHADOW_PX),
-            ("draws", SHADOW_DRAWS),
-        ],
-    },
-    Section {
-        question: "device-rows",
-        title: "Eight bits of a device",
-        text: "The plates of \"Eight bits\", each a volume, by z-pass: counted in one pass, or in passes of 255 at most \
-               that darken one after the other.",
-        named_by: &[CASTERS, API, COUNTING],
-        columns: &[
-            ("CPU ms", FILL_CPU),
-            ("GPU ms", FILL_GPU),
-            ("shadow px", SHADOW_PX),
-            ("shadow pixels lost, %", LOST),
-            ("false lit px", SHADOW_FALSE_LIT_PX),
-            ("false dark px", SHADOW_FALSE_DARK_PX),
-            ("draws", SHADOW_DRAWS),
-        ],
-    },
-    Section {
-        question: "facings",
-        title: "Who decides which faces the sun",
-        text: "Infinite volumes by z-fail, of 96 boxes, turned so that two faces of each are exactly edge-on to the \
-               sun, or at random. A facing bit is decided once a triangle, in f64, and all edges read it. Rows \"f32 by corners\" \
-               have none: every edge computes the facing of its two triangles from their corners as it has them. Where \
-               edges of one triangle disagree, a side is missing or one too many, and the volume leaks.",
-        named_by: &[BOXES, API, SILHOUETTE],
-        columns: &[
-            ("false lit px", SHADOW_FALSE_LIT_PX),
-            ("false dark px", SHADOW_FALSE_DARK_PX),
-            ("in the band", SHADOW_BAND_PX),
-            ("at rims", SHADOW_RIM_PX),
-            ("undecided facings, %", SHADOW_UNDECIDED_FACINGS),
-            ("bytes", SHADOW_BYTES),
-            ("bytes of another sun", SHADOW_SUN_BYTES),
-        ],
-    },
-    Section {
-        question: "origins",
-        title: "Far from the origin",
-        text: "The volumes closed at the sea, by z-fail, with vertices from the eye as above, and as an engine has \
-               them that keeps places in f32 about an origin of its own. A step of f32 is 4 mm at 100 km, 6 cm at \
-               1,000 km and 25 cm at the earth's centre, here along each axis. The eye's place has the same steps. From the bridge most of \
-               the port is 100 m away and more, where a pixel is tens of centimetres wide. At the quay's edge the rail is 1 m \
-               away, and under a sun at 3° a step in height is twenty in its shadow. The shadow of a rail on a crane's leg is \
-               seen from 70 cm, as the middle of a channel 1,024 px wide has it: a pixel is half a millimetre there.",
-        named_by: &[SUN, VIEW, API, POSITIONS],
-        columns: &[
-            ("false lit px", SHADOW_FALSE_LIT_PX),
-            ("false dark px", SHADOW_FALSE_DARK_PX),
-            ("in the band", SHADOW_BAND_PX),
-            ("shadow pixels lost, %", LOST),
-            ("shadow px", SHADOW_PX),
-        ],
-    },
-    Section {
-        question: "maps",
-        title: "Shadow maps",
-        text: "One orthographic map along the light, fitted to the casters, drawn and asked on the CPU: the nearest \
-               texel, no filter. The bias is the best of 13 constants from 0 to 40 m, or of 7 multiples of texel and \
-               slope from 0 to 2. Faces turned away from the sun are dark without asking. With \"no normals\" they ask the map \
-               too, so that a bias lights them where their caster is thinner than it. Wrong pixels are of all that the reference judges, the band included.",
-        named_by: &[SUN, TEXEL_M, BIAS],
-        columns: &[
-            ("wrong, %", MAP_WRONG),
-            ("of three channels, %", SHADOW_MAP_WRONG_IN_THREE),
-            ("wrong without bias, %", SHADOW_MAP_WRONG_UNBIASED),
-            ("best bias, m", SHADOW_MAP_BIAS_M),
-            ("false lit px", SHADOW_FALSE_LIT_PX),
-            ("false dark px", SHADOW_FALSE_DARK_PX),
-            ("in the band", SHADOW_BAND_PX),
-            ("CPU ms", SHADOW_MAP_CPU_MS),
-            ("bytes", SHADOW_BYTES),
-        ],
-    },
-    Section {
-        question: "device-maps",
-        title: "Shadow maps of a device",
-        text: "The same map and biases on wgpu: a depth pass from the sun, then every fragment of sea and casters in \
-               the channel with most shadow asks its texel. Times are of both passes, the second draws what is seen \
-               too. Maps wider than the device's textures are left out.",
-        named_by: &[SUN, TEXEL_M, BIAS],
-        columns: &[
-            ("CPU ms", FILL_CPU),
-            ("GPU ms", FILL_GPU),
-            ("map alone, GPU ms", SHADOW_MAP_GPU_MS),
-            ("wrong, %", MAP_WRONG),
-            ("unlike the CPU's, %", SHADOW_MAP_DIFFERS),
-            ("bias, m", SHADOW_MAP_BIAS_M),
-            ("false lit px", SHADOW_FALSE_LIT_PX),
-            ("false dark px", SHADOW_FALSE_DARK_PX),
-            ("in the band", SHADOW_BAND_PX),
-            ("bytes", SHADOW_BYTES),
-        ],
-    },
+/// Notes with paths of pictures, and what each shows.
+const PICTURES: [(&str, &str); 3] = [
+    ("reference_image", "reference"),
+    ("image", "as drawn, wrong pixels red"),
+    ("exact_image", "near rectangle tested"),
 ];
 
-impl Section {
-    /// A case as its row has it.
-    pub(super) fn name(&self, case: &Case) -> String {
-        let names: Vec<&str> = self
-            .named_by
-            .iter()
-            .map(|key| case.condition(*key))
-            // A user's model has no name of a mesh.
-            .filter(|name| !name.is_empty())
-            .collect();
-        names.join(", ")
+const fn section(
+    [question, title]: [&'static str; 2],
+    text: &'static str,
+    named_by: &'static [ConditionKey],
+    columns: &'static [Column],
+) -> Section<'static> {
+    Section {
+        title,
+        text,
+        cases: Select::With(QUESTION, question),
+        named_by: Names::Joined(named_by),
+        columns,
+        is_main: true,
+        shows_what_is_wrong: true,
+        pictures: &PICTURES,
+        ..Section::EMPTY
     }
 }
+
+pub(super) const SECTIONS: [Section<'static>; 20] = [
+    section(
+        ["model", "The model"],
+        "What the file holds, what keeps it from being closed, and the policy that was applied. Each part hangs \
+             together; parts may touch.",
+        &[MODEL],
+        &[
+            column("triangles", SHADOW_MESH_TRIANGLES),
+            column("models", SHADOW_MESH_MODELS),
+            column("parts", SHADOW_MESH_PARTS),
+        ],
+    ),
+    Section {
+        drawing: Some(Drawing {
+            caption: "Eyes missed against the near plane; tests of the near rectangle miss none.",
+            panels: &[Panel {
+                across: ("near plane, m", Figure::Condition(NEAR_M)),
+                up: ("eyes missed, %", Figure::Metric(MISSED)),
+                upwards: Upwards::Error,
+                curve: Names::Joined(&[EYE_TEST, SUN]),
+                knob: Figure::Condition(NEAR_M),
+                ..Panel::EMPTY
+            }],
+        }),
+        ..section(
+            ["eyes", "Which rule: the test of the eye"],
+            "400 eyes on deck, 1.7 m over it. Published: z-fail where the segment from the eye to the light \
+                 meets a caster. z-pass is right where the near rectangle is outside the volumes. An eye in the \
+                 light whose near rectangle is partly in shadow is missed.",
+            &[SUN, NEAR_M, EYE_TEST],
+            &[
+                column("missed, %", MISSED),
+                column("by five samples, %", SHADOW_EYES_MISSED_AT_CORNERS),
+                column("by more than half, %", MOSTLY),
+                column("needless, %", SHADOW_EYES_NEEDLESS),
+                column("triangles by z-fail, %", SHADOW_FAIL_TRIANGLES),
+                column("near rectangle in shadow where missed, %", SHADOW_NEAR_DARK),
+            ],
+        )
+    },
+    Section {
+        drawing: Some(Drawing {
+            caption: "Writes per pixel against the sun's elevation; suns differ in azimuth, see the table.",
+            panels: &[Panel {
+                across: ("sun's elevation, degrees", Figure::Computed(elevation_deg)),
+                up: ("stencil writes per pixel", Figure::Computed(writes)),
+                curve: Names::Joined(&[RULE, EXTENT]),
+                knob: Figure::Computed(elevation_deg),
+                ..Panel::EMPTY
+            }],
+        }),
+        ..section(
+            ["updates", "Volumes, rules and suns"],
+            "Volumes end at infinity, or in a plane 1 m below the curved sea for waves, or 0.2 m on a calm sea. What \
+                 reaches below the sea counts under z-fail, so casters are cut there too. \"Whole hulls\" are not: piles go \
+                 down to 12 m, hulls to 8. Stencil writes per pixel are a cost without noise.",
+            &[SUN, EXTENT, RULE],
+            &[
+                WRITES, TRIANGLES, MAX_COUNT, LIT_PX, DARK_PX, BAND_PX, EDGE_ON, UNDECIDED,
+                SHADE_PX,
+            ],
+        )
+    },
+    section(
+        ["views", "Other eyes"],
+        "Between the legs of a crane; on deck, where a rail's shadow runs through the near rectangle; and from 250 m \
+             up. Volumes are closed at the sea, and a rule is chosen for all or by a test.",
+        &[SUN, VIEW, RULE],
+        &[
+            WRITES, MAX_COUNT, LIT_PX, DARK_PX, BAND_PX, EDGE_ON, UNDECIDED, SHADE_PX,
+        ],
+    ),
+    Section {
+        shows_what_is_wrong: false,
+        ..section(
+            ["scissors", "Scissors"],
+            "Three readings of \"what lies above the sea\". One is rows above the horizon, one a rectangle round each \
+                 caster's volume, closed at the sea. The third is the same, cut by the rectangle round everything above \
+                 the sea. The last leaves shadows on the sea out. z-fail, infinite volumes.",
+            &[SUN, SCISSOR],
+            &[LOST_SHARE, WRITES, DARK_PX],
+        )
+    },
+    section(
+        ["bounds", "Depth bounds"],
+        "A fragment writes only where the depth of what is seen lies in the range of its part's volume, closed at \
+             the sea: exact under either rule. Counted as an eight-bit stencil would; \"Volumes, rules and suns\" has \
+             the same without bounds. Devices that have the test are measured with it below.",
+        &[SUN, RULE],
+        &[WRITES, LIT_PX, DARK_PX, BAND_PX],
+    ),
+    Section {
+        more: &[finite_plot],
+        ..section(
+            ["finite", "Finite volumes"],
+            "Volumes that end after so many metres, with a dark cap, by z-fail, beside those of the section above.",
+            &[SUN, LENGTH_M],
+            &[LOST_SHARE, WRITES, LIT_PX, DARK_PX],
+        )
+    },
+    section(
+        ["rows", "Eight bits"],
+        "Plates in a row, all of which lie before the same water. A count that is a multiple of 256 wraps to \
+             0. The guard draws passes of at most 255 casters.",
+        &[CASTERS, COUNTING],
+        &[MAX_COUNT, SHADE_PX, LOST_SHARE, LIT_PX, WRITES],
+    ),
+    section(
+        ["casters", "Casters that are not closed"],
+        "A hull of 1,022 triangles with a tenth of its deck missing, under each policy, against the shadow of \
+             the whole hull. What passes the hole meets the bottom. z-fail, volumes closed at the sea.",
+        &[POLICY],
+        &[MESH_SIZE, SHADE_PX, LIT_PX, DARK_PX, MAX_COUNT, WRITES],
+    ),
+    section(
+        ["outlines", "Outlines by a stencil value"],
+        "Not a shadow technique: a value S for each model instead of a clear (McGuire & Hughes, 2004). The \
+             test is printed as \"stencil == S\"; inner contours are suppressed by ≠.",
+        &[MODELS, OUTLINE],
+        &[
+            column("clears", SHADOW_CLEARS),
+            column("contour pixels wrong", SHADOW_CONTOUR_PX),
+        ],
+    ),
+    Section {
+        drawing: Some(Drawing {
+            caption: "Time of a silhouette against triangles. Ports are boxes; hulls are smooth and have fewer sides.",
+            panels: &[Panel {
+                across: (
+                    "triangles of the casters",
+                    Figure::Computed(whole_triangles),
+                ),
+                up: ("process CPU ms: median, 5–95 %", Figure::Metric(TIME)),
+                curve: Names::Of("", mesh_kind),
+                knob: Figure::Metric(SHADOW_MESH_TRIANGLES),
+                ..Panel::EMPTY
+            }],
+        }),
+        ..section(
+            ["silhouettes", "Silhouettes on the CPU"],
+            "The published stack of borders, the same toggle by a hash, and stored adjacency with a directed \
+                 count. All read the same facing bits. With a face turned, two lit triangles have an edge the same \
+                 way round: the toggles delete it, and the volume is open.",
+            &[MESH, SILHOUETTE],
+            &[FIND_MS, MESH_SIZE, SIDES, OPEN_EDGES],
+        )
+    },
+    section(
+        ["devices", "Drawn by devices"],
+        "The same volumes drawn into a stencil by the executors that fill regions. Vertices come from the CPU, sea and \
+             casters are a surface, and one colour covers the screen where the count is not 0. Times are those of the \
+             channel that has most shadow, all else is over all channels. Rows of one sun differ in one thing \
+             from one to the next. In rows with \"pulled\" a vertex shader reads the two facing bits of each edge, \
+             and what is no side collapses. With \"compute\" a compute shader writes indices and draw arguments. \
+             With \"gs\" a geometry shader makes sides of triangles or of edges with adjacency. Another sun then takes \
+             those bits alone, and ends of its own where volumes are closed. Depth bounds are \"native\", the device's own test. \"Discard\" is \
+             a fragment shader that reads a copy of depth, whose making is timed. With \"tiles\" of 16 pixels \
+             the CPU reads depths back and compares, which is timed too, and draws each caster into those \
+             alone that matter to it. A range is that of a caster, or of each of its convex parts, of which more are drawn. Pixels \"at rims\" are outside the band and within a device's rounding. They lie at \
+             a caster's rim, in a triangle thinner than 1/32 of a pixel, or on the boundary of one part's shadow inside the \
+             shadow of others.",
+        &DEVICE_KEYS,
+        &[
+            CPU_MS, GPU_MS, FRAGMENTS, LIT_PX, DARK_PX, BAND_PX, RIM_PX, DRAWS, LEFT_OUT, BYTES,
+            SUN_BYTES,
+        ],
+    ),
+    section(
+        ["ladder", "One optimisation after the other"],
+        "Each step is taken on top of those before, as devices draw it, in the channel with most shadow; writes of the \
+             stencil and all else are over all channels. A frame finds its volumes and hands them over until they are \
+             kept, so that its time is that of finding and that of drawing. What Yang & Jin (2006) say of a step stands \
+             beside it: they measured none apart. A rule by part is chosen by the near rectangle, not by the eye.",
+        &[SUN, API, STEP, PAPER],
+        &[
+            CPU_MS, GPU_MS, VOLUMES_MS, WRITES, FRAGMENTS, DRAWS, LEFT_OUT, BYTES, LIT_PX, DARK_PX,
+            BAND_PX, RIM_PX,
+        ],
+    ),
+    section(
+        ["rivals", "Rivals that are as exact"],
+        "Tiles: each triangle that faces the sun descends into a hierarchy of tiles (Sintorn et al., 2011), by compute on \
+             wgpu. Tiles have 128, 32 and 8 pixels a side, a least and a greatest depth. Rays: one from each pixel to the sun, \
+             by ray queries on Vulkan, through a tree of triangles that the driver builds once for casters that rest. Both \
+             are handed the depth that the surface left, in the channel with most shadow; times are from there to an \
+             answer a pixel. A place 1/256 of a pixel below a triangle counts as on it. They need no closed mesh, no \
+             test of the near plane and no count. Volumes stand in \"Drawn by devices\".",
+        &[SUN, API, RIVAL],
+        &[
+            CPU_MS, GPU_MS, TREE_MS, LIT_PX, DARK_PX, BAND_PX, RIM_PX, SHADE_PX, BYTES, SUN_BYTES,
+        ],
+    ),
+    section(
+        ["near", "A near plane in shadow, by devices"],
+        "Of 400 eyes on deck, 1 m of near plane, the one in the light whose near rectangle has most shadow. The \
+             published test chooses z-pass there. zp-plus draws the lit triangles between the near plane and the sun \
+             into the near plane, then z-pass; preload draws everything twice. Volumes are closed at the sea.",
+        &[SUN, API, RULE],
+        &[
+            CPU_MS, GPU_MS, FRAGMENTS, LIT_PX, DARK_PX, BAND_PX, RIM_PX, SHADE_PX, DRAWS,
+        ],
+    ),
+    section(
+        ["device-rows", "Eight bits of a device"],
+        "The plates of \"Eight bits\", each a volume, by z-pass: counted in one pass, or in passes of 255 at most \
+             that darken one after the other.",
+        &[CASTERS, API, COUNTING],
+        &[CPU_MS, GPU_MS, SHADE_PX, LOST_SHARE, LIT_PX, DARK_PX, DRAWS],
+    ),
+    section(
+        ["facings", "Who decides which faces the sun"],
+        "Infinite volumes by z-fail, of 96 boxes, turned so that two faces of each are exactly edge-on to the \
+             sun, or at random. A facing bit is decided once a triangle, in f64, and all edges read it. Rows \"f32 by corners\" \
+             have none: every edge computes the facing of its two triangles from their corners as it has them. Where \
+             edges of one triangle disagree, a side is missing or one too many, and the volume leaks.",
+        &[BOXES, API, SILHOUETTE],
+        &[LIT_PX, DARK_PX, BAND_PX, RIM_PX, SPLIT, BYTES, SUN_BYTES],
+    ),
+    section(
+        ["origins", "Far from the origin"],
+        "The volumes closed at the sea, by z-fail, with vertices from the eye as above, and as an engine has \
+             them that keeps places in f32 about an origin of its own. A step of f32 is 4 mm at 100 km, 6 cm at \
+             1,000 km and 25 cm at the earth's centre, here along each axis. The eye's place has the same steps. From the bridge most of \
+             the port is 100 m away and more, where a pixel is tens of centimetres wide. At the quay's edge the rail is 1 m \
+             away, and under a sun at 3° a step in height is twenty in its shadow. The shadow of a rail on a crane's leg is \
+             seen from 70 cm, as the middle of a channel 1,024 px wide has it: a pixel is half a millimetre there.",
+        &[SUN, VIEW, API, POSITIONS],
+        &[LIT_PX, DARK_PX, BAND_PX, LOST_SHARE, SHADE_PX],
+    ),
+    Section {
+        drawing: Some(Drawing {
+            caption: "Wrong pixels against bytes, texel in m beside the points; volumes have none outside the band.",
+            panels: &[Panel {
+                across: ("bytes of the map", Figure::Metric(SHADOW_BYTES)),
+                up: ("wrong pixels, %", Figure::Metric(MAP_WRONG)),
+                upwards: Upwards::Error,
+                curve: Names::Joined(&[SUN, BIAS]),
+                knob: Figure::Condition(TEXEL_M),
+                label: Some(Names::Joined(&[TEXEL_M])),
+                ..Panel::EMPTY
+            }],
+        }),
+        ..section(
+            ["maps", "Shadow maps"],
+            "One orthographic map along the light, fitted to the casters, drawn and asked on the CPU: the nearest \
+                 texel, no filter. The bias is the best of 13 constants from 0 to 40 m, or of 7 multiples of texel and \
+                 slope from 0 to 2. Faces turned away from the sun are dark without asking. With \"no normals\" they ask the map \
+                 too, so that a bias lights them where their caster is thinner than it. Wrong pixels are of all that the reference judges, the band included.",
+            &[SUN, TEXEL_M, BIAS],
+            &[
+                WRONG, IN_THREE, UNBIASED, BIAS_M, LIT_PX, DARK_PX, BAND_PX, MAP_MS, BYTES,
+            ],
+        )
+    },
+    Section {
+        more: &[device_map_plot],
+        ..section(
+            ["device-maps", "Shadow maps of a device"],
+            "The same map and biases on wgpu: a depth pass from the sun, then every fragment of sea and casters in \
+                 the channel with most shadow asks its texel. Times are of both passes, the second draws what is seen \
+                 too. Maps wider than the device's textures are left out.",
+            &[SUN, TEXEL_M, BIAS],
+            &[
+                CPU_MS, GPU_MS, MAP_GPU_MS, WRONG, DIFFERS, BIAS_M, LIT_PX, DARK_PX, BAND_PX, BYTES,
+            ],
+        )
+    },
+];

@@ -2,16 +2,16 @@
 //! Findings stand and fall by their figures.
 
 use super::*;
-use terrafill_results::Standing;
+use crate::keys::{FILL_CPU, LOST, UPDATES};
 use terrafill_results::made_up::{MadeUpRun, case_id};
+use terrafill_results::{Chapter as _, Standing};
 
 pub(super) fn finding(run: &MadeUpRun, claim: &str) -> Option<Standing> {
     let folder = tempfile::tempdir().expect("a folder");
     let run = run.write(folder.path()).expect("a run");
-    let found = Own::of(&run)
-        .findings(run.clock())
-        .into_iter()
-        .find(|finding| finding.claim.contains(claim));
+    let own = Own(Cases::of_study(&run, crate::STUDY));
+    let mut found = own.findings().into_iter();
+    let found = found.find(|finding| finding.claim.contains(claim));
     found.map(|finding| finding.standing)
 }
 
@@ -229,7 +229,7 @@ fn a_question_that_was_measured_has_a_table_and_others_have_none() {
     let run = updates([12.0, 41.0, 12.0, 7.5]);
     let folder = tempfile::tempdir().expect("a folder");
     let run = run.write(folder.path()).expect("a run");
-    let blocks = ShadowsChapter.blocks(&run).expect("a chapter");
+    let blocks = CHAPTER.blocks(&run).expect("a chapter");
     let tables = blocks
         .iter()
         .filter(|block| matches!(block, Block::Table(_)));
@@ -241,5 +241,5 @@ fn a_question_that_was_measured_has_a_table_and_others_have_none() {
     let mut other = MadeUpRun::default();
     other.case(case_id("filling", "a", &[]));
     let other = other.write(&folder.path().join("other")).expect("a run");
-    assert_eq!(ShadowsChapter.blocks(&other).expect("a chapter"), []);
+    assert_eq!(CHAPTER.blocks(&other).expect("a chapter"), []);
 }

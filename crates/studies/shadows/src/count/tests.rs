@@ -51,7 +51,15 @@ impl Setting {
     fn stencil(&self, view: &View, truth: &Truth, volume: &Volume, rule: Rule) -> Stencil {
         let mut stencil = Stencil::clear(view);
         let how = |_| Some((rule, Rectangle::whole(view)));
-        draw(&mut stencil, view, &self.prepared.mesh, volume, truth, &how);
+        draw_within(
+            &mut stencil,
+            view,
+            &self.prepared.mesh,
+            volume,
+            truth,
+            &how,
+            &[],
+        );
         stencil
     }
 }

@@ -16,35 +16,8 @@ const GROUP: usize = 64;
 /// Words of an indirect draw's arguments.
 const ARGUMENTS: usize = 5;
 
-/// What the vertex stage reads, on wgpu.
-enum Feed {
-    Buffers {
-        vertices: wgpu::Buffer,
-        indices: wgpu::Buffer,
-    },
-    /// The same, cut to ranges of depth by the fragment shader.
-    Bounded(Box<Bounded>),
-    Pulled(wgpu::BindGroup),
-    Computed(Box<Finder>),
-}
-
-/// What a fragment shader tests depth by.
-struct Bounded {
-    vertices: wgpu::Buffer,
-    indices: wgpu::Buffer,
-    layout: wgpu::BindGroupLayout,
-    /// The group points at them.
-    ranges: Option<wgpu::Buffer>,
-    bound: Option<wgpu::BindGroup>,
-}
-
+/// Of what a fragment shader tests depth by.
 fn bounded_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
-    let entry = |binding, visibility, ty| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility,
-        ty,
-        count: None,
-    };
     let depth = wgpu::BindingType::Texture {
         sample_type: wgpu::TextureSampleType::Depth,
         view_dimension: wgpu::TextureViewDimension::D2,
@@ -55,23 +28,17 @@ fn bounded_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
         has_dynamic_offset: false,
         min_binding_size: None,
     };
-    let descriptor = wgpu::BindGroupLayoutDescriptor {
-        label: Some("depth and ranges"),
-        entries: &[
-            entry(0, wgpu::ShaderStages::FRAGMENT, depth),
-            entry(1, wgpu::ShaderStages::VERTEX, ranges),
-        ],
-    };
-    gpu.device.create_bind_group_layout(&descriptor)
+    let types = [
+        (wgpu::ShaderStages::FRAGMENT, depth),
+        (wgpu::ShaderStages::VERTEX, ranges),
+    ];
+    gpu.mixed_layout("depth and ranges", types)
 }
 
 /// What a compute shader finds silhouettes by.
 struct Finder {
     pipeline: wgpu::ComputePipeline,
     bound: wgpu::BindGroup,
-    vertices: wgpu::Buffer,
-    /// Triangles, caster by caster.
-    indices: wgpu::Buffer,
     /// Arguments of indirect draws, and what they are before anything is found.
     draws: wgpu::Buffer,
     none: wgpu::Buffer,
@@ -79,7 +46,8 @@ struct Finder {
 }
 
 impl Finder {
-    fn new(fill: &VolumeFill, own: &Computed) -> Result<Self, DeviceError> {
+    /// With vertices, and indices of triangles, caster by caster.
+    fn new(fill: &VolumeFill, own: &Computed) -> Result<(Self, [wgpu::Buffer; 2]), DeviceError> {
         let gpu = fill.gpu();
         let of_piece = own.indices_of_piece();
         let pieces = own.mesh.pieces.len();
@@ -136,15 +104,14 @@ impl Finder {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
-        Ok(Self {
+        let finder = Self {
             pipeline,
             bound,
-            vertices,
-            indices,
             draws,
             none,
             groups: word(pieces.div_ceil(GROUP)),
-        })
+        };
+        Ok((finder, [vertices, indices]))
     }
 }
 
@@ -152,7 +119,13 @@ impl Finder {
 pub(super) struct OnWgpu {
     shader: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
-    feed: Feed,
+    /// Vertices and indices, unless a shader pulls them.
+    buffers: Option<[wgpu::Buffer; 2]>,
+    /// What a shader pulls, or tests depth by.
+    bound: Option<wgpu::BindGroup>,
+    /// Of the latter.
+    depth_layout: Option<wgpu::BindGroupLayout>,
+    finder: Option<Finder>,
     /// Of each caster: its indices, or its vertices that the shader makes up.
     ranges: Vec<Range<u32>>,
     pipelines: HashMap<VolumeState, wgpu::RenderPipeline>,
@@ -167,83 +140,71 @@ impl OnWgpu {
     ) -> Result<Self, DeviceError> {
         let gpu = fill.gpu();
         let frame = Some(fill.frame_layout());
-        let (shader, layout, feed, ranges) = match source {
+        let mut own = Self {
+            shader: gpu.shader(SHADER)?,
+            layout: gpu.pipeline_layout("shadows", &[frame]),
+            buffers: None,
+            bound: None,
+            depth_layout: None,
+            finder: None,
+            ranges: Vec::new(),
+            pipelines: HashMap::new(),
+        };
+        match source {
             VolumeSource::Volumes(volumes) => {
                 let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
                 let vertices = bytemuck::cast_slice(&volumes.vertices);
                 let indices = bytemuck::cast_slice(&volumes.indices);
-                let vertices = gpu.upload("shadow vertices", vertices, vertex)?;
-                let indices = gpu.upload("shadow indices", indices, index)?;
-                match is_bounded {
-                    true => {
-                        let own = bounded_layout(&gpu);
-                        let layout = gpu.pipeline_layout("bounded shadows", &[frame, Some(&own)]);
-                        let feed = Feed::Bounded(Box::new(Bounded {
-                            vertices,
-                            indices,
-                            layout: own,
-                            ranges: None,
-                            bound: None,
-                        }));
-                        (BOUNDED_SHADER, layout, feed, volumes.ranges)
-                    }
-                    false => {
-                        let layout = gpu.pipeline_layout("shadows", &[frame]);
-                        let feed = Feed::Buffers { vertices, indices };
-                        (SHADER, layout, feed, volumes.ranges)
-                    }
+                own.buffers = Some([
+                    gpu.upload("shadow vertices", vertices, vertex)?,
+                    gpu.upload("shadow indices", indices, index)?,
+                ]);
+                own.ranges = volumes.ranges;
+                if is_bounded {
+                    let depth = bounded_layout(&gpu);
+                    own.layout = gpu.pipeline_layout("bounded shadows", &[frame, Some(&depth)]);
+                    own.shader = gpu.shader(BOUNDED_SHADER)?;
+                    own.depth_layout = Some(depth);
                 }
             }
-            VolumeSource::Pulled(mesh) => pulled(&gpu, frame, PULLED_SHADER, mesh)?,
-            VolumeSource::Corners(mesh) => pulled(&gpu, frame, CORNERS_SHADER, mesh)?,
-            VolumeSource::Computed(own) => {
-                let feed = Feed::Computed(Box::new(Finder::new(fill, &own)?));
-                let layout = gpu.pipeline_layout("shadows", &[frame]);
-                (SHADER, layout, feed, own.mesh.ranges)
+            VolumeSource::Pulled(mesh) => own.pull(fill, PULLED_SHADER, mesh)?,
+            VolumeSource::Corners(mesh) => own.pull(fill, CORNERS_SHADER, mesh)?,
+            VolumeSource::Computed(computed) => {
+                let (finder, buffers) = Finder::new(fill, &computed)?;
+                (own.finder, own.buffers) = (Some(finder), Some(buffers));
+                own.ranges = computed.mesh.ranges;
             }
             VolumeSource::Adjacent(_) => {
-                return Err(DeviceError::unsupported(
-                    "geometry shaders",
-                    terrafill_gpu::API.name,
-                ));
+                let api = terrafill_gpu::API.name;
+                return Err(DeviceError::unsupported("geometry shaders", api));
             }
-        };
-        Ok(Self {
-            shader: gpu.shader(shader)?,
-            layout,
-            feed,
-            ranges,
-            pipelines: HashMap::new(),
-        })
+        }
+        Ok(own)
     }
-}
 
-/// What a vertex shader pulls, and who does.
-type Pulled = (&'static str, wgpu::PipelineLayout, Feed, Vec<Range<u32>>);
-
-fn pulled(
-    gpu: &Gpu,
-    frame: Option<&wgpu::BindGroupLayout>,
-    shader: &'static str,
-    mesh: EyeMesh,
-) -> Result<Pulled, DeviceError> {
-    let upload = |label, bytes: &[u8]| gpu.upload(label, bytes, wgpu::BufferUsages::STORAGE);
-    let mut buffers = vec![
-        upload("caster places", bytemuck::cast_slice(&mesh.places))?,
-        upload("caster pieces", bytemuck::cast_slice(&mesh.pieces))?,
-    ];
-    if !mesh.lit.is_empty() {
-        buffers.push(upload("facing bits", bytemuck::cast_slice(&mesh.lit))?);
+    /// A vertex shader pulls a mesh.
+    fn pull(&mut self, fill: &VolumeFill, shader: &str, mesh: EyeMesh) -> Result<(), DeviceError> {
+        let gpu = fill.gpu();
+        let upload = |label, bytes: &[u8]| gpu.upload(label, bytes, wgpu::BufferUsages::STORAGE);
+        let mut buffers = vec![
+            upload("caster places", bytemuck::cast_slice(&mesh.places))?,
+            upload("caster pieces", bytemuck::cast_slice(&mesh.pieces))?,
+        ];
+        if !mesh.lit.is_empty() {
+            buffers.push(upload("facing bits", bytemuck::cast_slice(&mesh.lit))?);
+        }
+        let storage = wgpu::BufferBindingType::Storage { read_only: true };
+        let kinds = vec![storage; buffers.len()];
+        let own = gpu.buffer_layout("casters", wgpu::ShaderStages::VERTEX, &kinds);
+        let buffers: Vec<&wgpu::Buffer> = buffers.iter().collect();
+        self.bound = Some(gpu.bind_buffers("casters", &own, &buffers));
+        let groups = [Some(fill.frame_layout()), Some(&own)];
+        self.layout = gpu.pipeline_layout("pulled shadows", &groups);
+        self.shader = gpu.shader(shader)?;
+        let corners = |pieces: Range<u32>| 3 * pieces.start..3 * pieces.end;
+        self.ranges = mesh.ranges.into_iter().map(corners).collect();
+        Ok(())
     }
-    let storage = wgpu::BufferBindingType::Storage { read_only: true };
-    let kinds = vec![storage; buffers.len()];
-    let own = gpu.buffer_layout("casters", wgpu::ShaderStages::VERTEX, &kinds);
-    let buffers: Vec<&wgpu::Buffer> = buffers.iter().collect();
-    let bound = gpu.bind_buffers("casters", &own, &buffers);
-    let layout = gpu.pipeline_layout("pulled shadows", &[frame, Some(&own)]);
-    let corners = |pieces: Range<u32>| 3 * pieces.start..3 * pieces.end;
-    let ranges = mesh.ranges.into_iter().map(corners).collect();
-    Ok((shader, layout, Feed::Pulled(bound), ranges))
 }
 
 impl Volumes for OnWgpu {
@@ -253,7 +214,7 @@ impl Volumes for OnWgpu {
         _list: &VolumeList,
         _constants: &wgpu::BindGroup,
     ) {
-        if let Feed::Computed(finder) = &self.feed {
+        if let Some(finder) = &self.finder {
             let (none, draws) = (&finder.none, &finder.draws);
             encoder.copy_buffer_to_buffer(none, 0, draws, 0, none.size());
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -272,7 +233,7 @@ impl Volumes for OnWgpu {
         list: &VolumeList,
         copy: &wgpu::TextureView,
     ) -> Result<(), DeviceError> {
-        let Feed::Bounded(own) = &mut self.feed else {
+        let Some(layout) = &self.depth_layout else {
             return Ok(());
         };
         let ranges = list.volumes.iter();
@@ -282,21 +243,9 @@ impl Volumes for OnWgpu {
         ranges.resize(ranges.len().max(1), [0.0; 2]);
         let bytes = bytemuck::cast_slice(&ranges);
         let ranges = gpu.upload("ranges of depth", bytes, wgpu::BufferUsages::STORAGE)?;
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("depth and ranges"),
-            layout: &own.layout,
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(copy),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: ranges.as_entire_binding(),
-                },
-            ],
-        });
-        (own.bound, own.ranges) = (Some(group), Some(ranges));
+        let copy = wgpu::BindingResource::TextureView(copy);
+        let resources = [copy, ranges.as_entire_binding()];
+        self.bound = Some(gpu.bind("depth and ranges", layout, resources));
         Ok(())
     }
 
@@ -313,36 +262,25 @@ impl Volumes for OnWgpu {
             layout: &self.layout,
             vertex_entry: "vertex_main",
             constants: &[],
-            buffers: match self.feed {
-                Feed::Buffers { .. } | Feed::Bounded(_) | Feed::Computed(_) => &vertices,
-                Feed::Pulled(_) => &[],
+            buffers: match self.buffers {
+                Some(_) => &vertices,
+                None => &[],
             },
             strip_index_format: None,
             front_face: wgpu::FrontFace::Ccw,
-            discards: matches!(self.feed, Feed::Bounded(_)),
+            discards: self.depth_layout.is_some(),
         };
         let pipeline = || shader.pipeline(gpu, draw.state, blends);
         self.pipelines.entry(draw.state).or_insert_with(pipeline);
     }
 
     fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
-        match &self.feed {
-            Feed::Buffers { vertices, indices } => {
-                pass.set_vertex_buffer(0, vertices.slice(..));
-                pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
-            }
-            Feed::Bounded(own) => {
-                pass.set_vertex_buffer(0, own.vertices.slice(..));
-                pass.set_index_buffer(own.indices.slice(..), wgpu::IndexFormat::Uint32);
-                if let Some(bound) = &own.bound {
-                    pass.set_bind_group(1, bound, &[]);
-                }
-            }
-            Feed::Pulled(bound) => pass.set_bind_group(1, bound, &[]),
-            Feed::Computed(finder) => {
-                pass.set_vertex_buffer(0, finder.vertices.slice(..));
-                pass.set_index_buffer(finder.indices.slice(..), wgpu::IndexFormat::Uint32);
-            }
+        if let Some([vertices, indices]) = &self.buffers {
+            pass.set_vertex_buffer(0, vertices.slice(..));
+            pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+        }
+        if let Some(bound) = &self.bound {
+            pass.set_bind_group(1, bound, &[]);
         }
     }
 
@@ -355,13 +293,13 @@ impl Volumes for OnWgpu {
             let caster = pass.list.volumes[volume].geometry;
             let range = self.ranges[caster].clone();
             pass.cut(volume, draw.scissor);
-            match &self.feed {
-                Feed::Buffers { .. } | Feed::Bounded(_) => pass.draw_indexed(range, 0, volume),
-                Feed::Pulled(_) => pass.draw(range, volume),
-                Feed::Computed(finder) => {
+            match (&self.finder, &self.buffers) {
+                (Some(finder), _) => {
                     let offset = size_of::<u32>() * ARGUMENTS * caster;
                     pass.draw_as_decided(&finder.draws, offset as u64);
                 }
+                (None, Some(_)) => pass.draw_indexed(range, 0, volume),
+                (None, None) => pass.draw(range, volume),
             }
         }
     }

@@ -42,14 +42,14 @@ fn wrong(
     }
     let devices = Devices::default();
     match scene.open_with(&devices, way, view, loadable, draws_back_faces) {
-        Err(DrawError::Device(error @ DeviceError::Unsupported { .. })) => {
+        Err(Failure::Unable(error)) => {
             let needed = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
             assert!(!needed, "{error}");
             None
         }
         opened => {
-            let (_, picture) = opened.expect("opened").draw().expect("drawn");
-            Some(Wrong::of(&mask(&picture), truth).outside())
+            let (_, mask) = opened.expect("opened").draw().expect("drawn");
+            Some(Wrong::of(&mask, truth).outside())
         }
     }
 }

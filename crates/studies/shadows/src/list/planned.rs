@@ -13,207 +13,167 @@ use crate::keys::{
 use crate::near::EyeTest;
 use crate::outline::Way;
 use crate::views::Chooser;
-use crate::way::{Counting, Positions};
+use crate::way::{Counting, DeviceWay, Positions};
 use crate::work::Scissor;
 use terrafill_casters::Policy;
 use terrafill_fill::FacePasses;
 use terrafill_results::{CaseId, ConditionKey, PlannedCase};
 
-fn counting(is_guarded: bool) -> &'static str {
-    match is_guarded {
-        true => "passes of 255",
-        false => "8 bits, wrapping",
-    }
+/// Timed silhouettes, and frames of a device, a process.
+const SAMPLES: u32 = 3;
+
+type Condition = (ConditionKey, String);
+
+fn is(key: ConditionKey, value: impl ToString) -> Condition {
+    (key, value.to_string())
 }
 
-pub(super) fn planned(job: Job, samples: u32, brought: Option<&Brought>) -> PlannedCase {
-    let (question, conditions, may_be_wrong): (_, Vec<(ConditionKey, String)>, _) = match job {
+fn under(sun: [f64; 2]) -> Condition {
+    is(SUN, sun_name(sun))
+}
+
+fn by(way: DeviceWay) -> Condition {
+    is(API, way.interface.name())
+}
+
+fn counting(is_guarded: bool) -> Condition {
+    let name = match is_guarded {
+        true => "passes of 255",
+        false => "8 bits, wrapping",
+    };
+    is(COUNTING, name)
+}
+
+/// Its question, its conditions beside that, and whether it may be wrong.
+fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
+    match job {
         Job::Model => ("model", Vec::new(), false),
-        Job::Eye(sun, near, test) => (
-            "eyes",
-            vec![
-                (SUN, sun_name(sun)),
-                (NEAR_M, near.to_string()),
-                (EYE_TEST, test.name().to_owned()),
-            ],
-            test == EyeTest::Eye,
-        ),
-        Job::Updates(sun, end, rule) => (
-            "updates",
-            vec![
-                (SUN, sun_name(sun)),
-                (EXTENT, end.name().to_owned()),
-                (RULE, rule.name().to_owned()),
-            ],
-            rule == Rule::PassAsPrinted,
-        ),
+        Job::Eye(sun, near, test) => {
+            let conditions = vec![under(sun), is(NEAR_M, near), is(EYE_TEST, test.name())];
+            ("eyes", conditions, test == EyeTest::Eye)
+        }
+        Job::Updates(sun, end, rule) => {
+            let conditions = vec![under(sun), is(EXTENT, end.name()), is(RULE, rule.name())];
+            ("updates", conditions, rule == Rule::PassAsPrinted)
+        }
         Job::Scissor(sun, scissor) => (
             "scissors",
-            vec![(SUN, sun_name(sun)), (SCISSOR, scissor.name().to_owned())],
+            vec![under(sun), is(SCISSOR, scissor.name())],
             !matches!(scissor, Scissor::Off | Scissor::CasterRectangle),
         ),
-        Job::Bounds(sun, rule) => (
-            "bounds",
-            vec![
-                (SUN, sun_name(sun)),
-                (RULE, rule.name().to_owned()),
-                (DEPTH_BOUNDS, "on".to_owned()),
-            ],
-            false,
-        ),
-        Job::Finite(sun, length) => (
-            "finite",
-            vec![(SUN, sun_name(sun)), (LENGTH_M, length.to_string())],
-            true,
-        ),
-        Job::Row(count, guard) => (
-            "rows",
-            vec![
-                (CASTERS, count.to_string()),
-                (COUNTING, counting(guard).to_owned()),
-            ],
-            !guard,
-        ),
-        Job::Casters(policy) => (
-            "casters",
-            vec![(POLICY, policy.name().to_owned())],
-            policy == Policy::AsIs,
-        ),
+        Job::Bounds(sun, rule) => {
+            let conditions = vec![under(sun), is(RULE, rule.name()), is(DEPTH_BOUNDS, "on")];
+            ("bounds", conditions, false)
+        }
+        Job::Finite(sun, length) => ("finite", vec![under(sun), is(LENGTH_M, length)], true),
+        Job::Row(count, guard) => ("rows", vec![is(CASTERS, count), counting(guard)], !guard),
+        Job::Casters(policy) => {
+            let conditions = vec![is(POLICY, policy.name())];
+            ("casters", conditions, policy == Policy::AsIs)
+        }
         Job::Outline(count, way) => (
             "outlines",
-            vec![
-                (MODELS, count.to_string()),
-                (OUTLINE, way.name().to_owned()),
-            ],
+            vec![is(MODELS, count), is(OUTLINE, way.name())],
             matches!(way, Way::ValueAsPrinted | Way::ValueNeverCleared),
         ),
-        Job::Silhouette(mesh, method) => (
-            "silhouettes",
-            match brought {
-                Some(_) => vec![(SILHOUETTE, method.name().to_owned())],
-                None => vec![
-                    (MESH, mesh.to_owned()),
-                    (SILHOUETTE, method.name().to_owned()),
-                ],
-            },
-            mesh.contains("turned") && method != Method::Adjacency,
-        ),
-        Job::Map(sun, texel, bias) | Job::DeviceMap(sun, texel, bias) => (
-            if matches!(job, Job::Map(..)) {
-                "maps"
-            } else {
-                "device-maps"
-            },
-            vec![
-                (SUN, sun_name(sun)),
-                (TEXEL_M, texel.to_string()),
-                (BIAS, bias.name().to_owned()),
-            ],
-            true,
-        ),
+        Job::Silhouette(mesh, method) => {
+            // A user's mesh has no name.
+            let mesh_name = (!mesh.is_empty()).then(|| is(MESH, mesh));
+            let conditions = mesh_name.into_iter().chain([is(SILHOUETTE, method.name())]);
+            let may_be_wrong = mesh.contains("turned") && method != Method::Adjacency;
+            ("silhouettes", conditions.collect(), may_be_wrong)
+        }
+        Job::Map(sun, texel, bias) | Job::DeviceMap(sun, texel, bias) => {
+            let question = match job {
+                Job::Map(..) => "maps",
+                _ => "device-maps",
+            };
+            let conditions = vec![under(sun), is(TEXEL_M, texel), is(BIAS, bias.name())];
+            (question, conditions, true)
+        }
         Job::View(sun, place, chooser) => (
             "views",
-            vec![
-                (SUN, sun_name(sun)),
-                (VIEW, place.name().to_owned()),
-                (RULE, chooser.name()),
-            ],
+            vec![under(sun), is(VIEW, place.name()), is(RULE, chooser.name())],
             matches!(
                 chooser,
                 Chooser::All(Rule::Pass) | Chooser::Test(EyeTest::Eye)
             ),
         ),
-        Job::Rival(sun, rival) => (
-            "rivals",
-            vec![
-                (SUN, sun_name(sun)),
-                (API, rival.api().to_owned()),
-                (RIVAL, rival.name().to_owned()),
-            ],
-            false,
-        ),
-        Job::Rung(sun, rung) => (
-            "ladder",
-            vec![
-                (SUN, sun_name(sun)),
-                (API, rung.way.interface.name().to_owned()),
-                (STEP, format!("{} {}", rung.number, rung.name)),
-                (PAPER, rung.paper.to_owned()),
-            ],
-            false,
-        ),
-        Job::Origin(sun, eyes, way) => (
-            "origins",
-            vec![
-                (SUN, sun_name(sun)),
-                (VIEW, eyes.name().to_owned()),
-                (API, way.interface.name().to_owned()),
-                (POSITIONS, way.positions.name()),
-            ],
-            way.positions != Positions::Eye,
-        ),
+        Job::Rival(sun, rival) => {
+            let conditions = vec![under(sun), is(API, rival.api()), is(RIVAL, rival.name())];
+            ("rivals", conditions, false)
+        }
+        Job::Rung(sun, rung) => {
+            let step = is(STEP, format!("{} {}", rung.number, rung.name));
+            let conditions = vec![under(sun), by(rung.way), step, is(PAPER, rung.paper)];
+            ("ladder", conditions, false)
+        }
+        Job::Origin(sun, eyes, way) => {
+            let positions = is(POSITIONS, way.positions.name());
+            let conditions = vec![under(sun), is(VIEW, eyes.name()), by(way), positions];
+            ("origins", conditions, way.positions != Positions::Eye)
+        }
         Job::Near(sun, way) => {
             let may_be_wrong = match way.counting {
                 Counting::Casters => way.rule == Rule::Pass,
                 counting => counting == Counting::Chosen(EyeTest::Eye),
             };
-            let conditions = vec![
-                (SUN, sun_name(sun)),
-                (API, way.interface.name().to_owned()),
-                (RULE, way.rule_name()),
-            ];
+            let conditions = vec![under(sun), by(way), is(RULE, way.rule_name())];
             ("near", conditions, may_be_wrong)
         }
         Job::DeviceRow(count, way) => {
             let is_guarded = way.counting == Counting::Parts { is_guarded: true };
-            let conditions = vec![
-                (CASTERS, count.to_string()),
-                (API, way.interface.name().to_owned()),
-                (COUNTING, counting(is_guarded).to_owned()),
-            ];
+            let conditions = vec![is(CASTERS, count), by(way), counting(is_guarded)];
             ("device-rows", conditions, !is_guarded)
         }
-        Job::Facing(sun, is_edge_on, way) => (
-            "facings",
-            vec![
-                (SUN, sun_name(sun)),
-                (
-                    BOXES,
-                    if is_edge_on { "edge-on" } else { "at random" }.to_owned(),
-                ),
-                (API, way.interface.name().to_owned()),
-                (SILHOUETTE, way.silhouettes.name().to_owned()),
-            ],
-            way.silhouettes.decides_by_corners(),
-        ),
+        Job::Facing(sun, is_edge_on, way) => {
+            let boxes = if is_edge_on { "edge-on" } else { "at random" };
+            let silhouette = is(SILHOUETTE, way.silhouettes.name());
+            let conditions = vec![under(sun), is(BOXES, boxes), by(way), silhouette];
+            ("facings", conditions, way.silhouettes.decides_by_corners())
+        }
         Job::Device(sun, way) => {
             let faces = match way.faces {
                 FacePasses::TwoSided => "two-sided",
                 FacePasses::TwoPass => "two-pass",
             };
-            let conditions = [
-                (SUN, sun_name(sun)),
-                (API, way.interface.name().to_owned()),
-                (EXTENT, way.end.name().to_owned()),
-                (RULE, way.rule_name()),
-                (FACES, faces.to_owned()),
-                (SCISSOR, way.cut.name().to_owned()),
-                (DEPTH_BOUNDS, way.bounds_name()),
-                (SILHOUETTE, way.silhouettes.name().to_owned()),
+            let conditions = vec![
+                under(sun),
+                by(way),
+                is(EXTENT, way.end.name()),
+                is(RULE, way.rule_name()),
+                is(FACES, faces),
+                is(SCISSOR, way.cut.name()),
+                is(DEPTH_BOUNDS, way.bounds_name()),
+                is(SILHOUETTE, way.silhouettes.name()),
             ];
-            ("devices", conditions.into(), false)
+            ("devices", conditions, false)
         }
-    };
-    let model = brought.map(|brought| (MODEL, brought.name.clone()));
-    let conditions: Vec<(ConditionKey, String)> = model.into_iter().chain(conditions).collect();
+    }
+}
+
+pub(super) fn question(job: Job) -> &'static str {
+    described(job).0
+}
+
+/// - `samples`: of a process, for what is timed
+pub(super) fn planned(job: Job, samples: Option<u32>, brought: Option<&Brought>) -> PlannedCase {
+    let (question, conditions, may_be_wrong) = described(job);
+    let model = brought.map(|brought| is(MODEL, &brought.name));
+    let conditions: Vec<Condition> = model.into_iter().chain(conditions).collect();
     let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
     let name = format!("{question}/{}", values.join("/"));
-    let conditions = std::iter::once((QUESTION, question.to_owned())).chain(conditions.clone());
+    let conditions = std::iter::once(is(QUESTION, question)).chain(conditions.clone());
     // Of a mesh that is not closed, any answer but the verdict may be wrong.
     let may_leak = brought.is_some_and(|brought| brought.policy == Policy::AsIs);
     PlannedCase {
         id: CaseId::new(STUDY, name, conditions),
-        samples,
+        samples: match job {
+            Job::Silhouette(..) => samples.unwrap_or(SAMPLES),
+            Job::Map(..) => samples.unwrap_or(1),
+            job if job.is_of_device() => samples.unwrap_or(SAMPLES),
+            _ => 0,
+        },
         may_be_wrong: may_be_wrong || may_leak,
     }
 }

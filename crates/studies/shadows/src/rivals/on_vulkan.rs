@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Rays to the sun, by ray queries in a compute shader on Vulkan.
 
-use crate::casting::{Asks, Casting, mask_of};
+use crate::casting::{Casting, mask_of};
+use crate::device::{Channel, Draws};
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError, Devices, FrameTimes, SurfaceView};
+use terrafill_fill::{Counters, CpuStopwatch, DeviceError, Devices, FrameTimes, SurfaceView};
 use terrafill_vulkan::{
     Buffer, BufferUse, ComputePipeline, Dispatch, Gpu, RenderTargets, Resource, Resources, Shader,
     StateStep, TriangleTree, advance, shared_gpu,
@@ -22,16 +23,14 @@ pub(super) struct Rays {
     pipeline: ComputePipeline,
     groups: [u32; 3],
     answers: Arc<Buffer>,
-    build_ms: Option<f64>,
-    bytes: [u64; 2],
 }
 
 impl Rays {
-    pub(super) fn new(
+    pub(super) fn open(
         devices: &Devices,
         seen: SurfaceView<'_>,
         casting: &Casting,
-    ) -> Result<Self, DeviceError> {
+    ) -> Result<Channel, DeviceError> {
         let gpu = shared_gpu(devices)?;
         if !gpu.facts.features.ray_query {
             let what = "rays in shaders (VK_KHR_ray_query)";
@@ -72,14 +71,18 @@ impl Rays {
                 Resource::Storage(Arc::clone(&answers)),
             ],
         )?;
-        Ok(Self {
+        let rays = Self {
             pipeline: ComputePipeline::new(&gpu, &resources, SHADER)?,
             groups: [width.div_ceil(GROUP), height.div_ceil(GROUP), 1],
+            answers,
+            gpu,
+        };
+        Ok(Channel {
+            draws: Box::new(rays),
             // Another sun changes the direction alone.
             bytes: [held + of_tree, 16],
-            answers,
             build_ms,
-            gpu,
+            left_out: 0,
         })
     }
 
@@ -93,10 +96,11 @@ impl Rays {
     }
 }
 
-impl Asks for Rays {
-    fn mask(&mut self) -> Result<Vec<bool>, DeviceError> {
+impl Draws for Rays {
+    fn draw(&mut self) -> Result<(Counters, Vec<bool>), DeviceError> {
         self.run()?;
-        Ok(mask_of(&self.answers.contents(&self.gpu)?))
+        let mask = mask_of(&self.answers.contents(&self.gpu)?);
+        Ok((Counters::default(), mask))
     }
 
     fn time(&mut self) -> Result<FrameTimes, DeviceError> {
@@ -108,13 +112,5 @@ impl Asks for Rays {
             fill_gpu_ms,
             ..FrameTimes::default()
         })
-    }
-
-    fn bytes(&self) -> [u64; 2] {
-        self.bytes
-    }
-
-    fn build_ms(&self) -> Option<f64> {
-        self.build_ms
     }
 }

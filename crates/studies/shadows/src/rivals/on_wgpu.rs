@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The hierarchy of tiles, by compute on wgpu.
 
-use crate::casting::{Asks, Casting, mask_of};
+use crate::casting::{Casting, mask_of};
+use crate::device::{Channel, Draws};
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError, Devices, FrameTimes, SurfaceView};
+use terrafill_fill::{Counters, CpuStopwatch, DeviceError, Devices, FrameTimes, SurfaceView};
 use terrafill_gpu::{Gpu, PassTimer, RenderTargets, TimedPass, read_buffer, shared_gpu};
 
 const SHADER: &str = "casters/tiles.wgsl";
@@ -21,15 +22,14 @@ pub(super) struct Tiles {
     dark: wgpu::Buffer,
     answers: wgpu::Buffer,
     timer: Option<PassTimer>,
-    bytes: [u64; 2],
 }
 
 impl Tiles {
-    pub(super) fn new(
+    pub(super) fn open(
         devices: &Devices,
         seen: SurfaceView<'_>,
         casting: &Casting,
-    ) -> Result<Self, DeviceError> {
+    ) -> Result<Channel, DeviceError> {
         let gpu = shared_gpu(devices)?;
         let mut targets = RenderTargets::new(&gpu, seen.size)?;
         targets.prepare(seen)?;
@@ -97,15 +97,21 @@ impl Tiles {
             (pipeline, invocations.div_ceil(GROUP))
         };
         let held = buffers.iter().map(|buffer| buffer.size()).sum();
-        Ok(Self {
-            // Those that face the sun, and the direction.
-            bytes: [held, triangles.size() + 16],
+        // Those that face the sun, and the direction.
+        let bytes = [held, triangles.size() + 16];
+        let tiles = Self {
             steps: steps.map(step).into(),
             timer: PassTimer::new(&gpu),
             bound,
             dark,
             answers,
             gpu,
+        };
+        Ok(Channel {
+            draws: Box::new(tiles),
+            bytes,
+            build_ms: None,
+            left_out: 0,
         })
     }
 
@@ -135,10 +141,11 @@ impl Tiles {
     }
 }
 
-impl Asks for Tiles {
-    fn mask(&mut self) -> Result<Vec<bool>, DeviceError> {
+impl Draws for Tiles {
+    fn draw(&mut self) -> Result<(Counters, Vec<bool>), DeviceError> {
         self.run(None)?;
-        Ok(mask_of(&read_buffer(&self.gpu, &self.answers)?))
+        let mask = mask_of(&read_buffer(&self.gpu, &self.answers)?);
+        Ok((Counters::default(), mask))
     }
 
     fn time(&mut self) -> Result<FrameTimes, DeviceError> {
@@ -154,9 +161,5 @@ impl Asks for Tiles {
             times.fill_gpu_ms = stamps.pass_ms(TimedPass::Colour);
         }
         Ok(times)
-    }
-
-    fn bytes(&self) -> [u64; 2] {
-        self.bytes
     }
 }

@@ -5,7 +5,6 @@ use super::*;
 use crate::view::bridge;
 use std::mem::offset_of;
 use terrafill_casters::{PortSize, port};
-use terrafill_fill::DeviceError;
 use terrafill_shaders::struct_layout;
 
 #[test]
@@ -32,10 +31,10 @@ fn receivers_lie_as_the_shaders_have_them() {
 }
 
 /// `None` where the device cannot.
-fn asked(scene: &Scene, rival: Rival, margin_px: f64) -> Option<Asked> {
+fn asked(scene: &Scene, rival: Rival, margin_px: f64) -> Option<DeviceDrawn> {
     let devices = Devices::default();
     match scene.asked_with(&devices, rival, margin_px) {
-        Err(DrawError::Device(error @ DeviceError::Unsupported { .. })) => {
+        Err(Failure::Unable(error)) => {
             eprintln!("skipped: {error}");
             let needed = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
             assert!(rival == Rival::Rays || !needed, "{error}");

@@ -8,15 +8,16 @@ use crate::eyes::EyeTable;
 use crate::images;
 use crate::job::{Job, Method};
 use crate::keys::MOSTLY;
+use crate::maps::Mapped;
 use crate::near::EyeTest;
 use crate::outline::{Way, outlines};
 use crate::view::sun;
 use crate::views::Chooser;
 use crate::work::{BOUNDS_SHARE, Drawn, End, NEARS, Pixels, Scene, Scissor};
+use std::path::Path;
 use terrafill_casters::{Extent, Policy, Volume};
 use terrafill_results::{Status, Verdict};
-
-pub(super) type Figures = Vec<(&'static str, f64)>;
+use terrafill_study::{Failure, Figures};
 
 fn verdict(is_right: bool, reason: String, figures: Figures) -> Verdict {
     Verdict {
@@ -32,113 +33,133 @@ pub(super) fn percent(part: f64, whole: usize) -> f64 {
     100.0 * part / whole.max(1) as f64
 }
 
-fn drawn_figures(drawn: &Drawn, pixels: Pixels) -> Figures {
-    vec![
+/// What the views hold, and what of it is lost.
+pub(super) fn seen_figures(pixels: Pixels, lost: usize) -> [(&'static str, f64); 3] {
+    [
         ("shadow_receiver_px", pixels.receivers as f64),
         ("shadow_px", pixels.shadow as f64),
-        ("shadow_edge_on_px", pixels.edge_on as f64),
-        ("shadow_undecided_px", pixels.undecided as f64),
-        ("shadow_false_lit_px", drawn.wrong.false_lit as f64),
-        ("shadow_false_dark_px", drawn.wrong.false_dark as f64),
-        ("shadow_band_px", drawn.wrong.in_band as f64),
-        (
-            "shadow_lost_share",
-            percent(drawn.lost as f64, pixels.shadow),
-        ),
-        ("shadow_updates", drawn.updates as f64 / pixels.all as f64),
-        ("shadow_volume_triangles", drawn.volume_triangles as f64),
-        ("shadow_max_overlap", f64::from(drawn.max_overlap)),
+        ("shadow_lost_share", percent(lost as f64, pixels.shadow)),
     ]
 }
 
-fn drawn_verdict(drawn: &Drawn, pixels: Pixels) -> Verdict {
-    verdict_of(drawn.wrong, drawn_figures(drawn, pixels))
+/// On a scene, over all channels.
+fn drawn_verdict(scene: &Scene, drawn: &Drawn) -> Verdict {
+    let pixels = scene.pixels();
+    let mut figures = vec![
+        ("shadow_edge_on_px", pixels.edge_on as f64),
+        ("shadow_undecided_px", pixels.undecided as f64),
+        ("shadow_updates", drawn.updates as f64 / pixels.all as f64),
+        ("shadow_volume_triangles", drawn.volume_triangles as f64),
+        ("shadow_max_overlap", f64::from(drawn.max_overlap)),
+    ];
+    figures.extend(seen_figures(pixels, drawn.lost));
+    verdict_of(drawn.wrong, figures)
 }
 
-pub(super) fn verdict_of(wrong: Wrong, figures: Figures) -> Verdict {
+/// Right where no pixel outside the band is wrong.
+pub(super) fn verdict_of(wrong: Wrong, mut figures: Figures) -> Verdict {
     let reason = format!(
         "{} pixels lit in shadow, {} in shadow in the light, outside the band",
         wrong.false_lit, wrong.false_dark
     );
+    figures.extend([
+        ("shadow_false_lit_px", wrong.false_lit as f64),
+        ("shadow_false_dark_px", wrong.false_dark as f64),
+        ("shadow_band_px", wrong.in_band as f64),
+    ]);
     verdict(wrong.outside() == 0, reason, figures)
 }
 
+/// A note with the picture of the channel with the most shadow, by masks of all channels or the reference alone.
+fn picture(
+    scene: &Scene,
+    folder: &Path,
+    name: &str,
+    masks: Option<&[Vec<bool>]>,
+) -> Result<(&'static str, String), String> {
+    let at = scene.darkest_channel()?;
+    let mask = masks.map(|masks| masks[at].as_slice());
+    let path = images::write(folder, name, &scene.channels[at].1, mask)?;
+    Ok(match mask {
+        Some(_) => ("image", path),
+        None => ("reference_image", path),
+    })
+}
+
+/// Of a map, by what is wrong of it.
+pub(super) fn map_figures(mapped: &Mapped, wrong: Wrong) -> Figures {
+    let all = wrong.outside() + wrong.in_band;
+    vec![
+        ("shadow_map_wrong", percent(all as f64, mapped.judged)),
+        ("shadow_map_bias_m", mapped.bias_m),
+        ("shadow_bytes", mapped.bytes as f64),
+    ]
+}
+
 impl Answering<'_> {
-    pub(super) fn answer(&mut self, job: Job) -> Result<Verdict, String> {
-        let folder = self.context.folder;
+    pub(super) fn answer(&mut self, job: Job) -> Result<Verdict, Failure> {
+        let (folder, size) = (self.context.folder, self.question.size);
         match job {
-            Job::Eye(sun, near, test) => self.eye(sun, near, test),
+            Job::Eye(sun, near, test) => Ok(self.eye(sun, near, test)?),
             Job::Updates(sun, end, rule) => {
                 let scene = self.of_end(sun, end)?;
                 let drawn = scene.drawn(end, rule, Scissor::Off)?;
-                let mut verdict = drawn_verdict(&drawn, scene.pixels());
+                let mut verdict = drawn_verdict(scene, &drawn);
                 if end == End::Sea && rule == Rule::Fail {
-                    let channel = scene.darkest().ok_or("no channel")?;
                     let name = format!("sun-{}-{}", sun[0], sun[1]);
-                    let path = images::write(folder, &name, &channel.1, None)?;
-                    verdict.notes.push(("reference_image", path));
+                    verdict.notes.push(picture(scene, folder, &name, None)?);
                 }
                 Ok(verdict)
             }
             Job::Scissor(sun, scissor) => {
                 let scene = self.of_end(sun, End::Infinite)?;
                 let drawn = scene.drawn(End::Infinite, Rule::Fail, scissor)?;
-                let mut verdict = drawn_verdict(&drawn, scene.pixels());
+                let mut verdict = drawn_verdict(scene, &drawn);
                 if scissor == Scissor::ReceiverRectangle {
                     // What is meant to be left out is the sea's shadow; a caster's must not be.
-                    let text = format!(
-                        "{} of the lost pixels lie on casters",
-                        drawn.lost_on_casters
-                    );
-                    verdict.reason = text;
+                    let lost = drawn.lost_on_casters;
+                    verdict.reason = format!("{lost} of the lost pixels lie on casters");
                 }
-                let channel = scene.darkest().ok_or("no channel")?;
-                let mask = scene.mask(channel, End::Infinite, Rule::Fail, scissor)?;
-                let path = images::write(folder, scissor.name(), &channel.1, Some(&mask))?;
-                verdict.notes.push(("image", path));
+                let image = picture(scene, folder, scissor.name(), Some(&drawn.masks))?;
+                verdict.notes.push(image);
                 Ok(verdict)
             }
             Job::Bounds(sun, rule) => {
                 let scene = self.under(sun)?;
                 let drawn = scene.drawn_within(rule, BOUNDS_SHARE)?;
-                Ok(drawn_verdict(&drawn, scene.pixels()))
+                Ok(drawn_verdict(scene, &drawn))
             }
             Job::View(sun, place, chooser) => {
-                let size = self.question.size;
                 let make = || Scene::of_place(place, sun, size);
                 let scene = self.scene(place.name(), make)?;
                 let drawn = scene.drawn_chosen(chooser)?;
-                let mut verdict = drawn_verdict(&drawn, scene.pixels());
+                let mut verdict = drawn_verdict(scene, &drawn);
                 if chooser == Chooser::ALL[0] {
-                    let (_, truth) = scene.darkest().ok_or("no channel")?;
-                    let path = images::write(folder, place.name(), truth, None)?;
-                    verdict.notes.push(("reference_image", path));
+                    let image = picture(scene, folder, place.name(), None)?;
+                    verdict.notes.push(image);
                 }
                 Ok(verdict)
             }
             Job::Finite(sun, length) => {
                 let scene = self.of_end(sun, End::Finite(length))?;
                 let drawn = scene.drawn(End::Finite(length), Rule::Fail, Scissor::Off)?;
-                Ok(drawn_verdict(&drawn, scene.pixels()))
+                Ok(drawn_verdict(scene, &drawn))
             }
             Job::Row(count, guard) => {
-                let size = self.question.size;
                 let scene = self.scene(&count.to_string(), || Scene::of_row(count, size))?;
                 let drawn = match guard {
                     true => scene.drawn_guarded(Rule::Pass)?,
                     false => scene.drawn(End::Infinite, Rule::Pass, Scissor::Off)?,
                 };
-                Ok(drawn_verdict(&drawn, scene.pixels()))
+                Ok(drawn_verdict(scene, &drawn))
             }
             Job::Casters(policy) => {
-                let size = self.question.size;
                 let scene = self.scene("hull", || Scene::of_hull(size))?;
                 match scene.drawn_open(policy) {
                     Ok((drawn, triangles)) => {
-                        let mut verdict = drawn_verdict(&drawn, scene.pixels());
-                        verdict
-                            .figures
-                            .push(("shadow_mesh_triangles", triangles as f64));
+                        let mut verdict = drawn_verdict(scene, &drawn);
+                        let triangles = ("shadow_mesh_triangles", triangles as f64);
+                        verdict.figures.push(triangles);
                         Ok(verdict)
                     }
                     // As it should be: the mesh is not closed.
@@ -147,7 +168,7 @@ impl Answering<'_> {
                         reason: error.to_string(),
                         ..Verdict::default()
                     }),
-                    Err(error) => Err(error.to_string()),
+                    Err(error) => Err(error.to_string().into()),
                 }
             }
             Job::Outline(models, way) => {
@@ -164,9 +185,10 @@ impl Answering<'_> {
                 ];
                 Ok(verdict(wrong == 0 && clears == expected, reason, figures))
             }
-            Job::Silhouette(mesh, method) => self.silhouette(mesh, method),
+            Job::Silhouette(mesh, method) => Ok(self.silhouette(mesh, method)?),
             Job::Model => {
-                let own = self.question.brought.as_deref().ok_or("no model")?;
+                let own = self.question.brought.as_deref();
+                let own = own.ok_or_else(|| "no model".to_owned())?;
                 let mesh = &own.prepared.mesh;
                 Ok(Verdict {
                     status: Status::Ok,
@@ -181,39 +203,18 @@ impl Answering<'_> {
             }
             Job::Map(sun, texel_m, bias) => {
                 let scene = self.under(sun)?;
-                let mapped = match scene.mapped(texel_m, bias) {
-                    Ok(mapped) => mapped,
-                    Err(error) => return Ok(Verdict::skipped(error.to_string())),
-                };
-                let wrong = mapped.wrong;
-                let all = wrong.outside() + wrong.in_band;
-                let share = |count: usize| percent(count as f64, mapped.judged);
-                let figures = vec![
-                    ("shadow_map_wrong", share(all)),
-                    ("shadow_map_wrong_in_three", 100.0 * mapped.wrong_in_three),
-                    ("shadow_map_wrong_unbiased", share(mapped.unbiased)),
-                    ("shadow_map_bias_m", mapped.bias_m),
-                    ("shadow_bytes", mapped.bytes as f64),
-                    ("shadow_false_lit_px", wrong.false_lit as f64),
-                    ("shadow_false_dark_px", wrong.false_dark as f64),
-                    ("shadow_band_px", wrong.in_band as f64),
-                ];
-                let mut verdict = verdict_of(wrong, figures);
-                let darkest = scene.darkest_channel().ok_or("no channel")?;
+                let mapped = scene.mapped(texel_m, bias)?;
+                let mut figures = map_figures(&mapped, mapped.wrong);
+                let unbiased = percent(mapped.unbiased as f64, mapped.judged);
+                figures.push(("shadow_map_wrong_in_three", 100.0 * mapped.wrong_in_three));
+                figures.push(("shadow_map_wrong_unbiased", unbiased));
+                let mut verdict = verdict_of(mapped.wrong, figures);
                 let name = format!("map-{}-{texel_m}-{}", sun[0], bias.name());
-                let (truth, mask) = (&scene.channels[darkest].1, &mapped.masks[darkest]);
-                let path = images::write(folder, &name, truth, Some(mask))?;
-                verdict.notes.push(("image", path));
+                let image = picture(scene, folder, &name, Some(&mapped.masks))?;
+                verdict.notes.push(image);
                 Ok(verdict)
             }
-            Job::Device(..)
-            | Job::Origin(..)
-            | Job::Facing(..)
-            | Job::Near(..)
-            | Job::DeviceRow(..)
-            | Job::DeviceMap(..)
-            | Job::Rival(..)
-            | Job::Rung(..) => Err("devices answer by case".to_owned()),
+            _ => Err("devices answer by case".to_owned().into()),
         }
     }
 
@@ -223,33 +224,20 @@ impl Answering<'_> {
         }
         let table = self.eyes.as_ref().ok_or("no eyes")?;
         let result = table.result(test, near).ok_or("no such near plane")?;
+        let share = |part: f64| percent(part, result.eyes);
         let mut figures = vec![
-            (
-                "shadow_eyes_missed",
-                percent(result.missed as f64, result.eyes),
-            ),
+            ("shadow_eyes_missed", share(result.missed as f64)),
             (
                 "shadow_eyes_missed_at_corners",
-                percent(result.missed_at_corners as f64, result.eyes),
+                share(result.missed_at_corners as f64),
             ),
-            (
-                MOSTLY.name,
-                percent(result.missed_mostly as f64, result.eyes),
-            ),
-            (
-                "shadow_eyes_needless",
-                percent(result.needless as f64, result.eyes),
-            ),
-            (
-                "shadow_fail_triangles",
-                percent(result.fail_share, result.eyes),
-            ),
+            (MOSTLY.name, share(result.missed_mostly as f64)),
+            ("shadow_eyes_needless", share(result.needless as f64)),
+            ("shadow_fail_triangles", share(result.fail_share)),
         ];
         if result.missed > 0 {
-            figures.push((
-                "shadow_near_dark",
-                percent(result.missed_share, result.missed),
-            ));
+            let dark = percent(result.missed_share, result.missed);
+            figures.push(("shadow_near_dark", dark));
         }
         let reason = format!("{} of {} eyes missed", result.missed, result.eyes);
         let mut verdict = verdict(result.missed == 0, reason, figures);
@@ -288,29 +276,17 @@ impl Answering<'_> {
         let mesh = self.ready(name)?;
         let sides = mesh.sides(method);
         let to_light = sun(SILHOUETTE_SUN);
-        let volume = Volume::of(
-            &mesh.prepared,
-            &mesh.facing,
-            &sides,
-            to_light,
-            &Extent::Infinite,
-        );
-        let open = volume
-            .map_err(|error| error.to_string())?
-            .open_edges()
-            .len();
+        let (prepared, facing) = (&mesh.prepared, &mesh.facing);
+        let volume = Volume::of(prepared, facing, &sides, to_light, &Extent::Infinite);
+        let volume = volume.map_err(|error| error.to_string())?;
+        let open = volume.open_edges().len();
+        let triangles = prepared.mesh.triangles.len();
         let figures = vec![
             ("shadow_sides", sides.len() as f64),
-            (
-                "shadow_mesh_triangles",
-                mesh.prepared.mesh.triangles.len() as f64,
-            ),
+            ("shadow_mesh_triangles", triangles as f64),
             ("shadow_open_edges", open as f64),
         ];
-        Ok(verdict(
-            open == 0,
-            format!("{open} edges of the volumes are open"),
-            figures,
-        ))
+        let reason = format!("{open} edges of the volumes are open");
+        Ok(verdict(open == 0, reason, figures))
     }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Cases that a device answers.
 
-use super::answers::{Figures, percent, verdict_of};
+use super::answers::{map_figures, percent, seen_figures, verdict_of};
 use super::{Answering, MAX_DIFFERS};
 use crate::count::Wrong;
 use crate::device_map::{DeviceMap, differing};
@@ -10,34 +10,29 @@ use crate::images;
 use crate::job::Job;
 use crate::ladder::Rung;
 use crate::maps::Bias;
-use crate::rivals::Rival;
 use crate::views::Eyes;
-use crate::way::DrawError;
 use crate::work::{Pixels, Scene};
 use terrafill_casters::EdgeTable;
 use terrafill_results::{Status, Verdict};
-use terrafill_study::size_name;
+use terrafill_study::{Failure, Figures, size_name};
 
-fn device_figures(drawn: &DeviceDrawn, pixels: Pixels) -> Figures {
+fn device_figures(drawn: &DeviceDrawn, pixels: Pixels, is_of_volumes: bool) -> Figures {
     let mut figures = vec![
-        ("shadow_receiver_px", pixels.receivers as f64),
-        ("shadow_px", pixels.shadow as f64),
-        ("shadow_false_lit_px", drawn.wrong.false_lit as f64),
-        ("shadow_false_dark_px", drawn.wrong.false_dark as f64),
-        ("shadow_band_px", drawn.wrong.in_band as f64),
         ("shadow_rim_px", drawn.wrong.at_rims as f64),
-        (
-            "shadow_lost_share",
-            percent(drawn.lost as f64, pixels.shadow),
-        ),
-        ("shadow_volume_triangles", drawn.volume_triangles as f64),
-        ("shadow_draws", drawn.draws as f64),
         ("shadow_bytes", drawn.bytes[0] as f64),
         ("shadow_sun_bytes", drawn.bytes[1] as f64),
-        ("shadow_casters_left_out", drawn.left_out as f64),
     ];
-    let fragments = drawn.fragments;
-    figures.extend(fragments.map(|all| ("shadow_fragments", all as f64 / pixels.all as f64)));
+    figures.extend(seen_figures(pixels, drawn.lost));
+    figures.extend(drawn.build_ms.map(|ms| ("shadow_build_gpu_ms", ms)));
+    if is_of_volumes {
+        figures.extend([
+            ("shadow_volume_triangles", drawn.volume_triangles as f64),
+            ("shadow_draws", drawn.draws as f64),
+            ("shadow_casters_left_out", drawn.left_out as f64),
+        ]);
+        let fragments = drawn.fragments.map(|all| all as f64 / pixels.all as f64);
+        figures.extend(fragments.map(|share| ("shadow_fragments", share)));
+    }
     figures
 }
 
@@ -65,7 +60,7 @@ impl Answering<'_> {
         sun: [f64; 2],
         texel_m: f64,
         is_timed: bool,
-    ) -> Result<&DeviceMap, DrawError> {
+    ) -> Result<&DeviceMap, Failure> {
         let is_there = |map: &([f64; 2], f64, bool, DeviceMap)| {
             (map.0, map.1, map.2) == (sun, texel_m, is_timed)
         };
@@ -76,13 +71,11 @@ impl Answering<'_> {
             let size = self.question.timed_size;
             let scene = self.under(sun)?;
             let scene = scene.timed_at(size).filter(|_| is_timed).unwrap_or(scene);
-            let frame = scene.frame(texel_m);
-            let frame = frame.map_err(|error| DrawError::Unfit(error.to_string()))?;
-            let map = scene.device_map(devices, &frame)?;
+            let map = scene.device_map(devices, &scene.frame(texel_m)?)?;
             self.map = Some((sun, texel_m, is_timed, map));
         }
         let map = self.map.as_ref().map(|(.., map)| map);
-        map.ok_or_else(|| "no map".into())
+        map.ok_or_else(|| "no map".to_owned().into())
     }
 
     /// The device's map beside the CPU's, at the step of the bias that is best there.
@@ -91,76 +84,74 @@ impl Answering<'_> {
         sun: [f64; 2],
         texel_m: f64,
         bias: Bias,
-    ) -> Result<Verdict, DrawError> {
+    ) -> Result<Verdict, Failure> {
         self.map(sun, texel_m, false)?;
-        let mapped = self.under(sun)?.mapped(texel_m, bias);
-        let mapped = mapped.map_err(|error| DrawError::Unfit(error.to_string()))?;
-        let masks = self
-            .map(sun, texel_m, false)?
-            .masks(bias, mapped.step, texel_m)?;
+        let mapped = self.under(sun)?.mapped(texel_m, bias)?;
+        let map = self.map(sun, texel_m, false)?;
+        let masks = map.masks(bias, mapped.step, texel_m)?;
         let scene = self.under(sun)?;
         let channels = masks.iter().zip(&scene.channels);
         let wrong = channels.fold(Wrong::default(), |sum, (mask, (_, truth))| {
             sum.plus(Wrong::of(mask, truth))
         });
-        let share = |count: usize| percent(count as f64, scene.judged());
-        let differs = share(differing(scene, &masks, &mapped.masks));
+        let differs = differing(scene, &masks, &mapped.masks);
+        let differs = percent(differs as f64, mapped.judged);
         if differs > MAX_DIFFERS {
             let message = format!(
                 "{differs:.2} % of the pixels say otherwise than the CPU's map, allowed: {MAX_DIFFERS} %"
             );
             return Ok(Verdict::failed(message));
         }
-        Ok(verdict_of(
-            wrong,
-            vec![
-                ("shadow_map_wrong", share(wrong.outside() + wrong.in_band)),
-                ("shadow_map_differs", differs),
-                ("shadow_map_bias_m", mapped.bias_m),
-                ("shadow_bytes", mapped.bytes as f64),
-                ("shadow_false_lit_px", wrong.false_lit as f64),
-                ("shadow_false_dark_px", wrong.false_dark as f64),
-                ("shadow_band_px", wrong.in_band as f64),
-            ],
-        ))
+        let mut figures = map_figures(&mapped, wrong);
+        figures.push(("shadow_map_differs", differs));
+        Ok(verdict_of(wrong, figures))
     }
 
-    /// What a device draws.
-    pub(super) fn device(&mut self, case: usize, job: Job) -> Result<Verdict, DrawError> {
+    /// What a device draws: volumes in a way, or a rival.
+    pub(super) fn device(&mut self, case: usize, job: Job) -> Result<Verdict, Failure> {
         let (context, question, size) = (self.context, self.question.name, self.question.size);
         let timed_size = self.question.timed_size;
-        let is_timed = self.question.cases[case].samples > 0;
+        let is_timed = self.cases[case].samples > 0;
         let (scene, way) = match job {
             Job::Device(sun, way) | Job::Origin(sun, Eyes::Bridge, way) => {
-                (self.of_end(sun, way.end)?, way)
+                (self.of_end(sun, way.end)?, Some(way))
             }
             Job::Origin(sun, Eyes::At(place), way) => {
                 let make = || Scene::of_place(place, sun, size);
-                (self.scene(place.name(), make)?, way)
+                (self.scene(place.name(), make)?, Some(way))
             }
-            Job::Rung(sun, rung) => (self.of_end(sun, rung.way.end)?, rung.way),
+            Job::Rung(sun, rung) => (self.of_end(sun, rung.way.end)?, Some(rung.way)),
             Job::Facing(sun, is_edge_on, way) => {
                 let make = || Scene::of_boxes(sun, is_edge_on, size);
-                (self.scene(&format!("{sun:?} {is_edge_on}"), make)?, way)
+                (
+                    self.scene(&format!("{sun:?} {is_edge_on}"), make)?,
+                    Some(way),
+                )
             }
             Job::Near(sun, way) => {
                 let make = || Scene::of_missed_eye(sun, size);
-                (self.scene(&format!("{sun:?}"), make)?, way)
+                (self.scene(&format!("{sun:?}"), make)?, Some(way))
             }
             Job::DeviceRow(count, way) => {
                 let make = || Scene::of_row(count, size);
-                (self.scene(&count.to_string(), make)?, way)
+                (self.scene(&count.to_string(), make)?, Some(way))
             }
-            _ => return Err("no device draws it".into()),
+            Job::Rival(sun, _) => (self.under(sun)?, None),
+            _ => return Err("no device draws it".to_owned().into()),
         };
-        let mut drawn = scene.drawn_by(context.devices, way)?;
-        let mut verdict = verdict_of(drawn.wrong, device_figures(&drawn, scene.pixels()));
-        if matches!(job, Job::Rung(..)) {
-            let writes = scene.writes_of(way).map_err(|error| error.to_string())?;
-            let share = writes as f64 / scene.pixels().all as f64;
+        let draw = |scene: &Scene| match (way, job) {
+            (Some(way), _) => scene.drawn_by(context.devices, way),
+            (None, Job::Rival(_, rival)) => scene.asked_by(context.devices, rival),
+            (None, _) => Err("no device draws it".to_owned().into()),
+        };
+        let mut drawn = draw(scene)?;
+        let figures = device_figures(&drawn, scene.pixels(), way.is_some());
+        let mut verdict = verdict_of(drawn.wrong, figures);
+        if let Job::Rung(_, rung) = job {
+            let share = scene.writes_of(rung.way)? as f64 / scene.pixels().all as f64;
             verdict.figures.push(("shadow_updates", share));
         }
-        if way.silhouettes.decides_by_corners() {
+        if way.is_some_and(|way| way.silhouettes.decides_by_corners()) {
             let views = scene.channels.iter();
             let undecided = views.map(|(view, _)| scene.undecided_facings(view)).max();
             let all = scene.mesh().triangles.len();
@@ -171,60 +162,20 @@ impl Answering<'_> {
         let mut shown = scene;
         if let Some(timed) = scene.timed_at(timed_size).filter(|_| is_timed) {
             drawn.darkest = None;
-            let large = timed.drawn_by(context.devices, way)?;
+            let large = draw(timed)?;
             held_as_timed(&mut verdict, large.wrong, timed_size);
             (shown, drawn.darkest) = (timed, large.darkest);
         }
-        let (channel, mask) = drawn.darkest.take().ok_or("no channel")?;
-        let (_, truth) = shown.darkest().ok_or("no channel")?;
+        let (channel, mask) = drawn
+            .darkest
+            .take()
+            .ok_or_else(|| "no channel".to_owned())?;
+        let (_, truth) = shown.darkest()?;
         let name = format!("{question}-{case}");
         let path = images::write(context.folder, &name, truth, Some(&mask))?;
         verdict.notes.push(("image", path));
         verdict.notes.push(("mask_hash", drawn.mask_hash));
         self.opened.insert(case, channel);
-        Ok(verdict)
-    }
-
-    /// What a rival answers.
-    pub(super) fn rival(
-        &mut self,
-        case: usize,
-        sun: [f64; 2],
-        rival: Rival,
-    ) -> Result<Verdict, DrawError> {
-        let (context, timed_size) = (self.context, self.question.timed_size);
-        let scene = self.under(sun)?;
-        let mut asked = scene.asked_by(context.devices, rival)?;
-        let pixels = scene.pixels();
-        let wrong = asked.wrong;
-        let lost = percent(asked.lost as f64, pixels.shadow);
-        let mut figures = vec![
-            ("shadow_receiver_px", pixels.receivers as f64),
-            ("shadow_px", pixels.shadow as f64),
-            ("shadow_false_lit_px", wrong.false_lit as f64),
-            ("shadow_false_dark_px", wrong.false_dark as f64),
-            ("shadow_band_px", wrong.in_band as f64),
-            ("shadow_rim_px", wrong.at_rims as f64),
-            ("shadow_lost_share", lost),
-            ("shadow_bytes", asked.bytes[0] as f64),
-            ("shadow_sun_bytes", asked.bytes[1] as f64),
-        ];
-        figures.extend(asked.build_ms.map(|ms| ("shadow_build_gpu_ms", ms)));
-        let mut verdict = verdict_of(wrong, figures);
-        let mut shown = scene;
-        if let Some(timed) = scene.timed_at(timed_size) {
-            asked.darkest = None;
-            let large = timed.asked_by(context.devices, rival)?;
-            held_as_timed(&mut verdict, large.wrong, timed_size);
-            (shown, asked.darkest) = (timed, large.darkest);
-        }
-        let (channel, mask) = asked.darkest.take().ok_or("no channel")?;
-        let (_, truth) = shown.darkest().ok_or("no channel")?;
-        let name = format!("rivals-{case}");
-        let path = images::write(context.folder, &name, truth, Some(&mask))?;
-        verdict.notes.push(("image", path));
-        verdict.notes.push(("mask_hash", asked.mask_hash));
-        self.asking.insert(case, channel);
         Ok(verdict)
     }
 
@@ -242,7 +193,7 @@ impl Answering<'_> {
         };
         let cpu_ms = scene.time_volumes(rung.way, &table);
         self.edges = Some((name, table));
-        cpu_ms.map(Some).map_err(|error| error.to_string())
+        cpu_ms.map(Some)
     }
 }
 

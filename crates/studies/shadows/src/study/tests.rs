@@ -359,7 +359,7 @@ fn a_device_s_map_half_a_texel_aside_is_noticed() {
     let share = |texels: f64| {
         let frame = scene.frame(1.0).expect("small").moved(texels);
         let map = match scene.device_map(&devices, &frame) {
-            Err(DrawError::Device(DeviceError::Unsupported { .. })) => return None,
+            Err(Failure::Unable(_)) => return None,
             map => map.expect("a map"),
         };
         let masks = map.masks(Bias::Constant, mapped.step, 1.0).expect("masks");

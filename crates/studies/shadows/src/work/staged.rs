@@ -2,13 +2,12 @@
 //! Scenes that are set up for one question each.
 
 use super::{Drawn, EYES, End, NEARS, Scene};
-use crate::count::{Rule, Stencil, draw};
+use crate::count::Rule;
 use crate::near::shadowed_share;
 use crate::reference::Reference;
-use crate::scissor::Rectangle;
 use crate::view::{View, deck_eyes, sun};
 use glam::{DVec2, DVec3};
-use terrafill_casters::{EdgeTable, Facing, Mesh, MeshError, Policy, PortSize, hull, port, row};
+use terrafill_casters::{Mesh, MeshError, Policy, PortSize, hull, port, row};
 use terrafill_results::SplitMix64;
 
 /// Boxes along either axis, their size, m, and their seed.
@@ -102,9 +101,6 @@ impl Scene {
 
     /// The same caster with a tenth of its deck missing, by a policy: what it comes to against the whole
     /// one, and its triangles.
-    ///
-    /// # Errors
-    /// What the policy refuses.
     pub(crate) fn drawn_open(&self, policy: Policy) -> Result<(Drawn, usize), MeshError> {
         let mut open = self.prepared.mesh.clone();
         // The deck is the last part of a hull's triangles.
@@ -118,28 +114,9 @@ impl Scene {
             open.parts[0].triangles.end -= 1;
         }
         let prepared = policy.prepare(open)?;
-        let facing = Facing::of(&prepared.mesh, self.to_light);
-        let sides = EdgeTable::of(&prepared.mesh).sides(&prepared, &facing);
-        let caster = Self {
-            to_light: self.to_light,
-            channels: Vec::new(),
-            facing,
-            sides,
-            prepared,
-            timed: std::cell::OnceCell::new(),
-        };
+        let caster = Self::lit_from(prepared, self.to_light, Vec::new());
         let volume = caster.volume(End::Sea).unwrap_or_default();
-        let mut drawn = Drawn {
-            volume_triangles: volume.triangles.len(),
-            ..Drawn::default()
-        };
-        for (view, truth) in &self.channels {
-            let mut stencil = Stencil::clear(view);
-            let how = |_| Some((Rule::Fail, Rectangle::whole(view)));
-            let mesh = &self.prepared.mesh;
-            draw(&mut stencil, view, mesh, &volume, truth, &how);
-            drawn.add(&stencil, &stencil.mask(), truth);
-        }
+        let drawn = self.draw_by(&volume, |view, _| vec![self.whole(view, Rule::Fail)]);
         Ok((drawn, caster.prepared.mesh.triangles.len()))
     }
 }

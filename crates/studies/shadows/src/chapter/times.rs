@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What is faster than what: ways of a device, steps of the ladder, rivals, shadow maps.
+
+use super::findings::number;
+use super::sections::DEVICE_KEYS;
+use super::{Own, is_plain};
+use crate::keys::{
+    API, DEPTH_BOUNDS, FACES, FILL_CPU, FILL_GPU, PAPER, QUESTION, RIVAL, RULE, SHADOW_BAND_PX,
+    SILHOUETTE, STEP, SUN,
+};
+use terrafill_lab::{Answer, Comparison, Follows, measured, overall, range};
+use terrafill_results::{Case, Claim, ConditionKey, Finding, Outcome, Scope, Standing};
+
+/// Two ways of a device that differ in one condition: its key, the way said to be faster, the other one.
+type Two = (ConditionKey, &'static str, &'static str);
+
+/// What Yang & Jin (2006) anticipated, and what takes its place today.
+const FASTER: [(&str, Two); 5] = [
+    (
+        "z-pass is faster than z-fail on a device",
+        (RULE, "z-pass", "z-fail"),
+    ),
+    (
+        "Two-sided stencil is faster than two passes",
+        (FACES, "two-sided", "two-pass"),
+    ),
+    (
+        "Frames are faster where a vertex shader finds silhouettes",
+        (SILHOUETTE, "pulled", "adjacency"),
+    ),
+    (
+        "Frames are faster where a compute shader finds silhouettes",
+        (SILHOUETTE, "compute", "adjacency"),
+    ),
+    (
+        "Frames are faster where a geometry shader finds silhouettes of triangles",
+        (SILHOUETTE, "gs-adjacency", "adjacency"),
+    ),
+];
+
+/// Depth bounds of casters and of their parts.
+const BOUNDS: [&str; 6] = [
+    "native",
+    "native, by part",
+    "discard",
+    "discard, by part",
+    "tiles",
+    "tiles, by part",
+];
+
+/// What changes with a condition and is no second change.
+type Beside = (&'static [Follows<'static>], Option<&'static str>);
+
+const NOTHING: Beside = (&[], None);
+const OF_STEPS: [Follows<'static>; 1] = [Follows {
+    key: PAPER.name(),
+    because: "what the paper says of a step stands beside it",
+}];
+const OF_RIVALS: [Follows<'static>; 1] = [Follows {
+    key: QUESTION.name(),
+    because: "each question has its own rows",
+}];
+const OF_VOLUMES: &str = "volumes are drawn in a way of their own, and others have none";
+
+fn is_ok(case: &&Case) -> bool {
+    case.outcome == Outcome::Ok
+}
+
+/// Whether two cases have the same conditions of a device, but for some.
+pub(super) fn is_same_but(keys: &[ConditionKey], a: &Case, b: &Case) -> bool {
+    let mut others = DEVICE_KEYS.iter().filter(|key| !keys.contains(key));
+    others.all(|key| a.condition(*key) == b.condition(*key))
+}
+
+/// How many times as fast the second of each pair is.
+fn gains(answers: &[Answer]) -> Option<String> {
+    let figures = answers.iter().filter_map(|answer| answer.figure.as_ref());
+    range(&figures.map(|figure| figure.middle).collect::<Vec<_>>())
+}
+
+fn count(answers: &[Answer], wanted: Standing) -> usize {
+    let all = answers.iter();
+    all.filter(|answer| answer.standing == wanted).count()
+}
+
+/// - `because`: in figures; what would settle an open question is added
+fn finding(claim: String, answers: &[Answer], because: String) -> Finding {
+    let standings: Vec<Standing> = answers.iter().map(|answer| answer.standing).collect();
+    let standing = overall(&standings);
+    let mut open = answers.iter();
+    let open = open.find(|answer| answer.standing == standing && !answer.because.is_empty());
+    let open = open.map(|answer| format!(". {}", answer.because));
+    Finding {
+        claim,
+        standing,
+        because: because + &open.unwrap_or_default(),
+    }
+}
+
+impl<'a> Own<'a> {
+    /// Whether the second of each pair takes less time.
+    fn judge(
+        &self,
+        changed: ConditionKey,
+        (follows, one_sided): Beside,
+        pairs: &[[&Case; 2]],
+    ) -> Vec<Answer> {
+        let metric = self.0.clock().pick(FILL_GPU, FILL_CPU);
+        let comparison = Comparison {
+            changed: changed.name(),
+            follows,
+            one_sided,
+            metric,
+            needs: Scope::DISPATCH.and(Scope::DRAW),
+        };
+        let (run, noise) = (self.0.run(), self.0.noise(metric));
+        let judge = |pair: &[&Case; 2]| {
+            let judged = comparison.judge(run, *pair, Claim::Faster, noise);
+            judged.unwrap_or_else(Answer::from)
+        };
+        pairs.iter().map(judge).collect()
+    }
+
+    /// Cases of devices that are right and differ in one condition: first those of the way said to be slower.
+    fn pairs(&self, (key, fast, slow): Two) -> Vec<[&'a Case; 2]> {
+        let of = |way: &'static str| {
+            let all = self.of_question("devices").filter(is_ok);
+            all.filter(move |case| case.condition(key) == way)
+        };
+        let pair = |case| {
+            let mut others = of(slow);
+            let other = others.find(|other| is_same_but(&[key], case, other))?;
+            Some([other, case])
+        };
+        of(fast).filter_map(pair).collect()
+    }
+
+    /// What is said to be faster, in order.
+    pub(super) fn times(&self) -> Vec<Option<Finding>> {
+        let faster = FASTER.map(|(claim, two)| self.faster(claim, two));
+        let others = [self.bounded(), self.ladder(), self.rivals()];
+        faster.into_iter().chain(others).collect()
+    }
+
+    /// Whether one way takes less time than another, under each sun and by each interface.
+    fn faster(&self, claim: &str, two: Two) -> Option<Finding> {
+        let answers = self.judge(two.0, NOTHING, &self.pairs(two));
+        let count = |wanted| count(&answers, wanted);
+        let because = format!(
+            "{} times as fast by {}. Of {} pairs {} are faster, {} not, {} alike, {} undecided",
+            gains(&answers)?,
+            self.0.clock().name(),
+            answers.len(),
+            count(Standing::Holds),
+            count(Standing::DoesNotHold),
+            count(Standing::NoDifference),
+            count(Standing::CannotTell),
+        );
+        let claim = format!("{claim} (Yang & Jin, 2006, anticipated).");
+        Some(finding(claim, &answers, because))
+    }
+
+    /// Depth bounds by the device, by discarding and by tiles, against none.
+    fn bounded(&self) -> Option<Finding> {
+        let mut texts = Vec::new();
+        let mut answers = Vec::new();
+        for how in BOUNDS {
+            let own = self.judge(
+                DEPTH_BOUNDS,
+                NOTHING,
+                &self.pairs((DEPTH_BOUNDS, how, "off")),
+            );
+            texts.extend(gains(&own).map(|gains| format!("{how}: {gains}")));
+            answers.extend(own);
+        }
+        let because = format!(
+            "Times as fast as without, by {}: {}",
+            self.0.clock().name(),
+            texts.join("; ")
+        );
+        let claim = "Depth bounds are faster, by the device's test or emulated.".to_owned();
+        (!texts.is_empty()).then(|| finding(claim, &answers, because))
+    }
+
+    /// What each step of the ladder gains over the last one that could be drawn.
+    fn ladder(&self) -> Option<Finding> {
+        let drawn: Vec<&Case> = self.of_question("ladder").filter(is_ok).collect();
+        let is_next = |pair: &[&Case; 2]| {
+            let [before, case] = pair;
+            [SUN, API]
+                .iter()
+                .all(|key| before.condition(*key) == case.condition(*key))
+        };
+        let pairs = drawn.windows(2).map(|pair| [pair[0], pair[1]]);
+        let pairs: Vec<[&Case; 2]> = pairs.filter(is_next).collect();
+        let answers = self.judge(STEP, (&OF_STEPS, None), &pairs);
+        let mut of_steps: Vec<(&str, Vec<Answer>)> = Vec::new();
+        let mut anticipated = Vec::new();
+        for ([_, case], answer) in pairs.iter().zip(answers) {
+            let name = case.condition(STEP);
+            match of_steps.iter_mut().find(|(step, _)| *step == name) {
+                Some((_, known)) => known.push(answer.clone()),
+                None => of_steps.push((name, vec![answer.clone()])),
+            }
+            if case.condition(PAPER).contains("anticipated") {
+                anticipated.push(answer);
+            }
+        }
+        let text = of_steps.iter();
+        let text = text.filter_map(|(step, own)| Some(format!("{step}: {}", gains(own)?)));
+        let because = format!(
+            "Times as fast to draw as the step before, by {}: {}",
+            self.0.clock().name(),
+            text.collect::<Vec<_>>().join("; ")
+        );
+        let claim = "Each step of the ladder that was anticipated to be faster is (Yang & Jin, 2006, anticipated).";
+        (!anticipated.is_empty()).then(|| finding(claim.to_owned(), &anticipated, because))
+    }
+
+    /// Volumes as the rows of an interface begin with them, under a sun.
+    fn plain(&self, sun: &str, api: &str) -> Option<&'a Case> {
+        let mut all = self.of_question("devices");
+        all.find(|case| case.condition(SUN) == sun && case.condition(API) == api && is_plain(case))
+    }
+
+    /// Rivals' pixels, and their times beside those of volumes by the same interface.
+    fn rivals(&self) -> Option<Finding> {
+        let known = |case: &&Case| matches!(case.outcome, Outcome::Ok | Outcome::Wrong);
+        let all: Vec<&Case> = self.of_question("rivals").filter(known).collect();
+        let wrong: Option<Vec<f64>> = all.iter().map(|case| Self::wrong_px(case)).collect();
+        let wrong: f64 = wrong?.iter().sum();
+        let mut names: Vec<&str> = all.iter().map(|case| case.condition(RIVAL)).collect();
+        names.sort_unstable();
+        names.dedup();
+        let mut texts = Vec::new();
+        let mut answers = Vec::new();
+        for name in names {
+            let own = all.iter().filter(|case| case.condition(RIVAL) == name);
+            let pair = |case: &&'a Case| {
+                let volumes = self.plain(case.condition(SUN), case.condition(API))?;
+                Some([*case, volumes])
+            };
+            let pairs: Vec<[&Case; 2]> = own.filter_map(pair).collect();
+            let own = self.judge(RIVAL, (&OF_RIVALS, Some(OF_VOLUMES)), &pairs);
+            texts.extend(gains(&own).map(|gains| format!("{name}: {gains}")));
+            answers.extend(own);
+        }
+        let because = format!(
+            "{} pixels of rivals are wrong outside the band. Times of rivals over those of volumes, by {}: {}",
+            number(wrong),
+            self.0.clock().name(),
+            texts.join("; ")
+        );
+        let claim = "Volumes closed at the sea are faster than rivals that are as exact.";
+        let found = || {
+            let found = finding(claim.to_owned(), &answers, because);
+            let are_exact = Standing::holds_if(wrong == 0.0);
+            Finding {
+                standing: overall(&[found.standing, are_exact]),
+                ..found
+            }
+        };
+        (!all.is_empty()).then(found)
+    }
+
+    /// Time and wrong pixels of a device's maps beside those of volumes, by sun.
+    pub(super) fn volumes_or_maps(&self) -> Option<Finding> {
+        let metric = self.0.clock().pick(FILL_GPU, FILL_CPU);
+        // Of what was timed.
+        let all_wrong = |case: &Case| {
+            measured(case, metric)?;
+            Some(Self::wrong_px(case)? + measured(case, SHADOW_BAND_PX)?)
+        };
+        let pair = |case: &'a Case| {
+            let volumes = self.plain(case.condition(SUN), "wgpu")?;
+            Some((all_wrong(case)? < all_wrong(volumes)?, [volumes, case]))
+        };
+        let pairs: Vec<_> = self.of_question("device-maps").filter_map(pair).collect();
+        let fewer = pairs.iter().filter(|(has_fewer, _)| *has_fewer);
+        let fewer: Vec<[&Case; 2]> = fewer.map(|(_, pair)| *pair).collect();
+        let answers = self.judge(QUESTION, (&OF_RIVALS, Some(OF_VOLUMES)), &fewer);
+        let names = |wanted: &[Standing]| {
+            let all = fewer.iter().zip(&answers);
+            let own = all.filter(|(_, answer)| wanted.contains(&answer.standing));
+            let names = own.map(|([_, case], _)| case.id().name.as_str());
+            names.collect::<Vec<_>>().join(", ")
+        };
+        let better = names(&[Standing::Holds]);
+        let open = names(&[
+            Standing::CannotTell,
+            Standing::NotMeasured,
+            Standing::CannotBeTested,
+        ]);
+        let mut said = answers.iter().filter(|answer| !answer.because.is_empty());
+        let said = said.next().map_or("", |answer| answer.because.as_str());
+        let (by, all) = (self.0.clock().name(), pairs.len());
+        let (standing, because) = match (better.as_str(), open.as_str()) {
+            ("", "") => (Standing::Holds, format!("None of {all} maps does, by {by}")),
+            ("", open) => (
+                Standing::CannotTell,
+                format!(
+                    "Of {all} maps these have fewer wrong pixels, and whether they take less {by} cannot be told: {open}. {said}"
+                ),
+            ),
+            (better, _) => (
+                Standing::DoesNotHold,
+                format!("These do, by {by}: {better}"),
+            ),
+        };
+        let claim = "No shadow map takes less time than volumes and has fewer wrong pixels, those in the band included.";
+        (all > 0).then(|| Finding {
+            claim: claim.to_owned(),
+            standing,
+            because,
+        })
+    }
+}
