@@ -64,16 +64,12 @@ pub(crate) const METRICS: [Metric; 44] = [
         "Fragments of volumes per pixel over all channels, by the device's query.",
     ),
     cost("shadow_draws", "Draw calls of a device over all channels."),
-    Metric::less(
-        "shadow_bytes",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"shadow_bytes",
         "Vertices and indices of the volumes that a device holds for a channel, the largest; texels of a map.",
     ),
-    Metric::less(
-        "shadow_sun_bytes",
-        "bytes",
-        Kind::Bytes,
+    Metric::bytes(
+"shadow_sun_bytes",
         "What of these a device is handed anew for another sun.",
     ),
     fact(
@@ -120,10 +116,9 @@ pub(crate) const METRICS: [Metric; 44] = [
         "shadow_undecided_facings",
         "Triangles whose sign of facing in f32 depends on which corner comes first, in the channel with most.",
     ),
-    Metric::less(
-        "shadow_open_edges",
-        "",
-        Kind::Error,
+    Metric::error(
+"shadow_open_edges",
+"",
         "Directed edges of the volumes that are not met as often either way; 0 where every volume is closed.",
     ),
     percent(
