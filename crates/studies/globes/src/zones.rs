@@ -257,7 +257,7 @@ mod tests {
             let is_it = |work: &Work| work.spike_m == spike_m && work.hysteresis == hysteresis;
             let case = work.position(is_it).expect("planned");
             let hides = part.hidden(zones.work.work[case]).unwrap_or(f64::NAN);
-            let course = part.run(case).ok().expect("counted");
+            let course = part.run(case).expect("counted");
             eprintln!(
                 "spikes of {spike_m} m, hysteresis {hysteresis}: hide all but 1/{hides:.2}, rest after {:?}, {:?}",
                 course.settled(DELAY),

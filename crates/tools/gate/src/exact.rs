@@ -273,7 +273,7 @@ impl Comparison<'_> {
         let names: BTreeSet<&Arc<str>> =
             base.figures().keys().chain(new.figures().keys()).collect();
         for name in names {
-            let Some(metric) = self.kinds.get(name).cloned() else {
+            let Some(metric) = self.kinds.get(&**name).cloned() else {
                 continue;
             };
             let can_differ = !self.is_same_driver && metric.kind.depends_on_driver();

@@ -194,7 +194,7 @@ impl Record {
                 for (process, samples) in samples {
                     let values: Vec<f64> = samples.values().copied().collect();
                     match median(&values).filter(|value| value.is_finite()) {
-                        Some(value) => record.figures.push((metric.clone(), *process, value)),
+                        Some(value) => record.figures.push((metric.to_string(), *process, value)),
                         None => left_out += 1,
                     }
                 }

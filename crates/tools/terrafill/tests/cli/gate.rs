@@ -459,7 +459,7 @@ fn a_scene_that_a_change_edits_is_run_by_both_programs_as_it_is_now() {
     let shipped = include_str!("../../../../../bench-scenes/square-10m.toml");
     let commit = |text: &str| {
         std::fs::create_dir_all(desk.path("bench-scenes")).expect("a folder");
-        desk.write("bench-scenes/square-10m.toml", text.to_owned());
+        desk.write("bench-scenes/square-10m.toml", text);
         git(&desk.path("."), &["add", "bench-scenes"]);
     };
     git(&desk.path("."), &["init", "--quiet"]);
