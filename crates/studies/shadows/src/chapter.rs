@@ -8,9 +8,7 @@ mod plots;
 mod sections;
 mod times;
 
-use crate::keys::{
-    API, DEPTH_BOUNDS, EXTENT, FACES, QUESTION, RULE, SCISSOR, SILHOUETTE, SUN, TIME,
-};
+use crate::keys::{QUESTION, SUN, TIME};
 use sections::SECTIONS;
 use terrafill_lab::{Cases, Figure, SectionedChapter};
 use terrafill_results::{Answers, Block, Case, ConditionKey, Metric};
@@ -77,25 +75,6 @@ impl<'a> Own<'a> {
     fn suns(&self, question: &str) -> Vec<&'a str> {
         self.question(question).distinct(SUN)
     }
-}
-
-/// Volumes closed at the sea as the rows of a device begin with them.
-fn is_plain(case: &Case) -> bool {
-    let plain = [
-        (EXTENT, "sea-closed"),
-        (RULE, "z-fail"),
-        (FACES, "two-sided"),
-        (SCISSOR, "off"),
-        (DEPTH_BOUNDS, "off"),
-        (SILHOUETTE, "adjacency"),
-    ];
-    let mut plain = plain.iter();
-    plain.all(|(key, value)| case.condition(*key) == *value)
-}
-
-/// The same on wgpu, beside which shadow maps of a device stand.
-fn is_beside_maps(case: &Case) -> bool {
-    case.condition(QUESTION) == "devices" && case.condition(API) == "wgpu" && is_plain(case)
 }
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Figures that plots of sections take from cases, and plots in which cases of other questions stand beside.
 
-use super::is_beside_maps;
 use crate::keys::{
-    BIAS, EXTENT, FILL_CPU, FILL_GPU, LENGTH_M, LOST, MAP_WRONG, MESH, QUESTION, RULE,
-    SHADOW_BAND_PX, SHADOW_FALSE_DARK_PX, SHADOW_FALSE_LIT_PX, SHADOW_MESH_TRIANGLES,
-    SHADOW_RECEIVER_PX, SILHOUETTE, SUN, TEXEL_M, UPDATES,
+    API, BIAS, DEPTH_BOUNDS, EXTENT, FACES, FILL_CPU, FILL_GPU, LENGTH_M, LOST, MAP_WRONG, MESH,
+    QUESTION, RULE, SCISSOR, SHADOW_BAND_PX, SHADOW_FALSE_DARK_PX, SHADOW_FALSE_LIT_PX,
+    SHADOW_MESH_TRIANGLES, SHADOW_RECEIVER_PX, SILHOUETTE, SUN, TEXEL_M, UPDATES,
 };
 use terrafill_lab::{Cases, Drawing, Figure, Names, Panel, measured};
 use terrafill_plot::Upwards;
@@ -105,4 +104,23 @@ fn wrong_share(case: &Case) -> Option<f64> {
         Some(100.0 * px? / measured(case, SHADOW_RECEIVER_PX)?)
     };
     measured(case, MAP_WRONG).or_else(of_volumes)
+}
+
+/// Volumes closed at the sea as the rows of a device begin with them.
+pub(super) fn is_plain(case: &Case) -> bool {
+    let plain = [
+        (EXTENT, "sea-closed"),
+        (RULE, "z-fail"),
+        (FACES, "two-sided"),
+        (SCISSOR, "off"),
+        (DEPTH_BOUNDS, "off"),
+        (SILHOUETTE, "adjacency"),
+    ];
+    let mut plain = plain.iter();
+    plain.all(|(key, value)| case.condition(*key) == *value)
+}
+
+/// The same on wgpu, beside which shadow maps of a device stand.
+fn is_beside_maps(case: &Case) -> bool {
+    case.condition(QUESTION) == "devices" && case.condition(API) == "wgpu" && is_plain(case)
 }

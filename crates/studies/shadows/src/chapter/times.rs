@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What is faster than what: ways of a device, steps of the ladder, rivals, shadow maps.
 
+use super::Own;
 use super::findings::number;
+use super::plots::is_plain;
 use super::sections::DEVICE_KEYS;
-use super::{Own, is_plain};
 use crate::keys::{
     API, DEPTH_BOUNDS, FACES, FILL_CPU, FILL_GPU, PAPER, QUESTION, RIVAL, RULE, SHADOW_BAND_PX,
     SILHOUETTE, STEP, SUN,
