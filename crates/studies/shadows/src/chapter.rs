@@ -18,8 +18,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     study: crate::STUDY,
     title: "Shadows: what each optimisation of shadow volumes saves, and its error",
     text: "The casters are a procedural port: a trestle dock, cranes, ships, containers, in seven channels over 270° from \
-           a bridge 30 m up. Or they are a model from a file over the sea, its middle at the origin, seen from four sides, \
-           above its top. The reference sends rays in f64 from each visible point to the sun, and a second test looks \
+           a bridge 30 m up, or the model of the first section. The reference sends rays in f64 from each visible point to the sun, and a second test looks \
            from the sun down. A volume's mask is what a stencil would hold: its triangles, counted along the ray of each \
            pixel. Devices draw the same volumes in a section of their own. Wrong pixels are counted outside the band of \
            one pixel along the shadow's boundary. Pixels on faces within 10⁻³ of edge-on to the sun are not judged. \

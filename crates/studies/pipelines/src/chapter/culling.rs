@@ -70,11 +70,16 @@ const ROWS: Section<'static> = Section {
 
 pub(super) const COUNTED: Section<'static> = Section {
     title: "Patches that each test keeps and loses",
-    text: "Counted by the reference, nothing is timed.",
-    cases: Select::With(EXPERIMENT, "culling-count"),
+    text: "Counted by the reference: of the frames that are timed, and of tiles of 256 cells, whose frames are not.",
+    cases: Select::Fitting(|case| {
+        let is_of_views = matches!(case.condition(EXPERIMENT), "culling" | "culling-count");
+        is_of_views && matches!(case.condition(PLACE), "tiles-alone" | "compute")
+    }),
     named_by: Names::Columns(&[
+        ("counted for", EXPERIMENT),
         ("tile's cells a side", TILE_CELLS),
         ("view", VIEW),
+        ("interface", API),
         ("test", TEST),
     ]),
     columns: &[
@@ -217,7 +222,8 @@ fn faster(cases: &Cases<'_>, api: &str, place: &str) -> Finding {
 /// Whether the published test with one of its ranges loses nothing.
 fn exact(cases: &Cases<'_>, range: usize) -> Finding {
     let (test, apart) = COMPUTED_APART[range];
-    let lost = cases.with(&[(TEST, test)]).values(CULL_LOST);
+    let counted = cases.with(&[(EXPERIMENT, "culling-count"), (TEST, test)]);
+    let lost = counted.values(CULL_LOST);
     let list: Vec<String> = lost.iter().map(|lost| significant(*lost)).collect();
     let apart = apart.map(|lost| lost.to_string()).join(", ");
     finding(

@@ -101,7 +101,7 @@ const fn section(
 pub(super) const SECTIONS: [Section<'static>; 20] = [
     section(
         ["model", "The model"],
-        "What the file holds, what keeps it from being closed, and the policy that was applied. Each part hangs \
+        "A model from a file over the sea, its middle at the origin, seen from four sides, above its top. What the file holds, what keeps it from being closed, and the policy that was applied. Each part hangs \
              together; parts may touch.",
         &[MODEL],
         &[
