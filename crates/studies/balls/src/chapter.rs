@@ -7,12 +7,7 @@ mod drawn;
 use crate::contact::worst_symplectic;
 use crate::drop::MOSTLY;
 use crate::integrator::Integrator;
-use crate::keys::{
-    ARITHMETIC, BALL_BLOWN_SHARE, BALL_CONTACT_ENERGY_MAX, BALL_CONTACT_ENERGY_MEAN,
-    BALL_CONTACT_ENERGY_RMS, BALL_CPU_US, BALL_ENERGY_CHANGE, BALL_REST_GAP_M, BALL_REST_SPEED,
-    BALL_RMS_M, BALL_SUNK_SHARE, DATUM_M, INTEGRATOR, OMEGA_DT, PART, RESTITUTION, STATE,
-    STEPS_PER_SECOND, STIFFNESS,
-};
+use crate::keys::*;
 use terrafill_lab::{
     Cases, Column, Drawing, Figure, Names, Panel, Section, SectionedChapter, Select, finding,
 };

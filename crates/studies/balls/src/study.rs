@@ -5,14 +5,12 @@ use crate::chapter::CHAPTER;
 use crate::contact::{STEPS, energy_ratio};
 use crate::drop::{Arithmetic, Drop, GROUND_M, MOSTLY, Rest};
 use crate::integrator::Integrator;
-use crate::keys::{
-    self, ARITHMETIC, BALL_BLOWN_SHARE, DATUM_M, INTEGRATOR, OMEGA_DT, PART, RESTITUTION, STATE,
-};
+use crate::keys::{self, *};
 use crate::planned::{Conditions, planned};
 use crate::{STUDY, drawn, metrics::METRICS, on_devices};
 use std::collections::BTreeMap;
 use terrafill_fill::CpuStopwatch;
-use terrafill_results::{Chapter, ConditionKey, Metric, PlannedCase, Status, Verdict};
+use terrafill_results::{PlannedCase, Status, Verdict};
 use terrafill_study::{
     CaseGroup, CaseSession, Depth, Failure, Figures, Group, Measures, Planned, Request, Study,
     StudyError, judged,
@@ -30,25 +28,14 @@ const SAMPLES: u32 = 2;
 pub struct BallsStudy;
 
 impl Study for BallsStudy {
-    fn name(&self) -> &'static str {
-        STUDY
-    }
-
-    fn question(&self) -> &'static str {
-        "Which integrator takes a bouncing ball to which error, and what does a step cost on devices?"
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &METRICS
-    }
-
-    fn conditions(&self) -> Vec<ConditionKey> {
-        crate::keys::CONDITIONS.to_vec()
-    }
-
-    fn least_depth(&self) -> Depth {
-        Depth::Full
-    }
+    terrafill_study::study_facts!(
+        STUDY,
+        "Which integrator takes a bouncing ball to which error, and what does a step cost on devices?",
+        METRICS,
+        crate::keys::CONDITIONS,
+        Full,
+        CHAPTER
+    );
 
     fn needs_device(&self) -> bool {
         // Without one, its part of devices is skipped, with the reason.
@@ -74,10 +61,6 @@ impl Study for BallsStudy {
             groups,
             skipped: Vec::new(),
         })
-    }
-
-    fn chapter(&self) -> &dyn Chapter {
-        &CHAPTER
     }
 }
 

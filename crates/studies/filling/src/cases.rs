@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which cases a view of a scene gives, and what each is measured for.
 
-use crate::keys::{
-    APPROXIMATE, ASIDE, CAP_STEP, LAYOUT, NEEDS_RUNG, NEEDS_STEP, PICTURE, REGIONS, ROLE, RUNG,
-    SCENE, STEP, TECHNIQUE, TOLERANCE_M, VARIANT, VIEW,
-};
+use crate::keys::*;
 use crate::memory::REGION_COUNTS;
 use crate::request::{STUDY, Wishes};
 use crate::subject::Subject;

@@ -3,13 +3,7 @@
 //! further parts of the study found.
 
 use crate::clock::{DRAW, FRAME, whole};
-use crate::keys::{
-    API, GLOBE_DEPTH_M_MAX, GLOBE_EXPECTED_LOWEST_M, GLOBE_EXPECTED_MAP_M_MAX,
-    GLOBE_EXPECTED_PX_MAX, GLOBE_EXTRA_PX, GLOBE_LOWEST_M, GLOBE_MAKE_CPU_MS, GLOBE_MAP_M_MAX,
-    GLOBE_MAP_PX_MAX, GLOBE_MAP_PX_MEDIAN, GLOBE_MAP_PX_P99, GLOBE_PX_MAX, GLOBE_PX_MEDIAN,
-    GLOBE_PX_P99, GLOBE_TRIANGLES, GLOBE_UNCOVERED_PX, GLOBE_UPLOAD_BYTES, GLOBE_UPLOAD_CPU_MS,
-    GLOBE_WHOLE_CPU_MS, GLOBE_WHOLE_GPU_MS, KNOB, PART, SURFACE, VALUE, VIEW,
-};
+use crate::keys::*;
 use crate::{counts, made, shading, tiled, zones};
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section};
 use terrafill_plot::number::significant;

@@ -15,7 +15,7 @@ use crate::tiled::{self, Tiled};
 use crate::zones::Zones;
 use crate::{STUDY, chapter::GlobesChapter};
 use std::rc::Rc;
-use terrafill_results::{Chapter, ConditionKey, Metric, Skipped};
+use terrafill_results::Skipped;
 use terrafill_study::{Depth, Group, Planned, Request, Study, StudyError};
 use terrafill_surface::SurfaceKind;
 
@@ -35,25 +35,14 @@ pub struct GlobesStudy {
 }
 
 impl Study for GlobesStudy {
-    fn name(&self) -> &'static str {
-        STUDY
-    }
-
-    fn question(&self) -> &'static str {
-        "Which surface draws the body with which error in which time?"
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &METRICS
-    }
-
-    fn least_depth(&self) -> Depth {
-        Depth::Full
-    }
-
-    fn conditions(&self) -> Vec<ConditionKey> {
-        crate::keys::CONDITIONS.to_vec()
-    }
+    terrafill_study::study_facts!(
+        STUDY,
+        "Which surface draws the body with which error in which time?",
+        METRICS,
+        crate::keys::CONDITIONS,
+        Full,
+        GlobesChapter
+    );
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let list = List::shipped().map_err(StudyError::BadInput)?;
@@ -117,10 +106,6 @@ impl Study for GlobesStudy {
         groups.push(Box::new(Counts::planned(&list, is_quick, sizes.1)));
         groups.push(Box::new(Zones::planned(is_quick, sizes.1)));
         Ok(Planned { groups, skipped })
-    }
-
-    fn chapter(&self) -> &dyn Chapter {
-        &GlobesChapter
     }
 }
 

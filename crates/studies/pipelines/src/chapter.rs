@@ -11,9 +11,7 @@ mod lights;
 mod published;
 
 use crate::cache::Keep;
-use crate::keys::{
-    KEPT_IN, PIPELINE_DIFFERING_PX, PIPELINE_MISMATCHED_PX, PIPELINE_SHOWN_PX, TEST,
-};
+use crate::keys::*;
 use kit::none_of;
 use terrafill_lab::{Cases, SectionedChapter};
 use terrafill_results::{Answers, Block, Case, Finding};

@@ -13,7 +13,7 @@ use crate::way::{GRID_WAYS, Interface, Source, Strips, Way};
 use crate::{STUDY, cache, culling, layered, lights};
 use std::collections::BTreeMap;
 use terrafill_fill::ids_of;
-use terrafill_results::{Chapter, ConditionKey, Metric, Verdict};
+use terrafill_results::{ConditionKey, Verdict};
 use terrafill_scene::ImageSize;
 use terrafill_study::{
     CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,
@@ -38,25 +38,14 @@ const SAMPLES: u32 = 2;
 pub struct PipelinesStudy;
 
 impl Study for PipelinesStudy {
-    fn name(&self) -> &'static str {
-        STUDY
-    }
-
-    fn question(&self) -> &'static str {
-        "Which stage of the pipeline should make a grid's vertices, at which cost and error?"
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &METRICS
-    }
-
-    fn conditions(&self) -> Vec<ConditionKey> {
-        crate::keys::CONDITIONS.to_vec()
-    }
-
-    fn least_depth(&self) -> Depth {
-        Depth::Full
-    }
+    terrafill_study::study_facts!(
+        STUDY,
+        "Which stage of the pipeline should make a grid's vertices, at which cost and error?",
+        METRICS,
+        crate::keys::CONDITIONS,
+        Full,
+        CHAPTER
+    );
 
     fn needs_device(&self) -> bool {
         false
@@ -96,10 +85,6 @@ impl Study for PipelinesStudy {
             groups,
             skipped: Vec::new(),
         })
-    }
-
-    fn chapter(&self) -> &dyn Chapter {
-        &CHAPTER
     }
 }
 

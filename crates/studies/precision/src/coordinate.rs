@@ -3,13 +3,7 @@
 
 use crate::error::{AngleErrors, judge};
 use crate::kernel::{CoordinateKernel, Kernels, ask};
-use crate::keys::{
-    ADD_MUL_FMA, CHOSEN, COMPARES_SELECTS, DEVICE_MAX_M, DEVICE_MAX_RAD, DEVICE_RMS_M,
-    DEVICE_RMS_RAD, DIVISIONS, EMULATED_MAX_M, EMULATED_RMS_M, EXPECTED_MAX_RAD, MAX_PX,
-    MAX_TEXELS, NON_FINITE_DEVICE, NON_FINITE_EMULATED, OPERATIONS_COST, PIXEL_M, POINTS,
-    RESIDUAL_MAX_M, RESIDUAL_MAX_RAD, RESIDUAL_RMS_RAD, RMS_PX, RMS_TEXELS, SQRT, TEXTURE_FETCHES,
-    TEXTURE_PX, TRANSCENDENTAL,
-};
+use crate::keys::*;
 use crate::place::Place;
 use crate::routes::family;
 use crate::row::{PrecisionPart, PrecisionRow};

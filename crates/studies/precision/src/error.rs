@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Sums of measured errors, and what is said where formula and measurement part.
 
-use crate::keys::{
-    DEVICE_MAX_M, DEVICE_MAX_RAD, DEVICE_RMS_M, DEVICE_RMS_RAD, EXPECTED_MAX_RAD,
-    MAX_OVER_RESIDUAL, MEASURED_OVER_EXPECTED, NON_FINITE_DEVICE, NON_FINITE_EMULATED, POINTS,
-    RESIDUAL_MAX_M, RESIDUAL_RMS_M, RESIDUAL_RMS_RAD, RMS_OVER_RESIDUAL, TEXTURE_FETCHES,
-    TRANSCENDENTAL,
-};
+use crate::keys::*;
 use crate::row::PrecisionRow;
 use std::f64::consts::{PI, TAU};
 use terrafill_results::{Metric, Status};

@@ -4,11 +4,7 @@
 use crate::coordinate::put_operations;
 use crate::error::{AGREEMENT, LengthErrors, judge};
 use crate::kernel::{Kernels, ask};
-use crate::keys::{
-    DEVICE_MAX_M, DEVICE_RMS_M, EMULATED_MAX_M, EMULATED_RMS_M, MAX_PX, MEASURED_OVER_EXPECTED,
-    NON_FINITE_DEVICE, NON_FINITE_EMULATED, PIXEL_M, POINTS, RESIDUAL_MAX_M, RESIDUAL_RMS_M,
-    RMS_PX,
-};
+use crate::keys::*;
 use crate::place::radical_inverse;
 use crate::row::{PrecisionPart, PrecisionRow};
 use crate::sight::{CLEARED_PIXEL, DISTANCE_SPREAD, IMAGE, Sight, TIMED_DISTANCE_M};

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One formula under one condition: what is measured of it, and under which names it is written.
 
-use crate::keys::{
-    ANCHOR, CHOSEN, CONDITION, DEPTH_FORMAT, DISTANCE_M, EXTENT_DEG, FAMILY, HIGHEST_M, KNOB,
-    LATITUDE_DEG, LOWEST_M, NON_FINITE_DEVICE, NON_FINITE_EMULATED, PART, ROUTE,
-};
+use crate::keys::*;
 use std::collections::BTreeMap;
 use terrafill_results::{CaseId, ConditionKey, Metric, Status, Verdict};
 

@@ -11,7 +11,7 @@ use crate::timing::LoopTime;
 use std::cell::RefCell;
 use std::rc::Rc;
 use terrafill_gpu::shared_gpu;
-use terrafill_results::{Chapter, ConditionKey, Metric, PlannedCase, Verdict};
+use terrafill_results::{PlannedCase, Verdict};
 use terrafill_study::{
     CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,
     Session, Study, StudyError, judged, planned_case,
@@ -25,25 +25,14 @@ const SAMPLES: u32 = 5;
 pub struct PrecisionStudy;
 
 impl Study for PrecisionStudy {
-    fn name(&self) -> &'static str {
-        STUDY
-    }
-
-    fn question(&self) -> &'static str {
-        "Which formula finds a texture coordinate with which error, at which cost?"
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &METRICS
-    }
-
-    fn conditions(&self) -> Vec<ConditionKey> {
-        crate::keys::CONDITIONS.to_vec()
-    }
-
-    fn least_depth(&self) -> Depth {
-        Depth::Full
-    }
+    terrafill_study::study_facts!(
+        STUDY,
+        "Which formula finds a texture coordinate with which error, at which cost?",
+        METRICS,
+        crate::keys::CONDITIONS,
+        Full,
+        crate::chapter::PrecisionChapter
+    );
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let suite = Rc::new(Suite::new(request.depth == Depth::Quick));
@@ -56,10 +45,6 @@ impl Study for PrecisionStudy {
             groups,
             skipped: Vec::new(),
         })
-    }
-
-    fn chapter(&self) -> &dyn Chapter {
-        &crate::chapter::PrecisionChapter
     }
 }
 

@@ -3,11 +3,7 @@
 //! device they are drawn by the backends' own variants.
 
 use crate::error::{AGREEMENT, LengthErrors};
-use crate::keys::{
-    EMULATED_MAX_M, EMULATED_RMS_M, MAX_OVER_RESIDUAL, MAX_PX, MEASURED_OVER_EXPECTED,
-    NON_FINITE_EMULATED, PIXEL_M, POINTS, RESIDUAL_MAX_M, RESIDUAL_RMS_M, RMS_OVER_RESIDUAL,
-    RMS_PX,
-};
+use crate::keys::*;
 use crate::place::{Place, radical_inverse};
 use crate::row::{PrecisionPart, PrecisionRow};
 use terrafill_core::Geodetic;

@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use terrafill_casters::EdgeTable;
 use terrafill_fill::{CpuStopwatch, FrameTimes};
-use terrafill_results::{Chapter, ConditionKey, Metric, PlannedCase, Verdict};
+use terrafill_results::{PlannedCase, Verdict};
 use terrafill_study::{
     CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,
     Study, StudyError, size_name,
@@ -41,28 +41,17 @@ const MAX_DIFFERS: f64 = 0.5;
 pub struct ShadowsStudy;
 
 impl Study for ShadowsStudy {
-    fn name(&self) -> &'static str {
-        STUDY
-    }
-
-    fn question(&self) -> &'static str {
-        "What does each optimisation of shadow volumes save in a port, and what does it get wrong?"
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &METRICS
-    }
-
-    fn least_depth(&self) -> Depth {
-        Depth::Full
-    }
+    terrafill_study::study_facts!(
+        STUDY,
+        "What does each optimisation of shadow volumes save in a port, and what does it get wrong?",
+        METRICS,
+        crate::keys::CONDITIONS,
+        Full,
+        crate::chapter::CHAPTER
+    );
 
     fn needs_device(&self) -> bool {
         false
-    }
-
-    fn conditions(&self) -> Vec<ConditionKey> {
-        crate::keys::CONDITIONS.to_vec()
     }
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
@@ -97,10 +86,6 @@ impl Study for ShadowsStudy {
             groups: groups.collect(),
             skipped: Vec::new(),
         })
-    }
-
-    fn chapter(&self) -> &dyn Chapter {
-        &crate::chapter::CHAPTER
     }
 }
 

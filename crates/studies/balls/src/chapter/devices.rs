@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter's section on balls that step on devices.
 
-use crate::keys::{
-    BALL_DEVICE_MAX_M, BALL_DEVICE_RMS_M, BALL_UPLOAD_BYTES, BALLS, INTERFACE, PART, WAY,
-};
+use crate::keys::*;
 use crate::metrics::METRICS;
 use crate::stepping::Way;
 use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};

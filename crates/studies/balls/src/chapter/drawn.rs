@@ -2,11 +2,7 @@
 //! The chapter's section on balls over terrain that are drawn.
 
 use crate::drawing::Drawn;
-use crate::keys::{
-    BALL_DIFFERING_PX, BALL_DRAW_GPU_US, BALL_DRAWS, BALL_MISMATCHED_PX, BALL_TERRAIN_BEYOND,
-    BALL_TERRAIN_GUIDED_M, BALL_TERRAIN_MAX_M, BALL_TERRAIN_P95_M, BALL_TERRAIN_STEP_M,
-    BALL_TERRAIN_UNEXPLAINED, BALL_UPLOAD_BYTES, BALLS, DRAWN, INTERFACE, PART, WAY,
-};
+use crate::keys::*;
 use crate::metrics::METRICS;
 use crate::stepping::Way;
 use crate::walk::ALLOWED_M;

@@ -5,9 +5,7 @@
 use super::data::{Data, View, counter, has_role, name};
 use super::rungs::{Ladder, SOURCE};
 use super::table::{NOT_COMPARED, NOT_RECORDED, figures, row, section};
-use crate::keys::{
-    MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND, STENCIL_FRAGMENTS, VERTICES, WALL_HEIGHT_M,
-};
+use crate::keys::*;
 use terrafill_plot::number::{count, figure, significant};
 use terrafill_results::{Block, Case, Cell, Estimate, Row, exponent};
 

@@ -3,9 +3,7 @@
 
 use super::data::{Data, View, counter, distinct};
 use super::table;
-use crate::keys::{
-    FILL_CPU_MS, FILL_GPU_MS, FILL_WALL_MS, GEOMETRY_BYTES, MISMATCHED_PX, STENCIL_FRAGMENTS,
-};
+use crate::keys::*;
 use terrafill_plot::{FrontPanel, FrontPoint, Fronts};
 use terrafill_results::{Block, Case, ChapterError, Choice, Metric, process_medians};
 

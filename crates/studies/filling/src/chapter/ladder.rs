@@ -9,9 +9,7 @@ use super::rungs::{Ladder, Rung, SOURCE, counters};
 use super::table::Show::{Bytes, Count, Own, Ratios, Status};
 use super::table::{Column, figures, head, part, row, step_cells, steps_plot, table};
 use super::{claims, fill_rate};
-use crate::keys::{
-    DRAWS, GEOMETRY_BYTES, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND, STENCIL_FRAGMENTS, VERTICES,
-};
+use crate::keys::*;
 use terrafill_plot::number::significant;
 use terrafill_results::{Block, Case, Cell, ChapterError, Estimate, Outcome, Standing, Table};
 

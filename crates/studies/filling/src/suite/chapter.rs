@@ -6,9 +6,7 @@ use super::keys::{EXPECTED, SCENE, SCENE_REASON, SUITE_CASE_S, VIEW};
 use super::plan::{EXTREME, WHOLE};
 use super::session::REFUSED;
 use crate::chapter::{figures, never_right, picture, row};
-use crate::keys::{
-    FILL_CPU_MS, FILL_GPU_MS, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND, REGIONS_DRAWN,
-};
+use crate::keys::*;
 use terrafill_plot::number::significant;
 use terrafill_results::{
     Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Finding, Metric, Outcome,

@@ -18,8 +18,7 @@ pub use session::IN_HAND;
 
 use crate::subject::{Surfaces, Techniques};
 use keys::{CONDITIONS, METRICS};
-use terrafill_results::{Chapter, ConditionKey, Metric};
-use terrafill_study::{Depth, Planned, Request, Study, StudyError};
+use terrafill_study::{Planned, Request, Study, StudyError};
 
 /// What must come of scenes that globes usually break at.
 #[derive(Debug, Clone, Copy)]
@@ -31,31 +30,16 @@ pub struct ExtremeStudy {
 }
 
 impl Study for ExtremeStudy {
-    fn name(&self) -> &'static str {
-        EXTREME
-    }
-
-    fn question(&self) -> &'static str {
-        "Does every technique survive what globes usually break at: right, or refused as it should be?"
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &METRICS
-    }
-
-    fn conditions(&self) -> Vec<ConditionKey> {
-        CONDITIONS.to_vec()
-    }
-
-    fn least_depth(&self) -> Depth {
-        Depth::Full
-    }
+    terrafill_study::study_facts!(
+        EXTREME,
+        "Does every technique survive what globes usually break at: right, or refused as it should be?",
+        METRICS,
+        CONDITIONS,
+        Full,
+        ExtremeChapter
+    );
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         plan::plan(self.techniques, self.surfaces, request)
-    }
-
-    fn chapter(&self) -> &dyn Chapter {
-        &ExtremeChapter
     }
 }

@@ -4,12 +4,7 @@
 use super::course::drawing;
 use super::{ENOUGH, PART};
 use crate::clock::compared_in;
-use crate::keys::{
-    self, COUNTED_BY, DELAY, GLOBE_COUNT_CYCLES, GLOBE_COUNT_LEAVES, GLOBE_COUNT_NODES,
-    GLOBE_COUNT_OFF_PX, GLOBE_COUNT_PAGE_CPU_MS, GLOBE_COUNT_PAGE_MAX_CPU_MS,
-    GLOBE_COUNT_SETTLE_FRAMES, GLOBE_COUNT_TEXELS_PER_PX, GLOBE_COUNT_WRONG_NODES,
-    GLOBE_COUNTED_CPU_MS, GLOBE_UNCOUNTED_CPU_MS, HYSTERESIS, PATH, TRANSFERS,
-};
+use crate::keys::{self, *};
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_results::{Block, Case, ChapterError, Claim, Finding, Scope};
 

@@ -3,10 +3,7 @@
 
 use super::{ALLOWED_PX, PART};
 use crate::clock::{DRAW, FRAME};
-use crate::keys::{
-    self, GLOBE_MADE_DIFFERS_PX, GLOBE_MADE_M_MAX, GLOBE_MADE_PX_MAX, GLOBE_UPLOAD_BYTES,
-    GLOBE_UPLOAD_CPU_MS, GLOBE_VERTICES, HEIGHTS, LAW, LOOKUP, TRIG, VERTICES, VIEW,
-};
+use crate::keys::{self, *};
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
 use terrafill_results::{Block, ChapterError, Finding};

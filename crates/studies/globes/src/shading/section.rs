@@ -3,10 +3,7 @@
 
 use super::{ALLOWED, FAULTS, PART, is_of, tessellation};
 use crate::clock::{compared_in, draw, whole};
-use crate::keys::{
-    self, FAULT, GLOBE_NON_FINITE, GLOBE_SHADE_MAX, GLOBE_SHADE_P99, GLOBE_SHADE_POLAR_MAX,
-    GLOBE_SHADE_POLAR_P99, PICTURES, PROJECTION, REMOVED, VIEW, WHAT,
-};
+use crate::keys::{self, *};
 use std::collections::BTreeMap;
 use terrafill_lab::{Answer, Cases, Column, Names, Section, Select, finding, measured};
 use terrafill_plot::number::{significant, times};

@@ -8,7 +8,9 @@ use crate::list::SurfaceRow;
 use crate::sight::{RAY_CAST, Work, drawn_otherwise, standing};
 use std::path::Path;
 use terrafill_fill::{Devices, device_for_test};
-use terrafill_results::{Block, Outcome, Run, RunEnvironment, RunFolder, SCHEMA, Status};
+use terrafill_results::{
+    Block, Chapter, ConditionKey, Metric, Outcome, Run, RunEnvironment, RunFolder, SCHEMA, Status,
+};
 use terrafill_study::{CaseGroup, Context, RunOptions, Silent, plan, run};
 use terrafill_surface::EllipsoidKind;
 

@@ -3,13 +3,7 @@
 
 use super::PART;
 use crate::clock::{DRAW, FRAME, compared_in, whole};
-use crate::keys::{
-    self, CELLS, GLOBE_TILE_BYTES, GLOBE_TILE_COUNT, GLOBE_TILE_CROSSING, GLOBE_TILE_DRAWS,
-    GLOBE_TILE_MISSED, GLOBE_TILE_MISSING_PX, GLOBE_TILE_POLE_PX, GLOBE_TILE_SEAM_PX,
-    GLOBE_TILE_SEAM_WRONG_PX, GLOBE_TILE_TEXELS_MAX, GLOBE_TILE_TEXELS_P99,
-    GLOBE_TILE_TRUE_TEXELS_MAX, GLOBE_TILE_TRUE_TEXELS_MEDIAN, GLOBE_TILE_TRUE_TEXELS_P99, LEVEL,
-    MERCATOR, SEAM, TILES, VIEW,
-};
+use crate::keys::{self, *};
 use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};
 use terrafill_results::{Block, Case, ChapterError, Claim, Finding, Scope};
 

@@ -3,11 +3,7 @@
 
 use super::PART;
 use crate::counts::{course, why_not_settled};
-use crate::keys::{
-    self, COUNTED_BY, GLOBE_COUNT_CYCLES, GLOBE_COUNT_OFF_PX, GLOBE_COUNT_SETTLE_FRAMES,
-    GLOBE_COUNT_WRONG_NODES, GLOBE_COUNTED_CPU_MS, GLOBE_TRIANGLES, GLOBE_UNCOUNTED_CPU_MS,
-    GLOBE_ZONE_HIDES, HYSTERESIS, SPIKE_M, WANTED,
-};
+use crate::keys::{self, *};
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
 use terrafill_results::{Block, Case, ChapterError, Finding};

@@ -6,10 +6,7 @@ use super::kit::{
     with_column,
 };
 use super::published::AMPLIFICATION;
-use crate::keys::{
-    CELLS_PER_POINT, EXPERIMENT, GRID_CELLS, PIPELINE_EMITTED_VERTICES,
-    PIPELINE_GEOMETRY_INVOCATIONS, PIPELINE_PRIMITIVES, PIPELINE_SENT_BYTES, SOURCE, STRIP,
-};
+use crate::keys::*;
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
 use terrafill_results::{Block, Case, Cell, Claim, Finding, Heading, Table};

@@ -5,10 +5,7 @@ use super::kit::{
     TIME, beside, compared, gain, none_of, of_most, ratio_cell, remark, said, time, with_column,
 };
 use crate::cache::Keep;
-use crate::keys::{
-    ACCESS, API, BLOCKS, CACHE_BINDS, CACHE_BYTES, CACHE_DIFFERING, CACHE_UPDATE_CPU_US,
-    CACHE_UPDATE_WALL_US, EXPERIMENT, KEPT_IN,
-};
+use crate::keys::*;
 use terrafill_lab::{Cases, Column, Names, Section, Select};
 use terrafill_plot::number::significant;
 use terrafill_results::{Block, Case, Claim, Finding, Heading, Scope, Table};

@@ -6,12 +6,7 @@ use super::kit::{
     with_column,
 };
 use crate::culling::{Place, VIEWS};
-use crate::keys::{
-    API, CULL_EXTRA_SHARE, CULL_IN_TILES, CULL_KEPT, CULL_LOST, CULL_NEEDED, CULL_TILES,
-    EXPERIMENT, FLIGHT_S, PIPELINE_DIFFERING_PX, PIPELINE_GEOMETRY_INVOCATIONS,
-    PIPELINE_PRIMITIVES, PIPELINE_SENT_BYTES, PIPELINE_VERTEX_INVOCATIONS, PLACE, TEST, TILE_CELLS,
-    VIEW,
-};
+use crate::keys::*;
 use terrafill_lab::{
     Cases, Column, Drawing, Figure, Follows, Names, Panel, Section, Select, finding,
 };

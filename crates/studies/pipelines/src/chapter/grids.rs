@@ -3,10 +3,7 @@
 
 use super::kit::{FRAME, WHOLE, compared, counter, frame_time, gain, of_most, remark, said};
 use super::published::{CARDS, GRIDS, GridRow};
-use crate::keys::{
-    API, EXPERIMENT, GRID_CELLS, PIPELINE_BAND_PX, PIPELINE_DRAWS, PIPELINE_EMITTED_VERTICES,
-    PIPELINE_HELD_BYTES, PIPELINE_SENT_BYTES, PIPELINE_VERTEX_INVOCATIONS, WAY,
-};
+use crate::keys::*;
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, Select};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{Block, Case, Cell, Claim, Finding, Heading, Row, Table};

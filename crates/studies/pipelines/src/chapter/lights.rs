@@ -5,11 +5,7 @@ use super::kit::{
     TIME, beside, compared, counter, gain, none_of, of_most, percent, ratio_cell, remark, said,
     with_column,
 };
-use crate::keys::{
-    EXPERIMENT, LAYERS_BY, LIGHTS, LIGHTS_DEPTHS_DIFFERING, LIGHTS_MAP_ERROR, LIGHTS_PASSES,
-    PIPELINE_GEOMETRY_INVOCATIONS, PIPELINE_HELD_BYTES, PIPELINE_MISMATCHED_PX,
-    PIPELINE_PRIMITIVES, PIPELINE_VERTEX_INVOCATIONS,
-};
+use crate::keys::*;
 use crate::lights::LightWay;
 use crate::metrics::METRICS;
 use terrafill_lab::{Cases, Column, Names, Section, Select};

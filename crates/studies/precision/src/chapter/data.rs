@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the chapter reads from a run: formulas with their figures, and times of routes.
 
-use crate::keys::{
-    ANCHOR, CHOSEN, CONDITION, CPU_NS, FAMILY, GPU_NS, NON_FINITE_DEVICE, NON_FINITE_EMULATED,
-    OF_PART, PART, ROUTE,
-};
+use crate::keys::*;
 use crate::row::whole;
 use std::collections::BTreeMap;
 use terrafill_plot::Reading;

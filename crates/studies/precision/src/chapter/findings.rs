@@ -2,10 +2,7 @@
 //! What was computed before the measurement, and whether the measurement agrees.
 
 use super::data::{DEFAULT_POSITION, Data, Formula, MIDDLE, NO_REASON, PLAN, QUARTER, agrees};
-use crate::keys::{
-    self, DEPTH_FORMAT, DEVICE_MAX_M, DISTANCE_M, MAX_OVER_RESIDUAL, MAX_PX,
-    MEASURED_OVER_EXPECTED, RMS_TEXELS,
-};
+use crate::keys::{self, *};
 use std::collections::BTreeSet;
 use terrafill_plot::number::{count, significant};
 use terrafill_results::{Finding, Metric};

@@ -2,10 +2,7 @@
 //! The plots: error against time and against operations, a curve for each family.
 
 use super::data::{DRAWN, Data, Formula, QUARTER};
-use crate::keys::{
-    DEVICE_MAX_M, DEVICE_RMS_M, EXTENT_DEG, KNOB, LATITUDE_DEG, MEASURED_OVER_EXPECTED,
-    OPERATIONS_COST, TEXTURE_PX,
-};
+use crate::keys::*;
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, ReferenceLine, Upwards,
     WorkPrecision, panels,

@@ -2,11 +2,7 @@
 //! The tables: what a plan takes, errors of positions, and where formulas break.
 
 use super::data::{DEFAULT_POSITION, Data, Formula, MIDDLE, NO_REASON, PLAN, QUARTER, agrees};
-use crate::keys::{
-    DEPTH_FORMAT, DEVICE_MAX_M, DISTANCE_M, EMULATED_MAX_M, EXTENT_DEG, HIGHEST_M, LATITUDE_DEG,
-    MAX_PX, MEASURED_OVER_EXPECTED, NON_FINITE_DEVICE, NON_FINITE_EMULATED, PIXEL_M,
-    RMS_OVER_RESIDUAL, RMS_TEXELS,
-};
+use crate::keys::*;
 use std::collections::{BTreeMap, BTreeSet};
 use terrafill_plot::number::{count, significant};
 use terrafill_results::{Block, Cell, ConditionKey, Heading, Metric, Outcome, Row, Table};

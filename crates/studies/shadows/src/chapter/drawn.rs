@@ -4,10 +4,7 @@
 use super::Own;
 use super::findings::{ends, finding, is_multiple, number};
 use super::times::is_same_but;
-use crate::keys::{
-    API, CASTERS, COUNTING, LOST, POSITIONS, RULE, SHADOW_BAND_PX, SHADOW_FALSE_LIT_PX, SILHOUETTE,
-    VIEW,
-};
+use crate::keys::*;
 use terrafill_lab::measured;
 use terrafill_plot::number::significant;
 use terrafill_results::{Case, Finding, Outcome};

@@ -5,9 +5,7 @@
 
 use super::Own;
 use super::findings::finding;
-use crate::keys::{
-    BIAS, EYE_TEST, MAP_WRONG, MISSED, MOSTLY, NEAR_M, SHADOW_MAP_WRONG_IN_THREE, SUN, TEXEL_M,
-};
+use crate::keys::*;
 use crate::work::EYES;
 use terrafill_plot::number::significant;
 use terrafill_results::Finding;

@@ -2,11 +2,7 @@
 //! What was published, and what is measured.
 
 use super::Own;
-use crate::keys::{
-    BIAS, CASTERS, COUNTING, EXTENT, EYE_TEST, LOST, MAP_WRONG, MESH, MISSED, MODELS, OUTLINE,
-    POLICY, RULE, SCISSOR, SHADOW_CLEARS, SHADOW_CONTOUR_PX, SHADOW_FALSE_DARK_PX,
-    SHADOW_FALSE_LIT_PX, SHADOW_OPEN_EDGES, SILHOUETTE, SUN, TEXEL_M, UPDATES,
-};
+use crate::keys::*;
 use terrafill_lab::{measured, range};
 use terrafill_plot::number::{count, significant};
 use terrafill_results::{Case, ConditionKey, Finding};

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Figures that plots of sections take from cases, and plots in which cases of other questions stand beside.
 
-use crate::keys::{
-    API, BIAS, DEPTH_BOUNDS, EXTENT, FACES, FILL_CPU, FILL_GPU, LENGTH_M, LOST, MAP_WRONG, MESH,
-    QUESTION, RULE, SCISSOR, SHADOW_BAND_PX, SHADOW_FALSE_DARK_PX, SHADOW_FALSE_LIT_PX,
-    SHADOW_MESH_TRIANGLES, SHADOW_RECEIVER_PX, SILHOUETTE, SUN, TEXEL_M, UPDATES,
-};
+use crate::keys::*;
 use terrafill_lab::{Cases, Drawing, Figure, Names, Panel, measured};
 use terrafill_plot::Upwards;
 use terrafill_results::{Block, Case, ChapterError};

@@ -5,10 +5,7 @@ use super::Own;
 use super::findings::number;
 use super::plots::is_plain;
 use super::sections::DEVICE_KEYS;
-use crate::keys::{
-    API, DEPTH_BOUNDS, FACES, FILL_CPU, FILL_GPU, PAPER, QUESTION, RIVAL, RULE, SHADOW_BAND_PX,
-    SILHOUETTE, STEP, SUN,
-};
+use crate::keys::*;
 use terrafill_lab::{Answer, Comparison, Follows, measured, overall, range};
 use terrafill_results::{Case, Claim, ConditionKey, Finding, Outcome, Scope, Standing};
 

@@ -5,11 +5,7 @@ use crate::STUDY;
 use crate::brought::Brought;
 use crate::count::Rule;
 use crate::job::{Job, Method, sun_name};
-use crate::keys::{
-    API, BIAS, BOXES, CASTERS, COUNTING, DEPTH_BOUNDS, EXTENT, EYE_TEST, FACES, LENGTH_M, MESH,
-    MODEL, MODELS, NEAR_M, OUTLINE, PAPER, POLICY, POSITIONS, QUESTION, RIVAL, RULE, SCISSOR,
-    SILHOUETTE, STEP, SUN, TEXEL_M, VIEW,
-};
+use crate::keys::*;
 use crate::near::EyeTest;
 use crate::outline::Way;
 use crate::views::Chooser;

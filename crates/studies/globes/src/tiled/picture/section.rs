@@ -3,10 +3,7 @@
 
 use super::PART;
 use crate::clock::DRAW;
-use crate::keys::{
-    self, GLOBE_TILE_COLOUR_OFF_MEDIAN, GLOBE_TILE_COLOUR_OFF_P99, GLOBE_TILE_COLOUR_WRONG_PX,
-    GLOBE_TILE_COUNT, GLOBE_TILE_PX, VIEW,
-};
+use crate::keys::{self, *};
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_results::Finding;
 

@@ -3,10 +3,7 @@
 
 use super::PART;
 use crate::clock::{DRAW, FRAME};
-use crate::keys::{
-    self, GLOBE_MAKE_CPU_MS, GLOBE_TILE_CROSSING, GLOBE_TILE_MISSED, GLOBE_TILE_SEAM_PX,
-    GLOBE_TILE_SEAM_WRONG_PX, GLOBE_TILE_TEXELS_MAX, GLOBE_TRIANGLES, LIMIT, SPLIT_BY, VIEW,
-};
+use crate::keys::{self, *};
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_results::Finding;
 
