@@ -254,8 +254,7 @@ impl<'a> Cases<'a> {
     }
 }
 
-/// What exact figures say of a claim; `None` where they were not measured. Times are held against each other by
-/// [`Cases::compared`].
+/// What exact figures say of a claim; `None` where they were not measured. [`Cases::compared`] compares times.
 #[must_use]
 pub fn finding(
     claim: impl Into<String>,
@@ -267,6 +266,24 @@ pub fn finding(
         standing: holds.map_or(Standing::NotMeasured, Standing::holds_if),
         because: because.into(),
     }
+}
+
+/// The exponent of a power law: the slope of log *y* over log *x* by least squares; `None` below three points.
+///
+/// - `points`: *x* and *y*, positive
+#[must_use]
+pub fn log_slope(points: impl IntoIterator<Item = (f64, f64)>) -> Option<f64> {
+    let logs = points.into_iter().map(|(x, y)| (x.ln(), y.ln()));
+    let logs: Vec<(f64, f64)> = logs.collect();
+    if logs.len() < 3 {
+        return None;
+    }
+    let count = logs.len() as f64;
+    let mean_x = logs.iter().map(|log| log.0).sum::<f64>() / count;
+    let mean_y = logs.iter().map(|log| log.1).sum::<f64>() / count;
+    let products = logs.iter().map(|log| (log.0 - mean_x) * (log.1 - mean_y));
+    let squares = logs.iter().map(|log| (log.0 - mean_x).powi(2));
+    Some(products.sum::<f64>() / squares.sum::<f64>())
 }
 
 /// `3.95 to 4.02`, or one number where both read alike; `None` of nothing.
@@ -377,6 +394,10 @@ mod tests {
         assert_eq!(of(Some(true)), Standing::Holds);
         assert_eq!(of(Some(false)), Standing::DoesNotHold);
         assert_eq!(of(None), Standing::NotMeasured);
+        let squares = [1.0, 2.0, 4.0].map(|x: f64| (x, 5.0 * x * x));
+        let slope = log_slope(squares).expect("three points");
+        assert!((slope - 2.0).abs() < 1e-12, "{slope}");
+        assert_eq!(log_slope(squares[..2].iter().copied()), None);
         assert_eq!(range(&[2.0, 1.0]).as_deref(), Some("1.00 to 2.00"));
         assert_eq!(range(&[2.0]).as_deref(), Some("2.00"));
         assert_eq!(range(&[]), None);

@@ -35,11 +35,11 @@ pub struct Panel<'a> {
     pub curve: Names<'a>,
     /// The place along the curve.
     pub knob: Figure,
-    /// What stands beside a point.
+    /// Text next to a point.
     pub label: Option<Names<'a>>,
     /// What a point is worth.
     pub standing: fn(&Case) -> PointStanding,
-    /// What the curves are held against.
+    /// Lines that the curves are compared with.
     pub lines: fn(&[Curve]) -> Vec<ReferenceLine>,
 }
 

@@ -11,7 +11,7 @@ mod figure;
 mod section;
 mod settling;
 
-pub use cases::{Best, Cases, finding, measured, range};
+pub use cases::{Best, Cases, finding, log_slope, measured, range};
 pub use claims::{Basis, Claimed, Paper, PaperError, Tested, Told, claims_blocks, claims_table};
 pub use comparison::{Answer, Comparison, Follows, REFUSED, Refused, overall};
 pub use curves::{Drawing, Panel, draw, slope_one};

@@ -25,7 +25,7 @@ pub enum Absent {
 pub struct Column {
     /// Heading.
     pub heading: &'static str,
-    /// What stands below it.
+    /// The figure of its cells.
     pub figure: Figure,
     /// Why a cell is empty.
     pub absent: Absent,
@@ -145,7 +145,7 @@ pub enum Select {
     Fitting(fn(&Case) -> bool),
 }
 
-/// What further stands in a section.
+/// A further block of a section, such as a second plot.
 pub type MoreOf = fn(&Cases<'_>) -> Result<Option<Block>, ChapterError>;
 
 /// A section. What it lacks is taken from [`Section::EMPTY`].
@@ -204,7 +204,7 @@ impl Section<'_> {
         }
     }
 
-    /// Its heading and all that stands below it; nothing where no case of it was planned.
+    /// Its heading and its blocks; nothing where no case of it was planned.
     ///
     /// # Errors
     /// [`ChapterError`] when a plot cannot be drawn.
@@ -307,7 +307,7 @@ pub struct SectionedChapter {
     pub text: &'static str,
     /// What ratios and rankings compare.
     pub primary: Figure,
-    /// What it offers for the report's first page; its blocks stand above the sections as well.
+    /// What it offers for the report's first page; its blocks are shown above the sections as well.
     pub answers: fn(&Cases<'_>) -> Answers,
     /// In their order.
     pub sections: &'static [Section<'static>],

@@ -25,7 +25,7 @@ pub use run::{
     run_by_turns,
 };
 pub use session::{
-    CaseGroup, CaseSession, Failure, Figures, Measures, OpenSession, judged, planned_case,
+    CaseGroup, CaseSession, Failure, Figures, Measures, OpenSession, judged, planned_case, verified,
 };
 pub use share::Share;
 pub use steady::Settling;

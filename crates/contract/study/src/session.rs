@@ -86,24 +86,38 @@ pub fn judged(reason: String, figures: Figures, notes: Vec<(&'static str, String
 }
 
 /// A case that is named by the values of its conditions: `globe/50/vertex`.
+///
+/// - `unnamed`: a condition that its name leaves out
 #[must_use]
 pub fn planned_case(
     study: &str,
     samples: u32,
     conditions: impl IntoIterator<Item = (ConditionKey, String)>,
+    unnamed: Option<(ConditionKey, String)>,
 ) -> PlannedCase {
-    let conditions: Vec<(ConditionKey, String)> = conditions.into_iter().collect();
+    let mut conditions: Vec<(ConditionKey, String)> = conditions.into_iter().collect();
     let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
+    let name = values.join("/");
+    conditions.extend(unnamed);
     PlannedCase {
-        id: CaseId::new(study, values.join("/"), conditions),
+        id: CaseId::new(study, name, conditions),
         samples,
         may_be_wrong: false,
     }
 }
 
+/// What verifying a case has left for its timed frames.
+///
+/// # Errors
+/// [`Failure::Broken`] for a case that was not verified.
+pub fn verified<T>(opened: &mut BTreeMap<usize, T>, case: usize) -> Result<&mut T, Failure> {
+    let opened = opened.get_mut(&case);
+    opened.ok_or_else(|| Failure::Broken("it was not verified".to_owned()))
+}
+
 /// What a study does with each case of a group; [`CaseSession`] does the rest.
 pub trait Measures {
-    /// Makes a case ready and holds it against the reference.
+    /// Prepares a case and compares its result with the reference.
     ///
     /// # Errors
     /// [`Failure`], which becomes the case's verdict.
@@ -203,7 +217,7 @@ mod tests {
     use super::*;
     use std::rc::Rc;
     use terrafill_fill::Devices;
-    use terrafill_results::condition::{SIZE_PX, VIEW};
+    use terrafill_results::condition::{API, SIZE_PX, VIEW};
 
     /// Fails by the case's number.
     struct Failing<'a>(&'a [Status]);
@@ -260,8 +274,9 @@ mod tests {
             "a",
             3,
             [(VIEW, "globe".to_owned()), (SIZE_PX, "64".to_owned())],
+            Some((API, "wgpu".to_owned())),
         );
-        assert_eq!(case.id.key(), "a/globe/64");
-        assert_eq!((case.id.condition(SIZE_PX), case.samples), ("64", 3));
+        assert_eq!((case.id.key().as_str(), case.samples), ("a/globe/64", 3));
+        assert_eq!(case.id.condition(API), "wgpu");
     }
 }

@@ -148,7 +148,14 @@ pub trait Study: Sync {
 /// part of a run that names none, and its chapter.
 #[macro_export]
 macro_rules! study_facts {
-    ($name:expr, $question:literal, $metrics:expr, $conditions:expr, $depth:ident, $chapter:expr) => {
+    (
+        name: $name:expr,
+        question: $question:literal,
+        metrics: $metrics:expr,
+        conditions: $conditions:expr,
+        least_depth: $depth:ident,
+        chapter: $chapter:expr $(,)?
+    ) => {
         fn name(&self) -> &'static str {
             $name
         }

@@ -10,6 +10,7 @@ use crate::integrator::Integrator;
 use crate::keys::*;
 use terrafill_lab::{
     Cases, Column, Drawing, Figure, Names, Panel, Section, SectionedChapter, Select, finding,
+    log_slope,
 };
 use terrafill_plot::number::significant;
 use terrafill_plot::{PointStanding, Upwards};
@@ -218,16 +219,7 @@ fn fitted_order(errors: &[(f64, f64)], stiffness: &str) -> Option<f64> {
     let fine = errors
         .iter()
         .filter(|(dt, error)| dt * frequency <= RESOLVED && *error > 0.0);
-    let logs: Vec<(f64, f64)> = fine.map(|(dt, error)| (dt.ln(), error.ln())).collect();
-    if logs.len() < 3 {
-        return None;
-    }
-    let count = logs.len() as f64;
-    let mean_x = logs.iter().map(|log| log.0).sum::<f64>() / count;
-    let mean_y = logs.iter().map(|log| log.1).sum::<f64>() / count;
-    let products = logs.iter().map(|log| (log.0 - mean_x) * (log.1 - mean_y));
-    let squares = logs.iter().map(|log| (log.0 - mean_x).powi(2));
-    Some(products.sum::<f64>() / squares.sum::<f64>())
+    log_slope(fine.copied())
 }
 
 /// The step with the least error, and that error.

@@ -5,7 +5,6 @@ use crate::STUDY;
 use crate::drawing::{Drawn, DrawsBalls};
 use crate::keys::{BALLS, DRAWN, GROUND, INTERFACE, PART, SIZE_PX, WAY};
 use crate::on_devices::{TIMED, constants, counts, take_all};
-use crate::planned::{planned, verified};
 use crate::stepping::{Steps, Way};
 use crate::terrain::{BallView, JudgedBalls, State, Terrain, judge};
 use crate::walk::{Walk, walk};
@@ -16,7 +15,7 @@ use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
 use terrafill_study::{
     CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, Request, StudyError,
-    file_stem, judged, write_rgb,
+    file_stem, judged, planned_case, verified, write_rgb,
 };
 
 /// Balls that are drawn one by one at most: the published figure ends at 5,000.
@@ -66,7 +65,12 @@ fn group_of(counts: &[u32], (size, samples): (ImageSize, u32)) -> CaseGroup<Draw
             (DRAWN, drawn.name().to_owned()),
             (BALLS, balls.to_string()),
         ];
-        planned(conditions, Some((SIZE_PX, size.width.to_string())), samples)
+        planned_case(
+            STUDY,
+            samples,
+            conditions,
+            Some((SIZE_PX, size.width.to_string())),
+        )
     };
     CaseGroup {
         name: format!("{STUDY}/drawn"),

@@ -17,7 +17,6 @@ mod integrator;
 mod keys;
 mod metrics;
 mod on_devices;
-mod planned;
 mod stepping;
 mod study;
 mod terrain;

@@ -5,13 +5,15 @@ use crate::STUDY;
 use crate::closed_form::GRAVITY;
 use crate::integrator::{Ball, Forces, Integrator, step};
 use crate::keys::{BALLS, INTERFACE, PART, WAY};
-use crate::planned::{planned, verified};
 use crate::stepping::{BallConstants, Steps, Way};
 use crate::terrain::{CELL_M, CELLS, State};
 use std::collections::BTreeMap;
 use terrafill_fill::{CpuStopwatch, DeviceError};
 use terrafill_results::Verdict;
-use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged, planned_case,
+    verified,
+};
 
 pub(crate) const STIFFNESS: f64 = 1e3;
 pub(crate) const STEPS_PER_SECOND: u32 = 480;
@@ -49,7 +51,7 @@ pub(crate) fn group(is_quick: bool, samples: u32) -> impl Group {
             (WAY, name.to_owned()),
             (BALLS, balls.to_string()),
         ];
-        planned(conditions, None, samples)
+        planned_case(STUDY, samples, conditions, None)
     };
     CaseGroup {
         name: format!("{STUDY}/device"),

@@ -6,15 +6,17 @@ use crate::contact::{STEPS, energy_ratio};
 use crate::drop::{Arithmetic, Drop, GROUND_M, MOSTLY, Rest};
 use crate::integrator::Integrator;
 use crate::keys::{self, *};
-use crate::planned::{Conditions, planned};
 use crate::{STUDY, drawn, metrics::METRICS, on_devices};
 use std::collections::BTreeMap;
 use terrafill_fill::CpuStopwatch;
-use terrafill_results::{PlannedCase, Status, Verdict};
+use terrafill_results::{ConditionKey, PlannedCase, Status, Verdict};
 use terrafill_study::{
     CaseGroup, CaseSession, Depth, Failure, Figures, Group, Measures, Planned, Request, Study,
-    StudyError, judged,
+    StudyError, judged, planned_case,
 };
+
+/// Conditions of a case, in the order of its name.
+type Conditions = Vec<(ConditionKey, String)>;
 
 /// Steps a second; a quick run leaves out the last.
 const STEPS_PER_SECOND: [u32; 6] = [30, 120, 480, 1_920, 7_680, 30_720];
@@ -29,12 +31,12 @@ pub struct BallsStudy;
 
 impl Study for BallsStudy {
     terrafill_study::study_facts!(
-        STUDY,
-        "Which integrator takes a bouncing ball to which error, and what does a step cost on devices?",
-        METRICS,
-        crate::keys::CONDITIONS,
-        Full,
-        CHAPTER
+        name: STUDY,
+        question: "Which integrator takes a bouncing ball to which error, and what does a step cost on devices?",
+        metrics: METRICS,
+        conditions: crate::keys::CONDITIONS,
+        least_depth: Full,
+        chapter: CHAPTER,
     );
 
     fn needs_device(&self) -> bool {
@@ -186,7 +188,7 @@ fn group(
 ) -> CaseGroup<Vec<Experiment>> {
     let case = |(conditions, experiment): &(Conditions, Experiment)| {
         let part = [(PART, part.to_owned())].into_iter();
-        let conditions = part.chain(conditions.iter().cloned()).collect();
+        let conditions = part.chain(conditions.iter().cloned());
         // Shares and energies are exact; only drops are timed.
         let (samples, may_be_wrong) = match experiment {
             Experiment::Drop(drop) => (samples, drop.may_blow_up()),
@@ -194,7 +196,7 @@ fn group(
         };
         PlannedCase {
             may_be_wrong,
-            ..planned(conditions, None, samples)
+            ..planned_case(STUDY, samples, conditions, None)
         }
     };
     CaseGroup {

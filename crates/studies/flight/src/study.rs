@@ -58,12 +58,12 @@ pub struct FlightStudy {
 
 impl Study for FlightStudy {
     terrafill_study::study_facts!(
-        STUDY,
-        "What do frames cost and show while the terrain's pieces are still being made?",
-        METRICS,
-        crate::keys::CONDITIONS,
-        Full,
-        CHAPTER
+        name: STUDY,
+        question: "What do frames cost and show while the terrain's pieces are still being made?",
+        metrics: METRICS,
+        conditions: crate::keys::CONDITIONS,
+        least_depth: Full,
+        chapter: CHAPTER,
     );
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
@@ -165,7 +165,7 @@ fn flights(
             (VARIANT, case.variant.name()),
             (PIECES, case.pace.name()),
         ];
-        planned_case(STUDY, samples, conditions)
+        planned_case(STUDY, samples, conditions, None)
     });
     CaseGroup {
         name: format!("{STUDY}/{}", scene.name),

@@ -36,12 +36,12 @@ pub struct GlobesStudy {
 
 impl Study for GlobesStudy {
     terrafill_study::study_facts!(
-        STUDY,
-        "Which surface draws the body with which error in which time?",
-        METRICS,
-        crate::keys::CONDITIONS,
-        Full,
-        GlobesChapter
+        name: STUDY,
+        question: "Which surface draws the body with which error in which time?",
+        metrics: METRICS,
+        conditions: crate::keys::CONDITIONS,
+        least_depth: Full,
+        chapter: GlobesChapter,
     );
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {

@@ -30,12 +30,12 @@ pub struct GrowthStudy {
 
 impl Study for GrowthStudy {
     terrafill_study::study_facts!(
-        STUDY,
-        "How does the cost of a mesh grow with its vertices?",
-        METRICS,
-        crate::keys::CONDITIONS,
-        Full,
-        CHAPTER
+        name: STUDY,
+        question: "How does the cost of a mesh grow with its vertices?",
+        metrics: METRICS,
+        conditions: crate::keys::CONDITIONS,
+        least_depth: Full,
+        chapter: CHAPTER,
     );
 
     fn needs_device(&self) -> bool {
@@ -72,7 +72,7 @@ fn shapes(sizes: &[u32], samples: u32, program: Option<GrowthProgram>) -> CaseGr
             (SHAPE, family.name().to_owned()),
             (OUTLINE_VERTICES, size.to_string()),
         ];
-        planned_case(STUDY, samples, conditions)
+        planned_case(STUDY, samples, conditions, None)
     };
     CaseGroup {
         name: STUDY.to_owned(),

@@ -44,12 +44,12 @@ pub struct MovingStudy {
 
 impl Study for MovingStudy {
     terrafill_study::study_facts!(
-        STUDY,
-        "What do regions cost that change in every frame, such as what sensors see?",
-        METRICS,
-        crate::keys::CONDITIONS,
-        Full,
-        CHAPTER
+        name: STUDY,
+        question: "What do regions cost that change in every frame, such as what sensors see?",
+        metrics: METRICS,
+        conditions: crate::keys::CONDITIONS,
+        least_depth: Full,
+        chapter: CHAPTER,
     );
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
@@ -147,7 +147,7 @@ fn sweep(
             (VARIANT, case.variant.name()),
             (UPKEEP, case.upkeep.name().to_owned()),
         ];
-        planned_case(STUDY, samples, conditions)
+        planned_case(STUDY, samples, conditions, None)
     });
     CaseGroup {
         name: format!("{STUDY}/{}/{sensors}", scene.name),

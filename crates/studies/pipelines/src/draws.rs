@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What opened ways do, on whichever interface: they draw, count and take time.
 
-use std::collections::BTreeMap;
 use terrafill_fill::{CpuStopwatch, DeviceError, Picture};
-use terrafill_results::{CaseId, ConditionKey, PlannedCase};
-use terrafill_study::{Failure, Figures};
+use terrafill_study::Figures;
 use terrafill_vulkan::PassStatistics;
 
 /// Times of a frame, milliseconds.
@@ -111,30 +109,6 @@ pub(crate) trait LooksUp {
     fn passes(&self) -> usize;
     /// Of all layers.
     fn bytes(&self) -> u64;
-}
-
-/// A case named by the values of its conditions.
-///
-/// - `unnamed`: a condition that its name leaves out
-pub(crate) fn planned(
-    mut conditions: Vec<(ConditionKey, String)>,
-    unnamed: Option<(ConditionKey, String)>,
-    samples: u32,
-) -> PlannedCase {
-    let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
-    let name = values.join("/");
-    conditions.extend(unnamed);
-    PlannedCase {
-        id: CaseId::new(crate::STUDY, name, conditions),
-        samples,
-        may_be_wrong: false,
-    }
-}
-
-/// What was opened for a case.
-pub(crate) fn verified<T>(opened: &mut BTreeMap<usize, T>, case: usize) -> Result<&mut T, Failure> {
-    let opened = opened.get_mut(&case);
-    opened.ok_or_else(|| Failure::Broken("it was not verified".to_owned()))
 }
 
 /// How often two lists differ; places that one of them lacks differ.

@@ -2,7 +2,7 @@
 //! The cases: grids by way and size, and amplification by cells a point, strips and source.
 
 use crate::chapter::CHAPTER;
-use crate::draws::{Draws, differing, planned, verified};
+use crate::draws::{Draws, differing};
 use crate::grid::{Grid, View};
 use crate::images::{of_numbers, size_of, size_px, write};
 use crate::keys::{self, API, EXPERIMENT, SOURCE, STRIP, WAY};
@@ -17,7 +17,7 @@ use terrafill_results::{ConditionKey, Verdict};
 use terrafill_scene::ImageSize;
 use terrafill_study::{
     CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,
-    Study, StudyError,
+    Study, StudyError, planned_case, verified,
 };
 
 /// Cells a side; a quick run draws the first two.
@@ -39,12 +39,12 @@ pub struct PipelinesStudy;
 
 impl Study for PipelinesStudy {
     terrafill_study::study_facts!(
-        STUDY,
-        "Which stage of the pipeline should make a grid's vertices, at which cost and error?",
-        METRICS,
-        crate::keys::CONDITIONS,
-        Full,
-        CHAPTER
+        name: STUDY,
+        question: "Which stage of the pipeline should make a grid's vertices, at which cost and error?",
+        metrics: METRICS,
+        conditions: crate::keys::CONDITIONS,
+        least_depth: Full,
+        chapter: CHAPTER,
     );
 
     fn needs_device(&self) -> bool {
@@ -169,7 +169,7 @@ fn grids(
 ) -> CaseGroup<Grids> {
     let case = |&(interface, way): &(Interface, Way)| {
         let conditions = conditions(experiment, interface, way, cells);
-        planned(conditions, Some(size_px(size)), samples)
+        planned_case(STUDY, samples, conditions, Some(size_px(size)))
     };
     CaseGroup {
         name: format!("{STUDY}/{experiment}/{cells}"),

@@ -26,12 +26,12 @@ pub struct PrecisionStudy;
 
 impl Study for PrecisionStudy {
     terrafill_study::study_facts!(
-        STUDY,
-        "Which formula finds a texture coordinate with which error, at which cost?",
-        METRICS,
-        crate::keys::CONDITIONS,
-        Full,
-        crate::chapter::PrecisionChapter
+        name: STUDY,
+        question: "Which formula finds a texture coordinate with which error, at which cost?",
+        metrics: METRICS,
+        conditions: crate::keys::CONDITIONS,
+        least_depth: Full,
+        chapter: crate::chapter::PrecisionChapter,
     );
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
@@ -70,7 +70,7 @@ fn times(suite: &Rc<Suite>, samples: u32) -> CaseGroup<(Rc<Suite>, Vec<TimedForm
             (OF_PART, formula.part().name().to_owned()),
             (ROUTE, formula.name()),
         ];
-        planned_case(STUDY, samples, conditions)
+        planned_case(STUDY, samples, conditions, None)
     };
     CaseGroup {
         name: format!("{STUDY}/times"),

@@ -25,7 +25,7 @@ const ROUNDED_M: f64 = 100.0;
 /// Copies colour and depth to the CPU, rows tightly packed.
 pub(crate) type Reader = Box<dyn Fn() -> Result<Picture, DeviceError>>;
 
-/// How an interface's targets come to hold a surface.
+/// Draws a surface into new targets of an interface.
 pub(crate) type Draw = fn(&Devices, &FillInput) -> Result<Reader, DeviceError>;
 
 /// Interfaces in the order in which they are reported.

@@ -28,12 +28,12 @@ pub struct ReadbackStudy;
 
 impl Study for ReadbackStudy {
     terrafill_study::study_facts!(
-        STUDY,
-        "How long does reading an image back take, and at which rate?",
-        METRICS,
-        crate::keys::CONDITIONS,
-        Full,
-        CHAPTER
+        name: STUDY,
+        question: "How long does reading an image back take, and at which rate?",
+        metrics: METRICS,
+        conditions: crate::keys::CONDITIONS,
+        least_depth: Full,
+        chapter: CHAPTER,
     );
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
@@ -53,7 +53,7 @@ fn readings(sizes: &[u32], samples: u32) -> CaseGroup<Vec<(Draw, u32)>> {
     for (api, draw) in INTERFACES {
         for &side in sizes {
             let conditions = [(API, api.name.to_owned()), (SIZE_PX, side.to_string())];
-            cases.push(planned_case(STUDY, samples, conditions));
+            cases.push(planned_case(STUDY, samples, conditions, None));
             work.push((draw, side));
         }
     }

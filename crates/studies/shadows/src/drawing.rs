@@ -92,7 +92,7 @@ impl Scene {
         })
     }
 
-    /// Draws every channel and holds it against the reference.
+    /// Draws every channel and compares it with the reference.
     ///
     /// - `volume`: of which triangles may be too thin for a device
     pub(crate) fn draw_channels(

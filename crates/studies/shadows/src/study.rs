@@ -42,12 +42,12 @@ pub struct ShadowsStudy;
 
 impl Study for ShadowsStudy {
     terrafill_study::study_facts!(
-        STUDY,
-        "What does each optimisation of shadow volumes save in a port, and what does it get wrong?",
-        METRICS,
-        crate::keys::CONDITIONS,
-        Full,
-        crate::chapter::CHAPTER
+        name: STUDY,
+        question: "What does each optimisation of shadow volumes save in a port, and what does it get wrong?",
+        metrics: METRICS,
+        conditions: crate::keys::CONDITIONS,
+        least_depth: Full,
+        chapter: crate::chapter::CHAPTER,
     );
 
     fn needs_device(&self) -> bool {

@@ -21,7 +21,7 @@ pub struct CarriedScenes {
 /// Scenes given by path are the same for both as they are, and a base that is a binary has no files to look at.
 ///
 /// - `scenes`: names and paths as given
-/// - `own`: text of a shipped scene of this program, which is the new one where that has no commit
+/// - `own`: text of a shipped scene of a new program that has no commit; `None` where it is not known
 /// - `folder`: where copies go
 ///
 /// # Errors

@@ -111,7 +111,10 @@ fn pictures(report: &GateReport, names: &Names) -> String {
         let images = shown
             .pictures
             .iter()
-            .map(|(what, path)| format!("![{what}]({path})"));
+            .map(|(what, path)| match path.as_str() {
+                "" => "–".to_owned(),
+                path => format!("![{what}]({path})"),
+            });
         let _ = write!(
             text,
             "\n`{}`\n\n| {} |\n|{}\n| {} |\n",

@@ -2,7 +2,7 @@
 //! Pictures of what is wrong, beside the reference: copied from the run folder into `pictures/`, so that a
 //! page and what it shows can be uploaded together and the run folders can go.
 
-use crate::{Finding, Gate, GateError, Severity};
+use crate::{Finding, Gate, Severity};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -26,64 +26,47 @@ const NOTES: [(&str, &str); 3] = [
 pub struct ShownCase {
     /// [`terrafill_results::CaseId::key`].
     pub case: String,
-    /// What each shows, and its path relative to the gate's folder.
+    /// What each shows, and its path relative to the gate's folder; an empty path where it could not be copied.
     pub pictures: Vec<(String, String)>,
 }
 
 /// Copies the pictures of the first cases whose pictures or errors changed, from the new run. A case without
-/// a difference picture, such as one that draws what it should, is not shown: there is nothing to see.
+/// a difference picture, such as one that draws what it should, is not shown: there is nothing to see. A picture that
+/// cannot be copied is named as such, and costs no verdict.
 ///
 /// - `out`: the gate's folder
-///
-/// # Errors
-/// [`GateError::Io`] where a picture that the run names cannot be copied.
-pub(crate) fn copy_pictures(
-    findings: &[Finding],
-    new: &Run,
-    out: &Path,
-) -> Result<Vec<ShownCase>, GateError> {
+pub(crate) fn copy_pictures(findings: &[Finding], new: &Run, out: &Path) -> Vec<ShownCase> {
     let mut seen = BTreeSet::new();
-    let mut shown = Vec::new();
     let of_pictures = findings.iter().filter(|finding| {
         let is_of_pictures = matches!(finding.gate, Gate::Status | Gate::Errors);
         is_of_pictures && finding.severity != Severity::Note
     });
-    for finding in of_pictures {
-        if shown.len() == MAX_SHOWN {
-            break;
-        }
-        let case = new
-            .cases
-            .iter()
-            .find(|case| case.id().key() == finding.case);
-        let Some(case) = case.filter(|case| !case.note("difference_image").is_empty()) else {
-            continue;
-        };
-        if seen.insert(finding.case.clone()) {
-            shown.push(copy_case(case, &new.path, out, shown.len() + 1)?);
-        }
-    }
-    Ok(shown)
+    let cases = of_pictures.filter_map(|finding| new.case(&finding.case));
+    let differing = cases.filter(|case| !case.note("difference_image").is_empty());
+    let first = differing.filter(|case| seen.insert(case.id().key()));
+    (1..=MAX_SHOWN)
+        .zip(first)
+        .map(|(number, case)| copy_case(case, &new.path, out, number))
+        .collect()
 }
 
-fn copy_case(case: &Case, run: &Path, out: &Path, number: usize) -> Result<ShownCase, GateError> {
-    let folder = out.join(PICTURES);
-    std::fs::create_dir_all(&folder).map_err(GateError::io(&folder))?;
-    let mut pictures = Vec::new();
-    for (note, what) in NOTES {
-        let path = case.note(note);
-        if path.is_empty() {
-            continue;
-        }
+fn copy_case(case: &Case, run: &Path, out: &Path, number: usize) -> ShownCase {
+    let copy = |from: &str, name: &str| {
+        std::fs::create_dir_all(out.join(PICTURES))?;
+        std::fs::copy(run.join(from), out.join(name))
+    };
+    let notes = NOTES.iter().filter(|(note, _)| !case.note(note).is_empty());
+    let pictures = notes.map(|(note, what)| {
         let name = format!("{PICTURES}/{number}-{}.png", what.replace(' ', "-"));
-        let from = run.join(path);
-        std::fs::copy(&from, out.join(&name)).map_err(GateError::io(&from))?;
-        pictures.push((what.to_owned(), name));
-    }
-    Ok(ShownCase {
+        match copy(case.note(note), &name) {
+            Ok(_) => ((*what).to_owned(), name),
+            Err(error) => (format!("{what}: {error}"), String::new()),
+        }
+    });
+    ShownCase {
         case: case.id().key(),
-        pictures,
-    })
+        pictures: pictures.collect(),
+    }
 }
 
 #[cfg(test)]
@@ -113,9 +96,13 @@ mod tests {
         ];
         // Negative control: a picture that the run names and lacks.
         let missing = copy_pictures(&findings, &run, place.path());
-        assert!(missing.is_err(), "{missing:?}");
+        let (what, path) = &missing[0].pictures[1];
+        assert!(
+            what.starts_with("difference: ") && path.is_empty(),
+            "{what}"
+        );
         std::fs::write(run.path.join("images/d.png"), b"d").expect("written");
-        let shown = copy_pictures(&findings, &run, place.path()).expect("copied");
+        let shown = copy_pictures(&findings, &run, place.path());
         let paths: Vec<&str> = shown[0]
             .pictures
             .iter()
@@ -133,7 +120,7 @@ mod tests {
         );
         // Times and counters have no picture.
         let counted = [finding("filling/a", Severity::Worse, Gate::Counters)];
-        let none = copy_pictures(&counted, &run, place.path()).expect("nothing to copy");
+        let none = copy_pictures(&counted, &run, place.path());
         assert_eq!(none, []);
     }
 }

@@ -272,7 +272,7 @@ pub fn gate(
         time = Some(measured);
     }
     let mut report = GateReport::build(names, [&base, &new], exact, time, of_time, rules);
-    report.pictures = copy_pictures(&report.findings, &new, job.out())?;
+    report.pictures = copy_pictures(&report.findings, &new, job.out());
     report.elapsed_s = job.elapsed().as_secs_f64();
     let [base, new] = [Side::Base, Side::New].map(|side| job.folder(side).display().to_string());
     report.see = format!("terrafill compare {base} {new}");

@@ -192,7 +192,12 @@ fn two_programs(
             .collect(),
         some => some.to_vec(),
     };
-    let own = |scene: &str| shipped_scene_text(scene).map(str::to_owned);
+    // Another program's scenes are not known here.
+    let is_this_program = arguments.new.is_none();
+    let own = |scene: &str| {
+        let text = shipped_scene_text(scene).filter(|_| is_this_program);
+        text.map(str::to_owned)
+    };
     let carried = carry_scenes([&base, &new], &named, &own, &arguments.cache)?;
     // Where all are meant, and none differs, the programs name theirs.
     let scenes = if carried.carried.is_empty() {

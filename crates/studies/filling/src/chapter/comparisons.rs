@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Controlled pairs: two cases that differ in one thing, as it should be used; one map in two scales; and volumes
-//! between the heights of the surface as each view draws it beside volumes between one range for the whole Earth.
+//! Pairs of cases that differ in one thing. Two further tables compare one map in two scales, and volumes whose heights
+//! are those of each view's surface with volumes of one range for the whole Earth.
 
 use super::data::{Data, View, counter, has_role, name};
 use super::rungs::{Ladder, SOURCE};

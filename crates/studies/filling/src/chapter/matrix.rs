@@ -3,7 +3,7 @@
 //! by its figures and with the first picture of its kind by its hash.
 //!
 //! The reference alone says what is right. That two pictures are the same says only that two
-//! techniques agree, and stands beside the reference's verdict, never instead.
+//! techniques agree. It is shown next to the reference's verdict and never replaces it.
 
 use super::data::{Data, counter, distinct, grouped, has_role, layout_name, name, switches};
 use super::table::{figures, head, part, row};
@@ -81,8 +81,8 @@ fn scene_blocks(scene: &str, cells: &[&Case]) -> Vec<Block> {
     blocks
 }
 
-/// A row for each layout, those of a technique together; a column for each set of switches in which cases differ
-/// from the plainest one of their layout, which is the one with the shortest variant.
+/// A row for each layout, those of a technique together, and a column for each set of switches. A set is what a case
+/// changes against the plainest one of its layout, which has the shortest variant.
 fn marks(found: &[Examined<'_>]) -> Table {
     let techniques = grouped(found, |(case, _)| case.condition(TECHNIQUE)).into_iter();
     let layouts = techniques.flat_map(|(_, own)| grouped(own, |(case, _)| layout_name(case)));

@@ -203,7 +203,7 @@ fn time_cell(case: &Case, text: Option<String>, why: &str) -> Cell {
                 .to_owned(),
             ..Cell::plain(text)
         },
-        // Where its error is part of the answer it stands beside its time.
+        // An error that is part of the answer is shown next to the time.
         Some(text) if case.outcome == Outcome::Wrong && !is_rival(case) => Cell {
             class: CellClass::Void,
             title: "the picture is wrong: this time counts for nothing".to_owned(),

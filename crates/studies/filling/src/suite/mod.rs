@@ -31,12 +31,12 @@ pub struct ExtremeStudy {
 
 impl Study for ExtremeStudy {
     terrafill_study::study_facts!(
-        EXTREME,
-        "Does every technique survive what globes usually break at: right, or refused as it should be?",
-        METRICS,
-        CONDITIONS,
-        Full,
-        ExtremeChapter
+        name: EXTREME,
+        question: "Does every technique survive what globes usually break at: right, or refused as it should be?",
+        metrics: METRICS,
+        conditions: CONDITIONS,
+        least_depth: Full,
+        chapter: ExtremeChapter,
     );
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {

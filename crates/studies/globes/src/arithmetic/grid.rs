@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The grid on the screen: its map's largest error straight down beside the fitted formula and one in closed form, and
-//! triangles across ±180° that the published rule leaves as they are.
+//! The grid on the screen. Its map's largest error straight down is compared with a fitted formula and with one in
+//! closed form. Triangles across ±180° that the published rule leaves as they are, are counted.
 //!
 //! In closed form, for an eye that looks down: the corner cells' triangles have a diagonal of `d` metres on the ground.
 //! Under its middle the facet hangs `d² / 8R` deep, and a ray that meets it at the angle `i` with the normal is moved by

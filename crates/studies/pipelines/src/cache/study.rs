@@ -6,13 +6,15 @@ use super::keeps::Keeps;
 use super::queries::{Access, Blocks, SIDE, TexelQuery, answer, queries};
 use super::{on_vulkan, on_wgpu};
 use crate::STUDY;
-use crate::draws::{planned, verified};
 use crate::keys::{self, ACCESS, API, EXPERIMENT, KEPT_IN};
 use crate::way::Interface;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use terrafill_results::Verdict;
-use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged, planned_case,
+    verified,
+};
 
 /// Blocks; the last is above what array textures usually allow.
 const BLOCKS: [u32; 6] = [1, 16, 64, 256, 1_024, 4_096];
@@ -68,7 +70,7 @@ fn group_of(cases: Vec<CacheCase>, samples: u32) -> CaseGroup<Vec<CacheCase>> {
             (ACCESS, case.access.name().to_owned()),
             (keys::BLOCKS, case.blocks.count().to_string()),
         ];
-        let mut planned = planned(conditions, None, samples);
+        let mut planned = planned_case(STUDY, samples, conditions, None);
         planned.may_be_wrong = case.keep.rounds();
         planned
     };

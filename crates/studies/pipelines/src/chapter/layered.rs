@@ -6,7 +6,7 @@ use super::kit::{TIME, compared, of_most, said, time};
 use crate::blur::MOTION_PX;
 use crate::keys::*;
 use terrafill_lab::{
-    Cases, Column, Drawing, Figure, Names, Panel, Section, Select, finding, range,
+    Cases, Column, Drawing, Figure, Names, Panel, Section, Select, finding, log_slope, range,
 };
 use terrafill_plot::Upwards;
 use terrafill_plot::number::significant;
@@ -267,16 +267,7 @@ fn shadow_findings(cases: &Cases<'_>) -> Vec<Finding> {
 /// Least squares of log error over log number; `None` below three points.
 fn slope(errors: &[(f64, f64)]) -> Option<f64> {
     let usable = errors.iter().filter(|pair| pair.1 > 0.0);
-    let logs: Vec<(f64, f64)> = usable.map(|pair| (pair.0.ln(), pair.1.ln())).collect();
-    if logs.len() < 3 {
-        return None;
-    }
-    let count = logs.len() as f64;
-    let mean_x = logs.iter().map(|log| log.0).sum::<f64>() / count;
-    let mean_y = logs.iter().map(|log| log.1).sum::<f64>() / count;
-    let products = logs.iter().map(|log| (log.0 - mean_x) * (log.1 - mean_y));
-    let squares = logs.iter().map(|log| (log.0 - mean_x).powi(2));
-    Some(products.sum::<f64>() / squares.sum::<f64>())
+    log_slope(usable.copied())
 }
 
 /// Slopes of error over layers, from a layer a pixel of motion on, of every way that has three.

@@ -9,7 +9,6 @@ use super::on_vulkan::{OnVulkan, VulkanGround};
 use super::on_wgpu::{OnWgpu, WgpuGround};
 use super::way::{CullWay, FLIGHT_S, Place, Test, VIEWS, ViewKind, flight};
 use crate::STUDY;
-use crate::draws::{planned, verified};
 use crate::grid::View;
 use crate::images::{of_numbers, size_px, write};
 use crate::keys::{self, API, EXPERIMENT, PLACE, TEST, VIEW};
@@ -20,7 +19,9 @@ use std::rc::Rc;
 use terrafill_fill::{DeviceError, ids_of};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
-use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Failure, Figures, Measures, planned_case, verified,
+};
 
 /// Cells a side of a tile: the published 256, whose lists are counted and whose frames are not timed, and a quarter of
 /// it for frames; a quick run has small tiles.
@@ -111,8 +112,8 @@ fn group(
             place,
             (keys::TILE_CELLS, tile_cells.to_string()),
         ];
-        let mut planned = planned(conditions, Some(size_px(size)), samples);
-        // What the published test loses is what is asked of it.
+        let mut planned = planned_case(STUDY, samples, conditions, Some(size_px(size)));
+        // The case measures what the published test loses.
         planned.may_be_wrong = matches!(case.way.test, Test::Point(_));
         planned
     };

@@ -11,7 +11,7 @@ use crate::blur::{
     BAR_PX, BlurError, Filter, MOTION_PX, Moments, PHASES, PIXELS, Resolve, error_of, fading,
     moment_of, starts,
 };
-use crate::draws::{LooksUp, bits, differing, planned, verified};
+use crate::draws::{LooksUp, bits, differing};
 use crate::keys::{self, API, EXPERIMENT, FILTER, LAYERS_BY, MOMENTS, RESOLVE, SIZE_PX};
 use crate::lights::{LightColumns, LightWay};
 use crate::way::Interface;
@@ -20,7 +20,10 @@ use std::collections::BTreeMap;
 use terrafill_fill::{DeviceError, Devices};
 use terrafill_results::{PlannedCase, SplitMix64, Verdict};
 use terrafill_scene::ImageSize;
-use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged, planned_case,
+    verified,
+};
 
 /// A side of the picture, pixels.
 const SIDE: u32 = 64;
@@ -162,7 +165,12 @@ impl BlurCase {
         conditions.push((API, self.way.interface().name().to_owned()));
         conditions.push((LAYERS_BY, self.way.name().to_owned()));
         conditions.push((keys::LAYERS, self.layers.to_string()));
-        planned(conditions, Some((SIZE_PX, SIDE.to_string())), samples)
+        planned_case(
+            STUDY,
+            samples,
+            conditions,
+            Some((SIZE_PX, SIDE.to_string())),
+        )
     }
 
     /// Of the same layers, however they come.

@@ -4,7 +4,7 @@
 use super::listed::numbers_of;
 use super::shaded::{SHEARS, Shade};
 use crate::STUDY;
-use crate::draws::{LooksUp, planned, verified};
+use crate::draws::LooksUp;
 use crate::images::{of_shares, size_px, write};
 use crate::keys::{API, DEPTH, EXPERIMENT, FLOOR, LAYERS_BY, MOMENTS, SIGMA, TEXELS};
 use crate::lights::LightWay;
@@ -12,7 +12,10 @@ use crate::variance::{DepthFormat, Moments};
 use crate::way::Interface;
 use std::collections::BTreeMap;
 use terrafill_results::{ConditionKey, Verdict};
-use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged, planned_case,
+    verified,
+};
 
 /// Under the variance.
 const LEAST: f32 = 1e-7;
@@ -142,7 +145,7 @@ fn group_of(cases: Vec<ShadeCase>, samples: u32) -> CaseGroup<Vec<ShadeCase>> {
         } else {
             0
         };
-        planned(conditions, Some(size_px(case.shade.size())), samples)
+        planned_case(STUDY, samples, conditions, Some(size_px(case.shade.size())))
     };
     CaseGroup {
         name: format!("{STUDY}/shaded"),

@@ -6,7 +6,7 @@ use super::reference::LitRays;
 use super::scene::{DistantLight, lights};
 use super::way::LightWay;
 use crate::STUDY;
-use crate::draws::{LooksUp as _, bits, differing, planned, verified};
+use crate::draws::{LooksUp as _, bits, differing};
 use crate::grid::{Grid, View};
 use crate::images::{of_lights, size_px, write};
 use crate::keys::{self, EXPERIMENT, GRID_CELLS, LAYERS_BY, MAP_TEXELS};
@@ -15,7 +15,10 @@ use std::collections::BTreeMap;
 use terrafill_fill::ids_of;
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
-use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged, planned_case,
+    verified,
+};
 
 const LIGHTS: [u32; 3] = [1, 4, 16];
 const QUICK_LIGHTS: [u32; 1] = [4];
@@ -55,7 +58,7 @@ fn group(
             (MAP_TEXELS, side.to_string()),
             (GRID_CELLS, cells.to_string()),
         ];
-        planned(conditions, Some(size_px(size)), samples)
+        planned_case(STUDY, samples, conditions, Some(size_px(size)))
     };
     CaseGroup {
         name: format!("{STUDY}/lights/{count}"),
