@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A history as four CSV tables, for people's own tools and for joining stores.
+//! A history as CSV tables, for people's own tools and for joining stores.
 //!
-//! `runs.csv`, `cases.csv`, `figures.csv` and `metrics.csv` hold everything that the store has. A run's
-//! digest is over all of it, so that a table with an edited or a missing row is noticed.
+//! `runs.csv`, `cases.csv`, `figures.csv`, `metrics.csv` and `ranks.csv` hold everything that the store has. A run's
+//! digest is over all but the last, so that a table with an edited or a missing row is noticed. Tables of older
+//! programs lack `ranks.csv`.
 
 use crate::record::{CaseRecord, Machine, Record};
 use crate::{HistoryError, Position, Store};
@@ -33,6 +34,7 @@ const FIGURES: (&str, &[&str]) = (
     &["digest", "case", "metric", "process", "value"],
 );
 const METRICS: (&str, &[&str]) = ("metrics.csv", METRIC_COLUMNS.split_at(OLD_METRIC_COLUMNS).0);
+const RANKS: (&str, &[&str]) = ("ranks.csv", &["digest", "study", "metric"]);
 
 #[derive(Serialize, Deserialize)]
 struct RunRow {
@@ -65,12 +67,21 @@ struct FigureRow {
     value: f64,
 }
 
+/// By which metric a run ranks a study.
+#[derive(Serialize, Deserialize)]
+struct RankRow {
+    digest: String,
+    study: String,
+    metric: String,
+}
+
 /// Writes the tables of a store into `folder`, which is made where there is none.
 ///
 /// # Errors
 /// [`HistoryError::Io`] for a folder that holds tables already, or that cannot be written.
 pub fn export(store: &Store, folder: &Path) -> Result<usize, HistoryError> {
     let (mut runs, mut cases, mut figures) = (Vec::new(), Vec::new(), Vec::new());
+    let mut ranks = Vec::new();
     let mut metrics: BTreeMap<String, MetricRow> = BTreeMap::new();
     let overview = store.overview()?;
     for entry in &overview.runs {
@@ -85,6 +96,11 @@ pub fn export(store: &Store, folder: &Path) -> Result<usize, HistoryError> {
             shader_hash: record.shader_hash,
             machine: json(&record.machine),
         });
+        ranks.extend(record.ranks.into_iter().map(|(study, metric)| RankRow {
+            digest: digest.clone(),
+            study,
+            metric,
+        }));
         metrics.extend(record.metrics.into_iter().map(|m| (m.name.clone(), m)));
         for case in record.cases {
             let of_case = case
@@ -108,7 +124,7 @@ pub fn export(store: &Store, folder: &Path) -> Result<usize, HistoryError> {
         }
     }
     std::fs::create_dir_all(folder).map_err(HistoryError::io(folder))?;
-    for (name, _) in [RUNS, CASES, FIGURES, METRICS] {
+    for (name, _) in [RUNS, CASES, FIGURES, METRICS, RANKS] {
         let path = folder.join(name);
         if path.exists() {
             let message = "it is there already, allowed: a folder without tables";
@@ -116,6 +132,7 @@ pub fn export(store: &Store, folder: &Path) -> Result<usize, HistoryError> {
         }
     }
     write(folder, METRICS, &metrics.into_values().collect::<Vec<_>>())?;
+    write(folder, RANKS, &ranks)?;
     write(folder, FIGURES, &figures)?;
     write(folder, CASES, &cases)?;
     // Last: where it is, the others are.
@@ -143,6 +160,7 @@ pub fn read_tables(folder: &Path) -> Result<Vec<(Record, Option<Position>)>, His
             machine,
             metrics: Vec::new(),
             cases: Vec::new(),
+            ranks: BTreeMap::new(),
         };
         let position = position.map(|(ordinal, unix_s)| Position { ordinal, unix_s });
         records.push((run.digest, record, position));
@@ -182,6 +200,13 @@ pub fn read_tables(folder: &Path) -> Result<Vec<(Record, Option<Position>)>, His
         let case = case.map_err(|_| unknown(FIGURES.0, row, &figure.case))?;
         let value = (figure.metric, figure.process, figure.value);
         record.cases[case].figures.push(value);
+    }
+    if folder.join(RANKS.0).exists() {
+        for (row, rank) in (2..).zip(read::<RankRow>(folder, RANKS)?) {
+            let at = place.get(&rank.digest);
+            let at = *at.ok_or_else(|| unknown(RANKS.0, row, &rank.digest))?;
+            records[at].1.ranks.insert(rank.study, rank.metric);
+        }
     }
     let mut checked = Vec::new();
     for (digest, mut record, position) in records {

@@ -140,6 +140,9 @@ pub struct Record {
     pub metrics: Vec<MetricRow>,
     /// In alphabetical order. A/A twins are left out: they repeat the work of others.
     pub cases: Vec<CaseRecord>,
+    /// By study the metric that the run marks as ranking it; empty of runs that are older than the mark.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub ranks: BTreeMap<String, String>,
 }
 
 /// A case of it.
@@ -220,6 +223,7 @@ impl Record {
             machine: Machine::of(&run.environment),
             metrics,
             cases,
+            ranks: run.primary.clone(),
         };
         record.check_commit(&run.path.display().to_string())?;
         Ok((record, left_out))
@@ -248,10 +252,11 @@ impl Record {
         hash(&self.without_texts())
     }
 
-    /// Without meanings and conditions: the store keeps those of the first run that had them. Marks and scopes,
-    /// which it does not keep, are left out too.
+    /// Without meanings and conditions: the store keeps those of the first run that had them. Marks, which older
+    /// programs did not keep, and scopes, which it does not keep, are left out too.
     fn without_texts(&self) -> Self {
         let mut plain = self.clone();
+        plain.ranks.clear();
         plain.metrics.iter_mut().for_each(|metric| {
             metric.meaning.clear();
             metric.primary = Primary::No;

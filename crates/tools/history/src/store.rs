@@ -27,24 +27,27 @@ const APPLICATION_ID: i64 = 0x7466_6869;
 /// How long another process that is writing is waited for.
 const MAX_WAIT: Duration = Duration::from_secs(20);
 
+/// All of them again where a store has some already: those of older programs lack `ranks`.
 const TABLES: &str = "
-CREATE TABLE machines (id INTEGER PRIMARY KEY, facts TEXT NOT NULL UNIQUE);
-CREATE TABLE metrics (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, unit TEXT NOT NULL,
+CREATE TABLE IF NOT EXISTS machines (id INTEGER PRIMARY KEY, facts TEXT NOT NULL UNIQUE);
+CREATE TABLE IF NOT EXISTS metrics (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, unit TEXT NOT NULL,
     kind TEXT NOT NULL, better TEXT NOT NULL, meaning TEXT NOT NULL);
-CREATE TABLE cases (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, conditions TEXT NOT NULL);
-CREATE TABLE runs (id INTEGER PRIMARY KEY, digest TEXT NOT NULL UNIQUE, identity TEXT NOT NULL,
+CREATE TABLE IF NOT EXISTS cases (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, conditions TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS runs (id INTEGER PRIMARY KEY, digest TEXT NOT NULL UNIQUE, identity TEXT NOT NULL,
     commit_id TEXT NOT NULL, ordinal INTEGER, committed_unix_s INTEGER,
     started_unix_s INTEGER NOT NULL, shader_hash TEXT NOT NULL,
     machine INTEGER NOT NULL REFERENCES machines);
-CREATE TABLE outcomes (run INTEGER NOT NULL REFERENCES runs, case_id INTEGER NOT NULL REFERENCES cases,
+CREATE TABLE IF NOT EXISTS outcomes (run INTEGER NOT NULL REFERENCES runs, case_id INTEGER NOT NULL REFERENCES cases,
     outcome TEXT NOT NULL, reason TEXT NOT NULL, PRIMARY KEY (run, case_id)) WITHOUT ROWID;
-CREATE TABLE figures (run INTEGER NOT NULL REFERENCES runs, case_id INTEGER NOT NULL REFERENCES cases,
+CREATE TABLE IF NOT EXISTS figures (run INTEGER NOT NULL REFERENCES runs, case_id INTEGER NOT NULL REFERENCES cases,
     metric INTEGER NOT NULL REFERENCES metrics, process INTEGER NOT NULL, value REAL NOT NULL,
     PRIMARY KEY (run, case_id, metric, process)) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS ranks (run INTEGER NOT NULL REFERENCES runs, study TEXT NOT NULL,
+    metric TEXT NOT NULL, PRIMARY KEY (run, study)) WITHOUT ROWID;
 ";
 
-const TABLE_NAMES: [&str; 6] = [
-    "machines", "metrics", "cases", "runs", "outcomes", "figures",
+const TABLE_NAMES: [&str; 7] = [
+    "machines", "metrics", "cases", "runs", "outcomes", "figures", "ranks",
 ];
 
 /// A history on disk.
@@ -223,6 +226,7 @@ impl Store {
             .connection
             .transaction_with_behavior(behaviour)
             .map_err(&failed)?;
+        make_tables(&transaction).map_err(&failed)?;
         let mut added = Vec::new();
         for (record, position) in records {
             added.push(add_one(&transaction, &self.path, record, *position)?);
@@ -266,6 +270,7 @@ impl Store {
 
     /// Every figure without noise, and the times that studies are ranked by, as series over the commits.
     ///
+    /// - `primary`: what a study is ranked by on machines of whose runs none marks it
     /// - `metrics`: names of times to look at instead of the studies' own; empty for those
     ///
     /// # Errors
@@ -292,16 +297,24 @@ impl Store {
         let cases = names(&self.connection).map_err(&failed)?;
         let controls = self.controls()?;
         let declared = declared(&self.connection).map_err(&failed)?;
+        // The newest run of a machine decides, so that no series ends where a mark moved.
+        let mut marked: BTreeMap<(i64, String), String> = BTreeMap::new();
+        for ((run, study), metric) in ranks(&self.connection).map_err(&failed)? {
+            if let Some((machine, _)) = runs.get(&run) {
+                marked.insert((*machine, study), metric);
+            }
+        }
         let is_wanted = |case: &str, metric: &MetricRow, machine: i64| {
             if metric.kind.is_exact() {
                 return metrics.is_empty() || metrics.contains(&metric.name);
             }
-            let study = case.split('/').next().unwrap_or_default();
-            let clock = overview.machines.get(&machine).map(Machine::clock);
-            match metrics {
-                [] => clock.and_then(|clock| primary(study, clock)) == Some(metric.name.as_str()),
-                named => named.contains(&metric.name),
+            if !metrics.is_empty() {
+                return metrics.contains(&metric.name);
             }
+            let study = case.split('/').next().unwrap_or_default();
+            let by_mark = marked.get(&(machine, study.to_owned())).map(String::as_str);
+            let clock = || overview.machines.get(&machine).map(Machine::clock);
+            by_mark.or_else(|| primary(study, clock()?)) == Some(metric.name.as_str())
         };
         // Values of a run at a place, by machine, case and metric.
         let mut values: BTreeMap<(i64, i64, i64), Vec<ValuesOfRun>> = BTreeMap::new();
@@ -453,18 +466,23 @@ impl Store {
 
 fn begin(connection: &mut Connection) -> rusqlite::Result<()> {
     let transaction = connection.transaction()?;
+    make_tables(&transaction)?;
+    transaction.pragma_update(None, "application_id", APPLICATION_ID)?;
+    transaction.pragma_update(None, "user_version", STORE_SCHEMA)?;
+    transaction.commit()
+}
+
+fn make_tables(transaction: &Transaction<'_>) -> rusqlite::Result<()> {
     transaction.execute_batch(TABLES)?;
     for table in TABLE_NAMES {
         for what in ["UPDATE", "DELETE"] {
             transaction.execute_batch(&format!(
-                "CREATE TRIGGER {table}_{what} BEFORE {what} ON {table}
+                "CREATE TRIGGER IF NOT EXISTS {table}_{what} BEFORE {what} ON {table}
                  BEGIN SELECT RAISE(ABORT, 'a history is appended to and never edited'); END;"
             ))?;
         }
     }
-    transaction.pragma_update(None, "application_id", APPLICATION_ID)?;
-    transaction.pragma_update(None, "user_version", STORE_SCHEMA)?;
-    transaction.commit()
+    Ok(())
 }
 
 fn add_one(
@@ -481,7 +499,9 @@ fn add_one(
         })
         .optional()
         .map_err(&failed)?;
-    if known.is_some() {
+    if let Some(known) = known {
+        // A program that did not know of marks may have stored it.
+        insert_ranks(transaction, known, record).map_err(&failed)?;
         return Ok(Added::Known);
     }
     let earlier: Option<i64> = transaction
@@ -591,6 +611,7 @@ fn insert(
         ],
     )?;
     let run = transaction.last_insert_rowid();
+    insert_ranks(transaction, run, record)?;
     let metrics: BTreeMap<String, i64> = declared(transaction)?
         .into_iter()
         .map(|(id, metric)| (metric.name, id))
@@ -613,6 +634,30 @@ fn insert(
         }
     }
     Ok(())
+}
+
+fn insert_ranks(transaction: &Transaction<'_>, run: i64, record: &Record) -> rusqlite::Result<()> {
+    let mut insert = transaction
+        .prepare("INSERT OR IGNORE INTO ranks (run, study, metric) VALUES (?1, ?2, ?3)")?;
+    for (study, metric) in &record.ranks {
+        insert.execute(params![run, study, metric])?;
+    }
+    Ok(())
+}
+
+/// By run and study the metric that the run marks as ranking it; nothing of stores of older programs.
+fn ranks(connection: &Connection) -> rusqlite::Result<BTreeMap<(i64, String), String>> {
+    let is_there: bool = connection.query_row(
+        "SELECT count(*) > 0 FROM sqlite_master WHERE type = 'table' AND name = 'ranks'",
+        [],
+        |row| row.get(0),
+    )?;
+    if !is_there {
+        return Ok(BTreeMap::new());
+    }
+    let mut statement = connection.prepare("SELECT run, study, metric FROM ranks")?;
+    let rows = statement.query_map([], |row| Ok(((row.get(0)?, row.get(1)?), row.get(2)?)))?;
+    rows.collect()
 }
 
 fn declared(connection: &Connection) -> rusqlite::Result<BTreeMap<i64, MetricRow>> {
@@ -730,7 +775,10 @@ fn record(connection: &Connection, path: &Path, run: i64) -> Result<Record, Hist
         .map(|(_, metric)| metric)
         .collect();
     metrics.sort_by(|a, b| a.name.cmp(&b.name));
+    let ranks = ranks(connection).map_err(&failed)?;
+    let ranks = ranks.into_iter().filter(|((of, _), _)| *of == run);
     Ok(Record {
+        ranks: ranks.map(|((_, study), metric)| (study, metric)).collect(),
         commit,
         started_unix_s: u64::try_from(started).unwrap_or(0),
         shader_hash,

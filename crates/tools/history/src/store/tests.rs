@@ -209,6 +209,80 @@ fn series_follow_ancestry_and_leave_edited_sources_out() {
 }
 
 #[test]
+fn a_run_says_by_which_metric_a_study_is_ranked() {
+    let marked = |number: u32, mark: Option<usize>| {
+        let mut run = made_up(number);
+        run.metrics.push(Metric::less(
+            "fill_wall_ms",
+            "ms",
+            Kind::Time,
+            "By the wall clock.",
+        ));
+        run.cases[0].timed("fill_wall_ms", &[4.0, 4.0, 4.0]);
+        if let Some(at) = mark {
+            run.metrics[at] = run.metrics[at].ranking(terrafill_results::Primary::Any);
+        }
+        record(&run)
+    };
+    let times = |store: &Store| {
+        let overview = store.overview().expect("readable");
+        let series = store.series(&overview, &primary, &[]).expect("readable");
+        let times = series.into_iter().filter(|of| !of.metric.kind.is_exact());
+        times
+            .map(|of| (of.metric.name, of.points.len()))
+            .collect::<Vec<_>>()
+    };
+    let expected = |name: &str, commits| vec![(name.to_owned(), commits)];
+    // Negative control: without a mark it is what this program's studies say.
+    let (_folder, mut store) = store(&[(marked(1, None), None)]);
+    assert_eq!(times(&store), expected(METRIC, 1));
+    // The newest mark counts for all commits.
+    store.add(&[(marked(2, Some(2)), None)]).expect("stored");
+    assert_eq!(times(&store), expected("fill_wall_ms", 2));
+    store.add(&[(marked(3, Some(0)), None)]).expect("stored");
+    assert_eq!(times(&store), expected(METRIC, 3));
+}
+
+#[test]
+fn a_store_of_an_older_program_is_gone_on_with() {
+    let mut run = made_up(1);
+    run.metrics[0] = run.metrics[0].ranking(terrafill_results::Primary::Any);
+    let (folder, store) = store(&[(record(&run), None)]);
+    store
+        .connection
+        .execute_batch("DROP TABLE ranks")
+        .expect("an older store");
+    drop(store);
+    let mut store = Store::open(&folder.path().join("h.sqlite")).expect("a store");
+    let ranks = |store: &Store| {
+        let overview = store.overview().expect("readable");
+        store.record(&overview.runs[0]).expect("readable").0.ranks
+    };
+    assert!(ranks(&store).is_empty());
+    // Added again it is known, and its mark is kept from then on.
+    assert_eq!(
+        store.add(&[(record(&run), None)]).expect("known"),
+        [Added::Known]
+    );
+    assert_eq!(ranks(&store), record(&run).ranks);
+    assert_eq!(ranks(&store).len(), 1);
+    let tables = folder.path().join("tables");
+    export(&store, &tables).expect("written");
+    assert_eq!(
+        read_tables(&tables).expect("readable")[0].0.ranks,
+        ranks(&store)
+    );
+    // Tables of an older program.
+    std::fs::remove_file(tables.join("ranks.csv")).expect("there");
+    assert!(
+        read_tables(&tables).expect("readable")[0]
+            .0
+            .ranks
+            .is_empty()
+    );
+}
+
+#[test]
 fn a_case_that_no_longer_gives_a_result_is_named() {
     let mut failed = made_up(2);
     failed.cases[0].ended(Status::Failed, "device lost");
