@@ -2,7 +2,7 @@
 //! Findings stand and fall by their figures.
 
 use super::*;
-use crate::keys::{FILL_CPU, LOST, UPDATES};
+use crate::keys::{FILL_CPU, FILL_GPU, LOST, UPDATES};
 use terrafill_results::made_up::{MadeUpRun, case_id};
 use terrafill_results::{Chapter as _, Standing};
 
@@ -176,6 +176,35 @@ fn rivals_stand_beside_volumes_of_their_interface() {
     };
     assert_eq!(rivals(5.0), Some(Standing::Holds));
     assert_eq!(rivals(1.0), Some(Standing::DoesNotHold));
+}
+
+#[test]
+fn tiles_are_not_compared_by_a_clock_that_leaves_out_their_read_back() {
+    let of = |device_type: &str, bounds: &str| {
+        let way = |bounds| {
+            [
+                ("question", "devices"),
+                ("api", "wgpu"),
+                ("depth_bounds", bounds),
+            ]
+        };
+        let mut run = MadeUpRun {
+            metrics: crate::metrics::METRICS.to_vec(),
+            ..MadeUpRun::default()
+        };
+        run.environment.device_type = device_type.to_owned();
+        run.environment.gpu_timestamps = true;
+        for (bounds, ms) in [("off", 2.0), (bounds, 1.0)] {
+            let name = format!("devices/{bounds}");
+            let case = run.case(case_id(crate::STUDY, &name, &way(bounds)));
+            case.timed(FILL_CPU, &[ms; 5]).timed(FILL_GPU, &[ms; 5]);
+        }
+        finding(&run, "Depth bounds are faster")
+    };
+    assert_eq!(of("cpu", "tiles"), Some(Standing::Holds));
+    assert_eq!(of("discrete-gpu", "discard"), Some(Standing::Holds));
+    // Negative control: what a GPU's clock does not cover has no verdict by it.
+    assert_eq!(of("discrete-gpu", "tiles"), None);
 }
 
 #[test]
