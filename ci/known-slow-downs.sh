@@ -1,0 +1,158 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT OR Apache-2.0
+#
+# How near the time gate comes to slow-downs of known size: makes the table of docs/gate.md. Loops that change no
+# pixel are put into the vertex shader of `instanced`, into the fragment shader of covers and before the frame's
+# commands. How often each goes round is a number in the program's bytes, so all programs share their code. The cost of
+# a round comes from single processes of `bench` with many rounds. Needs python3, a software driver and about half an
+# hour of a machine that does nothing else.
+#
+# usage: ci/known-slow-downs.sh OUT [GATES]
+#   GATES: v, f or c, work in the vertex shader, in the fragment shader or on the CPU, with a number of rounds
+#   [default: v42 v70 v100 f2 f4 f6 c60000 c100000 c150000]
+set -euo pipefail
+
+[ $# -ge 1 ] && [ ! -e "$1" ] || {
+    echo "usage: $0 OUT [GATES], OUT a folder that is not there yet" >&2
+    exit 2
+}
+mkdir -p "$1"
+out=$(realpath "$1")
+shift
+gates=("$@")
+[ ${#gates[@]} -gt 0 ] || gates=(v42 v70 v100 f2 f4 f6 c60000 c100000 c150000)
+cd "$(dirname "$0")/.."
+target=$(realpath "${CARGO_TARGET_DIR:-target}")
+
+cargo build --release --locked --package terrafill
+gate=$out/gate-program
+cp "$target/release/terrafill" "$gate"
+
+# The program with the loops: a tree of its own, whose libraries are copies.
+tree=$out/tree
+git worktree add --detach --force "$tree" HEAD >/dev/null
+trap 'git worktree remove --force "$tree"' EXIT
+python3 - "$tree" <<'PYTHON'
+import pathlib, sys
+tree = pathlib.Path(sys.argv[1])
+def edit(path, before, after):
+    text = (tree / path).read_text()
+    assert text.count(before) == 1, f"{path}: found {before!r} {text.count(before)} times, expected once"
+    (tree / path).write_text(text.replace(before, after))
+loop = """    var waste = {start};
+    let rounds =     {mark}u + ({zero} >> 31u);
+    for (var i = 0u; i < rounds; i++) {{
+        waste = waste * 0.999 + 0.001;
+    }}
+"""
+edit("shaders/instanced/fill.wgsl",
+     "    return clip_from_eye_relative(eye_relative_m(position, region_index, height_m));\n",
+     loop.format(start="height_m", mark="1000001", zero="region_index")
+     + "    let same_m = height_m + select(0.0, 1.0, waste > 1e30);\n"
+     + "    return clip_from_eye_relative(eye_relative_m(position, region_index, same_m));\n")
+edit("shaders/vertex/cover.wgsl", "    return in.colour;\n",
+     loop.format(start="in.colour.x", mark="1000002", zero="bitcast<u32>(in.clip.x)")
+     + "    return in.colour + vec4<f32>(select(0.0, 1.0, waste > 1e30));\n")
+edit("crates/devices/gpu/src/fill.rs", "        let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;\n        let list",
+     """        for round in 0..hidden_rounds() {
+            std::hint::black_box(round.wrapping_mul(6_364_136_223_846_793_005));
+        }
+        let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
+        let list""")
+with (tree / "crates/devices/gpu/src/fill.rs").open("a") as file:
+    file.write("""
+#[used]
+static HIDDEN: [u8; 24] = *b"HIDDEN-ROUNDS=0001000003";
+
+fn hidden_rounds() -> u64 {
+    let digits = &std::hint::black_box(&HIDDEN)[14..];
+    digits.iter().fold(0, |sum, digit| 10 * sum + u64::from(digit - b'0'))
+}
+""")
+PYTHON
+mkdir -p "$out/target/release"
+cp -a "$target"/release/{deps,build,.fingerprint} "$out/target/release/"
+(cd "$tree" && CARGO_TARGET_DIR=$out/target cargo build --release --locked --package terrafill)
+
+# One program for each number of rounds: v, f or c with the number.
+program() {
+    python3 - "$out/target/release/terrafill" "$1" "$out/$1" <<'PYTHON'
+import os, sys
+built, name, to = sys.argv[1:]
+rounds = dict.fromkeys("vfc", 0) | ({name[0]: int(name[1:])} if name != "none" else {})
+program = open(built, "rb").read()
+# Numbers of WGSL have no leading zeros, so they are padded with spaces.
+marks = [("v", b"    1000001u", b"    %7du"), ("f", b"    1000002u", b"    %7du"),
+         ("c", b"HIDDEN-ROUNDS=0001000003", b"HIDDEN-ROUNDS=%010d")]
+for kind, mark, text in marks:
+    text = text % rounds[kind]
+    assert program.count(mark) > 0 and len(mark) == len(text), (kind, rounds)
+    program = program.replace(mark, text)
+open(to, "wb").write(program)
+os.chmod(to, 0o755)
+PYTHON
+}
+calibrated=(none v1000 v2000 f100 f200 c500000 c1000000)
+for name in "${calibrated[@]}" "${gates[@]}"; do
+    [ -e "$out/$name" ] || program "$name"
+done
+for round in 1 2 3 4; do
+    for name in "${calibrated[@]}" none; do
+        run=$out/cost-$name-$round
+        [ ! -e "$run" ] || run=$run-again
+        taskset -c 0 "$out/$name" bench california --technique instanced --size 256 --quick --samples 60 \
+            --out "$run" >/dev/null 2>&1
+    done
+done
+for name in "${gates[@]}"; do
+    # A slow-down ends a gate with 1.
+    "$gate" gate california --technique instanced --base "$out/none" --new "$out/$name" --out "$out/gate-$name" \
+        >/dev/null 2>&1 || [ -e "$out/gate-$name/gate.json" ]
+    echo "$name: gated" >&2
+done
+
+python3 - "$out" "${gates[@]}" <<'PYTHON'
+import csv, glob, json, statistics as st, sys
+out, gates = sys.argv[1], sys.argv[2:]
+def medians(run):
+    samples = {}
+    for row in csv.DictReader(open(f"{run}/measurements.csv")):
+        if row["metric"] == "fill_cpu_ms" and row["sample"] != "0" and "(again)" not in row["case"]:
+            samples.setdefault(row["case"], []).append(float(row["value"]))
+    return {case: st.median(values) for case, values in samples.items()}
+def of(name):
+    runs = [medians(run) for run in glob.glob(f"{out}/cost-{name}-*")]
+    return {case: st.median(run[case] for run in runs) for case in runs[0]}
+none, many = of("none"), {"v": ("v2000", 2000), "f": ("f200", 200), "c": ("c1000000", 1e6)}
+cost_ms = {}
+for kind, (name, rounds) in many.items():
+    slow = of(name)
+    cost_ms[kind] = {case: (slow[case] - none[case]) / rounds for case in none if "/instanced/" in case}
+rows, baselines, called = [], 0, 0
+for name in gates:
+    kind, rounds = name[0], int(name[1:])
+    for case in json.load(open(f"{out}/gate-{name}/gate.json"))["time"]["cases"]:
+        if case["span"] != "frame":
+            continue
+        if case["case"] not in cost_ms[kind]:
+            baselines, called = baselines + 1, called + (case["pace"] in ("slower", "faster"))
+            continue
+        expected = 100 * cost_ms[kind][case["case"]] * rounds / case["base_ms"]
+        rows.append((kind, expected, case["percent"], case.get("interval_percent"), case["pace"]))
+print("| work in | cases that were decided | expected, % | gate less expected, mean | rms | largest "
+      "| 5 % or more, called slower |\n|---|---|---|---|---|---|---|")
+for kind, words in (("v", "vertex"), ("f", "fragment"), ("c", "CPU")):
+    own = [row for row in rows if row[0] == kind]
+    decided = [row for row in own if row[3]]
+    if not decided:
+        continue
+    off = [row[2] - row[1] for row in decided]
+    large = [row for row in own if row[1] >= 5]
+    least, most = min(row[1] for row in decided), max(row[1] for row in decided)
+    rms = st.fmean(x * x for x in off) ** 0.5
+    print(f"| {words} | {len(decided)} | {least:.1f} … {most:.1f} | {st.fmean(off):+.2f} | {rms:.2f} "
+          f"| {max(off, key=abs):+.2f} | {sum(row[4] == 'slower' for row in large)} of {len(large)} |")
+decided = [row for row in rows if row[3]]
+within = sum(abs(row[2] - row[1]) <= 1 for row in decided)
+print(f"\n{within} of {len(decided)} estimates within 1 % of what was expected; of {baselines} baseline passes {called} called")
+PYTHON
