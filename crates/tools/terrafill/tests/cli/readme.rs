@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The commands and the script of README.md, run as they stand there.
+//! The commands of README.md and docs/using.md, and the script of the latter, run as they stand there.
 
 use crate::harness::{Desk, has_device, ran};
 use std::collections::BTreeMap;
@@ -8,6 +8,10 @@ use std::process::{Command, Stdio};
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..")
+}
+
+fn page(name: &str) -> String {
+    std::fs::read_to_string(repository().join(name)).expect(name)
 }
 
 /// First cells of the table of commands.
@@ -71,12 +75,12 @@ fn run_line(desk: &Desk, line: &str) -> Result<(), String> {
 }
 
 #[test]
-fn every_command_of_the_readme_runs_as_written() {
+fn every_command_of_the_tables_runs_as_written() {
     if !has_device() {
         return;
     }
-    let readme = std::fs::read_to_string(repository().join("README.md")).expect("README.md");
-    let commands = commands(&readme);
+    let pages = ["README.md", "docs/using.md"].map(page);
+    let commands: Vec<&str> = pages.iter().flat_map(|page| commands(page)).collect();
     for verb in [
         "data",
         "scenes",
@@ -99,9 +103,11 @@ fn every_command_of_the_readme_runs_as_written() {
         assert_eq!(run_line(&desk, command), Ok(()));
     }
     for output in [
+        "out/first/index.html",
         "out/quick/index.html",
         "out/run/index.html",
         "california.png",
+        "regions.png",
     ] {
         assert!(desk.path(output).is_file(), "{output}");
     }
@@ -115,7 +121,7 @@ fn a_command_that_does_not_run_is_noticed() {
     assert!(run_line(&clone(), commands[0]).is_err());
 }
 
-/// Fastest correct technique of each scene and view, with its bytes and its error, as README.md has it.
+/// Fastest correct technique of each scene and view, with its bytes and its error, as docs/using.md has it.
 const FASTEST: &str = r#"import pandas as pd
 cases, rows = pd.read_csv("out/run/cases.csv"), pd.read_csv("out/run/measurements.csv")
 wide = rows.pivot_table(index="case", columns="metric", values="value", aggfunc="median").reset_index()
@@ -187,10 +193,12 @@ fn has_row(printed: &str, name: &[String; 4]) -> bool {
 }
 
 #[test]
-fn the_readmes_script_finds_the_fastest_correct_technique_of_every_view() {
-    let readme = std::fs::read_to_string(repository().join("README.md")).expect("README.md");
+fn the_script_finds_the_fastest_correct_technique_of_every_view() {
     let fenced = format!("```python\n{FASTEST}```\n");
-    assert!(readme.contains(&fenced), "README.md has other lines");
+    assert!(
+        page("docs/using.md").contains(&fenced),
+        "docs/using.md has other lines"
+    );
     assert_eq!(FASTEST.lines().count(), 5);
     if !has_device() {
         return;
