@@ -32,12 +32,6 @@ impl XorBatches {
     /// Greedy colouring of the rectangles' overlap graph, in their order.
     #[must_use]
     pub fn new(volumes: &[Volume]) -> Self {
-        Self::of_numbers(volumes, XOR_NUMBERS)
-    }
-
-    /// As [`XorBatches::new`], at most so many numbers a pass.
-    #[must_use]
-    pub(crate) fn of_numbers(volumes: &[Volume], numbers: usize) -> Self {
         let mut classes: Vec<Vec<usize>> = Vec::new();
         for (index, volume) in volumes.iter().enumerate() {
             let free = classes
@@ -50,7 +44,7 @@ impl XorBatches {
         }
         Self {
             passes: classes
-                .chunks(numbers)
+                .chunks(XOR_NUMBERS)
                 .map(<[Vec<usize>]>::to_vec)
                 .collect(),
         }
@@ -119,7 +113,6 @@ mod tests {
             geometry: 0,
             near_rectangle: NearRectangle::Outside,
             drawn_as: DrawnAs::Volume,
-            front_caps_suffice: false,
             depth: DepthRange::ANY,
             screen_rect: PixelRect {
                 left,

@@ -84,7 +84,6 @@ mod tests {
             depth: DepthRange::ANY,
             near_rectangle: NearRectangle::by_bounds(geometry == 11),
             drawn_as: DrawnAs::Volume,
-            front_caps_suffice: false,
             geometry,
         };
         VolumeList::new(ViewId::unique(), size, (10..13).map(volume).collect())

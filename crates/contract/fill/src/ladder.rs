@@ -12,8 +12,7 @@
 //! its own rungs between those that all techniques share.
 
 use crate::{
-    BottomCap, CapFaces, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass, Switches,
-    Variant,
+    BottomCap, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass, Switches, Variant,
 };
 use terrafill_scene::{Overlap, PartCulling, PlanOptions, WallHeights};
 
@@ -279,13 +278,6 @@ impl Climb {
             "regions whose volumes are lower than half a pixel as flat meshes, without stencil",
             |variant| variant.plan.far_level_px = Some(LOD_PX),
         )
-        .aside(
-            "wall-band",
-            "top caps bring the colour where no wall is in front of the surface; volumes are counted elsewhere only",
-            |variant| {
-                variant.switches.counts_in_band = true;
-            },
-        )
     }
 
     /// What the view at hand does not need, for a technique that draws regions in parts. Then experiments with
@@ -324,21 +316,6 @@ impl Climb {
             |switches| switches.cover_area = CoverArea::Tiles,
         )
         .experiments_at_the_top()
-    }
-
-    /// Caps without the facets that face away, beside the way, for a technique that draws caps apart from walls.
-    /// Where regions keep an order, numbers cannot be flipped by XOR.
-    #[must_use]
-    pub fn front_caps(self, overlap: Overlap) -> Self {
-        if overlap == Overlap::Ordered {
-            return self;
-        }
-        self.aside(
-            "xor-front",
-            "facets of top caps that face away are left out where the sky is behind them, and covers leave \
-             out the sky",
-            |variant| variant.switches.cap_faces = CapFaces::Front,
-        )
     }
 
     /// A mesh of fewer vertices, beside the way; the document considered it.

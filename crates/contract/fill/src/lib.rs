@@ -23,7 +23,6 @@ mod fingerprint;
 mod fixed_point;
 mod footprint;
 mod frame;
-mod front_caps;
 mod geometry;
 mod held_meshes;
 mod identity;
@@ -40,6 +39,7 @@ mod route_choice;
 mod scene_bounds;
 mod steps;
 mod surface_view;
+mod switch;
 mod switches;
 mod targets;
 mod technique;
@@ -86,23 +86,24 @@ pub use needs_ladder::needs_ladder;
 pub use palette::{Colours, paint, region_colour};
 pub use picture::{MAX_REGIONS, NO_REGION, Picture, ids_of};
 pub use program::{
-    BAND, CoverShape, DepthRule, FaceEffect, FaceSet, FillCommand, FillPass, FillProgram,
+    CoverShape, DepthRule, FaceEffect, FaceSet, FillCommand, FillPass, FillProgram,
     StencilOperation, StencilRule, StencilTest,
 };
 pub use route_choice::RouteChoice;
 pub use scene_bounds::SceneBounds;
 pub use steps::{FillStep, NUMBER_BYTES, VolumeDraw, VolumeState};
 pub use surface_view::{SurfaceLook, SurfaceView};
+pub use switch::{Switch, Values};
 pub use switches::{
-    BottomCap, CapFaces, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass,
-    StencilClear, SwitchError, Switches, pick,
+    BottomCap, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass, StencilClear,
+    SwitchError, Switches, pick,
 };
 pub use targets::{Api, Targets};
 pub use technique::{Role, Technique, layouts};
 pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
 pub use textured::{CoverOverrides, RouteNote, TexturedCover, TexturedPlan, TexturedRegion};
 pub use textured_device::{Probed, RouteTexelFormat, RouteTexels};
-pub use variant::{Parameter, Values, Variant};
+pub use variant::{Parameter, Variant};
 pub use volume_backend::{RegionVolumes, VolumeBackend};
 pub use volumes::{Volume, VolumeList};
 pub use work::{WorkCounters, WorkDone};

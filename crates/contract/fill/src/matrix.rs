@@ -14,7 +14,7 @@ use terrafill_scene::{Overlap, PartCulling};
 /// effect or is not allowed alone, the one that it needs.
 #[must_use]
 pub fn matrix_row(technique: &dyn Technique, base: &Variant, overlap: Overlap) -> Vec<Variant> {
-    let changes: [fn(&mut Switches); 9] = [
+    let changes: [fn(&mut Switches); 8] = [
         |s| {
             s.colour = ColourWay::Volume;
             s.cover_culls_faces = true;
@@ -38,7 +38,6 @@ pub fn matrix_row(technique: &dyn Technique, base: &Variant, overlap: Overlap) -
             s.colour = ColourWay::OneColour;
             s.stencil_clear = StencilClear::ByColour;
         },
-        |s| s.depth_bounds = true,
     ];
     let mut row = vec![base.clone()];
     let colours = ColourWay::ALL.map(|way| base.clone().with_switches(|s| s.colour = way));

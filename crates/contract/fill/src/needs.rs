@@ -7,7 +7,7 @@
 use crate::held_meshes::HeldMeshes;
 use crate::uses::{Uses, length};
 use crate::{
-    BAND, BottomCaps, DepthRule, DepthRuleChoice, FillInput, MemoryUse, NUMBER_BYTES, Switches,
+    BottomCaps, DepthRule, DepthRuleChoice, FillInput, MemoryUse, NUMBER_BYTES, Switches,
     VolumeState, WorkDone,
 };
 use terrafill_scene::{LeftOutReason, Overlap, TextureShare};
@@ -52,8 +52,6 @@ pub enum Feature {
     Order,
     /// Draws are cut to regions' rectangles.
     Rectangles,
-    /// Fragments outside the surface's depth are dropped.
-    DepthBounds,
     /// The scene's picture with its levels.
     Picture,
     /// Pipelines of textured covers.
@@ -80,7 +78,7 @@ pub enum Feature {
 
 impl Feature {
     /// Every feature, with its name in `notes.csv`.
-    pub const ALL: [(Self, &'static str); 27] = [
+    pub const ALL: [(Self, &'static str); 26] = [
         (Self::Positions, "need_positions"),
         (Self::TopCaps, "need_top_caps"),
         (Self::BottomCaps, "need_bottom_caps"),
@@ -96,7 +94,6 @@ impl Feature {
         (Self::FirstPassColours, "need_first_pass_colours"),
         (Self::Order, "need_order"),
         (Self::Rectangles, "need_rectangles"),
-        (Self::DepthBounds, "need_depth_bounds"),
         (Self::Picture, "need_picture"),
         (Self::TextureCode, "need_texture_code"),
         (Self::TextureConstants, "need_texture_constants"),
@@ -373,8 +370,7 @@ impl Told<'_> {
             ),
         };
         match feature {
-            Feature::Positions | Feature::Walls => (drawn > 0, of_scene),
-            Feature::TopCaps => (drawn > 0, format!("{of_scene}{}", self.front_caps())),
+            Feature::Positions | Feature::TopCaps | Feature::Walls => (drawn > 0, of_scene),
             Feature::BottomCaps => self.bottom_caps(need),
             Feature::RegionConstants => (true, format!("of the {drawn} regions drawn")),
             Feature::Expansion => {
@@ -393,9 +389,8 @@ impl Told<'_> {
                     0 => "nothing is coloured plainly".to_owned(),
                     some => format!(
                         "colour={}: {some} covers{}",
-                        switches.colour.name(),
-                        self.banded() +
-                        &uses.tiled_covers
+                        switches.setting("colour"),
+                        uses.tiled_covers
                             .map_or(String::new(), |[covers, rects, px, whole]| {
                                 format!(
                                     ", {covers} of them {rects} tiles of {px} px instead of {whole}"
@@ -411,26 +406,20 @@ impl Told<'_> {
                     Some(px) => format!("{} of {drawn} volumes are lower than {px} px", uses.flat),
                 },
             ),
-            Feature::NumberTarget => by_switch(uses.accumulates, "colour", switches.colour.name()),
-            Feature::FirstPassColours => by_switch(
-                switches.first_pass.writes_colour(),
-                "first-pass",
-                switches.first_pass.name(),
-            ),
+            Feature::NumberTarget => by_switch(uses.accumulates, "colour", switches),
+            Feature::FirstPassColours => {
+                by_switch(switches.first_pass.writes_colour(), "first-pass", switches)
+            }
             Feature::Order => {
                 let overlap = match self.input.scene.overlap {
                     Overlap::Disjoint => "disjoint",
                     Overlap::Ordered => "ordered",
                 };
-                let way = switches.colour;
-                let reason = format!("colour={}; the scene says overlap={overlap}", way.name());
-                (way.keeps_order(), reason)
+                let way = switches.setting("colour");
+                let reason = format!("colour={way}; the scene says overlap={overlap}");
+                (switches.colour.keeps_order(), reason)
             }
             Feature::Rectangles => self.rectangles(),
-            Feature::DepthBounds => {
-                let is_on = switches.depth_bounds;
-                by_switch(is_on, "depth-bounds", if is_on { "on" } else { "off" })
-            }
             Feature::Picture | Feature::TextureCode | Feature::TextureConstants => self.texture(),
             Feature::ReadableDepth => (
                 switches.texture.is_some(),
@@ -494,33 +483,6 @@ impl Told<'_> {
         (is_held, reason)
     }
 
-    /// Which of the volumes leave out facets of their tops that face away, and why others do not.
-    fn front_caps(&self) -> String {
-        if !self.switches.front_caps() {
-            return String::new();
-        }
-        let kept = &self.uses.caps_kept;
-        let drawn = self.uses.volumes - self.uses.flat;
-        let free = drawn.saturating_sub(kept.values().sum());
-        let mut told = format!(
-            "; cap-faces=front: facets that face away are left out of {free} of {drawn} tops"
-        );
-        for (why, volumes) in kept {
-            told.push_str(&format!("; {volumes} keep them: {}", why.reason()));
-        }
-        told
-    }
-
-    /// How many volumes are counted where walls are only.
-    fn banded(&self) -> String {
-        match self.uses.banded {
-            0 => String::new(),
-            some => format!(
-                ", and {some} caps outside the band of walls, in which alone they are counted"
-            ),
-        }
-    }
-
     fn count_behind(&self) -> String {
         match self.switches.depth_rule {
             DepthRuleChoice::Fail => "depth-rule=zfail, whatever the view".to_owned(),
@@ -576,10 +538,6 @@ impl Told<'_> {
         let why = match (bits, uses.counts_in_stencil) {
             (0, _) => "no step writes the stencil".to_owned(),
             (_, true) => "volumes are counted modulo 256".to_owned(),
-            (_, false) if uses.banded > 0 => format!(
-                "numbers up to {}, and one for the band of walls",
-                uses.stencil_bits & !BAND
-            ),
             (_, false) => format!("numbers up to {}", uses.stencil_bits),
         };
         (
@@ -693,8 +651,8 @@ impl Told<'_> {
 }
 
 /// Whether a switch asks for something, and its value.
-fn by_switch(is_on: bool, switch: &str, value: &str) -> (bool, String) {
-    (is_on, format!("{switch}={value}"))
+fn by_switch(is_on: bool, switch: &str, switches: &Switches) -> (bool, String) {
+    (is_on, format!("{switch}={}", switches.setting(switch)))
 }
 
 #[cfg(test)]

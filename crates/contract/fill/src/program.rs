@@ -5,7 +5,7 @@
 //! shader on wgpu and a geometry shader on ash, and two rows that differ in one switch differ in
 //! nothing else.
 
-use crate::batches::{VolumeClasses, XOR_NUMBERS, XorBatches, overlap_depth};
+use crate::batches::{VolumeClasses, XorBatches, overlap_depth};
 use crate::{
     BottomCap, ColourWay, CoverArea, DepthRuleChoice, DeviceError, FacePasses, FirstPass,
     StencilClear, SwitchError, Switches, Volume,
@@ -32,31 +32,6 @@ pub enum FaceSet {
     Front,
     /// Those that look away.
     Back,
-    /// All of walls, and of caps those that look at the eye. Pipelines of both draw all, which is right too.
-    FrontCaps,
-    /// All of walls, and of caps those that look away. Pipelines of both draw all, which is right too.
-    BackCaps,
-}
-
-impl FaceSet {
-    /// What is drawn of caps.
-    #[must_use]
-    pub fn of_caps(self) -> Self {
-        match self {
-            Self::FrontCaps => Self::Front,
-            Self::BackCaps => Self::Back,
-            other => other,
-        }
-    }
-
-    /// What is drawn of walls.
-    #[must_use]
-    pub fn of_walls(self) -> Self {
-        match self {
-            Self::FrontCaps | Self::BackCaps => Self::Both,
-            other => other,
-        }
-    }
 }
 
 /// What a touching fragment does.
@@ -68,23 +43,10 @@ pub enum StencilOperation {
         /// Bits that are flipped; the stencil's write mask.
         mask: u8,
     },
-    /// Flips the bits of `mask`, as [`StencilOperation::Invert`], where [`BAND`] is set.
-    InvertInBand {
-        /// Bits that are flipped.
-        mask: u8,
-    },
-    /// Sets [`BAND`].
-    SetBand,
     /// Adds or takes away one, modulo 256: with [`DepthRule::Fail`] and [`DepthRule::Always`] back faces
     /// add and front faces take away, with [`DepthRule::Pass`] the other way round.
     Count,
 }
-
-/// Bit of the stencil that says where a volume must be counted: where a wall, or a cap that looks away, lies in
-/// front of the surface. Anywhere else a ray that passes a top cap on its way ends inside.
-pub const BAND: u8 = 0x80;
-/// Numbers that the other bits tell apart.
-const BAND_NUMBERS: usize = 0x7f;
 
 /// State of a draw that marks the inside of volumes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -106,31 +68,16 @@ pub enum FaceEffect {
     Add,
     /// Takes one away, modulo 256.
     Take,
-    /// Sets them: replaces them by those of [`StencilRule::REFERENCE`].
-    Set,
 }
 
 impl StencilRule {
-    /// What a stencil is compared with or replaced by: all bits, of which masks take what they need.
-    pub const REFERENCE: u8 = 0xff;
-
-    /// Bits that must be set where anything happens.
-    #[must_use]
-    pub fn required_bits(self) -> u8 {
-        match self.operation {
-            StencilOperation::InvertInBand { .. } => BAND,
-            _ => 0,
-        }
-    }
-
     /// What front and back faces do, and the bits that are written.
     #[must_use]
     pub fn effects(self) -> (FaceEffect, FaceEffect, u8) {
         match (self.operation, self.depth) {
-            (StencilOperation::Invert { mask } | StencilOperation::InvertInBand { mask }, _) => {
+            (StencilOperation::Invert { mask }, _) => {
                 (FaceEffect::Invert, FaceEffect::Invert, mask)
             }
-            (StencilOperation::SetBand, _) => (FaceEffect::Set, FaceEffect::Set, BAND),
             (StencilOperation::Count, DepthRule::Fail | DepthRule::Always) => {
                 (FaceEffect::Take, FaceEffect::Add, 0xff)
             }
@@ -172,9 +119,6 @@ pub enum CoverShape {
     /// close what opens between neighbours whose caps differ in height: without them 87 pixels of 512² of
     /// `countries-110m`, view `globe`, belonged to nobody.
     Flat,
-    /// The same of a volume that is counted in the band of walls only: outside the band no wall is nearer than the
-    /// surface, so the cap alone is seen.
-    Cap,
 }
 
 /// One step. Volumes are indices into a [`crate::VolumeList`].
@@ -488,8 +432,7 @@ impl Builder<'_> {
         commands
     }
 
-    /// One command for each depth rule that a volume has and each set of faces. Volumes whose tops leave out
-    /// facets are apart from the others.
+    /// One command for each depth rule that a volume has and each set of faces.
     fn split(
         &self,
         volumes: &[usize],
@@ -508,31 +451,12 @@ impl Builder<'_> {
                 .collect();
             let without_bottom =
                 depth == DepthRule::Pass && self.switches.bottom_cap == BottomCap::WhereNeeded;
-            let (front_caps, both): (Vec<usize>, Vec<usize>) = of_rule
-                .into_iter()
-                .partition(|&volume| depth == DepthRule::Pass && self.has_front_caps(volume));
-            if !both.is_empty() {
-                let each = |&faces| command(depth, faces, without_bottom, both.clone());
+            if !of_rule.is_empty() {
+                let each = |&faces| command(depth, faces, without_bottom, of_rule.clone());
                 commands.extend(faces.iter().map(each));
-            }
-            if !front_caps.is_empty() {
-                let faces = FaceSet::FrontCaps;
-                commands.push(command(depth, faces, without_bottom, front_caps));
             }
         }
         commands
-    }
-
-    /// Facets of its top that face away are left out.
-    fn has_front_caps(&self, volume: usize) -> bool {
-        self.switches.front_caps() && self.volumes[volume].front_caps_suffice
-    }
-
-    /// It is counted in the band of walls only, and its cap coloured outside.
-    fn has_band(&self, volume: usize) -> bool {
-        self.switches.counts_in_band
-            && self.volumes[volume].near_rectangle == NearRectangle::Outside
-            && self.depth_rule(volume) == DepthRule::Pass
     }
 
     /// Front faces suffice to cover a volume, except where the near plane cuts it; with an infinite
@@ -556,11 +480,7 @@ impl Builder<'_> {
 
     fn xor(&self) -> Vec<FillPass> {
         let mut passes = Vec::new();
-        let numbers = match self.switches.counts_in_band {
-            true => BAND_NUMBERS,
-            false => XOR_NUMBERS,
-        };
-        for classes in XorBatches::of_numbers(self.volumes, numbers).passes {
+        for classes in XorBatches::new(self.volumes).passes {
             let numbered = || (1..=u8::MAX).zip(&classes);
             // Bits that no number has stay 0 and are not looked at.
             let largest = u8::try_from(classes.len()).unwrap_or(u8::MAX);
@@ -571,56 +491,32 @@ impl Builder<'_> {
                 around.map(move |_| number)
             });
             let outside = outside.fold(0, |all, number| all ^ number);
-            let caps: Vec<usize> = classes.iter().flatten().copied().collect();
-            let caps = caps.into_iter().filter(|&volume| self.has_band(volume));
-            let caps: Vec<usize> = caps.collect();
-            let band = (!caps.is_empty()).then(|| FillCommand::Volumes {
-                rule: StencilRule {
-                    depth: DepthRule::Pass,
-                    operation: StencilOperation::SetBand,
-                    faces: FaceSet::BackCaps,
-                },
-                without_bottom: self.switches.bottom_cap == BottomCap::WhereNeeded,
-                scissor: self.switches.scissor,
-                volumes: caps.clone(),
-            });
-            let marks = numbered().flat_map(|(mask, volumes)| {
-                let (banded, others): (Vec<usize>, Vec<usize>) = volumes
-                    .iter()
-                    .copied()
-                    .partition(|&volume| self.has_band(volume));
-                let mut marks = self.mark(&others, StencilOperation::Invert { mask });
-                marks.extend(self.mark(&banded, StencilOperation::InvertInBand { mask }));
-                marks
-            });
-            let cap_covers = (!caps.is_empty()).then(|| FillCommand::Cover {
-                test: OUTSIDE_BAND,
-                shape: CoverShape::Cap,
-                volumes: caps.clone(),
-            });
             passes.push(FillPass {
                 clears_stencil: true,
                 has_colour: false,
                 first_pass: FirstPass::Stencil,
-                commands: band.into_iter().chain(marks).collect(),
+                commands: numbered()
+                    .flat_map(|(mask, volumes)| {
+                        self.mark(volumes, StencilOperation::Invert { mask })
+                    })
+                    .collect(),
             });
             passes.push(FillPass {
                 clears_stencil: false,
                 has_colour: true,
                 first_pass: FirstPass::Stencil,
-                commands: cap_covers
-                    .into_iter()
-                    .chain(numbered().map(|(number, volumes)| FillCommand::Cover {
+                commands: numbered()
+                    .map(|(number, volumes)| FillCommand::Cover {
                         test: StencilTest {
                             is_equal: true,
                             reference: number ^ outside,
                             read_mask: bits,
                             zeroes: false,
-                            skips_sky: self.switches.front_caps(),
+                            skips_sky: false,
                         },
                         shape: CoverShape::Rectangle,
                         volumes: volumes.clone(),
-                    }))
+                    })
                     .collect(),
             });
         }
@@ -775,12 +671,6 @@ const MARKED: StencilTest = StencilTest {
     skips_sky: false,
 };
 
-/// Where no wall and no cap that looks away is nearer than the surface.
-const OUTSIDE_BAND: StencilTest = StencilTest {
-    read_mask: BAND,
-    ..ANYWHERE
-};
-
 /// Whatever the stencil says.
 const ANYWHERE: StencilTest = StencilTest {
     is_equal: true,
@@ -799,7 +689,6 @@ const ON_GROUND: StencilTest = StencilTest {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::CapFaces;
     use crate::DepthRange;
     use terrafill_scene::PixelRect;
 
@@ -815,7 +704,6 @@ mod tests {
             },
             near_rectangle: NearRectangle::by_bounds(cut),
             drawn_as: DrawnAs::Volume,
-            front_caps_suffice: index != 2,
         }
     }
 
@@ -826,63 +714,6 @@ mod tests {
             volume(1, 20, true),
             volume(2, 25, false),
         ]
-    }
-
-    #[test]
-    fn volumes_that_no_near_plane_cuts_are_counted_in_the_band_of_walls() {
-        let switches = Switches {
-            colour: ColourWay::Xor,
-            depth_rule: DepthRuleChoice::Automatic,
-            bottom_cap: BottomCap::WhereNeeded,
-            counts_in_band: true,
-            ..Switches::default()
-        };
-        let program = FillProgram::new(&three(), &switches, Overlap::Disjoint).expect("allowed");
-        let [marks, covers] = &program.passes[..] else {
-            panic!("{program:?}");
-        };
-        let operations: Vec<(StencilOperation, u8, &[usize])> = marks
-            .commands
-            .iter()
-            .map(|command| match command {
-                FillCommand::Volumes { rule, volumes, .. } => {
-                    (rule.operation, rule.required_bits(), volumes.as_slice())
-                }
-                other => panic!("{other:?}"),
-            })
-            .collect();
-        assert_eq!(
-            operations,
-            [
-                (StencilOperation::SetBand, 0, &[0, 2][..]),
-                // The near plane cuts this one: it is counted everywhere.
-                (StencilOperation::Invert { mask: 1 }, 0, &[1]),
-                (StencilOperation::InvertInBand { mask: 1 }, BAND, &[0]),
-                (StencilOperation::InvertInBand { mask: 2 }, BAND, &[2]),
-            ]
-        );
-        let first = &covers.commands[0];
-        let FillCommand::Cover {
-            test,
-            shape,
-            volumes,
-        } = first
-        else {
-            panic!("{first:?}");
-        };
-        assert_eq!((*shape, volumes.as_slice()), (CoverShape::Cap, &[0, 2][..]));
-        assert_eq!((test.reference, test.read_mask), (0, BAND));
-        // 255 numbers would leave no bit for the band: it takes more passes.
-        let many: Vec<Volume> = (0..200).map(|index| volume(index, 0, false)).collect();
-        let passes = |counts_in_band| {
-            let switches = Switches {
-                counts_in_band,
-                ..switches
-            };
-            let program = FillProgram::new(&many, &switches, Overlap::Disjoint);
-            program.expect("allowed").passes.len()
-        };
-        assert_eq!((passes(true), passes(false)), (4, 2));
     }
 
     /// How often each volume is marked by front and by back faces, and covered.
@@ -1106,7 +937,6 @@ mod tests {
                     FaceEffect::Add => stencil.wrapping_add(1),
                     FaceEffect::Take => stencil.wrapping_sub(1),
                     FaceEffect::Invert => !stencil,
-                    FaceEffect::Set => StencilRule::REFERENCE,
                 };
             }
             stencil
@@ -1230,45 +1060,6 @@ mod tests {
         };
         let refused = FillProgram::new(&volumes, &counted, Overlap::Disjoint).expect_err("counts");
         assert!(refused.to_string().contains("colour=xor"), "{refused}");
-    }
-
-    #[test]
-    fn facets_that_face_away_are_left_out_in_front_of_the_surface_and_covers_skip_the_sky() {
-        let mut switches = Switches {
-            cap_faces: CapFaces::Front,
-            depth_rule: DepthRuleChoice::Automatic,
-            bottom_cap: BottomCap::WhereNeeded,
-            ..Switches::default()
-        };
-        // The first may leave them out, the second is cut by the near plane, the third needs them.
-        let marks = |switches: &Switches| {
-            let program = FillProgram::new(&three(), switches, Overlap::Disjoint);
-            let program = program.expect("allowed");
-            let mut marks = Vec::new();
-            for command in program.commands() {
-                match command {
-                    FillCommand::Volumes { rule, volumes, .. } => {
-                        marks.extend(volumes.iter().map(|&volume| (volume, rule.faces)));
-                    }
-                    FillCommand::Cover { test, .. } => {
-                        assert_eq!(test.skips_sky, switches.front_caps());
-                    }
-                    other => panic!("{other:?}"),
-                }
-            }
-            marks.sort_unstable();
-            marks
-        };
-        let both = FaceSet::Both;
-        assert_eq!(
-            marks(&switches),
-            [(0, FaceSet::FrontCaps), (1, both), (2, both)]
-        );
-        // Twin: without the switch all keep all.
-        switches.cap_faces = CapFaces::Both;
-        assert_eq!(marks(&switches), [(0, both), (1, both), (2, both)]);
-        let faces = FaceSet::FrontCaps;
-        assert_eq!((faces.of_caps(), faces.of_walls()), (FaceSet::Front, both));
     }
 
     #[test]

@@ -48,28 +48,6 @@ pub enum VolumeState {
 }
 
 impl VolumeState {
-    /// The state of caps.
-    #[must_use]
-    pub fn of_caps(self) -> Self {
-        self.with_faces(self.faces().of_caps())
-    }
-
-    /// The state of walls.
-    #[must_use]
-    pub fn of_walls(self) -> Self {
-        self.with_faces(self.faces().of_walls())
-    }
-
-    fn with_faces(mut self, drawn: FaceSet) -> Self {
-        match &mut self {
-            Self::Mark { rule, .. } => rule.faces = drawn,
-            Self::Colour { faces, .. } | Self::Accumulate { faces, .. } | Self::Count { faces } => {
-                *faces = drawn;
-            }
-        }
-        self
-    }
-
     /// Faces drawn; the others are culled.
     #[must_use]
     pub fn faces(self) -> FaceSet {
@@ -198,7 +176,7 @@ fn step_of<'a>(command: &'a FillCommand, pass: &FillPass) -> FillStep<'a> {
         }),
         FillCommand::Cover {
             test,
-            shape: CoverShape::Flat | CoverShape::Cap,
+            shape: CoverShape::Flat,
             volumes,
         } => FillStep::Volumes(VolumeDraw {
             state: VolumeState::Colour {

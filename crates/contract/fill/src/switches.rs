@@ -2,6 +2,7 @@
 //! The switches of a fill that every volume technique has, each with its own row in the ladder.
 
 use crate::RouteChoice;
+use crate::switch::{self, Switch, Values, one_of};
 use terrafill_scene::Overlap;
 use terrafill_texture::PositionRoute;
 
@@ -42,20 +43,6 @@ impl ColourWay {
         Self::OneColourVolumes,
         Self::IdAccumulation,
     ];
-
-    /// Name in variants and reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Xor => "xor",
-            Self::Rectangle => "rectangle",
-            Self::Volume => "volume",
-            Self::BitPlanes => "bit-planes",
-            Self::OneColour => "one-colour",
-            Self::OneColourVolumes => "one-colour-volumes",
-            Self::IdAccumulation => "id-accumulation",
-        }
-    }
 
     /// Whether later regions cover earlier ones: regions are covered one by one in their order.
     #[must_use]
@@ -102,27 +89,6 @@ impl DepthRuleChoice {
     }
 }
 
-/// Which facets of top caps are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum CapFaces {
-    /// All.
-    #[default]
-    Both,
-    /// Not those that face away from the eye, for regions of which that is known to be right; and covers leave
-    /// out the sky.
-    Front,
-}
-
-impl CapFaces {
-    const ALL: [(&'static str, Self); 2] = [("both", Self::Both), ("front", Self::Front)];
-
-    fn name(self) -> &'static str {
-        let mut all = Self::ALL.into_iter();
-        all.find_map(|(name, own)| (own == self).then_some(name))
-            .unwrap_or_default()
-    }
-}
-
 /// When bottom caps are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum BottomCap {
@@ -154,25 +120,6 @@ pub enum FirstPass {
 }
 
 impl FirstPass {
-    /// Every way, with its name in variants and reports.
-    pub const ALL: [(&str, Self); 4] = [
-        ("stencil", Self::Stencil),
-        ("colour", Self::Colour),
-        ("program", Self::Program),
-        ("program-colour", Self::ProgramColour),
-    ];
-
-    /// Name in variants and reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Stencil => "stencil",
-            Self::Colour => "colour",
-            Self::Program => "program",
-            Self::ProgramColour => "program-colour",
-        }
-    }
-
     /// Whether colours are written.
     #[must_use]
     pub fn writes_colour(self) -> bool {
@@ -191,25 +138,6 @@ pub enum CoverArea {
     /// Tiles that the facets of the region's cap touch, for regions with many pixels a facet of which they are fewer
     /// pixels than the rectangle. For covers that are one draw.
     Tiles,
-}
-
-impl CoverArea {
-    /// Every area, with its name in variants and reports.
-    pub const ALL: [(&str, Self); 3] = [
-        ("rectangle", Self::Rectangle),
-        ("screen", Self::Screen),
-        ("tiles", Self::Tiles),
-    ];
-
-    /// Name in variants and reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rectangle => "rectangle",
-            Self::Screen => "screen",
-            Self::Tiles => "tiles",
-        }
-    }
 }
 
 /// What takes the stencil back to 0.
@@ -239,23 +167,16 @@ pub struct Switches {
     pub scissor: bool,
     /// What covers by triangles over the screen are cut to.
     pub cover_area: CoverArea,
-    /// Which facets of top caps are drawn.
-    pub cap_faces: CapFaces,
     /// What one step draws in one state is one draw: covers as instances, volumes by one index list for
     /// the view, where a layout's vertices say whose they are.
     pub merges_draws: bool,
     /// Covers by volume draw one kind of face only.
     pub cover_culls_faces: bool,
-    /// Volumes are counted where walls lie in front of the surface only; anywhere else their top caps bring the
-    /// colour.
-    pub counts_in_band: bool,
     /// On the device are the meshes that views drew, each region's at the level it was last drawn at; otherwise
     /// those of all regions at all levels.
     pub holds_drawn_meshes: bool,
     /// What takes the stencil back to 0.
     pub stencil_clear: StencilClear,
-    /// Fragments over surface outside the region's depth range are dropped before the stencil.
-    pub depth_bounds: bool,
     /// Every frame copies the surface's depth before it fills, as a fill must where depth cannot be read
     /// while it is attached. Nothing reads the copy: what it costs is the question.
     pub copies_depth: bool,
@@ -271,6 +192,95 @@ pub struct Switches {
     pub bends_footprints: bool,
 }
 
+/// Every switch of a fill, in the order of names such as `texture-code=loaded,texture=chosen`.
+const TABLE: &[Switch<Switches>] = &[
+    one_of!("bottom-cap", bottom_cap: [
+        "always" => BottomCap::Always,
+        "first-pass" => BottomCap::FirstPass,
+        "where-needed" => BottomCap::WhereNeeded,
+    ], "when bottom caps are drawn; first-pass: not to colour, where-needed: nor to count in front of the surface"),
+    one_of!("colour", colour: [
+        "xor" => ColourWay::Xor,
+        "rectangle" => ColourWay::Rectangle,
+        "volume" => ColourWay::Volume,
+        "bit-planes" => ColourWay::BitPlanes,
+        "one-colour" => ColourWay::OneColour,
+        "one-colour-volumes" => ColourWay::OneColourVolumes,
+        "id-accumulation" => ColourWay::IdAccumulation,
+    ], "how regions get their colours: by numbers in the stencil, one at a time, a bit each, all in one, by a float target"),
+    one_of!("cover-area", cover_area: [
+        "rectangle" => CoverArea::Rectangle,
+        "screen" => CoverArea::Screen,
+        "tiles" => CoverArea::Tiles,
+    ], "what covers are cut to"),
+    one_of!("cover-faces", cover_culls_faces: ["both" => false, "culled" => true],
+        "which faces cover, where volumes do"),
+    one_of!("depth-copy", copies_depth: ["none" => false, "made" => true],
+        "copy the surface's depth in every frame, which nothing reads: what that costs"),
+    one_of!("depth-rule", depth_rule: [
+        "zfail" => DepthRuleChoice::Fail,
+        "zpass" => DepthRuleChoice::Pass,
+        "automatic" => DepthRuleChoice::Automatic,
+        "uncut" => DepthRuleChoice::Uncut,
+    ], "count behind the surface, in front of it, or in front for each volume that the near plane does not meet or cut"),
+    one_of!("draws", merges_draws: ["each" => false, "merged" => true],
+        "a draw for each region, or one for all of a state"),
+    one_of!("faces", faces: ["two-sided" => FacePasses::TwoSided, "two-pass" => FacePasses::TwoPass],
+        "one draw with two-sided stencil, or one for each face"),
+    one_of!("first-pass", first_pass: [
+        "stencil" => FirstPass::Stencil,
+        "colour" => FirstPass::Colour,
+        "program" => FirstPass::Program,
+        "program-colour" => FirstPass::ProgramColour,
+    ], "what fragments of volumes do beside marking, for nothing: experiments of 2007"),
+    one_of!("held-meshes", holds_drawn_meshes: ["all" => false, "drawn" => true],
+        "which meshes are on the device: all levels of all regions, or what views drew"),
+    one_of!("normalize", superfluous_normalize: ["needed" => false, "superfluous" => true],
+        "normalise the position of a textured fill's fragments, which no angle needs"),
+    Switch {
+        key: "position",
+        values: Values::OneOf(&["eye-region", "eye-ecef", "inverse-ecef"]),
+        meaning: "how a textured fill's fragments find their position",
+        get: |of| {
+            of.position
+                .unwrap_or(PositionRoute::EyeRegion)
+                .name()
+                .to_owned()
+        },
+        set: |of, value| {
+            let route = PositionRoute::parse(value)?;
+            of.position = (route != PositionRoute::EyeRegion).then_some(route);
+            Some(())
+        },
+    },
+    one_of!("scissor", scissor: ["covers" => false, "volumes" => true],
+        "what is cut to regions' screen rectangles: covers, or volumes too"),
+    one_of!("stencil-clear", stencil_clear: [
+        "at-start" => StencilClear::AtStart,
+        "by-colour" => StencilClear::ByColour,
+    ], "what takes the stencil back to 0"),
+    one_of!("texture-code", loads_texture: ["needed" => false, "loaded" => true],
+        "make a textured fill's picture and pipelines ready for a plain one: what that costs"),
+    Switch {
+        key: "texture",
+        values: Values::RouteOr(&["plain", "chosen", "floor"]),
+        meaning: "fill with the scene's picture: by the route chosen for each region, by none, or by this one",
+        get: |of| {
+            let texture = of.texture.as_ref();
+            texture.map_or_else(|| "plain".to_owned(), RouteChoice::name)
+        },
+        set: |of, value| {
+            of.texture = match value {
+                "plain" => None,
+                route => Some(RouteChoice::parse(route)?),
+            };
+            Some(())
+        },
+    },
+    one_of!("vertices", bends_footprints: ["stored" => false, "bent" => true],
+        "bend discs into footprints of sensors in the vertex stage"),
+];
+
 /// Switches that do not go together, or not with the scene.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{switch}: found {found}, allowed: {allowed}")]
@@ -284,14 +294,8 @@ pub struct SwitchError {
 }
 
 impl Switches {
-    /// Every key with its values.
-    pub const KEYS: &str = "bottom-cap=always|first-pass|where-needed, cap-faces=both|front, \
-        colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
-        counted=everywhere|wall-band, cover-area=rectangle|screen|tiles, cover-faces=both|culled, depth-bounds=off|on, depth-copy=none|made, \
-        depth-rule=zfail|zpass|automatic|uncut, draws=each|merged, faces=two-sided|two-pass, \
-        first-pass=stencil|colour|program|program-colour, held-meshes=all|drawn, normalize=needed|superfluous, position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
-        stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3, \
-        texture-code=needed|loaded, vertices=stored|bent";
+    /// Every switch, in alphabetical order.
+    pub const TABLE: &[Switch<Self>] = TABLE;
 
     /// What is right and usually cheapest for a scene of this kind.
     #[must_use]
@@ -305,81 +309,10 @@ impl Switches {
         }
     }
 
-    /// Whether facets of top caps may be left out.
-    #[must_use]
-    pub fn front_caps(&self) -> bool {
-        self.cap_faces != CapFaces::Both
-    }
-
     /// Every switch with its value, in alphabetical order.
     #[must_use]
-    pub fn settings(&self) -> [(&'static str, String); 20] {
-        let either = |is_second: bool, [first, second]: [&str; 2]| {
-            if is_second { second } else { first }.to_owned()
-        };
-        let depth_rule = match self.depth_rule {
-            DepthRuleChoice::Fail => "zfail",
-            DepthRuleChoice::Pass => "zpass",
-            DepthRuleChoice::Automatic => "automatic",
-            DepthRuleChoice::Uncut => "uncut",
-        };
-        let bottom_cap = match self.bottom_cap {
-            BottomCap::Always => "always",
-            BottomCap::FirstPass => "first-pass",
-            BottomCap::WhereNeeded => "where-needed",
-        };
-        let cleared_by_colour = self.stencil_clear == StencilClear::ByColour;
-        let position = self.position.unwrap_or(PositionRoute::EyeRegion);
-        let texture = self.texture.as_ref();
-        [
-            ("bottom-cap", bottom_cap.to_owned()),
-            ("cap-faces", self.cap_faces.name().to_owned()),
-            ("colour", self.colour.name().to_owned()),
-            (
-                "counted",
-                either(self.counts_in_band, ["everywhere", "wall-band"]),
-            ),
-            ("cover-area", self.cover_area.name().to_owned()),
-            (
-                "cover-faces",
-                either(self.cover_culls_faces, ["both", "culled"]),
-            ),
-            ("depth-bounds", either(self.depth_bounds, ["off", "on"])),
-            ("depth-copy", either(self.copies_depth, ["none", "made"])),
-            ("depth-rule", depth_rule.to_owned()),
-            ("draws", either(self.merges_draws, ["each", "merged"])),
-            (
-                "faces",
-                either(self.faces == FacePasses::TwoPass, ["two-sided", "two-pass"]),
-            ),
-            ("first-pass", self.first_pass.name().to_owned()),
-            (
-                "held-meshes",
-                either(self.holds_drawn_meshes, ["all", "drawn"]),
-            ),
-            (
-                "normalize",
-                either(self.superfluous_normalize, ["needed", "superfluous"]),
-            ),
-            ("position", position.name().to_owned()),
-            ("scissor", either(self.scissor, ["covers", "volumes"])),
-            (
-                "stencil-clear",
-                either(cleared_by_colour, ["at-start", "by-colour"]),
-            ),
-            (
-                "texture-code",
-                either(self.loads_texture, ["needed", "loaded"]),
-            ),
-            (
-                "texture",
-                texture.map_or_else(|| "plain".to_owned(), RouteChoice::name),
-            ),
-            (
-                "vertices",
-                either(self.bends_footprints, ["stored", "bent"]),
-            ),
-        ]
+    pub fn settings(&self) -> Vec<(&'static str, String)> {
+        switch::settings(TABLE, self)
     }
 
     /// The value of one switch; empty of no switch.
@@ -393,10 +326,7 @@ impl Switches {
     /// `key=value` of every switch that differs from the default, in alphabetical order.
     #[must_use]
     pub fn names(&self) -> Vec<String> {
-        let both = self.settings().into_iter().zip(Self::default().settings());
-        both.filter(|(found, default)| found != default)
-            .map(|((key, value), _)| format!("{key}={value}"))
-            .collect()
+        switch::names(TABLE, self)
     }
 
     /// Sets the switch `key` to `value`; the inverse of [`Switches::names`], defaults included.
@@ -405,166 +335,18 @@ impl Switches {
     /// [`SwitchError`] when the value is none of the switch's; `Ok(false)` when there is no such
     /// switch.
     pub fn set(&mut self, key: &str, value: &str) -> Result<bool, SwitchError> {
-        match key {
-            "bottom-cap" => {
-                self.bottom_cap = pick(
-                    "bottom-cap",
-                    value,
-                    &[
-                        ("always", BottomCap::Always),
-                        ("first-pass", BottomCap::FirstPass),
-                        ("where-needed", BottomCap::WhereNeeded),
-                    ],
-                )?;
-            }
-            "cap-faces" => {
-                self.cap_faces = pick("cap-faces", value, &CapFaces::ALL)?;
-            }
-            "colour" => {
-                let ways = ColourWay::ALL.map(|way| (way.name(), way));
-                self.colour = pick("colour", value, &ways)?;
-            }
-            "counted" => {
-                let choices = [("everywhere", false), ("wall-band", true)];
-                self.counts_in_band = pick("counted", value, &choices)?;
-            }
-            "cover-area" => {
-                self.cover_area = pick("cover-area", value, &CoverArea::ALL)?;
-            }
-            "cover-faces" => {
-                let choices = [("both", false), ("culled", true)];
-                self.cover_culls_faces = pick("cover-faces", value, &choices)?;
-            }
-            "depth-bounds" => {
-                self.depth_bounds = pick("depth-bounds", value, &[("off", false), ("on", true)])?;
-            }
-            "depth-copy" => {
-                let choices = [("none", false), ("made", true)];
-                self.copies_depth = pick("depth-copy", value, &choices)?;
-            }
-            "depth-rule" => {
-                self.depth_rule = pick(
-                    "depth-rule",
-                    value,
-                    &[
-                        ("zfail", DepthRuleChoice::Fail),
-                        ("zpass", DepthRuleChoice::Pass),
-                        ("automatic", DepthRuleChoice::Automatic),
-                        ("uncut", DepthRuleChoice::Uncut),
-                    ],
-                )?;
-            }
-            "draws" => {
-                self.merges_draws = pick("draws", value, &[("each", false), ("merged", true)])?;
-            }
-            "faces" => {
-                self.faces = pick(
-                    "faces",
-                    value,
-                    &[
-                        ("two-sided", FacePasses::TwoSided),
-                        ("two-pass", FacePasses::TwoPass),
-                    ],
-                )?;
-            }
-            "first-pass" => self.first_pass = pick("first-pass", value, &FirstPass::ALL)?,
-            "held-meshes" => {
-                let choices = [("all", false), ("drawn", true)];
-                self.holds_drawn_meshes = pick("held-meshes", value, &choices)?;
-            }
-            "normalize" => {
-                let choices = [("needed", false), ("superfluous", true)];
-                self.superfluous_normalize = pick("normalize", value, &choices)?;
-            }
-            "position" => {
-                let routes = PositionRoute::ALL.map(|route| (route.name(), route));
-                let route = pick("position", value, &routes)?;
-                self.position = (route != PositionRoute::EyeRegion).then_some(route);
-            }
-            "texture" if value == "plain" => self.texture = None,
-            "texture" => {
-                let choice = RouteChoice::parse(value).ok_or_else(|| SwitchError {
-                    switch: "texture",
-                    found: value.to_owned(),
-                    allowed: "plain, chosen, floor, or a route such as recentred-odd-7, gnomonic-3"
-                        .to_owned(),
-                })?;
-                self.texture = Some(choice);
-            }
-            "texture-code" => {
-                let choices = [("needed", false), ("loaded", true)];
-                self.loads_texture = pick("texture-code", value, &choices)?;
-            }
-            "scissor" => {
-                self.scissor = pick("scissor", value, &[("covers", false), ("volumes", true)])?;
-            }
-            "stencil-clear" => {
-                self.stencil_clear = pick(
-                    "stencil-clear",
-                    value,
-                    &[
-                        ("at-start", StencilClear::AtStart),
-                        ("by-colour", StencilClear::ByColour),
-                    ],
-                )?;
-            }
-            "vertices" => {
-                self.bends_footprints =
-                    pick("vertices", value, &[("stored", false), ("bent", true)])?;
-            }
-            _ => return Ok(false),
-        }
-        Ok(true)
-    }
-
-    /// Whether facets may be left out, or volumes counted in the wall band. Faces are then told apart by nothing but
-    /// a flip, and covers can see the sky.
-    fn check_caps(&self) -> Result<(), SwitchError> {
-        let switch = match (self.front_caps(), self.counts_in_band) {
-            (true, _) => "cap-faces",
-            (false, true) => "counted",
-            (false, false) => return Ok(()),
-        };
-        let what_else = if self.colour != ColourWay::Xor {
-            ("colour", self.colour.name().to_owned(), "colour=xor")
-        } else if !self.depth_rule.follows_view() {
-            (
-                "depth-rule",
-                self.setting("depth-rule"),
-                "depth-rule=automatic",
-            )
-        } else if self.faces != FacePasses::TwoSided {
-            ("faces", self.setting("faces"), "faces=two-sided")
-        } else if self.texture.is_some() {
-            ("texture", self.setting("texture"), "texture=plain")
-        } else if self.counts_in_band && self.depth_bounds {
-            ("depth-bounds", "on".to_owned(), "depth-bounds=off")
-        } else {
-            return Ok(());
-        };
-        let (key, value, allowed) = what_else;
-        Err(SwitchError {
-            switch,
-            found: format!("{} with {key}={value}", self.setting(switch)),
-            allowed: format!("{}, or {allowed}", Self::default().setting(switch)),
-        })
+        switch::set(TABLE, self, key, value)
     }
 
     /// Whether one draw can do for many: nothing is set anew between volumes.
     fn check_draws(&self) -> Result<(), SwitchError> {
-        let (found, allowed) = if !self.merges_draws {
+        if !(self.merges_draws && self.scissor) {
             return Ok(());
-        } else if self.scissor {
-            ("scissor=volumes", "scissor=covers")
-        } else if self.depth_bounds {
-            ("depth-bounds=on", "depth-bounds=off")
-        } else {
-            return Ok(());
-        };
+        }
         Err(SwitchError {
             switch: "draws",
-            found: format!("merged with {found}, which differs from volume to volume"),
-            allowed: format!("each, or {allowed}"),
+            found: "merged with scissor=volumes, which differs from volume to volume".to_owned(),
+            allowed: "each, or scissor=covers".to_owned(),
         })
     }
 
@@ -579,7 +361,7 @@ impl Switches {
                 switch: "colour",
                 found: format!(
                     "{} on a scene whose regions may overlap, where numbers mix",
-                    self.colour.name()
+                    self.setting("colour")
                 ),
                 allowed: "rectangle, volume, bit-planes, one-colour, one-colour-volumes".to_owned(),
             });
@@ -590,7 +372,7 @@ impl Switches {
                 switch: "texture",
                 found: format!(
                     "a picture with colour={}, whose covers write the stencil or hold no region",
-                    self.colour.name()
+                    self.setting("colour")
                 ),
                 allowed: "plain, or colour=xor or bit-planes".to_owned(),
             });
@@ -601,7 +383,7 @@ impl Switches {
                 switch: "cover-area",
                 found: format!(
                     "screen with colour={}, whose regions share numbers or have no covers",
-                    self.colour.name()
+                    self.setting("colour")
                 ),
                 allowed: "rectangle, or colour=rectangle, volume or one colour".to_owned(),
             });
@@ -611,7 +393,7 @@ impl Switches {
                 switch: "depth-rule",
                 found: format!(
                     "uncut with colour={}, which cannot tell what is marked from outside",
-                    self.colour.name()
+                    self.setting("colour")
                 ),
                 allowed: "zfail, zpass, automatic, or colour=xor".to_owned(),
             });
@@ -622,7 +404,7 @@ impl Switches {
                 switch: "cover-area",
                 found: format!(
                     "tiles with colour={}, draws={}, texture={}",
-                    self.colour.name(),
+                    self.setting("colour"),
                     self.setting("draws"),
                     self.setting("texture")
                 ),
@@ -630,7 +412,6 @@ impl Switches {
                     .to_owned(),
             });
         }
-        self.check_caps()?;
         self.check_draws()?;
         if self.loads_texture && self.texture.is_some() {
             return Err(SwitchError {
@@ -669,8 +450,8 @@ impl Switches {
                 switch: "first-pass",
                 found: format!(
                     "{} with colour={}, which marks more than once or in the pass that colours",
-                    self.first_pass.name(),
-                    self.colour.name()
+                    self.setting("first-pass"),
+                    self.setting("colour")
                 ),
                 allowed: "stencil, or colour=one-colour or one-colour-volumes".to_owned(),
             });
@@ -684,7 +465,7 @@ impl Switches {
                 switch: "stencil-clear",
                 found: format!(
                     "by-colour with colour={}, whose covers leave pixels that no region owns",
-                    self.colour.name()
+                    self.setting("colour")
                 ),
                 allowed: "at-start, or colour=one-colour, rectangle or volume".to_owned(),
             });
@@ -727,14 +508,11 @@ mod tests {
             bottom_cap: BottomCap::WhereNeeded,
             first_pass: FirstPass::Program,
             scissor: true,
-            cap_faces: CapFaces::Front,
             merges_draws: true,
-            counts_in_band: true,
             holds_drawn_meshes: true,
             cover_area: CoverArea::Screen,
             cover_culls_faces: true,
             stencil_clear: StencilClear::ByColour,
-            depth_bounds: true,
             copies_depth: true,
             loads_texture: true,
             texture: Some(RouteChoice::Chosen),
@@ -749,7 +527,7 @@ mod tests {
         assert_eq!(Switches::default().names(), Vec::<String>::new());
         let changed = all_changed();
         let names = changed.names();
-        assert_eq!(names.len(), 20);
+        assert_eq!(names.len(), 17);
         assert!(names.is_sorted());
         let mut read = Switches::default();
         for name in &names {
@@ -779,8 +557,6 @@ mod tests {
             texture: None,
             position: None,
             superfluous_normalize: false,
-            cap_faces: CapFaces::Both,
-            counts_in_band: false,
             merges_draws: false,
             ..all_changed()
         };
@@ -858,62 +634,6 @@ mod tests {
     }
 
     #[test]
-    fn facets_are_left_out_only_where_that_is_known_to_be_right() {
-        let front = Switches {
-            cap_faces: CapFaces::Front,
-            depth_rule: DepthRuleChoice::Automatic,
-            bottom_cap: BottomCap::WhereNeeded,
-            ..Switches::default()
-        };
-        assert_eq!(front.check(Overlap::Disjoint), Ok(()));
-        for (key, value) in [
-            ("colour", "rectangle"),
-            ("colour", "bit-planes"),
-            ("depth-rule", "zfail"),
-            ("depth-rule", "zpass"),
-            ("faces", "two-pass"),
-            ("texture", "chosen"),
-        ] {
-            let mut wrong = front;
-            assert_eq!(wrong.set(key, value), Ok(true));
-            let error = wrong.check(Overlap::Disjoint).expect_err(value);
-            assert_eq!(error.switch, "cap-faces");
-            assert!(
-                error.to_string().contains(&format!("{key}={value}")),
-                "{error}"
-            );
-            // Twin: with both kinds of facets it is allowed.
-            wrong.cap_faces = CapFaces::Both;
-            assert_eq!(wrong.check(Overlap::Disjoint), Ok(()));
-        }
-    }
-
-    #[test]
-    fn volumes_are_counted_in_a_band_only_where_caps_can_bring_the_colour() {
-        let band = Switches {
-            counts_in_band: true,
-            depth_rule: DepthRuleChoice::Automatic,
-            ..Switches::default()
-        };
-        assert_eq!(band.check(Overlap::Disjoint), Ok(()));
-        for (key, value) in [
-            ("colour", "bit-planes"),
-            ("depth-rule", "zfail"),
-            ("faces", "two-pass"),
-            ("texture", "chosen"),
-            ("depth-bounds", "on"),
-        ] {
-            let mut wrong = band;
-            assert_eq!(wrong.set(key, value), Ok(true));
-            let error = wrong.check(Overlap::Disjoint).expect_err(value);
-            assert_eq!(error.switch, "counted");
-            // Twin: counted everywhere it is allowed.
-            wrong.counts_in_band = false;
-            assert_eq!(wrong.check(Overlap::Disjoint), Ok(()));
-        }
-    }
-
-    #[test]
     fn covers_are_tiles_only_where_they_are_one_draw_of_rectangles() {
         let tiles = Switches {
             merges_draws: true,
@@ -948,19 +668,14 @@ mod tests {
             ..Switches::default()
         };
         assert_eq!(merged.check(Overlap::Disjoint), Ok(()));
-        for (key, value) in [("scissor", "volumes"), ("depth-bounds", "on")] {
-            let mut wrong = merged;
-            assert_eq!(wrong.set(key, value), Ok(true));
-            let error = wrong.check(Overlap::Disjoint).expect_err(value);
-            assert_eq!(error.switch, "draws");
-            assert!(
-                error.to_string().contains(&format!("{key}={value}")),
-                "{error}"
-            );
-            // Twin: drawn one by one it is allowed.
-            wrong.merges_draws = false;
-            assert_eq!(wrong.check(Overlap::Disjoint), Ok(()));
-        }
+        let mut wrong = merged;
+        assert_eq!(wrong.set("scissor", "volumes"), Ok(true));
+        let error = wrong.check(Overlap::Disjoint).expect_err("cut");
+        assert_eq!(error.switch, "draws");
+        assert!(error.to_string().contains("scissor=volumes"), "{error}");
+        // Negative control: drawn one by one it is allowed.
+        wrong.merges_draws = false;
+        assert_eq!(wrong.check(Overlap::Disjoint), Ok(()));
     }
 
     #[test]

@@ -11,9 +11,6 @@ use terrafill_scene::ImageSize;
 pub struct Api {
     /// `wgpu`, `vulkan` …
     pub name: &'static str,
-    /// Whether fragments can be dropped by the depth that lies under them
-    /// ([`crate::Switches::depth_bounds`]), where the device can.
-    pub has_depth_bounds_test: bool,
 }
 
 /// Render targets of one image size, made by the device crates when a technique first asks.

@@ -87,11 +87,10 @@ pub trait Technique: Sync + Debug {
     fn ladder(&self, overlap: Overlap) -> Vec<Rung>;
 
     /// As it should be used: the top of its ladder with boundaries as they are, then with levels of detail, the
-    /// same picture but for half a pixel. None for a technique without a ladder. The depth-bounds test, which
-    /// devices may lack, is left to the ladder.
+    /// same picture but for half a pixel. None for a technique without a ladder.
     fn full_plans(&self, overlap: Overlap) -> Vec<Variant> {
         let mut rungs = self.ladder(overlap);
-        rungs.retain(|rung| !rung.variant.switches.depth_bounds && !rung.is_aside);
+        rungs.retain(|rung| !rung.is_aside);
         let Some(Rung { variant: top, .. }) = rungs.pop() else {
             return Vec::new();
         };

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the stencil program of a view does, counted: what reasons for what it holds are made from.
 
-use crate::front_caps::{CapsKept, caps_kept};
 use crate::textured::distances_m;
 use crate::{
     CoverShape, DepthRule, FaceEffect, FillCommand, FillInput, FillProgram, Switches, VolumeList,
 };
-use std::collections::{BTreeMap, BTreeSet};
-use terrafill_scene::{DrawnAs, NearRectangle, PlannedRegion};
+use std::collections::BTreeSet;
+use terrafill_scene::NearRectangle;
 
 /// Counts over a program.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -25,8 +24,6 @@ pub(crate) struct Uses {
     pub(crate) before: usize,
     /// Volumes drawn with their bottoms.
     pub(crate) bottoms: usize,
-    /// Volumes that keep the facets of their tops that face away, though they might be left out, and why.
-    pub(crate) caps_kept: BTreeMap<CapsKept, usize>,
     /// Plain covers, by triangles over the screen or by volumes.
     pub(crate) covers: usize,
     /// Low volumes.
@@ -35,8 +32,6 @@ pub(crate) struct Uses {
     pub(crate) stencil_bits: u8,
     /// Volumes are counted in it.
     pub(crate) counts_in_stencil: bool,
-    /// Volumes that are counted where walls are, and their caps coloured elsewhere.
-    pub(crate) banded: usize,
     /// Numbers add up in a target.
     pub(crate) accumulates: bool,
     /// Covers and volumes that are cut to their region's rectangle.
@@ -70,14 +65,6 @@ impl Uses {
             tiled_covers: tiled_covers(list),
             ..Self::default()
         };
-        if switches.front_caps() {
-            let is_volume = |planned: &&PlannedRegion| planned.drawn_as == DrawnAs::Volume;
-            for planned in input.plan.regions.iter().filter(is_volume) {
-                if let Some(why) = caps_kept(input, planned) {
-                    *uses.caps_kept.entry(why).or_default() += 1;
-                }
-            }
-        }
         // Two commands mark a volume where its faces do so apart.
         let none = || BTreeSet::<usize>::new();
         let [mut behind, mut before, mut bottoms, mut cut] = [none(), none(), none(), none()];
@@ -116,7 +103,6 @@ impl Uses {
                 } => mark(*depth, *without_bottom, *scissor, volumes),
                 FillCommand::Cover { shape, volumes, .. } => match shape {
                     CoverShape::Flat => uses.flat += volumes.len(),
-                    CoverShape::Cap => uses.banded += volumes.len(),
                     // Of textured ones, other features speak.
                     CoverShape::Rectangle => {
                         uses.cut_covers += volumes.len();

@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A variant: everything that is chosen of a technique, as keys and values that can be written down.
 
+use crate::switch::{self, Switch, Values, one_of};
 use crate::{DepthRuleChoice, SwitchError, Switches, pick};
 use std::collections::BTreeMap;
 use terrafill_scene::{Overlap, PartCulling, PlanOptions, WallHeights};
-
-/// Values that a parameter may take.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Values {
-    /// One of these.
-    OneOf(&'static [&'static str]),
-    /// A whole number of percent from 1 to 100.
-    Percent,
-}
 
 /// A parameter that a technique has beside the switches of every fill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,6 +13,8 @@ pub struct Parameter {
     pub key: &'static str,
     /// What it may be.
     pub values: Values,
+    /// What it decides, in a line.
+    pub meaning: &'static str,
     /// What it is unless it is set.
     pub default: &'static str,
     /// Layouts in which it is something else unless it is set, and what.
@@ -30,41 +24,35 @@ pub struct Parameter {
 impl Parameter {
     /// A parameter that is one of `values`, the first of them unless it is set.
     #[must_use]
-    pub const fn one_of(key: &'static str, values: &'static [&'static str]) -> Self {
+    pub const fn one_of(
+        key: &'static str,
+        values: &'static [&'static str],
+        meaning: &'static str,
+    ) -> Self {
         Self {
             key,
             values: Values::OneOf(values),
+            meaning,
             default: values[0],
             default_in: &[],
         }
     }
 
-    /// `key=value|value`, for a message.
-    fn usage(&self) -> String {
-        match self.values {
-            Values::OneOf(values) => format!("{}={}", self.key, values.join("|")),
-            Values::Percent => format!("{}=1…100", self.key),
-        }
-    }
-
     fn check(&self, value: &str) -> Result<(), SwitchError> {
-        let allowed = match self.values {
-            Values::OneOf(values) if values.contains(&value) => return Ok(()),
-            Values::OneOf(values) => values.join(", "),
-            Values::Percent => {
-                if value
-                    .parse()
-                    .is_ok_and(|percent| (1..=100).contains(&percent))
-                {
-                    return Ok(());
-                }
-                "whole percent, 1 to 100".to_owned()
-            }
+        let is_allowed = match self.values {
+            Values::OneOf(values) | Values::RouteOr(values) => values.contains(&value),
+            Values::Percent => value
+                .parse()
+                .is_ok_and(|percent| (1..=100).contains(&percent)),
+            Values::Pixels => pixels(value).is_some(),
         };
+        if is_allowed {
+            return Ok(());
+        }
         Err(SwitchError {
             switch: self.key,
             found: value.to_owned(),
-            allowed,
+            allowed: self.values.allowed(),
         })
     }
 }
@@ -169,12 +157,9 @@ impl Variant {
             let differs = value != self.default_of(parameter);
             differs.then(|| format!("{}={value}", parameter.key))
         });
-        let plan = plan_settings(&self.plan).into_iter();
-        let plan = plan
-            .zip(plan_settings(&PlanOptions::default()))
-            .filter(|(found, default)| found != default)
-            .map(|((key, value), _)| format!("{key}={value}"));
-        let mut names: Vec<String> = own.chain(self.switches.names()).chain(plan).collect();
+        let fill = self.switches.names().into_iter();
+        let plan = switch::names(PLAN_TABLE, &self.plan);
+        let mut names: Vec<String> = own.chain(fill).chain(plan).collect();
         names.sort_unstable();
         names.insert(0, self.layout().to_owned());
         names.join(",")
@@ -189,7 +174,7 @@ impl Variant {
             (parameter.key, value.to_owned())
         });
         own.chain(self.switches.settings())
-            .chain(plan_settings(&self.plan))
+            .chain(switch::settings(PLAN_TABLE, &self.plan))
             .collect()
     }
 
@@ -204,7 +189,15 @@ impl Variant {
             self.own.insert(parameter.key, value.to_owned());
             return Ok(true);
         }
-        Ok(self.switches.set(key, value)? || set_plan(&mut self.plan, key, value)?)
+        if let Some(switch) = GONE.into_iter().find(|gone| *gone == key) {
+            return Err(SwitchError {
+                switch,
+                found: value.to_owned(),
+                allowed: "no value: it gained nowhere and is gone, see docs/volume-cost.md"
+                    .to_owned(),
+            });
+        }
+        Ok(self.switches.set(key, value)? || switch::set(PLAN_TABLE, &mut self.plan, key, value)?)
     }
 
     /// The same with `key` at `value`, both written in the code that calls this.
@@ -264,96 +257,76 @@ impl Variant {
         }
     }
 
-    /// Every key that [`Variant::set`] takes, with its values.
+    /// Everything that [`Variant::set`] takes: key, values, and what it decides.
     #[must_use]
-    pub fn keys(&self) -> String {
-        let own = self.parameters.iter().map(Parameter::usage);
-        let all: Vec<String> = own
-            .chain([Switches::KEYS.to_owned(), PLAN_KEYS.to_owned()])
-            .collect();
-        all.join(", ")
+    pub fn keys(&self) -> Vec<(&'static str, Values, &'static str)> {
+        let own = self
+            .parameters
+            .iter()
+            .map(|own| (own.key, own.values, own.meaning));
+        let fill = Switches::TABLE
+            .iter()
+            .map(|of| (of.key, of.values, of.meaning));
+        let plan = PLAN_TABLE.iter().map(|of| (of.key, of.values, of.meaning));
+        own.chain(fill).chain(plan).collect()
     }
 }
 
-/// Keys of a plan's options, with their values.
-const PLAN_KEYS: &str = "boundary-lod-px=PIXELS|off, far-level-px=PIXELS|off, frustum-culling=on|off, horizon-culling=on|off, interior=on|off, part-culling=off|frustum|all, sky-culling=on|off, too-small-culling=on|off, wall-heights=region|global";
+/// Switches of older programs, whose figures are kept.
+const GONE: [&str; 3] = ["cap-faces", "counted", "depth-bounds"];
 
-fn plan_settings(plan: &PlanOptions) -> [(&'static str, String); 9] {
-    let switch = |is_on: bool| if is_on { "on" } else { "off" }.to_owned();
-    let pixels = |px: Option<f64>| px.map_or("off".to_owned(), |px| px.to_string());
-    [
-        ("boundary-lod-px", pixels(plan.boundary_lod_px)),
-        ("far-level-px", pixels(plan.far_level_px)),
-        ("frustum-culling", switch(plan.frustum_culling)),
-        ("horizon-culling", switch(plan.horizon_culling)),
-        ("interior", switch(plan.interior)),
-        (
-            "part-culling",
-            match plan.part_culling {
-                PartCulling::Off => "off",
-                PartCulling::Frustum => "frustum",
-                PartCulling::All => "all",
-            }
-            .to_owned(),
-        ),
-        ("sky-culling", switch(plan.sky_culling)),
-        ("too-small-culling", switch(plan.too_small_culling)),
-        (
-            "wall-heights",
-            match plan.wall_heights {
-                WallHeights::Region => "region",
-                WallHeights::Global => "global",
-            }
-            .to_owned(),
-        ),
-    ]
+/// Every option of a plan, in alphabetical order.
+const PLAN_TABLE: &[Switch<PlanOptions>] = &[
+    Switch {
+        key: "boundary-lod-px",
+        values: Values::Pixels,
+        meaning: "draw boundaries at the coarsest level that moves none by more",
+        get: |of| px_name(of.boundary_lod_px),
+        set: |of, value| {
+            of.boundary_lod_px = pixels(value)?;
+            Some(())
+        },
+    },
+    Switch {
+        key: "far-level-px",
+        values: Values::Pixels,
+        meaning: "draw regions whose volumes are lower as flat meshes, without stencil",
+        get: |of| px_name(of.far_level_px),
+        set: |of, value| {
+            of.far_level_px = pixels(value)?;
+            Some(())
+        },
+    },
+    one_of!("frustum-culling", frustum_culling: ["on" => true, "off" => false],
+        "leave out regions outside the view"),
+    one_of!("horizon-culling", horizon_culling: ["on" => true, "off" => false],
+        "leave out regions that the body hides"),
+    one_of!("interior", interior: ["on" => true, "off" => false],
+        "cover without a volume where all ground in view is one region's"),
+    one_of!("part-culling", part_culling: [
+        "off" => PartCulling::Off,
+        "frustum" => PartCulling::Frustum,
+        "all" => PartCulling::All,
+    ], "leave out parts of large regions: none, outside the view, and those that the body hides"),
+    one_of!("sky-culling", sky_culling: ["on" => true, "off" => false],
+        "end volumes and rectangles where the image shows sky only"),
+    one_of!("too-small-culling", too_small_culling: ["on" => true, "off" => false],
+        "leave out regions that reach the centre of no pixel"),
+    one_of!("wall-heights", wall_heights: ["region" => WallHeights::Region, "global" => WallHeights::Global],
+        "how high walls are: as the ground of their region, or 12 km above and below the ellipsoid"),
+];
+
+fn px_name(px: Option<f64>) -> String {
+    px.map_or_else(|| "off".to_owned(), |px| px.to_string())
 }
 
 /// A number of pixels above 0, or `off`.
-fn pixels(switch: &'static str, value: &str) -> Result<Option<f64>, SwitchError> {
+fn pixels(value: &str) -> Option<Option<f64>> {
     if value == "off" {
-        return Ok(None);
+        return Some(None);
     }
-    let px = value.parse().ok();
-    let px = px.filter(|&px: &f64| px > 0.0 && px.is_finite());
-    let px = px.ok_or_else(|| SwitchError {
-        switch,
-        found: value.to_owned(),
-        allowed: "PIXELS, a number above 0, or off".to_owned(),
-    })?;
-    Ok(Some(px))
-}
-
-fn set_plan(plan: &mut PlanOptions, key: &str, value: &str) -> Result<bool, SwitchError> {
-    let switches = [("on", true), ("off", false)];
-    match key {
-        "boundary-lod-px" => plan.boundary_lod_px = pixels("boundary-lod-px", value)?,
-        "far-level-px" => plan.far_level_px = pixels("far-level-px", value)?,
-        "frustum-culling" => plan.frustum_culling = pick("frustum-culling", value, &switches)?,
-        "horizon-culling" => plan.horizon_culling = pick("horizon-culling", value, &switches)?,
-        "interior" => plan.interior = pick("interior", value, &switches)?,
-        "part-culling" => {
-            let choices = [
-                ("off", PartCulling::Off),
-                ("frustum", PartCulling::Frustum),
-                ("all", PartCulling::All),
-            ];
-            plan.part_culling = pick("part-culling", value, &choices)?;
-        }
-        "sky-culling" => plan.sky_culling = pick("sky-culling", value, &switches)?,
-        "too-small-culling" => {
-            plan.too_small_culling = pick("too-small-culling", value, &switches)?;
-        }
-        "wall-heights" => {
-            let choices = [
-                ("region", WallHeights::Region),
-                ("global", WallHeights::Global),
-            ];
-            plan.wall_heights = pick("wall-heights", value, &choices)?;
-        }
-        _ => return Ok(false),
-    }
-    Ok(true)
+    let px: f64 = value.parse().ok()?;
+    (px > 0.0 && px.is_finite()).then_some(Some(px))
 }
 
 #[cfg(test)]
@@ -362,14 +335,15 @@ mod tests {
     use crate::FacePasses;
 
     const PARAMETERS: &[Parameter] = &[
-        Parameter::one_of("layout", &["flat", "tall"]),
+        Parameter::one_of("layout", &["flat", "tall"], "which"),
         Parameter {
             default_in: &[("tall", "strip")],
-            ..Parameter::one_of("indices", &["list", "strip"])
+            ..Parameter::one_of("indices", &["list", "strip"], "how")
         },
         Parameter {
             key: "opacity",
             values: Values::Percent,
+            meaning: "how much",
             default: "100",
             default_in: &[],
         },
@@ -422,11 +396,11 @@ mod tests {
     fn every_setting_has_a_value_and_can_be_set_to_it() {
         let changed = plain().with("indices", "strip").with("colour", "volume");
         let settings = changed.settings();
-        assert_eq!(settings.len(), 3 + 20 + 9);
+        assert_eq!(settings.len(), 3 + Switches::TABLE.len() + PLAN_TABLE.len());
         let mut read = plain().with("opacity", "7");
         for (key, value) in &settings {
             assert_eq!(read.set(key, value), Ok(true), "{key}={value}");
-            assert!(changed.keys().contains(&format!("{key}=")), "{key}");
+            assert!(changed.keys().iter().any(|(own, ..)| own == key), "{key}");
         }
         assert_eq!(read, changed);
         let distinct: std::collections::BTreeSet<_> = settings.iter().map(|s| &s.0).collect();
@@ -448,6 +422,11 @@ mod tests {
             ("boundary-lod-px", "NaN", "PIXELS, a number above 0, or off"),
             ("far-level-px", "0", "PIXELS, a number above 0, or off"),
             ("part-culling", "on", "off, frustum, all"),
+            (
+                "counted",
+                "wall-band",
+                "no value: it gained nowhere and is gone, see docs/volume-cost.md",
+            ),
         ] {
             let error = variant.set(key, value).expect_err("no such value");
             assert_eq!((error.switch, error.allowed.as_str()), (key, allowed));

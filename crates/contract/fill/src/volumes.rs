@@ -6,9 +6,7 @@
 //! from whatever casts them.
 
 use crate::cover_tiles::cover_tiles;
-use crate::depth_range::depth_range;
-use crate::front_caps::caps_kept;
-use crate::{CoverArea, DepthRange, DepthRuleChoice, FillInput, Switches, ViewId};
+use crate::{CoverArea, DepthRange, FillInput, Switches, ViewId};
 use std::collections::BTreeMap;
 use terrafill_scene::{DrawnAs, ImageSize, NearRectangle, PixelRect, PlannedRegion};
 
@@ -26,9 +24,6 @@ pub struct Volume {
     /// What of it is drawn. As a flat mesh it is so low that its top cap and walls, where nearer than the surface,
     /// stand for it; as ground it holds all surface in view.
     pub drawn_as: DrawnAs,
-    /// Facets of its top that face away from the eye may be left out, where fragments count in front of
-    /// the surface and covers leave out the sky.
-    pub front_caps_suffice: bool,
     /// Which geometry it has: a number that only those who draw volumes understand.
     pub geometry: usize,
 }
@@ -64,24 +59,10 @@ impl VolumeList {
 
     /// One volume for each planned region, in the order of the plan, as `switches` need it.
     ///
-    /// - cost: with `cap-faces=front` O(triangles of all planned regions), with `cover-area=tiles` of those with many
-    ///   pixels a triangle
+    /// - cost: with `cover-area=tiles` O(triangles of regions with many pixels a triangle)
     #[must_use]
     pub fn of(input: &FillInput, switches: &Switches) -> Self {
         let mut list = Self::from(input);
-        if switches.front_caps() {
-            for (volume, planned) in list.volumes.iter_mut().zip(&input.plan.regions) {
-                volume.front_caps_suffice = caps_kept(input, planned).is_none();
-            }
-        }
-        if switches.depth_rule == DepthRuleChoice::Uncut {
-            for volume in &mut list.volumes {
-                // It marks what is not inside, wherever that is.
-                if volume.near_rectangle == NearRectangle::Within {
-                    volume.depth = DepthRange::ANY;
-                }
-            }
-        }
         if switches.cover_area == CoverArea::Tiles {
             let planned = input.plan.regions.iter().enumerate();
             let planned = planned.filter(|(_, planned)| planned.drawn_as == DrawnAs::Volume);
@@ -124,10 +105,9 @@ impl From<&FillInput> for VolumeList {
     fn from(input: &FillInput) -> Self {
         let volume = |planned: &PlannedRegion| Volume {
             screen_rect: planned.screen_rect,
-            depth: depth_range(input, planned),
+            depth: DepthRange::ANY,
             near_rectangle: planned.near_rectangle,
             drawn_as: planned.drawn_as,
-            front_caps_suffice: false,
             geometry: planned.mesh,
         };
         let volumes = input.plan.regions.iter().map(volume).collect();

@@ -11,14 +11,14 @@ use crate::covers::{CoverList, Covers, Numbers};
 use crate::statistics::{Statistics, whole_image};
 use crate::textured::{BoundCover, CoverPurpose, Probe, TexturedFill};
 use crate::volume_pipeline::check_blendable;
-use crate::{API, Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
+use crate::{Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_fill::{
     COLOUR_BYTES, Capabilities, Counters, CpuStopwatch, DEPTH_STENCIL_BYTES, DeviceError, Feature,
     FillPass, FillProgram, FillStep, FirstPass, FrameTimes, Holding, Picture, Probed,
-    StencilExecutor, StencilRule, StencilTest, StencilWork, SurfaceView, Switches, TexturedPlan,
-    ViewId, VolumeDraw, VolumeList, VolumeState, WorkDone,
+    StencilExecutor, StencilTest, StencilWork, SurfaceView, Switches, TexturedPlan, ViewId,
+    VolumeDraw, VolumeList, VolumeState, WorkDone,
 };
 use terrafill_scene::{ImageSize, MipChain};
 
@@ -137,10 +137,6 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
     type Targets = SharedTargets;
 
     fn new(targets: &SharedTargets, switches: &Switches) -> Result<Self, DeviceError> {
-        // Whatever the device has; silence would look like a test that changes nothing.
-        if switches.depth_bounds {
-            return Err(DeviceError::unsupported("a depth-bounds test", API.name));
-        }
         let gpu = Arc::clone(targets.borrow().gpu());
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
         let frame_layout = gpu.buffer_layout(
@@ -610,13 +606,8 @@ impl VolumeFill {
         let blends = loaded.work.blends;
         match step {
             FillStep::Volumes(draw) => {
-                let reference = match draw.state {
-                    VolumeState::Colour { test, .. } => Some(test.reference),
-                    VolumeState::Mark { .. } => Some(StencilRule::REFERENCE),
-                    VolumeState::Accumulate { .. } | VolumeState::Count { .. } => None,
-                };
-                if let Some(reference) = reference {
-                    pass.raw.set_stencil_reference(u32::from(reference));
+                if let VolumeState::Colour { test, .. } = draw.state {
+                    pass.raw.set_stencil_reference(u32::from(test.reference));
                 }
                 pass.at_sky(false);
                 volumes.draw(pass, draw, blends && is_coloured(draw));

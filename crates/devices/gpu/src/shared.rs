@@ -5,11 +5,8 @@ use crate::{Gpu, GpuOptions, RenderTargets, SharedTargets};
 use std::sync::Arc;
 use terrafill_fill::{Api, DeviceError, Devices, Targets};
 
-/// wgpu, which has no depth-bounds test.
-pub const API: Api = Api {
-    name: "wgpu",
-    has_depth_bounds_test: false,
-};
+/// wgpu.
+pub const API: Api = Api { name: "wgpu" };
 
 /// The device of a run, opened when it is first asked for.
 ///

@@ -131,7 +131,7 @@ impl VolumeShader<'_> {
                 strip_index_format: self.strip_index_format,
                 front_face: self.front_face,
                 cull_mode: match state.faces() {
-                    FaceSet::Both | FaceSet::FrontCaps | FaceSet::BackCaps => None,
+                    FaceSet::Both => None,
                     FaceSet::Front => Some(wgpu::Face::Back),
                     FaceSet::Back => Some(wgpu::Face::Front),
                 },
@@ -239,10 +239,7 @@ fn mark_state(rule: StencilRule) -> wgpu::DepthStencilState {
             DepthRule::Always => (operation, operation),
         };
         wgpu::StencilFaceState {
-            compare: match rule.required_bits() {
-                0 => wgpu::CompareFunction::Always,
-                _ => wgpu::CompareFunction::Equal,
-            },
+            compare: wgpu::CompareFunction::Always,
             fail_op: keep,
             depth_fail_op,
             pass_op,
@@ -252,13 +249,12 @@ fn mark_state(rule: StencilRule) -> wgpu::DepthStencilState {
         FaceEffect::Invert => wgpu::StencilOperation::Invert,
         FaceEffect::Add => wgpu::StencilOperation::IncrementWrap,
         FaceEffect::Take => wgpu::StencilOperation::DecrementWrap,
-        FaceEffect::Set => wgpu::StencilOperation::Replace,
     };
     let (front, back, mask) = rule.effects();
     let stencil = wgpu::StencilState {
         front: face(operation(front)),
         back: face(operation(back)),
-        read_mask: u32::from(rule.required_bits()),
+        read_mask: 0,
         write_mask: u32::from(mask),
     };
     tested(wgpu::CompareFunction::Greater, stencil)

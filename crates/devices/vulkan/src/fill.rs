@@ -97,9 +97,6 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         if switches.first_pass != FirstPass::Stencil {
             return Err(lacks("fragment programs in the first pass"));
         }
-        if switches.depth_bounds && !facts.features.depth_bounds {
-            return Err(lacks("depthBounds"));
-        }
         Ok(Self {
             targets: SharedTargets::clone(targets),
             draws_texture: switches.texture.is_some(),

@@ -403,7 +403,7 @@ impl Assembly<'_> {
         let rasterization = vk::PipelineRasterizationStateCreateInfo::default()
             .polygon_mode(vk::PolygonMode::FILL)
             .cull_mode(match self.faces {
-                FaceSet::Both | FaceSet::FrontCaps | FaceSet::BackCaps => vk::CullModeFlags::NONE,
+                FaceSet::Both => vk::CullModeFlags::NONE,
                 FaceSet::Front => vk::CullModeFlags::BACK,
                 FaceSet::Back => vk::CullModeFlags::FRONT,
             })
@@ -588,7 +588,6 @@ fn mark_face(rule: StencilRule, effect: FaceEffect, mask: u8) -> vk::StencilOpSt
         FaceEffect::Invert => vk::StencilOp::INVERT,
         FaceEffect::Add => vk::StencilOp::INCREMENT_AND_WRAP,
         FaceEffect::Take => vk::StencilOp::DECREMENT_AND_WRAP,
-        FaceEffect::Set => vk::StencilOp::REPLACE,
     };
     let keep = vk::StencilOp::KEEP;
     let (pass_op, depth_fail_op) = match rule.depth {
@@ -600,12 +599,9 @@ fn mark_face(rule: StencilRule, effect: FaceEffect, mask: u8) -> vk::StencilOpSt
         fail_op: keep,
         pass_op,
         depth_fail_op,
-        compare_op: match rule.required_bits() {
-            0 => vk::CompareOp::ALWAYS,
-            _ => vk::CompareOp::EQUAL,
-        },
-        compare_mask: u32::from(rule.required_bits()),
+        compare_op: vk::CompareOp::ALWAYS,
+        compare_mask: 0,
         write_mask: u32::from(mask),
-        reference: u32::from(StencilRule::REFERENCE),
+        reference: 0,
     }
 }

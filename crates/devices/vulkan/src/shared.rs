@@ -6,10 +6,7 @@ use std::sync::Arc;
 use terrafill_fill::{Api, DeviceError, Devices, Targets};
 
 /// Vulkan itself.
-pub const API: Api = Api {
-    name: "vulkan",
-    has_depth_bounds_test: true,
-};
+pub const API: Api = Api { name: "vulkan" };
 
 /// The device of a run, opened when it is first asked for.
 ///

@@ -30,15 +30,22 @@ impl Interface {
     }
 
     /// What is seen, and the program over its volumes, ready to be drawn into targets of its own.
+    ///
+    /// - `has_bounds`: the device tests the surface's depth against the range of each volume
     pub(crate) fn open(
         self,
         devices: &Devices,
-        switches: &Switches,
+        (switches, has_bounds): (&Switches, bool),
         view: SurfaceView<'_>,
         source: VolumeSource,
         work: (StencilWork, Option<Retile>),
     ) -> Result<Box<dyn Draws>, DeviceError> {
         match self {
+            // Whatever the device has; silence would look like a test that changes nothing.
+            Self::Wgpu if has_bounds => Err(DeviceError::unsupported(
+                "a depth-bounds test",
+                terrafill_gpu::API.name,
+            )),
             Self::Wgpu => {
                 let gpu = terrafill_gpu::shared_gpu(devices)?;
                 let targets = terrafill_gpu::RenderTargets::shared(&gpu, view.size)?;
@@ -50,9 +57,8 @@ impl Interface {
             Self::Vulkan => {
                 let gpu = terrafill_vulkan::shared_gpu(devices)?;
                 let targets = terrafill_vulkan::RenderTargets::shared(&gpu, view.size)?;
-                let make = |_: &terrafill_vulkan::VolumeFill| {
-                    OnVulkan::new(&gpu, source, switches.depth_bounds)
-                };
+                let make =
+                    |_: &terrafill_vulkan::VolumeFill| OnVulkan::new(&gpu, source, has_bounds);
                 loaded(&targets, switches, make, view, work)
             }
         }

@@ -177,8 +177,11 @@ impl Scene {
                 draws_back_faces,
                 ..seen
             };
-            let interface = way.interface;
-            Ok(interface.open(devices, &switches, seen, source, (whole, retile))?)
+            let has_bounds = way.bounds == Bounds::Native;
+            let open = (&switches, has_bounds);
+            Ok(way
+                .interface
+                .open(devices, open, seen, source, (whole, retile))?)
         })
     }
 

@@ -183,7 +183,6 @@ fn depth_range(view: &View, corners: impl Iterator<Item = DVec4>) -> DepthRange 
 pub(crate) fn listed(rectangle: Rectangle, geometry: usize) -> terrafill_fill::Volume {
     terrafill_fill::Volume {
         drawn_as: DrawnAs::Volume,
-        front_caps_suffice: false,
         screen_rect: PixelRect {
             left: rectangle.columns[0],
             top: rectangle.rows[0],

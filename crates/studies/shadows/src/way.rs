@@ -158,7 +158,6 @@ impl DeviceWay {
                 (Counting::ZpPlus, _) | (_, Rule::Pass | Rule::Preload) => DepthRuleChoice::Pass,
                 _ => DepthRuleChoice::Fail,
             },
-            depth_bounds: self.bounds == Bounds::Native,
             copies_depth: self.bounds == Bounds::Discard,
             scissor: self.cut == Cut::Rectangle || self.bounds == Bounds::Tiles,
             ..Switches::default()

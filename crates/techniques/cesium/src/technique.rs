@@ -23,14 +23,19 @@ const CHROMIUM: &str = "CHROMIUM";
 /// Browsers to look for where none is named.
 const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 
-const API: Api = Api {
-    name: "webgl",
-    has_depth_bounds_test: false,
-};
+const API: Api = Api { name: "webgl" };
 
 const PARAMETERS: &[Parameter] = &[
-    Parameter::one_of("path", &["volumes", "lookup"]),
-    Parameter::one_of("tiles", &["default", "fine"]),
+    Parameter::one_of(
+        "path",
+        &["volumes", "lookup"],
+        "its classification volumes, or this project's lookup in it",
+    ),
+    Parameter::one_of(
+        "tiles",
+        &["default", "fine"],
+        "how fine its terrain is: its default, or errors of a pixel",
+    ),
 ];
 
 /// Error that its tiles may show, pixels (`Globe.maximumScreenSpaceError`): CesiumJS's own default, and two

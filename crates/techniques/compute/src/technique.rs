@@ -15,9 +15,21 @@ use terrafill_scene::{Overlap, Scene};
 pub struct ComputeTechnique;
 
 const PARAMETERS: &[Parameter] = &[
-    Parameter::one_of("expansion", &["per-frame", "cached"]),
-    Parameter::one_of("gpu-culling", &["off", "regions", "triangles"]),
-    Parameter::one_of("transform", &["vertex", "compute"]),
+    Parameter::one_of(
+        "expansion",
+        &["per-frame", "cached"],
+        "make volumes in every frame, or keep them",
+    ),
+    Parameter::one_of(
+        "gpu-culling",
+        &["off", "regions", "triangles"],
+        "what the device leaves out itself",
+    ),
+    Parameter::one_of(
+        "transform",
+        &["vertex", "compute"],
+        "which stage puts corners where they are seen",
+    ),
 ];
 
 impl Technique for ComputeTechnique {
@@ -81,13 +93,6 @@ impl Technique for ComputeTechnique {
         compute.check()?;
         // What the device leaves out, it leaves out of whole volumes.
         variant.check_parts(compute.culling == GpuCulling::Off)?;
-        if variant.switches.front_caps() {
-            return Err(SwitchError {
-                switch: "cap-faces",
-                found: "front of volumes whose caps and walls are one draw".to_owned(),
-                allowed: "both".to_owned(),
-            });
-        }
         variant.switches.check(overlap)
     }
 

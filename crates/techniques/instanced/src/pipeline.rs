@@ -123,10 +123,6 @@ impl Pipelines {
                 wgpu::FrontFace::Ccw
             },
         };
-        let state = match part {
-            Part::TopCap | Part::BottomCap => state.of_caps(),
-            Part::Walls => state.of_walls(),
-        };
         shader.pipeline(gpu, state, false)
     }
 }

@@ -14,7 +14,11 @@ use terrafill_scene::{Overlap, Scene};
 #[derive(Debug)]
 pub struct InstancedTechnique;
 
-const PARAMETERS: &[Parameter] = &[Parameter::one_of("walls", &["instanced"])];
+const PARAMETERS: &[Parameter] = &[Parameter::one_of(
+    "walls",
+    &["instanced"],
+    "how walls are drawn: an instance each",
+)];
 
 /// Whether `variant` is one of this technique's.
 fn check_layout(variant: &Variant) -> Result<(), SwitchError> {
@@ -50,7 +54,6 @@ impl Technique for InstancedTechnique {
         .mesh_lod()
         .rest_of_the_way(overlap)
         .top_of_the_way(overlap)
-        .front_caps(overlap)
         .rungs()
     }
 

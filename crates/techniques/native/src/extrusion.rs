@@ -120,11 +120,6 @@ impl Extrusion {
         }
     }
 
-    /// Whether caps are a draw of their own.
-    pub(crate) fn draws_caps_apart(self) -> bool {
-        self.parts().contains(&Part::Caps)
-    }
-
     pub(crate) fn parts(self) -> &'static [Part] {
         match self {
             Self::VsControl | Self::GsLine => &[Part::Caps, Part::Walls],
@@ -163,13 +158,7 @@ impl Extrusion {
         indices: Indices,
         state: VolumeState,
         without_bottom: bool,
-        depth_bounds: bool,
     ) -> PipelineDescriptor {
-        let state = match part {
-            Part::Caps => state.of_caps(),
-            Part::Walls | Part::Turned => state.of_walls(),
-            Part::Whole => state,
-        };
         let (entry_point, hands_on) = match state {
             VolumeState::Colour { .. } => ("coloured_main", HandsOn::Colour),
             VolumeState::Accumulate { .. } => ("numbered_main", HandsOn::Number),
@@ -219,11 +208,7 @@ impl Extrusion {
             },
             topology: self.topology(part, indices),
             state: state.into(),
-            depth_bounds: depth_bounds
-                && matches!(
-                    state,
-                    VolumeState::Mark { .. } | VolumeState::Accumulate { .. }
-                ),
+            depth_bounds: false,
         }
     }
 }

@@ -179,7 +179,6 @@ mod tests {
             depth: DepthRange::ANY,
             near_rectangle: NearRectangle::Outside,
             drawn_as: DrawnAs::Volume,
-            front_caps_suffice: false,
             geometry,
         };
         // The first and the last beside each other, the second across both.

@@ -257,10 +257,9 @@ impl NativeVolumes {
     ) -> impl Iterator<Item = (Part, PipelineDescriptor)> + use<> {
         let variant = self.variant;
         variant.technique.parts().iter().map(move |&part| {
-            let (indices, depth_bounds) = (variant.indices(), variant.switches.depth_bounds);
             let technique = variant.technique;
             let mut pipeline =
-                technique.volume_pipeline(part, indices, state, without_bottom, depth_bounds);
+                technique.volume_pipeline(part, variant.indices(), state, without_bottom);
             pipeline.vertex.bends_footprints = variant.switches.bends_footprints;
             (part, pipeline)
         })
@@ -407,10 +406,6 @@ impl Volumes for NativeVolumes {
                 let drawn = draw.volumes.iter().copied();
                 for volume in drawn.filter(|&volume| scene.width(list, volume) == width) {
                     pass.cut(volume, draw.scissor);
-                    if key.depth_bounds {
-                        let range = list.volumes[volume].depth;
-                        pass.depth_bounds(range.low, range.high);
-                    }
                     let slice = scene.slice(list, volume);
                     let mesh = list.volumes[volume].geometry;
                     let base_vertex = i32::try_from(slice.first_vertex).unwrap_or(i32::MAX);

@@ -4,8 +4,8 @@
 use crate::{NativeBackend, NativeVariant, native_bytes, native_layouts};
 use terrafill_core::RegionMesh;
 use terrafill_fill::{
-    Api, Climb, CoverArea, DeviceError, FillBackend, GeometryBytes, Parameter, Role, Rung,
-    SwitchError, THIS_MACHINE, Targets, Technique, Variant, layouts,
+    Api, Climb, DeviceError, FillBackend, GeometryBytes, Parameter, Role, Rung, SwitchError,
+    THIS_MACHINE, Targets, Technique, Variant, layouts,
 };
 use terrafill_scene::{Overlap, Scene};
 use terrafill_vulkan::shared_targets;
@@ -28,12 +28,17 @@ const PARAMETERS: &[Parameter] = &[
                 "gs-adjacency",
                 "gs-per-triangle",
             ],
+            "what makes walls: the vertex shader, or a geometry shader, and of which primitives",
         )
     },
     // As `Extrusion::default_indices`.
     Parameter {
         default_in: &[("gs-degenerate", "strip"), ("gs-adjacency", "strip")],
-        ..Parameter::one_of("indices", &["list", "strip"])
+        ..Parameter::one_of(
+            "indices",
+            &["list", "strip"],
+            "triangles as lists or as strips",
+        )
     },
 ];
 
@@ -96,18 +101,6 @@ impl Technique for NativeTechnique {
         .mesh_lod()
         .rest_of_the_way(overlap)
         .top_of_the_way(overlap)
-        .front_caps(overlap)
-        // Last, since where the device has none the rungs after it would have no result either.
-        .switch(
-            "depth-bounds",
-            "fragments over surface outside the region's depth range are dropped; bounds are set for each \
-             region, which has its draws for itself again, and its rectangle",
-            |switches| {
-                switches.depth_bounds = true;
-                switches.merges_draws = false;
-                switches.cover_area = CoverArea::Rectangle;
-            },
-        )
         .rungs()
     }
 

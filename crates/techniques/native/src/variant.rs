@@ -53,23 +53,7 @@ impl NativeVariant {
     /// [`SwitchError`].
     pub fn check(&self, overlap: Overlap) -> Result<(), SwitchError> {
         self.check_indices()?;
-        self.check_caps()?;
         self.switches.check(overlap)
-    }
-
-    /// Whether caps are drawn apart from walls, where only some of their faces are wanted.
-    fn check_caps(&self) -> Result<(), SwitchError> {
-        if !self.switches.front_caps() || self.technique.draws_caps_apart() {
-            return Ok(());
-        }
-        Err(SwitchError {
-            switch: "cap-faces",
-            found: format!(
-                "front with technique={}, whose caps and walls are one draw",
-                self.technique.name()
-            ),
-            allowed: "both, or technique=vs-control or gs-line".to_owned(),
-        })
     }
 
     /// How triangles are indexed.

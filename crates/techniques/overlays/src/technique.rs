@@ -34,8 +34,8 @@ pub struct OverlayTechnique {
 pub static FLAT_MESH: OverlayTechnique = OverlayTechnique {
     name: "flat-mesh",
     parameters: &[
-        Parameter::one_of("mesh", &["flat"]),
-        Parameter::one_of(flat::HEIGHT, flat::HEIGHTS),
+        Parameter::one_of("mesh", &["flat"], "regions' triangles at one height"),
+        Parameter::one_of(flat::HEIGHT, flat::HEIGHTS, "at which height"),
     ],
     main: flat::HEIGHTS,
     quick: &["top"],
@@ -50,8 +50,16 @@ pub static FLAT_MESH: OverlayTechnique = OverlayTechnique {
 pub static DRAPED_MESH: OverlayTechnique = OverlayTechnique {
     name: "draped-mesh",
     parameters: &[
-        Parameter::one_of("mesh", &["draped"]),
-        Parameter::one_of(draped::OFFSET, draped::OFFSETS),
+        Parameter::one_of(
+            "mesh",
+            &["draped"],
+            "regions cut along the surface's triangles",
+        ),
+        Parameter::one_of(
+            draped::OFFSET,
+            draped::OFFSETS,
+            "how far their depth is drawn towards the eye",
+        ),
     ],
     main: draped::OFFSETS,
     quick: &["2^-10"],
@@ -66,8 +74,12 @@ pub static DRAPED_MESH: OverlayTechnique = OverlayTechnique {
 pub static MASK_TEXTURE: OverlayTechnique = OverlayTechnique {
     name: "mask-texture",
     parameters: &[
-        Parameter::one_of("mask", &["texture"]),
-        Parameter::one_of(mask::SIZE, mask::SIZES),
+        Parameter::one_of(
+            "mask",
+            &["texture"],
+            "regions in a texture that is looked up by depth",
+        ),
+        Parameter::one_of(mask::SIZE, mask::SIZES, "texels along a side"),
     ],
     main: mask::SIZES,
     quick: mask::SIZES,

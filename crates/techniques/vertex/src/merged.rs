@@ -372,7 +372,6 @@ mod tests {
             depth: DepthRange::ANY,
             near_rectangle: NearRectangle::Outside,
             drawn_as: DrawnAs::Volume,
-            front_caps_suffice: false,
             geometry,
         };
         let size = ImageSize {

@@ -586,9 +586,7 @@ impl VertexVolumes {
             (Part::Caps, None) => draw(first_cap..first_cap + caps),
             (Part::Walls { .. }, None) if self.variant.layout == Layout::PerTriangle => {
                 match state.faces() {
-                    FaceSet::Both | FaceSet::FrontCaps | FaceSet::BackCaps => {
-                        draw(first_wall..inner_wall + turned)
-                    }
+                    FaceSet::Both => draw(first_wall..inner_wall + turned),
                     // See `push_inner_walls`.
                     FaceSet::Front | FaceSet::Back => {
                         draw(first_wall..inner_wall);

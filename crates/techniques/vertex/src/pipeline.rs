@@ -159,11 +159,7 @@ impl Pipelines {
                 Part::TurnedWalls => wgpu::FrontFace::Cw,
             },
         };
-        let state = match key.part {
-            Part::Caps => key.state.of_caps(),
-            Part::Walls { .. } | Part::TurnedWalls => key.state.of_walls(),
-        };
-        shader.pipeline(gpu, state, key.blends)
+        shader.pipeline(gpu, key.state, key.blends)
     }
 }
 

@@ -20,21 +20,51 @@ use terrafill_scene::{Overlap, PlannedRegion, Scene};
 pub struct VertexTechnique;
 
 const PARAMETERS: &[Parameter] = &[
-    Parameter::one_of("layout", &["doubled", "separate", "per-triangle", "pulled"]),
+    Parameter::one_of(
+        "layout",
+        &["doubled", "separate", "per-triangle", "pulled"],
+        "how the two ends of a vertex are stored",
+    ),
     Parameter::one_of(
         "positions",
         &["fixed", "local-f32", "ecef-f32", "two-float"],
+        "format of positions",
     ),
-    Parameter::one_of("walls", &["strip", "list"]),
-    Parameter::one_of("index-order", &["mesh", "cache"]),
-    Parameter::one_of("vertex-bytes", &["16", "20"]),
-    Parameter::one_of("vertex-order", &["mesh", "first-use"]),
-    Parameter::one_of("buffers", &["kept", "streamed"]),
-    Parameter::one_of("bottom", &["planned", "pixels"]),
-    Parameter::one_of("normals", &["geodetic", "stored", "centric"]),
+    Parameter::one_of(
+        "walls",
+        &["strip", "list"],
+        "walls as strips or as single triangles",
+    ),
+    Parameter::one_of(
+        "index-order",
+        &["mesh", "cache"],
+        "cap triangles as the mesh has them, or as a post-transform cache likes them",
+    ),
+    Parameter::one_of("vertex-bytes", &["16", "20"], "bytes of a stored vertex"),
+    Parameter::one_of(
+        "vertex-order",
+        &["mesh", "first-use"],
+        "vertices as the mesh has them, or in the order of their first use",
+    ),
+    Parameter::one_of(
+        "buffers",
+        &["kept", "streamed"],
+        "keep buffers on the device, or send them in every frame",
+    ),
+    Parameter::one_of(
+        "bottom",
+        &["planned", "pixels"],
+        "where walls end: as planned, or by what a pixel needs",
+    ),
+    Parameter::one_of(
+        "normals",
+        &["geodetic", "stored", "centric"],
+        "walls along the ellipsoid's normal, along a stored one, or from the centre",
+    ),
     Parameter {
         key: "opacity",
         values: Values::Percent,
+        meaning: "how much of what lies below a fill hides",
         default: "100",
         default_in: &[],
     },
@@ -165,7 +195,6 @@ impl Technique for VertexTechnique {
         .mesh_lod()
         .rest_of_the_way(overlap)
         .top_of_the_way(overlap)
-        .front_caps(overlap)
         .rungs()
     }
 
@@ -321,7 +350,6 @@ mod tests {
             "colour=rectangle",
             "colour=volume",
             "cover-faces=culled",
-            "depth-bounds=on",
             "depth-rule=automatic",
             "faces=two-pass",
             "frustum-culling=off",

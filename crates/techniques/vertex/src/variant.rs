@@ -260,7 +260,6 @@ impl VertexVariant {
         self.check_layout()?;
         self.check_depth_rule()?;
         self.check_opacity()?;
-        self.check_caps()?;
         self.switches.check(overlap)
     }
 
@@ -357,22 +356,6 @@ impl VertexVariant {
         })
     }
 
-    /// Whether caps lie where the plan knows them to be, to far less than a pixel.
-    fn check_caps(&self) -> Result<(), SwitchError> {
-        let exact = [PositionFormat::Fixed, PositionFormat::TwoFloat];
-        if !self.switches.front_caps() || exact.contains(&self.positions) {
-            return Ok(());
-        }
-        Err(SwitchError {
-            switch: "cap-faces",
-            found: format!(
-                "front with positions={}, whose facets may be turned",
-                self.positions.name()
-            ),
-            allowed: "both, or positions=fixed or two-float".to_owned(),
-        })
-    }
-
     /// Whether regions may be translucent with this way of colouring.
     fn check_opacity(&self) -> Result<(), SwitchError> {
         let in_order = matches!(
@@ -394,7 +377,7 @@ impl VertexVariant {
             found: format!(
                 "{} with colour={}, which keeps no order of regions over one pixel",
                 self.opacity_percent,
-                self.switches.colour.name()
+                self.switches.setting("colour")
             ),
             allowed: "100, or colour=rectangle, volume or bit-planes".to_owned(),
         })

@@ -176,7 +176,11 @@ fn vulkan_verdict(facts: &terrafill_vulkan::DeviceFacts) -> Verdict {
             STATISTICS,
             "invocation counts stay empty",
         ),
-        (has.depth_bounds, "depth bounds", "no depth-bounds=on"),
+        (
+            has.depth_bounds,
+            "depth bounds",
+            "no depth bounds of shadows",
+        ),
         (
             has.blends_float,
             "blending of R32_SFLOAT",
@@ -342,7 +346,7 @@ mod tests {
         for phrase in [
             "lacks GPU timestamps: GPU times stay empty",
             "lacks geometry shaders: only technique=vs-control runs",
-            "lacks depth bounds: no depth-bounds=on",
+            "lacks depth bounds: no depth bounds of shadows",
         ] {
             assert!(text.contains(phrase), "{phrase:?} is not in {text}");
         }

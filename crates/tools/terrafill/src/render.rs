@@ -5,7 +5,7 @@ use crate::arguments::RenderArguments;
 use crate::fit;
 use crate::outcome::{Failure, Outcome, print};
 use crate::output::{check_paths, check_pictures, write_all};
-use crate::registry::{SURFACES, TECHNIQUES, technique};
+use crate::registry::{SURFACES, technique};
 use crate::techniques::{self, BOUNDARY_TOLERANCE, allowed_switches};
 use image::{ExtendedColorType, ImageFormat};
 use serde_json::json;
@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_fill::{
-    DeviceError, Devices, FillInput, Frame, MemoryUse, PreparedScene, SwitchError, Targets,
-    Technique, Variant, paint,
+    DeviceError, Devices, FillInput, Frame, MemoryUse, PreparedScene, Targets, Technique, Variant,
+    paint,
 };
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions, Scene, View, data_dir};
@@ -161,34 +161,10 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
         }
     }
     if let Some((technique, variant)) = &wanted.subject {
-        let checked = check_interface(*technique, variant)
-            .and_then(|()| technique.check(variant, scene.overlap));
+        let checked = technique.check(variant, scene.overlap);
         checked.map_err(|error| Failure::bad_input(format!("--set: {error}")))?;
     }
     Ok(wanted)
-}
-
-/// Whether the technique's interface has what the switches ask for. On no device would it run, so
-/// that it is no device's fault.
-fn check_interface(technique: &dyn Technique, variant: &Variant) -> Result<(), SwitchError> {
-    let api = technique.api();
-    if !variant.switches.depth_bounds || api.has_depth_bounds_test {
-        return Ok(());
-    }
-    let able = TECHNIQUES
-        .iter()
-        .filter(|other| other.api().has_depth_bounds_test);
-    let able: Vec<String> = able
-        .map(|other| format!("--technique {}", other.name()))
-        .collect();
-    Err(SwitchError {
-        switch: "depth-bounds",
-        found: format!(
-            "on with a technique on {}, which has no such test",
-            api.name
-        ),
-        allowed: format!("off, or {}", able.join(" or ")),
-    })
 }
 
 impl Wanted {
@@ -388,6 +364,7 @@ fn png(bytes: &[u8], size: ImageSize, colour: ExtendedColorType) -> Result<Vec<u
 mod tests {
     use super::*;
     use crate::arguments::{Arguments, Verb};
+    use crate::registry::TECHNIQUES;
     use clap::Parser as _;
     use terrafill_fill::Role;
     use terrafill_scene::Overlap;
@@ -422,10 +399,7 @@ mod tests {
                 let measured = rungs.map(|rung| rung.variant);
                 let measured = measured.chain(technique.full_plans(overlap));
                 let measured = measured.chain(technique.variants(&scene, Role::Main));
-                let is_drawn = |variant: &Variant| {
-                    check_interface(*technique, variant).is_ok()
-                        && technique.check(variant, overlap).is_ok()
-                };
+                let is_drawn = |variant: &Variant| technique.check(variant, overlap).is_ok();
                 for variant in measured.filter(is_drawn) {
                     let drawn = set(&scene, *technique, &variant.name());
                     assert_eq!(drawn, variant.settings(), "{}", variant.name());

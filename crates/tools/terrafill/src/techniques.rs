@@ -12,12 +12,27 @@ use terrafill_scene::Overlap;
 
 /// Switch of the meshes that go into every technique.
 pub(crate) const BOUNDARY_TOLERANCE: &str = "boundary-tolerance-m";
-/// The same with its values.
-const BOUNDARY_TOLERANCE_USAGE: &str = "boundary-tolerance-m=METRES";
+/// Every switch of `render` that goes with `variant`'s technique: key, values, and what it decides.
+fn switches(variant: &Variant) -> Vec<(&'static str, Vec<&'static str>, &'static str)> {
+    let own = variant.keys().into_iter();
+    let mut all: Vec<_> = own
+        .map(|(key, values, meaning)| (key, values.list(), meaning))
+        .collect();
+    all.push((
+        BOUNDARY_TOLERANCE,
+        vec!["METRES"],
+        "how far a boundary's chords may lie from its geodesics",
+    ));
+    all
+}
 
-/// Every switch of `render` that goes with `variant`'s technique: `key=value|value, …`.
+/// The same in a line: `key=value|value, …`.
 pub(crate) fn allowed_switches(variant: &Variant) -> String {
-    format!("{}, {BOUNDARY_TOLERANCE_USAGE}", variant.keys())
+    let all = switches(variant).into_iter();
+    let all: Vec<String> = all
+        .map(|(key, values, _)| format!("{key}={}", values.join("|")))
+        .collect();
+    all.join(", ")
 }
 
 /// A switch of `render --set`.
@@ -28,6 +43,8 @@ struct Switch {
     values: Vec<String>,
     /// On scenes whose regions do not overlap.
     default: String,
+    /// What it decides, in a line.
+    meaning: &'static str,
     /// Whether other techniques lack it.
     own: bool,
 }
@@ -47,17 +64,15 @@ impl ListedTechnique {
         let mut defaults: BTreeMap<&str, String> = main.settings().into_iter().collect();
         let tolerance_m = MeshOptions::default().boundary_tolerance_m;
         defaults.insert(BOUNDARY_TOLERANCE, tolerance_m.to_string());
-        let all = allowed_switches(&main);
-        let switches = all.split(", ").filter_map(|usage| {
-            let (key, values) = usage.split_once('=')?;
-            let parameters = technique.parameters().iter();
-            Some(Switch {
+        let switches = switches(&main)
+            .into_iter()
+            .map(|(key, values, meaning)| Switch {
                 key: key.to_owned(),
-                values: values.split('|').map(str::to_owned).collect(),
+                values: values.into_iter().map(str::to_owned).collect(),
                 default: defaults.get(key).cloned().unwrap_or_default(),
-                own: parameters.into_iter().any(|own| own.key == key),
-            })
-        });
+                meaning,
+                own: technique.parameters().iter().any(|own| own.key == key),
+            });
         Self {
             name: technique.name(),
             api: technique.api().name,
@@ -74,29 +89,35 @@ impl ListedTechnique {
 }
 
 impl Switch {
-    /// Its values in lines of a screen's width, the default first.
+    /// What it decides, and below it values and default, in lines of a screen's width.
     fn line(&self) -> String {
         /// Narrower than the 100 columns of help, as values stand behind the key.
         const WIDTH: usize = 70;
-        let mut lines = vec![format!(
-            "{}; default {}",
-            self.values.join("|"),
-            self.default
-        )];
-        while let Some(last) = lines.last().filter(|last| last.chars().count() > WIDTH) {
-            let cut = last
-                .char_indices()
-                .take(WIDTH)
-                .filter(|(_, c)| matches!(c, '|' | ' '));
-            let Some((at, _)) = cut.last() else { break };
-            let (kept, rest) = last.split_at(at + 1);
-            let (kept, rest) = (kept.to_owned(), rest.to_owned());
-            lines.pop();
-            lines.extend([kept, rest]);
-        }
-        let values = lines.join(&format!("\n{:27}", ""));
-        format!("    {:<22} {}\n", self.key, values)
+        let values = format!("{}; default {}", self.values.join("|"), self.default);
+        let mut lines = [wrapped(self.meaning, WIDTH), wrapped(&values, WIDTH)].concat();
+        lines
+            .iter_mut()
+            .skip(1)
+            .for_each(|line| line.insert_str(0, &format!("\n{:27}", "")));
+        format!("    {:<22} {}\n", self.key, lines.concat())
     }
+}
+
+/// Broken behind spaces and bars.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_inclusive([' ', '|']) {
+        match lines.last_mut() {
+            Some(last) if (last.chars().count() + word.trim_end().chars().count()) <= width => {
+                last.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+        .iter()
+        .map(|line| line.trim_end().to_owned())
+        .collect()
 }
 
 fn listed() -> Vec<ListedTechnique> {

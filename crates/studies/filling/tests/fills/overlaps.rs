@@ -63,7 +63,12 @@ fn nested_regions_are_right_or_refused() {
             match backend.prepare(&input) {
                 Ok(_) => {}
                 Err(DeviceError::Switch(error)) => {
-                    assert!(error.to_string().contains(colour.name()), "{error}");
+                    assert!(
+                        error
+                            .to_string()
+                            .contains(&with_colour(colour).setting("colour")),
+                        "{error}"
+                    );
                     refused.push((colour, count));
                     continue;
                 }

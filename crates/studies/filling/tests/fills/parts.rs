@@ -6,8 +6,7 @@ use crate::drawing;
 use drawing::{AllTargets, Devices, Technique, counters, differing, draw_with};
 use terrafill_compute::{ComputeVariant, Expansion, Transform};
 use terrafill_fill::{
-    BottomCap, CapFaces, ColourWay, DepthRuleChoice, FillBackend, FillInput, Frame, PreparedScene,
-    Switches,
+    BottomCap, ColourWay, DepthRuleChoice, FillBackend, FillInput, Frame, PreparedScene, Switches,
 };
 use terrafill_instanced::InstancedBackend;
 use terrafill_native::{Extrusion, NativeVariant};
@@ -118,7 +117,6 @@ fn native(switches: Switches) -> Vec<NativeVariant> {
     ]
 }
 
-/// Without those whose caps and walls are one draw where faces of caps are left out.
 fn compute(switches: Switches) -> Vec<ComputeVariant> {
     let with = |expansion, transform| ComputeVariant {
         expansion,
@@ -127,13 +125,11 @@ fn compute(switches: Switches) -> Vec<ComputeVariant> {
         switches,
         ..ComputeVariant::default()
     };
-    let all = [
+    vec![
         with(Expansion::PerFrame, Transform::VertexStage),
         with(Expansion::Cached, Transform::VertexStage),
         with(Expansion::Cached, Transform::ComputeStage),
-    ];
-    let all = all.into_iter();
-    all.filter(|_| !switches.front_caps()).collect()
+    ]
 }
 
 /// Frames of all that can draw parts, with what drew them.
@@ -164,13 +160,6 @@ fn what_is_left_out_of_a_large_region_changes_no_pixel_and_is_counted() {
         for (culling, switches) in [
             (PartCulling::Frustum, Switches::default()),
             (PartCulling::All, in_front()),
-            (
-                PartCulling::All,
-                Switches {
-                    cap_faces: CapFaces::Front,
-                    ..in_front()
-                },
-            ),
             (
                 PartCulling::All,
                 Switches {

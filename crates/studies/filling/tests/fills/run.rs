@@ -341,17 +341,9 @@ fn check_ladders(run: &Run) {
                 number.to_string(),
                 "{technique}: numbered without a gap"
             );
-            // A device may lack depth bounds; everything else is timed.
             let is_timed = case.outcome == Outcome::Ok && case.timed_samples(0).len() == 2;
-            let lacks = case.outcome == Outcome::Skipped && case.reason.contains("depth");
-            assert!(
-                is_timed || (lacks && case.condition("step") == "depth-bounds"),
-                "{}: {}",
-                case.id(),
-                case.reason
-            );
-            let change = case.note("change");
-            assert!(lacks || !change.is_empty(), "{}", case.id());
+            assert!(is_timed, "{}: {}", case.id(), case.reason);
+            assert!(!case.note("change").is_empty(), "{}", case.id());
         }
     }
 }

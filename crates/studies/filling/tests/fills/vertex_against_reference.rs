@@ -19,7 +19,7 @@ use terrafill_fill::{
     ColourWay, Counters, FillInput, PositionFormat, Switches, Technique as _, Variant,
 };
 use terrafill_scene::{Overlap, PlanOptions};
-use terrafill_vertex::{Layout, VertexBackend, VertexTechnique, VertexVariant};
+use terrafill_vertex::{Layout, VertexTechnique, VertexVariant};
 
 /// Every layout, drawn so.
 fn layouts(switches: Switches) -> Vec<Technique> {
@@ -310,17 +310,4 @@ fn a_frame_needs_preparing_and_an_unchanged_one_uploads_no_geometry() {
         ..start
     };
     assert_eq!(without_making, again);
-}
-
-#[test]
-fn what_wgpu_cannot_do_is_refused_and_not_left_out_in_silence() {
-    let Some(devices) = Devices::open() else {
-        return;
-    };
-    let targets = AllTargets::new(&devices, SIZE);
-    let mut variant = VertexVariant::default();
-    assert!(VertexBackend::new(targets.wgpu(), variant).is_ok());
-    variant.switches.depth_bounds = true;
-    let error = VertexBackend::new(targets.wgpu(), variant).expect_err("no such test");
-    assert_eq!(error.to_string(), "wgpu lacks a depth-bounds test");
 }

@@ -418,7 +418,7 @@ const VARIANTS: [(&str, &[&str], &str); 25] = [
     ),
     (
         "native",
-        &["depth-bounds=off", "horizon-culling=off"],
+        &["depth-copy=none", "horizon-culling=off"],
         "gs-degenerate",
     ),
     ("native", &["boundary-lod-px=0.5"], "gs-degenerate"),
@@ -541,7 +541,7 @@ fn switches_of_another_backend_are_refused_with_the_backends_own() {
             "technique=vs-control, gs-degenerate",
         ),
         ("native", "indices=fan", "indices=list, strip"),
-        ("native", "depth-bounds=maybe", "depth-bounds=off, on"),
+        ("native", "depth-copy=maybe", "depth-copy=none, made"),
         ("native", "faces=three", "faces=two-sided, two-pass"),
         ("vertex", "technique=gs-line", "layout=doubled|separate"),
         ("vertex", "expansion=cached", "layout=doubled|separate"),
@@ -586,32 +586,6 @@ fn switches_of_another_backend_are_refused_with_the_backends_own() {
     desk.run(&[&SCENE[..], &more].concat())
         .refused(&[&["--set: found \"full-plan\", allowed: "]]);
     assert_eq!(desk.names(), before);
-}
-
-#[test]
-fn a_depth_bounds_test_is_drawn_or_refused_with_what_lacks_it() {
-    let desk = Desk::new();
-    write_squares(&desk);
-    let bounds = |backend| {
-        let more = ["--technique", backend, "--set", "depth-bounds=on"];
-        desk.run(&[&SCENE[..], &more].concat())
-    };
-    for backend in ["vertex", "compute"] {
-        let words = "--set: depth-bounds: found on with a technique on wgpu";
-        bounds(backend).refused(&[&[words, "allowed: off, or --technique native"]]);
-    }
-    if !a_device("native     runs, with geometry shaders") {
-        return;
-    }
-    let devices = desk.run(&["devices"]).succeeded();
-    let ran = bounds("native");
-    if devices.contains("lacks depth bounds") {
-        assert_eq!((ran.code, ran.stdout.as_str()), (5, ""), "{}", ran.stderr);
-        assert!(ran.stderr.contains("lacks depthBounds"), "{}", ran.stderr);
-        assert!(!desk.path("a.png").exists());
-    } else {
-        assert_eq!(ran.succeeded(), "");
-    }
 }
 
 #[test]

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A switch, said once: its key, its values, its default and what it does. Parsing, lists, columns of tables and names
+//! of variants are made from that.
+
+use crate::SwitchError;
+
+/// Values that a switch or a parameter may take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Values {
+    /// One of these.
+    OneOf(&'static [&'static str]),
+    /// A whole number of percent from 1 to 100.
+    Percent,
+    /// A number of pixels above 0, or `off`.
+    Pixels,
+    /// A way from a position to a texel, or one of these.
+    RouteOr(&'static [&'static str]),
+}
+
+impl Values {
+    /// Each with its placeholder or as it is.
+    #[must_use]
+    pub fn list(self) -> Vec<&'static str> {
+        match self {
+            Self::OneOf(values) => values.to_vec(),
+            Self::Percent => vec!["1…100"],
+            Self::Pixels => vec!["PIXELS", "off"],
+            Self::RouteOr(values) => [values, &["a route such as gnomonic-3"]].concat(),
+        }
+    }
+
+    /// As an error says what is allowed.
+    #[must_use]
+    pub fn allowed(self) -> String {
+        match self {
+            Self::OneOf(values) => values.join(", "),
+            Self::Percent => "whole percent, 1 to 100".to_owned(),
+            Self::Pixels => "PIXELS, a number above 0, or off".to_owned(),
+            Self::RouteOr(values) => {
+                let values = values.join(", ");
+                format!("{values}, or a route such as recentred-odd-7, gnomonic-3")
+            }
+        }
+    }
+}
+
+/// A switch of `T`.
+#[derive(Debug, Clone, Copy)]
+pub struct Switch<T: 'static> {
+    /// Its name, as it is set and as its column is called.
+    pub key: &'static str,
+    /// What it may be.
+    pub values: Values,
+    /// What it decides, in a line.
+    pub meaning: &'static str,
+    /// Its value.
+    pub(crate) get: fn(&T) -> String,
+    /// Sets it; `None` where the value is none of its own.
+    pub(crate) set: fn(&mut T, &str) -> Option<()>,
+}
+
+/// A switch between values of a field.
+macro_rules! one_of {
+    ($key:literal, $($field:ident).+: [$($value:literal => $choice:expr),+ $(,)?], $meaning:literal) => {
+        $crate::switch::Switch {
+            key: $key,
+            values: $crate::switch::Values::OneOf(&[$($value),+]),
+            meaning: $meaning,
+            get: |of| {
+                let all = [$(($value, $choice)),+];
+                let own = all.into_iter().find(|(_, choice)| *choice == of.$($field).+);
+                own.map(|(value, _)| value.to_owned()).unwrap_or_default()
+            },
+            set: |of, value| {
+                let mut all = [$(($value, $choice)),+].into_iter();
+                of.$($field).+ = all.find(|(own, _)| *own == value)?.1;
+                Some(())
+            },
+        }
+    };
+}
+pub(crate) use one_of;
+
+impl<T: Default> Switch<T> {
+    /// Its value unless it is set.
+    #[must_use]
+    pub fn default(&self) -> String {
+        (self.get)(&T::default())
+    }
+}
+
+/// Every switch with its value, in the order of the table.
+pub(crate) fn settings<T>(table: &[Switch<T>], of: &T) -> Vec<(&'static str, String)> {
+    let all = table.iter();
+    all.map(|switch| (switch.key, (switch.get)(of))).collect()
+}
+
+/// `key=value` of every switch that differs from the default.
+pub(crate) fn names<T: Default>(table: &[Switch<T>], of: &T) -> Vec<String> {
+    let settings = settings(table, of).into_iter().zip(table);
+    settings
+        .filter(|((_, value), switch)| *value != switch.default())
+        .map(|((key, value), _)| format!("{key}={value}"))
+        .collect()
+}
+
+/// Sets the switch `key`; `Ok(false)` where there is none.
+///
+/// # Errors
+/// [`SwitchError`] where the value is none of the switch's.
+pub(crate) fn set<T>(
+    table: &[Switch<T>],
+    of: &mut T,
+    key: &str,
+    value: &str,
+) -> Result<bool, SwitchError> {
+    let Some(switch) = table.iter().find(|switch| switch.key == key) else {
+        return Ok(false);
+    };
+    (switch.set)(of, value).ok_or_else(|| SwitchError {
+        switch: switch.key,
+        found: value.to_owned(),
+        allowed: switch.values.allowed(),
+    })?;
+    Ok(true)
+}
