@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a figure is: declared once by the study that measures it.
 //!
-//! `GLOSSARY.md`'s list of metrics, `metrics.csv` and `schema.json` are made from these declarations,
+//! `terrafill studies --markdown`, `metrics.csv` and `schema.json` are made from these declarations,
 //! so a figure cannot be written under a name that is explained nowhere.
 
 use crate::{Clock, Scope};

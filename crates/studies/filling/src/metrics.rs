@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Everything that the study measures. `GLOSSARY.md` and `schema.json` are made from these.
+//! Everything that the study measures. `terrafill studies --markdown` and `schema.json` are made from these.
 
 use terrafill_results::{Kind, Metric, Primary, Scope};
 

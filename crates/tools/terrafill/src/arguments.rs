@@ -97,7 +97,7 @@ pub(crate) struct StudiesArguments {
     /// Print one JSON object instead of a list
     #[arg(long, conflicts_with = "markdown")]
     pub(crate) json: bool,
-    /// Print every metric with its meaning, as GLOSSARY.md has it
+    /// Print every metric with its meaning, as tables in Markdown
     #[arg(long)]
     pub(crate) markdown: bool,
 }
