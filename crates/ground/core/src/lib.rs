@@ -4,7 +4,6 @@
 //! No GPU, and no input or output beyond parsing. Angles are radians unless a name says `_deg`;
 //! lengths are metres; positions are earth-centred earth-fixed (ECEF) unless a name says otherwise.
 
-mod analytic;
 mod antimeridian;
 mod body;
 mod box_tree;
@@ -12,6 +11,7 @@ mod build;
 mod collapsed;
 mod crossings;
 mod edge;
+mod footprint;
 mod geojson;
 mod inside;
 mod intersection;
@@ -31,11 +31,10 @@ mod stitch;
 mod sweep;
 mod triangulate;
 
-pub use analytic::{
-    AnalyticError, AnalyticRegion, ConeEdge, Footprint, FootprintMesher, GeodesicSector,
-    MovingFootprint, SensorCone, SurfaceEllipse,
-};
 pub use body::{Ellipsoid, Geodetic};
+pub use footprint::{
+    ConeEdge, Footprint, FootprintError, FootprintMesher, MovingFootprint, SensorCone,
+};
 pub use geojson::{
     Reading, RegionFile, RegionFileError, RegionProblem, RegionProblemKind, parse_regions,
     parse_regions_as, printable, read_region_file, wide_encoding,

@@ -7,8 +7,8 @@
 //! Here that is followed in f64; `shaders/shared/footprint.wgsl` does the same in f32, and
 //! [`ConeEdge::rounding_bound_m`] says how far apart the two may be.
 
-use super::AnalyticError;
-use super::cone::Sight;
+use super::FootprintError;
+use super::cone::ConeOverBody;
 use crate::mesh::{sagitta_m, volume_heights};
 use crate::{Ellipsoid, OrientedBox, VolumeHeights};
 use glam::DVec3;
@@ -89,7 +89,7 @@ impl ConeEdge {
     }
 }
 
-impl Sight {
+impl ConeOverBody {
     /// Parameters of an edge that meets the body all round.
     pub(super) fn edge(&self) -> ConeEdge {
         let (sin_half, cos_half) = self.half_angle_rad.sin_cos();
@@ -116,19 +116,19 @@ pub struct MovingFootprint {
 
 impl MovingFootprint {
     /// # Errors
-    /// [`AnalyticError::Folded`] where a facet faces inwards.
+    /// [`FootprintError::Folded`] where a facet faces inwards.
     pub(super) fn new(
         body: &Ellipsoid,
         edge: ConeEdge,
         steps: &[[f64; 2]],
         triangles: &[[u32; 3]],
-    ) -> Result<Self, AnalyticError> {
+    ) -> Result<Self, FootprintError> {
         let hits = steps.iter().map(|&[cos, sin]| edge.hit(cos, sin));
         let vertices_ecef: Vec<DVec3> = hits.collect();
         let facets = triangles.iter();
         let facets = facets.map(|corners| corners.map(|i| vertices_ecef[i as usize]));
         if facets.clone().any(faces_inwards) {
-            return Err(AnalyticError::Folded { body: body.name() });
+            return Err(FootprintError::Folded { body: body.name() });
         }
         Ok(Self {
             edge,
@@ -233,7 +233,7 @@ mod tests {
             ];
             assert!(found.center_ecef.distance(wanted.center_ecef) < 1e-3);
             assert!(found.half_extents_m.distance(wanted.half_extents_m) < 1e-3);
-            // Twin: another cone's box is another one.
+            // Negative control: another cone's box is another one.
             let other = mesher.moving(&SensorCone {
                 azimuth_rad: 3.0,
                 half_angle_rad: 0.9 * cone.half_angle_rad,
@@ -260,7 +260,7 @@ mod tests {
             assert!(found_m <= bound_m, "{cone:?}: {found_m} > {bound_m}");
             share = share.max(found_m / bound_m);
             largest_m = largest_m.max(bound_m);
-            // Twin: a power that is a ten-thousandth off.
+            // Negative control: a power that is a ten-thousandth off.
             let mut wrong = edge;
             wrong.power *= 1.0 + 1e-4;
             let found_m = worst_m(&wrong, &edge, mesher.steps());
