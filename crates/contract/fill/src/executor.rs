@@ -6,8 +6,8 @@
 //! crate's own trait of volumes. Regions stay with [`crate::VolumeBackend`].
 
 use crate::{
-    Capabilities, Counters, DeviceError, Feature, FillProgram, FrameTimes, Holding, MemoryUse,
-    Picture, Probed, SurfaceView, Switches, TexturedPlan, ViewId, VolumeList, WorkDone,
+    Capabilities, Counters, DeviceError, Feature, FillProgram, FrameTimes, Holding, Picture,
+    Probed, SurfaceView, Switches, TexturedPlan, ViewId, VolumeList, WorkDone,
 };
 use terrafill_scene::MipChain;
 
@@ -35,13 +35,7 @@ impl StencilWork {
             true => 0,
             false => self.constants.len() as u64,
         };
-        let memory = MemoryUse {
-            constant_bytes,
-            padding_bytes: buffer_bytes.saturating_sub(constant_bytes),
-            buffers: 1,
-            ..MemoryUse::default()
-        };
-        Holding::memory(Feature::RegionConstants, memory)
+        Holding::constants(Feature::RegionConstants, constant_bytes, buffer_bytes)
     }
 }
 

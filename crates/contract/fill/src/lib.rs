@@ -101,7 +101,10 @@ pub use switches::{
 pub use targets::{Api, Targets};
 pub use technique::{Role, Technique, layouts};
 pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
-pub use textured::{CoverOverrides, RouteNote, TexturedCover, TexturedPlan, TexturedRegion};
+pub use textured::{
+    CoverLook, CoverOverrides, CoverPurpose, RouteNote, TexturedCover, TexturedPlan,
+    TexturedRegion, textured_holdings,
+};
 pub use textured_device::{Probed, RouteTexelFormat, RouteTexels};
 pub use variant::{Parameter, Variant};
 pub use volume_backend::{RegionVolumes, VolumeBackend};

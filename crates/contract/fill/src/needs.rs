@@ -168,6 +168,30 @@ impl Holding {
         }
     }
 
+    /// One buffer of constants.
+    ///
+    /// - `written_bytes`: what of the buffer's bytes holds constants
+    #[must_use]
+    pub fn constants(feature: Feature, written_bytes: u64, buffer_bytes: u64) -> Self {
+        let memory = MemoryUse {
+            constant_bytes: written_bytes,
+            padding_bytes: buffer_bytes.saturating_sub(written_bytes),
+            buffers: 1,
+            ..MemoryUse::default()
+        };
+        Self::memory(feature, memory)
+    }
+
+    /// Textures that are read.
+    #[must_use]
+    pub fn textures(feature: Feature, texture_bytes: u64) -> Self {
+        let memory = MemoryUse {
+            texture_bytes,
+            ..MemoryUse::default()
+        };
+        Self::memory(feature, memory)
+    }
+
     /// A target that is drawn or copied into.
     #[must_use]
     pub fn target(feature: Feature, target_bytes: u64) -> Self {

@@ -8,8 +8,8 @@
 
 use crate::footprint::is_magnified;
 use crate::{
-    AddressMode, FillInput, PlannedTexture, RouteChoice, SwitchError, TextureCoordinates,
-    TexturePixel,
+    AddressMode, Feature, FillInput, Holding, PlannedTexture, RouteChoice, SwitchError,
+    TextureCoordinates, TexturePixel,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
@@ -99,8 +99,7 @@ pub struct CoverOverrides {
 
 impl CoverOverrides {
     /// Of the probe of the same cover, which finds level and place of everything and colours nothing.
-    #[must_use]
-    pub fn of_probe(self) -> Self {
+    fn of_probe(self) -> Self {
         Self {
             fades: false,
             ends_at_edges: false,
@@ -124,10 +123,89 @@ impl CoverOverrides {
     }
 }
 
-impl TexturedCover {
-    /// Whether the picture ends at its edges.
+/// What a textured cover is drawn for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum CoverPurpose {
+    /// The picture's colours.
+    Colour,
+    /// Where the picture's texels came from, into targets of floats.
+    Probe,
+}
+
+/// What a pipeline of textured covers does with its fragments.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct CoverLook {
+    /// What for.
+    pub purpose: CoverPurpose,
+    /// What its shader has in it.
+    pub overrides: CoverOverrides,
+    /// Colours are blended over what lies under them.
+    pub blends: bool,
+}
+
+impl CoverLook {
+    /// Entry point of its fragment shader.
     #[must_use]
-    pub fn ends_at_edges(&self) -> bool {
+    pub fn entry_point(self) -> &'static str {
+        match self.purpose {
+            CoverPurpose::Colour => "fragment_main",
+            CoverPurpose::Probe => "probe_main",
+        }
+    }
+
+    /// What its pipeline is held for.
+    #[must_use]
+    pub fn feature(self) -> Feature {
+        match self.purpose {
+            CoverPurpose::Colour => Feature::TextureCode,
+            CoverPurpose::Probe => Feature::Measuring,
+        }
+    }
+}
+
+/// What devices hold of textured covers: pictures, tables of routes, pipelines and the constants of a view.
+///
+/// - `constants`: bytes that are written and bytes of the buffer, where there is a view
+pub fn textured_holdings(
+    picture_bytes: u64,
+    table_bytes: u64,
+    pipelines: impl Iterator<Item = CoverLook>,
+    constants: Option<[u64; 2]>,
+) -> Vec<Holding> {
+    let textures = [
+        Holding::textures(Feature::Picture, picture_bytes),
+        Holding::textures(Feature::TextureCode, table_bytes),
+    ];
+    let constants = constants
+        .map(|[written, buffer]| Holding::constants(Feature::TextureConstants, written, buffer));
+    let held = textures.into_iter().chain(constants);
+    held.chain(Holding::pipelines(pipelines.map(CoverLook::feature)))
+        .collect()
+}
+
+impl TexturedCover {
+    /// How it is drawn.
+    ///
+    /// - `images_are_opaque`: no texel of the pictures lets anything show that lies under it
+    #[must_use]
+    pub fn look(&self, purpose: CoverPurpose, images_are_opaque: bool) -> CoverLook {
+        let overrides = self.overrides();
+        match purpose {
+            CoverPurpose::Colour => CoverLook {
+                purpose,
+                overrides,
+                blends: self.is_translucent() || !images_are_opaque,
+            },
+            CoverPurpose::Probe => CoverLook {
+                purpose,
+                overrides: overrides.of_probe(),
+                blends: false,
+            },
+        }
+    }
+
+    /// Whether the picture ends at its edges.
+    fn ends_at_edges(&self) -> bool {
         self.texture.address.contains(&AddressMode::Transparent)
     }
 
@@ -144,8 +222,7 @@ impl TexturedCover {
     }
 
     /// Whether something of what lies under the fill shows, whatever the picture's own alpha.
-    #[must_use]
-    pub fn is_translucent(&self) -> bool {
+    fn is_translucent(&self) -> bool {
         self.texture.alpha < 1.0 || self.texture.fade_m.is_some() || self.ends_at_edges()
     }
 }

@@ -7,9 +7,7 @@ use crate::volume_pipeline::{NUMBER_FORMAT, colour_state, colour_target, unchang
 use crate::{Gpu, VolumePass};
 use std::collections::HashMap;
 use std::ops::Range;
-use terrafill_fill::{
-    CoverInstance, DeviceError, Feature, Holding, MemoryUse, NUMBER_BYTES, StencilTest,
-};
+use terrafill_fill::{CoverInstance, DeviceError, Feature, Holding, NUMBER_BYTES, StencilTest};
 use terrafill_scene::ImageSize;
 
 /// Where covers that are instances are bound, behind whatever volumes bind.
@@ -186,14 +184,7 @@ impl CoverList {
     }
 
     pub(crate) fn holding(&self) -> Holding {
-        let written = self.bytes.len() as u64;
-        let memory = MemoryUse {
-            constant_bytes: written,
-            padding_bytes: self.buffer.size().saturating_sub(written),
-            buffers: 1,
-            ..MemoryUse::default()
-        };
-        Holding::memory(Feature::Covers, memory)
+        Holding::constants(Feature::Covers, self.bytes.len() as u64, self.buffer.size())
     }
 }
 

@@ -9,16 +9,16 @@
 use crate::attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, attached, read_only_depth, target};
 use crate::covers::{CoverList, Covers, Numbers};
 use crate::statistics::{Statistics, whole_image};
-use crate::textured::{BoundCover, CoverPurpose, Probe, TexturedFill};
+use crate::textured::{BoundCover, Probe, TexturedFill};
 use crate::volume_pipeline::check_blendable;
 use crate::{Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_fill::{
-    COLOUR_BYTES, Capabilities, Counters, CpuStopwatch, DEPTH_STENCIL_BYTES, DeviceError, Feature,
-    FillPass, FillProgram, FillStep, FirstPass, FrameTimes, Holding, Picture, Probed,
-    StencilExecutor, StencilTest, StencilWork, SurfaceView, Switches, TexturedPlan, ViewId,
-    VolumeDraw, VolumeList, VolumeState, WorkDone,
+    COLOUR_BYTES, Capabilities, Counters, CoverPurpose, CpuStopwatch, DEPTH_STENCIL_BYTES,
+    DeviceError, Feature, FillPass, FillProgram, FillStep, FirstPass, FrameTimes, Holding, Picture,
+    Probed, StencilExecutor, StencilTest, StencilWork, SurfaceView, Switches,
+    TexturedPlan, ViewId, VolumeDraw, VolumeList, VolumeState, WorkDone,
 };
 use terrafill_scene::{ImageSize, MipChain};
 

@@ -46,7 +46,7 @@ pub use ray_cast::RayCast;
 pub use readback::{read_buffer, read_texture};
 pub use shared::{API, shared_gpu, shared_targets};
 pub use targets::{RenderTargets, SharedTargets};
-pub use textured::{BoundCover, CoverPurpose, Probe, TexturedFill};
+pub use textured::{BoundCover, Probe, TexturedFill};
 pub use timing::{PassTimer, Stamps, TimedPass};
 pub use validation::{POSITIVE_CONTROL, ValidationMessage, messages};
 pub use volume_pass::VolumePass;

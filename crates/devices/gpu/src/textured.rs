@@ -14,31 +14,20 @@ use crate::volume_pipeline::{colour_state, colour_target};
 use crate::{Gpu, RenderTargets};
 use std::collections::HashMap;
 use terrafill_fill::{
-    AddressMode, CoverOverrides, DeviceError, Feature, Holding, MemoryUse, Probed, StencilTest,
-    TexturedCover, TexturedPlan,
+    AddressMode, CoverLook, CoverPurpose, DeviceError, Holding, Probed, StencilTest, TexturedCover,
+    TexturedPlan, textured_holdings,
 };
 use terrafill_scene::{ImageSize, MipChain};
-use terrafill_shaders::{RouteText, TEXTURED_COVER, TexturedParts, TexturedPlacement};
+use terrafill_shaders::{TEXTURED_COVER, TexturedParts};
 
 /// Format of the probe's targets: what the shader computes, unrounded.
 const PROBE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
-
-/// What a cover is drawn for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum CoverPurpose {
-    /// The picture's colours.
-    Colour,
-    /// Where the picture's texels came from, into the targets of a [`Probe`].
-    Probe,
-}
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct CoverKey {
     shader: usize,
     test: StencilTest,
-    purpose: CoverPurpose,
-    overrides: CoverOverrides,
-    blends: bool,
+    look: CoverLook,
 }
 
 /// Textured covers of one scene and view.
@@ -134,34 +123,14 @@ impl TexturedFill {
     #[must_use]
     pub fn holdings(&self) -> Vec<Holding> {
         let tables = self.shaders.iter().filter_map(|made| made.table.as_ref());
-        let texture = |feature, texture_bytes| {
-            let memory = MemoryUse {
-                texture_bytes,
-                ..MemoryUse::default()
-            };
-            Holding::memory(feature, memory)
-        };
-        let constants = self.view.iter().map(|view| {
-            let constant_bytes = size_of_val(&*view.written) as u64;
-            let memory = MemoryUse {
-                constant_bytes,
-                padding_bytes: view.constants.size() - constant_bytes,
-                buffers: 1,
-                ..MemoryUse::default()
-            };
-            Holding::memory(Feature::TextureConstants, memory)
-        });
-        let purposes = self.pipelines.keys().map(|key| match key.purpose {
-            CoverPurpose::Colour => Feature::TextureCode,
-            CoverPurpose::Probe => Feature::Measuring,
-        });
-        let images = self.images.iter().map(bytes_of).sum();
-        let textures = [
-            texture(Feature::Picture, images),
-            texture(Feature::TextureCode, tables.map(|table| table.bytes).sum()),
-        ];
-        let held = textures.into_iter().chain(constants);
-        held.chain(Holding::pipelines(purposes)).collect()
+        textured_holdings(
+            self.images.iter().map(bytes_of).sum(),
+            tables.map(|table| table.bytes).sum(),
+            self.pipelines.keys().map(|key| key.look),
+            self.view
+                .as_ref()
+                .map(|view| [size_of_val(&*view.written) as u64, view.constants.size()]),
+        )
     }
 
     /// Takes over a view: constants are written where they changed, shaders and bind groups made
@@ -274,7 +243,6 @@ impl TexturedFill {
     ) -> Option<(CoverKey, &TexturedCover)> {
         let view = self.view.as_ref()?;
         let (cover, shader) = view.covers.get(planned)?;
-        let colours = purpose == CoverPurpose::Colour;
         let key = CoverKey {
             shader: *shader,
             // Set by the pass: no pipeline differs in it alone.
@@ -282,12 +250,7 @@ impl TexturedFill {
                 reference: 0,
                 ..test
             },
-            purpose,
-            overrides: match purpose {
-                CoverPurpose::Colour => cover.overrides(),
-                CoverPurpose::Probe => cover.overrides().of_probe(),
-            },
-            blends: colours && (cover.is_translucent() || !self.images_are_opaque),
+            look: cover.look(purpose, self.images_are_opaque),
         };
         Some((key, cover))
     }
@@ -373,11 +336,11 @@ impl TexturedFill {
 
     fn pipeline(&self, gpu: &Gpu, key: CoverKey) -> wgpu::RenderPipeline {
         let Shader { module, layout, .. } = &self.shaders[key.shader];
-        let (entry_point, targets) = match key.purpose {
-            CoverPurpose::Colour => ("fragment_main", vec![Some(colour_target(key.blends))]),
-            CoverPurpose::Probe => ("probe_main", vec![Some(PROBE_FORMAT.into()); 2]),
+        let targets = match key.look.purpose {
+            CoverPurpose::Colour => vec![Some(colour_target(key.look.blends))],
+            CoverPurpose::Probe => vec![Some(PROBE_FORMAT.into()); 2],
         };
-        let constants = key.overrides.constants();
+        let constants = key.look.overrides.constants();
         gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("textured cover"),
             layout: Some(layout),
@@ -392,7 +355,7 @@ impl TexturedFill {
             multisample: Default::default(),
             fragment: Some(wgpu::FragmentState {
                 module,
-                entry_point: Some(entry_point),
+                entry_point: Some(key.look.entry_point()),
                 compilation_options: wgpu::PipelineCompilationOptions {
                     constants: &constants,
                     ..Default::default()
@@ -454,18 +417,9 @@ impl Probe {
 
 /// The shader of one cover; what tells it from the others of its plan is its route.
 fn parts(plan: &TexturedPlan, cover: &TexturedCover) -> TexturedParts {
-    TexturedParts {
-        position: RouteText {
-            wgsl: plan.position_wgsl(),
-            constants: cover.position_constants.len(),
-        },
-        route: RouteText {
-            wgsl: cover.route_wgsl(),
-            constants: cover.route_constants.len(),
-        },
-        placement: match cover.texture.pattern {
-            Some(_) => TexturedPlacement::Pattern,
-            None => TexturedPlacement::Affine,
-        },
-    }
+    TexturedParts::new(
+        (plan.position_wgsl(), cover.position_constants.len()),
+        (cover.route_wgsl(), cover.route_constants.len()),
+        cover.texture.pattern.is_some(),
+    )
 }

@@ -7,11 +7,11 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Geodetic, parse_regions};
 use terrafill_fill::{
-    AddressMode, DeviceError, Feature, FillInput, PreparedScene, Probed, RegionSet, RouteChoice,
-    SceneBounds, StencilTest, Switches, TexturedPlan, TexturedRegion,
+    AddressMode, CoverPurpose, DeviceError, Feature, FillInput, PreparedScene, Probed, RegionSet,
+    RouteChoice, SceneBounds, StencilTest, Switches, TexturedPlan, TexturedRegion,
 };
 use terrafill_gpu::{
-    BoundCover, CoverPurpose, Gpu, GpuOptions, Probe, RenderTargets, TexturedFill, open_for_test,
+    BoundCover, Gpu, GpuOptions, Probe, RenderTargets, TexturedFill, open_for_test,
 };
 use terrafill_scene::{
     CameraPose, ImageSize, MipChain, NearRectangle, Outside, Overlap, PixelRect, PlanOptions,

@@ -4,10 +4,11 @@
 
 use crate::direct::record_dispatch;
 use crate::failure::failure;
-use crate::pipeline::entry_name;
-use crate::queries::{Queries, QueryKind, span_ms};
+use crate::pipeline::{OwnedPipeline, ShaderStage};
+use crate::queries::{Queries, QueryKind, Span};
 use crate::readback::let_host_read;
 use crate::shader_modules::ModuleKey;
+use crate::targets::Framebuffer;
 use crate::{Buffer, BufferUse, Dispatch, Gpu, Resources};
 use ash::vk;
 use std::sync::Arc;
@@ -16,11 +17,10 @@ use terrafill_fill::DeviceError;
 /// A compiled vertex shader whose outputs are kept.
 #[derive(Debug)]
 pub struct CapturePipeline {
-    gpu: Arc<Gpu>,
-    raw: vk::Pipeline,
+    pipeline: OwnedPipeline,
+    framebuffer: Framebuffer,
     /// Without attachments: feedback takes place inside a pass.
-    pass: vk::RenderPass,
-    framebuffer: vk::Framebuffer,
+    pass: OwnedPass,
     resources: Arc<Resources>,
 }
 
@@ -45,69 +45,59 @@ impl CapturePipeline {
             return Err(lacks("resources of another device"));
         }
         let broken = |error| failure(error, "transform feedback", 0);
-        let module = gpu
-            .shader_modules
-            .get(&gpu.device, ModuleKey::Compiled(vertex))?;
-        let mut made = Self {
-            gpu: Arc::clone(gpu),
-            raw: vk::Pipeline::null(),
-            pass: vk::RenderPass::null(),
-            framebuffer: vk::Framebuffer::null(),
-            resources: Arc::clone(resources),
-        };
         let subpasses =
             [vk::SubpassDescription::default()
                 .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)];
-        let pass = vk::RenderPassCreateInfo::default().subpasses(&subpasses);
-        // SAFETY: the structures live through the calls; `made` destroys what was made.
-        unsafe {
-            made.pass = gpu.device.create_render_pass(&pass, None).map_err(broken)?;
-            let info = vk::FramebufferCreateInfo::default()
-                .render_pass(made.pass)
-                .width(1)
-                .height(1)
-                .layers(1);
-            made.framebuffer = gpu.device.create_framebuffer(&info, None).map_err(broken)?;
-        }
-        let name = entry_name("main")?;
-        let stages = [vk::PipelineShaderStageCreateInfo::default()
-            .stage(vk::ShaderStageFlags::VERTEX)
-            .module(module)
-            .name(&name)];
+        let info = vk::RenderPassCreateInfo::default().subpasses(&subpasses);
+        // SAFETY: the structures live through the call.
+        let raw = unsafe { gpu.device.create_render_pass(&info, None) }.map_err(broken)?;
+        let pass = OwnedPass {
+            gpu: Arc::clone(gpu),
+            raw,
+        };
+        let extent = vk::Extent2D {
+            width: 1,
+            height: 1,
+        };
+        // SAFETY: the pass has no attachments.
+        let framebuffer = unsafe { Framebuffer::new(gpu, pass.raw, &[], extent, 1) }?;
+        let key = ModuleKey::Compiled(vertex);
+        let stage = ShaderStage::new(gpu, vk::ShaderStageFlags::VERTEX, key, "main")?;
+        let stages = [stage.info()];
         let input = vk::PipelineVertexInputStateCreateInfo::default();
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
             .topology(vk::PrimitiveTopology::POINT_LIST);
         let rasterization = vk::PipelineRasterizationStateCreateInfo::default()
             .rasterizer_discard_enable(true)
             .line_width(1.0);
-        let info = [vk::GraphicsPipelineCreateInfo::default()
+        let info = vk::GraphicsPipelineCreateInfo::default()
             .stages(&stages)
             .vertex_input_state(&input)
             .input_assembly_state(&assembly)
             .rasterization_state(&rasterization)
             .layout(resources.layout)
-            .render_pass(made.pass)];
-        // SAFETY: the structures live through the call; spirv-val has judged the shader.
-        let pipelines = unsafe {
-            let none = vk::PipelineCache::null();
-            gpu.device.create_graphics_pipelines(none, &info, None)
-        };
-        let pipelines = pipelines.map_err(|(_, error)| broken(error))?;
-        gpu.work.count_pipeline();
-        made.raw = pipelines.first().copied().unwrap_or_default();
-        Ok(made)
+            .render_pass(pass.raw);
+        Ok(Self {
+            // SAFETY: the structures live through the call; spirv-val has judged the shader.
+            pipeline: unsafe { OwnedPipeline::graphics(gpu, &info) }?,
+            framebuffer,
+            pass,
+            resources: Arc::clone(resources),
+        })
     }
 }
 
-impl Drop for CapturePipeline {
+/// A pass of a device, destroyed with it.
+#[derive(Debug)]
+struct OwnedPass {
+    gpu: Arc<Gpu>,
+    raw: vk::RenderPass,
+}
+
+impl Drop for OwnedPass {
     fn drop(&mut self) {
-        let device = &self.gpu.device;
-        // SAFETY: every submission that used them has been waited for; null is ignored.
-        unsafe {
-            device.destroy_pipeline(self.raw, None);
-            device.destroy_framebuffer(self.framebuffer, None);
-            device.destroy_render_pass(self.pass, None);
-        }
+        // SAFETY: every submission that used it has been waited for.
+        unsafe { self.gpu.device.destroy_render_pass(self.raw, None) };
     }
 }
 
@@ -143,7 +133,7 @@ pub fn advance(gpu: &Arc<Gpu>, steps: &[StateStep<'_>]) -> Result<StepReport, De
     let fits = |step: &StateStep<'_>| match step {
         StateStep::Dispatch(dispatch) => dispatch.pipeline.is_on(gpu),
         StateStep::Capture { pipeline, into, .. } => {
-            Arc::ptr_eq(&pipeline.gpu, gpu)
+            pipeline.pipeline.is_on(gpu)
                 && into.is_on(gpu)
                 && into.use_for() == Some(BufferUse::State)
         }
@@ -153,14 +143,11 @@ pub fn advance(gpu: &Arc<Gpu>, steps: &[StateStep<'_>]) -> Result<StepReport, De
         return Err(DeviceError::unsupported(what, &gpu.facts.name));
     }
     let stamps = Queries::new(gpu, QueryKind::Timestamps, 2)?;
+    let span = Span::new(stamps.as_ref(), 0);
     // SAFETY: everything is of this device and lives until the submission is done.
     unsafe {
         gpu.submit(|device, commands| {
-            if let Some(stamps) = &stamps {
-                device.cmd_reset_query_pool(commands, stamps.raw, 0, 2);
-                let start = vk::PipelineStageFlags::TOP_OF_PIPE;
-                device.cmd_write_timestamp(commands, start, stamps.raw, 0);
-            }
+            span.begin(commands);
             for step in steps {
                 match *step {
                     StateStep::Dispatch(dispatch) => record_dispatch(device, commands, dispatch),
@@ -172,20 +159,10 @@ pub fn advance(gpu: &Arc<Gpu>, steps: &[StateStep<'_>]) -> Result<StepReport, De
                 }
                 let_all_see(device, commands);
             }
-            if let Some(stamps) = &stamps {
-                let end = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
-                device.cmd_write_timestamp(commands, end, stamps.raw, 1);
-            }
+            span.end(commands);
         })?;
     }
-    let gpu_ms = match &stamps {
-        Some(stamps) => {
-            let ticks = stamps.read(0, 2)?;
-            span_ms(ticks[0], ticks[1], gpu.timestamp_period_ns())
-        }
-        None => None,
-    };
-    Ok(StepReport { gpu_ms })
+    Ok(StepReport { gpu_ms: span.ms()? })
 }
 
 impl Buffer {
@@ -231,8 +208,8 @@ unsafe fn record_capture(
     let graphics = vk::PipelineBindPoint::GRAPHICS;
     let resources = &pipeline.resources;
     let begin = vk::RenderPassBeginInfo::default()
-        .render_pass(pipeline.pass)
-        .framebuffer(pipeline.framebuffer)
+        .render_pass(pipeline.pass.raw)
+        .framebuffer(pipeline.framebuffer.raw)
         .render_area(vk::Rect2D {
             offset: vk::Offset2D::default(),
             extent: vk::Extent2D {
@@ -243,7 +220,7 @@ unsafe fn record_capture(
     // SAFETY: the caller's promise.
     unsafe {
         device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
-        device.cmd_bind_pipeline(commands, graphics, pipeline.raw);
+        device.cmd_bind_pipeline(commands, graphics, pipeline.pipeline.raw);
         let sets = [resources.set()];
         device.cmd_bind_descriptor_sets(commands, graphics, resources.layout, 0, &sets, &[]);
         let (buffers, offsets, sizes) = ([into.raw], [0], [into.size()]);

@@ -10,9 +10,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{
-    CoverInstance, DeviceError, FaceSet, Feature, Holding, MemoryUse, StencilTest,
-};
+use terrafill_fill::{CoverInstance, DeviceError, FaceSet, Feature, Holding, StencilTest};
 
 /// Corners of a rectangle, in a strip.
 const CORNERS: u32 = 4;
@@ -148,14 +146,7 @@ impl CoverList {
     }
 
     pub(crate) fn holding(&self) -> Holding {
-        let written = self.bytes.len() as u64;
-        let memory = MemoryUse {
-            constant_bytes: written,
-            padding_bytes: self.buffer.size().saturating_sub(written),
-            buffers: 1,
-            ..MemoryUse::default()
-        };
-        Holding::memory(Feature::Covers, memory)
+        Holding::constants(Feature::Covers, self.bytes.len() as u64, self.buffer.size())
     }
 }
 

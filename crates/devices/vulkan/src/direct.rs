@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One pass over cleared targets by a pipeline of the caller's own, after a dispatch where there is one.
 
-use crate::queries::{Queries, QueryKind, span_ms};
+use crate::queries::{Queries, QueryKind, Span};
 use crate::render_targets::SURFACE_STAMPS;
 use crate::{
     Buffer, BufferUse, ComputePipeline, DrawPipeline, IndexWidth, Measured, PassStatistics,
@@ -9,7 +9,7 @@ use crate::{
 };
 use ash::vk;
 use std::ops::Range;
-use terrafill_fill::{DeviceError, SKY};
+use terrafill_fill::DeviceError;
 
 /// What is drawn.
 #[derive(Debug, Clone, Copy)]
@@ -94,28 +94,12 @@ impl RenderTargets {
         let ranges = u32::try_from(ranges).unwrap_or(u32::MAX);
         let samples = Queries::new(gpu, QueryKind::Samples, ranges)?;
         let stamps = self.stamps.as_ref().filter(|_| measured == Measured::Times);
-        let clears = [
-            vk::ClearValue {
-                color: vk::ClearColorValue { float32: SKY },
-            },
-            vk::ClearValue {
-                depth_stencil: vk::ClearDepthStencilValue::default(),
-            },
-        ];
-        let begin = vk::RenderPassBeginInfo::default()
-            .render_pass(gpu.fixtures.surface)
-            .framebuffer(self.targets.framebuffer(true))
-            .render_area(self.targets.area())
-            .clear_values(&clears);
+        let span = Span::new(stamps, SURFACE_STAMPS);
         // SAFETY: everything is of this device and fits, as checked above; it lives until the submission
         // is done.
         unsafe {
             gpu.submit(|device, commands| {
-                if let Some(stamps) = stamps {
-                    device.cmd_reset_query_pool(commands, stamps.raw, SURFACE_STAMPS, 2);
-                    let start = vk::PipelineStageFlags::TOP_OF_PIPE;
-                    device.cmd_write_timestamp(commands, start, stamps.raw, SURFACE_STAMPS);
-                }
+                span.begin(commands);
                 if let Some(queries) = &queries {
                     device.cmd_reset_query_pool(commands, queries.raw, 0, 1);
                 }
@@ -125,9 +109,7 @@ impl RenderTargets {
                 if let Some(dispatch) = dispatch {
                     record_dispatch(device, commands, dispatch);
                 }
-                device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
-                device.cmd_set_viewport(commands, 0, &[self.targets.viewport()]);
-                device.cmd_set_scissor(commands, 0, &[self.targets.area()]);
+                self.begin_surface(commands);
                 if let Some(queries) = &queries {
                     let flags = vk::QueryControlFlags::empty();
                     device.cmd_begin_query(commands, queries.raw, 0, flags);
@@ -137,19 +119,10 @@ impl RenderTargets {
                     device.cmd_end_query(commands, queries.raw, 0);
                 }
                 device.cmd_end_render_pass(commands);
-                if let Some(stamps) = stamps {
-                    let end = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
-                    device.cmd_write_timestamp(commands, end, stamps.raw, SURFACE_STAMPS + 1);
-                }
+                span.end(commands);
             })?;
         }
-        let gpu_ms = match stamps {
-            Some(stamps) => {
-                let ticks = stamps.read(SURFACE_STAMPS, 2)?;
-                span_ms(ticks[0], ticks[1], gpu.timestamp_period_ns())
-            }
-            None => None,
-        };
+        let gpu_ms = span.ms()?;
         let statistics = match &queries {
             Some(queries) => Some(queries.read_statistics(1)?),
             None => None,
@@ -220,7 +193,7 @@ pub(crate) unsafe fn record_dispatch(
     let readers = vk::PipelineStageFlags::ALL_GRAPHICS | vk::PipelineStageFlags::DRAW_INDIRECT;
     // SAFETY: the caller's promise.
     unsafe {
-        device.cmd_bind_pipeline(commands, compute, pipeline.raw);
+        device.cmd_bind_pipeline(commands, compute, pipeline.raw());
         let sets = resources.sets();
         device.cmd_bind_descriptor_sets(commands, compute, resources.layout, 0, &sets, &[]);
         let [x, y, z] = groups;
@@ -251,7 +224,7 @@ unsafe fn record_draw(
     let resources = &draw.pipeline.resources;
     // SAFETY: the caller's promise.
     unsafe {
-        device.cmd_bind_pipeline(commands, graphics, draw.pipeline.raw);
+        device.cmd_bind_pipeline(commands, graphics, draw.pipeline.raw());
         let sets = [resources.set()];
         device.cmd_bind_descriptor_sets(commands, graphics, resources.layout, 0, &sets, &[]);
         if let Some(vertices) = draw.vertices {

@@ -2,14 +2,12 @@
 //! Pipelines of any stages that draw into the colour and depth targets as the surface does, both faces
 //! kept, and compute pipelines beside them.
 
-use crate::failure::failure;
-use crate::pipeline::{Assembly, PipelineState, depth_stencil, entry_name};
+use crate::pipeline::{Assembly, OwnedPipeline, PipelineState, ShaderStage, depth_stencil};
 use crate::shader_modules::ModuleKey;
 use crate::{Gpu, Resources, Topology, VertexFormat};
 use ash::vk;
-use std::ffi::CString;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, FaceSet, SurfaceLook};
+use terrafill_fill::{DeviceError, SurfaceLook};
 use terrafill_shaders::SpirvStage;
 
 /// Where a shader comes from.
@@ -79,8 +77,7 @@ pub enum PrimitiveStages {
 /// A pipeline with the resources that its shaders find.
 #[derive(Debug)]
 pub struct DrawPipeline {
-    gpu: Arc<Gpu>,
-    pub(crate) raw: vk::Pipeline,
+    owned: OwnedPipeline,
     pub(crate) resources: Arc<Resources>,
     stages: PrimitiveStages,
 }
@@ -146,51 +143,38 @@ impl DrawPipeline {
             fragment,
             SpirvStage::Fragment,
         ));
-        let named: Vec<(vk::ShaderStageFlags, vk::ShaderModule, CString)> = shaders
+        let stages_made: Vec<ShaderStage> = shaders
             .into_iter()
             .map(|(flag, shader, stage)| {
-                let module = gpu.shader_modules.get(&gpu.device, shader.key(stage))?;
-                Ok((flag, module, entry_name(shader.entry_point())?))
+                ShaderStage::new(gpu, flag, shader.key(stage), shader.entry_point())
             })
-            .collect::<Result<_, DeviceError>>()?;
-        let infos: Vec<_> = named
-            .iter()
-            .map(|(flag, module, name)| {
-                vk::PipelineShaderStageCreateInfo::default()
-                    .stage(*flag)
-                    .module(*module)
-                    .name(name)
-            })
-            .collect();
+            .collect::<Result<_, _>>()?;
         let blends = [vk::PipelineColorBlendAttachmentState::default()
             .color_write_mask(vk::ColorComponentFlags::RGBA)];
-        let raw = Assembly {
-            stages: &infos,
+        let depth = depth_stencil(PipelineState::Surface(SurfaceLook {
+            has_picture: false,
+            draws_back_faces: true,
+        }));
+        let assembly = Assembly {
+            stages: &stages_made,
             format,
             topology,
-            faces: FaceSet::Both,
-            is_turned: false,
-            depth_stencil: depth_stencil(PipelineState::Surface(SurfaceLook {
-                has_picture: false,
-                draws_back_faces: true,
-            })),
-            depth_bounds: false,
             blends: &blends,
-            layout: resources.layout,
-            render_pass: gpu.fixtures.surface,
-        }
-        .create(gpu)?;
-        gpu.work.count_pipeline();
+            ..Assembly::new(resources.layout, gpu.fixtures.surface, depth)
+        };
         Ok(Self {
-            gpu: Arc::clone(gpu),
-            raw,
+            owned: assembly.create(gpu)?,
             resources: Arc::clone(resources),
             stages,
         })
     }
 
+    pub(crate) fn raw(&self) -> vk::Pipeline {
+        self.owned.raw
+    }
+
     pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
-        Arc::ptr_eq(&self.gpu, gpu)
+        self.owned.is_on(gpu)
     }
 
     pub(crate) fn is_mesh(&self) -> bool {
@@ -202,13 +186,6 @@ impl DrawPipeline {
             PrimitiveStages::Vertices { format, .. } => format != VertexFormat::Number,
             PrimitiveStages::Mesh { .. } => false,
         }
-    }
-}
-
-impl Drop for DrawPipeline {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for.
-        unsafe { self.gpu.device.destroy_pipeline(self.raw, None) };
     }
 }
 
@@ -241,25 +218,9 @@ pub(crate) fn check_output(gpu: &Gpu, output: GeometryOutput) -> Result<(), Devi
 /// A compute pipeline with the resources that its shader finds.
 #[derive(Debug)]
 pub struct ComputePipeline {
-    gpu: Arc<Gpu>,
-    pub(crate) raw: vk::Pipeline,
-    pub(crate) resources: Arc<Resources>,
     /// Others may have the same with other resources.
-    _owned: Arc<OwnedPipeline>,
-}
-
-/// Destroyed when the last pipeline that has it goes.
-#[derive(Debug)]
-struct OwnedPipeline {
-    gpu: Arc<Gpu>,
-    raw: vk::Pipeline,
-}
-
-impl Drop for OwnedPipeline {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for.
-        unsafe { self.gpu.device.destroy_pipeline(self.raw, None) };
-    }
+    owned: Arc<OwnedPipeline>,
+    pub(crate) resources: Arc<Resources>,
 }
 
 impl ComputePipeline {
@@ -277,32 +238,16 @@ impl ComputePipeline {
             let what = "resources of another device";
             return Err(DeviceError::unsupported(what, &gpu.facts.name));
         }
-        let modules = &gpu.shader_modules;
-        let module = modules.get(&gpu.device, shader.key(SpirvStage::Compute))?;
-        let name = entry_name(shader.entry_point())?;
-        let stage = vk::PipelineShaderStageCreateInfo::default()
-            .stage(vk::ShaderStageFlags::COMPUTE)
-            .module(module)
-            .name(&name);
-        let infos = [vk::ComputePipelineCreateInfo::default()
-            .stage(stage)
-            .layout(resources.layout)];
-        // SAFETY: the structures live through the call; the shader was validated.
-        let made = unsafe {
-            let none = vk::PipelineCache::null();
-            gpu.device.create_compute_pipelines(none, &infos, None)
-        };
-        let pipelines = made.map_err(|(_, error)| failure(error, "compute pipeline", 0))?;
-        gpu.work.count_pipeline();
-        let raw = pipelines.first().copied().unwrap_or_default();
+        let key = shader.key(SpirvStage::Compute);
+        let flag = vk::ShaderStageFlags::COMPUTE;
+        let stage = ShaderStage::new(gpu, flag, key, shader.entry_point())?;
+        let info = vk::ComputePipelineCreateInfo::default()
+            .stage(stage.info())
+            .layout(resources.layout);
         Ok(Self {
-            gpu: Arc::clone(gpu),
-            raw,
+            // SAFETY: the structures live through the call; the shader was validated.
+            owned: Arc::new(unsafe { OwnedPipeline::compute(gpu, &info) }?),
             resources: Arc::clone(resources),
-            _owned: Arc::new(OwnedPipeline {
-                gpu: Arc::clone(gpu),
-                raw,
-            }),
         })
     }
 
@@ -313,17 +258,19 @@ impl ComputePipeline {
     pub fn rebound(&self, resources: &Arc<Resources>) -> Result<Self, DeviceError> {
         if !self.resources.is_like(resources) {
             let what = "binding resources of other kinds";
-            return Err(DeviceError::unsupported(what, &self.gpu.facts.name));
+            return Err(DeviceError::unsupported(what, self.owned.device_name()));
         }
         Ok(Self {
-            gpu: Arc::clone(&self.gpu),
-            raw: self.raw,
+            owned: Arc::clone(&self.owned),
             resources: Arc::clone(resources),
-            _owned: Arc::clone(&self._owned),
         })
     }
 
+    pub(crate) fn raw(&self) -> vk::Pipeline {
+        self.owned.raw
+    }
+
     pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
-        Arc::ptr_eq(&self.gpu, gpu)
+        self.owned.is_on(gpu)
     }
 }

@@ -7,16 +7,17 @@
 //! leave the stencil alone as well.
 
 use crate::covers::{CoverList, Covers};
-use crate::textured::{Purpose, TexturedFill, probed};
+use crate::textured::{TexturedFill, probed};
 use crate::{
     BindGroup, Buffer, BufferUse, DepthCopy, FillRecorder, FillReport, Gpu, Measured, Numbers,
     PassRecorder, Probe, SharedTargets, VolumePass,
 };
 use std::sync::Arc;
 use terrafill_fill::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FillPass, FillProgram, FillStep,
-    FirstPass, FrameTimes, Holding, Picture, Probed, StencilExecutor, StencilTest, StencilWork,
-    SurfaceView, Switches, TexturedPlan, ViewId, VolumeDraw, VolumeList, WorkDone,
+    Capabilities, Counters, CoverPurpose, CpuStopwatch, DeviceError, Feature, FillPass,
+    FillProgram, FillStep, FirstPass, FrameTimes, Holding, Picture, Probed, StencilExecutor,
+    StencilTest, StencilWork, SurfaceView, Switches, TexturedPlan, ViewId, VolumeDraw, VolumeList,
+    WorkDone,
 };
 use terrafill_scene::MipChain;
 
@@ -222,7 +223,7 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
                             zeroes: false,
                             ..test
                         };
-                        textured.ensure(&gpu, test, Purpose::Colour, volumes)?;
+                        textured.ensure(&gpu, test, CoverPurpose::Colour, volumes)?;
                     }
                     if !self.draws_texture {
                         self.covers.ensure_cover(&gpu, test)?;
@@ -271,7 +272,7 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         let textured = textured.ok_or(DeviceError::Missing("picture"))?;
         for step in loaded.steps() {
             if let FillStep::Cover { test, volumes, .. } = step {
-                textured.ensure(&gpu, test, Purpose::Probe, volumes)?;
+                textured.ensure(&gpu, test, CoverPurpose::Probe, volumes)?;
             }
         }
         let pixels = loaded.work.list.size.pixel_count();
@@ -445,8 +446,8 @@ impl<'a> Recording<'a> {
                 Some(textured),
             ) => {
                 let purpose = match self.probe {
-                    Some(_) => Purpose::Probe,
-                    None => Purpose::Colour,
+                    Some(_) => CoverPurpose::Probe,
+                    None => CoverPurpose::Colour,
                 };
                 textured.draw_covers(pass, *test, purpose, *scissor, volumes);
             }

@@ -3,22 +3,18 @@
 
 use crate::draw_pipeline::check_output;
 use crate::layered::LayerPass;
-use crate::pipeline::{Assembly, entry_name};
-use crate::queries::{Queries, QueryKind, span_ms};
+use crate::pipeline::{Assembly, OwnedPipeline, ShaderStage};
+use crate::queries::{Queries, QueryKind, Span};
 use crate::shader_modules::ModuleKey;
-use crate::{
-    DirectReport, GeometryOutput, Gpu, LayeredDepth, LayersBy, Measured, Resources, Topology,
-    VertexFormat,
-};
+use crate::{DirectReport, GeometryOutput, Gpu, LayeredDepth, LayersBy, Measured, Resources};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, FaceSet};
+use terrafill_fill::DeviceError;
 
 /// Compiled shaders that draw depth alone.
 #[derive(Debug)]
 pub struct LayerPipeline {
-    gpu: Arc<Gpu>,
-    raw: vk::Pipeline,
+    pipeline: OwnedPipeline,
     resources: Arc<Resources>,
     by: LayersBy,
     views: u32,
@@ -50,54 +46,29 @@ impl LayerPipeline {
         if chooses_layer && !features.vertex_layer {
             return lacks("VK_EXT_shader_viewport_index_layer");
         }
-        let modules = &gpu.shader_modules;
-        let module = |name| modules.get(&gpu.device, ModuleKey::Compiled(name));
-        let name = entry_name("main")?;
-        let stage = |stage, module| {
-            vk::PipelineShaderStageCreateInfo::default()
-                .stage(stage)
-                .module(module)
-                .name(&name)
-        };
-        let mut stages = vec![stage(vk::ShaderStageFlags::VERTEX, module(vertex)?)];
+        let stage = |flag, name| ShaderStage::new(gpu, flag, ModuleKey::Compiled(name), "main");
+        let mut stages = vec![stage(vk::ShaderStageFlags::VERTEX, vertex)?];
         if let Some(output) = geometry {
             if !features.geometry_shader {
                 return lacks("geometryShader");
             }
             check_output(gpu, output)?;
-            stages.push(stage(vk::ShaderStageFlags::GEOMETRY, module(output.name)?));
+            stages.push(stage(vk::ShaderStageFlags::GEOMETRY, output.name)?);
         }
-        let raw = Assembly {
-            stages: &stages,
-            format: VertexFormat::Number,
-            topology: Topology::Triangles,
-            faces: FaceSet::Both,
-            is_turned: false,
-            depth_stencil: vk::PipelineDepthStencilStateCreateInfo::default()
-                .depth_test_enable(true)
-                .depth_write_enable(true)
-                .depth_compare_op(vk::CompareOp::GREATER),
-            depth_bounds: false,
-            blends: &[],
-            layout: resources.layout,
-            render_pass: maps.render_pass,
-        }
-        .create(gpu)?;
-        gpu.work.count_pipeline();
+        let depth = vk::PipelineDepthStencilStateCreateInfo::default()
+            .depth_test_enable(true)
+            .depth_write_enable(true)
+            .depth_compare_op(vk::CompareOp::GREATER);
         Ok(Self {
-            gpu: Arc::clone(gpu),
-            raw,
+            pipeline: Assembly {
+                stages: &stages,
+                ..Assembly::new(resources.layout, maps.render_pass, depth)
+            }
+            .create(gpu)?,
             resources: Arc::clone(resources),
             by: maps.by,
             views: maps.views,
         })
-    }
-}
-
-impl Drop for LayerPipeline {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for.
-        unsafe { self.gpu.device.destroy_pipeline(self.raw, None) };
     }
 }
 
@@ -116,9 +87,7 @@ impl LayeredDepth {
         measured: Measured,
     ) -> Result<DirectReport, DeviceError> {
         let gpu = &self.gpu;
-        if !Arc::ptr_eq(&pipeline.gpu, gpu)
-            || (pipeline.by, pipeline.views) != (self.by, self.views)
-        {
+        if !pipeline.pipeline.is_on(gpu) || (pipeline.by, pipeline.views) != (self.by, self.views) {
             let what = "drawing depth maps by a pipeline of another kind";
             return Err(DeviceError::unsupported(what, &gpu.facts.name));
         }
@@ -139,14 +108,11 @@ impl LayeredDepth {
             true => queries(QueryKind::Timestamps, 2, Measured::Times)?,
             false => None,
         };
+        let span = Span::new(stamps.as_ref(), 0);
         // SAFETY: everything is of this device and lives until the submission is done.
         unsafe {
             gpu.submit(|device, commands| {
-                if let Some(stamps) = &stamps {
-                    device.cmd_reset_query_pool(commands, stamps.raw, 0, 2);
-                    let start = vk::PipelineStageFlags::TOP_OF_PIPE;
-                    device.cmd_write_timestamp(commands, start, stamps.raw, 0);
-                }
+                span.begin(commands);
                 if let Some(counted) = &counted {
                     device.cmd_reset_query_pool(commands, counted.raw, 0, counted.count);
                 }
@@ -154,25 +120,15 @@ impl LayeredDepth {
                     let query = counted.as_ref().map(|of| (of.raw, number * self.views));
                     self.record(commands, pass, pipeline, [vertices, instances], query);
                 }
-                if let Some(stamps) = &stamps {
-                    let end = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
-                    device.cmd_write_timestamp(commands, end, stamps.raw, 1);
-                }
+                span.end(commands);
             })?;
         }
-        let gpu_ms = match &stamps {
-            Some(stamps) => {
-                let ticks = stamps.read(0, 2)?;
-                span_ms(ticks[0], ticks[1], gpu.timestamp_period_ns())
-            }
-            None => None,
-        };
         let statistics = match &counted {
             Some(counted) => Some(counted.read_statistics(counted.count)?),
             None => None,
         };
         Ok(DirectReport {
-            gpu_ms,
+            gpu_ms: span.ms()?,
             statistics,
             samples: None,
         })
@@ -215,7 +171,7 @@ impl LayeredDepth {
         }];
         let begin = vk::RenderPassBeginInfo::default()
             .render_pass(self.render_pass)
-            .framebuffer(pass.framebuffer)
+            .framebuffer(pass.framebuffer.raw)
             .render_area(area)
             .clear_values(&clears);
         let graphics = vk::PipelineBindPoint::GRAPHICS;
@@ -225,7 +181,7 @@ impl LayeredDepth {
             device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
             device.cmd_set_viewport(commands, 0, &[viewport]);
             device.cmd_set_scissor(commands, 0, &[area]);
-            device.cmd_bind_pipeline(commands, graphics, pipeline.raw);
+            device.cmd_bind_pipeline(commands, graphics, pipeline.pipeline.raw);
             let sets = [resources.set()];
             device.cmd_bind_descriptor_sets(commands, graphics, resources.layout, 0, &sets, &[]);
             if let Some((pool, at)) = query {

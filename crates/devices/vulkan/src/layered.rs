@@ -5,6 +5,7 @@
 use crate::failure::failure;
 use crate::memory::{Image, ImageKind, ImageShape};
 use crate::readback::let_host_read;
+use crate::targets::Framebuffer;
 use crate::{Buffer, Gpu};
 use ash::vk;
 use std::sync::Arc;
@@ -30,7 +31,7 @@ pub enum LayersBy {
 #[derive(Debug)]
 pub(crate) struct LayerPass {
     view: vk::ImageView,
-    pub(crate) framebuffer: vk::Framebuffer,
+    pub(crate) framebuffer: Framebuffer,
     pub(crate) first: u32,
 }
 
@@ -120,13 +121,12 @@ impl LayeredDepth {
             LayersBy::Stage => (layers, layers),
         };
         for first in (0..layers).step_by(step as usize) {
-            made.push_pass(first, step, framebuffer_layers)
-                .map_err(broken)?;
+            made.push_pass(first, step, framebuffer_layers)?;
         }
         Ok(Arc::new(made))
     }
 
-    fn push_pass(&mut self, first: u32, count: u32, layers: u32) -> Result<(), vk::Result> {
+    fn push_pass(&mut self, first: u32, count: u32, layers: u32) -> Result<(), DeviceError> {
         let range = vk::ImageSubresourceRange::default()
             .aspect_mask(ASPECT)
             .level_count(1)
@@ -137,28 +137,26 @@ impl LayeredDepth {
             .view_type(vk::ImageViewType::TYPE_2D_ARRAY)
             .format(FORMAT)
             .subresource_range(range);
-        let device = &self.gpu.device;
-        // SAFETY: the structures live through the calls, the layers are the image's; what was made is destroyed
-        // with the maps.
-        unsafe {
-            let view = device.create_image_view(&view, None)?;
-            self.passes.push(LayerPass {
-                view,
-                framebuffer: vk::Framebuffer::null(),
-                first,
-            });
-            let attachments = [view];
-            let info = vk::FramebufferCreateInfo::default()
-                .render_pass(self.render_pass)
-                .attachments(&attachments)
-                .width(self.side)
-                .height(self.side)
-                .layers(layers);
-            let framebuffer = device.create_framebuffer(&info, None)?;
-            if let Some(last) = self.passes.last_mut() {
-                last.framebuffer = framebuffer;
-            }
-        }
+        // SAFETY: the structure lives through the call, and the layers are the image's.
+        let view = unsafe { self.gpu.device.create_image_view(&view, None) }
+            .map_err(|error| failure(error, "view of depth maps", 0))?;
+        let extent = vk::Extent2D {
+            width: self.side,
+            height: self.side,
+        };
+        // SAFETY: the view has these layers and this size, in the pass's format.
+        let framebuffer =
+            unsafe { Framebuffer::new(&self.gpu, self.render_pass, &[view], extent, layers) };
+        // A view without a framebuffer is destroyed here, another one with the maps.
+        let framebuffer = framebuffer.inspect_err(|_| {
+            // SAFETY: nothing uses it.
+            unsafe { self.gpu.device.destroy_image_view(view, None) };
+        })?;
+        self.passes.push(LayerPass {
+            view,
+            framebuffer,
+            first,
+        });
         Ok(())
     }
 
@@ -240,7 +238,6 @@ impl Drop for LayeredDepth {
         // SAFETY: every submission that used them has been waited for; null is ignored.
         unsafe {
             for pass in &self.passes {
-                device.destroy_framebuffer(pass.framebuffer, None);
                 device.destroy_image_view(pass.view, None);
             }
             device.destroy_render_pass(self.render_pass, None);

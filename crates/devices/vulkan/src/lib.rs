@@ -78,9 +78,7 @@ pub use sampled::{ImageBindings, SampledImage};
 pub use shader_modules::VertexStage;
 pub use shared::{API, shared_gpu, shared_targets};
 pub use targets::Numbers;
-pub use textured_pipeline::{
-    CoverPurpose, DepthBindings, Probe, TexturedDescriptor, TexturedPipeline,
-};
+pub use textured_pipeline::{DepthBindings, Probe, TexturedDescriptor, TexturedPipeline};
 pub use triangle_tree::TriangleTree;
 pub use validation::{POSITIVE_CONTROL, ValidationMessage, messages};
 pub use volume_pass::VolumePass;

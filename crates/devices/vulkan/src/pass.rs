@@ -255,7 +255,7 @@ impl<'a> FillRecorder<'a> {
         self.run(
             PassTarget::Numbers,
             render_pass,
-            numbers.framebuffer,
+            numbers.framebuffer(),
             record,
         );
         self.numbers = Some(numbers);
@@ -274,9 +274,9 @@ impl<'a> FillRecorder<'a> {
             self.refuse("drawing: a probe of other targets");
             return;
         }
-        let render_pass = self.gpu.fixtures.probe(self.probed != probe.framebuffer);
-        self.run(PassTarget::Probe, render_pass, probe.framebuffer, record);
-        self.probed = probe.framebuffer;
+        let render_pass = self.gpu.fixtures.probe(self.probed != probe.framebuffer());
+        self.run(PassTarget::Probe, render_pass, probe.framebuffer(), record);
+        self.probed = probe.framebuffer();
         probe.is_drawn.set(true);
     }
 
@@ -520,10 +520,10 @@ impl<'a> PassRecorder<'a, '_> {
         self.ensure_scissor();
         let point = vk::PipelineBindPoint::GRAPHICS;
         let (device, commands) = (&gpu.device, self.fill.commands);
-        if pipeline.raw != self.bound.pipeline {
+        if pipeline.raw() != self.bound.pipeline {
             // SAFETY: made on this device for a compatible pass.
-            unsafe { device.cmd_bind_pipeline(commands, point, pipeline.raw) };
-            self.bound.pipeline = pipeline.raw;
+            unsafe { device.cmd_bind_pipeline(commands, point, pipeline.raw()) };
+            self.bound.pipeline = pipeline.raw();
         }
         if state.bindings.set() != self.bound.set && !self.bind_constants(state.bindings) {
             return false;
@@ -574,7 +574,7 @@ impl<'a> PassRecorder<'a, '_> {
 
     /// The same of pipeline and constants.
     fn bind_state(&mut self, state: &DrawState<'a>) -> bool {
-        if state.pipeline.raw != self.bound.pipeline && !self.bind_pipeline(state.pipeline) {
+        if state.pipeline.raw() != self.bound.pipeline && !self.bind_pipeline(state.pipeline) {
             return false;
         }
         if state.pipeline.tests_depth_bounds() && !self.bounds_set {
@@ -610,13 +610,13 @@ impl<'a> PassRecorder<'a, '_> {
         if let (true, Some(numbers)) = (pipeline.reads_numbers(), self.fill.numbers) {
             // SAFETY: of the layout that every pipeline has; a pass of this fill has left the image
             // to be read.
-            unsafe { self.bind_set(1, numbers.set) };
+            unsafe { self.bind_set(1, numbers.set()) };
         }
         let device = &self.fill.gpu.device;
         let point = vk::PipelineBindPoint::GRAPHICS;
         // SAFETY: made on this device for a compatible pass.
-        unsafe { device.cmd_bind_pipeline(self.fill.commands, point, pipeline.raw) };
-        self.bound.pipeline = pipeline.raw;
+        unsafe { device.cmd_bind_pipeline(self.fill.commands, point, pipeline.raw()) };
+        self.bound.pipeline = pipeline.raw();
         true
     }
 

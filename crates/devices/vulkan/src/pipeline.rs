@@ -210,16 +210,8 @@ pub struct PipelineDescriptor {
 /// A pipeline.
 #[derive(Debug)]
 pub struct Pipeline {
-    gpu: Arc<Gpu>,
-    pub(crate) raw: vk::Pipeline,
+    owned: OwnedPipeline,
     descriptor: PipelineDescriptor,
-}
-
-pub(crate) fn entry_name(name: &str) -> Result<CString, DeviceError> {
-    CString::new(name).map_err(|error| DeviceError::Shader {
-        name: name.to_owned(),
-        message: error.to_string(),
-    })
 }
 
 impl Pipeline {
@@ -240,17 +232,18 @@ impl Pipeline {
         if accumulates && !gpu.facts.features.blends_float {
             return Err(lacks("blending into R32_SFLOAT"));
         }
-        let raw = create(gpu, &descriptor)?;
-        gpu.work.count_pipeline();
         Ok(Self {
-            gpu: Arc::clone(gpu),
-            raw,
+            owned: create(gpu, &descriptor)?,
             descriptor,
         })
     }
 
+    pub(crate) fn raw(&self) -> vk::Pipeline {
+        self.owned.raw
+    }
+
     pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
-        Arc::ptr_eq(&self.gpu, gpu)
+        self.owned.is_on(gpu)
     }
 
     pub(crate) fn target(&self) -> PassTarget {
@@ -274,60 +267,130 @@ impl Pipeline {
     }
 }
 
-impl Drop for Pipeline {
+/// A pipeline of a device, destroyed with it.
+#[derive(Debug)]
+pub(crate) struct OwnedPipeline {
+    gpu: Arc<Gpu>,
+    pub(crate) raw: vk::Pipeline,
+}
+
+impl OwnedPipeline {
+    /// # Safety
+    /// What the structure points at is of this device, and the stages' interfaces fit each other.
+    pub(crate) unsafe fn graphics(
+        gpu: &Arc<Gpu>,
+        info: &vk::GraphicsPipelineCreateInfo<'_>,
+    ) -> Result<Self, DeviceError> {
+        let (none, infos) = (vk::PipelineCache::null(), std::slice::from_ref(info));
+        // SAFETY: the caller's promise.
+        let made = unsafe { gpu.device.create_graphics_pipelines(none, infos, None) };
+        Self::new(gpu, made)
+    }
+
+    /// # Safety
+    /// What the structure points at is of this device, and the shader finds what it reads.
+    pub(crate) unsafe fn compute(
+        gpu: &Arc<Gpu>,
+        info: &vk::ComputePipelineCreateInfo<'_>,
+    ) -> Result<Self, DeviceError> {
+        let (none, infos) = (vk::PipelineCache::null(), std::slice::from_ref(info));
+        // SAFETY: the caller's promise.
+        let made = unsafe { gpu.device.create_compute_pipelines(none, infos, None) };
+        Self::new(gpu, made)
+    }
+
+    fn new(
+        gpu: &Arc<Gpu>,
+        made: Result<Vec<vk::Pipeline>, (Vec<vk::Pipeline>, vk::Result)>,
+    ) -> Result<Self, DeviceError> {
+        let pipelines = made.map_err(|(_, error)| failure(error, "pipeline", 0))?;
+        gpu.work.count_pipeline();
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            raw: pipelines.first().copied().unwrap_or_default(),
+        })
+    }
+
+    pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
+        Arc::ptr_eq(&self.gpu, gpu)
+    }
+
+    pub(crate) fn device_name(&self) -> &str {
+        &self.gpu.facts.name
+    }
+}
+
+impl Drop for OwnedPipeline {
     fn drop(&mut self) {
         // SAFETY: every submission that used it has been waited for.
         unsafe { self.gpu.device.destroy_pipeline(self.raw, None) };
     }
 }
 
-fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, DeviceError> {
-    let device = &gpu.device;
-    let vertex_name = entry_name(descriptor.vertex.entry_point)?;
-    let main_name = entry_name("main")?;
+/// A shader of a pipeline.
+pub(crate) struct ShaderStage {
+    flag: vk::ShaderStageFlags,
+    module: vk::ShaderModule,
+    entry_point: CString,
+}
+
+impl ShaderStage {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        flag: vk::ShaderStageFlags,
+        key: ModuleKey,
+        entry_point: &str,
+    ) -> Result<Self, DeviceError> {
+        let module = gpu.shader_modules.get(&gpu.device, key)?;
+        Self::of_module(flag, module, entry_point)
+    }
+
+    pub(crate) fn of_module(
+        flag: vk::ShaderStageFlags,
+        module: vk::ShaderModule,
+        entry_point: &str,
+    ) -> Result<Self, DeviceError> {
+        let name = CString::new(entry_point).map_err(|error| DeviceError::Shader {
+            name: entry_point.to_owned(),
+            message: error.to_string(),
+        })?;
+        Ok(Self {
+            flag,
+            module,
+            entry_point: name,
+        })
+    }
+
+    pub(crate) fn info(&self) -> vk::PipelineShaderStageCreateInfo<'_> {
+        vk::PipelineShaderStageCreateInfo::default()
+            .stage(self.flag)
+            .module(self.module)
+            .name(&self.entry_point)
+    }
+}
+
+fn create(gpu: &Arc<Gpu>, descriptor: &PipelineDescriptor) -> Result<OwnedPipeline, DeviceError> {
+    let vertex = ModuleKey::Vertex(descriptor.vertex);
+    let name = descriptor.vertex.entry_point;
+    let mut stages = vec![ShaderStage::new(
+        gpu,
+        vk::ShaderStageFlags::VERTEX,
+        vertex,
+        name,
+    )?];
+    if let Some(geometry) = &descriptor.geometry {
+        let key = ModuleKey::Geometry(geometry.path, geometry.hands_on);
+        let flag = vk::ShaderStageFlags::GEOMETRY;
+        stages.push(ShaderStage::new(gpu, flag, key, "main")?);
+    }
+    if let Fragments::Shader { path, entry_point } = descriptor.fragments {
+        let key = ModuleKey::Fragment(path, entry_point);
+        let flag = vk::ShaderStageFlags::FRAGMENT;
+        stages.push(ShaderStage::new(gpu, flag, key, entry_point)?);
+    }
     let is_turned = descriptor.geometry.is_some_and(|stage| stage.is_turned);
     // `DRAWS_BOTTOM` and `TURNED`; a `bool` constant takes 4 bytes in SPIR-V.
     let draws_bottom = descriptor.geometry.is_none_or(|stage| stage.draws_bottom);
-    let constant_values = [draws_bottom, is_turned].map(u32::from);
-    let constant_bytes: &[u8] = bytemuck::cast_slice(&constant_values);
-    let constant_entries = [0, 1].map(|constant_id: u32| vk::SpecializationMapEntry {
-        constant_id,
-        offset: 4 * constant_id,
-        size: size_of::<u32>(),
-    });
-    let constants = vk::SpecializationInfo::default()
-        .map_entries(&constant_entries)
-        .data(constant_bytes);
-    let stage = |flag, module, name| {
-        vk::PipelineShaderStageCreateInfo::default()
-            .stage(flag)
-            .module(module)
-            .name(name)
-    };
-    let modules = &gpu.shader_modules;
-    let mut stages = vec![stage(
-        vk::ShaderStageFlags::VERTEX,
-        modules.get(device, ModuleKey::Vertex(descriptor.vertex))?,
-        &vertex_name,
-    )];
-    if let Some(geometry) = &descriptor.geometry {
-        let key = ModuleKey::Geometry(geometry.path, geometry.hands_on);
-        let module = modules.get(device, key)?;
-        stages.push(
-            stage(vk::ShaderStageFlags::GEOMETRY, module, &main_name)
-                .specialization_info(&constants),
-        );
-    }
-    let fragment_name;
-    if let Fragments::Shader { path, entry_point } = descriptor.fragments {
-        fragment_name = entry_name(entry_point)?;
-        let module = modules.get(device, ModuleKey::Fragment(path, entry_point))?;
-        stages.push(stage(
-            vk::ShaderStageFlags::FRAGMENT,
-            module,
-            &fragment_name,
-        ));
-    }
     let write_mask = match descriptor.state {
         PipelineState::Mark { .. } | PipelineState::Count { .. } => {
             vk::ColorComponentFlags::empty()
@@ -342,27 +405,30 @@ fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, De
         .dst_color_blend_factor(vk::BlendFactor::ONE)
         .color_blend_op(vk::BlendOp::ADD)];
     let has_colour = target != PassTarget::Stencil;
+    let layout = match descriptor.state {
+        PipelineState::Surface(look) if look.has_picture => gpu.fixtures.picture_layout,
+        _ => gpu.fixtures.pipeline_layout,
+    };
+    let render_pass = render_pass(&gpu.fixtures, descriptor.state);
     Assembly {
         stages: &stages,
+        geometry_constants: &[draws_bottom, is_turned].map(u32::from),
         format: descriptor.format,
         topology: descriptor.topology,
         faces: descriptor.state.faces(),
         is_turned,
-        depth_stencil: depth_stencil(descriptor.state),
         depth_bounds: descriptor.depth_bounds,
         blends: if has_colour { &blends } else { &[] },
-        layout: match descriptor.state {
-            PipelineState::Surface(look) if look.has_picture => gpu.fixtures.picture_layout,
-            _ => gpu.fixtures.pipeline_layout,
-        },
-        render_pass: render_pass(&gpu.fixtures, descriptor.state),
+        ..Assembly::new(layout, render_pass, depth_stencil(descriptor.state))
     }
     .create(gpu)
 }
 
 /// All that makes a pipeline, its shaders made.
 pub(crate) struct Assembly<'a> {
-    pub(crate) stages: &'a [vk::PipelineShaderStageCreateInfo<'a>],
+    pub(crate) stages: &'a [ShaderStage],
+    /// By number, of the geometry shader.
+    pub(crate) geometry_constants: &'a [u32],
     pub(crate) format: VertexFormat,
     pub(crate) topology: Topology,
     pub(crate) faces: FaceSet,
@@ -377,7 +443,44 @@ pub(crate) struct Assembly<'a> {
 }
 
 impl Assembly<'_> {
-    pub(crate) fn create(&self, gpu: &Gpu) -> Result<vk::Pipeline, DeviceError> {
+    /// Triangles of numbered vertices, both faces, without colour and as yet without a shader.
+    pub(crate) fn new(
+        layout: vk::PipelineLayout,
+        render_pass: vk::RenderPass,
+        depth_stencil: vk::PipelineDepthStencilStateCreateInfo<'static>,
+    ) -> Self {
+        Self {
+            stages: &[],
+            geometry_constants: &[],
+            format: VertexFormat::Number,
+            topology: Topology::Triangles,
+            faces: FaceSet::Both,
+            is_turned: false,
+            depth_stencil,
+            depth_bounds: false,
+            blends: &[],
+            layout,
+            render_pass,
+        }
+    }
+
+    pub(crate) fn create(&self, gpu: &Arc<Gpu>) -> Result<OwnedPipeline, DeviceError> {
+        let entries: Vec<_> = (0..)
+            .zip(self.geometry_constants)
+            .map(|(constant_id, constant)| vk::SpecializationMapEntry {
+                constant_id,
+                offset: 4 * constant_id,
+                size: size_of_val(constant),
+            })
+            .collect();
+        let constants = vk::SpecializationInfo::default()
+            .map_entries(&entries)
+            .data(bytemuck::cast_slice(self.geometry_constants));
+        let stages = self.stages.iter().map(|stage| match stage.flag {
+            vk::ShaderStageFlags::GEOMETRY => stage.info().specialization_info(&constants),
+            _ => stage.info(),
+        });
+        let stages: Vec<_> = stages.collect();
         let (bindings, attributes) = vertex_input(self.format);
         let input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_binding_descriptions(&bindings)
@@ -428,8 +531,8 @@ impl Assembly<'_> {
         let dynamic_count = if self.depth_bounds { 3 } else { 2 };
         let dynamic = vk::PipelineDynamicStateCreateInfo::default()
             .dynamic_states(&dynamic_states[..dynamic_count]);
-        let info = [vk::GraphicsPipelineCreateInfo::default()
-            .stages(self.stages)
+        let info = vk::GraphicsPipelineCreateInfo::default()
+            .stages(&stages)
             .vertex_input_state(&input)
             .input_assembly_state(&assembly)
             .viewport_state(&viewport)
@@ -440,15 +543,10 @@ impl Assembly<'_> {
             .dynamic_state(&dynamic)
             .layout(self.layout)
             .render_pass(self.render_pass)
-            .subpass(0)];
+            .subpass(0);
         // SAFETY: the structures live through the call; the stages' interfaces fit each other, which
         // the tests with the validation layer on hold down.
-        let made = unsafe {
-            let none = vk::PipelineCache::null();
-            gpu.device.create_graphics_pipelines(none, &info, None)
-        };
-        let pipelines = made.map_err(|(_, error)| failure(error, "pipeline", 0))?;
-        Ok(pipelines.first().copied().unwrap_or_default())
+        unsafe { OwnedPipeline::graphics(gpu, &info) }
     }
 }
 

@@ -171,6 +171,59 @@ impl Drop for Queries {
     }
 }
 
+/// GPU time of what is recorded between its begin and its end; nothing without stamps.
+#[derive(Clone, Copy)]
+pub(crate) struct Span<'a> {
+    stamps: Option<&'a Queries>,
+    /// Of its two stamps.
+    first: u32,
+}
+
+impl<'a> Span<'a> {
+    /// - `first`: number of its first stamp; the other one follows
+    pub(crate) fn new(stamps: Option<&'a Queries>, first: u32) -> Self {
+        Self { stamps, first }
+    }
+
+    /// # Safety
+    /// Recording is under way on the stamps' device, outside of a pass, and no other submission uses them.
+    pub(crate) unsafe fn begin(self, commands: vk::CommandBuffer) {
+        if let Some(stamps) = self.stamps {
+            let device = &stamps.gpu.device;
+            let start = vk::PipelineStageFlags::TOP_OF_PIPE;
+            // SAFETY: the caller's promise.
+            unsafe {
+                device.cmd_reset_query_pool(commands, stamps.raw, self.first, 2);
+                device.cmd_write_timestamp(commands, start, stamps.raw, self.first);
+            }
+        }
+    }
+
+    /// # Safety
+    /// As [`Span::begin`], after it.
+    pub(crate) unsafe fn end(self, commands: vk::CommandBuffer) {
+        if let Some(stamps) = self.stamps {
+            let end = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
+            let device = &stamps.gpu.device;
+            // SAFETY: the caller's promise.
+            unsafe { device.cmd_write_timestamp(commands, end, stamps.raw, self.first + 1) };
+        }
+    }
+
+    /// Milliseconds, once the submission was waited for.
+    pub(crate) fn ms(self) -> Result<Option<f64>, DeviceError> {
+        let Some(stamps) = self.stamps else {
+            return Ok(None);
+        };
+        let ticks = stamps.read(self.first, 2)?;
+        Ok(span_ms(
+            ticks[0],
+            ticks[1],
+            stamps.gpu.timestamp_period_ns(),
+        ))
+    }
+}
+
 /// Milliseconds from one stamp to another.
 pub(crate) fn span_ms(begin: u64, end: u64, period_ns: f32) -> Option<f64> {
     let is_valid = begin != 0 && end >= begin;

@@ -5,7 +5,7 @@
 //! A fill reads depth and never writes it, so one surface pass serves any number of fills of the
 //! same view.
 
-use crate::queries::{Queries, QueryKind, span_ms};
+use crate::queries::{Queries, QueryKind, Span, span_ms};
 use crate::readback::read_targets;
 use crate::surface::{SurfacePass, TriangleRenderer};
 use crate::targets::{Numbers, Targets};
@@ -222,6 +222,36 @@ impl RenderTargets {
         let Some(prepared) = &self.prepared else {
             return Err(DeviceError::Missing("view of a surface"));
         };
+        let span = Span::new(self.stamps.as_ref(), SURFACE_STAMPS);
+        let graphics = vk::PipelineBindPoint::GRAPHICS;
+        // SAFETY: bindings were made for this pass on this device; they and the surface live until the
+        // submission is done.
+        unsafe {
+            self.gpu.submit(|device, commands| {
+                span.begin(commands);
+                self.begin_surface(commands);
+                device.cmd_bind_descriptor_sets(
+                    commands,
+                    graphics,
+                    self.gpu.fixtures.pipeline_layout,
+                    0,
+                    &[prepared.bindings.set()],
+                    &[],
+                );
+                self.surface.draw(&mut SurfacePass::new(device, commands));
+                device.cmd_end_render_pass(commands);
+                span.end(commands);
+            })?;
+        }
+        self.is_drawn = true;
+        Span::new(self.stamps.as_ref(), SURFACE_STAMPS).ms()
+    }
+
+    /// Begins the pass that clears the targets and draws into all of them.
+    ///
+    /// # Safety
+    /// Recording is under way on this device, outside of a pass.
+    pub(crate) unsafe fn begin_surface(&self, commands: vk::CommandBuffer) {
         let clears = [
             vk::ClearValue {
                 color: vk::ClearColorValue { float32: SKY },
@@ -235,43 +265,12 @@ impl RenderTargets {
             .framebuffer(self.targets.framebuffer(true))
             .render_area(self.targets.area())
             .clear_values(&clears);
-        let stamps = self.stamps.as_ref();
-        let graphics = vk::PipelineBindPoint::GRAPHICS;
-        // SAFETY: bindings were made for this pass on this device; they and the surface live until the
-        // submission is done.
+        let device = &self.gpu.device;
+        // SAFETY: the caller's promise; the framebuffer is of this pass.
         unsafe {
-            self.gpu.submit(|device, commands| {
-                if let Some(stamps) = stamps {
-                    device.cmd_reset_query_pool(commands, stamps.raw, SURFACE_STAMPS, 2);
-                    let start = vk::PipelineStageFlags::TOP_OF_PIPE;
-                    device.cmd_write_timestamp(commands, start, stamps.raw, SURFACE_STAMPS);
-                }
-                device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
-                device.cmd_set_viewport(commands, 0, &[self.targets.viewport()]);
-                device.cmd_set_scissor(commands, 0, &[self.targets.area()]);
-                device.cmd_bind_descriptor_sets(
-                    commands,
-                    graphics,
-                    self.gpu.fixtures.pipeline_layout,
-                    0,
-                    &[prepared.bindings.set()],
-                    &[],
-                );
-                self.surface.draw(&mut SurfacePass::new(device, commands));
-                device.cmd_end_render_pass(commands);
-                if let Some(stamps) = stamps {
-                    let end = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
-                    device.cmd_write_timestamp(commands, end, stamps.raw, SURFACE_STAMPS + 1);
-                }
-            })?;
-        }
-        self.is_drawn = true;
-        match stamps {
-            Some(stamps) => {
-                let ticks = stamps.read(SURFACE_STAMPS, 2)?;
-                Ok(span_ms(ticks[0], ticks[1], self.gpu.timestamp_period_ns()))
-            }
-            None => Ok(None),
+            device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
+            device.cmd_set_viewport(commands, 0, &[self.targets.viewport()]);
+            device.cmd_set_scissor(commands, 0, &[self.targets.area()]);
         }
     }
 

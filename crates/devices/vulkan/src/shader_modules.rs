@@ -51,6 +51,19 @@ pub(crate) enum ModuleKey {
     Compiled(&'static str),
 }
 
+/// # Safety
+/// The SPIR-V is valid.
+pub(crate) unsafe fn new_module(
+    device: &ash::Device,
+    name: &str,
+    spirv: &[u32],
+) -> Result<vk::ShaderModule, DeviceError> {
+    let info = vk::ShaderModuleCreateInfo::default().code(spirv);
+    // SAFETY: the caller's promise.
+    unsafe { device.create_shader_module(&info, None) }
+        .map_err(|error| failure(error, name, size_of_val(spirv) as u64))
+}
+
 /// Shader modules, made once.
 #[derive(Debug, Default)]
 pub(crate) struct ShaderModules(Mutex<HashMap<ModuleKey, vk::ShaderModule>>);
@@ -81,10 +94,8 @@ impl ShaderModules {
             name: path.to_owned(),
             message: error.to_string(),
         })?;
-        let info = vk::ShaderModuleCreateInfo::default().code(&spirv);
         // SAFETY: naga validated the source, or spirv-val what was compiled before.
-        let module = unsafe { device.create_shader_module(&info, None) }
-            .map_err(|error| failure(error, path, spirv.len() as u64 * 4))?;
+        let module = unsafe { new_module(device, path, &spirv) }?;
         modules.insert(key, module);
         Ok(module)
     }

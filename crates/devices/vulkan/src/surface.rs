@@ -162,7 +162,7 @@ impl SurfaceRenderer for TriangleRenderer {
         // SAFETY: the pass is being recorded, as its maker promised; pipeline, set and buffers were made for
         // it on this device; the indices are all there.
         unsafe {
-            device.cmd_bind_pipeline(commands, graphics, pipeline.raw);
+            device.cmd_bind_pipeline(commands, graphics, pipeline.raw());
             if let Some((_, bindings)) = &self.picture {
                 let layout = self.gpu.fixtures.picture_layout;
                 let sets = [bindings.set()];

@@ -2,6 +2,7 @@
 //! Colour, depth, stencil and numbers as attachments, in the formats of the wgpu targets'.
 
 use crate::Gpu;
+use crate::bindings::SetPool;
 use crate::failure::failure;
 use crate::fixtures::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, NUMBER_FORMAT};
 use crate::memory::Image;
@@ -19,93 +20,106 @@ pub(crate) struct Targets {
     /// Shared with whoever reads its depth in shaders.
     depth_stencil: Arc<Image>,
     /// Depth and stencil only, with colour, and with colour for textured covers.
-    framebuffers: [vk::Framebuffer; 3],
+    framebuffers: [Framebuffer; 3],
+}
+
+/// Views that a pass draws into, destroyed with it.
+#[derive(Debug)]
+pub(crate) struct Framebuffer {
+    gpu: Arc<Gpu>,
+    pub(crate) raw: vk::Framebuffer,
+}
+
+impl Framebuffer {
+    /// # Safety
+    /// The views are of the pass's formats, of this device, and have this size and as many layers.
+    pub(crate) unsafe fn new(
+        gpu: &Arc<Gpu>,
+        render_pass: vk::RenderPass,
+        views: &[vk::ImageView],
+        extent: vk::Extent2D,
+        layers: u32,
+    ) -> Result<Self, DeviceError> {
+        let info = vk::FramebufferCreateInfo::default()
+            .render_pass(render_pass)
+            .attachments(views)
+            .width(extent.width)
+            .height(extent.height)
+            .layers(layers);
+        // SAFETY: the caller's promise.
+        let raw = unsafe { gpu.device.create_framebuffer(&info, None) }
+            .map_err(|error| failure(error, "framebuffer", 0))?;
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            raw,
+        })
+    }
+}
+
+impl Drop for Framebuffer {
+    fn drop(&mut self) {
+        // SAFETY: every submission that used it has been waited for.
+        unsafe { self.gpu.device.destroy_framebuffer(self.raw, None) };
+    }
 }
 
 /// Target of accumulated numbers, and how shaders read it. Each fill that accumulates has its own.
 #[derive(Debug)]
 pub struct Numbers {
-    gpu: Arc<Gpu>,
+    framebuffer: Framebuffer,
+    pool: SetPool,
     _image: Image,
     depth: Arc<Image>,
-    pub(crate) framebuffer: vk::Framebuffer,
-    pool: vk::DescriptorPool,
-    pub(crate) set: vk::DescriptorSet,
     bytes: u64,
 }
 
 impl Numbers {
     pub(crate) fn new(targets: &Targets) -> Result<Self, DeviceError> {
         let gpu = &targets.gpu;
+        let extent = targets.extent;
         let image = Image::target(
             gpu,
             "accumulated numbers",
-            targets.extent,
+            extent,
             NUMBER_FORMAT,
             vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
             vk::ImageAspectFlags::COLOR,
         )?;
-        let view = image.view;
-        let mut numbers = Self {
-            gpu: Arc::clone(gpu),
+        let kind = vk::DescriptorType::SAMPLED_IMAGE;
+        let pool = SetPool::new(gpu, gpu.fixtures.number_set_layout, &[kind])?;
+        let images = [vk::DescriptorImageInfo {
+            sampler: vk::Sampler::null(),
+            image_view: image.view,
+            image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+        }];
+        let write = vk::WriteDescriptorSet::default()
+            .dst_set(pool.set)
+            .dst_binding(0)
+            .descriptor_type(kind)
+            .image_info(&images);
+        // SAFETY: of the kind that the layout has; the image lives as long as the set.
+        unsafe { gpu.device.update_descriptor_sets(&[write], &[]) };
+        let views = [image.view, targets.depth_stencil.view];
+        // SAFETY: the views are of the pass's formats and of this size.
+        let framebuffer =
+            unsafe { Framebuffer::new(gpu, gpu.fixtures.numbers, &views, extent, 1) }?;
+        let bytes = NUMBER_BYTES * u64::from(extent.width) * u64::from(extent.height);
+        gpu.work.count_texture(bytes);
+        Ok(Self {
+            framebuffer,
+            pool,
             _image: image,
             depth: Arc::clone(&targets.depth_stencil),
-            framebuffer: vk::Framebuffer::null(),
-            pool: vk::DescriptorPool::null(),
-            set: vk::DescriptorSet::null(),
-            bytes: NUMBER_BYTES
-                * u64::from(targets.extent.width)
-                * u64::from(targets.extent.height),
-        };
-        let views = [view, targets.depth_stencil.view];
-        let framebuffer_info = vk::FramebufferCreateInfo::default()
-            .render_pass(gpu.fixtures.numbers)
-            .attachments(&views)
-            .width(targets.extent.width)
-            .height(targets.extent.height)
-            .layers(1);
-        let sizes = [vk::DescriptorPoolSize {
-            ty: vk::DescriptorType::SAMPLED_IMAGE,
-            descriptor_count: 1,
-        }];
-        let pool_info = vk::DescriptorPoolCreateInfo::default()
-            .max_sets(1)
-            .pool_sizes(&sizes);
-        let layouts = [gpu.fixtures.number_set_layout];
-        let broken = |error| failure(error, "accumulated numbers", 0);
-        // SAFETY: the views are of the pass's formats and of this size; the pool has room for one
-        // set of this layout, which then points at an image that lives as long as the set.
-        unsafe {
-            numbers.framebuffer = gpu
-                .device
-                .create_framebuffer(&framebuffer_info, None)
-                .map_err(broken)?;
-            numbers.pool = gpu
-                .device
-                .create_descriptor_pool(&pool_info, None)
-                .map_err(broken)?;
-            let set_info = vk::DescriptorSetAllocateInfo::default()
-                .descriptor_pool(numbers.pool)
-                .set_layouts(&layouts);
-            let sets = gpu
-                .device
-                .allocate_descriptor_sets(&set_info)
-                .map_err(broken)?;
-            numbers.set = sets.first().copied().unwrap_or_default();
-            let images = [vk::DescriptorImageInfo {
-                sampler: vk::Sampler::null(),
-                image_view: view,
-                image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
-            }];
-            let write = vk::WriteDescriptorSet::default()
-                .dst_set(numbers.set)
-                .dst_binding(0)
-                .descriptor_type(vk::DescriptorType::SAMPLED_IMAGE)
-                .image_info(&images);
-            gpu.device.update_descriptor_sets(&[write], &[]);
-        }
-        gpu.work.count_texture(numbers.bytes);
-        Ok(numbers)
+            bytes,
+        })
+    }
+
+    pub(crate) fn framebuffer(&self) -> vk::Framebuffer {
+        self.framebuffer.raw
+    }
+
+    pub(crate) fn set(&self) -> vk::DescriptorSet {
+        self.pool.set
     }
 
     /// Bytes of its texels.
@@ -119,75 +133,58 @@ impl Numbers {
     }
 }
 
-impl Drop for Numbers {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used them has been waited for; null is ignored.
-        unsafe {
-            self.gpu.device.destroy_framebuffer(self.framebuffer, None);
-            self.gpu.device.destroy_descriptor_pool(self.pool, None);
-        }
-    }
-}
-
 impl Targets {
     pub(crate) fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, DeviceError> {
         let extent = vk::Extent2D {
             width: size.width,
             height: size.height,
         };
-        let mut targets = Self {
+        let colour = Image::target(
+            gpu,
+            "colour",
+            extent,
+            COLOUR_FORMAT,
+            vk::ImageUsageFlags::COLOR_ATTACHMENT,
+            vk::ImageAspectFlags::COLOR,
+        )?;
+        let depth_stencil = Image::target(
+            gpu,
+            "depth and stencil",
+            extent,
+            DEPTH_STENCIL_FORMAT,
+            // As on wgpu, whether or not a fill reads depth: one surface serves all fills.
+            if gpu.facts.features.samples_depth {
+                vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED
+            } else {
+                vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT
+            },
+            vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL,
+        )?;
+        let views = [colour.view, depth_stencil.view];
+        let framebuffer = |render_pass, views: &[vk::ImageView]| {
+            // SAFETY: the views are of the pass's formats and of this size.
+            unsafe { Framebuffer::new(gpu, render_pass, views, extent, 1) }
+        };
+        let fixtures = &gpu.fixtures;
+        Ok(Self {
             gpu: Arc::clone(gpu),
             extent,
-            colour: Image::target(
-                gpu,
-                "colour",
-                extent,
-                COLOUR_FORMAT,
-                vk::ImageUsageFlags::COLOR_ATTACHMENT,
-                vk::ImageAspectFlags::COLOR,
-            )?,
-            depth_stencil: Arc::new(Image::target(
-                gpu,
-                "depth and stencil",
-                extent,
-                DEPTH_STENCIL_FORMAT,
-                // As on wgpu, whether or not a fill reads depth: one surface serves all fills.
-                if gpu.facts.features.samples_depth {
-                    vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED
-                } else {
-                    vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT
-                },
-                vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL,
-            )?),
-            framebuffers: [vk::Framebuffer::null(); 3],
-        };
-        let views = [targets.colour.view, targets.depth_stencil.view];
-        let fixtures = &gpu.fixtures;
-        let passes = [
-            (fixtures.fill(false, false), &views[1..]),
-            (fixtures.fill(false, true), &views[..]),
-            (fixtures.textured, &views[..]),
-        ];
-        for (framebuffer, (render_pass, views)) in targets.framebuffers.iter_mut().zip(passes) {
-            let info = vk::FramebufferCreateInfo::default()
-                .render_pass(render_pass)
-                .attachments(views)
-                .width(extent.width)
-                .height(extent.height)
-                .layers(1);
-            // SAFETY: the views are of the pass's formats and of this size.
-            *framebuffer = unsafe { gpu.device.create_framebuffer(&info, None) }
-                .map_err(|error| failure(error, "framebuffer", 0))?;
-        }
-        Ok(targets)
+            framebuffers: [
+                framebuffer(fixtures.fill(false, false), &views[1..])?,
+                framebuffer(fixtures.fill(false, true), &views)?,
+                framebuffer(fixtures.textured, &views)?,
+            ],
+            colour,
+            depth_stencil: Arc::new(depth_stencil),
+        })
     }
 
     pub(crate) fn framebuffer(&self, has_colour: bool) -> vk::Framebuffer {
-        self.framebuffers[usize::from(has_colour)]
+        self.framebuffers[usize::from(has_colour)].raw
     }
 
     pub(crate) fn textured_framebuffer(&self) -> vk::Framebuffer {
-        self.framebuffers[2]
+        self.framebuffers[2].raw
     }
 
     pub(crate) fn area(&self) -> vk::Rect2D {
@@ -216,15 +213,6 @@ impl Targets {
             height: -height,
             min_depth: 0.0,
             max_depth: 1.0,
-        }
-    }
-}
-
-impl Drop for Targets {
-    fn drop(&mut self) {
-        for framebuffer in self.framebuffers {
-            // SAFETY: every submission that used it has been waited for; null is ignored.
-            unsafe { self.gpu.device.destroy_framebuffer(framebuffer, None) };
         }
     }
 }

@@ -5,24 +5,23 @@
 //! fill has nothing of this, neither buffers nor pipelines nor a picture.
 
 use crate::{
-    BindGroup, Buffer, BufferUse, CoverPurpose, CoverState, DepthBindings, Gpu, ImageBindings,
-    Probe, RenderTargets, RouteText, SampledImage, TexturedDescriptor, TexturedParts,
-    TexturedPipeline, TexturedPlacement, VolumePass,
+    BindGroup, Buffer, BufferUse, CoverState, DepthBindings, Gpu, ImageBindings, Probe,
+    RenderTargets, SampledImage, TexturedDescriptor, TexturedParts, TexturedPipeline, VolumePass,
 };
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use terrafill_fill::{
-    AddressMode, DeviceError, Feature, Holding, MemoryUse, Probed, StencilTest, TexturedCover,
-    TexturedPlan,
+    AddressMode, CoverLook, CoverPurpose, DeviceError, Holding, Probed, StencilTest, TexturedCover,
+    TexturedPlan, textured_holdings,
 };
 use terrafill_scene::MipChain;
 
 /// A copy of the picture, and what is seen beyond it.
 type ImageKey = (usize, [AddressMode; 2]);
 
-/// Shader, stencil test and purpose.
-type PipelineKey = (usize, StencilTest, CoverPurpose);
+/// Shader, stencil test, and what is drawn.
+type PipelineKey = (usize, StencilTest, CoverLook);
 
 /// Textured covers of one scene and view.
 #[derive(Debug, Default)]
@@ -60,48 +59,18 @@ struct View {
     bindings: DepthBindings,
 }
 
-/// What covers are drawn for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Purpose {
-    Colour,
-    Probe,
-}
-
 impl TexturedFill {
     /// Pictures, constants, pipelines with their routes' tables, by what they are held for.
     pub(crate) fn holdings(&self) -> Vec<Holding> {
         let tables = self.shaders.iter().filter_map(|made| made.table.as_ref());
-        let texture = |feature, texture_bytes| {
-            let memory = MemoryUse {
-                texture_bytes,
-                ..MemoryUse::default()
-            };
-            Holding::memory(feature, memory)
-        };
-        let constants = self.view.iter().map(|view| {
-            let constant_bytes = size_of_val(&*view.written) as u64;
-            let memory = MemoryUse {
-                constant_bytes,
-                padding_bytes: view.constants.size() - constant_bytes,
-                buffers: 1,
-                ..MemoryUse::default()
-            };
-            Holding::memory(Feature::TextureConstants, memory)
-        });
-        let purposes = self.pipelines.keys().map(|(_, _, purpose)| match purpose {
-            CoverPurpose::Colour { .. } => Feature::TextureCode,
-            CoverPurpose::Probe { .. } => Feature::Measuring,
-        });
-        let tables = tables.map(|table| table.image.bytes()).sum();
-        let textures = [
-            texture(
-                Feature::Picture,
-                self.images.iter().map(|image| image.bytes()).sum(),
-            ),
-            texture(Feature::TextureCode, tables),
-        ];
-        let held = textures.into_iter().chain(constants);
-        held.chain(Holding::pipelines(purposes)).collect()
+        textured_holdings(
+            self.images.iter().map(|image| image.bytes()).sum(),
+            tables.map(|table| table.image.bytes()).sum(),
+            self.pipelines.keys().map(|(_, _, look)| *look),
+            self.view
+                .as_ref()
+                .map(|view| [size_of_val(&*view.written) as u64, view.constants.size()]),
+        )
     }
 
     /// Takes over a view: constants are written where they changed, tables and bindings made where
@@ -197,7 +166,7 @@ impl TexturedFill {
         &mut self,
         gpu: &Arc<Gpu>,
         test: StencilTest,
-        purpose: Purpose,
+        purpose: CoverPurpose,
         volumes: &[usize],
     ) -> Result<(), DeviceError> {
         for &volume in volumes {
@@ -210,7 +179,7 @@ impl TexturedFill {
                     parts,
                     table_is_sampled: table.as_ref().map(|table| table.bindings.is_sampled()),
                     test,
-                    purpose: key.2,
+                    look: key.2,
                 };
                 place.insert(TexturedPipeline::new(gpu, &descriptor)?);
             }
@@ -223,7 +192,7 @@ impl TexturedFill {
         &'a self,
         pass: &mut VolumePass<'a, '_, '_>,
         test: StencilTest,
-        purpose: Purpose,
+        purpose: CoverPurpose,
         scissor: bool,
         volumes: &[usize],
     ) {
@@ -238,21 +207,13 @@ impl TexturedFill {
     fn key(
         &self,
         test: StencilTest,
-        purpose: Purpose,
+        purpose: CoverPurpose,
         volume: usize,
     ) -> Option<(PipelineKey, &TexturedCover)> {
         let view = self.view.as_ref()?;
         let (cover, shader) = view.covers.get(volume)?;
-        let purpose = match purpose {
-            Purpose::Colour => CoverPurpose::Colour {
-                overrides: cover.overrides(),
-                blends: cover.is_translucent() || self.images_are_translucent,
-            },
-            Purpose::Probe => CoverPurpose::Probe {
-                overrides: cover.overrides().of_probe(),
-            },
-        };
-        Some(((*shader, test, purpose), cover))
+        let look = cover.look(purpose, !self.images_are_translucent);
+        Some(((*shader, test, look), cover))
     }
 
     /// What covers one volume; `None` where [`TexturedFill::ensure`] was not called for it.
@@ -260,7 +221,7 @@ impl TexturedFill {
         &'a self,
         bindings: &'a BindGroup,
         test: StencilTest,
-        purpose: Purpose,
+        purpose: CoverPurpose,
         volume: usize,
     ) -> Option<CoverState<'a>> {
         let (key, cover) = self.key(test, purpose, volume)?;
@@ -286,18 +247,9 @@ pub(crate) fn probed(probe: &Probe, pixels: usize) -> Result<Vec<Option<Probed>>
 
 /// The shader of one cover.
 fn parts(plan: &TexturedPlan, cover: &TexturedCover) -> TexturedParts {
-    TexturedParts {
-        position: RouteText {
-            wgsl: plan.position_wgsl(),
-            constants: cover.position_constants.len(),
-        },
-        route: RouteText {
-            wgsl: cover.route_wgsl(),
-            constants: cover.route_constants.len(),
-        },
-        placement: match cover.texture.pattern {
-            Some(_) => TexturedPlacement::Pattern,
-            None => TexturedPlacement::Affine,
-        },
-    }
+    TexturedParts::new(
+        (plan.position_wgsl(), cover.position_constants.len()),
+        (cover.route_wgsl(), cover.route_constants.len()),
+        cover.texture.pattern.is_some(),
+    )
 }

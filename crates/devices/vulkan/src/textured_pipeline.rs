@@ -8,38 +8,16 @@ use crate::bindings::SetPool;
 use crate::failure::failure;
 use crate::fixtures::{PROBE_FORMAT, REGION_KIND};
 use crate::memory::Image;
-use crate::pipeline::{Assembly, entry_name, stencil_test};
+use crate::pipeline::{Assembly, OwnedPipeline, ShaderStage, stencil_test};
 use crate::readback::read_probed;
-use crate::targets::Targets;
-use crate::{Buffer, BufferUse, Gpu, ImageBindings, Topology, VertexFormat};
+use crate::shader_modules::new_module;
+use crate::targets::{Framebuffer, Targets};
+use crate::{Buffer, BufferUse, Gpu, ImageBindings};
 use ash::vk;
 use std::cell::Cell;
 use std::sync::Arc;
-use terrafill_fill::{CoverOverrides, DeviceError, FaceSet, StencilTest};
+use terrafill_fill::{CoverLook, CoverPurpose, DeviceError, StencilTest};
 use terrafill_shaders::{SpirvStage, TEXTURED_COVER, TexturedParts, composed_to_spirv};
-
-/// What a textured cover is drawn for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum CoverPurpose {
-    /// The picture's colours.
-    Colour {
-        /// What its shader has in it.
-        overrides: CoverOverrides,
-        /// It is blended over what lies under it.
-        blends: bool,
-    },
-    /// Where the picture's texels came from, into the targets of a [`Probe`].
-    Probe {
-        /// What its shader has in it.
-        overrides: CoverOverrides,
-    },
-}
-
-impl CoverPurpose {
-    fn is_probe(self) -> bool {
-        matches!(self, Self::Probe { .. })
-    }
-}
 
 /// All that makes the pipeline of a textured cover.
 #[derive(Debug, Clone, Copy)]
@@ -50,15 +28,15 @@ pub struct TexturedDescriptor<'a> {
     pub table_is_sampled: Option<bool>,
     /// What the stencil must say, which is left as it is.
     pub test: StencilTest,
-    /// What for.
-    pub purpose: CoverPurpose,
+    /// What it does with its fragments.
+    pub look: CoverLook,
 }
 
 /// Draws a textured cover.
 #[derive(Debug)]
 pub struct TexturedPipeline {
-    gpu: Arc<Gpu>,
-    pub(crate) raw: vk::Pipeline,
+    owned: OwnedPipeline,
+    layout: vk::PipelineLayout,
     table_is_sampled: Option<bool>,
     is_probe: bool,
 }
@@ -76,22 +54,24 @@ impl TexturedPipeline {
                 &gpu.facts.name,
             ));
         }
-        let raw = create(gpu, descriptor)?;
-        gpu.work.count_pipeline();
         Ok(Self {
-            gpu: Arc::clone(gpu),
-            raw,
+            owned: create(gpu, descriptor)?,
+            layout: gpu.fixtures.textured_layout(descriptor.table_is_sampled),
             table_is_sampled: descriptor.table_is_sampled,
-            is_probe: descriptor.purpose.is_probe(),
+            is_probe: descriptor.look.purpose == CoverPurpose::Probe,
         })
     }
 
     pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
-        Arc::ptr_eq(&self.gpu, gpu)
+        self.owned.is_on(gpu)
+    }
+
+    pub(crate) fn raw(&self) -> vk::Pipeline {
+        self.owned.raw
     }
 
     pub(crate) fn layout(&self) -> vk::PipelineLayout {
-        self.gpu.fixtures.textured_layout(self.table_is_sampled)
+        self.layout
     }
 
     pub(crate) fn is_probe(&self) -> bool {
@@ -104,13 +84,6 @@ impl TexturedPipeline {
     }
 }
 
-impl Drop for TexturedPipeline {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for.
-        unsafe { self.gpu.device.destroy_pipeline(self.raw, None) };
-    }
-}
-
 /// Shader modules of one pipeline, which keeps what it needs of them.
 struct Modules<'a> {
     gpu: &'a Gpu,
@@ -119,10 +92,8 @@ struct Modules<'a> {
 
 impl Modules<'_> {
     fn add(&mut self, spirv: &[u32]) -> Result<vk::ShaderModule, DeviceError> {
-        let info = vk::ShaderModuleCreateInfo::default().code(spirv);
         // SAFETY: naga validated the source.
-        let module = unsafe { self.gpu.device.create_shader_module(&info, None) }
-            .map_err(|error| failure(error, TEXTURED_COVER, size_of_val(spirv) as u64))?;
+        let module = unsafe { new_module(&self.gpu.device, TEXTURED_COVER, spirv) }?;
         self.made.push(module);
         Ok(module)
     }
@@ -137,72 +108,52 @@ impl Drop for Modules<'_> {
     }
 }
 
-fn create(gpu: &Gpu, descriptor: &TexturedDescriptor<'_>) -> Result<vk::Pipeline, DeviceError> {
+fn create(
+    gpu: &Arc<Gpu>,
+    descriptor: &TexturedDescriptor<'_>,
+) -> Result<OwnedPipeline, DeviceError> {
     let failed = |error: terrafill_shaders::ShaderError| DeviceError::Shader {
         name: TEXTURED_COVER.to_owned(),
         message: error.to_string(),
     };
     let composed = descriptor.parts.compose().map_err(failed)?;
-    let (entry_point, overrides, blends) = match descriptor.purpose {
-        CoverPurpose::Colour { overrides, blends } => ("fragment_main", overrides, blends),
-        CoverPurpose::Probe { overrides } => ("probe_main", overrides, false),
-    };
-    let constants = overrides.constants();
+    let look = descriptor.look;
+    let constants = look.overrides.constants();
     let mut modules = Modules {
         gpu,
         made: Vec::new(),
     };
-    let names = [entry_name("vertex_main")?, entry_name(entry_point)?];
+    let (vertex, fragment) = (SpirvStage::Vertex, SpirvStage::Fragment);
     let mut stages = Vec::new();
-    for (stage, flag, name, entry_point) in [
-        (
-            SpirvStage::Vertex,
-            vk::ShaderStageFlags::VERTEX,
-            &names[0],
-            "vertex_main",
-        ),
-        (
-            SpirvStage::Fragment,
-            vk::ShaderStageFlags::FRAGMENT,
-            &names[1],
-            entry_point,
-        ),
+    for (stage, flag, name) in [
+        (vertex, vk::ShaderStageFlags::VERTEX, "vertex_main"),
+        (fragment, vk::ShaderStageFlags::FRAGMENT, look.entry_point()),
     ] {
-        let spirv = composed_to_spirv(TEXTURED_COVER, &composed, stage, entry_point, &constants);
+        let spirv = composed_to_spirv(TEXTURED_COVER, &composed, stage, name, &constants);
         let module = modules.add(&spirv.map_err(failed)?)?;
-        stages.push(
-            vk::PipelineShaderStageCreateInfo::default()
-                .stage(flag)
-                .module(module)
-                .name(name),
-        );
+        stages.push(ShaderStage::of_module(flag, module, name)?);
     }
     // Straight alpha over what is there.
     let over = vk::PipelineColorBlendAttachmentState::default()
         .color_write_mask(vk::ColorComponentFlags::RGBA)
-        .blend_enable(blends)
+        .blend_enable(look.blends)
         .src_color_blend_factor(vk::BlendFactor::SRC_ALPHA)
         .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
         .color_blend_op(vk::BlendOp::ADD)
         .src_alpha_blend_factor(vk::BlendFactor::ONE)
         .dst_alpha_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
         .alpha_blend_op(vk::BlendOp::ADD);
-    let is_probe = descriptor.purpose.is_probe();
+    let is_probe = look.purpose == CoverPurpose::Probe;
+    let layout = gpu.fixtures.textured_layout(descriptor.table_is_sampled);
+    let render_pass = if is_probe {
+        gpu.fixtures.probe(false)
+    } else {
+        gpu.fixtures.textured
+    };
     Assembly {
         stages: &stages,
-        format: VertexFormat::Number,
-        topology: Topology::Triangles,
-        faces: FaceSet::Both,
-        is_turned: false,
-        depth_stencil: stencil_test(descriptor.test),
-        depth_bounds: false,
         blends: &[over; 2][..1 + usize::from(is_probe)],
-        layout: gpu.fixtures.textured_layout(descriptor.table_is_sampled),
-        render_pass: if is_probe {
-            gpu.fixtures.probe(false)
-        } else {
-            gpu.fixtures.textured
-        },
+        ..Assembly::new(layout, render_pass, stencil_test(descriptor.test))
     }
     .create(gpu)
 }
@@ -328,7 +279,7 @@ impl Drop for DepthBindings {
 #[derive(Debug)]
 pub struct Probe {
     gpu: Arc<Gpu>,
-    pub(crate) framebuffer: vk::Framebuffer,
+    framebuffer: Framebuffer,
     /// Places and sizes, in the order of the shader's locations.
     pub(crate) images: [Image; 2],
     pub(crate) extent: vk::Extent2D,
@@ -345,26 +296,24 @@ impl Probe {
             let aspects = vk::ImageAspectFlags::COLOR;
             Image::target(gpu, label, extent, PROBE_FORMAT, usage, aspects)
         };
-        let mut probe = Self {
+        let images = [target("probed places")?, target("probed sizes")?];
+        let depth = Arc::clone(targets.depth_stencil());
+        let [places, sizes] = &images;
+        let views = [places.view, sizes.view, depth.view];
+        let render_pass = gpu.fixtures.probe(false);
+        Ok(Self {
             gpu: Arc::clone(gpu),
-            framebuffer: vk::Framebuffer::null(),
-            images: [target("probed places")?, target("probed sizes")?],
+            // SAFETY: the views are of the pass's formats and of this size.
+            framebuffer: unsafe { Framebuffer::new(gpu, render_pass, &views, extent, 1) }?,
+            images,
             extent,
             is_drawn: Cell::new(false),
-            depth: Arc::clone(targets.depth_stencil()),
-        };
-        let [places, sizes] = &probe.images;
-        let views = [places.view, sizes.view, probe.depth.view];
-        let info = vk::FramebufferCreateInfo::default()
-            .render_pass(gpu.fixtures.probe(false))
-            .attachments(&views)
-            .width(extent.width)
-            .height(extent.height)
-            .layers(1);
-        // SAFETY: the views are of the pass's formats and of this size.
-        probe.framebuffer = unsafe { gpu.device.create_framebuffer(&info, None) }
-            .map_err(|error| failure(error, "framebuffer", 0))?;
-        Ok(probe)
+            depth,
+        })
+    }
+
+    pub(crate) fn framebuffer(&self) -> vk::Framebuffer {
+        self.framebuffer.raw
     }
 
     /// What the covers wrote into its two targets, row 0 at the top; `None` where no pass has drawn
@@ -384,12 +333,5 @@ impl Probe {
     /// Whether it attaches the depth of these targets.
     pub(crate) fn is_beside(&self, targets: &Targets) -> bool {
         Arc::ptr_eq(&self.depth, targets.depth_stencil())
-    }
-}
-
-impl Drop for Probe {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for; null is ignored.
-        unsafe { self.gpu.device.destroy_framebuffer(self.framebuffer, None) };
     }
 }

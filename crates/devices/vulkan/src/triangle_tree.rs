@@ -6,7 +6,7 @@
 //! shaders are handed. No triangle is opaque: a shader sees each as a candidate and confirms it or not.
 
 use crate::failure::failure;
-use crate::queries::{Queries, QueryKind, span_ms};
+use crate::queries::{Queries, QueryKind, Span};
 use crate::{Buffer, Gpu};
 use ash::vk;
 use std::sync::Arc;
@@ -224,6 +224,7 @@ fn build(
 ) -> Result<Option<f64>, DeviceError> {
     let functions = functions(gpu)?;
     let stamps = Queries::new(gpu, QueryKind::Timestamps, 2)?;
+    let span = Span::new(stamps.as_ref(), 0);
     let kinds = [
         vk::AccelerationStructureTypeKHR::BOTTOM_LEVEL,
         vk::AccelerationStructureTypeKHR::TOP_LEVEL,
@@ -235,11 +236,7 @@ fn build(
     // submission is done; scratch begins where the device wants it to.
     unsafe {
         gpu.submit(|device, commands| {
-            if let Some(stamps) = &stamps {
-                device.cmd_reset_query_pool(commands, stamps.raw, 0, 2);
-                let start = vk::PipelineStageFlags::TOP_OF_PIPE;
-                device.cmd_write_timestamp(commands, start, stamps.raw, 0);
-            }
+            span.begin(commands);
             for ((level, geometries, count), kind) in levels.iter().zip(kinds) {
                 let scratch = level.scratch.as_ref().map_or(0, Buffer::address);
                 let scratch = scratch.next_multiple_of(gpu.scratch_alignment);
@@ -262,19 +259,10 @@ fn build(
                     &[],
                 );
             }
-            if let Some(stamps) = &stamps {
-                let end = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
-                device.cmd_write_timestamp(commands, end, stamps.raw, 1);
-            }
+            span.end(commands);
         })?;
     }
-    match &stamps {
-        Some(stamps) => {
-            let ticks = stamps.read(0, 2)?;
-            Ok(span_ms(ticks[0], ticks[1], gpu.timestamp_period_ns()))
-        }
-        None => Ok(None),
-    }
+    span.ms()
 }
 
 #[cfg(test)]

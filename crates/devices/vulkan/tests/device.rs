@@ -4,14 +4,15 @@
 
 use std::sync::Arc;
 use terrafill_fill::{
-    AddressMode, CoverOverrides, DepthRule, DeviceError, FaceSet, RouteTexelFormat, RouteTexels,
-    StencilOperation, StencilRule, StencilTest, TexturedRegion, VolumeConstants,
+    AddressMode, CoverLook, CoverOverrides, CoverPurpose, DepthRule, DeviceError, FaceSet,
+    RouteTexelFormat, RouteTexels, StencilOperation, StencilRule, StencilTest, TexturedRegion,
+    VolumeConstants,
 };
 use terrafill_fixtures::globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
 use terrafill_scene::{ImageSize, MipChain, PixelRect};
 use terrafill_vulkan::{
-    BindGroup, Buffer, BufferUse, CoverPurpose, CoverState, DepthBindings, DrawState, Fragments,
-    Geometry, Gpu, GpuOptions, ImageBindings, IndexWidth, Measured, POSITIVE_CONTROL, Pipeline,
+    BindGroup, Buffer, BufferUse, CoverState, DepthBindings, DrawState, Fragments, Geometry, Gpu,
+    GpuOptions, ImageBindings, IndexWidth, Measured, POSITIVE_CONTROL, Pipeline,
     PipelineDescriptor, PipelineState, RenderTargets, RouteText, SampledImage, TexturedDescriptor,
     TexturedParts, TexturedPipeline, TexturedPlacement, Topology, VertexFormat, VertexStage,
     list_adapters, make_deliberate_error, messages, open_for_test,
@@ -496,17 +497,19 @@ fn the_probe_finds_every_pixel_of_the_surface_and_none_of_the_sky() {
     let repeat = [AddressMode::Repeat; 2];
     let picture = ImageBindings::picture(&image, repeat).expect("fits");
     let parts = pixel_parts();
-    let pipeline = |test, purpose| {
+    let pipeline = |test, look| {
         let descriptor = TexturedDescriptor {
             parts: &parts,
             table_is_sampled: None,
             test,
-            purpose,
+            look,
         };
         TexturedPipeline::new(&gpu, &descriptor)
     };
-    let probe = CoverPurpose::Probe {
+    let probe = CoverLook {
+        purpose: CoverPurpose::Probe,
         overrides: CoverOverrides::default(),
+        blends: false,
     };
     let probing = pipeline(EVERYWHERE, probe).expect("valid");
     let zeroing = StencilTest {

@@ -53,6 +53,22 @@ pub struct TexturedParts {
 }
 
 impl TexturedParts {
+    /// - `position`, `route`: their text, and how many `vec4f` of constants they take
+    /// - `is_pattern`: the picture's size on the ground follows the view
+    #[must_use]
+    pub fn new(position: (String, usize), route: (String, usize), is_pattern: bool) -> Self {
+        let text = |(wgsl, constants)| RouteText { wgsl, constants };
+        Self {
+            position: text(position),
+            route: text(route),
+            placement: if is_pattern {
+                TexturedPlacement::Pattern
+            } else {
+                TexturedPlacement::Affine
+            },
+        }
+    }
+
     /// The shader's text.
     ///
     /// # Errors
