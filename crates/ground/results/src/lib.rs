@@ -17,6 +17,7 @@ mod environment;
 mod folder;
 mod front;
 pub mod made_up;
+mod markdown;
 mod merge;
 mod metric;
 mod noise;
@@ -47,6 +48,7 @@ pub use folder::{
     RunFolder, SCHEMA,
 };
 pub use front::{Candidate, front, front_survival};
+pub use markdown::{escaped, markdown, markdown_finding, markdown_list, markdown_table};
 pub use merge::{MergeError, merge};
 pub use metric::{Direction, Kind, Metric, MetricRow, Primary, Timer};
 pub use noise::{Between, Noise, has_two_groups};

@@ -31,9 +31,7 @@ pub use compare::{CaseTimes, Comparison, SideFacts, StudyTimes, TimeStanding, co
 pub use device::{CONTROL, Device, DeviceCell, DeviceRow, DeviceTable, by_device};
 pub use error::HistoryError;
 pub use exchange::{export, read_tables};
-pub use output::{
-    change_line, comparison_csv, comparison_markdown, device_csv, device_markdown, trend_lines,
-};
+pub use output::{change_line, comparison_csv, device_csv, trend_lines};
 pub use page::{Trends, comparison_page, device_page, history_page, runs_in_words};
 pub use primary::Primary;
 pub use record::{CaseRecord, Machine, Record, clean, is_dirty};

@@ -1,112 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Comparisons and changes as Markdown, CSV and lines of text.
+//! Comparisons and changes as CSV and lines of text.
 
-use crate::compare::{CaseTimes, Comparison, StudyTimes, TimeStanding};
+use crate::compare::Comparison;
 use crate::device::{DeviceCell, DeviceTable};
 use crate::page::{Trends, common, followed_in_words};
 use crate::{Change, HistoryError, Series};
-use std::fmt::Write as _;
 use std::path::Path;
-use terrafill_gate::{Finding, Severity};
 use terrafill_plot::number::significant;
 
-/// Rows of a table of a step summary.
+/// Lines of what cannot be decided.
 const MAX_ROWS: usize = 100;
-
-fn cell(text: &str) -> String {
-    text.replace('|', "\\|").replace('\n', " ")
-}
-
-fn section(page: &mut String, title: &str, rows: &[String]) {
-    if rows.is_empty() {
-        return;
-    }
-    let _ = writeln!(
-        page,
-        "\n### {title} ({})\n\n| case | what |\n|---|---|",
-        rows.len()
-    );
-    for row in rows.iter().take(MAX_ROWS) {
-        let _ = writeln!(page, "{row}");
-    }
-    if rows.len() > MAX_ROWS {
-        let _ = writeln!(
-            page,
-            "\n{} more with `--json` or `--csv`.",
-            rows.len() - MAX_ROWS
-        );
-    }
-}
-
-fn finding_rows<'a>(findings: impl Iterator<Item = &'a Finding>) -> Vec<String> {
-    findings
-        .map(|f| format!("| `{}` | {} |", f.case, cell(&f.sentence())))
-        .collect()
-}
-
-fn time_rows(of: &Comparison, standing: TimeStanding) -> Vec<String> {
-    let row = |(study, case): &(&StudyTimes, &CaseTimes)| {
-        let interval = case
-            .interval
-            .map_or("no interval".to_owned(), |[low, high]| {
-                format!("95 % interval {} … {}", significant(low), significant(high))
-            });
-        let figures = [case.from, case.to, case.ratio].map(significant);
-        let [from, to, ratio] = figures;
-        let (metric, unit) = (&study.metric, &study.unit);
-        format!(
-            "| `{}` | {metric} {from} → {to} {unit}: × {ratio}, {interval} |",
-            case.case
-        )
-    };
-    of.standing(standing).iter().map(row).collect()
-}
-
-/// Two runs as Markdown: regressions, improvements, missing and new cases, times, and what is unchanged.
-#[must_use]
-pub fn comparison_markdown(of: &Comparison) -> String {
-    let [base, new] = &of.sides;
-    let mut page = format!(
-        "## Compared: `{}` against `{}`\n\n- {} figures of {} cases compared exactly\n",
-        new.path,
-        base.path,
-        of.exact.figures,
-        of.exact.compared.len()
-    );
-    for sentence in of.sentences() {
-        let _ = writeln!(page, "- {sentence}");
-    }
-    let figures = |severity| finding_rows(of.findings(severity, false));
-    let status = |severity| finding_rows(of.findings(severity, true));
-    section(&mut page, "Regressions", &figures(Severity::Worse));
-    section(&mut page, "Improvements", &figures(Severity::Better));
-    section(
-        &mut page,
-        "Gone or no longer right",
-        &status(Severity::Worse),
-    );
-    section(&mut page, "New or not comparable", &status(Severity::Note));
-    let unknown = [figures(Severity::Unknown), status(Severity::Unknown)].concat();
-    section(&mut page, "Inconclusive", &unknown);
-    section(&mut page, "Notes", &figures(Severity::Note));
-    section(
-        &mut page,
-        "Slower, as advice",
-        &time_rows(of, TimeStanding::Slower),
-    );
-    section(
-        &mut page,
-        "Faster, as advice",
-        &time_rows(of, TimeStanding::Faster),
-    );
-    section(
-        &mut page,
-        "Times inconclusive",
-        &time_rows(of, TimeStanding::Inconclusive),
-    );
-    let _ = writeln!(page, "\nUnchanged: {} cases.", of.unchanged().len());
-    page
-}
 
 fn csv_text(header: &[&str], rows: Vec<Vec<String>>) -> Result<String, HistoryError> {
     let encoded = || -> Result<Vec<u8>, csv::Error> {
@@ -166,51 +69,6 @@ pub fn comparison_csv(of: &Comparison) -> Result<String, HistoryError> {
         "case", "metric", "standing", "base", "new", "ratio", "low", "high", "words",
     ];
     csv_text(&header, rows)
-}
-
-/// Cases by device as Markdown.
-#[must_use]
-pub fn device_markdown(of: &DeviceTable) -> String {
-    let mut page = format!(
-        "## Time ÷ {} of the same scene and view, by device\n\n",
-        of.control
-    );
-    for device in &of.devices {
-        let runs: Vec<&str> = device.runs.iter().map(|(path, _)| path.as_str()).collect();
-        let _ = writeln!(
-            page,
-            "- {} ({}): {}",
-            device.name,
-            device.clock,
-            runs.join(", ")
-        );
-    }
-    let names: Vec<String> = of.devices.iter().map(|device| cell(&device.name)).collect();
-    let _ = writeln!(
-        page,
-        "\n| case | {} |\n|---|{}",
-        names.join(" | "),
-        "---|".repeat(names.len())
-    );
-    for row in of.rows.iter().take(10 * MAX_ROWS) {
-        let cells = row.cells.iter().map(|of| match of {
-            DeviceCell::Ratio {
-                ratio, interval, ..
-            } => {
-                let interval = interval.map_or(String::new(), |[low, high]| {
-                    format!(" [{}, {}]", significant(low), significant(high))
-                });
-                format!("{}{interval}", significant(*ratio))
-            }
-            DeviceCell::None { outcome, .. } if ["", "ok"].contains(&outcome.as_str()) => {
-                "–".to_owned()
-            }
-            DeviceCell::None { outcome, .. } => outcome.clone(),
-        });
-        let cells: Vec<String> = cells.collect();
-        let _ = writeln!(page, "| `{}` | {} |", row.case, cells.join(" | "));
-    }
-    page
 }
 
 /// Cases by device as CSV, a row for each case and device.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `summary.md`: the verdict, the findings and the main tables, for a merge request or a terminal.
 
-use terrafill_results::{Block, Cell, CellClass, Finding, Table};
+use terrafill_results::{Block, escaped, markdown_finding, markdown_list, markdown_table};
 
 /// Starts the text with the verdict.
 pub(crate) fn head(sentences: &[String], facts: &[(&str, String)]) -> String {
@@ -21,10 +21,7 @@ pub(crate) fn names(text: &mut String, heading: &str, names: &[String]) {
     if names.is_empty() {
         return;
     }
-    text.push_str(&format!("\n## {heading}\n\n"));
-    for name in names {
-        text.push_str(&format!("- {}\n", escaped(name)));
-    }
+    text.push_str(&format!("\n## {heading}\n\n{}", markdown_list(names)));
 }
 
 /// Adds a chapter's findings and main tables, each under the last heading before it.
@@ -38,8 +35,8 @@ pub(crate) fn chapter(text: &mut String, title: &str, blocks: &[Block]) {
                 heading = Some(text);
                 continue;
             }
-            Block::Finding(finding) => line(finding),
-            Block::Table(main) if main.is_main => table(main),
+            Block::Finding(finding) => markdown_finding(finding),
+            Block::Table(main) if main.is_main => format!("\n{}", markdown_table(main)),
             _ => continue,
         };
         if let Some(heading) = heading.take() {
@@ -58,61 +55,10 @@ pub(crate) fn chapter(text: &mut String, title: &str, blocks: &[Block]) {
     }
 }
 
-fn line(finding: &Finding) -> String {
-    let because = match finding.because.as_str() {
-        "" => String::new(),
-        because => format!(" {}:", escaped(because)),
-    };
-    let claim = escaped(&finding.claim);
-    format!("- {claim}{because} **{}**\n", finding.standing.name())
-}
-
-fn table(table: &Table) -> String {
-    let mut text = String::from("\n");
-    if !table.caption.is_empty() {
-        text.push_str(&format!("{}\n\n", escaped(&table.caption)));
-    }
-    let row = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
-    text.push_str(&row(table
-        .headings
-        .iter()
-        .map(|h| escaped(&h.text))
-        .collect()));
-    text.push_str(&row(vec!["---".to_owned(); table.headings.len()]));
-    for line in &table.rows {
-        text.push_str(&row(line.cells.iter().map(cell).collect()));
-    }
-    text
-}
-
-fn cell(cell: &Cell) -> String {
-    match (cell.class, cell.mark.as_str()) {
-        (CellClass::Void, _) => format!("~~{}~~", escaped(&cell.text)),
-        (_, "") => escaped(&cell.text),
-        (_, mark) => format!("{} ({})", escaped(&cell.text), escaped(mark)),
-    }
-}
-
-/// Text that cannot end a cell or become markup.
-fn escaped(text: &str) -> String {
-    let mut escaped = String::new();
-    for c in text.chars() {
-        match c {
-            '\n' | '\r' => escaped.push(' '),
-            '|' | '<' | '>' | '*' | '`' | '[' | ']' | '\\' | '~' | '#' => {
-                escaped.push('\\');
-                escaped.push(c);
-            }
-            _ => escaped.push(c),
-        }
-    }
-    escaped
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_results::{Heading, Row, Standing};
+    use terrafill_results::{Cell, Finding, Heading, Row, Standing, Table};
 
     #[test]
     fn main_tables_and_findings_are_repeated_and_others_are_not() {

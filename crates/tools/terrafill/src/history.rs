@@ -12,12 +12,11 @@ use std::path::Path;
 use terrafill_gate::{Rules, shipped_limits};
 use terrafill_history::{
     Added, Bisection, Change, ChangeKind, HistoryError, Overview, Record, Repository, Series,
-    Store, Trends, by_device, change_line, changes, clean, comparison_csv, comparison_markdown,
-    comparison_page, device_csv, device_markdown, device_page, export, history_page, read_tables,
-    runs_in_words, trend_lines,
+    Store, Trends, by_device, change_line, changes, clean, comparison_csv, comparison_page,
+    device_csv, device_page, export, history_page, read_tables, runs_in_words, trend_lines,
 };
 use terrafill_report::write_page;
-use terrafill_results::{Block, MetricRow, Run};
+use terrafill_results::{Block, MetricRow, Run, markdown};
 
 /// Runs that `list` prints without `--json`: the newest of about a screen.
 const MAX_LISTED: usize = 30;
@@ -294,13 +293,13 @@ pub(crate) fn compare(arguments: &CompareArguments) -> Result<Outcome, Failure> 
         blessings: &[],
     };
     let compared = terrafill_history::compare(&base, &new, &rules, &primary)?;
-    let written = arguments.html.as_deref();
-    let written = written.map(|to| page(to, "Two runs compared", &comparison_page(&compared)));
+    let (title, blocks) = ("Two runs compared", comparison_page(&compared));
+    let written = arguments.html.as_deref().map(|to| page(to, title, &blocks));
     let written = written.transpose()?.unwrap_or_default();
     match (arguments.json, arguments.csv) {
         (true, _) => print_json(&compared)?,
         (_, true) => print(comparison_csv(&compared)?)?,
-        _ => print(comparison_markdown(&compared) + &written)?,
+        _ => print(format!("## {title}\n\n{}{written}", markdown(&blocks)))?,
     }
     Ok(Outcome::from_code(compared.exact.exit_code))
 }
@@ -317,13 +316,13 @@ fn compare_devices(arguments: &CompareArguments) -> Result<Outcome, Failure> {
         complain("no run has a time");
         return Ok(Outcome::NothingMeasured);
     }
-    let written = arguments.html.as_deref();
-    let written = written.map(|to| page(to, "Cases by device", &device_page(&table)));
+    let (title, blocks) = ("Cases by device", device_page(&table));
+    let written = arguments.html.as_deref().map(|to| page(to, title, &blocks));
     let written = written.transpose()?.unwrap_or_default();
     match (arguments.json, arguments.csv) {
         (true, _) => print_json(&table)?,
         (_, true) => print(device_csv(&table)?)?,
-        _ => print(device_markdown(&table) + &written)?,
+        _ => print(format!("## {title}\n\n{}{written}", markdown(&blocks)))?,
     }
     Ok(Outcome::Done)
 }
