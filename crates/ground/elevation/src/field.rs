@@ -109,12 +109,6 @@ impl Grid {
         (all - self.projection.turn()).abs() < RIM * self.step[0]
     }
 
-    /// Edges of the samples' cells, as libraries of rasters state the bounds of either registration.
-    #[must_use]
-    pub fn cell_bounds(&self) -> Bounds {
-        self.bounds_beyond(0.5)
-    }
-
     fn bounds_beyond(&self, samples: f64) -> Bounds {
         let last = [self.columns, self.rows].map(|count| f64::from(count) - 1.0 + samples);
         Bounds {

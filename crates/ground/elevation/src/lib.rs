@@ -21,5 +21,5 @@ pub use elevation::{Base, Elevation};
 pub use error::ElevationError;
 pub use field::{Bounds, Grid, HeightField, MAX_HEIGHT_M, MAX_SAMPLES, Projection, Registration};
 pub use pyramid::Heights;
-pub use readers::{TileAddress, TileEncoding, read, read_tile};
+pub use readers::read;
 pub use relief::Relief;

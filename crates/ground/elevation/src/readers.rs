@@ -8,7 +8,6 @@ mod tile;
 
 use crate::error::Complaints;
 use crate::{ElevationError, HeightField};
-pub use tile::{TileAddress, TileEncoding};
 
 /// Reads a file of heights. The end of its name says which format it has:
 ///
@@ -47,19 +46,4 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<HeightField, ElevationError> {
             ".tif, .tiff, .hgt, .hgt.zip, .dt0, .dt1, .dt2 or .png; USGS ASCII DEM is not read";
         Err(complaints.value("end of the name", format!("{plain:?}"), allowed))
     }
-}
-
-/// Reads a map tile whose address and encoding are known otherwise.
-///
-/// - `name`: for messages
-///
-/// # Errors
-/// [`ElevationError`].
-pub fn read_tile(
-    name: &str,
-    bytes: &[u8],
-    encoding: TileEncoding,
-    address: TileAddress,
-) -> Result<HeightField, ElevationError> {
-    tile::read(Complaints { file: name }, bytes, encoding, address)
 }

@@ -3,7 +3,7 @@
 
 use crate::ExactGeodetic;
 use glam::DVec3;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, TAU};
 use terrafill_core::{Ellipsoid, Geodetic};
 
 /// Geodetic bounds, radians. The longitude is unwrapped: `east_rad` may lie beyond π.
@@ -355,14 +355,6 @@ impl MapRegion {
     #[must_use]
     pub fn touches_pole(&self) -> bool {
         self.extent.north_rad.max(-self.extent.south_rad) >= FRAC_PI_2 - 1e-12
-    }
-
-    /// Largest difference of a longitude of the extent from the anchor's, radians.
-    #[must_use]
-    pub fn half_width_rad(&self) -> f64 {
-        let west = self.anchor_longitude_rad - self.extent.west_rad;
-        let east = self.extent.east_rad - self.anchor_longitude_rad;
-        west.abs().max(east.abs()).min(PI)
     }
 
     /// Radius of the parallel and of the meridian's curvature on the surface, metres.

@@ -260,8 +260,8 @@ impl PlacingPlan {
 mod tests {
     use super::*;
     use crate::layout::SceneGeometry;
-    use crate::layout::tests::disc;
     use std::mem::{offset_of, size_of};
+    use terrafill_fixtures::by_hand::disc;
     use terrafill_shaders::struct_layout;
 
     fn plan(meshes: &[RegionMesh]) -> ExpansionPlan {

@@ -162,35 +162,16 @@ impl SceneGeometry {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_fixtures::by_hand::{circle_deg, mesh};
-
-    /// A fan of `count` boundary vertices around one interior vertex.
-    fn disc(count: u32) -> RegionMesh {
-        let mut vertices_deg = circle_deg(count, 1.0);
-        vertices_deg.push([10.0, 50.0]);
-        let fan = (0..count).map(|i| [i, (i + 1) % count, count]).collect();
-        mesh(vertices_deg, fan, vec![(0..count).collect()])
-    }
+    use terrafill_fixtures::{by_hand::disc, check_held_layouts};
 
     #[test]
     fn what_a_view_before_held_is_not_laid_out_again_and_lies_as_if_it_were() {
-        let all = RegionSet::from(vec![disc(5), disc(65_536), disc(7), disc(4)]);
-        let mut laid_out = LaidOut::default();
-        for held in [&[0, 2, 3][..], &[0, 1, 3], &[1], &[0, 1, 2, 3]] {
-            let some = all.with_geometry_of(|mesh| held.contains(&mesh));
-            let kept = SceneGeometry::of_held(&some, false, &mut laid_out);
-            assert!(kept == SceneGeometry::in_parts(&some, false), "{held:?}");
-            assert_eq!(kept.regions.len(), 4);
-        }
-        // Twin: a part that is laid out wrong stands as it is, until it is asked for otherwise.
-        let two = all.with_geometry_of(|mesh| mesh == 1 || mesh == 2);
-        let mut wrong = LaidOut::default();
-        wrong.keep(&two, |_| true);
-        wrong.part(1, false, || SceneGeometry::build(&[disc(9)]));
-        let kept = SceneGeometry::of_held(&two, false, &mut wrong);
-        assert!(kept != SceneGeometry::in_parts(&two, false));
-        let kept = SceneGeometry::of_held(&two, true, &mut wrong);
-        assert!(kept == SceneGeometry::in_parts(&two, true));
+        check_held_layouts(
+            [5, 65_536, 7, 4].map(disc).to_vec(),
+            |meshes, by_part| SceneGeometry::in_parts(meshes, by_part),
+            SceneGeometry::of_held,
+            SceneGeometry::build(&[disc(9)]),
+        );
     }
 
     #[test]

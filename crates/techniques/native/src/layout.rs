@@ -450,6 +450,7 @@ pub(crate) mod tests {
     use super::*;
     use std::collections::BTreeSet;
     use terrafill_fixtures::by_hand::{circle_deg, mesh};
+    use terrafill_fixtures::check_held_layouts;
     use terrafill_scene::Scene;
 
     fn built(technique: Extrusion, indices: Indices, meshes: &[RegionMesh]) -> SceneGeometry {
@@ -509,29 +510,15 @@ pub(crate) mod tests {
 
     #[test]
     fn what_a_view_before_held_is_not_laid_out_again_and_lies_as_if_it_were() {
-        let all = RegionSet::from([5, 40_000, 7, 4].map(annulus).to_vec());
         let variant = NativeVariant::default();
-        let mut laid_out = LaidOut::default();
-        for held in [&[0, 2, 3][..], &[0, 1, 3], &[1], &[0, 1, 2, 3]] {
-            let some = all.with_geometry_of(|mesh| held.contains(&mesh));
-            let kept = SceneGeometry::of_held(&variant, &some, |_| true, &mut laid_out);
-            assert!(
-                kept == SceneGeometry::build(&variant, &some, |_| true),
-                "{held:?}"
-            );
-            assert_eq!(kept.regions.len(), 4);
-        }
-        // Twin: a part that is laid out wrong stands as it is, until it is asked for otherwise.
-        let two = all.with_geometry_of(|mesh| mesh == 1 || mesh == 2);
-        let mut wrong = LaidOut::default();
-        wrong.keep(&two, |_| true);
-        wrong.part(1, true, || {
-            SceneGeometry::build(&variant, &[annulus(9)], |_| true)
-        });
-        let kept = SceneGeometry::of_held(&variant, &two, |_| true, &mut wrong);
-        assert!(kept != SceneGeometry::build(&variant, &two, |_| true));
-        let kept = SceneGeometry::of_held(&variant, &two, |_| false, &mut wrong);
-        assert!(kept == SceneGeometry::build(&variant, &two, |_| false));
+        check_held_layouts(
+            [5, 40_000, 7, 4].map(annulus).to_vec(),
+            |meshes, has_bottom| SceneGeometry::build(&variant, meshes, |_| has_bottom),
+            |meshes, has_bottom, laid_out| {
+                SceneGeometry::of_held(&variant, meshes, |_| has_bottom, laid_out)
+            },
+            SceneGeometry::build(&variant, &[annulus(9)], |_| true),
+        );
     }
 
     #[test]

@@ -261,17 +261,11 @@ impl Overlay for FlatMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_fixtures::by_hand::{circle_deg, mesh};
+    use terrafill_fixtures::by_hand::disc;
 
     #[test]
     fn a_vertex_more_is_twelve_bytes_and_a_triangle() {
-        let disc = |count: u32| {
-            let mut vertices_deg = circle_deg(count, 1.0);
-            vertices_deg.push([10.0, 50.0]);
-            let fan = (0..count).map(|i| [i, (i + 1) % count, count]).collect();
-            flat_bytes(&mesh(vertices_deg, fan, vec![(0..count).collect()]))
-        };
-        let (five, six, many) = (disc(5), disc(6), disc(65_536));
+        let [five, six, many] = [5, 6, 65_536].map(|count| flat_bytes(&disc(count)));
         assert_eq!((five.vertex_bytes, five.index_bytes), (72, 30));
         assert_eq!(six.vertex_bytes - five.vertex_bytes, 12);
         assert_eq!(six.index_bytes - five.index_bytes, 6);

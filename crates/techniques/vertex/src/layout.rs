@@ -83,26 +83,6 @@ pub fn shared_flag_bytes(layout: Layout, meshes: &[impl Borrow<RegionMesh>]) -> 
     (2 * FLAG_BYTES * largest.unwrap_or(0)) as u64
 }
 
-/// Bytes of a mesh whose vertices are shared by all its triangles: what a geometry shader reads.
-/// Cozzi (2007): California with 1,056 vertices of 24 bytes and 3,321 16-bit indices, 31,986 bytes.
-#[must_use]
-pub fn shared_mesh_bytes(vertices: u64, vertex_size: u64, indices: u64, index_size: u64) -> u64 {
-    vertices * vertex_size + indices * index_size
-}
-
-/// Bytes of one closed volume per triangle over doubled vertices. Per triangle 18 indices: two caps
-/// of 3 and three walls of 4. Cozzi (2007): the same California, 90,540 bytes; with the 24 indices that its text gives
-/// a volume it is 103,824.
-#[must_use]
-pub fn per_triangle_volume_bytes(
-    vertices: u64,
-    vertex_size: u64,
-    triangles: u64,
-    index_size: u64,
-) -> u64 {
-    2 * vertices * vertex_size + triangles * (2 * 3 + 3 * 4) * index_size
-}
-
 /// Where one region lies in the scene's buffers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RegionSlice {
@@ -590,15 +570,7 @@ fn bits(value: Vec3) -> IVec3 {
 mod tests {
     use super::*;
     use crate::{VertexSize, Walls};
-    use terrafill_fixtures::by_hand::{circle_deg, mesh};
-
-    /// A fan of `count` boundary vertices around one interior vertex.
-    fn disc(count: u32) -> RegionMesh {
-        let mut vertices_deg = circle_deg(count, 1.0);
-        vertices_deg.push([10.0, 50.0]);
-        let fan = (0..count).map(|i| [i, (i + 1) % count, count]).collect();
-        mesh(vertices_deg, fan, vec![(0..count).collect()])
-    }
+    use terrafill_fixtures::by_hand::disc;
 
     #[test]
     fn what_a_view_before_held_is_not_laid_out_again_and_lies_as_if_it_were() {
@@ -784,6 +756,24 @@ mod tests {
                 assert_eq!(short.count() + long.count(), expected, "{variant:?}");
             }
         }
+    }
+
+    /// Bytes of a mesh whose vertices are shared by all its triangles: what a geometry shader reads.
+    /// Cozzi (2007): California with 1,056 vertices of 24 bytes and 3,321 16-bit indices, 31,986 bytes.
+    fn shared_mesh_bytes(vertices: u64, vertex_size: u64, indices: u64, index_size: u64) -> u64 {
+        vertices * vertex_size + indices * index_size
+    }
+
+    /// Bytes of one closed volume per triangle over doubled vertices. Per triangle 18 indices: two caps
+    /// of 3 and three walls of 4. Cozzi (2007): the same California, 90,540 bytes; with the 24 indices that its text gives
+    /// a volume it is 103,824.
+    fn per_triangle_volume_bytes(
+        vertices: u64,
+        vertex_size: u64,
+        triangles: u64,
+        index_size: u64,
+    ) -> u64 {
+        2 * vertices * vertex_size + triangles * (2 * 3 + 3 * 4) * index_size
     }
 
     #[test]

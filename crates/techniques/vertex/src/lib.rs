@@ -19,10 +19,7 @@ mod variant;
 mod volume_invariants;
 
 pub use cache_order::{CACHE_SIZE, acmr, cache_ordered};
-pub use layout::{
-    FLAG_BYTES, centric_shift_m, layout_bytes, per_triangle_volume_bytes, shared_flag_bytes,
-    shared_mesh_bytes, variant_bytes,
-};
+pub use layout::{FLAG_BYTES, centric_shift_m, layout_bytes, shared_flag_bytes, variant_bytes};
 pub use pass::{VertexBackend, VertexVolumes};
 pub use technique::VertexTechnique;
 pub use variant::{

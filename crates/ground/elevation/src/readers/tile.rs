@@ -20,7 +20,7 @@ const HALF_TURN_M: f64 = PI * 6_378_137.0;
 
 /// What colours mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TileEncoding {
+enum TileEncoding {
     /// Tenths of metres above −10,000 m.
     TerrainRgb,
     /// 256ths of metres above −32,768 m.
@@ -29,8 +29,7 @@ pub enum TileEncoding {
 
 impl TileEncoding {
     /// As in names of files.
-    #[must_use]
-    pub fn name(self) -> &'static str {
+    fn name(self) -> &'static str {
         match self {
             Self::TerrainRgb => "terrain-rgb",
             Self::Terrarium => "terrarium",
@@ -51,18 +50,6 @@ impl TileEncoding {
     }
 }
 
-/// Which tile of the world: at level 0 there is one, each level has twice as many a side; rows from
-/// the north.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct TileAddress {
-    /// Level.
-    pub z: u32,
-    /// Column from 180° west.
-    pub x: u32,
-    /// Row from the north.
-    pub y: u32,
-}
-
 pub(super) fn read_named(
     complaints: Complaints<'_>,
     plain: &str,
@@ -77,9 +64,7 @@ pub(super) fn read_named(
     let numbers = from.map_or(stem, |at| stem.get(at + 1..).unwrap_or(""));
     let parts: Option<Vec<u32>> = numbers.split('-').map(|part| part.parse().ok()).collect();
     match (named, parts.as_deref()) {
-        (Some(encoding), Some(&[z, x, y])) => {
-            read(complaints, bytes, encoding, TileAddress { z, x, y })
-        }
+        (Some(encoding), Some(&[z, x, y])) => read(complaints, bytes, encoding, [z, x, y]),
         _ => Err(complaints.value(
             "name",
             format!("{plain:?}"),
@@ -88,13 +73,14 @@ pub(super) fn read_named(
     }
 }
 
-pub(super) fn read(
+/// - level, column from 180° west, row from the north: at level 0 there is one tile, each level has twice as many a
+///   side
+fn read(
     complaints: Complaints<'_>,
     bytes: &[u8],
     encoding: TileEncoding,
-    address: TileAddress,
+    [z, x, y]: [u32; 3],
 ) -> Result<HeightField, ElevationError> {
-    let TileAddress { z, x, y } = address;
     if z > MAX_LEVEL || x >> z > 0 || y >> z > 0 {
         let found = format!("{z}-{x}-{y}");
         let allowed = format!("z up to {MAX_LEVEL}, x and y below 2 to the z");
