@@ -5,6 +5,7 @@
 //! is refused. Edges of tests count as well, since a technique whose tests need another technique
 //! cannot be taken out.
 
+use crate::source::sources;
 use anyhow::{Context as _, Result, bail};
 use serde::Deserialize;
 use std::collections::BTreeSet;
@@ -98,16 +99,19 @@ struct Metadata {
 }
 
 #[derive(Deserialize)]
-struct Package {
-    name: String,
-    manifest_path: String,
-    dependencies: Vec<Dependency>,
+pub(crate) struct Package {
+    pub(crate) name: String,
+    pub(crate) manifest_path: String,
+    pub(crate) dependencies: Vec<Dependency>,
 }
 
 #[derive(Deserialize)]
-struct Dependency {
-    name: String,
-    kind: Option<String>,
+pub(crate) struct Dependency {
+    pub(crate) name: String,
+    /// What the code calls it, where that is another name.
+    pub(crate) rename: Option<String>,
+    /// `dev` or `build`; `None` for an ordinary one.
+    pub(crate) kind: Option<String>,
     path: Option<String>,
 }
 
@@ -138,11 +142,16 @@ pub(crate) struct Edge {
     kind: Option<String>,
 }
 
-/// Edges between crates of the workspace, sorted.
-pub(crate) fn edges(metadata: &str) -> Result<Vec<Edge>> {
+/// What `cargo metadata` says of the workspace's packages.
+pub(crate) fn packages_of(metadata: &str) -> Result<Vec<Package>> {
     let metadata: Metadata = serde_json::from_str(metadata).context("cargo metadata")?;
+    Ok(metadata.packages)
+}
+
+/// Edges between crates of the workspace, sorted.
+pub(crate) fn edges(packages: &[Package]) -> Vec<Edge> {
     let mut edges = BTreeSet::new();
-    for package in &metadata.packages {
+    for package in packages {
         let manifest = Path::new(&package.manifest_path);
         let from = Crate::new(&package.name, manifest.parent().unwrap_or(manifest));
         for dependency in &package.dependencies {
@@ -155,7 +164,7 @@ pub(crate) fn edges(metadata: &str) -> Result<Vec<Edge>> {
             }
         }
     }
-    Ok(edges.into_iter().collect())
+    edges.into_iter().collect()
 }
 
 /// What `name` has in a list; nothing where it has no line.
@@ -219,27 +228,49 @@ pub(crate) fn check(edges: &[Edge]) -> Result<String> {
     bail!("forbidden dependencies:\n  {}", forbidden.join("\n  "));
 }
 
+/// Refuses a configuration of nextest whose group of tests for devices leaves out a crate that opens one.
+///
+/// Such a crate depends on one in `crates/devices`, itself or by others, so the group is to name these by
+/// what depends on them.
+pub(crate) fn check_test_group(config: &str, packages: &[Package]) -> Result<String> {
+    let folders = packages.iter().map(|package| {
+        let manifest = Path::new(&package.manifest_path);
+        let of = Crate::new(&package.name, manifest.parent().unwrap_or(manifest));
+        (&package.name, of.layer)
+    });
+    let devices: Vec<&String> = folders
+        .filter(|(_, layer)| layer == "devices")
+        .map(|(name, _)| name)
+        .collect();
+    if devices.is_empty() {
+        bail!("no crate stands in crates/devices: the workspace was not read");
+    }
+    let overrides = config.split("[[").skip(1);
+    let mut group = overrides.filter(|text| text.contains("\ntest-group = \"gpu\""));
+    let filter = group.next().context("nextest's group gpu has no tests")?;
+    for name in &devices {
+        if !filter.contains(&format!("rdeps({name})")) {
+            bail!("nextest's group gpu leaves out what depends on {name}: expected rdeps({name})");
+        }
+    }
+    Ok(format!(
+        "nextest's group holds what depends on {} crates of devices",
+        devices.len()
+    ))
+}
+
 /// Refuses a reference that takes anything but bodies and rings from core, or reads a scene's meshes.
 ///
 /// The reference judges what the mesher and its users produce; were it to share their code, a
 /// mistake in it would be right by definition.
 pub(crate) fn check_reference(folder: &Path) -> Result<String> {
     let mut names = BTreeSet::new();
-    let mut folders = vec![folder.to_path_buf()];
-    while let Some(next) = folders.pop() {
-        for entry in std::fs::read_dir(&next).with_context(|| next.display().to_string())? {
-            let path = entry?.path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "rs") {
-                let text =
-                    std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-                if text.contains(".meshes") {
-                    bail!("{}: the reference reads a scene's meshes", path.display());
-                }
-                names.extend(imports_from_core(&text));
-            }
+    for path in sources(folder)? {
+        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        if text.contains(".meshes") {
+            bail!("{}: the reference reads a scene's meshes", path.display());
         }
+        names.extend(imports_from_core(&text));
     }
     let allowed = |name: &&String| REFERENCE_MAY_IMPORT.contains(&name.as_str());
     let wrong: Vec<String> = names
@@ -360,7 +391,7 @@ mod tests {
     #[test]
     fn a_workspace_without_edges_was_not_read() {
         assert!(check(&[]).is_err());
-        assert!(edges("{}").is_err());
+        assert!(packages_of("{}").is_err());
     }
 
     #[test]
@@ -370,7 +401,7 @@ mod tests {
             {"name":"glam","kind":null},
             {"name":"terrafill-scene","kind":null,"path":"/x/crates/contract/scene"},
             {"name":"terrafill-gpu","kind":"dev","path":"/x/crates/devices/gpu"}]}]}"#;
-        let edges = edges(metadata).expect("valid");
+        let edges = edges(&packages_of(metadata).expect("valid"));
         let expected = [
             edge(FILL, GPU, Some("dev")),
             edge(FILL, ("contract", "scene"), None),
@@ -378,6 +409,36 @@ mod tests {
         assert_eq!(edges, expected);
         let error = check(&edges).expect_err("an edge of tests is an edge");
         assert!(error.to_string().contains("fill -> gpu"), "{error}");
+    }
+
+    #[test]
+    fn a_group_of_tests_that_leaves_out_a_device_is_refused() {
+        let package = |name: &str| {
+            format!(
+                r#"{{"name":"terrafill-{name}","manifest_path":"/x/crates/devices/{name}/Cargo.toml","dependencies":[]}}"#
+            )
+        };
+        let metadata = format!(
+            r#"{{"packages":[{},{}]}}"#,
+            package("gpu"),
+            package("vulkan")
+        );
+        let packages = packages_of(&metadata).expect("valid");
+        let config = |filter: &str| {
+            format!("[[profile.default.overrides]]\nfilter = \"{filter}\"\ntest-group = \"gpu\"\n")
+        };
+        let both = config("rdeps(terrafill-gpu) | rdeps(terrafill-vulkan)");
+        assert!(check_test_group(&both, &packages).is_ok());
+        for filter in [
+            "rdeps(terrafill-gpu)",
+            "rdeps(terrafill-gpu) | package(terrafill-vulkan)",
+        ] {
+            let error = check_test_group(&config(filter), &packages).expect_err(filter);
+            assert!(error.to_string().contains("terrafill-vulkan"), "{error}");
+        }
+        let other = both.replace("\"gpu\"", "\"other\"");
+        assert!(check_test_group(&other, &packages).is_err());
+        assert!(check_test_group(&both, &[]).is_err());
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod dependencies;
 mod geometry;
 mod keys;
 mod lines;
+mod manifests;
 mod mutations;
 mod pictures;
 mod shaders;
@@ -23,7 +24,7 @@ use std::process::{Command, ExitCode};
 const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
-  check-deps                   no crate depends on one that the architecture forbids
+  check-deps                   no crate depends on one that is forbidden or that it does not use
   check-cycles                 no two files of a crate import from each other
   check-data-tests             tests that read data say so, and none passes because data is missing
   check-keys                   studies read conditions and metrics by constants, not by names in quotes
@@ -71,9 +72,14 @@ fn main() -> ExitCode {
 }
 
 fn check_deps() -> Result<String> {
-    let edges = dependencies::edges(&metadata()?)?;
+    let packages = dependencies::packages_of(&metadata()?)?;
+    let edges = dependencies::check(&dependencies::edges(&packages))?;
     let imports = dependencies::check_reference(&root().join("crates/judges/reference/src"))?;
-    Ok(format!("{}; {imports}", dependencies::check(&edges)?))
+    let manifests = manifests::check(&root(), &packages)?;
+    let config = root().join(".config/nextest.toml");
+    let config = std::fs::read_to_string(&config).with_context(|| config.display().to_string())?;
+    let group = dependencies::check_test_group(&config, &packages)?;
+    Ok(format!("{edges}; {imports}; {manifests}; {group}"))
 }
 
 /// The repository: xtask lies in a folder of it.

@@ -50,6 +50,25 @@ pub(crate) fn packages(root: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
+/// Every Rust file below `folder`, build outputs and packages within it left out.
+pub(crate) fn sources(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(&next).with_context(|| next.display().to_string())? {
+            let path = entry?.path();
+            let is_other = path.join("Cargo.toml").is_file() || path.ends_with("target");
+            if path.is_dir() && !is_other {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
 /// The crates of the repository.
 pub(crate) fn crates(root: &Path) -> Result<Vec<Crate>> {
     let mut all = Vec::new();
