@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Where figures of a case come from, and what names it.
 
-use crate::cases::measured;
-use terrafill_results::{Case, Cell, Clock, ConditionKey, Heading, Metric};
+use crate::cases::{Cases, measured};
+use terrafill_results::{Case, Cell, Clock, ConditionKey, Estimate, Heading, Metric};
 
 /// Where a figure comes from.
 #[derive(Debug, Clone, Copy)]
@@ -17,6 +17,8 @@ pub enum Figure {
     Computed(fn(&Case) -> Option<f64>),
     /// No figure but words.
     Words(fn(&Case) -> Option<String>),
+    /// How many times as much as another case of its section it takes.
+    Beside(fn(&Cases<'_>, &Case) -> Option<Estimate>),
 }
 
 impl Figure {
@@ -26,7 +28,7 @@ impl Figure {
         match self {
             Self::Metric(metric) => Some(metric),
             Self::ByClock(gpu, cpu) => Some(clock.pick(gpu, cpu)),
-            Self::Condition(_) | Self::Computed(_) | Self::Words(_) => None,
+            Self::Condition(_) | Self::Computed(_) | Self::Words(_) | Self::Beside(_) => None,
         }
     }
 
@@ -37,7 +39,7 @@ impl Figure {
             Self::Metric(_) | Self::ByClock(..) => measured(case, self.metric(clock)?),
             Self::Condition(key) => case.condition(key).parse().ok(),
             Self::Computed(of) => of(case),
-            Self::Words(_) => None,
+            Self::Words(_) | Self::Beside(_) => None,
         }
     }
 }

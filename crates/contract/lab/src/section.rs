@@ -5,10 +5,10 @@ use crate::cases::Cases;
 use crate::curves::Drawing;
 use crate::figure::{Figure, Names};
 use terrafill_plot::dotted;
-use terrafill_plot::number::{count, measured_bytes, significant};
+use terrafill_plot::number::{count, measured_bytes, significant, times};
 use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, ConditionKey, Finding, Heading, Kind,
-    Metric, Outcome, Picture, PictureFigure, Pictures, Row, Run, Table,
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, ConditionKey, Estimate, Finding,
+    Heading, Kind, Metric, Outcome, Picture, PictureFigure, Pictures, Row, Run, Table,
 };
 
 /// Why a case that ended well has no figure of a column. Others have their own reason.
@@ -25,6 +25,8 @@ pub enum Absent {
 pub struct Column {
     /// Heading.
     pub heading: &'static str,
+    /// What it means where it is no metric; empty for what its heading says.
+    pub meaning: &'static str,
     /// The figure of its cells.
     pub figure: Figure,
     /// Why a cell is empty.
@@ -39,6 +41,7 @@ impl Column {
     pub const fn of(heading: &'static str, figure: Figure) -> Self {
         Self {
             heading,
+            meaning: "",
             figure,
             absent: Absent::Said("not measured"),
             format: None,
@@ -59,6 +62,21 @@ impl Column {
         cpu: &'static Metric,
     ) -> Self {
         Self::of(heading, Figure::ByClock(gpu, cpu))
+    }
+
+    /// Of ratios to another case of the section.
+    #[must_use]
+    pub const fn beside(
+        heading: &'static str,
+        of: fn(&Cases<'_>, &Case) -> Option<Estimate>,
+    ) -> Self {
+        Self::of(heading, Figure::Beside(of))
+    }
+
+    /// With what its heading means.
+    #[must_use]
+    pub const fn meaning(self, meaning: &'static str) -> Self {
+        Self { meaning, ..self }
     }
 
     /// With this reason in empty cells.
@@ -85,17 +103,19 @@ impl Column {
     fn heading(&self, clock: Clock) -> Heading {
         match self.figure.metric(clock) {
             Some(metric) => Heading::metric(self.heading, metric),
-            None => Heading::plain(self.heading),
+            None => Heading::explained(self.heading, self.meaning),
         }
     }
 
     /// A case's cell: its figure with a dot for each process, or the reason why there is none.
     #[must_use]
-    pub fn cell(&self, case: &Case, clock: Clock) -> Cell {
+    pub fn cell(&self, cases: &Cases<'_>, case: &Case) -> Cell {
+        let clock = cases.clock();
         let metric = self.figure.metric(clock);
         let usual = |value| written(metric, value);
         let text = match self.figure {
             Figure::Words(of) => of(case),
+            Figure::Beside(of) => of(cases, case).as_ref().map(times),
             figure => {
                 let value = figure.of(case, clock);
                 value.map(|value| {
@@ -151,8 +171,10 @@ pub type MoreOf = fn(&Cases<'_>) -> Result<Option<Block>, ChapterError>;
 /// A section. What it lacks is taken from [`Section::EMPTY`].
 #[derive(Debug, Clone, Copy)]
 pub struct Section<'a> {
-    /// Heading, and caption of the table.
+    /// Heading.
     pub title: &'a str,
+    /// Caption of the table; empty for the title.
+    pub caption: &'a str,
     /// What is asked and how it is measured, in a few sentences.
     pub text: &'a str,
     /// Which cases it is about; without one it is left out.
@@ -181,6 +203,7 @@ impl Section<'_> {
     /// Nothing.
     pub const EMPTY: Section<'static> = Section {
         title: "",
+        caption: "",
         text: "",
         cases: Select::All,
         named_by: Names::Joined(&[]),
@@ -232,7 +255,11 @@ impl Section<'_> {
                 blocks.extend(drawing.block(&caption, &cases)?);
             }
             if !self.columns.is_empty() {
-                blocks.push(Block::Table(self.table(caption.clone(), &cases)));
+                let caption = match self.caption {
+                    "" => &caption,
+                    own => own,
+                };
+                blocks.push(Block::Table(self.table(caption, &cases)));
             }
             blocks.extend(self.pictures(caption, &cases).map(Block::Pictures));
         }
@@ -248,7 +275,7 @@ impl Section<'_> {
         let clock = cases.clock();
         let row = |case: &Case| {
             let mut cells = self.named_by.cells(case);
-            cells.extend(self.columns.iter().map(|column| column.cell(case, clock)));
+            cells.extend(self.columns.iter().map(|column| column.cell(cases, case)));
             let is_said = case.outcome == Outcome::Wrong && self.shows_what_is_wrong;
             Row {
                 cells,

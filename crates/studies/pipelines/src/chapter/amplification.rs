@@ -2,14 +2,13 @@
 //! Amplification: bytes and time of grids whose cells a geometry shader makes of fewer and fewer points.
 
 use super::kit::{
-    FRAME, WHOLE, beside, compared, counter, frame_time, gain, of_most, ratio_cell, remark, said,
-    with_column,
+    FRAME, WHOLE, beside, compared, counter, frame_time, gain, of_most, remark, said,
 };
 use super::published::AMPLIFICATION;
 use crate::keys::*;
-use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
+use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
-use terrafill_results::{Block, Case, Cell, Claim, Finding, Heading, Table};
+use terrafill_results::{Case, Claim, Finding};
 
 /// What the published table says, and what it does not.
 const WHAT_THEY_CANNOT_SHOW: &str = "The published table counts k × k generated vertices for a point, which is read here as (k/2)² cells of four \
@@ -20,17 +19,11 @@ const WHAT_THEY_CANNOT_SHOW: &str = "The published table counts k × k generated
 
 pub(super) const SECTION: Section<'static> = Section {
     title: "Amplification",
+    caption: "The same triangles by fewer and fewer points",
     text: "The same triangles by fewer and fewer points: bytes and time, by the clock of height grids.",
     cases: Select::With(EXPERIMENT, "amplify"),
     findings: &[|cases| slower(cases, "4"), |cases| slower(cases, "16")],
-    more: &[
-        |cases| Ok(Some(Block::Table(table(cases)))),
-        |_| remark(WHAT_THEY_CANNOT_SHOW),
-    ],
-    ..Section::EMPTY
-};
-
-const ROWS: Section<'static> = Section {
+    more: &[|_| remark(WHAT_THEY_CANNOT_SHOW)],
     named_by: Names::Columns(&[
         ("cells a side", GRID_CELLS),
         ("points", SOURCE),
@@ -40,6 +33,14 @@ const ROWS: Section<'static> = Section {
     columns: &[
         Column::metric("sent a frame", PIPELINE_SENT_BYTES),
         Column::of("time, ms", FRAME),
+        Column::beside("time ÷ that of a cell a point", |cases, case| {
+            let first = beside(cases, case, &[(CELLS_PER_POINT, "1"), (STRIP, "cell")]);
+            gain(Some(case), first, frame_time(cases.clock()))
+        })
+        .meaning("with its 95 % interval"),
+        Column::of("the same, published", Figure::Words(published_of))
+            .meaning("ratio of frames per second, 8800 GTX")
+            .or("not published"),
         Column::metric("vertices given", PIPELINE_EMITTED_VERTICES),
         counter("geometry invocations", PIPELINE_GEOMETRY_INVOCATIONS),
         counter("primitives", PIPELINE_PRIMITIVES),
@@ -138,20 +139,9 @@ fn published(cells: &str, per_point: &str, source: &str) -> Option<f64> {
     Some(fps[0] / fps[column])
 }
 
-fn table(cases: &Cases<'_>) -> Table {
-    let metric = frame_time(cases.clock());
-    let table = ROWS.table("The same triangles by fewer and fewer points", cases);
-    let heading = Heading::explained("time ÷ that of a cell a point", "with its 95 % interval");
-    let table = with_column(table, cases, (6, heading), |case| {
-        let first = beside(cases, case, &[(CELLS_PER_POINT, "1"), (STRIP, "cell")]);
-        ratio_cell(case, gain(Some(case), first, metric))
-    });
-    let heading = "ratio of frames per second, 8800 GTX";
-    let heading = Heading::explained("the same, published", heading);
-    with_column(table, cases, (7, heading), |case| {
-        let [cells, per_point, strip, source] =
-            [GRID_CELLS, CELLS_PER_POINT, STRIP, SOURCE].map(|key| case.condition(key));
-        let known = published(cells, per_point, source).filter(|_| strip == "cell");
-        Cell::or_absent(known.map(significant), "not published")
-    })
+fn published_of(case: &Case) -> Option<String> {
+    let [cells, per_point, strip, source] =
+        [GRID_CELLS, CELLS_PER_POINT, STRIP, SOURCE].map(|key| case.condition(key));
+    let known = published(cells, per_point, source).filter(|_| strip == "cell");
+    known.map(significant)
 }

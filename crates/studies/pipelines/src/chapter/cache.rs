@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What keeps blocks of ground: texels that differ, time to look them up, and to write a block anew.
 
-use super::kit::{
-    TIME, beside, compared, gain, none_of, of_most, ratio_cell, remark, said, time, with_column,
-};
+use super::kit::{TIME, beside, compared, gain, none_of, of_most, remark, said, time};
 use crate::cache::Keep;
 use crate::keys::*;
 use terrafill_lab::{Cases, Column, Names, Section, Select};
 use terrafill_plot::number::significant;
-use terrafill_results::{Block, Case, Claim, Finding, Heading, Scope, Table};
+use terrafill_results::{Case, Claim, Finding, Scope};
 
 /// Fewest blocks from which an array is claimed to win.
 const LEAST_CLAIMED: u32 = 64;
@@ -20,6 +18,7 @@ const WHAT_ROUNDS: &str = "Loading a texel by its number is exact everywhere. Th
 
 pub(super) const SECTION: Section<'static> = Section {
     title: "What keeps blocks of ground",
+    caption: "What keeps blocks of 64 × 64 texels",
     text: "Blocks of 64 × 64 texels of 32-bit floats are kept in the layers of one array texture, as published, or in \
            what else there is. Places are given as a block and a share of it, a quarter of them on a border of texels \
            or blocks or one last place beside it. A frame looks up 262,144 of them by compute, block by block or \
@@ -28,14 +27,6 @@ pub(super) const SECTION: Section<'static> = Section {
            arithmetic of integers finds. No time was published.",
     cases: Select::With(EXPERIMENT, "cache"),
     findings: &[|cases| claim(cases, "wgpu"), |cases| claim(cases, "vulkan")],
-    more: &[
-        |cases| Ok(Some(Block::Table(table(cases)))),
-        |_| remark(WHAT_ROUNDS),
-    ],
-    ..Section::EMPTY
-};
-
-const ROWS: Section<'static> = Section {
     named_by: Names::Columns(&[
         ("blocks", BLOCKS),
         ("interface", API),
@@ -45,12 +36,17 @@ const ROWS: Section<'static> = Section {
     columns: &[
         Column::metric("texels that differ", CACHE_DIFFERING),
         Column::of("time, ms", TIME),
+        Column::beside("time ÷ that of the array", |cases, case| {
+            let array = array_of(cases, case);
+            gain(Some(case), array, time(cases.clock()))
+        }),
         Column::metric("bind groups", CACHE_BINDS),
         Column::metric("held", CACHE_BYTES),
         Column::metric("CPU µs to write a block", CACHE_UPDATE_CPU_US),
         Column::metric("wall µs to write a block", CACHE_UPDATE_WALL_US),
     ],
     is_main: true,
+    more: &[|_| remark(WHAT_ROUNDS)],
     ..Section::EMPTY
 };
 
@@ -104,13 +100,4 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
         ))
     };
     ["wgpu", "vulkan"].into_iter().filter_map(on).collect()
-}
-
-fn table(cases: &Cases<'_>) -> Table {
-    let table = ROWS.table("What keeps blocks of 64 × 64 texels", cases);
-    let heading = Heading::plain("time ÷ that of the array");
-    with_column(table, cases, (6, heading), |case| {
-        let array = array_of(cases, case);
-        ratio_cell(case, gain(Some(case), array, time(cases.clock())))
-    })
 }

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Two-level culling: what each test keeps and loses, what each way costs, and the flight with and without level 2.
 
-use super::kit::{
-    FRAME, WHOLE, beside, compared, counter, frame_time, gain, percent, ratio_cell, remark,
-    with_column,
-};
+use super::kit::{FRAME, WHOLE, beside, compared, counter, frame_time, gain, percent, remark};
 use crate::culling::{Place, VIEWS};
 use crate::keys::*;
 use terrafill_lab::{
     Cases, Column, Drawing, Figure, Follows, Names, Panel, Section, Select, finding,
 };
 use terrafill_plot::number::significant;
-use terrafill_results::{Block, Case, Claim, Estimate, Finding, Heading, Noise, Table};
+use terrafill_results::{Case, Claim, Estimate, Finding, Noise};
 
 /// Patches that a box may keep beyond those needed.
 const EXTRA_SHARE: f64 = 0.02;
@@ -30,6 +27,7 @@ const WHAT_FIGURE_8_CANNOT_SHOW: &str = "The published figure shows frames per s
 
 pub(super) const SECTION: Section<'static> = Section {
     title: "Two-level culling",
+    caption: "Every place and test in the five views",
     text: "Ground of 16 × 16 tiles with relief of ten octaves, cells of 30 m. Level 1: the CPU keeps the tiles whose box \
            meets the view. Level 2: patches of 8 × 8 cells. A patch is needed where one of its cells is not wholly \
            outside of one plane of the view, cell by cell in double precision. The published test labels a point of \
@@ -45,13 +43,11 @@ pub(super) const SECTION: Section<'static> = Section {
         ("test", TEST),
     ]),
     pictures: &[("picture", "")],
-    more: &[|cases| Ok(Some(Block::Table(table(cases))))],
-    ..Section::EMPTY
-};
-
-const ROWS: Section<'static> = Section {
     columns: &[
         Column::of("time, ms", FRAME),
+        Column::beside("time without the test ÷ time", |cases, case| {
+            gain(without(cases, case), Some(case), frame_time(cases.clock()))
+        }),
         Column::metric("patches drawn", CULL_KEPT),
         Column::metric("lost", CULL_LOST),
         counter("vertices shaded", PIPELINE_VERTEX_INVOCATIONS),
@@ -60,7 +56,7 @@ const ROWS: Section<'static> = Section {
         Column::metric("sent a frame", PIPELINE_SENT_BYTES),
         Column::metric("pixels that differ", PIPELINE_DIFFERING_PX),
     ],
-    ..SECTION
+    ..Section::EMPTY
 };
 
 pub(super) const COUNTED: Section<'static> = Section {
@@ -300,15 +296,6 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
         ))
     };
     ["vulkan", "wgpu"].into_iter().filter_map(on).collect()
-}
-
-fn table(cases: &Cases<'_>) -> Table {
-    let table = ROWS.table("Every place and test in the five views", cases);
-    let heading = Heading::plain("time without the test ÷ time");
-    with_column(table, cases, (5, heading), |case| {
-        let metric = frame_time(cases.clock());
-        ratio_cell(case, gain(without(cases, case), Some(case), metric))
-    })
 }
 
 #[cfg(test)]

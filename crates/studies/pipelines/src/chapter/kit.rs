@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Times of the chapter's sections, cases beside others, and columns that need two cases.
+//! Times of the chapter's sections, and cases beside others.
 
 use crate::keys::API;
 use crate::metrics::METRICS;
 use terrafill_lab::{Cases, Column, Comparison, Figure, Follows, finding};
-use terrafill_plot::number::{significant, times};
+use terrafill_plot::number::significant;
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, Clock, ConditionKey, Estimate, Finding, Heading,
-    Metric, Scope, Table, ratio,
+    Block, Case, ChapterError, Claim, Clock, ConditionKey, Estimate, Finding, Metric, Scope, ratio,
 };
 
 const CPU: &Metric = Metric::of(&METRICS, "pipeline_cpu_ms");
@@ -89,29 +88,6 @@ pub(super) fn gain(slow: Option<&Case>, fast: Option<&Case>, metric: &Metric) ->
         fast.filter(|case| case.counts())?,
     );
     ratio(slow, fast, metric)
-}
-
-/// A ratio as a cell.
-pub(super) fn ratio_cell(case: &Case, ratio: Option<Estimate>) -> Cell {
-    let why = match case.reason.as_str() {
-        "" => "not measured",
-        reason => reason,
-    };
-    Cell::or_absent(ratio.as_ref().map(times), why)
-}
-
-/// A table of these cases with a further column.
-pub(super) fn with_column(
-    mut table: Table,
-    cases: &Cases<'_>,
-    (at, heading): (usize, Heading),
-    cell: impl Fn(&Case) -> Cell,
-) -> Table {
-    table.headings.insert(at, heading);
-    for (row, case) in table.rows.iter_mut().zip(cases.iter()) {
-        row.cells.insert(at, cell(case));
-    }
-    table
 }
 
 /// What pairs say of a claim on a time: the first's over the second's.

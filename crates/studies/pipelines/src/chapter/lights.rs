@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Shadows of several lights: depth maps in one pass or in many, with the counters behind their times.
 
-use super::kit::{
-    TIME, beside, compared, counter, gain, none_of, of_most, percent, ratio_cell, remark, said,
-    with_column,
-};
+use super::kit::{TIME, beside, compared, counter, gain, none_of, of_most, percent, remark, said};
 use crate::keys::*;
 use crate::lights::LightWay;
 use crate::metrics::METRICS;
 use terrafill_lab::{Cases, Column, Names, Section, Select};
 use terrafill_plot::number::significant;
-use terrafill_results::{Block, Case, Claim, Clock, Finding, Heading, Metric, Scope, Table};
+use terrafill_results::{Case, Claim, Clock, Finding, Metric, Scope};
 
 const MAPS_CPU: &Metric = Metric::of(&METRICS, "lights_maps_cpu_ms");
 const MAPS_GPU: &Metric = Metric::of(&METRICS, "lights_maps_gpu_ms");
@@ -23,6 +20,7 @@ const WHAT_WAS_PUBLISHED: &str = "Published are \"2 passes\" in words, without n
 
 pub(super) const SECTION: Section<'static> = Section {
     title: "Shadows of several lights",
+    caption: "Depth maps of several lights, by every way on Vulkan",
     text: "Distant lights stand all round the ground. Their depth maps are the layers of one image; the picture's pixels \
            say which lights reach them, by one lookup each: the lighter, the more of them. The published way draws all \
            maps in one pass, in which a geometry shader copies each triangle into every layer; a pass a light is what \
@@ -32,16 +30,13 @@ pub(super) const SECTION: Section<'static> = Section {
     named_by: Names::Columns(&[("lights", LIGHTS), ("layers by", LAYERS_BY)]),
     findings: &[claim],
     pictures: &[("picture", "")],
-    more: &[
-        |cases| Ok(Some(Block::Table(table(cases)))),
-        |_| remark(WHAT_WAS_PUBLISHED),
-    ],
-    ..Section::EMPTY
-};
-
-const ROWS: Section<'static> = Section {
+    more: &[|_| remark(WHAT_WAS_PUBLISHED)],
     columns: &[
         Column::clocked("maps, ms", MAPS_GPU, MAPS_CPU),
+        Column::beside("time ÷ that of passes", |cases, case| {
+            let passes = beside(cases, case, &[(LAYERS_BY, LightWay::Passes.name())]);
+            gain(Some(case), passes, maps(cases.clock()))
+        }),
         Column::of("maps and picture, ms", TIME),
         Column::metric("passes", LIGHTS_PASSES),
         counter("vertices shaded", PIPELINE_VERTEX_INVOCATIONS),
@@ -53,7 +48,7 @@ const ROWS: Section<'static> = Section {
         percent("map's error, %", LIGHTS_MAP_ERROR),
     ],
     is_main: true,
-    ..SECTION
+    ..Section::EMPTY
 };
 
 fn maps(clock: Clock) -> &'static Metric {
@@ -107,16 +102,4 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
         ))
     };
     sentence().into_iter().collect()
-}
-
-fn table(cases: &Cases<'_>) -> Table {
-    let table = ROWS.table(
-        "Depth maps of several lights, by every way on Vulkan",
-        cases,
-    );
-    let heading = Heading::plain("time ÷ that of passes");
-    with_column(table, cases, (3, heading), |case| {
-        let passes = beside(cases, case, &[(LAYERS_BY, LightWay::Passes.name())]);
-        ratio_cell(case, gain(Some(case), passes, maps(cases.clock())))
-    })
 }
