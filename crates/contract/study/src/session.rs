@@ -136,6 +136,22 @@ pub trait Measures {
         self.verify(case)
     }
 
+    /// Called before each block, such as to draw what is under the fill.
+    ///
+    /// # Errors
+    /// [`StudyError::Broken`].
+    fn begin_block(&mut self) -> Result<(), StudyError> {
+        Ok(())
+    }
+
+    /// Called before each sample that counts: what this draws is not measured.
+    ///
+    /// # Errors
+    /// As [`Measures::time`].
+    fn before_sample(&mut self, _case: usize) -> Result<(), Failure> {
+        Ok(())
+    }
+
     /// A timed frame of a verified case.
     ///
     /// # Errors
@@ -168,6 +184,14 @@ impl<M: Measures> Session for CaseSession<M> {
         notes: &BTreeMap<String, String>,
     ) -> Result<Verdict, StudyError> {
         verdict(self.0.recheck(case, status, notes))
+    }
+
+    fn begin_block(&mut self) -> Result<(), StudyError> {
+        self.0.begin_block()
+    }
+
+    fn before_sample(&mut self, case: usize) -> Result<(), String> {
+        self.0.before_sample(case).map_err(Failure::reason)
     }
 
     fn sample(&mut self, case: usize) -> Result<Figures, String> {

@@ -13,6 +13,7 @@ use terrafill_fill::{Role, Technique, Variant, matrix_row, needs_ladder};
 use terrafill_gpu::BaselineKind;
 use terrafill_results::{CaseId, ConditionKey, PlannedCase};
 use terrafill_scene::{LazyMesh, PlanOptions, Scene, View, WallHeights};
+use terrafill_study::StudyError;
 
 /// What a case is measured for; it may be several things at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -146,8 +147,109 @@ pub(crate) struct ViewGroup {
     pub(crate) size: terrafill_scene::ImageSize,
     /// Baselines first.
     pub(crate) cases: Vec<FillCase>,
-    /// What each of them is to the runner.
-    pub(crate) planned: Vec<PlannedCase>,
+}
+
+impl ViewGroup {
+    /// `planet-134/globe`.
+    pub(crate) fn name(&self) -> String {
+        format!("{}/{}", self.scene.name, self.view.name)
+    }
+
+    /// Why its session cannot go on.
+    pub(crate) fn broken(&self, why: &impl ToString) -> StudyError {
+        StudyError::Broken {
+            place: self.name(),
+            message: why.to_string(),
+        }
+    }
+
+    /// What a case is to the runner.
+    pub(crate) fn planned(&self, case: &FillCase) -> PlannedCase {
+        let (scene, view) = (&self.scene.name, &self.view.name);
+        let technique = case.subject.backend();
+        let purposes: Vec<&str> = case.purposes.iter().map(|purpose| purpose.name()).collect();
+        let role = purposes.join("+");
+        let (name, conditions) = match case.regions {
+            Some(regions) => {
+                let layout = case.subject.layout();
+                let name = format!("{scene}/memory/{technique}/{layout}/{regions}");
+                let conditions = vec![
+                    (SCENE, scene.clone()),
+                    (TECHNIQUE, technique.to_owned()),
+                    (LAYOUT, layout),
+                    (REGIONS, regions.to_string()),
+                ];
+                (name, conditions)
+            }
+            None => {
+                let variant = case.variant_name();
+                let name = format!("{scene}/{view}/{technique}/{variant}");
+                (name, self.conditions(case, &variant))
+            }
+        };
+        let conditions = conditions.into_iter().chain([(ROLE, role)]);
+        PlannedCase {
+            id: CaseId::new(STUDY, name, conditions),
+            samples: case.frames,
+            may_be_wrong: case.is(Purpose::Sweep)
+                || case.is(Purpose::Rival)
+                || case.subject.switches().is_some_and(is_of_2007)
+                || has_tall_walls(case)
+                || case.subject.may_be_wrong()
+                || case.subject.is_approximate(),
+        }
+    }
+
+    /// One for each thing that tells the case from others; switches with their defaults.
+    fn conditions(&self, case: &FillCase, variant: &str) -> Vec<(ConditionKey, String)> {
+        let mut conditions = case.subject.settings();
+        if let (true, Subject::Fill(rival, _)) = (case.is(Purpose::Rival), &case.subject) {
+            // Nothing of our switches, plans and meshes is its own.
+            let own = |key: &str| rival.parameters().iter().any(|own| own.key == key);
+            conditions.retain(|(key, _)| *key == LAYOUT || own(key.name()));
+        }
+        conditions.extend([
+            (SCENE, self.scene.name.clone()),
+            (VIEW, self.view.name.clone()),
+            (TECHNIQUE, case.subject.backend().to_owned()),
+            (VARIANT, variant.to_owned()),
+        ]);
+        if !case.is(Purpose::Baseline) && !case.is(Purpose::Rival) {
+            let own = case.mesh.as_ref().map(|(mesh, _)| *mesh);
+            let mesh = own.unwrap_or(self.scene.mesh);
+            let picture = match case.shown {
+                ShownPicture::Scene => "scene",
+                ShownPicture::Each => "each",
+                ShownPicture::Small => "32",
+            };
+            conditions.extend([
+                (TOLERANCE_M, mesh.boundary_tolerance_m.to_string()),
+                (CAP_STEP, mesh.cap_step_deg.to_string()),
+            ]);
+            if case.is(Purpose::Texture) {
+                conditions.push((PICTURE, picture.to_owned()));
+            }
+        }
+        if case.subject.is_approximate() {
+            conditions.push((APPROXIMATE, "yes".to_owned()));
+        }
+        if let Some(place) = case.needs_place {
+            conditions.extend([
+                (NEEDS_RUNG, place.rung.to_string()),
+                (NEEDS_STEP, place.step.to_owned()),
+            ]);
+        }
+        if let Some(place) = case.place {
+            conditions.extend([
+                (RUNG, place.rung.to_string()),
+                (STEP, place.step.to_owned()),
+            ]);
+            if place.is_aside {
+                conditions.push((ASIDE, "yes".to_owned()));
+            }
+        }
+        conditions
+    }
 }
 
 /// The cases of `scene` seen by `view`.
@@ -177,18 +279,12 @@ pub(crate) fn view_group(
             builder.add_memory(meshes);
         }
     }
-    let planned = builder
-        .cases
-        .iter()
-        .map(|case| builder.planned(case))
-        .collect();
     ViewGroup {
         scene: Arc::clone(scene),
         view: view.clone(),
         surfaces: wishes.surfaces,
         size: wishes.size,
         cases: builder.cases,
-        planned,
     }
 }
 
@@ -405,93 +501,6 @@ impl Builder<'_> {
             }));
         }
         self.cases.extend(cases);
-    }
-
-    fn planned(&self, case: &FillCase) -> PlannedCase {
-        let (scene, view) = (&self.scene.name, &self.view.name);
-        let technique = case.subject.backend();
-        let purposes: Vec<&str> = case.purposes.iter().map(|purpose| purpose.name()).collect();
-        let role = purposes.join("+");
-        let (name, conditions) = match case.regions {
-            Some(regions) => {
-                let layout = case.subject.layout();
-                let name = format!("{scene}/memory/{technique}/{layout}/{regions}");
-                let conditions = vec![
-                    (SCENE, scene.clone()),
-                    (TECHNIQUE, technique.to_owned()),
-                    (LAYOUT, layout),
-                    (REGIONS, regions.to_string()),
-                ];
-                (name, conditions)
-            }
-            None => {
-                let variant = case.variant_name();
-                let name = format!("{scene}/{view}/{technique}/{variant}");
-                (name, self.conditions(case, &variant))
-            }
-        };
-        let conditions = conditions.into_iter().chain([(ROLE, role)]);
-        PlannedCase {
-            id: CaseId::new(STUDY, name, conditions),
-            samples: case.frames,
-            may_be_wrong: case.is(Purpose::Sweep)
-                || case.is(Purpose::Rival)
-                || case.subject.switches().is_some_and(is_of_2007)
-                || has_tall_walls(case)
-                || case.subject.may_be_wrong()
-                || case.subject.is_approximate(),
-        }
-    }
-
-    /// One for each thing that tells the case from others; switches with their defaults.
-    fn conditions(&self, case: &FillCase, variant: &str) -> Vec<(ConditionKey, String)> {
-        let mut conditions = case.subject.settings();
-        if let (true, Subject::Fill(rival, _)) = (case.is(Purpose::Rival), &case.subject) {
-            // Nothing of our switches, plans and meshes is its own.
-            let own = |key: &str| rival.parameters().iter().any(|own| own.key == key);
-            conditions.retain(|(key, _)| *key == LAYOUT || own(key.name()));
-        }
-        conditions.extend([
-            (SCENE, self.scene.name.clone()),
-            (VIEW, self.view.name.clone()),
-            (TECHNIQUE, case.subject.backend().to_owned()),
-            (VARIANT, variant.to_owned()),
-        ]);
-        if !case.is(Purpose::Baseline) && !case.is(Purpose::Rival) {
-            let own = case.mesh.as_ref().map(|(mesh, _)| *mesh);
-            let mesh = own.unwrap_or(self.scene.mesh);
-            let picture = match case.shown {
-                ShownPicture::Scene => "scene",
-                ShownPicture::Each => "each",
-                ShownPicture::Small => "32",
-            };
-            conditions.extend([
-                (TOLERANCE_M, mesh.boundary_tolerance_m.to_string()),
-                (CAP_STEP, mesh.cap_step_deg.to_string()),
-            ]);
-            if case.is(Purpose::Texture) {
-                conditions.push((PICTURE, picture.to_owned()));
-            }
-        }
-        if case.subject.is_approximate() {
-            conditions.push((APPROXIMATE, "yes".to_owned()));
-        }
-        if let Some(place) = case.needs_place {
-            conditions.extend([
-                (NEEDS_RUNG, place.rung.to_string()),
-                (NEEDS_STEP, place.step.to_owned()),
-            ]);
-        }
-        if let Some(place) = case.place {
-            conditions.extend([
-                (RUNG, place.rung.to_string()),
-                (STEP, place.step.to_owned()),
-            ]);
-            if place.is_aside {
-                conditions.push((ASIDE, "yes".to_owned()));
-            }
-        }
-        conditions
     }
 }
 

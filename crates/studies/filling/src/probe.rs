@@ -8,6 +8,7 @@ use terrafill_core::{MeshOptions, VolumeHeights};
 use terrafill_fill::{Counters, DeviceError, FillInput, Frame, MemoryUse, Needs};
 use terrafill_results::{Status, Verdict};
 use terrafill_scene::HeightRange;
+use terrafill_study::Failure;
 
 /// Notes of every case; empty for what it has not.
 const NOTES: [&str; 11] = [
@@ -220,12 +221,12 @@ impl Probe {
 
 /// What the adapter lacks, and switches that do not go together, are skipped; everything else that
 /// breaks has failed.
-pub(crate) fn failed(error: &DeviceError) -> Verdict {
+pub(crate) fn failed(error: DeviceError) -> Failure {
     match error {
         DeviceError::Unsupported { .. } | DeviceError::Switch(_) => {
-            Verdict::skipped(error.to_string())
+            Failure::Unable(error.to_string())
         }
-        _ => Verdict::failed(error.to_string()),
+        _ => Failure::broken(error),
     }
 }
 
@@ -330,11 +331,12 @@ mod tests {
             found: "chosen for a scene without a picture".to_owned(),
             allowed: "plain".to_owned(),
         });
-        let verdict = failed(&error);
-        assert_eq!(verdict.status, Status::Skipped);
-        assert!(verdict.reason.contains("without a picture"));
+        let Failure::Unable(reason) = failed(error) else {
+            panic!("skipped");
+        };
+        assert!(reason.contains("without a picture"));
         // Twin: what breaks has failed.
-        let lost = failed(&DeviceError::DeviceLost("gone".to_owned()));
-        assert_eq!(lost.status, Status::Failed);
+        let lost = failed(DeviceError::DeviceLost("gone".to_owned()));
+        assert!(matches!(lost, Failure::Broken(_)), "{lost:?}");
     }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The study: a group for each view of each scene.
 
-use crate::cases::ViewGroup;
 use crate::chapter::FillingChapter;
 use crate::keys::CONDITIONS;
 use crate::metrics::METRICS;
@@ -9,9 +8,9 @@ use crate::request::{STUDY, Wishes};
 use crate::scenes::plan_scenes;
 use crate::session::ViewSession;
 use crate::subject::{Subject, Surfaces, Techniques};
-use terrafill_results::{Chapter, ConditionKey, Metric, PlannedCase};
+use terrafill_results::{Chapter, ConditionKey, Metric};
 use terrafill_scene::Overlap;
-use terrafill_study::{Context, Group, Planned, Request, Session, Study, StudyError};
+use terrafill_study::{CaseGroup, CaseSession, Group, Planned, Request, Study, StudyError};
 
 /// Which technique fills regions with which error, at which cost.
 #[derive(Debug, Clone, Copy)]
@@ -52,30 +51,25 @@ impl Study for FillingStudy {
         let wishes = Wishes::new(request, [self.techniques, self.rivals], self.surfaces)?;
         let (groups, mut skipped) = plan_scenes(&wishes)?;
         skipped.extend(wishes.missing_rivals());
-        let groups = groups.into_iter();
+        let groups = groups.into_iter().map(|work| -> Box<dyn Group> {
+            Box::new(CaseGroup {
+                name: work.name(),
+                cases: work.cases.iter().map(|case| work.planned(case)).collect(),
+                warm_up: None,
+                work,
+                open: |group, context| {
+                    let session = ViewSession::new(&group.work, context)?;
+                    Ok(Box::new(CaseSession(session)))
+                },
+            })
+        });
         Ok(Planned {
-            groups: groups
-                .map(|group| -> Box<dyn Group> { Box::new(group) })
-                .collect(),
+            groups: groups.collect(),
             skipped,
         })
     }
 
     fn chapter(&self) -> &dyn Chapter {
         &FillingChapter
-    }
-}
-
-impl Group for ViewGroup {
-    fn name(&self) -> String {
-        format!("{}/{}", self.scene.name, self.view.name)
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.planned
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(ViewSession::new(self, context)?))
     }
 }

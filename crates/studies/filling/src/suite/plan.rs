@@ -18,7 +18,7 @@ use terrafill_results::{CaseId, PlannedCase, Skipped};
 use terrafill_scene::{
     Expectation, ImageSize, Scene, SceneError, SuiteScene, SuiteView, suite_scenes,
 };
-use terrafill_study::{Context, Depth, Group, Planned, Request, Session, StudyError};
+use terrafill_study::{CaseGroup, Context, Depth, Group, Planned, Request, Session, StudyError};
 use terrafill_surface::open_surface;
 
 /// Name of the suite and of its study.
@@ -70,7 +70,6 @@ pub(super) struct SuiteGroup {
     surfaces: Surfaces,
     size: ImageSize,
     data_dir: Option<PathBuf>,
-    planned: Vec<PlannedCase>,
     last: Rc<LastOpened>,
     /// Made when the group is opened.
     drawn: OnceCell<ViewGroup>,
@@ -110,7 +109,7 @@ pub(super) fn plan(
         for view in views {
             let [width, height] = request.size;
             let size = view.as_ref().and_then(|view| view.size);
-            let mut group = SuiteGroup {
+            let group = SuiteGroup {
                 place,
                 file: file.clone(),
                 text: text.clone(),
@@ -120,12 +119,16 @@ pub(super) fn plan(
                 surfaces,
                 size: size.unwrap_or(ImageSize { width, height }),
                 data_dir: request.data_dir.clone(),
-                planned: Vec::new(),
                 last: Rc::clone(&last),
                 drawn: OnceCell::new(),
             };
-            group.planned = group.planned_cases();
-            groups.push(Box::new(group));
+            groups.push(Box::new(CaseGroup {
+                name: format!("{}/{}", group.header.name, group.view_name()),
+                cases: group.planned_cases(),
+                warm_up: Some(0),
+                work: group,
+                open,
+            }));
         }
     }
     Ok(Planned { groups, skipped })
@@ -198,9 +201,12 @@ impl SuiteGroup {
         }
     }
 
+    fn view_name(&self) -> &str {
+        self.view.as_ref().map_or(WHOLE, |view| &view.name)
+    }
+
     fn planned_cases(&self) -> Vec<PlannedCase> {
-        let view = self.view.as_ref().map_or(WHOLE, |view| view.name.as_str());
-        let scene = &self.header.name;
+        let (scene, view) = (&self.header.name, self.view_name());
         let case = |technique: &str, samples: u32| {
             let conditions = [
                 (SCENE, scene.clone()),
@@ -291,28 +297,15 @@ impl SuiteGroup {
             surfaces: self.surfaces,
             size: self.size,
             cases,
-            planned: self.planned.clone(),
         })
     }
 }
 
-impl Group for SuiteGroup {
-    fn name(&self) -> String {
-        let view = self.view.as_ref().map_or(WHOLE, |view| view.name.as_str());
-        format!("{}/{view}", self.header.name)
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.planned
-    }
-
-    fn warm_up(&self) -> Option<u32> {
-        Some(0)
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        let mut session = SuiteSession::begin(self.expect(), &self.planned, context.folder)?;
-        session.state = self.open_view(context)?;
-        Ok(Box::new(session))
-    }
+fn open<'a>(
+    group: &'a CaseGroup<SuiteGroup>,
+    context: Context<'a>,
+) -> Result<Box<dyn Session + 'a>, StudyError> {
+    let mut session = SuiteSession::begin(group.work.expect(), &group.cases, context.folder)?;
+    session.state = group.work.open_view(context)?;
+    Ok(Box::new(session))
 }

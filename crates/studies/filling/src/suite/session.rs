@@ -10,7 +10,7 @@ use std::time::Instant;
 use terrafill_fill::PreparedScene;
 use terrafill_results::{PlannedCase, RunError, Status, Verdict};
 use terrafill_scene::Expectation;
-use terrafill_study::{Context, Session, StudyError};
+use terrafill_study::{CaseSession, Context, Session, StudyError};
 
 /// Why a scene has nothing to draw.
 #[derive(Debug, Clone)]
@@ -47,7 +47,7 @@ const NO_LAYER: &str = "validation-layer-missing";
 pub(super) const REFUSED: &str = "refused";
 
 /// What is drawn, or why nothing is; `None` for a scene that must be refused whole and was not.
-pub(super) type State<'a> = Result<Option<Box<ViewSession<'a>>>, Closed>;
+pub(super) type State<'a> = Result<Option<Box<CaseSession<ViewSession<'a>>>>, Closed>;
 
 pub(super) struct SuiteSession<'a> {
     expect: &'a Expectation,
@@ -92,7 +92,7 @@ impl<'a> SuiteSession<'a> {
 
     fn drawn(
         &mut self,
-        draw: impl FnOnce(&mut ViewSession<'a>) -> Result<Verdict, StudyError>,
+        draw: impl FnOnce(&mut dyn Session) -> Result<Verdict, StudyError>,
     ) -> Result<Verdict, Closed> {
         match &mut self.state {
             Err(closed) => Err(closed.clone()),
@@ -100,7 +100,7 @@ impl<'a> SuiteSession<'a> {
                 status: Status::Ok,
                 ..Verdict::default()
             }),
-            Ok(Some(session)) => unpanicked(|| draw(session)).map_err(Closed::Crashed),
+            Ok(Some(session)) => unpanicked(|| draw(&mut **session)).map_err(Closed::Crashed),
         }
     }
 }
@@ -115,7 +115,7 @@ pub(super) fn drawing<'a>(
         ViewSession::of_scene(group, prepared, context)
     }));
     Ok(match opened {
-        Ok(Ok(session)) => Ok(Some(Box::new(session))),
+        Ok(Ok(session)) => Ok(Some(Box::new(CaseSession(session)))),
         // Without a device nothing of the suite can go on.
         Ok(Err(error @ StudyError::NoDevice(_))) => return Err(error),
         Ok(Err(error)) => Err(Closed::Refused(error.to_string())),

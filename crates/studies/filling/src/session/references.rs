@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What a view's pictures are compared with: its references, and what was found of each picture.
+
+use crate::cases::{FillCase, ViewGroup};
+use crate::images::write_rgb;
+use crate::subject::Subject;
+use std::borrow::Cow;
+use std::cell::OnceCell;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::rc::Rc;
+use terrafill_conformance::{
+    BAND_RADIUS_PX, BORDER_ROUNDING, ErrorFigures, boundary_band, boundary_movement,
+    compare_closely, filled_only, with_movement,
+};
+use terrafill_core::EdgeRule;
+use terrafill_fill::{FillInput, Frame, paint};
+use terrafill_reference::ReferenceBackend;
+use terrafill_results::quantile;
+use terrafill_study::StudyError;
+
+/// Errors of a picture, or why it could not be compared.
+type Compared = Result<ErrorFigures, String>;
+
+/// The reference's picture of the view.
+pub(super) struct Reference {
+    pub(super) frame: Frame,
+    /// With all regions as one.
+    filled: Frame,
+    /// Pixels on which its two inside tests disagree, in all and outside the boundary band.
+    pub(super) disagreements: (u64, u64),
+    /// Of the boundary as drawn from the true one: largest and 99th percentile.
+    pub(super) moved_px_true: Option<[f64; 2]>,
+    pub(super) image: String,
+}
+
+impl Reference {
+    /// Its picture and another as they are compared: of a fill in one colour only whether a pixel is filled counts.
+    pub(super) fn beside<'f>(&self, frame: &'f Frame, as_mask: bool) -> (&Frame, Cow<'f, Frame>) {
+        match as_mask {
+            true => (&self.filled, Cow::Owned(filled_only(frame))),
+            false => (&self.frame, Cow::Borrowed(frame)),
+        }
+    }
+}
+
+/// What a picture is compared with.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Against {
+    /// What a ring edge is.
+    edges: EdgeRule,
+    /// The body itself, and not the scene's surface as drawn.
+    is_on_body: bool,
+}
+
+impl Against {
+    /// What the scene says.
+    pub(super) fn scene(edges: EdgeRule) -> Self {
+        Self {
+            edges,
+            is_on_body: false,
+        }
+    }
+
+    fn reference(self) -> ReferenceBackend {
+        match self.is_on_body {
+            true => ReferenceBackend::on_body(),
+            false => ReferenceBackend::new(),
+        }
+    }
+}
+
+/// References of one view.
+pub(super) struct References<'a> {
+    group: &'a ViewGroup,
+    folder: &'a Path,
+    /// What the scene's mesh options give.
+    input: Rc<FillInput>,
+    /// Drawn when the first picture is compared: a process that only measures again needs none. By the
+    /// scene's edge rule on its surface, and by what else a rival has.
+    drawn: [OnceCell<Reference>; 4],
+    /// What the comparison of each picture found: equal pictures get equal figures.
+    compared: BTreeMap<(String, u64, bool, usize), Compared>,
+}
+
+impl<'a> References<'a> {
+    pub(super) fn new(group: &'a ViewGroup, folder: &'a Path, input: &Rc<FillInput>) -> Self {
+        Self {
+            group,
+            folder,
+            input: Rc::clone(input),
+            drawn: Default::default(),
+            compared: BTreeMap::new(),
+        }
+    }
+
+    /// What a case's picture is compared with.
+    pub(super) fn against(&self, case: &FillCase) -> Against {
+        let scene = self.group.scene.edge_rule;
+        match &case.subject {
+            Subject::Baseline(_) => Against::scene(scene),
+            Subject::Fill(technique, variant) => Against {
+                edges: technique.edge_rule(variant, scene),
+                is_on_body: technique.draws_own_surface(),
+            },
+        }
+    }
+
+    /// The scene's input with edges of this rule, for the reference.
+    fn input_of(&self, edges: EdgeRule) -> FillInput {
+        let mut input = FillInput::clone(&self.input);
+        input.scene.edge_rule = edges;
+        input
+    }
+
+    /// Its place among the references.
+    fn place(&self, against: Against) -> usize {
+        let is_others = against.edges != self.group.scene.edge_rule;
+        2 * usize::from(against.is_on_body) + usize::from(is_others)
+    }
+
+    pub(super) fn of(&self, against: Against) -> Result<&Reference, StudyError> {
+        let place = self.place(against);
+        let cell = &self.drawn[place];
+        if let Some(reference) = cell.get() {
+            return Ok(reference);
+        }
+        let drawn = against.reference().judge(&self.input_of(against.edges));
+        let drawn = drawn.map_err(|error| self.group.broken(&error))?;
+        let band = boundary_band(&drawn.frame);
+        let disagree = drawn.disagreements.iter().zip(&band);
+        let outside = disagree.filter(|&(&differ, &near)| differ && !near).count() as u64;
+        let (scene, view) = (&self.group.scene.name, &self.group.view.name);
+        let mut name = format!("{scene}_{view}_reference");
+        if place > 0 {
+            name.push_str(&format!("_{place}"));
+        }
+        let image = write_rgb(self.folder, &name, self.group.size, &paint(&drawn.frame))?;
+        Ok(cell.get_or_init(|| Reference {
+            disagreements: (drawn.disagreement_px(), outside),
+            moved_px_true: drawn.moved_px_true.as_deref().and_then(largest_and_p99),
+            filled: filled_only(&drawn.frame),
+            frame: drawn.frame,
+            image,
+        }))
+    }
+
+    /// How the frame differs from the reference; a fill in one colour is compared as a mask.
+    ///
+    /// - `hashes`: of its mask and of its ids, the latter empty for a fill in one colour
+    /// - `is_moved`: boundaries are simplified on purpose, and how far they moved is measured
+    /// - `against`: which reference
+    pub(super) fn figures(
+        &mut self,
+        (mask_hash, ids_hash): (&str, &str),
+        frame: &Frame,
+        is_moved: bool,
+        against: Against,
+    ) -> Compared {
+        let as_mask = ids_hash.is_empty();
+        let hash = if as_mask {
+            format!("mask {mask_hash}")
+        } else {
+            format!("ids {ids_hash}")
+        };
+        let key = (hash, frame.non_finite, is_moved, self.place(against));
+        if let Some(known) = self.compared.get(&key) {
+            return known.clone();
+        }
+        let compared = self.compare_pixels(frame, as_mask, is_moved, against);
+        self.compared.insert(key, compared.clone());
+        compared
+    }
+
+    pub(super) fn compare_pixels(
+        &self,
+        frame: &Frame,
+        as_mask: bool,
+        is_moved: bool,
+        against: Against,
+    ) -> Compared {
+        let reference = self.of(against);
+        let reference = reference.map_err(|error| error.to_string())?;
+        let input = self.input_of(against.edges);
+        // Needed for hardly any picture, so made only then.
+        let look = OnceCell::new();
+        let look = || {
+            let made = || against.reference().look_closely(&input).ok();
+            look.get_or_init(made).as_ref()
+        };
+        let as_compared = |id: u32| if as_mask { id.min(1) } else { id };
+        let shows = |pixel: usize, id: u32| {
+            look().is_some_and(|look| {
+                let mut ids = look.ids_within(pixel, BAND_RADIUS_PX).into_iter();
+                ids.any(|shown| as_compared(shown) == id)
+            })
+        };
+        let (expected, frame) = reference.beside(frame, as_mask);
+        let may_round_to = |pixel: usize, id: u32| {
+            look().is_some_and(|look| {
+                let mut ids = look.ids_by_rounding(pixel, BORDER_ROUNDING).into_iter();
+                ids.any(|shown| as_compared(shown) == id)
+            })
+        };
+        let figures = compare_closely(expected, &frame, may_round_to, shows).and_then(|figures| {
+            let Some(look) = is_moved.then(look).flatten() else {
+                return Ok(figures);
+            };
+            let shown_at = |place| as_compared(look.id_at(place));
+            let movement = boundary_movement(expected, &frame, shown_at)?;
+            Ok(with_movement(figures, movement))
+        });
+        figures.map_err(|error| error.to_string())
+    }
+}
+
+/// `None` of no numbers.
+fn largest_and_p99(values: &[f64]) -> Option<[f64; 2]> {
+    Some([quantile(values, 1.0)?, quantile(values, 0.99)?])
+}
