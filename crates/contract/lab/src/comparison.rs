@@ -339,11 +339,7 @@ fn is_measured(case: &Case) -> bool {
 
 fn exact(first: &Case, second: &Case, metric: &Metric) -> Option<Estimate> {
     let figure = first.value(metric)? / second.value(metric)?;
-    figure.is_finite().then_some(Estimate {
-        middle: figure,
-        interval: Some([figure; 2]),
-        processes: 0,
-    })
+    figure.is_finite().then_some(Estimate::exact(figure))
 }
 
 /// How many processes would decide it, if the interval shrinks as the root of their number. A ratio on the end

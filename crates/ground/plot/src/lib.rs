@@ -6,13 +6,11 @@
 //! study. Text is measured by an estimate, since the reader's font is not known; labels therefore have
 //! room to spare.
 
-mod bars;
 mod canvas;
 mod courses;
 mod error;
 mod fronts;
 mod labels;
-mod lines;
 mod log_log;
 pub mod number;
 mod palette;
@@ -24,11 +22,9 @@ mod sparkline;
 mod steps;
 mod work_precision;
 
-pub use bars::{Bar, Bars};
 pub use courses::{Course, Courses};
 pub use error::PlotError;
 pub use fronts::{FrontPanel, FrontPoint, Fronts};
-pub use lines::{Line, LinePanel, Lines};
 pub use palette::{Palette, dark_rules};
 pub use panels::{Arrangement, named_aside, panels};
 pub use processes::{DOTS_FACTOR, TWO_GROUPS, dotted};

@@ -25,6 +25,18 @@ pub struct Estimate {
     pub processes: usize,
 }
 
+impl Estimate {
+    /// A figure that no process changes: its interval has no width.
+    #[must_use]
+    pub fn exact(middle: f64) -> Self {
+        Self {
+            middle,
+            interval: Some([middle; 2]),
+            processes: 0,
+        }
+    }
+}
+
 /// A claim about how many times faster something became. In files: `"faster"`, `{ at-least = 2.0 }`,
 /// `{ factor = { of = 0.5, within = 1.25 } }`.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]

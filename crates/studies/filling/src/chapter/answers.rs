@@ -6,14 +6,13 @@
 //! picture is right and its time was measured.
 
 use super::data::{Data, View, counter, distinct, has_role, is_approximate, is_baseline};
-use super::table::{figures, row};
+use super::table::{figures, main_table, none_differs, or_dash, row};
 use super::{fronts, memory, needs, textured};
 use crate::keys::*;
 use terrafill_plot::dotted;
 use terrafill_plot::number::{bytes, count, figure, significant, spread};
 use terrafill_results::{
-    Answers, Block, Case, Cell, ChapterError, Finding, Metric, Outcome, Spread, Standing, Table,
-    TableLayout,
+    Answers, Block, Case, Cell, ChapterError, Finding, Metric, Outcome, Spread, Table, TableLayout,
 };
 
 /// From so many regions in view on, their number decides.
@@ -157,13 +156,11 @@ fn matrix(data: &Data<'_>, contests: &[Contest<'_, '_>]) -> Option<Block> {
          command that draws it.",
         data.unit(),
     );
-    let table = Table {
+    main_table(Table {
         caption,
-        is_main: true,
         layout: TableLayout::Cards,
         ..figures(&headings, rows.collect())
-    };
-    (!table.rows.is_empty()).then_some(Block::Table(table))
+    })
 }
 
 fn winner(data: &Data<'_>, case: &Case) -> Cell {
@@ -186,8 +183,8 @@ fn winner(data: &Data<'_>, case: &Case) -> Cell {
     let cell = Cell {
         detail: format!(
             "{time} ms · {size} · boundary {} px{moved}, {} px differ",
-            distance.as_deref().unwrap_or("–"),
-            wrong.as_deref().unwrap_or("–"),
+            or_dash(distance),
+            or_dash(wrong),
         ),
         ..data.name_cell(case, data.label(case))
     };
@@ -211,30 +208,36 @@ fn ties(data: &Data<'_>, ties: &[&Case]) -> Cell {
     }
 }
 
-/// Fills that are right in all of some views: geometric mean and maximum of the ratio to each view's best.
-type Ranked = Vec<(String, f64, f64)>;
+/// A fill that is right in all of some views: geometric mean and maximum of its time over each view's best.
+struct Ranked {
+    name: String,
+    mean: f64,
+    most: f64,
+}
 
 /// By the mean of how much longer they take than the best.
-fn ranked(data: &Data<'_>, contests: &[&Contest<'_, '_>]) -> Ranked {
+fn ranked(data: &Data<'_>, contests: &[&Contest<'_, '_>]) -> Vec<Ranked> {
     let named = contests.iter().map(|contest| {
         let fills = contest.fills.iter();
         fills.map(|(case, _)| (data.label(case), *case)).collect()
     });
     let named: Vec<Vec<(String, &Case)>> = named.collect();
-    let mut ranked = Vec::new();
-    for name in distinct(named.iter().flatten().map(|(name, _)| name)) {
-        let ratios = named.iter().filter_map(|fills| {
+    let names = distinct(named.iter().flatten().map(|(name, _)| name)).into_iter();
+    let of = |name: &String| {
+        let ratios = named.iter().map(|fills| {
             let (_, best) = fills.first()?;
             let (_, own) = fills.iter().find(|(own, _)| own == name)?;
             Some(data.over_fastest(own, best)?.middle)
         });
-        let ratios: Vec<f64> = ratios.collect();
-        if ratios.len() == contests.len() {
-            let most = ratios.iter().copied().fold(0.0, f64::max);
-            ranked.push((name.clone(), geometric_mean(&ratios), most));
-        }
-    }
-    ranked.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let ratios: Vec<f64> = ratios.collect::<Option<_>>()?;
+        Some(Ranked {
+            name: name.clone(),
+            mean: geometric_mean(&ratios),
+            most: ratios.iter().copied().fold(0.0, f64::max),
+        })
+    };
+    let mut ranked: Vec<Ranked> = names.filter_map(of).collect();
+    ranked.sort_by(|a, b| a.mean.total_cmp(&b.mean));
     ranked
 }
 
@@ -246,34 +249,28 @@ fn geometric_mean(values: &[f64]) -> f64 {
 /// What to take when, in words. Kinds of views are found by what their fills count.
 fn guide(data: &Data<'_>, contests: &[Contest<'_, '_>]) -> Vec<Block> {
     let [regions, many, few] = [MANY_REGIONS, MANY_FRAGMENTS, FEW_FRAGMENTS];
-    let printed = |number: u32| count(number.into());
-    let advice = |kind: String, is_it: &dyn Fn(&Contest<'_, '_>) -> bool| {
-        let own: Vec<&Contest<'_, '_>> = contests.iter().filter(|view| is_it(view)).collect();
+    let [regions_text, many_text, few_text] = [regions, many, few].map(|n| count(n.into()));
+    let advice = |kind: String, is_it: &dyn Fn(&Contest<'_, '_>) -> Option<bool>| {
+        let own = contests.iter().filter(|view| is_it(view) == Some(true));
+        let own: Vec<&Contest<'_, '_>> = own.collect();
         advised(data, &kind, &own)
     };
     let by_time = [
         advice(
-            format!("Many regions in view (from {} on)", printed(regions)),
-            &|view| {
-                view.counted(REGIONS_DRAWN)
-                    .is_some_and(|n| n >= regions.into())
-            },
+            format!("Many regions in view (from {regions_text} on)"),
+            &|view| Some(view.counted(REGIONS_DRAWN)? >= regions.into()),
         ),
         advice(
             format!(
-                "Eye near, fill rate is the limit (from {} stencil-tested fragments a vertex on)",
-                printed(many)
+                "Eye near, fill rate is the limit (from {many_text} stencil-tested fragments a vertex on)"
             ),
-            &|view| view.fragments_a_vertex().is_some_and(|n| n >= many.into()),
+            &|view| Some(view.fragments_a_vertex()? >= many.into()),
         ),
         advice(
-            format!(
-                "Eye far, vertices are the limit (at most {} fragments a vertex)",
-                printed(few)
-            ),
-            &|view| view.fragments_a_vertex().is_some_and(|n| n <= few.into()),
+            format!("Eye far, vertices are the limit (at most {few_text} fragments a vertex)"),
+            &|view| Some(view.fragments_a_vertex()? <= few.into()),
         ),
-        advice("Over all views".to_owned(), &|_| true),
+        advice("Over all views".to_owned(), &|_| Some(true)),
     ];
     let all: Vec<&Contest<'_, '_>> = contests.iter().collect();
     let ranked = ranked(data, &all);
@@ -291,12 +288,13 @@ fn guide(data: &Data<'_>, contests: &[Contest<'_, '_>]) -> Vec<Block> {
 /// `kind → fill`, with what it costs beside the best and what ties with it.
 fn advised(data: &Data<'_>, kind: &str, contests: &[&Contest<'_, '_>]) -> Option<String> {
     let ranked = ranked(data, contests);
-    let (name, mean, most) = ranked.first()?;
-    let ties = ranked.iter().skip(1).take_while(|(_, other, _)| {
+    let best = ranked.first()?;
+    let is_tie = |other: &&Ranked| {
         let noise = data.noise;
-        noise.is_some_and(|noise| noise.is_tie(other / mean))
-    });
-    let ties: Vec<&str> = ties.map(|(name, ..)| name.as_str()).collect();
+        noise.is_some_and(|noise| noise.is_tie(other.mean / best.mean))
+    };
+    let ties = ranked.iter().skip(1).take_while(is_tie);
+    let ties: Vec<&str> = ties.map(|fill| fill.name.as_str()).collect();
     let views = match contests {
         [only] => only.view.title(),
         several => format!("{} views", several.len()),
@@ -308,71 +306,72 @@ fn advised(data: &Data<'_>, kind: &str, contests: &[&Contest<'_, '_>]) -> Option
         some => format!("; ties: {shown} and {} more", some - MAX_TIES),
     };
     Some(format!(
-        "{kind} → {name}: {views}, {} × the best of each on average, {} × at most{ties}.",
-        significant(*mean),
-        significant(*most),
+        "{kind} → {}: {views}, {} × the best of each on average, {} × at most{ties}.",
+        best.name,
+        significant(best.mean),
+        significant(best.most),
     ))
 }
 
 /// The fill that holds least on average over views, and what that costs in time.
-fn memory_advice(data: &Data<'_>, contests: &[Contest<'_, '_>], ranked: &Ranked) -> Option<String> {
-    let held = |name: &str| -> Option<f64> {
+fn memory_advice(
+    data: &Data<'_>,
+    contests: &[Contest<'_, '_>],
+    ranked: &[Ranked],
+) -> Option<String> {
+    let held = |fill: &Ranked| -> Option<f64> {
         let fills = contests.iter().flat_map(|contest| &contest.fills);
-        let own = fills.filter(|(case, _)| data.label(case) == name);
+        let own = fills.filter(|(case, _)| data.label(case) == fill.name);
         let bytes = own.filter_map(|(case, _)| case.value(GEOMETRY_BYTES));
         let bytes: Vec<f64> = bytes.filter(|bytes| *bytes > 0.0).collect();
         (!bytes.is_empty()).then(|| geometric_mean(&bytes))
     };
-    let sized = ranked
-        .iter()
-        .filter_map(|fill| Some((fill, held(&fill.0)?)));
-    let sized: Vec<_> = sized.collect();
+    let sized = ranked.iter().filter_map(|fill| Some((fill, held(fill)?)));
+    let sized: Vec<(&Ranked, f64)> = sized.collect();
     // The first of several is the fastest.
-    let ((name, mean, _), least) = sized.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (smallest, least) = sized.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let (_, fastest) = sized.first()?;
     Some(format!(
-        "Memory is short → {name}: {} × the bytes of the fastest fill on average, at {} × the time of \
-         the best of each view.",
+        "Memory is short → {}: {} × the bytes of the fastest fill on average, at {} × the time of the best of \
+         each view.",
+        smallest.name,
         significant(least / fastest),
-        significant(*mean),
+        significant(smallest.mean),
     ))
 }
 
 /// The fastest fill that moves no boundary on purpose, where another one is faster.
-fn exact_advice(data: &Data<'_>, ranked: &Ranked) -> Option<String> {
-    let moves = |name: &str| {
+fn exact_advice(data: &Data<'_>, ranked: &[Ranked]) -> Option<String> {
+    let moves = |fill: &Ranked| {
         let mut cases = data.views.iter().flat_map(|view| &view.cases);
-        cases.any(|case| case.value(BOUNDARY_MOVED_PX).is_some() && data.label(case) == name)
+        cases.any(|case| case.value(BOUNDARY_MOVED_PX).is_some() && data.label(case) == fill.name)
     };
-    let (fastest, ..) = ranked.first()?;
-    if !moves(fastest) {
-        return None;
-    }
-    let (name, mean, most) = ranked.iter().find(|(name, ..)| !moves(name))?;
-    Some(format!(
-        "Boundaries must not move at all → {name}: {} × the best of each view on average, {} × at most.",
-        significant(*mean),
-        significant(*most),
-    ))
+    let exact = ranked.iter().find(|fill| !moves(fill))?;
+    moves(ranked.first()?).then(|| {
+        format!(
+            "Boundaries must not move at all → {}: {} × the best of each view on average, {} × at most.",
+            exact.name,
+            significant(exact.mean),
+            significant(exact.most),
+        )
+    })
 }
 
 /// Which pictures were compared, in exact numbers; `None` for a run that drew none.
 pub(super) fn scope(data: &Data<'_>) -> Option<String> {
-    let cases = data.cases.iter().copied();
-    let drawn: Vec<&Case> = cases.filter(|case| !is_baseline(case)).collect();
-    let counted = |is_it: &dyn Fn(&Case) -> bool| {
-        let own = drawn.iter().filter(|case| is_it(case));
+    let drawn = data.cases.iter().filter(|case| !is_baseline(case));
+    let counted = |is_it: fn(&Case) -> bool| {
+        let own = drawn.clone().filter(|case| is_it(case));
         own.count() as u64
     };
-    let compared = counted(&|case| counter(case, MISMATCHED_PX_OUTSIDE_BAND).is_some());
     let exceptions = [
         (
-            counted(&|case| case.planned.may_be_wrong && !is_approximate(case)),
+            counted(|case| case.planned.may_be_wrong && !is_approximate(case)),
             "of sweeps, whose error is the question",
         ),
-        (counted(&is_approximate), "approximate by nature"),
+        (counted(is_approximate), "approximate by nature"),
         (
-            counted(&|case| case.outcome == Outcome::DriverFault),
+            counted(|case| case.outcome == Outcome::DriverFault),
             "with a known driver fault",
         ),
     ];
@@ -380,43 +379,35 @@ pub(super) fn scope(data: &Data<'_>) -> Option<String> {
     let some: Vec<String> = some
         .map(|(number, what)| format!("{} {what}", count(*number)))
         .collect();
-    let exceptions = match some.is_empty() {
-        true => String::new(),
-        false => format!(" ({})", some.join(", ")),
-    };
-    let others = if some.is_empty() {
-        ""
-    } else {
-        " of the others"
+    let (exceptions, others) = match some.is_empty() {
+        true => (String::new(), ""),
+        false => (format!(" ({})", some.join(", ")), " of the others"),
     };
     let wrong = match wrong(data) {
         0 => "none".to_owned(),
         some => count(some as u64),
     };
-    (!drawn.is_empty()).then(|| {
+    let all = counted(|_| true);
+    (all > 0).then(|| {
         format!(
             "{} of {} pictures compared with the reference{exceptions}. Wrong outside the 1-pixel boundary \
              band: {wrong}{others}.",
-            count(compared),
-            count(drawn.len() as u64),
+            count(counted(|case| case.value(MISMATCHED_PX_OUTSIDE_BAND).is_some())),
+            count(all),
         )
     })
 }
 
 /// Compared pictures that do not match, those aside whose error is the question or a known fault.
 pub(super) fn wrong(data: &Data<'_>) -> usize {
-    let has_to_match = |case: &&&Case| {
-        !case.planned.may_be_wrong && case.outcome != Outcome::DriverFault && !is_baseline(case)
+    let differs = |case: &&&Case| {
+        let outside = case.value(MISMATCHED_PX_OUTSIDE_BAND);
+        !case.planned.may_be_wrong
+            && case.outcome != Outcome::DriverFault
+            && !is_baseline(case)
+            && outside.is_some_and(|px| px > 0.0 || case.outcome == Outcome::Wrong)
     };
-    let differs = |case: &&&Case| match counter(case, MISMATCHED_PX_OUTSIDE_BAND) {
-        Some(outside) => outside > 0 || case.outcome == Outcome::Wrong,
-        None => false,
-    };
-    data.cases
-        .iter()
-        .filter(has_to_match)
-        .filter(differs)
-        .count()
+    data.cases.iter().filter(differs).count()
 }
 
 fn requirements(data: &Data<'_>) -> Vec<Finding> {
@@ -437,16 +428,6 @@ fn pictures(data: &Data<'_>) -> Finding {
     let outside = own.filter_map(|case| case.value(MISMATCHED_PX_OUTSIDE_BAND));
     let outside: Vec<f64> = outside.collect();
     let wrong = outside.iter().filter(|px| **px > 0.0).count();
-    Finding {
-        claim: "No picture has a wrong pixel outside the 1-pixel boundary band.".to_owned(),
-        standing: match outside.len() {
-            0 => Standing::NotMeasured,
-            _ => Standing::holds_if(wrong == 0),
-        },
-        because: format!(
-            "{} of {} pictures have none",
-            count((outside.len() - wrong) as u64),
-            count(outside.len() as u64)
-        ),
-    }
+    let claim = "No picture has a wrong pixel outside the 1-pixel boundary band.";
+    none_differs(claim, outside.len(), wrong, "pictures have none")
 }

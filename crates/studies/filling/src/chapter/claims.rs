@@ -10,6 +10,7 @@ use super::data::{
     is_more, one_change,
 };
 use super::rungs::{Ladder, Rung, SOURCE, counters};
+use super::table::{or_dash, sentences};
 use super::textured::AS_IN_2007_OVER_PLAIN;
 use super::{fill_rate, memory, subdivision, textured};
 use crate::claims::{self, Gain, Only, PAPER, Rival, Test};
@@ -17,7 +18,7 @@ use crate::keys::*;
 use terrafill_lab::{
     Answer, Claimed, Comparison, Follows, Told, claims_blocks, claims_table, overall,
 };
-use terrafill_plot::number::{count, significant, times};
+use terrafill_plot::number::{count, figure, significant, times};
 use terrafill_results::{
     Block, Case, ChapterError, Claim, DerivedTable, Estimate, Finding, Outcome, Scope, Standing,
     ratio, share,
@@ -54,26 +55,23 @@ fn told(parts: impl IntoIterator<Item = (String, Standing)>, reason: impl Into<S
     }
 }
 
-fn not_measured(why: &str) -> Told {
+/// Why there is no answer.
+fn unanswered(standing: Standing, why: &str) -> Told {
     Told {
         ours: String::new(),
-        standing: Standing::NotMeasured,
+        standing,
         reason: why.to_owned(),
     }
 }
 
 /// Ratios with what each says of a claim, and what would settle the first that is open.
 fn of_answers(answers: Vec<(&str, Answer)>, reason: String) -> Told {
-    let open = answers
-        .iter()
-        .find(|(_, answer)| answer.standing == Standing::CannotTell && !answer.because.is_empty());
-    let reason = match open {
-        Some((_, answer)) if reason.is_empty() => answer.because.clone(),
-        Some((_, answer)) => format!("{reason}. {}", answer.because),
-        None => reason,
-    };
+    let mut open = answers.iter().map(|(_, answer)| answer);
+    let open = open.find(|answer| answer.standing == Standing::CannotTell);
+    let because = open.map_or("", |answer| &answer.because);
+    let reason = sentences([reason.as_str(), because]);
     let parts = answers.iter().map(|(title, answer)| {
-        let ours = answer.figure.as_ref().map_or("–".to_owned(), times);
+        let ours = or_dash(answer.figure.as_ref().map(times));
         (format!("{title} {ours}"), answer.standing)
     });
     told(parts, reason)
@@ -86,26 +84,26 @@ fn documents<'l, 'a>(ladders: &'l [Ladder<'a>]) -> Vec<&'l Ladder<'a>> {
     own().filter(|ladder| Some(ladder.scene) == scene).collect()
 }
 
-/// A rung with its ladder.
-type Step<'l, 'a> = (&'l Ladder<'a>, &'l Rung<'a>);
+/// Ladders of these views.
+fn of_views<'l, 'a>(
+    ladders: &[&'l Ladder<'a>],
+    views: &[String],
+) -> impl Iterator<Item = &'l Ladder<'a>> {
+    let is_of = |ladder: &&'l Ladder<'a>| views.iter().any(|view| view == ladder.view);
+    ladders.iter().copied().filter(is_of)
+}
 
 /// Rungs of a step in these views.
-fn steps<'l, 'a>(ladders: &[&'l Ladder<'a>], step: &str, views: &[String]) -> Vec<Step<'l, 'a>> {
-    let own = ladders
-        .iter()
-        .filter(|ladder| views.iter().any(|view| view == ladder.view));
-    let found = own.filter_map(|ladder| {
-        let rung = ladder.rungs.iter().find(|rung| rung.step == step)?;
-        Some((*ladder, rung))
-    });
-    found.collect()
+fn steps<'l, 'a>(ladders: &[&'l Ladder<'a>], step: &str, views: &[String]) -> Vec<&'l Rung<'a>> {
+    let own = of_views(ladders, views);
+    own.filter_map(|ladder| ladder.step(step)).collect()
 }
 
 /// The same, those that say something of the claim.
-fn telling_steps<'l, 'a>(ladders: &[&'l Ladder<'a>], of: &Gain) -> Vec<Step<'l, 'a>> {
+fn telling_steps<'l, 'a>(ladders: &[&'l Ladder<'a>], of: &Gain) -> Vec<&'l Rung<'a>> {
     let vertices = |case: &Case| counter(case, VERTICES);
     let mut found = steps(ladders, &of.name, &of.views);
-    found.retain(|(_, rung)| match of.only {
+    found.retain(|rung| match of.only {
         Only::Any => true,
         Only::AllInSight => counter(rung.case, REGIONS_LEFT_OUT) == Some(0),
         Only::WhereItActs => rung.before.and_then(vertices) != vertices(rung.case),
@@ -122,13 +120,13 @@ fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed<Test>) -> To
             let found = telling_steps(&own, of);
             let acts_nowhere = of.only == Only::WhereItActs && found.is_empty();
             if acts_nowhere && !steps(&own, &of.name, &of.views).is_empty() {
-                return not_measured(
+                return unanswered(
+                    Standing::NotMeasured,
                     "in these views the eye is inside every volume, or so near that the step changes nothing",
                 );
             }
             let answers = found.iter();
-            let answers =
-                answers.map(|(ladder, rung)| (ladder.view, answer(data, rung, of.expects)));
+            let answers = answers.map(|rung| (rung.view(), answer(data, rung, of.expects)));
             of_answers(answers.collect(), reason(&found))
         }
         Test::Counter {
@@ -137,11 +135,10 @@ fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed<Test>) -> To
             expects,
             views,
         } => of_counter(&steps(&own, step, views), metric, *expects),
-        Test::LargestGain(step) => largest(data, &step.step, &in_views(step)),
+        Test::LargestGain(of) => largest(data, &of.step, of_views(&own, &of.views)),
         Test::RightPicture(step) => {
             let found = in_views(step).into_iter();
-            let parts = found.map(|(ladder, rung)| picture(ladder.view, rung.case));
-            told(parts, "")
+            told(found.map(|rung| picture(rung.view(), rung.case)), "")
         }
         Test::SecondPass(step) => second_pass(&in_views(step)),
         Test::FillRate => of_fill_rate(&own),
@@ -185,11 +182,7 @@ fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed<Test>) -> To
             format!("{} ÷ {VOLUMES}/doubled", rival.technique),
         ),
         Test::WrongPixels { rival } => wrong_pixels(data, rival),
-        Test::No(why) => Told {
-            ours: String::new(),
-            standing: Standing::CannotBeTested,
-            reason: why.clone(),
-        },
+        Test::No(why) => unanswered(Standing::CannotBeTested, why),
     }
 }
 
@@ -224,35 +217,22 @@ fn answer(data: &Data<'_>, rung: &Rung<'_>, claim: Claim) -> Answer {
 }
 
 /// What the step that moved most changed in counters.
-fn reason(found: &[Step<'_, '_>]) -> String {
+fn reason(found: &[&Rung<'_>]) -> String {
     let moved = |rung: &Rung<'_>| rung.gain.map_or(0.0, |gain| gain.middle.ln().abs());
-    let most = found
-        .iter()
-        .max_by(|a, b| moved(a.1).total_cmp(&moved(b.1)));
-    let of = |(ladder, rung): &Step<'_, '_>| {
-        Some(format!(
-            "{}: {}",
-            ladder.view,
-            counters(rung.before?, rung.case)
-        ))
+    let most = found.iter().max_by(|a, b| moved(a).total_cmp(&moved(b)));
+    let of = |rung: &&Rung<'_>| {
+        let changed = counters(rung.before?, rung.case);
+        Some(format!("{}: {changed}", rung.view()))
     };
     most.and_then(of).unwrap_or_default()
 }
 
-fn exactly(value: f64) -> Estimate {
-    Estimate {
-        middle: value,
-        interval: Some([value; 2]),
-        processes: 0,
-    }
-}
-
-fn of_counter(found: &[Step<'_, '_>], metric: &str, claim: Claim) -> Told {
-    let parts = found.iter().filter_map(|(ladder, rung)| {
+fn of_counter(found: &[&Rung<'_>], metric: &str, claim: Claim) -> Told {
+    let parts = found.iter().filter_map(|rung| {
         let ratio = rung.before?.value(metric)? / rung.case.value(metric)?;
-        let standing = claim.standing_beyond(&exactly(ratio), 1.0);
+        let standing = claim.standing_beyond(&Estimate::exact(ratio), 1.0);
         Some((
-            format!("{} {} ×", ladder.view, significant(ratio)),
+            format!("{} {} ×", rung.view(), significant(ratio)),
             standing,
         ))
     });
@@ -266,7 +246,7 @@ fn picture(view: &str, case: &Case) -> (String, Standing) {
         _ => Standing::NotMeasured,
     };
     let outside = counter(case, MISMATCHED_PX_OUTSIDE_BAND);
-    let px = outside.map_or("–".to_owned(), count);
+    let px = or_dash(outside.map(count));
     (format!("{view}: {px} px outside the band"), standing)
 }
 
@@ -277,34 +257,40 @@ fn own_steps<'l, 'a>(ladder: &'l Ladder<'a>) -> impl Iterator<Item = &'l Rung<'a
     own.filter(|rung| !rung.is_aside)
 }
 
-fn largest(data: &Data<'_>, step: &str, found: &[Step<'_, '_>]) -> Told {
-    let parts = found.iter().filter_map(|(ladder, rung)| {
-        let gain = rung.gain.as_ref()?;
+fn largest<'l, 'a: 'l>(
+    data: &Data<'_>,
+    step: &str,
+    ladders: impl Iterator<Item = &'l Ladder<'a>>,
+) -> Told {
+    let mut found = Vec::new();
+    let parts = ladders.filter_map(|ladder| {
+        let rung = ladder.step(step)?;
+        found.push(rung);
         let others = own_steps(ladder).filter(|other| other.step != step);
         let others = others.filter_map(|other| Some((other.step, other.gain?)));
         let (next, next_gain) = others.max_by(|a, b| a.1.middle.total_cmp(&b.1.middle))?;
-        let standing = is_more(gain, &next_gain);
-        let (gain, next_gain) = (data.ratio_text(gain), data.ratio_text(&next_gain));
+        let standing = is_more(rung.gain.as_ref()?, &next_gain);
+        let [gain, next_gain] = [rung.gain?, next_gain].map(|gain| data.ratio_text(&gain));
         Some((
             format!("{} {gain}, next {next} {next_gain}", ladder.view),
             standing,
         ))
     });
-    told(parts, reason(found))
+    let parts: Vec<(String, Standing)> = parts.collect();
+    told(parts, reason(&found))
 }
 
-fn second_pass(found: &[Step<'_, '_>]) -> Told {
-    let parts = found.iter().filter_map(|(ladder, rung)| {
+fn second_pass(found: &[&Rung<'_>]) -> Told {
+    let parts = found.iter().filter_map(|rung| {
         let share = share(rung.case, COLOUR_GPU_MS, STENCIL_GPU_MS)?;
         let standing = Claim::AtLeast(0.5).standing(&share);
-        let text = terrafill_plot::number::figure(&share);
-        Some((format!("{} {text}", ladder.view), standing))
+        Some((format!("{} {}", rung.view(), figure(&share)), standing))
     });
-    let fragments = found.first().map(|(ladder, rung)| {
-        let of = |metric| counter(rung.case, metric).map_or("–".to_owned(), count);
+    let fragments = found.first().map(|rung| {
+        let of = |metric| or_dash(counter(rung.case, metric).map(count));
         format!(
             "{}: {} fragments in the first pass, {} shaded in the second",
-            ladder.view,
+            rung.view(),
             of(STENCIL_FRAGMENTS),
             of(FRAGMENT_SHADER_INVOCATIONS)
         )
@@ -318,7 +304,6 @@ fn of_fill_rate(ladders: &[&Ladder<'_>]) -> Told {
         .flat_map(|ladder| fill_rate::slopes(std::slice::from_ref(*ladder)));
     let parts = all.filter_map(|slopes| {
         let (vertices, fragments) = (slopes.vertices.as_ref()?, slopes.fragments.as_ref()?);
-        let figure = terrafill_plot::number::figure;
         Some((
             format!(
                 "{}: fragments {}, vertices {}",
@@ -379,7 +364,7 @@ fn of_geometry_shader(data: &Data<'_>, claim: Claim) -> Told {
     let parts = found.iter().filter(|_| has_documents).map(|(name, ratio)| {
         // The document's own layout decides; the others are named beside it.
         let standing = match memory::is_documents_layout(name) {
-            true => claim.standing_beyond(&exactly(*ratio), 1.0),
+            true => claim.standing_beyond(&Estimate::exact(*ratio), 1.0),
             false => Standing::Holds,
         };
         (format!("{name} {} ×", significant(*ratio)), standing)
@@ -394,7 +379,7 @@ fn centric_normals(data: &Data<'_>) -> Told {
         .filter(|case| case.condition(NORMALS) == "centric" && is_compared(case));
     let parts = own.map(|case| {
         let (pixels, standing) = picture(case.condition(VIEW), case);
-        let shift = case.value(WALL_SHIFT_M).map_or("–".to_owned(), significant);
+        let shift = or_dash(case.value(WALL_SHIFT_M).map(significant));
         let scene = case.condition(SCENE);
         (
             format!("{scene} {pixels}, walls off by up to {shift} m"),
@@ -476,7 +461,7 @@ fn wrong_pixels(data: &Data<'_>, rival: &Rival) -> Told {
     let volumes = found
         .iter()
         .filter_map(|(_, [_, volumes])| outside(volumes));
-    let most = volumes.max().map_or("–".to_owned(), count);
+    let most = or_dash(volumes.max().map(count));
     told(
         parts,
         format!("outside the boundary band; of volumes at most {most}"),
@@ -502,7 +487,10 @@ fn surface_independence(data: &Data<'_>) -> Told {
     };
     let tallies = [tally("bare ellipsoid", false), tally("terrain", true)];
     let [Some(bare), Some(terrain)] = tallies else {
-        return not_measured("the run has surfaces of one kind only");
+        return unanswered(
+            Standing::NotMeasured,
+            "the run has surfaces of one kind only",
+        );
     };
     told(
         vec![bare, terrain],
@@ -550,25 +538,23 @@ pub(super) fn of_ladder(data: &Data<'_>, ladder: &Ladder<'_>) -> Vec<Finding> {
             return None;
         };
         let found = telling_steps(&[ladder], of);
-        let (_, rung) = found.first()?;
+        let rung = found.first()?;
         let answer = answer(data, rung, of.expects);
-        let figure = match claimed.figure.as_str() {
+        let said = match claimed.figure.as_str() {
             "" => String::new(),
             figure => format!(" ({figure})"),
         };
         let gain = answer.figure.as_ref().map(|gain| data.ratio_text(gain));
         let gain = gain.map(|gain| format!("{}: {gain}", rung.step));
-        let because = [gain.unwrap_or_default(), answer.because];
-        let because = because.into_iter().filter(|text| !text.is_empty());
         Some(Finding {
             claim: format!(
-                "{SOURCE}, {}, {}{figure}: “{}”",
+                "{SOURCE}, {}, {}{said}: “{}”",
                 claimed.place,
                 claimed.basis.name(),
                 claimed.words
             ),
             standing: answer.standing,
-            because: because.collect::<Vec<_>>().join(". "),
+            because: sentences([gain.unwrap_or_default(), answer.because]),
         })
     };
     PAPER.claims.iter().filter_map(finding).collect()
@@ -587,7 +573,7 @@ pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> 
     for claimed in &PAPER.claims {
         let (timed, claim) = match &claimed.test {
             Test::Step(of) => {
-                for (_, rung) in telling_steps(&own, of) {
+                for rung in telling_steps(&own, of) {
                     let is_open = answer(data, rung, of.expects).standing == Standing::CannotTell;
                     if is_open || (is_noisy && rung.gain.is_some()) {
                         let cases = rung.before.into_iter().chain([rung.case]);

@@ -4,7 +4,7 @@
 
 use super::data::{Data, View, counter, has_role, name};
 use super::rungs::{Ladder, SOURCE};
-use super::table::{NOT_COMPARED, NOT_RECORDED, figures, row, section};
+use super::table::{NOT_COMPARED, NOT_RECORDED, figures, plain_figures, row, section};
 use crate::keys::*;
 use terrafill_plot::number::{count, figure, significant};
 use terrafill_results::{Block, Case, Cell, Estimate, Row, exponent};
@@ -50,15 +50,14 @@ pub(super) fn pairs(data: &Data<'_>) -> Vec<Block> {
         let ratios = PAIRS.map(|(_, case, control)| data.over(find(case)?, find(control)?));
         row_of_ratios(data, view.title(), &ratios)
     };
-    let headings = PAIRS.map(|(heading, ..)| (heading, ""));
-    let headings: Vec<_> = [("view", "")].into_iter().chain(headings).collect();
+    let headings = [&["view"][..], &PAIRS.map(|pair| pair.0)[..]].concat();
     let text = format!(
         "Ratios of {}: the first over the second, paired by process, with the 95 % interval where there are \
          processes enough; below 1 the first is faster. Both as they should be used, with the full picture right.",
         data.run.clock().name()
     );
     let rows = data.views.iter().filter_map(of).collect();
-    section("One thing changed", text, figures(&headings, rows))
+    section("One thing changed", text, plain_figures(&headings, rows))
 }
 
 /// Nothing where there is no ratio at all.
@@ -117,7 +116,7 @@ pub(super) fn scales(data: &Data<'_>) -> Vec<Block> {
 /// mesh included.
 pub(super) fn walls(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Block> {
     let both = |ladder: &Ladder<'_>| {
-        let rung = ladder.rungs.iter().find(|rung| rung.step == WALLS_STEP)?;
+        let rung = ladder.step(WALLS_STEP)?;
         let (region, global) = (rung.before?, rung.case);
         let of = |figure: &dyn Fn(&Case) -> Option<u64>, why: &str| {
             let both = figure(region).zip(figure(global));

@@ -85,8 +85,8 @@ pub(super) struct Data<'a> {
     pub(super) cases: Vec<&'a Case>,
     /// The same by scene and view.
     of_views: BTreeMap<[&'a str; 2], Vec<&'a Case>>,
-    /// Bytes of layouts by scene, in order of appearance.
-    pub(super) memory: Vec<(&'a str, Vec<&'a Case>)>,
+    /// Bytes of layouts.
+    pub(super) memory: Vec<&'a Case>,
     /// The views of a scene follow each other. Cases that have a section of their own are in none.
     pub(super) views: Vec<View<'a>>,
     /// The fill's time by the run's clock.
@@ -159,7 +159,7 @@ impl<'a> Data<'a> {
             of_views: grouped(cases.iter().copied(), view_of)
                 .into_iter()
                 .collect(),
-            memory: grouped(memory, scene_of),
+            memory,
             shortest,
             run,
             cases,
@@ -372,9 +372,6 @@ impl<'a> Data<'a> {
                 views.entry(self.marked(case)).or_default().insert(place);
             }
         }
-        for case in self.memory.iter().flat_map(|(_, cases)| cases) {
-            views.entry(layout_name(case)).or_default();
-        }
         let mut series: Vec<(String, BTreeSet<usize>)> = views.into_iter().collect();
         series.sort_by_key(|(_, views)| std::cmp::Reverse(views.len()));
         series.into_iter().map(|(series, _)| series).collect()
@@ -579,7 +576,7 @@ pub(super) fn distinct<T: Ord + Clone>(items: impl IntoIterator<Item = T>) -> Ve
 }
 
 /// Items of the same key together, in order of appearance.
-pub(super) fn grouped<T, K: Ord + Clone>(
+pub(crate) fn grouped<T, K: Ord + Clone>(
     items: impl IntoIterator<Item = T>,
     key: impl Fn(&T) -> K,
 ) -> Vec<(K, Vec<T>)> {

@@ -7,7 +7,7 @@
 use super::data::{Data, is_more};
 use super::rungs::{Ladder, Rung, SOURCE, counters};
 use super::table::Show::{Bytes, Count, Own, Ratios, Status};
-use super::table::{Column, figures, head, part, row, step_cells, steps_plot, table};
+use super::table::{Column, head, part, plain_figures, row, step_cells, steps_plot, table};
 use super::{claims, fill_rate};
 use crate::keys::*;
 use terrafill_plot::number::significant;
@@ -136,7 +136,7 @@ fn overview(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Table {
     ];
     Table {
         is_main: true,
-        ..figures(&headings.map(|text| (text, "")), rows.collect())
+        ..plain_figures(&headings, rows.collect())
     }
 }
 

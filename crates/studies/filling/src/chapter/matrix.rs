@@ -15,19 +15,19 @@ use terrafill_results::{Block, Case, Cell, CellClass, ConditionKey, Outcome, Tab
 /// themselves.
 const GEOMETRY: [ConditionKey; 5] = [VIEW, BOUNDARY_LOD_PX, TOLERANCE_M, NORMALS, POSITIONS];
 
-/// What is said of one case.
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum Found {
-    /// Right by the reference, and the same picture as the first of its kind.
-    Equal,
-    /// Cannot be drawn here, for this reason.
-    Skipped(String),
-    /// Wrong, different, not compared, or missing.
-    Red(String),
-}
+/// Right by the reference, and the same picture as the first of its kind.
+const EQUAL: char = '✓';
+/// Cannot be drawn here.
+const SKIPPED: char = '–';
+/// Wrong, different, not compared, or missing.
+const RED: char = '✗';
 
-/// A case with what is said of it.
-type Examined<'a> = (&'a Case, Found);
+/// A case with its mark, and what is said of it.
+struct Examined<'a> {
+    case: &'a Case,
+    mark: char,
+    what: String,
+}
 
 /// The matrix of every scene that has one.
 pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
@@ -52,16 +52,16 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
 fn scene_blocks(scene: &str, cells: &[&Case]) -> Vec<Block> {
     let views = distinct(cells.iter().map(|case| case.condition(VIEW)));
     let firsts = firsts(cells);
-    let found = cells.iter().map(|case| (*case, examine(case, &firsts)));
+    let found = cells.iter().map(|case| examine(case, &firsts));
     let found: Vec<Examined<'_>> = found.collect();
-    let red = found.iter().filter_map(|(case, found)| match found {
-        Found::Red(what) => Some(format!("{}: {what}", name_in_view(case))),
-        _ => None,
-    });
+    let marked = |mark: char| found.iter().filter(move |of| of.mark == mark);
+    let red = marked(RED).map(|of| format!("{}: {}", name_in_view(of.case), of.what));
     let red: Vec<String> = red.collect();
-    let equal = found.iter().filter(|(_, found)| *found == Found::Equal);
-    let equal = equal.count();
+    let equal = marked(EQUAL).count();
     let drawn = equal + red.len();
+    let reasons = grouped(marked(SKIPPED), |of| of.what.as_str()).into_iter();
+    let skipped = reasons.map(|(reason, cells)| format!("{reason} ({} cells)", cells.len()));
+    let skipped: Vec<String> = skipped.collect();
     let mut blocks = vec![
         part(format!("{scene}: {equal} of {drawn} cells right and equal")),
         Block::Remark(format!("Marks in a cell: {}.", views.join(", "))),
@@ -71,7 +71,6 @@ fn scene_blocks(scene: &str, cells: &[&Case]) -> Vec<Block> {
         red,
     ));
     blocks.push(Block::Table(marks(&found)));
-    let skipped = skipped(&found);
     if !skipped.is_empty() {
         blocks.push(Block::Remark(format!(
             "Unavailable on this device: {}.",
@@ -84,8 +83,8 @@ fn scene_blocks(scene: &str, cells: &[&Case]) -> Vec<Block> {
 /// A row for each layout, those of a technique together, and a column for each set of switches. A set is what a case
 /// changes against the plainest one of its layout, which has the shortest variant.
 fn marks(found: &[Examined<'_>]) -> Table {
-    let techniques = grouped(found, |(case, _)| case.condition(TECHNIQUE)).into_iter();
-    let layouts = techniques.flat_map(|(_, own)| grouped(own, |(case, _)| layout_name(case)));
+    let techniques = grouped(found, |of| of.case.condition(TECHNIQUE)).into_iter();
+    let layouts = techniques.flat_map(|(_, own)| grouped(own, |of| layout_name(of.case)));
     let layouts: Vec<(String, Vec<&Examined<'_>>)> = layouts.collect();
     let plain: BTreeMap<&str, BTreeMap<&str, &str>> = layouts
         .iter()
@@ -98,9 +97,9 @@ fn marks(found: &[Examined<'_>]) -> Table {
         let own = own.map(|(key, value)| format!("{key}={value}"));
         own.collect::<Vec<_>>().join(", ")
     };
-    let sets = distinct(found.iter().map(|(case, _)| set(case)));
+    let sets = distinct(found.iter().map(|of| set(of.case)));
     let rows = layouts.iter().map(|(layout, own)| {
-        let by_set: BTreeMap<_, _> = grouped(own.iter().copied(), |(case, _)| set(case))
+        let by_set: BTreeMap<_, _> = grouped(own.iter().copied(), |of| set(of.case))
             .into_iter()
             .collect();
         let cells = sets.iter();
@@ -120,48 +119,27 @@ fn marks(found: &[Examined<'_>]) -> Table {
 
 /// Switches of the case with the shortest variant.
 fn plainest<'c>(own: &[&Examined<'c>]) -> BTreeMap<&'c str, &'c str> {
-    let cases = own.iter().map(|(case, _)| *case);
+    let cases = own.iter().map(|of| of.case);
     let plainest = cases.min_by_key(|case| case.condition(VARIANT).len());
     plainest.map_or_else(BTreeMap::new, |case| switches(case).into_iter().collect())
 }
 
 /// A mark for each view; empty where the layout has no such switch.
 fn cell(found: &[&Examined<'_>]) -> Cell {
-    let mark = |found: &Found| match found {
-        Found::Equal => "✓",
-        Found::Skipped(_) => "–",
-        Found::Red(_) => "✗",
-    };
-    let title = found.iter().map(|(case, found)| {
-        let what = match found {
-            Found::Equal => "right, and the same picture",
-            Found::Skipped(why) | Found::Red(why) => why,
-        };
-        format!("{}: {what}", case.condition(VIEW))
-    });
-    let has = |of: fn(&Found) -> bool| found.iter().any(|(_, found)| of(found));
+    let title = found
+        .iter()
+        .map(|of| format!("{}: {}", of.case.condition(VIEW), of.what));
+    let has = |mark| found.iter().any(|of| of.mark == mark);
     Cell {
-        text: found.iter().map(|(_, found)| mark(found)).collect(),
+        text: found.iter().map(|of| of.mark).collect(),
         title: title.collect::<Vec<_>>().join("; "),
-        class: match () {
-            () if has(|found| matches!(found, Found::Red(_))) => CellClass::Bad,
-            () if has(|found| *found == Found::Equal) => CellClass::Good,
-            () => CellClass::Plain,
+        class: match [RED, EQUAL].map(has) {
+            [true, _] => CellClass::Bad,
+            [false, true] => CellClass::Good,
+            [false, false] => CellClass::Plain,
         },
         ..Cell::default()
     }
-}
-
-/// Reasons of skipped cells, with how many they are.
-fn skipped(found: &[Examined<'_>]) -> Vec<String> {
-    let reasons = found.iter().filter_map(|(_, found)| match found {
-        Found::Skipped(reason) => Some(reason.as_str()),
-        _ => None,
-    });
-    let counted = grouped(reasons, |reason| *reason).into_iter();
-    counted
-        .map(|(reason, cells)| format!("{reason} ({} cells)", cells.len()))
-        .collect()
 }
 
 fn name_in_view(case: &Case) -> String {
@@ -196,34 +174,38 @@ fn firsts<'a>(cells: &[&'a Case]) -> Firsts<'a> {
     all.collect()
 }
 
-fn examine(case: &Case, firsts: &Firsts<'_>) -> Found {
-    match case.outcome {
+fn examine<'a>(case: &'a Case, firsts: &Firsts<'_>) -> Examined<'a> {
+    let (mark, what) = match case.outcome {
         // What follows the first remark is about the view.
         Outcome::Skipped | Outcome::DriverFault => {
             let reason = case.reason.split("; ").next();
-            return Found::Skipped(reason.unwrap_or_default().to_owned());
+            (SKIPPED, reason.unwrap_or_default().to_owned())
         }
         Outcome::Wrong | Outcome::Failed | Outcome::Missing => {
-            return Found::Red(format!("{}: {}", case.outcome.name(), case.reason));
+            (RED, format!("{}: {}", case.outcome.name(), case.reason))
         }
-        Outcome::Ok => {}
-    }
+        Outcome::Ok => match objection(case, firsts) {
+            Some(what) => (RED, what),
+            None => (EQUAL, "right, and the same picture".to_owned()),
+        },
+    };
+    Examined { case, mark, what }
+}
+
+/// What speaks against a case that ended well.
+fn objection(case: &Case, firsts: &Firsts<'_>) -> Option<String> {
     match counter(case, MISMATCHED_PX_OUTSIDE_BAND) {
         Some(0) => {}
-        Some(px) => return Found::Red(format!("{px} wrong pixels outside the band")),
-        None => return Found::Red("never compared with the reference".to_owned()),
+        Some(px) => return Some(format!("{px} wrong pixels outside the band")),
+        None => return Some("never compared with the reference".to_owned()),
     }
     if case.note("mask_hash").is_empty() {
-        return Found::Red("no hash of its mask was recorded".to_owned());
+        return Some("no hash of its mask was recorded".to_owned());
     }
-    for (hash, what) in HASHES {
+    HASHES.into_iter().find_map(|(hash, what)| {
         let own = case.note(hash);
-        let first = firsts
-            .get(&(hash, geometry(case)))
-            .filter(|_| !own.is_empty());
-        if let Some(first) = first.filter(|first| first.note(hash) != own) {
-            return Found::Red(format!("{what} differs from that of {}", name(first)));
-        }
-    }
-    Found::Equal
+        let first = firsts.get(&(hash, geometry(case)))?;
+        let differs = !own.is_empty() && first.note(hash) != own;
+        differs.then(|| format!("{what} differs from that of {}", name(first)))
+    })
 }

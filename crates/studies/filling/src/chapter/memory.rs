@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Memory: bytes of every layout by formula and as allocated, beside the figures of 2007.
 
-use super::data::{Data, counter, grouped, layout_name};
+use super::data::{Data, counter, grouped, has_role, layout_name};
 use super::rungs::SOURCE;
 use super::table::Show::{Count, Own};
-use super::table::{Column, NOT_RECORDED, head, part, plot, table};
+use super::table::{Column, NOT_RECORDED, alarm, head, none_differs, part, table};
 use crate::keys::*;
-use terrafill_plot::number::{bytes, count, significant};
-use terrafill_plot::{Line, LinePanel, Lines};
-use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Standing, Table};
+use crate::request::STUDY;
+use terrafill_lab::{Cases, Drawing, Figure, Names, Panel, finding};
+use terrafill_plot::PointStanding;
+use terrafill_plot::number::{count, significant};
+use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Table};
 
 /// The layout whose bytes the others' are divided by: every vertex twice, as a vertex shader needs.
 const BASE: &str = "vertex/doubled";
@@ -57,6 +59,28 @@ const COLUMNS: [Column; 13] = [
     ("÷\u{a0}vertex/doubled", Own("")),
 ];
 
+/// An open mark stands beside the curve where the scene itself holds less: what is made every frame is made for the
+/// regions in view only.
+const GROWTH: Drawing<'static> = Drawing {
+    caption: "Bytes by formula, the regions of the scene repeated in turn; open mark: the scene itself, as allocated.",
+    panels: &[Panel {
+        across: ("regions", Figure::Condition(REGIONS)),
+        up: ("bytes", Figure::Computed(drawn_bytes)),
+        curve: Names::Of("layout", layout_name),
+        knob: Figure::Condition(REGIONS),
+        standing: |case| match allocated_bytes(case) {
+            Some(_) => PointStanding::Approximate,
+            None => PointStanding::Right,
+        },
+        ..Panel::EMPTY
+    }],
+};
+
+fn drawn_bytes(case: &Case) -> Option<f64> {
+    let bytes = allocated_bytes(case).or_else(|| formula_bytes(case))?;
+    Some(bytes as f64)
+}
+
 fn regions(case: &Case) -> u64 {
     case.condition(REGIONS).parse().unwrap_or(0)
 }
@@ -72,15 +96,14 @@ fn allocated_bytes(case: &Case) -> Option<u64> {
 
 /// Scenes with the layouts that some technique allocated, those of a technique together.
 fn allocated<'a>(data: &Data<'a>) -> Vec<(&'a str, Vec<&'a Case>)> {
-    let scenes = data.memory.iter().map(|(scene, cases)| {
-        let own = cases.iter().copied();
-        let own = own.filter(|case| allocated_bytes(case).is_some());
-        let techniques = grouped(own, |case| case.condition(TECHNIQUE)).into_iter();
-        (*scene, techniques.flat_map(|(_, cases)| cases).collect())
-    });
-    scenes
-        .filter(|(_, own): &(_, Vec<_>)| !own.is_empty())
-        .collect()
+    let own = data.memory.iter().copied();
+    let own = own.filter(|case| allocated_bytes(case).is_some());
+    let scenes = grouped(own, |case| case.condition(SCENE)).into_iter();
+    let by_technique = |(scene, cases): (&'a str, Vec<&'a Case>)| {
+        let techniques = grouped(cases, |case| case.condition(TECHNIQUE)).into_iter();
+        (scene, techniques.flat_map(|(_, cases)| cases).collect())
+    };
+    scenes.map(by_technique).collect()
 }
 
 /// Tables of every scene that some technique allocated, and its growth over regions.
@@ -105,14 +128,12 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
             layout_name(case)
         ))
     });
-    let red: Vec<String> = red.collect();
-    if !red.is_empty() {
-        blocks.push(Block::Alarm("Formula and allocation differ:".to_owned()));
-        blocks.push(Block::List(red));
-    }
-    blocks.extend(growth(data)?);
+    blocks.extend(alarm("Formula and allocation differ:", red.collect()));
     for (scene, own) in &scenes {
         blocks.push(part(format!("Bytes of {scene}")));
+        let of_scene = |case: &Case| case.condition(SCENE) == *scene && has_role(case, "memory");
+        let drawn = Cases::of_study(data.run, STUDY).fitting(of_scene);
+        blocks.extend(GROWTH.block(&format!("{scene}: bytes over regions"), &drawn)?);
         blocks.push(Block::Table(layouts(data, own)));
         blocks.extend(findings(own).into_iter().map(Block::Finding));
     }
@@ -124,16 +145,9 @@ pub(super) fn requirement(data: &Data<'_>) -> Option<Finding> {
     let scenes = allocated(data).into_iter();
     let all: Vec<&Case> = scenes.flat_map(|(_, own)| own).collect();
     let differing = all.iter().filter(|case| disagreement(case).is_some());
-    let differing = differing.count();
-    (!all.is_empty()).then(|| Finding {
-        claim: "Every layout allocates the bytes of its formula.".to_owned(),
-        standing: Standing::holds_if(differing == 0),
-        because: format!(
-            "{} of {} layouts of scenes do",
-            all.len() - differing,
-            all.len()
-        ),
-    })
+    let claim = "Every layout allocates the bytes of its formula.";
+    (!all.is_empty())
+        .then(|| none_differs(claim, all.len(), differing.count(), "layouts of scenes do"))
 }
 
 fn base(rows: &[&Case]) -> Option<u64> {
@@ -191,16 +205,15 @@ fn disagreement(case: &Case) -> Option<String> {
 /// Each geometry-shader layout beside the document's 40 %.
 fn findings(rows: &[&Case]) -> Vec<Finding> {
     let ratios = ratios_to_base(rows).into_iter();
-    ratios
-        .map(|(name, ratio)| Finding {
-            claim: format!(
-                "{SOURCE}, measured: “only about 40% of the memory”; {} by the document's layouts.",
-                times(ratio_by_layouts())
-            ),
-            standing: Standing::holds_if((ratio - RATIO_2007).abs() <= ABOUT),
-            because: format!("{name} takes {} {BASE}", times(ratio)),
-        })
-        .collect()
+    let claim = format!(
+        "{SOURCE}, measured: “only about 40% of the memory”; {} by the document's layouts.",
+        times(ratio_by_layouts())
+    );
+    let found = ratios.map(|(name, ratio)| {
+        let because = format!("{name} takes {} {BASE}", times(ratio));
+        finding(&claim, Some((ratio - RATIO_2007).abs() <= ABOUT), because)
+    });
+    found.collect()
 }
 
 /// Layouts that a geometry shader reads, by name, and their bytes over [`BASE`].
@@ -246,49 +259,4 @@ pub(super) fn geometry_shader_ratios(data: &Data<'_>) -> Vec<(String, f64)> {
     let scenes = allocated(data).into_iter();
     let mut ratios = scenes.map(|(_, own)| ratios_to_base(&own));
     ratios.find(|ratios| !ratios.is_empty()).unwrap_or_default()
-}
-
-/// Bytes over numbers of regions, a panel a scene; ringed: the scene itself, as allocated. It stands
-/// beside the line: what is made every frame is made for the regions in view only.
-fn growth(data: &Data<'_>) -> Result<Option<Block>, ChapterError> {
-    let line = |(name, own): (String, Vec<&Case>)| {
-        let at = |case: &Case, total: u64| [regions(case) as f64, total as f64];
-        let as_allocated = |case: &&&Case| allocated_bytes(case).is_some();
-        let by_formula = own.iter().filter(|case| !as_allocated(case));
-        let points = by_formula.filter_map(|case| Some(at(case, formula_bytes(case)?)));
-        let mut points: Vec<[f64; 2]> = points.collect();
-        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let ringed = own.iter().rfind(as_allocated);
-        let ringed = ringed.and_then(|case| Some(at(case, allocated_bytes(case)?)));
-        Line {
-            name,
-            points,
-            ringed,
-        }
-    };
-    let has_allocated =
-        |(_, own): &&(_, Vec<&Case>)| own.iter().any(|case| allocated_bytes(case).is_some());
-    let panel = |(scene, own): &(&str, Vec<&Case>)| LinePanel {
-        name: (*scene).to_owned(),
-        lines: grouped(own.iter().copied(), |case| layout_name(case))
-            .into_iter()
-            .map(line)
-            .collect(),
-    };
-    let drawn = Lines {
-        title: "bytes over regions".to_owned(),
-        across: "regions",
-        across_tick: count,
-        up: "bytes",
-        up_tick: bytes,
-        panels: data
-            .memory
-            .iter()
-            .filter(has_allocated)
-            .map(panel)
-            .collect(),
-    };
-    let caption = "Bytes by formula, the regions of each scene repeated in turn; ringed: the scene itself, as \
-                   allocated.";
-    Ok(plot(caption, drawn.draw(data.palette())?))
 }

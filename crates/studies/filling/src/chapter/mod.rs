@@ -31,10 +31,11 @@ mod textured;
 
 use crate::keys::{FILL_CPU_MS, FILL_GPU_MS, MISMATCHED_PX_OUTSIDE_BAND};
 use crate::request::STUDY;
+pub(crate) use data::grouped;
 use data::{Data, is_baseline};
 use rungs::FULL_PLAN;
 pub(crate) use scenes::picture;
-pub(crate) use table::{figures, row};
+pub(crate) use table::{alarm, figures, row};
 use terrafill_results::{
     Answers, Block, Case, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run,
 };

@@ -7,11 +7,13 @@
 use super::data::{Data, counter, distinct, grouped, has_role, name, title};
 use super::rungs::{Ladder, NEEDS, Rung, counters, ladders};
 use super::table::Show::{Count, Own, Ratios, Status};
-use super::table::{Column, figures, head, part, row, step_cells, steps_plot, table};
+use super::table::{
+    Column, alarm, figures, head, none_differs, part, row, step_cells, steps_plot, table,
+};
 use crate::keys::*;
 use terrafill_fill::{Feature, Need};
 use terrafill_plot::number::{bytes, count, significant};
-use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Row, Standing, Table};
+use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Row, Table};
 
 const SUMS: [Column; 7] = [
     ("view", Own("")),
@@ -111,13 +113,8 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
              “Only what is needed” is the variant that decides by itself what each view needs: `terrafill \
              bench SCENE --ladder SCENE` measures the way there from everything that a fill can hold.",
     );
-    let red: Vec<String> = all.iter().filter_map(disagreement).collect();
-    if !red.is_empty() {
-        blocks.push(Block::Alarm(
-            "What is declared and what was made differ:".to_owned(),
-        ));
-        blocks.push(Block::List(red));
-    }
+    let red = all.iter().filter_map(disagreement).collect();
+    blocks.extend(alarm("What is declared and what was made differ:", red));
     let ladders = ladders(data, NEEDS);
     for (scene, own) in grouped(&all, |told| told.case.condition(SCENE)) {
         blocks.push(part(format!("Needs of {scene}")));
@@ -138,16 +135,9 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
 pub(super) fn requirement(data: &Data<'_>) -> Option<Finding> {
     let all = all(data);
     let differing = all.iter().filter_map(disagreement).count();
-    (!all.is_empty()).then(|| Finding {
-        claim: "Every byte and pipeline that a fill holds belongs to a feature that says why."
-            .to_owned(),
-        standing: Standing::holds_if(differing == 0),
-        because: format!(
-            "{} of {} fills declare what the device made for them",
-            all.len() - differing,
-            all.len()
-        ),
-    })
+    let claim = "Every byte and pipeline that a fill holds belongs to a feature that says why.";
+    let what = "fills declare what the device made for them";
+    (!all.is_empty()).then(|| none_differs(claim, all.len(), differing, what))
 }
 
 /// How sums over features differ from what the device made.
@@ -173,24 +163,23 @@ fn disagreement(told: &Told<'_>) -> Option<String> {
 
 /// One row for each feature, and for each group of views of which the same is said.
 fn features(technique: &str, needed: &[&Told<'_>]) -> Table {
-    let views = |(feature, _): (Feature, _)| {
-        let told = needed.iter().filter_map(|told| {
+    let of_feature = |(feature, _): (Feature, _)| {
+        let told = needed.iter().filter_map(move |told| {
             let need = told.needs.iter().find(|need| need.feature == feature)?;
             Some((need, told.case.condition(VIEW)))
         });
-        let mut groups: Vec<(&Need, Vec<&str>)> = Vec::new();
-        for (need, view) in told {
-            match groups.iter_mut().find(|(known, _)| *known == need) {
-                Some((_, views)) => views.push(view),
-                None => groups.push((need, vec![view])),
-            }
-        }
-        groups
+        grouped(told, |(need, _)| need.line()).into_iter()
     };
-    let rows = Feature::ALL.into_iter().flat_map(views);
-    let rows = rows.map(|(need, views)| match views.len() == needed.len() {
-        true => feature(need, "all"),
-        false => feature(need, &views.join(", ")),
+    let rows = Feature::ALL.into_iter().flat_map(of_feature);
+    let rows = rows.map(|(_, same)| {
+        let views: Vec<&str> = same.iter().map(|(_, view)| *view).collect();
+        let is_all = views.len() == needed.len();
+        let views = if is_all {
+            "all".to_owned()
+        } else {
+            views.join(", ")
+        };
+        feature(same[0].0, &views)
     });
     let variants = distinct(needed.iter().map(|told| told.case.condition(VARIANT)));
     let headings = [

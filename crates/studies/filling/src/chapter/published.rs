@@ -6,7 +6,7 @@
 //! newer world-cell path, which looks a pixel's edges up in a grid instead of using the stencil.
 
 use super::data::{Data, View, counter, distinct, name};
-use super::table::{figures, part, row};
+use super::table::{part, plain_figures, row};
 use crate::keys::{FILL_CPU_MS, GEOMETRY_BYTES};
 use terrafill_plot::number::{bytes, significant};
 use terrafill_results::{Block, Cell, Row, sample_spread};
@@ -69,10 +69,10 @@ pub(super) fn blocks(data: &Data<'_>, views: &[View<'_>]) -> Vec<Block> {
         ),
     };
     let [globe, fill, horizon] = VIEWS;
-    let headings = ["technique", globe, fill, horizon, "geometry bytes"].map(|text| (text, ""));
+    let headings = ["technique", globe, fill, horizon, "geometry bytes"];
     vec![
         part(format!("{scene} beside the best-known web globe")),
-        Block::Table(figures(&headings, theirs.chain(ours).collect())),
+        Block::Table(plain_figures(&headings, theirs.chain(ours).collect())),
         Block::Remark(format!(
             "CPU time of the process per frame for the fill. After the dot: how many times less than \
              CesiumJS's volumes / its lookup (below 1: more). Published figures: {SOURCE}.{caveat}"

@@ -29,7 +29,11 @@ pub(super) struct Rung<'a> {
     pub(super) gain: Option<Estimate>,
 }
 
-impl Rung<'_> {
+impl<'a> Rung<'a> {
+    pub(super) fn view(&self) -> &'a str {
+        self.case.condition(VIEW)
+    }
+
     /// Whether the next rung starts from it: it is right, and not aside.
     pub(super) fn is_kept(&self) -> bool {
         self.case.counts() && !self.is_aside
@@ -43,6 +47,13 @@ pub(super) struct Ladder<'a> {
     pub(super) view: &'a str,
     pub(super) technique: &'a str,
     pub(super) rungs: Vec<Rung<'a>>,
+}
+
+impl<'a> Ladder<'a> {
+    /// The rung of a step.
+    pub(super) fn step(&self, step: &str) -> Option<&Rung<'a>> {
+        self.rungs.iter().find(|rung| rung.step == step)
+    }
 }
 
 /// Conditions that number and name rungs, and the note that says what changes.

@@ -5,8 +5,8 @@ use super::data::{
     DEPTH_PASS, Data, STENCIL_PASS, View, counter, grouped, has_role, is_approximate, is_rival,
     name, setting, standing,
 };
-use super::table::Show::{Count, Figure, OtherClock, Over, Own, Status, Time, Times};
-use super::table::{Column, no_ratio, part, plot, table};
+use super::table::Show::{Count, Figure, OtherClock, Over, Own, Status, Times};
+use super::table::{Column, no_ratio, or_dash, part, plot, table};
 use super::{error_time, published};
 use crate::keys::*;
 use terrafill_plot::number::{count, significant, times};
@@ -35,16 +35,16 @@ const COLUMNS: [Column; 26] = [
     ("÷\u{a0}depth-pass", Over(DEPTH_PASS)),
     ("÷\u{a0}stencil-pass", Over(STENCIL_PASS)),
     ("fill, {other}", OtherClock),
-    ("surface, GPU\u{a0}ms", Time(SURFACE_GPU_MS)),
+    ("surface, GPU\u{a0}ms", Figure(SURFACE_GPU_MS)),
     ("surface bytes", Count(SURFACE_BYTES)),
-    ("stencil, GPU\u{a0}ms", Time(STENCIL_GPU_MS)),
-    ("colour, GPU\u{a0}ms", Time(COLOUR_GPU_MS)),
+    ("stencil, GPU\u{a0}ms", Figure(STENCIL_GPU_MS)),
+    ("colour, GPU\u{a0}ms", Figure(COLOUR_GPU_MS)),
     ("geometry bytes", Count(GEOMETRY_BYTES)),
     ("vertex bytes", Count(VERTEX_BYTES)),
     ("index bytes", Count(INDEX_BYTES)),
     ("constant bytes", Count(CONSTANT_BYTES)),
     ("target bytes", Count(TARGET_BYTES)),
-    ("to prepare, CPU\u{a0}ms", Time(PREPARE_CPU_MS)),
+    ("to prepare, CPU\u{a0}ms", Figure(PREPARE_CPU_MS)),
     ("draws", Count(DRAWS)),
     ("vertices", Count(VERTICES)),
     ("regions left out", Count(REGIONS_LEFT_OUT)),
@@ -238,7 +238,7 @@ fn pictures(data: &Data<'_>, view: &View<'_>) -> Option<Pictures> {
 }
 
 fn caption(case: &Case) -> String {
-    let counted = |metric| counter(case, metric).map_or_else(|| "–".to_owned(), count);
+    let counted = |metric| or_dash(counter(case, metric).map(count));
     let mut text = format!(
         "{}{}: {} px differ, {} of them outside the band, Hausdorff distance {} px",
         name(case),
@@ -248,8 +248,7 @@ fn caption(case: &Case) -> String {
         },
         counted(MISMATCHED_PX),
         counted(MISMATCHED_PX_OUTSIDE_BAND),
-        case.value(HAUSDORFF_PX)
-            .map_or_else(|| "–".to_owned(), significant),
+        or_dash(case.value(HAUSDORFF_PX).map(significant)),
     );
     if let Some(px) = case.value(BOUNDARY_MOVED_PX) {
         text.push_str(&format!(", moved {} px", significant(px)));

@@ -7,11 +7,12 @@ use super::data::{
 use super::rungs::Rung;
 use crate::keys::*;
 use crate::metrics::METRICS;
+use terrafill_lab::finding;
 use terrafill_plot::number::{bytes, count, significant, spread};
 use terrafill_plot::{RatioAxis, Step, Steps, dotted};
 use terrafill_results::{
-    Block, Case, Cell, CellClass, ChapterError, Heading, Metric, Outcome, Plot, Row, Table,
-    sample_spread,
+    Block, Case, Cell, CellClass, ChapterError, Finding, Heading, Kind, Metric, Outcome, Plot, Row,
+    Spread, Table, sample_spread,
 };
 
 /// What a column shows.
@@ -27,8 +28,6 @@ pub(super) enum Show {
     Median,
     /// The median of the fill's time by the other clock.
     OtherClock,
-    /// Another time, to three digits.
-    Time(&'static Metric),
     /// Three digits.
     Figure(&'static Metric),
     /// Every digit.
@@ -41,6 +40,33 @@ pub(super) enum Show {
     Ratios,
 }
 
+impl Show {
+    /// The metric that it shows; `None` of what is made of several, or is none.
+    fn metric(self, data: &Data<'_>) -> Option<&'static Metric> {
+        match self {
+            Self::Times | Self::Median => Some(data.metric),
+            Self::OtherClock => Some(data.run.clock().pick(FILL_CPU_MS, FILL_GPU_MS)),
+            Self::Figure(metric) | Self::Count(metric) | Self::Bytes(metric) => Some(metric),
+            Self::Own(_) | Self::Status | Self::Over(_) | Self::Ratios => None,
+        }
+    }
+
+    /// What its heading means, unless that is the metric's to say.
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::Own(meaning) => meaning,
+            Self::Over(DEPTH_PASS) => {
+                "over the full-screen pass that reads depth, paired by process"
+            }
+            Self::Over(_) => {
+                "over the full-screen pass that clears and tests the stencil, paired by process"
+            }
+            Self::Ratios => "times over the median of the full-screen depth-pass of the same view",
+            _ => "",
+        }
+    }
+}
+
 /// Heading, in which `{unit}` is that of the run's clock and `{other}` that of the other one, and what is shown.
 pub(super) type Column = (&'static str, Show);
 
@@ -50,7 +76,8 @@ pub(super) const NOT_TIMED: &str = "no frame was timed";
 pub(super) const NO_TEXELS: &str = "a plain fill has no texels";
 
 /// Why a case that is right may lack a figure, where it is not [`NOT_RECORDED`].
-const MAY_LACK: [(&str, &[&Metric]); 9] = [
+const MAY_LACK: [(&str, &[&Metric]); 10] = [
+    (NOT_TIMED, &[FILL_CPU_MS]),
     (NOT_COMPARED, &[MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND]),
     (
         "not counted by this technique",
@@ -129,88 +156,62 @@ fn heading(data: &Data<'_>, (text, show): &Column) -> Heading {
     let other = data.run.clock().pick("CPU\u{a0}ms", "GPU\u{a0}ms");
     let text = text.replace("{unit}", data.unit());
     let text = text.replace("{other}", other);
-    match show {
-        Show::Own("") | Show::Status => Heading::plain(text),
-        Show::Own(meaning) => Heading::explained(text, *meaning),
-        Show::Times | Show::Median => Heading::metric(text, data.metric),
-        Show::OtherClock => Heading::metric(text, other_clock(data)),
-        Show::Time(metric) | Show::Figure(metric) | Show::Count(metric) | Show::Bytes(metric) => {
-            Heading::metric(text, *metric)
-        }
-        Show::Over(DEPTH_PASS) => Heading::explained(
-            text,
-            "over the full-screen pass that reads depth, paired by process",
-        ),
-        Show::Over(_) => Heading::explained(
-            text,
-            "over the full-screen pass that clears and tests the stencil, paired by process",
-        ),
-        Show::Ratios => Heading::explained(
-            text,
-            "times over the median of the full-screen depth-pass of the same view",
-        ),
+    match show.metric(data) {
+        Some(metric) => Heading::metric(text, metric),
+        None => Heading::explained(text, show.meaning()),
     }
 }
 
 /// A cell of a case.
 fn cell(data: &Data<'_>, case: &Case, show: Show) -> Cell {
-    let figure = |text: Option<String>, why: &str| match text {
-        Some(text) => Cell::plain(text),
-        None => absent(case, why),
-    };
-    let counted = |metric: &Metric, print: fn(u64) -> String| {
-        figure(counter(case, metric).map(print), why_absent(metric))
-    };
-    let timed = |metric, ms: Option<String>, why| dotted(time_cell(case, ms, why), case, metric);
-    let pass = "this pass was not measured in this run";
-    match show {
-        Show::Own(_) => Cell::default(),
-        Show::Status => Cell::plain(standing(case)),
-        Show::Times => timed(data.metric, data.time(case).map(spread), NOT_TIMED),
-        Show::Median => {
-            let ms = data.time(case).map(|ms| significant(ms.median));
-            timed(data.metric, ms, NOT_TIMED)
+    let median = |times: Spread| significant(times.median);
+    let metric = show.metric(data);
+    let text = match show {
+        Show::Own(_) => return Cell::default(),
+        Show::Status => return Cell::plain(standing(case)),
+        Show::Times => data.time(case).map(spread),
+        Show::Median | Show::OtherClock => {
+            metric.and_then(|metric| sample_spread(case, metric).map(median))
         }
-        Show::OtherClock => {
-            let metric = other_clock(data);
-            let ms = sample_spread(case, metric).map(|ms| significant(ms.median));
-            timed(metric, ms, why_absent(FILL_GPU_MS))
-        }
-        Show::Time(metric) => {
-            let ms = case.value(metric).map(significant);
-            timed(metric, ms, why_absent(metric))
-        }
-        Show::Figure(metric) => figure(case.value(metric).map(significant), why_absent(metric)),
-        Show::Count(metric) => counted(metric, count),
-        Show::Bytes(metric) => counted(metric, bytes),
+        Show::Figure(metric) => case.value(metric).map(significant),
+        Show::Count(metric) => counter(case, metric).map(count),
+        Show::Bytes(metric) => counter(case, metric).map(bytes),
         Show::Over(technique) => {
             let ratio = data.over_baseline(case, technique);
-            figure(ratio.map(|ratio| significant(ratio.middle)), pass)
+            ratio.map(|ratio| significant(ratio.middle))
         }
-        Show::Ratios => figure(data.spread_over_depth_pass(case).map(spread), pass),
+        Show::Ratios => data.spread_over_depth_pass(case).map(spread),
+    };
+    let why = match (show, metric) {
+        (Show::Times | Show::Median, _) => NOT_TIMED,
+        (_, Some(metric)) => why_absent(metric),
+        (_, None) => "this pass was not measured in this run",
+    };
+    match (text, metric.filter(|metric| metric.kind == Kind::Time)) {
+        (None, _) => absent(case, why),
+        (Some(text), Some(metric)) => dotted(time_cell(case, text), case, metric),
+        (Some(text), None) => Cell::plain(text),
     }
 }
 
-fn other_clock(data: &Data<'_>) -> &'static Metric {
-    data.run.clock().pick(FILL_CPU_MS, FILL_GPU_MS)
-}
-
 /// A time, which counts for nothing when the picture is wrong.
-fn time_cell(case: &Case, text: Option<String>, why: &str) -> Cell {
-    match text {
-        Some(text) if is_approximate(case) => Cell {
-            title: "approximate: its picture differs by nature, and it competes with none"
-                .to_owned(),
-            ..Cell::plain(text)
-        },
+fn time_cell(case: &Case, text: String) -> Cell {
+    let (class, title) = match case.outcome {
+        _ if is_approximate(case) => (
+            CellClass::Plain,
+            "approximate: its picture differs by nature, and it competes with none",
+        ),
         // An error that is part of the answer is shown next to the time.
-        Some(text) if case.outcome == Outcome::Wrong && !is_rival(case) => Cell {
-            class: CellClass::Void,
-            title: "the picture is wrong: this time counts for nothing".to_owned(),
-            ..Cell::plain(text)
-        },
-        Some(text) => Cell::plain(text),
-        None => absent(case, why),
+        Outcome::Wrong if !is_rival(case) => (
+            CellClass::Void,
+            "the picture is wrong: this time counts for nothing",
+        ),
+        _ => (CellClass::Plain, ""),
+    };
+    Cell {
+        class,
+        title: title.to_owned(),
+        ..Cell::plain(text)
     }
 }
 
@@ -243,18 +244,53 @@ pub(crate) fn row(name: Cell, cells: impl IntoIterator<Item = Cell>) -> Row {
     Row::new([name].into_iter().chain(cells).collect())
 }
 
-/// A section of one table, among those that `summary.md` repeats; nothing where it has no row.
+/// The same where headings say what they mean.
+pub(super) fn plain_figures(headings: &[&str], rows: Vec<Row>) -> Table {
+    let headings: Vec<(&str, &str)> = headings.iter().map(|text| (*text, "")).collect();
+    figures(&headings, rows)
+}
+
+/// A table among those that `summary.md` repeats; nothing where it has no row.
+pub(super) fn main_table(table: Table) -> Option<Block> {
+    let is_main = !table.rows.is_empty();
+    is_main.then_some(Block::Table(Table { is_main, ..table }))
+}
+
+/// A section of such a table.
 pub(super) fn section(title: &str, text: impl Into<String>, table: Table) -> Vec<Block> {
-    if table.rows.is_empty() {
-        return Vec::new();
+    match main_table(table) {
+        Some(table) => [head(title, text), vec![table]].concat(),
+        None => Vec::new(),
     }
-    let table = Table {
-        is_main: true,
-        ..table
-    };
-    let mut blocks = head(title, text);
-    blocks.push(Block::Table(table));
-    blocks
+}
+
+/// What is wrong, seen at once; nothing where nothing is.
+pub(crate) fn alarm(text: impl Into<String>, wrong: Vec<String>) -> Vec<Block> {
+    match wrong.is_empty() {
+        true => Vec::new(),
+        false => vec![Block::Alarm(text.into()), Block::List(wrong)],
+    }
+}
+
+/// That nothing differs, with how many of all do not; not measured where there are none.
+///
+/// - `what`: they are and do, in words
+pub(super) fn none_differs(claim: &str, all: usize, differing: usize, what: &str) -> Finding {
+    let same = all - differing;
+    let because = format!("{} of {} {what}", count(same as u64), count(all as u64));
+    finding(claim, (all > 0).then_some(differing == 0), because)
+}
+
+/// Sentences after each other, without the empty ones.
+pub(super) fn sentences<T: AsRef<str>>(texts: impl IntoIterator<Item = T>) -> String {
+    let texts = texts.into_iter().map(|text| text.as_ref().to_owned());
+    let texts: Vec<String> = texts.filter(|text| !text.is_empty()).collect();
+    texts.join(". ")
+}
+
+/// A figure within a sentence.
+pub(super) fn or_dash(figure: Option<String>) -> String {
+    figure.unwrap_or_else(|| "–".to_owned())
 }
 
 /// A section's heading and what is said below it.

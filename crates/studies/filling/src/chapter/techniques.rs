@@ -2,7 +2,7 @@
 //! Every technique's best fill of every view beside the view's fastest, and what could not be drawn rightly.
 
 use super::data::{Data, View, grouped, name, title};
-use super::table::{figures, row, section};
+use super::table::{plain_figures, row, section};
 use crate::keys::{LAYOUT, TECHNIQUE};
 use terrafill_results::{Block, Case, Cell, Outcome, ratio};
 
@@ -44,11 +44,11 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
         .iter()
         .filter(|view| view.competing().next().is_some());
     let rows = rows.map(of).collect();
-    let headings = techniques.iter().map(|(technique, _)| (*technique, ""));
-    let headings: Vec<_> = [("scene, view", "")].into_iter().chain(headings).collect();
+    let headings = techniques.iter().map(|(technique, _)| *technique);
+    let headings: Vec<&str> = ["scene, view"].into_iter().chain(headings).collect();
     let text = "Each technique's fastest right fill of each view, and its time over that of the view's fastest fill \
                 by any technique, paired by process.";
-    let mut blocks = section("Techniques", text, figures(&headings, rows));
+    let mut blocks = section("Techniques", text, plain_figures(&headings, rows));
     for (technique, own) in &techniques {
         blocks.extend(not_right(technique, own).into_iter().flatten());
     }

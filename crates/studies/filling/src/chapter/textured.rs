@@ -11,14 +11,15 @@ use super::data::{
 };
 use super::scenes::picture;
 use super::table::Show::{Bytes, Count, Figure, Over, Own, Status};
-use super::table::{Column, NO_TEXELS, figures, head, part, table};
+use super::table::{
+    Column, NO_TEXELS, head, main_table, or_dash, part, plain_figures, sentences, table,
+};
 use crate::keys::*;
-use terrafill_lab::{Comparison, Follows};
+use terrafill_lab::{Comparison, Follows, finding};
 use terrafill_plot::dotted;
 use terrafill_plot::number::{count, significant, spread};
 use terrafill_results::{
-    Block, Case, Cell, Claim, ConditionKey, Estimate, Finding, Outcome, PictureFigure, Pictures,
-    Standing, Table, ratio,
+    Block, Case, Cell, Claim, ConditionKey, Finding, Outcome, PictureFigure, Pictures, Table, ratio,
 };
 
 /// Switches that a plain fill of the same layout has not.
@@ -47,6 +48,9 @@ pub(super) type Compared = (
     TextureSwitches,
     Comparison<'static>,
 );
+
+/// Two pictures.
+const PICTURES: Comparison<'static> = one_change(PICTURE);
 
 /// Two routes to a texel.
 const ROUTES: Comparison<'static> = one_change(TEXTURE);
@@ -93,10 +97,10 @@ const EACH_2007: TextureSwitches =
 const SMALL_2007: TextureSwitches =
     "normalize=superfluous,picture=32,position=inverse-ecef,texture=atan2-native+geocentric";
 /// The same without the normalisation that nothing needs.
-const ATAN_2007: TextureSwitches = "position=inverse-ecef,texture=atan2-native+geocentric";
-const TABLE_2007: TextureSwitches = "position=inverse-ecef,texture=lut-256-r16-linear+geocentric";
-const SERIES_2007: TextureSwitches = "position=inverse-ecef,texture=odd-7+geocentric";
-const CUBE_2007: TextureSwitches = "position=inverse-ecef,texture=cube-512";
+const ATAN: TextureSwitches = "position=inverse-ecef,texture=atan2-native+geocentric";
+const TABLE: TextureSwitches = "position=inverse-ecef,texture=lut-256-r16-linear+geocentric";
+const SERIES: TextureSwitches = "position=inverse-ecef,texture=odd-7+geocentric";
+const CUBE: TextureSwitches = "position=inverse-ecef,texture=cube-512";
 
 /// Barycentric coordinates in a flat mesh, from the region's own offset.
 const BARYCENTRIC: TextureSwitches = "texture=barycentric";
@@ -109,10 +113,10 @@ const NAMES: [(TextureSwitches, &str); 12] = [
     (AS_IN_2007, "as in 2007"),
     (EACH_2007, "as in 2007, a picture each"),
     (SMALL_2007, "as in 2007, picture of 32²"),
-    (ATAN_2007, "2007, native atan2"),
-    (TABLE_2007, "2007, 1D texture"),
-    (SERIES_2007, "2007, series"),
-    (CUBE_2007, "2007, texture of spherical coordinates"),
+    (ATAN, "2007, native atan2"),
+    (TABLE, "2007, 1D texture"),
+    (SERIES, "2007, series"),
+    (CUBE, "2007, texture of spherical coordinates"),
     (BARYCENTRIC, "barycentric coordinates"),
 ];
 
@@ -146,42 +150,32 @@ pub(super) const COMPARISONS: [Compared; 13] = [
         "as in 2007, a picture each ÷ one for all",
         EACH_2007,
         AS_IN_2007,
-        one_change(PICTURE),
+        PICTURES,
     ),
     (
         "as in 2007, picture of the scene ÷ of 32²",
         AS_IN_2007,
         SMALL_2007,
-        one_change(PICTURE),
+        PICTURES,
     ),
     (
         "as in 2007 ÷ without the superfluous normalize",
         AS_IN_2007,
-        ATAN_2007,
+        ATAN,
         one_change(NORMALIZE),
     ),
-    (
-        "2007, native atan2 ÷ 1D texture",
-        ATAN_2007,
-        TABLE_2007,
-        ROUTES,
-    ),
-    (
-        "2007, native atan2 ÷ series",
-        ATAN_2007,
-        SERIES_2007,
-        ROUTES,
-    ),
-    (OVER_CUBE, ATAN_2007, CUBE_2007, ROUTES),
+    ("2007, native atan2 ÷ 1D texture", ATAN, TABLE, ROUTES),
+    ("2007, native atan2 ÷ series", ATAN, SERIES, ROUTES),
+    (OVER_CUBE, ATAN, CUBE, ROUTES),
     (
         "2007, native atan2 ÷ the two reads alone",
-        ATAN_2007,
+        ATAN,
         FLOOR,
         STARTS,
     ),
     (
         "2007, native atan2 ÷ barycentric coordinates",
-        ATAN_2007,
+        ATAN,
         BARYCENTRIC,
         STARTS,
     ),
@@ -266,6 +260,18 @@ impl<'a> TexturedView<'a> {
         let found = |case: &&&Case| texture_set(case) == wanted;
         self.cases.iter().find(found).copied()
     }
+
+    /// The two cases of a comparison, where both may be compared.
+    fn pair(&self, data: &Data<'a>, (_, case, control, _): &Compared) -> Option<[&'a Case; 2]> {
+        let case = self.case(case)?;
+        // The plain fill of the same technique and layout, not the first one there is.
+        let control = match *control {
+            PLAIN => plain_of(data, case)?,
+            wanted => self.case(wanted)?,
+        };
+        let both = [case, control];
+        both.into_iter().all(may_be_compared).then_some(both)
+    }
 }
 
 /// Nothing for a run that plans no textured fill.
@@ -300,8 +306,8 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
         blocks.push(Block::Table(fills(data, view)));
     }
     let figures: Vec<PictureFigure> = views.iter().filter_map(figure).collect();
-    if !figures.is_empty() {
-        blocks.push(Block::Pictures(Pictures {
+    blocks.extend((!figures.is_empty()).then(|| {
+        Block::Pictures(Pictures {
             caption: "A part of the image round the middle of what is filled, a pixel for a pixel: \
                       reference, technique, and ten times their difference where both fill with the \
                       same region. What is not filled is one colour in the reference and shaded surface \
@@ -309,8 +315,8 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
                 .to_owned(),
             figures,
             ..Pictures::default()
-        }));
-    }
+        })
+    }));
     blocks
 }
 
@@ -365,27 +371,6 @@ fn plain_of<'a>(data: &Data<'a>, case: &Case) -> Option<&'a Case> {
     })
 }
 
-fn compare(data: &Data<'_>, view: &TexturedView<'_>, comparison: &Compared) -> Option<Estimate> {
-    let [case, control] = both(data, view, comparison)?;
-    ratio(case, control, data.metric)
-}
-
-/// The two cases of a comparison, where both may be compared.
-fn both<'a>(
-    data: &Data<'a>,
-    view: &TexturedView<'a>,
-    (_, case, control, _): &Compared,
-) -> Option<[&'a Case; 2]> {
-    let case = view.case(case)?;
-    // The plain fill of the same technique and layout, not the first one there is.
-    let control = match *control {
-        PLAIN => plain_of(data, case)?,
-        wanted => view.case(wanted)?,
-    };
-    let both = [case, control];
-    both.into_iter().all(may_be_compared).then_some(both)
-}
-
 /// Right, or a fill of the document, whose error is part of the answer.
 fn may_be_compared(case: &Case) -> bool {
     case.counts() || case.planned.may_be_wrong && case.outcome == Outcome::Wrong
@@ -401,11 +386,10 @@ pub(super) fn compared<'a>(data: &Data<'a>, heading: &str) -> Vec<Timed<'a>> {
         panic!("no comparison of textured fills is called {heading:?}");
     };
     let of = |view: TexturedView<'a>| {
-        let cases = both(data, &view, comparison)?;
         Some(Timed {
+            cases: view.pair(data, comparison)?,
             title: view.title,
             pairing: comparison.3,
-            cases,
         })
     };
     views(data).into_iter().filter_map(of).collect()
@@ -414,55 +398,48 @@ pub(super) fn compared<'a>(data: &Data<'a>, heading: &str) -> Vec<Timed<'a>> {
 /// Keys of the cases of a comparison without an interval: too few processes have measured it.
 pub(super) fn undecided(data: &Data<'_>) -> Vec<String> {
     let views = views(data);
-    let open = views.iter().flat_map(|view| {
-        COMPARISONS.iter().filter_map(move |comparison| {
-            let [case, control] = both(data, view, comparison)?;
-            let ratio = ratio(case, control, data.metric)?;
-            ratio.interval.is_none().then_some([case, control])
-        })
-    });
-    open.flatten().map(|case| case.id().key()).collect()
+    let pairs = views
+        .iter()
+        .flat_map(|view| COMPARISONS.iter().filter_map(move |of| view.pair(data, of)));
+    let is_open = |[case, control]: &[&Case; 2]| {
+        ratio(case, control, data.metric).is_some_and(|ratio| ratio.interval.is_none())
+    };
+    let open = pairs.filter(is_open).flatten();
+    open.map(|case| case.id().key()).collect()
 }
 
 /// View by view, a cell for each comparison.
 fn ratios(data: &Data<'_>, views: &[TexturedView<'_>]) -> Option<Block> {
     let rows = views.iter().filter_map(|view| {
-        let ratios = COMPARISONS.map(|comparison| compare(data, view, &comparison));
+        let ratios = COMPARISONS.map(|of| {
+            let [case, control] = view.pair(data, &of)?;
+            ratio(case, control, data.metric)
+        });
         row_of_ratios(data, view.title.clone(), &ratios)
     });
-    let headings = COMPARISONS.map(|(heading, ..)| (heading, ""));
-    let headings: Vec<_> = [("view", "")].into_iter().chain(headings).collect();
-    let table = Table {
-        is_main: true,
-        ..figures(&headings, rows.collect())
-    };
-    (!table.rows.is_empty()).then_some(Block::Table(table))
+    let headings = [&["view"][..], &COMPARISONS.map(|of| of.0)[..]].concat();
+    main_table(plain_figures(&headings, rows.collect()))
 }
 
 /// One for each view with such times.
 fn findings(data: &Data<'_>, (sentence, comparison, claim, view): &TextureClaim) -> Vec<Finding> {
-    let finding = |standing, because| Finding {
-        claim: (*sentence).to_owned(),
-        standing,
-        because,
+    let of_view = |timed: &Timed<'_>| {
+        let own = timed.cases[0].condition(VIEW);
+        view.is_none_or(|wanted| wanted == own)
     };
-    let found = compared(data, comparison).into_iter().filter_map(|timed| {
-        let of = timed.cases[0].condition(VIEW);
-        if view.is_some_and(|wanted| wanted != of) {
-            return None;
-        }
+    let found = compared(data, comparison).into_iter().filter(of_view);
+    let found = found.filter_map(|timed| {
         let answer = timed.answer(data, *claim);
         let ratio = data.ratio_text(answer.figure.as_ref()?);
-        let ours = format!("{}: {ratio}", timed.title);
-        let because = match answer.because.as_str() {
-            "" => ours,
-            because => format!("{ours}. {because}"),
-        };
-        Some(finding(answer.standing, because))
+        Some(Finding {
+            claim: (*sentence).to_owned(),
+            standing: answer.standing,
+            because: sentences([format!("{}: {ratio}", timed.title), answer.because]),
+        })
     });
     let found: Vec<Finding> = found.collect();
     match found.is_empty() {
-        true => vec![finding(Standing::NotMeasured, String::new())],
+        true => vec![finding(*sentence, None, "")],
         false => found,
     }
 }
@@ -492,11 +469,10 @@ fn fills(data: &Data<'_>, view: &TexturedView<'_>) -> Table {
     });
     let mut table = table(data, &COLUMNS, rows);
     for (row, case) in table.rows.iter_mut().zip(&view.cases) {
-        let remark = [case.note("texture_route"), case.reason.as_str()];
-        let remark = remark
-            .into_iter()
-            .filter(|text| is_textured(case) && !text.is_empty());
-        row.remark = remark.collect::<Vec<_>>().join(". ");
+        row.remark = match is_textured(case) {
+            true => sentences([case.note("texture_route"), case.reason.as_str()]),
+            false => String::new(),
+        };
     }
     table
 }
@@ -532,10 +508,7 @@ fn not_measured(data: &Data<'_>, views: &[TexturedView<'_>]) -> Vec<String> {
 fn figure(view: &TexturedView<'_>) -> Option<PictureFigure> {
     let mut textured = view.cases.iter().filter(|case| is_textured(case));
     let case = textured.find(|case| case.value(COLOUR_MAX).is_some())?;
-    let figure = |metric| {
-        case.value(metric)
-            .map_or_else(|| "–".to_owned(), significant)
-    };
+    let figure = |metric| or_dash(case.value(metric).map(significant));
     let pictures = [
         picture(case, "reference_image", "reference"),
         picture(case, "image", "technique"),
@@ -554,7 +527,7 @@ fn figure(view: &TexturedView<'_>) -> Option<PictureFigure> {
             figure(TEXEL_RMS),
             figure(TEXEL_MAX),
             figure(COLOUR_MEAN),
-            counter(case, COLOUR_MAX).map_or_else(|| "–".to_owned(), count),
+            or_dash(counter(case, COLOUR_MAX).map(count)),
         )],
     })
 }

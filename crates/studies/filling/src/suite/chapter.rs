@@ -5,12 +5,13 @@
 use super::keys::{EXPECTED, SCENE, SCENE_REASON, SUITE_CASE_S, VIEW};
 use super::plan::{EXTREME, WHOLE};
 use super::session::REFUSED;
-use crate::chapter::{figures, never_right, picture, row};
+use crate::chapter::{alarm, figures, grouped, never_right, picture, row};
 use crate::keys::*;
+use terrafill_lab::finding;
 use terrafill_plot::number::significant;
 use terrafill_results::{
-    Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Finding, Metric, Outcome,
-    Picture, PictureFigure, Pictures, Row, Run, Standing, Table, median, process_medians,
+    Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Metric, Outcome, Picture,
+    PictureFigure, Pictures, Row, Run, Table, typical,
 };
 
 /// What came of scenes that globes usually break at.
@@ -92,20 +93,11 @@ impl View<'_> {
 }
 
 /// Views in the plan's order.
-fn views(run: &Run) -> Vec<View<'_>> {
-    let mut views: Vec<View<'_>> = Vec::new();
-    for case in cases(run) {
-        let (scene, name) = (case.condition(SCENE), case.condition(VIEW));
-        match views.last_mut() {
-            Some(last) if (last.scene, last.name) == (scene, name) => last.cases.push(case),
-            _ => views.push(View {
-                scene,
-                name,
-                cases: vec![case],
-            }),
-        }
-    }
-    views
+fn views<'a>(run: &'a Run) -> Vec<View<'a>> {
+    let key = |case: &&'a Case| [SCENE, VIEW].map(|key| case.condition(key));
+    let views = grouped(cases(run), key).into_iter();
+    let view = |([scene, name], cases): ([&'a str; 2], Vec<&'a Case>)| View { scene, name, cases };
+    views.map(view).collect()
 }
 
 fn cases(run: &Run) -> impl Iterator<Item = &Case> {
@@ -137,13 +129,11 @@ pub fn extreme_sentence(run: &Run) -> Option<String> {
         ended(Came::Refused),
         ended(Came::Failed),
     );
-    for came in [Came::Skipped, Came::Missing] {
-        if ended(came) > 0 {
-            text.push_str(&format!(", {} {}", ended(came), came.name()));
-        }
+    let others = [Came::Skipped, Came::Missing].map(|came| (ended(came), came.name()));
+    for (number, name) in others.iter().filter(|(number, _)| *number > 0) {
+        text.push_str(&format!(", {number} {name}"));
     }
-    text.push('.');
-    Some(text)
+    Some(text + ".")
 }
 
 impl Chapter for ExtremeChapter {
@@ -166,12 +156,11 @@ impl Chapter for ExtremeChapter {
         let failed = count(&views(run), Came::Failed);
         Ok(Answers {
             blocks: vec![Block::Text(sentence.clone())],
-            requirements: vec![Finding {
-                claim: "Every scene of the extreme suite is right, or refused as it should be"
-                    .to_owned(),
-                standing: Standing::holds_if(failed == 0),
-                because: sentence,
-            }],
+            requirements: vec![finding(
+                "Every scene of the extreme suite is right, or refused as it should be",
+                Some(failed == 0),
+                sentence,
+            )],
             ..Answers::default()
         })
     }
@@ -187,11 +176,7 @@ impl Chapter for ExtremeChapter {
         let views = views(run);
         let mut blocks = vec![Block::Text(sentence), Block::Remark(KEY.to_owned())];
         let failed: Vec<String> = views.iter().flat_map(failures).collect();
-        if !failed.is_empty() {
-            let summary = format!("{} cases failed", failed.len());
-            blocks.push(Block::Alarm(summary));
-            blocks.push(Block::List(failed));
-        }
+        blocks.extend(alarm(format!("{} cases failed", failed.len()), failed));
         blocks.push(Block::Table(summary(&views)));
         for scene in by_scene(&views) {
             blocks.push(Block::section(scene[0].scene));
@@ -308,10 +293,7 @@ fn row_of(view: &View<'_>, metric: &Metric) -> Row {
             _ => "nothing was compared",
         }),
     };
-    let time = first.and_then(|case| {
-        let replicates: Vec<f64> = process_medians(case, metric).into_values().collect();
-        median(&replicates)
-    });
+    let time = first.and_then(|case| typical(case, metric));
     let drawn = first.and_then(|case| case.value(REGIONS_DRAWN));
     let name = match view.name {
         WHOLE => "the whole scene",
@@ -335,7 +317,10 @@ fn row_of(view: &View<'_>, metric: &Metric) -> Row {
         result,
         figure(most(MISMATCHED_PX)),
         figure(most(MISMATCHED_PX_OUTSIDE_BAND)),
-        Cell::or_absent(time.map(significant), "no frame was timed"),
+        Cell::or_absent(
+            time.map(|time| significant(time.middle)),
+            "no frame was timed",
+        ),
         Cell::plain(significant(view.seconds())),
         figure(drawn),
         match (text(|case| case.note("left_out")), drawn) {
