@@ -5,7 +5,7 @@ use crate::cases::Cases;
 use crate::curves::Drawing;
 use crate::figure::{Figure, Names};
 use terrafill_plot::dotted;
-use terrafill_plot::number::{count, measured_bytes, significant, times};
+use terrafill_plot::number::{digits, measured_bytes, significant, times};
 use terrafill_results::{
     Answers, Block, Case, Cell, Chapter, ChapterError, Clock, ConditionKey, Estimate, Finding,
     Heading, Kind, Metric, Outcome, Picture, PictureFigure, Pictures, Row, Run, Table,
@@ -140,16 +140,11 @@ impl Column {
 }
 
 /// Bytes with their unit, counts with every digit, all else in three.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "whole, positive and below 2⁵³"
-)]
 fn written(metric: Option<&Metric>, value: f64) -> String {
     let is_count = value.fract() == 0.0 && (0.0..1e15).contains(&value);
     match metric.map(|metric| metric.kind) {
         Some(Kind::Bytes) => measured_bytes(value),
-        Some(Kind::Counter | Kind::Error) if is_count => count(value as u64),
+        Some(Kind::Counter | Kind::Error) if is_count => digits(value),
         _ => significant(value),
     }
 }

@@ -39,6 +39,17 @@ pub fn count(value: u64) -> String {
     grouped(&value.to_string())
 }
 
+/// The same of a measured value, which is whole and not negative.
+#[must_use]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "whole, not negative and below 2⁵³"
+)]
+pub fn digits(value: f64) -> String {
+    count(value.round() as u64)
+}
+
 /// Bytes, short: decimal units, three significant digits.
 #[must_use]
 pub fn bytes(value: u64) -> String {

@@ -85,8 +85,6 @@ pub(super) struct Data<'a> {
     pub(super) cases: Vec<&'a Case>,
     /// The same by scene and view.
     of_views: BTreeMap<[&'a str; 2], Vec<&'a Case>>,
-    /// Bytes of layouts.
-    pub(super) memory: Vec<&'a Case>,
     /// The views of a scene follow each other. Cases that have a section of their own are in none.
     pub(super) views: Vec<View<'a>>,
     /// The fill's time by the run's clock.
@@ -124,9 +122,8 @@ impl<'a> View<'a> {
 impl<'a> Data<'a> {
     pub(super) fn new(run: &'a Run, metric: &'static Metric) -> Self {
         let own = || run.cases.iter().filter(|case| case.id().study == STUDY);
-        let (memory, cases): (Vec<&Case>, Vec<&Case>) = own()
-            .filter(|case| !case.is_twin())
-            .partition(|case| has_role(case, "memory"));
+        let cases = own().filter(|case| !case.is_twin() && !has_role(case, "memory"));
+        let cases: Vec<&Case> = cases.collect();
         let scene_of = |case: &&'a Case| case.condition(SCENE);
         let view_of = |case: &&'a Case| [SCENE, VIEW].map(|key| case.condition(key));
         let mut shortest: BTreeMap<String, &str> = BTreeMap::new();
@@ -159,7 +156,6 @@ impl<'a> Data<'a> {
             of_views: grouped(cases.iter().copied(), view_of)
                 .into_iter()
                 .collect(),
-            memory,
             shortest,
             run,
             cases,

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Memory: bytes of every layout by formula and as allocated, beside the figures of 2007.
 
-use super::data::{Data, counter, grouped, has_role, layout_name};
+use super::data::{Data, counter, has_role, layout_name};
 use super::rungs::SOURCE;
-use super::table::Show::{Count, Own};
-use super::table::{Column, NOT_RECORDED, alarm, head, none_differs, part, table};
+use super::table::{NOT_RECORDED, alarm, head, none_differs, part};
 use crate::keys::*;
 use crate::request::STUDY;
-use terrafill_lab::{Cases, Drawing, Figure, Names, Panel, finding};
+use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, finding};
 use terrafill_plot::PointStanding;
-use terrafill_plot::number::{count, significant};
-use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Table};
+use terrafill_plot::number::{digits, significant};
+use terrafill_results::{Block, Case, ChapterError, Estimate, Finding, Metric};
 
 /// The layout whose bytes the others' are divided by: every vertex twice, as a vertex shader needs.
 const BASE: &str = "vertex/doubled";
@@ -37,27 +36,36 @@ const LAYOUT_2007: &str = "native/gs-degenerate/list";
 /// Technique and beginning of the layouts that a geometry shader reads.
 const GEOMETRY_SHADER: (&str, &str) = ("native", "gs-");
 
-const COLUMNS: [Column; 13] = [
-    ("layout", Own("")),
-    ("regions", Own("")),
-    ("vertices of meshes", Count(MESH_VERTICES)),
-    ("triangles of one cap", Count(MESH_TRIANGLES)),
-    ("boundary edges", Count(BOUNDARY_EDGES)),
-    ("boundary loops", Count(BOUNDARY_LOOPS)),
-    (
-        "bytes by formula",
-        Own("formula_vertex_bytes + formula_index_bytes"),
-    ),
-    (
-        "bytes allocated",
-        Own("allocated_vertex_bytes + allocated_index_bytes"),
-    ),
-    ("a region, mean", Own("")),
-    ("smallest", Count(REGION_BYTES_SMALLEST)),
-    ("median", Count(REGION_BYTES_MEDIAN)),
-    ("largest", Count(REGION_BYTES_LARGEST)),
-    ("÷\u{a0}vertex/doubled", Own("")),
-];
+/// What a layout takes of a scene.
+const LAYOUTS: Section<'static> = Section {
+    named_by: Names::Of("layout", layout_name),
+    columns: &[
+        Column::of("regions", Figure::Condition(REGIONS)).written(digits),
+        recorded("vertices of meshes", MESH_VERTICES),
+        recorded("triangles of one cap", MESH_TRIANGLES),
+        recorded("boundary edges", BOUNDARY_EDGES),
+        recorded("boundary loops", BOUNDARY_LOOPS),
+        Column::of("bytes by formula", Figure::Computed(formula_bytes))
+            .meaning("formula_vertex_bytes + formula_index_bytes")
+            .written(digits)
+            .or(NOT_RECORDED),
+        Column::of("bytes allocated", Figure::Computed(allocated_bytes))
+            .meaning("allocated_vertex_bytes + allocated_index_bytes")
+            .written(digits)
+            .or("not allocated"),
+        Column::of("a region, mean", Figure::Computed(region_bytes)).or(NOT_RECORDED),
+        recorded("smallest", REGION_BYTES_SMALLEST),
+        recorded("median", REGION_BYTES_MEDIAN),
+        recorded("largest", REGION_BYTES_LARGEST),
+        Column::beside("÷\u{a0}vertex/doubled", over_base).or("vertex/doubled was not measured"),
+    ],
+    ..Section::EMPTY
+};
+
+const fn recorded(heading: &'static str, metric: &'static Metric) -> Column {
+    let column = Column::metric(heading, metric);
+    column.written(digits).or(NOT_RECORDED)
+}
 
 /// An open mark stands beside the curve where the scene itself holds less: what is made every frame is made for the
 /// regions in view only.
@@ -77,39 +85,49 @@ const GROWTH: Drawing<'static> = Drawing {
 };
 
 fn drawn_bytes(case: &Case) -> Option<f64> {
-    let bytes = allocated_bytes(case).or_else(|| formula_bytes(case))?;
-    Some(bytes as f64)
+    allocated_bytes(case).or_else(|| formula_bytes(case))
 }
 
-fn regions(case: &Case) -> u64 {
-    case.condition(REGIONS).parse().unwrap_or(0)
-}
-
-fn formula_bytes(case: &Case) -> Option<u64> {
-    Some(counter(case, FORMULA_VERTEX_BYTES)? + counter(case, FORMULA_INDEX_BYTES)?)
+fn formula_bytes(case: &Case) -> Option<f64> {
+    Some(case.value(FORMULA_VERTEX_BYTES)? + case.value(FORMULA_INDEX_BYTES)?)
 }
 
 /// `None` for a layout that nothing allocated: of a scene's regions repeated in turn.
-fn allocated_bytes(case: &Case) -> Option<u64> {
-    Some(counter(case, ALLOCATED_VERTEX_BYTES)? + counter(case, ALLOCATED_INDEX_BYTES)?)
+fn allocated_bytes(case: &Case) -> Option<f64> {
+    Some(case.value(ALLOCATED_VERTEX_BYTES)? + case.value(ALLOCATED_INDEX_BYTES)?)
 }
 
-/// Scenes with the layouts that some technique allocated, those of a technique together.
-fn allocated<'a>(data: &Data<'a>) -> Vec<(&'a str, Vec<&'a Case>)> {
-    let own = data.memory.iter().copied();
-    let own = own.filter(|case| allocated_bytes(case).is_some());
-    let scenes = grouped(own, |case| case.condition(SCENE)).into_iter();
-    let by_technique = |(scene, cases): (&'a str, Vec<&'a Case>)| {
-        let techniques = grouped(cases, |case| case.condition(TECHNIQUE)).into_iter();
-        (scene, techniques.flat_map(|(_, cases)| cases).collect())
-    };
-    scenes.map(by_technique).collect()
+fn region_bytes(case: &Case) -> Option<f64> {
+    let regions: f64 = case.condition(REGIONS).parse().ok()?;
+    Some(formula_bytes(case)? / regions.max(1.0))
+}
+
+/// Bytes by formula over those of [`BASE`].
+fn over_base(of_scene: &Cases<'_>, case: &Case) -> Option<Estimate> {
+    let base = of_scene.iter().find(|case| layout_name(case) == BASE)?;
+    let base = formula_bytes(base).filter(|bytes| *bytes > 0.0)?;
+    Some(Estimate {
+        middle: formula_bytes(case)? / base,
+        interval: None,
+        processes: 0,
+    })
+}
+
+/// Layouts of scenes, and of their regions repeated in turn.
+fn layouts<'a>(data: &Data<'a>) -> Cases<'a> {
+    Cases::of_study(data.run, STUDY).fitting(|case| has_role(case, "memory"))
+}
+
+/// Those of scenes that some technique allocated.
+fn allocated<'a>(layouts: &Cases<'a>) -> Cases<'a> {
+    layouts.fitting(|case| allocated_bytes(case).is_some())
 }
 
 /// Tables of every scene that some technique allocated, and its growth over regions.
 pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
-    let scenes = allocated(data);
-    if scenes.is_empty() {
+    let layouts = layouts(data);
+    let allocated = allocated(&layouts);
+    if allocated.is_empty() {
         return Ok(Vec::new());
     }
     let mut blocks = head(
@@ -119,65 +137,32 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
              what they read, only what the view draws. Walls of vertex/per-triangle are lists, 24 indices a \
              volume; as strips they would have 18.",
     );
-    let rows = scenes.iter().flat_map(|(_, own)| own);
-    let red = rows.filter_map(|case| {
-        let what = disagreement(case)?;
-        Some(format!(
-            "{}/{}: {what}",
-            case.condition(SCENE),
-            layout_name(case)
-        ))
+    let red = allocated.iter().filter_map(|case| {
+        let (scene, layout) = (case.condition(SCENE), layout_name(case));
+        Some(format!("{scene}/{layout}: {}", disagreement(case)?))
     });
     blocks.extend(alarm("Formula and allocation differ:", red.collect()));
-    for (scene, own) in &scenes {
+    for (scene, own) in allocated.by(SCENE) {
         blocks.push(part(format!("Bytes of {scene}")));
-        let of_scene = |case: &Case| case.condition(SCENE) == *scene && has_role(case, "memory");
-        let drawn = Cases::of_study(data.run, STUDY).fitting(of_scene);
-        blocks.extend(GROWTH.block(&format!("{scene}: bytes over regions"), &drawn)?);
-        blocks.push(Block::Table(layouts(data, own)));
-        blocks.extend(findings(own).into_iter().map(Block::Finding));
+        let of_scene = layouts.with(&[(SCENE, scene)]);
+        blocks.extend(GROWTH.block(&format!("{scene}: bytes over regions"), &of_scene)?);
+        let mut table = LAYOUTS.table("", &own);
+        let rows = table.rows.into_iter().zip(own.iter());
+        let rows = rows.map(|(row, case)| row.bad_if(disagreement(case).is_some()));
+        table.rows = rows.collect();
+        blocks.push(Block::Table(table));
+        blocks.extend(findings(&own).into_iter().map(Block::Finding));
     }
     Ok(blocks)
 }
 
 /// Formula and allocation agree; `None` for a run that allocated nothing.
 pub(super) fn requirement(data: &Data<'_>) -> Option<Finding> {
-    let scenes = allocated(data).into_iter();
-    let all: Vec<&Case> = scenes.flat_map(|(_, own)| own).collect();
+    let all = allocated(&layouts(data));
     let differing = all.iter().filter(|case| disagreement(case).is_some());
+    let (all, differing) = (all.iter().count(), differing.count());
     let claim = "Every layout allocates the bytes of its formula.";
-    (!all.is_empty())
-        .then(|| none_differs(claim, all.len(), differing.count(), "layouts of scenes do"))
-}
-
-fn base(rows: &[&Case]) -> Option<u64> {
-    let base = rows.iter().find(|case| layout_name(case) == BASE)?;
-    formula_bytes(base).filter(|bytes| *bytes > 0)
-}
-
-fn layouts(data: &Data<'_>, own: &[&Case]) -> Table {
-    let base = base(own);
-    let rows = own.iter().map(|case| {
-        let formula = formula_bytes(case);
-        let mean = formula.map(|bytes| significant(bytes as f64 / regions(case).max(1) as f64));
-        let ratio = formula.zip(base);
-        let ratio = ratio.map(|(own, base)| times(own as f64 / base as f64));
-        let cells = vec![
-            Cell::name(layout_name(case)),
-            Cell::plain(count(regions(case))),
-            Cell::or_absent(formula.map(count), NOT_RECORDED),
-            Cell::or_absent(allocated_bytes(case).map(count), "not allocated"),
-            Cell::or_absent(mean, NOT_RECORDED),
-            Cell::or_absent(ratio, "vertex/doubled was not measured"),
-        ];
-        (*case, cells)
-    });
-    let mut table = table(data, &COLUMNS, rows);
-    let rows = table.rows.into_iter().zip(own);
-    table.rows = rows
-        .map(|(row, case)| row.bad_if(disagreement(case).is_some()))
-        .collect();
-    table
+    (all > 0).then(|| none_differs(claim, all, differing, "layouts of scenes do"))
 }
 
 fn times(ratio: f64) -> String {
@@ -203,8 +188,8 @@ fn disagreement(case: &Case) -> Option<String> {
 }
 
 /// Each geometry-shader layout beside the document's 40 %.
-fn findings(rows: &[&Case]) -> Vec<Finding> {
-    let ratios = ratios_to_base(rows).into_iter();
+fn findings(of_scene: &Cases<'_>) -> Vec<Finding> {
+    let ratios = ratios_to_base(of_scene).into_iter();
     let claim = format!(
         "{SOURCE}, measured: “only about 40% of the memory”; {} by the document's layouts.",
         times(ratio_by_layouts())
@@ -217,20 +202,13 @@ fn findings(rows: &[&Case]) -> Vec<Finding> {
 }
 
 /// Layouts that a geometry shader reads, by name, and their bytes over [`BASE`].
-fn ratios_to_base(rows: &[&Case]) -> Vec<(String, f64)> {
-    let base = base(rows);
+fn ratios_to_base(of_scene: &Cases<'_>) -> Vec<(String, f64)> {
     let (technique, beginning) = GEOMETRY_SHADER;
-    let of_geometry_shader = rows.iter().filter(|case| {
+    let of_geometry_shader = of_scene.iter().filter(|case| {
         case.condition(TECHNIQUE) == technique && case.condition(LAYOUT).starts_with(beginning)
     });
-    of_geometry_shader
-        .filter_map(|case| {
-            Some((
-                layout_name(case),
-                formula_bytes(case)? as f64 / base? as f64,
-            ))
-        })
-        .collect()
+    let ratio = |case| Some((layout_name(case), over_base(of_scene, case)?.middle));
+    of_geometry_shader.filter_map(ratio).collect()
 }
 
 /// Geometry shader over vertex shader by the document's own layouts.
@@ -256,7 +234,7 @@ pub(super) fn is_documents_layout(name: &str) -> bool {
 
 /// Bytes of each geometry shader's layout over [`BASE`], on the first scene that has both.
 pub(super) fn geometry_shader_ratios(data: &Data<'_>) -> Vec<(String, f64)> {
-    let scenes = allocated(data).into_iter();
+    let scenes = allocated(&layouts(data)).by(SCENE).into_iter();
     let mut ratios = scenes.map(|(_, own)| ratios_to_base(&own));
     ratios.find(|ratios| !ratios.is_empty()).unwrap_or_default()
 }
