@@ -17,8 +17,8 @@ use std::sync::Arc;
 use terrafill_fill::{
     COLOUR_BYTES, Capabilities, Counters, CoverPurpose, CpuStopwatch, DEPTH_STENCIL_BYTES,
     DeviceError, Feature, FillPass, FillProgram, FillStep, FirstPass, FrameTimes, Holding, Picture,
-    Probed, StencilExecutor, StencilTest, StencilWork, SurfaceView, Switches,
-    TexturedPlan, ViewId, VolumeDraw, VolumeList, VolumeState, WorkDone,
+    Probed, StencilExecutor, StencilTest, StencilWork, SurfaceView, Switches, TexturedPlan, ViewId,
+    VolumeDraw, VolumeList, VolumeState, WorkDone,
 };
 use terrafill_scene::{ImageSize, MipChain};
 
