@@ -17,7 +17,7 @@ pub enum Absent {
     /// In all rows.
     Said(&'static str),
     /// By the case.
-    Of(fn(&Case) -> &'static str),
+    Of(fn(&Case) -> &str),
 }
 
 /// A column of figures.
@@ -88,7 +88,7 @@ impl Column {
 
     /// With a reason by the case in empty cells.
     #[must_use]
-    pub const fn or_of(self, why: fn(&Case) -> &'static str) -> Self {
+    pub const fn or_of(self, why: fn(&Case) -> &str) -> Self {
         let absent = Absent::Of(why);
         Self { absent, ..self }
     }
@@ -377,7 +377,7 @@ mod tests {
     use terrafill_plot::Upwards;
     use terrafill_results::condition::{SCENE, SIZE_PX, VIEW};
     use terrafill_results::made_up::{MadeUpRun, case_id};
-    use terrafill_results::{CellClass, Metric, Run, Scope, Standing, Status};
+    use terrafill_results::{CellClass, Metric, Run, Scope, Standing, Status, ratio};
 
     const METRICS: [Metric; 2] = [
         Metric::less("draw_cpu_ms", "ms", Kind::Time, "Time.").covering(Scope::FRAME),
@@ -477,6 +477,40 @@ mod tests {
             ..SECTION
         };
         assert_eq!(other.blocks(&cases).expect("blocks"), []);
+    }
+
+    #[test]
+    fn a_case_stands_beside_another_and_a_table_may_have_a_caption_of_its_own() {
+        let section = Section {
+            caption: "Every size",
+            columns: &[Column::beside("÷ 64 px", |cases, case| {
+                let view = case.condition(VIEW);
+                let small = cases.with(&[(SIZE_PX, "64"), (VIEW, view)]).first()?;
+                ratio(case, small, TIME)
+            })
+            .meaning("paired by process")],
+            per: None,
+            ..SECTION
+        };
+        let mut made = made_up();
+        made.cases[4].figures.clear();
+        let run = written(&made);
+        let blocks = section.blocks(&Cases::of_study(&run, "study"));
+        let blocks = blocks.expect("blocks");
+        let mut tables = blocks.iter().filter_map(|block| match block {
+            Block::Table(table) => Some(table),
+            _ => None,
+        });
+        let table = tables.next().expect("a table");
+        assert_eq!(table.caption, "Every size");
+        assert_eq!(table.headings[1].meaning, "paired by process");
+        let cell = |row: usize| &table.rows[row].cells[1];
+        assert!(cell(1).text.starts_with("4.00 ×"), "{}", cell(1).text);
+        // Negative control: what was not timed has no ratio.
+        assert_eq!(
+            (cell(2).text.as_str(), cell(2).title.as_str()),
+            ("–", "not measured")
+        );
     }
 
     #[test]

@@ -67,7 +67,8 @@ fn unanswered(standing: Standing, why: &str) -> Told {
 /// Ratios with what each says of a claim, and what would settle the first that is open.
 fn of_answers(answers: Vec<(&str, Answer)>, reason: String) -> Told {
     let mut open = answers.iter().map(|(_, answer)| answer);
-    let open = open.find(|answer| answer.standing == Standing::CannotTell);
+    let open =
+        open.find(|answer| answer.standing == Standing::CannotTell && !answer.because.is_empty());
     let because = open.map_or("", |answer| &answer.because);
     let reason = sentences([reason.as_str(), because]);
     let parts = answers.iter().map(|(title, answer)| {

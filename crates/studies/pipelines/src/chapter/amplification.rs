@@ -2,7 +2,7 @@
 //! Amplification: bytes and time of grids whose cells a geometry shader makes of fewer and fewer points.
 
 use super::kit::{
-    FRAME, WHOLE, beside, compared, counter, frame_time, gain, of_most, remark, said,
+    FRAME, WHOLE, beside, compared, counter, frame_time, gain, of_most, ratios, remark, said,
 };
 use super::published::AMPLIFICATION;
 use crate::keys::*;
@@ -33,7 +33,7 @@ pub(super) const SECTION: Section<'static> = Section {
     columns: &[
         Column::metric("sent a frame", PIPELINE_SENT_BYTES),
         Column::of("time, ms", FRAME),
-        Column::beside("time ÷ that of a cell a point", |cases, case| {
+        ratios("time ÷ that of a cell a point", |cases, case| {
             let first = beside(cases, case, &[(CELLS_PER_POINT, "1"), (STRIP, "cell")]);
             gain(Some(case), first, frame_time(cases.clock()))
         })

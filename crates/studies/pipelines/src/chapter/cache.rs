@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What keeps blocks of ground: texels that differ, time to look them up, and to write a block anew.
 
-use super::kit::{TIME, beside, compared, gain, none_of, of_most, remark, said, time};
+use super::kit::{TIME, beside, compared, gain, none_of, of_most, ratios, remark, said, time};
 use crate::cache::Keep;
 use crate::keys::*;
 use terrafill_lab::{Cases, Column, Names, Section, Select};
@@ -36,7 +36,7 @@ pub(super) const SECTION: Section<'static> = Section {
     columns: &[
         Column::metric("texels that differ", CACHE_DIFFERING),
         Column::of("time, ms", TIME),
-        Column::beside("time ÷ that of the array", |cases, case| {
+        ratios("time ÷ that of the array", |cases, case| {
             let array = array_of(cases, case);
             gain(Some(case), array, time(cases.clock()))
         }),

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Two-level culling: what each test keeps and loses, what each way costs, and the flight with and without level 2.
 
-use super::kit::{FRAME, WHOLE, beside, compared, counter, frame_time, gain, percent, remark};
+use super::kit::{
+    FRAME, WHOLE, beside, compared, counter, frame_time, gain, percent, ratios, remark,
+};
 use crate::culling::{Place, VIEWS};
 use crate::keys::*;
 use terrafill_lab::{
@@ -45,7 +47,7 @@ pub(super) const SECTION: Section<'static> = Section {
     pictures: &[("picture", "")],
     columns: &[
         Column::of("time, ms", FRAME),
-        Column::beside("time without the test ÷ time", |cases, case| {
+        ratios("time without the test ÷ time", |cases, case| {
             gain(without(cases, case), Some(case), frame_time(cases.clock()))
         }),
         Column::metric("patches drawn", CULL_KEPT),

@@ -43,6 +43,17 @@ pub(super) const fn percent(heading: &'static str, metric: &'static Metric) -> C
     Column::metric(heading, metric).written(|share| significant(100.0 * share))
 }
 
+/// A column of ratios to another case; a case without one says what is wrong with it.
+pub(super) const fn ratios(
+    heading: &'static str,
+    of: fn(&Cases<'_>, &Case) -> Option<Estimate>,
+) -> Column {
+    Column::beside(heading, of).or_of(|case| match case.reason.as_str() {
+        "" => "not measured",
+        reason => reason,
+    })
+}
+
 /// What published figures cannot show.
 pub(super) fn remark(text: &str) -> Result<Option<Block>, ChapterError> {
     Ok(Some(Block::Remark(text.to_owned())))

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Shadows of several lights: depth maps in one pass or in many, with the counters behind their times.
 
-use super::kit::{TIME, beside, compared, counter, gain, none_of, of_most, percent, remark, said};
+use super::kit::{
+    TIME, beside, compared, counter, gain, none_of, of_most, percent, ratios, remark, said,
+};
 use crate::keys::*;
 use crate::lights::LightWay;
 use crate::metrics::METRICS;
@@ -33,7 +35,7 @@ pub(super) const SECTION: Section<'static> = Section {
     more: &[|_| remark(WHAT_WAS_PUBLISHED)],
     columns: &[
         Column::clocked("maps, ms", MAPS_GPU, MAPS_CPU),
-        Column::beside("time ÷ that of passes", |cases, case| {
+        ratios("time ÷ that of passes", |cases, case| {
             let passes = beside(cases, case, &[(LAYERS_BY, LightWay::Passes.name())]);
             gain(Some(case), passes, maps(cases.clock()))
         }),
