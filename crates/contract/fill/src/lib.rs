@@ -102,10 +102,9 @@ pub use targets::{Api, Targets};
 pub use technique::{Role, Technique, layouts};
 pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
 pub use textured::{
-    CoverLook, CoverOverrides, CoverPurpose, RouteNote, TexturedCover, TexturedPlan,
-    TexturedRegion, textured_holdings,
+    CoverLook, CoverOverrides, CoverPurpose, RouteNote, TexturedCover, TexturedPlan, TexturedRegion,
 };
-pub use textured_device::{Probed, RouteTexelFormat, RouteTexels};
+pub use textured_device::{Probed, RouteTexelFormat, RouteTexels, textured_holdings};
 pub use variant::{Parameter, Variant};
 pub use volume_backend::{RegionVolumes, VolumeBackend};
 pub use volumes::{Volume, VolumeList};

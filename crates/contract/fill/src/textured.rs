@@ -8,8 +8,8 @@
 
 use crate::footprint::is_magnified;
 use crate::{
-    AddressMode, Feature, FillInput, Holding, PlannedTexture, RouteChoice, SwitchError,
-    TextureCoordinates, TexturePixel,
+    AddressMode, FillInput, PlannedTexture, RouteChoice, SwitchError, TextureCoordinates,
+    TexturePixel,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
@@ -152,35 +152,6 @@ impl CoverLook {
             CoverPurpose::Probe => "probe_main",
         }
     }
-
-    /// What its pipeline is held for.
-    #[must_use]
-    pub fn feature(self) -> Feature {
-        match self.purpose {
-            CoverPurpose::Colour => Feature::TextureCode,
-            CoverPurpose::Probe => Feature::Measuring,
-        }
-    }
-}
-
-/// What devices hold of textured covers: pictures, tables of routes, pipelines and the constants of a view.
-///
-/// - `constants`: bytes that are written and bytes of the buffer, where there is a view
-pub fn textured_holdings(
-    picture_bytes: u64,
-    table_bytes: u64,
-    pipelines: impl Iterator<Item = CoverLook>,
-    constants: Option<[u64; 2]>,
-) -> Vec<Holding> {
-    let textures = [
-        Holding::textures(Feature::Picture, picture_bytes),
-        Holding::textures(Feature::TextureCode, table_bytes),
-    ];
-    let constants = constants
-        .map(|[written, buffer]| Holding::constants(Feature::TextureConstants, written, buffer));
-    let held = textures.into_iter().chain(constants);
-    held.chain(Holding::pipelines(pipelines.map(CoverLook::feature)))
-        .collect()
 }
 
 impl TexturedCover {

@@ -2,8 +2,8 @@
 //! What a device is handed for a textured fill, and what its probe hands back: the same on every API.
 
 use crate::{
-    FillInput, Frame, NO_REGION, RouteChoice, SwitchError, Switches, TexturePixel, TexturedCover,
-    TexturedPlan, TexturedRegion,
+    CoverLook, CoverPurpose, Feature, FillInput, Frame, Holding, NO_REGION, RouteChoice,
+    SwitchError, Switches, TexturePixel, TexturedCover, TexturedPlan, TexturedRegion,
 };
 use terrafill_texture::{Filter, PositionRoute, TexelFormat};
 
@@ -188,6 +188,29 @@ impl Probed {
 )]
 fn region_id(stored: f32) -> Option<u32> {
     (stored > 0.0).then_some(stored as u32)
+}
+
+/// What devices hold of textured covers: pictures, tables of routes, pipelines and the constants of a view.
+///
+/// - `constants`: bytes that are written and bytes of the buffer, where there is a view
+pub fn textured_holdings(
+    picture_bytes: u64,
+    table_bytes: u64,
+    pipelines: impl Iterator<Item = CoverLook>,
+    constants: Option<[u64; 2]>,
+) -> Vec<Holding> {
+    let textures = [
+        Holding::textures(Feature::Picture, picture_bytes),
+        Holding::textures(Feature::TextureCode, table_bytes),
+    ];
+    let constants = constants
+        .map(|[written, buffer]| Holding::constants(Feature::TextureConstants, written, buffer));
+    let held = textures.into_iter().chain(constants);
+    let features = pipelines.map(|look| match look.purpose {
+        CoverPurpose::Colour => Feature::TextureCode,
+        CoverPurpose::Probe => Feature::Measuring,
+    });
+    held.chain(Holding::pipelines(features)).collect()
 }
 
 #[cfg(test)]
