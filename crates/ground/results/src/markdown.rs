@@ -30,7 +30,7 @@ pub fn markdown(blocks: &[Block]) -> String {
                 continue;
             }
         };
-        if !text.is_empty() && !(is_finding && is_after_finding) {
+        if !(text.is_empty() || is_finding && is_after_finding) {
             text.push('\n');
         }
         is_after_finding = is_finding;
