@@ -98,6 +98,7 @@ section "dependencies, cycles, data, keys, shaders"
 cargo xtask check-deps
 cargo xtask check-cycles
 cargo xtask check-data-tests
+cargo xtask check-docs
 cargo xtask check-keys
 cargo xtask check-shaders
 

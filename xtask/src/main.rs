@@ -7,6 +7,7 @@
 mod cycles;
 mod data_tests;
 mod dependencies;
+mod docs;
 mod geometry;
 mod keys;
 mod lines;
@@ -27,11 +28,13 @@ usage: cargo xtask COMMAND
   check-deps                   no crate depends on one that is forbidden or that it does not use
   check-cycles                 no two files of a crate import from each other
   check-data-tests             tests that read data say so, and none passes because data is missing
+  check-docs                   links of pages lead somewhere, and the code that guides quote is the code
   check-keys                   studies read conditions and metrics by constants, not by names in quotes
   check-shaders                shaders on disk, embedded and documented are the same, and valid
   compile-shaders              write the SPIR-V of the geometry shaders anew
   check-validation-log FILE    the Vulkan layer was at work and reported nothing unexpected
   compare-pictures BASE NEW    two run folders hold the same masks and ids, case by case
+  quote-docs                   write the code that guides quote anew
   gate-mutations [NAME...]     the gate names the counter that each mistake on a list moves
   lines [--root DIR]           lines of source outside tests, for each package";
 
@@ -46,11 +49,13 @@ fn main() -> ExitCode {
         ["check-deps"] => check_deps(),
         ["check-cycles"] => cycles::check(&root()),
         ["check-data-tests"] => data_tests::check(&root()),
+        ["check-docs"] => docs::check(&root()),
         ["check-keys"] => keys::check(&root()),
         ["check-shaders"] => shaders::check(&root().join("shaders")),
         ["compile-shaders"] => geometry::compile(&root().join("shaders")),
         ["check-validation-log", file] => validation_log::check(Path::new(file)),
         ["compare-pictures", base, new] => pictures::compare(Path::new(base), Path::new(new)),
+        ["quote-docs"] => docs::quote(&root()),
         ["gate-mutations", ref names @ ..] => mutations::check(&root(), names),
         ["lines"] => lines::count(&root()),
         ["lines", "--root", folder] => lines::count(Path::new(folder)),
