@@ -98,7 +98,7 @@ pub use switches::{
     BottomCap, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass, StencilClear,
     SwitchError, Switches, pick,
 };
-pub use targets::{Api, Targets};
+pub use targets::{Api, SurfaceInterface, SurfaceTargets, Targets};
 pub use technique::{Role, Technique, layouts};
 pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
 pub use textured::{

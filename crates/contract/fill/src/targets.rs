@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Where techniques draw: render targets of one size, one set for each graphics interface.
 
-use crate::Devices;
 use crate::devices::TypeMap;
+use crate::{DeviceError, Devices, Picture, SurfaceView};
 use std::rc::Rc;
 use terrafill_scene::ImageSize;
 
@@ -11,6 +11,38 @@ use terrafill_scene::ImageSize;
 pub struct Api {
     /// `wgpu`, `vulkan` …
     pub name: &'static str,
+}
+
+/// Targets that a surface alone is drawn into.
+pub trait SurfaceTargets {
+    /// Uploads a view of a surface, unless they have it already.
+    ///
+    /// # Errors
+    /// [`DeviceError::OverCapacity`] when the view's size is not the targets'.
+    fn prepare(&mut self, view: SurfaceView<'_>) -> Result<(), DeviceError>;
+
+    /// Draws it, waits, and gives its GPU time, where there is a clock.
+    ///
+    /// # Errors
+    /// [`DeviceError::Missing`] before a view is prepared, [`DeviceError::DeviceLost`].
+    fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError>;
+
+    /// Reads colour and depth back.
+    ///
+    /// # Errors
+    /// [`DeviceError::Missing`] before anything is drawn, [`DeviceError::DeviceLost`].
+    fn read(&self) -> Result<Picture, DeviceError>;
+}
+
+type Opened = Result<Box<dyn SurfaceTargets>, DeviceError>;
+
+/// A graphics interface as a study of surfaces needs it.
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceInterface {
+    /// Which one.
+    pub api: Api,
+    /// Makes targets on a run's device.
+    pub open: fn(&Devices, ImageSize) -> Opened,
 }
 
 /// Render targets of one image size, made by the device crates when a technique first asks.

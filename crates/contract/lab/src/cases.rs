@@ -4,7 +4,8 @@
 use crate::comparison::Comparison;
 use terrafill_plot::number::significant;
 use terrafill_results::{
-    Case, Claim, Clock, ConditionKey, Finding, Kind, Metric, Noise, Outcome, Run, Standing, ratio,
+    Block, Case, Claim, Clock, ConditionKey, Finding, Kind, Metric, Noise, Outcome, Run, Standing,
+    ratio,
 };
 
 /// What a case has of a metric. A time counts only where all planned samples were taken: those of a case that broke off
@@ -201,7 +202,9 @@ impl<'a> Cases<'a> {
         let noise = self.noise(metric);
         let ties_with = |case: &Case| match metric.kind {
             Kind::Time => ratio(case, best, metric).is_some_and(|gain| match gain.interval {
-                Some(_) => Standing::of_times(&gain, noise).0 != Standing::Holds,
+                Some(_) => {
+                    Claim::Faster.standing_beyond(&gain, Noise::band(noise)) != Standing::Holds
+                }
                 None => gain.middle <= Noise::band(noise),
             }),
             _ => case.value(metric) == Some(value),
@@ -213,6 +216,29 @@ impl<'a> Cases<'a> {
             value,
             ties: others.filter(|case| ties_with(case)).collect(),
         })
+    }
+
+    /// Which value of a condition takes least for each value of another, in a list of sentences; nothing where
+    /// nothing was measured.
+    ///
+    /// - `least`: the condition, and what is least
+    /// - `says`: how the sentence on a value of `each` begins
+    #[must_use]
+    pub fn least_of_each(
+        &self,
+        each: ConditionKey,
+        (of, metric): (ConditionKey, &Metric),
+        says: impl Fn(&str) -> String,
+    ) -> Option<Block> {
+        let sentence = |(value, own): &(&str, Self)| {
+            let best = own.best(metric)?;
+            let [says, least] = [says(value), significant(best.value)];
+            let ties = best.tied_with(|case| case.condition(of).to_owned());
+            let name = best.case.condition(of);
+            Some(format!("{says} {name}, {least} {}{ties}.", metric.unit))
+        };
+        let sentences: Vec<String> = self.by(each).iter().filter_map(sentence).collect();
+        (!sentences.is_empty()).then_some(Block::List(sentences))
     }
 
     /// Pairs that differ in `key`, the first with the first value and the second with the other, and in nothing else
@@ -386,6 +412,23 @@ mod tests {
             best.case.condition(API).to_owned()
         });
         assert_eq!(best, "wgpu");
+    }
+
+    #[test]
+    fn a_sentence_names_the_least_of_each_and_nothing_is_said_of_nothing() {
+        let said = |made: &MadeUpRun| {
+            let says = |view: &str| format!("From {view}, least by");
+            with(made, |cases| cases.least_of_each(VIEW, (API, TIME), says))
+        };
+        let sentences =
+            ["globe", "horizon"].map(|view| format!("From {view}, least by wgpu, 1.00 ms."));
+        assert_eq!(said(&run(5, 2.0)), Some(Block::List(sentences.into())));
+        // Negative control: no time, no sentence.
+        let mut none = run(5, 2.0);
+        for case in &mut none.cases {
+            case.ended(Status::Skipped, "no such device");
+        }
+        assert_eq!(said(&none), None);
     }
 
     #[test]

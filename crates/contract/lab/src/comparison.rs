@@ -232,8 +232,12 @@ impl Comparison<'_> {
             let mut of = answers.iter().filter(|answer| answer.standing == standing);
             of.find(|answer| !answer.because.is_empty())
         };
-        let open = matches!(standing, Standing::CannotTell | Standing::CannotBeTested);
-        let because = said(standing).filter(|_| open);
+        let because = match standing {
+            // One of several pairs that was not measured leaves the whole open.
+            Standing::CannotTell => said(standing).or_else(|| said(Standing::NotMeasured)),
+            Standing::CannotBeTested | Standing::NotMeasured => said(standing),
+            _ => None,
+        };
         let because = because.map(|answer| answer.because.clone());
         let because = [figures.join("; ")].into_iter().chain(because);
         let because: Vec<String> = because.filter(|text| !text.is_empty()).collect();

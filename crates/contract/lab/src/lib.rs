@@ -8,6 +8,7 @@ mod claims;
 mod comparison;
 mod curves;
 mod figure;
+mod lines;
 mod section;
 mod settling;
 
@@ -16,5 +17,6 @@ pub use claims::{Basis, Claimed, Paper, PaperError, Tested, Told, claims_blocks,
 pub use comparison::{Answer, Comparison, Follows, REFUSED, Refused, overall};
 pub use curves::{Drawing, Panel, draw, slope_one};
 pub use figure::{Figure, Names};
+pub use lines::Lines;
 pub use section::{Absent, Column, MoreOf, Section, SectionedChapter, Select};
-pub use settling::bench_command;
+pub use settling::{bench_command, full_command, with_commands};

@@ -4,6 +4,8 @@
 use crate::cases::Cases;
 use crate::curves::Drawing;
 use crate::figure::{Figure, Names};
+use crate::lines::Lines;
+use crate::settling::{with_command, with_commands};
 use terrafill_plot::dotted;
 use terrafill_plot::number::{digits, measured_bytes, significant, times};
 use terrafill_results::{
@@ -190,6 +192,8 @@ pub struct Section<'a> {
     pub drawing: Option<Drawing<'a>>,
     /// Names of notes with paths of pictures, and what each shows.
     pub pictures: &'a [(&'a str, &'a str)],
+    /// A table of lines through its cases.
+    pub lines: Option<Lines<'a>>,
     /// Further blocks, such as other plots.
     pub more: &'a [MoreOf],
 }
@@ -209,6 +213,7 @@ impl Section<'_> {
         findings: &[],
         drawing: None,
         pictures: &[],
+        lines: None,
         more: &[],
     };
 
@@ -258,6 +263,7 @@ impl Section<'_> {
             }
             blocks.extend(self.pictures(caption, &cases).map(Block::Pictures));
         }
+        blocks.extend(self.lines.map(|lines| lines.block(&own)));
         for more in self.more {
             blocks.extend(more(&own)?);
         }
@@ -349,7 +355,11 @@ impl Chapter for SectionedChapter {
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
-        Ok((self.answers)(&Cases::of_study(run, self.study)))
+        let mut answers = (self.answers)(&Cases::of_study(run, self.study));
+        let requirements = answers.requirements.into_iter();
+        let requirements = requirements.map(|finding| with_command(finding, run, self.study));
+        answers.requirements = requirements.collect();
+        Ok(answers)
     }
 
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
@@ -357,14 +367,14 @@ impl Chapter for SectionedChapter {
         if cases.is_empty() {
             return Ok(Vec::new());
         }
-        let answers = (self.answers)(&cases);
+        let answers = self.answers(run)?;
         let mut blocks = vec![Block::Text(self.text.to_owned())];
         blocks.extend(answers.blocks);
         blocks.extend(answers.requirements.into_iter().map(Block::Finding));
         for section in self.sections {
             blocks.extend(section.blocks(&cases)?);
         }
-        Ok(blocks)
+        Ok(with_commands(blocks, run, self.study))
     }
 }
 

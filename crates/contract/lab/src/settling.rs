@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The command that would decide what a run leaves open.
+//! The command that would decide what a run leaves open, or measure what it has not.
 
-use terrafill_results::RunEnvironment;
+use terrafill_results::threshold::MIN_REPLICATES;
+use terrafill_results::{Block, Finding, Run, RunEnvironment, Standing};
+
+/// How every command begins.
+const BENCH: &str = "terrafill bench";
 
 /// Options that the command has in another form, or that say nothing of what is measured.
 const NOT_REPEATED: [&str; 8] = [
@@ -33,7 +37,7 @@ pub fn bench_command(
         let values = found.map_or("", |(_, value)| *value).split('+');
         values.filter(|value| !value.is_empty())
     };
-    let mut words = vec!["terrafill bench".to_owned()];
+    let mut words = vec![BENCH.to_owned()];
     match scene {
         "" => words.extend(values_of("scenes").map(str::to_owned)),
         scene => words.push(scene.to_owned()),
@@ -54,9 +58,75 @@ pub fn bench_command(
     words.join(" ")
 }
 
+/// What to type to measure all that a study can: whatever a run of fewer cases has not measured is among it.
+#[must_use]
+pub fn full_command(environment: &RunEnvironment, study: &str) -> String {
+    let sizes = environment.options.iter();
+    let sizes = sizes.filter(|line| line.starts_with("size=")).cloned();
+    let full = RunEnvironment {
+        options: ["depth=full".to_owned()].into_iter().chain(sizes).collect(),
+        ..RunEnvironment::default()
+    };
+    bench_command(&full, study, "", MIN_REPLICATES)
+}
+
+/// Blocks of a study's chapter, in which every finding that was not measured names the command that measures it.
+#[must_use]
+pub fn with_commands(blocks: Vec<Block>, run: &Run, study: &str) -> Vec<Block> {
+    let block = |block| match block {
+        Block::Finding(finding) => Block::Finding(with_command(finding, run, study)),
+        other => other,
+    };
+    blocks.into_iter().map(block).collect()
+}
+
+/// A finding with the command that measures it, where this run has not and the finding names none.
+pub(crate) fn with_command(finding: Finding, run: &Run, study: &str) -> Finding {
+    if finding.standing != Standing::NotMeasured || finding.because.contains(BENCH) {
+        return finding;
+    }
+    let command = full_command(&run.environment, study);
+    let because = match finding.because.trim_end_matches('.') {
+        "" => format!("To measure it: {command}"),
+        why => format!("{why}. To measure it: {command}"),
+    };
+    Finding { because, ..finding }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrafill_results::made_up::MadeUpRun;
+
+    #[test]
+    fn a_finding_that_was_not_measured_names_the_command_that_measures_it_and_no_other_does() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut made = MadeUpRun::default();
+        let options = ["depth=quick", "size=512x256", "scenes=hills"];
+        made.environment.options = options.map(str::to_owned).to_vec();
+        let run = made.write(folder.path()).expect("a run");
+        let because = |standing, because: &str| {
+            let finding = Finding {
+                claim: "It grows".to_owned(),
+                standing,
+                because: because.to_owned(),
+            };
+            with_command(finding, &run, "balls").because
+        };
+        let command = "terrafill bench --study balls --full --size 512x256 --processes 5";
+        assert_eq!(
+            because(Standing::NotMeasured, ""),
+            format!("To measure it: {command}")
+        );
+        assert_eq!(
+            because(Standing::NotMeasured, "no device."),
+            format!("no device. To measure it: {command}")
+        );
+        // Negative controls: what is decided needs none, and one command is enough.
+        assert_eq!(because(Standing::Holds, "2 px"), "2 px");
+        let own = "To settle it: terrafill bench --study balls --processes 5";
+        assert_eq!(because(Standing::NotMeasured, own), own);
+    }
 
     #[test]
     fn a_command_measures_the_same_cases_and_more_often() {

@@ -17,6 +17,7 @@ mod session;
 mod share;
 mod steady;
 mod study;
+mod trial;
 mod turns;
 
 pub use picture::{file_stem, write_rgb};
@@ -31,4 +32,5 @@ pub use share::Share;
 pub use steady::Settling;
 pub use study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError, size_name};
 pub use terrafill_results::SplitMix64;
+pub use trial::{Trial, trials};
 pub use turns::{Turn, Turns};

@@ -44,7 +44,7 @@ pub use evaluate::{
 pub use fill::{VolumeFill, Volumes};
 pub use ray_cast::RayCast;
 pub use readback::{read_buffer, read_texture};
-pub use shared::{API, shared_gpu, shared_targets};
+pub use shared::{API, SURFACES, shared_gpu, shared_targets};
 pub use targets::{RenderTargets, SharedTargets};
 pub use textured::{BoundCover, Probe, TexturedFill};
 pub use timing::{PassTimer, Stamps, TimedPass};

@@ -76,7 +76,7 @@ pub use render_targets::{FillReport, Measured, RenderTargets, SharedTargets};
 pub use resources::{Resource, Resources};
 pub use sampled::{ImageBindings, SampledImage};
 pub use shader_modules::VertexStage;
-pub use shared::{API, shared_gpu, shared_targets};
+pub use shared::{API, SURFACES, shared_gpu, shared_targets};
 pub use targets::Numbers;
 pub use textured_pipeline::{DepthBindings, Probe, TexturedDescriptor, TexturedPipeline};
 pub use triangle_tree::TriangleTree;

@@ -3,10 +3,32 @@
 
 use crate::{Gpu, GpuOptions, RenderTargets, SharedTargets};
 use std::sync::Arc;
-use terrafill_fill::{Api, DeviceError, Devices, Targets};
+use terrafill_fill::{
+    Api, DeviceError, Devices, Picture, SurfaceInterface, SurfaceTargets, SurfaceView, Targets,
+};
 
 /// Vulkan itself.
 pub const API: Api = Api { name: "vulkan" };
+
+/// Surfaces alone, on the device of a run.
+pub const SURFACES: SurfaceInterface = SurfaceInterface {
+    api: API,
+    open: |devices, size| Ok(Box::new(RenderTargets::new(&shared_gpu(devices)?, size)?)),
+};
+
+impl SurfaceTargets for RenderTargets {
+    fn prepare(&mut self, view: SurfaceView<'_>) -> Result<(), DeviceError> {
+        self.prepare(view)
+    }
+
+    fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError> {
+        self.draw_surface()
+    }
+
+    fn read(&self) -> Result<Picture, DeviceError> {
+        self.read()
+    }
+}
 
 /// The device of a run, opened when it is first asked for.
 ///

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How far a backend's picture is from the reference's, and whether that is too far.
 //!
-//! Everything here works on pictures of region ids and of texture coordinates; nothing knows how they were made. The first
+//! Pictures are of region ids and of texture coordinates, and nothing knows how they were made. The first
 //! operand is always the reference: band, tiny pieces and relative area come from it, so swapping
-//! the operands gives other figures (a test holds that down).
+//! the operands gives other figures (a test holds that down). One picture needs no other: that of a bare globe.
 
 mod boundary;
 mod compare;
 mod difference;
 mod distance;
 mod figures;
+mod globe;
 mod moved;
 mod tally;
 mod texture;
@@ -20,6 +21,7 @@ pub use boundary::{boundary_band, boundary_pixels, checks_nothing};
 pub use compare::{CompareError, MAX_PROBED, compare, compare_closely, filled_only};
 pub use difference::{difference_rgb, worst_pixel};
 pub use figures::ErrorFigures;
+pub use globe::{GlobeError, globe_mismatch, rolled_globe};
 pub use moved::{
     MAX_MEASURED, MAX_PICTURE_SEARCH_PX, Movement, boundary_movement, movement_in_picture,
     with_movement,

@@ -13,6 +13,8 @@
 //! | [`MAX_NON_FINITE`] | 0 | NaN compares false with everything, so it would hide in any other figure |
 //! | [`MAX_TEXELS_RMS`] | ¼ | filtering with 8-bit weights blends neighbours in steps of 1/256 texel and eyes tell a quarter of one at best; a route to coordinates is chosen by that |
 //! | [`MAX_TEXELS`] | ½ | twice the mean: a pixel that is off by more shows a neighbour's texel |
+//! | [`COARSEST_SNAP_PX`] | 1/16 | the coarsest steps that rasterisers may snap vertices to |
+//! | [`DEPTH_ROUNDING_M`] | 100 | positions and depths in `f32` are rounded to 1 m at the distance of a whole globe; interpolation of depth loses a few bits more |
 //! | [`DEPTH_JUMP`] | 5 % | seen from 2 km the reciprocal distance of neighbouring rows bends by 2 % of itself two pixels below the horizon, and by less everywhere else on a smooth surface |
 
 /// How far from a boundary pixel of the reference a mismatch is put down to rounding; counted in
@@ -59,6 +61,12 @@ pub const MAX_TEXELS_RMS: f64 = 0.25;
 
 /// Largest error of a texture coordinate allowed, texels.
 pub const MAX_TEXELS: f64 = 0.5;
+
+/// Vertices are snapped to steps of at most this part of a pixel (Vulkan 1.3, `subPixelPrecisionBits` of 4).
+pub(crate) const COARSEST_SNAP_PX: f64 = 1.0 / 16.0;
+
+/// What a depth of a globe seen as a whole may be off by rounding, metres.
+pub(crate) const DEPTH_ROUNDING_M: f64 = 100.0;
 
 /// Between two pixels is a silhouette where the reciprocal distance foretold from either side is
 /// off by more than this share.

@@ -1,30 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter on flights: time against what missing pieces of terrain change, by the way of making pieces.
 
-use crate::keys::{IMAGE, PIECES, SCENE, TECHNIQUE};
-use crate::metrics::METRICS;
+use crate::metrics::*;
 use terrafill_lab::{
     Cases, Column, Drawing, Figure, Names, Panel, Section, SectionedChapter, finding, measured,
 };
 use terrafill_plot::Upwards;
 use terrafill_plot::number::significant;
-use terrafill_results::{Answers, Block, Case, Finding, Metric};
-
-const FRAME_WALL: &Metric = Metric::of(&METRICS, "flight_frame_wall_ms");
-const FRAME_CPU: &Metric = Metric::of(&METRICS, "flight_frame_cpu_ms");
-const WORST_WALL: &Metric = Metric::of(&METRICS, "flight_worst_frame_wall_ms");
-const WORST_CPU: &Metric = Metric::of(&METRICS, "flight_worst_frame_cpu_ms");
-const FIRST: &Metric = Metric::of(&METRICS, "flight_first_frame_wall_ms");
-const ERROR: &Metric = Metric::of(&METRICS, "flight_changed_px");
-const LAST_ERROR: &Metric = Metric::of(&METRICS, "flight_last_changed_px");
-const LATE: &Metric = Metric::of(&METRICS, "flight_late_frames");
-const MADE: &Metric = Metric::of(&METRICS, "flight_pieces_made");
-const EVICTED: &Metric = Metric::of(&METRICS, "flight_pieces_evicted");
-const BYTES: &Metric = Metric::of(&METRICS, "flight_piece_bytes");
-const BUDGET: &Metric = Metric::of(&METRICS, "flight_budget_bytes");
-const COMPARED: &Metric = Metric::of(&METRICS, "flight_frames_compared");
-const WRONG: &Metric = Metric::of(&METRICS, "flight_frames_wrong");
-const OUTSIDE: &Metric = Metric::of(&METRICS, "flight_outside_px");
+use terrafill_results::{Answers, Block, Case, Finding};
 
 /// What is drawn against the pixels that missing pieces change.
 const PANEL: Panel<'static> = Panel {

@@ -3,7 +3,6 @@
 //! are still being made. Each way of making them is a case; so is a memory that is too small.
 
 mod chapter;
-mod keys;
 mod metrics;
 mod pace;
 mod path;

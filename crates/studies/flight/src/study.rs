@@ -3,8 +3,7 @@
 
 use crate::STUDY;
 use crate::chapter::CHAPTER;
-use crate::keys::{IMAGE, PIECES, SCENE, TECHNIQUE, VARIANT};
-use crate::metrics::METRICS;
+use crate::metrics::*;
 use crate::pace::{Making, Pace};
 use crate::path::path;
 use std::cell::{OnceCell, RefCell};
@@ -61,7 +60,7 @@ impl Study for FlightStudy {
         name: STUDY,
         question: "What do frames cost and show while the terrain's pieces are still being made?",
         metrics: METRICS,
-        conditions: crate::keys::CONDITIONS,
+        conditions: crate::metrics::CONDITIONS,
         least_depth: Full,
         chapter: CHAPTER,
     );
@@ -222,11 +221,11 @@ impl Compared {
 
     fn verdict(&self) -> Verdict {
         let figures = vec![
-            ("flight_frames_compared", f64::from(self.tally.frames)),
-            ("flight_frames_wrong", self.tally.wrong.len() as f64),
-            ("flight_outside_px", self.tally.outside_px as f64),
-            ("flight_changed_px", self.changed_px as f64),
-            ("flight_last_changed_px", self.last_changed_px as f64),
+            (COMPARED.name, f64::from(self.tally.frames)),
+            (WRONG.name, self.tally.wrong.len() as f64),
+            (OUTSIDE.name, self.tally.outside_px as f64),
+            (ERROR.name, self.changed_px as f64),
+            (LAST_ERROR.name, self.last_changed_px as f64),
         ];
         judged(self.tally.reason(), figures, Vec::new())
     }
@@ -469,16 +468,16 @@ impl Measures for FlightsSession<'_> {
         let late = flown.iter().filter(|frame| frame.refinement.waiting > 0);
         let evicted = after.evicted - before.evicted;
         Ok(vec![
-            ("flight_frame_cpu_ms", middle(|frame| frame.cpu_ms)?),
-            ("flight_worst_frame_cpu_ms", largest(|frame| frame.cpu_ms)),
-            ("flight_frame_wall_ms", middle(|frame| frame.wall_ms)?),
-            ("flight_worst_frame_wall_ms", largest(|frame| frame.wall_ms)),
-            ("flight_first_frame_wall_ms", first.wall_ms),
-            ("flight_late_frames", late.count() as f64),
-            ("flight_pieces_made", (after.made - before.made) as f64),
-            ("flight_pieces_evicted", evicted as f64),
-            ("flight_piece_bytes", largest(|frame| frame.bytes as f64)),
-            ("flight_budget_bytes", after.budget_bytes as f64),
+            (FRAME_CPU.name, middle(|frame| frame.cpu_ms)?),
+            (WORST_CPU.name, largest(|frame| frame.cpu_ms)),
+            (FRAME_WALL.name, middle(|frame| frame.wall_ms)?),
+            (WORST_WALL.name, largest(|frame| frame.wall_ms)),
+            (FIRST.name, first.wall_ms),
+            (LATE.name, late.count() as f64),
+            (MADE.name, (after.made - before.made) as f64),
+            (EVICTED.name, evicted as f64),
+            (BYTES.name, largest(|frame| frame.bytes as f64)),
+            (BUDGET.name, after.budget_bytes as f64),
         ])
     }
 }

@@ -5,7 +5,7 @@
 use crate::clock::{DRAW, FRAME, whole};
 use crate::keys::*;
 use crate::{counts, made, shading, tiled, zones};
-use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section};
+use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, with_commands};
 use terrafill_plot::number::significant;
 use terrafill_plot::{PointStanding, Upwards};
 use terrafill_results::{Answers, Block, Case, Chapter, ChapterError, Clock, Metric, Run};
@@ -66,7 +66,7 @@ impl Chapter for GlobesChapter {
         for section in parts.iter().chain(&shading::SECTIONS) {
             blocks.extend(section.blocks(&all)?);
         }
-        Ok(blocks)
+        Ok(with_commands(blocks, run, crate::STUDY))
     }
 }
 

@@ -2,7 +2,7 @@
 //! Surfaces through their knobs in one view: each is made, judged against rays at the body, and timed.
 
 use crate::STUDY;
-use crate::api::{Drawing, Interface, RAYS, VULKAN, WGPU};
+use crate::api::RAYS;
 use crate::canvas::no_triangles;
 use crate::clock::FrameWatch;
 use crate::error::{Errors, around, of_depth, of_frame};
@@ -15,7 +15,9 @@ use std::collections::btree_map::Entry;
 use std::hash::{DefaultHasher, Hasher as _};
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, SurfaceView, ViewConstants, ViewId};
+use terrafill_fill::{
+    DeviceError, SurfaceInterface, SurfaceTargets, SurfaceView, ViewConstants, ViewId,
+};
 use terrafill_gpu::RayCast;
 use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
 use terrafill_study::{CaseGroup, CaseSession, Context, Depth, Failure, Figures, Measures};
@@ -35,7 +37,7 @@ pub(crate) struct Work {
     name: String,
     /// `None` for the body itself, a ray for each pixel.
     pub(crate) surface: Option<Chosen>,
-    interface: Interface,
+    interface: SurfaceInterface,
     has_cracks: bool,
 }
 
@@ -70,9 +72,9 @@ pub(crate) fn works(rows: &[SurfaceRow], depth: Depth) -> Vec<Work> {
             Depth::Main | Depth::Full => &row.values,
         };
         // Vulkan itself draws the same triangles: as many as all wgpu cases only where all is measured.
-        let interfaces: &[Interface] = match depth {
-            Depth::Full => &[WGPU, VULKAN],
-            Depth::Quick | Depth::Main => &[WGPU],
+        let interfaces: &[SurfaceInterface] = match depth {
+            Depth::Full => &[terrafill_gpu::SURFACES, terrafill_vulkan::SURFACES],
+            Depth::Quick | Depth::Main => &[terrafill_gpu::SURFACES],
         };
         for value in values {
             works.extend(interfaces.iter().map(|&interface| Work {
@@ -183,7 +185,7 @@ struct SightPart<'a> {
     sight: &'a Sight,
     context: Context<'a>,
     /// By interface, [`RAY_CAST`] one of them.
-    targets: BTreeMap<&'static str, Box<dyn Drawing>>,
+    targets: BTreeMap<&'static str, Box<dyn SurfaceTargets>>,
     /// By [`Chosen::key`].
     judged: BTreeMap<String, Rc<Judged>>,
     /// By case.
@@ -247,9 +249,9 @@ impl SightPart<'_> {
         };
         let targets = self.targets.get_mut(targets);
         let targets = targets.ok_or(DeviceError::Missing("targets of the interface"))?;
-        targets.upload(view)?;
+        targets.prepare(view)?;
         watch.ends("globe_upload_cpu_ms");
-        targets.draw()
+        targets.draw_surface()
     }
 }
 

@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter on growth: what a mesh costs by the vertices of its outline, one curve per shape.
 
-use crate::keys::{OUTLINE_VERTICES, SHAPE};
-use crate::metrics::METRICS;
+use crate::metrics::{OUTLINE_VERTICES, SHAPE, TIME, VERTICES};
 use terrafill_lab::{
     Cases, Column, Comparison, Drawing, Figure, Names, Panel, Section, SectionedChapter, measured,
     slope_one,
 };
-use terrafill_results::{Answers, Claim, Finding, Metric, Scope};
-
-/// Process CPU time from text to mesh: a mesh is made on the CPU, whatever the device.
-const TIME: &Metric = Metric::of(&METRICS, "mesh_cpu_ms");
-/// Vertices that the shape came to have; about as many as were asked for.
-const VERTICES: &Metric = Metric::of(&METRICS, "vertices_of_outline");
+use terrafill_results::{Answers, Claim, Finding, Scope};
 
 /// Sizes of the ratio, as in the condition `outline_vertices`.
 const RATIO_SIZES: [&str; 2] = ["1000000", "100000"];
@@ -82,6 +76,7 @@ fn growth(cases: &Cases<'_>) -> Vec<Finding> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::metrics::METRICS;
     use terrafill_results::made_up::{MadeUpRun, case_id};
     use terrafill_results::{Block, CaseId, CellClass, Chapter as _, Standing, Status};
 

@@ -5,7 +5,6 @@
 //! of them alike.
 
 mod chapter;
-mod keys;
 mod measure;
 mod metrics;
 mod study;

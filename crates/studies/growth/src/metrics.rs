@@ -1,18 +1,25 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What the study measures.
+//! Conditions of the study's cases, and what it measures of them.
 
 use terrafill_results::{Metric, Primary, Scope};
 
+terrafill_results::conditions! {
+    shared ;
+    OUTLINE_VERTICES = "outline_vertices";
+    SHAPE = "shape";
+}
+
+/// A mesh is made on the CPU, whatever the device.
+pub(crate) const TIME: &Metric = &Metric::time_ms(
+    "mesh_cpu_ms",
+    "Process CPU time from the outline as GeoJSON text to its mesh, in a process of its own.",
+)
+.covering(Scope::PLAN)
+.ranking(Primary::Any);
+pub(crate) const VERTICES: &Metric = &Metric::quantity(
+    "vertices_of_outline",
+    "Vertices of the shape's outline: about as many as the case is named after.",
+);
+
 /// Everything that the study measures.
-pub(crate) const METRICS: [Metric; 2] = [
-    Metric::time_ms(
-        "mesh_cpu_ms",
-        "Process CPU time from the outline as GeoJSON text to its mesh, in a process of its own.",
-    )
-    .covering(Scope::PLAN)
-    .ranking(Primary::Any),
-    Metric::quantity(
-        "vertices_of_outline",
-        "Vertices of the shape's outline: about as many as the case is named after.",
-    ),
-];
+pub(crate) const METRICS: [Metric; 2] = [*TIME, *VERTICES];

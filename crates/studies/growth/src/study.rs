@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The cases: families of shapes × sizes.
 
-use crate::keys::{OUTLINE_VERTICES, SHAPE};
 use crate::measure::{GrowthProgram, measure_here};
-use crate::metrics::METRICS;
+use crate::metrics::{METRICS, OUTLINE_VERTICES, SHAPE, TIME, VERTICES};
 use crate::{STUDY, chapter::CHAPTER};
-use std::collections::BTreeMap;
 use tempfile::NamedTempFile;
-use terrafill_results::{Status, Verdict};
+use terrafill_results::{ConditionKey, Verdict};
 use terrafill_scene::ShapeFamily;
 use terrafill_study::{
-    CaseGroup, CaseSession, Depth, Failure, Figures, Measures, Planned, Request, Study, StudyError,
-    judged, planned_case,
+    CaseGroup, Context, Depth, Failure, Figures, Planned, Request, Study, StudyError, Trial,
+    judged, trials,
 };
 
 /// Vertices of the shapes; a quick run measures the first three sizes.
@@ -33,7 +31,7 @@ impl Study for GrowthStudy {
         name: STUDY,
         question: "How does the cost of a mesh grow with its vertices?",
         metrics: METRICS,
-        conditions: crate::keys::CONDITIONS,
+        conditions: crate::metrics::CONDITIONS,
         least_depth: Full,
         chapter: CHAPTER,
     );
@@ -53,88 +51,79 @@ impl Study for GrowthStudy {
         };
         let is_quick = request.depth == Depth::Quick;
         let sizes = &SIZES[..if is_quick { QUICK_SIZES } else { SIZES.len() }];
+        let shapes = sizes.iter().flat_map(|&size| {
+            let program = &program;
+            ShapeFamily::ALL.map(move |family| Shape {
+                family,
+                size,
+                program: program.clone(),
+            })
+        });
         let samples = request.samples.unwrap_or(SAMPLES);
+        let group = CaseGroup {
+            // Every build is a process of its own, which nothing before it warms.
+            warm_up: Some(0),
+            ..trials(STUDY, STUDY.to_owned(), samples, shapes.collect())
+        };
         Ok(Planned {
-            groups: vec![Box::new(shapes(sizes, samples, program))],
+            groups: vec![Box::new(group)],
             skipped: Vec::new(),
         })
     }
 }
 
-/// What sessions need: every shape and size, and the program that builds in a fresh process.
-type Shapes = (Vec<(ShapeFamily, u32)>, Option<GrowthProgram>);
+/// A shape of about so many vertices, and the program that builds it in a fresh process.
+struct Shape {
+    family: ShapeFamily,
+    size: u32,
+    program: Option<GrowthProgram>,
+}
 
-fn shapes(sizes: &[u32], samples: u32, program: Option<GrowthProgram>) -> CaseGroup<Shapes> {
-    let families = |size| ShapeFamily::ALL.map(|family| (family, size));
-    let shapes: Vec<(ShapeFamily, u32)> = sizes.iter().copied().flat_map(families).collect();
-    let case = |&(family, size): &(ShapeFamily, u32)| {
-        let conditions = [
-            (SHAPE, family.name().to_owned()),
-            (OUTLINE_VERTICES, size.to_string()),
-        ];
-        planned_case(STUDY, samples, conditions, None)
-    };
-    CaseGroup {
-        name: STUDY.to_owned(),
-        cases: shapes.iter().map(case).collect(),
-        // Every build is a process of its own, which nothing before it warms.
-        warm_up: Some(0),
-        work: (shapes, program),
-        open: |group, _context| {
-            let (shapes, program) = &group.work;
-            let file = |&(family, size): &(ShapeFamily, u32)| {
-                let file = NamedTempFile::new()?;
-                std::fs::write(&file, family.geojson(size))?;
-                Ok(file)
-            };
-            let files: Result<Vec<NamedTempFile>, std::io::Error> =
-                shapes.iter().map(file).collect();
-            let files = files.map_err(|error| StudyError::Broken {
+impl Shape {
+    /// Its outline, which every build reads.
+    fn file(&self) -> Result<NamedTempFile, Failure> {
+        let written = NamedTempFile::new().and_then(|file| {
+            std::fs::write(&file, self.family.geojson(self.size))?;
+            Ok(file)
+        });
+        written.map_err(|error| {
+            Failure::Ends(StudyError::Broken {
                 place: std::env::temp_dir().display().to_string(),
                 message: error.to_string(),
-            })?;
-            Ok(Box::new(CaseSession(Builds {
-                files,
-                program: program.as_ref(),
-            })))
-        },
+            })
+        })
     }
-}
 
-struct Builds<'a> {
-    files: Vec<NamedTempFile>,
-    program: Option<&'a GrowthProgram>,
-}
-
-impl Builds<'_> {
-    fn build(&self, case: usize) -> Result<(u64, f64), String> {
-        let file = self.files[case].path();
-        match self.program {
-            Some(program) => program.measure(file),
-            None => measure_here(file),
+    fn build(&self, file: &NamedTempFile) -> Result<(u64, f64), String> {
+        match &self.program {
+            Some(program) => program.measure(file.path()),
+            None => measure_here(file.path()),
         }
     }
 }
 
-impl Measures for Builds<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
-        let (vertices, _) = self.build(case)?;
-        let figures = vec![("vertices_of_outline", vertices as f64)];
-        Ok(judged(String::new(), figures, Vec::new()))
+impl Trial for Shape {
+    type Opened = NamedTempFile;
+
+    fn conditions(&self) -> Vec<(ConditionKey, String)> {
+        let shape = self.family.name().to_owned();
+        vec![(SHAPE, shape), (OUTLINE_VERTICES, self.size.to_string())]
     }
 
-    fn recheck(
-        &mut self,
-        _case: usize,
-        _status: Status,
-        _notes: &BTreeMap<String, String>,
-    ) -> Result<Verdict, Failure> {
+    fn verify(&self, _: Context<'_>) -> Result<(NamedTempFile, Verdict), Failure> {
+        let file = self.file()?;
+        let (vertices, _) = self.build(&file)?;
+        let figures = vec![(VERTICES.name, vertices as f64)];
+        Ok((file, judged(String::new(), figures, Vec::new())))
+    }
+
+    fn recheck(&self, _: Context<'_>) -> Result<(NamedTempFile, Verdict), Failure> {
         // Every build is checked when it is measured.
-        Ok(judged(String::new(), Vec::new(), Vec::new()))
+        Ok((self.file()?, judged(String::new(), Vec::new(), Vec::new())))
     }
 
-    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        Ok(vec![("mesh_cpu_ms", self.build(case)?.1)])
+    fn time(&self, file: &mut NamedTempFile) -> Result<Figures, Failure> {
+        Ok(vec![(TIME.name, self.build(file)?.1)])
     }
 }
 

@@ -1,27 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter on reading back: time against bytes, one curve per graphics interface.
-//!
-//! Time is modelled as latency + bytes ÷ rate. The line is fitted by least squares of the relative
-//! residuals, since noise grows with time; by absolute ones the largest image alone would set both.
-//! Every process has a line of its own, and the range over processes is the fit's spread.
 
-use crate::keys::{API, SIZE_PX};
-use crate::metrics::METRICS;
+use crate::metrics::{API, BYTES, CPU, RATE, SIZE_PX, WALL};
 use terrafill_lab::{
-    Cases, Column, Drawing, Figure, Names, Panel, Section, SectionedChapter, range, slope_one,
+    Column, Drawing, Figure, Lines, Names, Panel, Section, SectionedChapter, slope_one,
 };
-use terrafill_plot::number::significant;
-use terrafill_results::{
-    Answers, Block, Cell, ChapterError, Heading, Metric, Row, Table, process_medians,
-};
+use terrafill_results::Answers;
 
-const CPU: &Metric = Metric::of(&METRICS, "readback_cpu_ms");
-const WALL: &Metric = Metric::of(&METRICS, "readback_wall_ms");
-const BYTES: &Metric = Metric::of(&METRICS, "readback_bytes");
-const RATE: &Metric = Metric::of(&METRICS, "readback_rate");
-
-/// A line through two sizes has no residual that could speak against it.
-const MIN_SIZES_FOR_FIT: usize = 3;
+const TIME: Figure = Figure::ByClock(WALL, CPU);
 
 /// What reading an image back costs.
 pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
@@ -31,8 +17,15 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
            new staging buffers and packing rows. On a GPU a read-back is a wait of the CPU outside of every GPU pass, so \
            wall clock is compared; on a software device the CPU itself copies, so process CPU time is. The rate is bytes \
            over wall clock.",
-    primary: Figure::ByClock(WALL, CPU),
-    answers,
+    primary: TIME,
+    answers: |cases| {
+        let time = cases.clock().pick(WALL, CPU);
+        let says = |side: &str| format!("{side} × {side} pixels take least through");
+        Answers {
+            blocks: Vec::from_iter(cases.least_of_each(SIZE_PX, (API, time), says)),
+            ..Answers::default()
+        }
+    },
     sections: &[Section {
         named_by: Names::Columns(&[("interface", API), ("pixels a side", SIZE_PX)]),
         columns: &[
@@ -48,95 +41,32 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
             panels: &[Panel {
                 title: "Time to read back against bytes",
                 across: ("bytes of colour and depth", Figure::Metric(BYTES)),
-                up: ("ms", Figure::ByClock(WALL, CPU)),
+                up: ("ms", TIME),
                 curve: Names::Joined(&[API]),
                 knob: Figure::Metric(BYTES),
                 lines: slope_one,
                 ..Panel::EMPTY
             }],
         }),
-        more: &[fits],
+        lines: Some(Lines {
+            caption: "Line through all sizes, time = latency + bytes ÷ rate: range over processes. A latency below 0 means \
+                      that small images come faster than any line allows.",
+            by: ("interface", API),
+            across: Figure::Metric(BYTES),
+            up: TIME,
+            start: "latency, ms",
+            slope: ("rate, MB/s", |ms_per_byte| 1e-3 / ms_per_byte),
+        }),
         ..Section::EMPTY
     }],
 };
 
-/// Through which interface each size takes least.
-fn answers(cases: &Cases<'_>) -> Answers {
-    let time = cases.clock().pick(WALL, CPU);
-    let said = |(side, own): &(&str, Cases<'_>)| {
-        let best = own.best(time)?;
-        let (api, ms) = (best.case.condition(API), significant(best.value));
-        let ties = best.tied_with(|case| case.condition(API).to_owned());
-        Some(format!(
-            "{side} × {side} pixels take least through {api}, {ms} ms{ties}."
-        ))
-    };
-    let sizes: Vec<String> = cases.by(SIZE_PX).iter().filter_map(said).collect();
-    Answers {
-        blocks: Vec::from_iter((!sizes.is_empty()).then_some(Block::List(sizes))),
-        ..Answers::default()
-    }
-}
-
-/// Latency and rate of each interface over its sizes: a line through all, for each process.
-fn fits(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
-    let time = cases.clock().pick(WALL, CPU);
-    let rows = cases.by(API).into_iter().map(|(api, own)| {
-        let sizes = own.iter().filter(|case| case.counts());
-        let sizes =
-            sizes.filter_map(|case| Some((case.value(BYTES)?, process_medians(case, time))));
-        let sizes: Vec<_> = sizes.collect();
-        let processes = sizes
-            .first()
-            .into_iter()
-            .flat_map(|(_, times)| times.keys());
-        let lines = processes.filter_map(|process| {
-            let points = sizes
-                .iter()
-                .filter_map(|(bytes, times)| Some([*bytes, *times.get(process)?]));
-            fit(&points.collect::<Vec<_>>())
-        });
-        let lines: Vec<[f64; 2]> = lines.collect();
-        let cell = |end: usize| {
-            let values: Vec<f64> = lines.iter().map(|line| line[end]).collect();
-            let why = format!("fewer than {MIN_SIZES_FOR_FIT} sizes, or no rising times");
-            Cell::or_absent(range(&values), why)
-        };
-        Row::new(vec![Cell::name(api), cell(0), cell(1)])
-    });
-    Ok(Some(Block::Table(Table {
-        caption: "Line through all sizes, time = latency + bytes ÷ rate: range over processes. A latency below 0 means \
-                  that small images come faster than any line allows."
-            .to_owned(),
-        headings: ["interface", "latency, ms", "rate, MB/s"].map(Heading::plain).into(),
-        rows: rows.collect(),
-        ..Table::default()
-    })))
-}
-
-/// Latency, ms, and rate, MB/s, by weighted regression of milliseconds on bytes, weights 1 / time²; `None` with too few
-/// points or where time does not rise.
-fn fit(points: &[[f64; 2]]) -> Option<[f64; 2]> {
-    if points.len() < MIN_SIZES_FOR_FIT {
-        return None;
-    }
-    let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
-        let terms = points.iter().map(|&[x, y]| of(x, y) / (y * y));
-        terms.sum()
-    };
-    let weight = sum(&|_, _| 1.0);
-    let middle = [sum(&|x, _| x) / weight, sum(&|_, y| y) / weight];
-    let spread = sum(&|x, _| (x - middle[0]).powi(2));
-    let ms_per_byte = sum(&|x, y| (x - middle[0]) * (y - middle[1])) / spread;
-    let latency_ms = middle[1] - ms_per_byte * middle[0];
-    (ms_per_byte > 0.0).then_some([latency_ms, 1e-3 / ms_per_byte])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::metrics::METRICS;
     use terrafill_results::made_up::{MadeUpRun, case_id};
-    use terrafill_results::{CellClass, Chapter as _, Clock, RunEnvironment, Status};
+    use terrafill_results::{Block, CellClass, Chapter as _, Clock, RunEnvironment, Status};
 
     /// 0.5 ms, and 1,000 MB/s; process 1 is twice as slow.
     fn run() -> MadeUpRun {
@@ -165,17 +95,6 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let run = run.write(folder.path()).expect("a run");
         CHAPTER.blocks(&run).expect("a chapter")
-    }
-
-    #[test]
-    fn a_line_is_found_and_two_points_are_none() {
-        let line = [[1e5, 0.6], [1e6, 1.5], [1e7, 10.5], [1e8, 100.5]];
-        let [latency_ms, rate] = fit(&line).expect("a line");
-        assert!((latency_ms - 0.5).abs() < 1e-9, "{latency_ms}");
-        assert!((rate - 1000.0).abs() < 1e-6, "{rate}");
-        assert_eq!(fit(&line[..2]), None);
-        // Twin: times that fall with size are no rate.
-        assert_eq!(fit(&line.map(|[x, y]| [x, 1.0 / y])), None);
     }
 
     #[test]

@@ -5,8 +5,6 @@
 //! An image is colour and depth of the render targets, four bytes a pixel each.
 
 mod chapter;
-mod globe;
-mod keys;
 mod metrics;
 mod study;
 

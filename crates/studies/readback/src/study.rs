@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The cases: interfaces × image sizes, in one group.
+//! The cases: interfaces × image sizes, in one group. Each reads a globe, whose depth follows from a formula.
 
-use crate::globe::{Draw, INTERFACES, Reader, byte_count, check, fingerprint, globe};
-use crate::keys::{API, SIZE_PX};
-use crate::metrics::METRICS;
+use crate::metrics::{API, BYTES, CPU, METRICS, RATE, SIZE_PX, WALL};
 use crate::{STUDY, chapter::CHAPTER};
-use std::collections::BTreeMap;
-use terrafill_fill::CpuStopwatch;
-use terrafill_results::Verdict;
+use std::hash::{DefaultHasher, Hasher as _};
+use terrafill_conformance::{globe_mismatch, rolled_globe};
+use terrafill_fill::{CpuStopwatch, Picture, SurfaceInterface, SurfaceTargets};
+use terrafill_results::{ConditionKey, Verdict};
 use terrafill_scene::ImageSize;
 use terrafill_study::{
-    CaseGroup, CaseSession, Context, Depth, Failure, Figures, Measures, Planned, Request, Study,
-    StudyError, judged, planned_case,
+    Context, Depth, Failure, Figures, Planned, Request, Study, StudyError, Trial, judged, trials,
 };
+
+/// Interfaces in the order in which they are reported.
+const INTERFACES: [SurfaceInterface; 2] = [terrafill_gpu::SURFACES, terrafill_vulkan::SURFACES];
 
 /// Pixels a side, from 32 kB to 134 MB of colour and depth. A quick run measures the first four.
 const SIZES: [u32; 6] = [64, 256, 512, 1024, 2048, 4096];
@@ -31,7 +32,7 @@ impl Study for ReadbackStudy {
         name: STUDY,
         question: "How long does reading an image back take, and at which rate?",
         metrics: METRICS,
-        conditions: crate::keys::CONDITIONS,
+        conditions: crate::metrics::CONDITIONS,
         least_depth: Full,
         chapter: CHAPTER,
     );
@@ -39,83 +40,80 @@ impl Study for ReadbackStudy {
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let is_quick = request.depth == Depth::Quick;
         let sizes = &SIZES[..if is_quick { QUICK_SIZES } else { SIZES.len() }];
+        let reads = INTERFACES.iter().flat_map(|&interface| {
+            let of_side = move |&side: &u32| ReadBack { interface, side };
+            sizes.iter().map(of_side)
+        });
         let samples = request.samples.unwrap_or(SAMPLES);
+        let group = trials(STUDY, STUDY.to_owned(), samples, reads.collect());
         Ok(Planned {
-            groups: vec![Box::new(readings(sizes, samples))],
+            groups: vec![Box::new(group)],
             skipped: Vec::new(),
         })
     }
 }
 
-/// Every interface and size.
-fn readings(sizes: &[u32], samples: u32) -> CaseGroup<Vec<(Draw, u32)>> {
-    let (mut work, mut cases) = (Vec::new(), Vec::new());
-    for (api, draw) in INTERFACES {
-        for &side in sizes {
-            let conditions = [(API, api.name.to_owned()), (SIZE_PX, side.to_string())];
-            cases.push(planned_case(STUDY, samples, conditions, None));
-            work.push((draw, side));
-        }
-    }
-    CaseGroup {
-        name: STUDY.to_owned(),
-        cases,
-        warm_up: None,
-        work,
-        open: |group, context| {
-            Ok(Box::new(CaseSession(Readings {
-                work: &group.work,
-                context,
-                drawn: BTreeMap::new(),
-            })))
-        },
-    }
+/// An image of so many pixels a side, through an interface.
+struct ReadBack {
+    interface: SurfaceInterface,
+    side: u32,
 }
 
-struct Readings<'a> {
-    work: &'a [(Draw, u32)],
-    context: Context<'a>,
-    /// Targets that hold the globe by case, and the fingerprint of the picture that was verified.
-    drawn: BTreeMap<usize, (Reader, u64)>,
-}
+impl Trial for ReadBack {
+    /// Targets that hold the globe, and the fingerprint of the picture that was verified.
+    type Opened = (Box<dyn SurfaceTargets>, u64);
 
-impl Measures for Readings<'_> {
+    fn conditions(&self) -> Vec<(ConditionKey, String)> {
+        let api = self.interface.api.name.to_owned();
+        vec![(API, api), (SIZE_PX, self.side.to_string())]
+    }
+
     /// Draws the globe and reads it twice.
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
-        let (draw, side) = self.work[case];
-        let input = globe(ImageSize {
-            width: side,
-            height: side,
-        })?;
-        let reader = draw(self.context.devices, &input)?;
-        let [first, second] = [reader()?, reader()?];
-        let reason = check([&first, &second], &input).err().unwrap_or_default();
-        self.drawn.insert(case, (reader, fingerprint(&first)));
-        let figures = vec![("readback_bytes", byte_count(&first) as f64)];
-        Ok(judged(reason, figures, Vec::new()))
+    fn verify(&self, context: Context<'_>) -> Result<(Self::Opened, Verdict), Failure> {
+        let [width, height] = [self.side; 2];
+        let input = rolled_globe(ImageSize { width, height }).map_err(Failure::broken)?;
+        let mut targets = (self.interface.open)(context.devices, input.size)?;
+        targets.prepare((&input).into())?;
+        targets.draw_surface()?;
+        let (first, second) = (targets.read()?, targets.read()?);
+        let verified = fingerprint(&first);
+        let is_same = fingerprint(&second) == verified;
+        let others = || "read twice, the same targets gave different bytes".to_owned();
+        let wrong = globe_mismatch(&first, &input).or_else(|| (!is_same).then(others));
+        let figures = vec![(BYTES.name, byte_count(&first))];
+        let verdict = judged(wrong.unwrap_or_default(), figures, Vec::new());
+        Ok(((targets, verified), verdict))
     }
 
-    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        let drawn = self.drawn.get(&case);
-        let (reader, verified) = drawn.ok_or("it was not verified".to_owned())?;
+    fn time(&self, (targets, verified): &mut Self::Opened) -> Result<Figures, Failure> {
         let watch = CpuStopwatch::start();
-        let read = reader();
+        let read = targets.read();
         let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
         let picture = read?;
         if fingerprint(&picture) != *verified {
-            return Err("it read different bytes than when it was verified"
-                .to_owned()
-                .into());
+            let why = "it read different bytes than when it was verified";
+            return Err(Failure::broken(why));
         }
+        let rate = byte_count(&picture) * 1e-3 / wall_ms;
         Ok(vec![
-            ("readback_cpu_ms", cpu_ms),
-            ("readback_wall_ms", wall_ms),
-            (
-                "readback_rate",
-                byte_count(&picture) as f64 * 1e-3 / wall_ms,
-            ),
+            (CPU.name, cpu_ms),
+            (WALL.name, wall_ms),
+            (RATE.name, rate),
         ])
     }
+}
+
+/// Of all bytes of a picture.
+fn fingerprint(picture: &Picture) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    hasher.write(&picture.rgba);
+    hasher.write(bytemuck::cast_slice(&picture.depth));
+    hasher.finish()
+}
+
+/// Bytes of colour and depth.
+fn byte_count(picture: &Picture) -> f64 {
+    (picture.rgba.len() + size_of_val(picture.depth.as_slice())) as f64
 }
 
 #[cfg(test)]
@@ -174,14 +172,13 @@ mod tests {
 
     #[test]
     fn a_run_has_every_time_and_a_chapter() {
-        for (_, draw) in INTERFACES {
-            let size = ImageSize {
-                width: 1,
-                height: 1,
-            };
-            let input = globe(size).expect("a surface");
-            let drawn = draw(&Devices::default(), &input);
-            if device_for_test(drawn).is_none() {
+        let size = ImageSize {
+            width: 1,
+            height: 1,
+        };
+        for interface in INTERFACES {
+            let opened = (interface.open)(&Devices::default(), size);
+            if device_for_test(opened).is_none() {
                 return;
             }
         }
@@ -207,6 +204,35 @@ mod tests {
     }
 
     #[test]
+    fn a_device_gives_the_globe_back_and_one_byte_is_another_picture() {
+        // Odd, so that rows are padded.
+        let size = ImageSize {
+            width: 101,
+            height: 67,
+        };
+        let input = rolled_globe(size).expect("a surface");
+        for interface in INTERFACES {
+            let opened = (interface.open)(&Devices::default(), size);
+            let Some(mut targets) = device_for_test(opened) else {
+                continue;
+            };
+            targets.prepare((&input).into()).expect("uploads");
+            targets.draw_surface().expect("draws");
+            let right = targets.read().expect("read");
+            assert_eq!(globe_mismatch(&right, &input), None);
+            assert_eq!(byte_count(&right), 101.0 * 67.0 * 8.0);
+            // Negative controls: rows from below, and a byte of a colour.
+            let mut other = right.clone();
+            other.depth.reverse();
+            assert!(globe_mismatch(&other, &input).is_some());
+            let mut other = right.clone();
+            other.rgba[0] += 1;
+            assert_ne!(fingerprint(&other), fingerprint(&right));
+            assert_eq!(fingerprint(&right.clone()), fingerprint(&right));
+        }
+    }
+
+    #[test]
     fn a_missing_device_and_a_size_beyond_its_limit_are_skipped_with_the_reason() {
         let folder = tempfile::tempdir().expect("a folder");
         let none = Devices::new(Some("no such adapter".to_owned()));
@@ -216,7 +242,11 @@ mod tests {
             assert!(!case.reason.is_empty());
         }
         let devices = Rc::new(Devices::default());
-        let group = readings(&[1 << 20], 1);
+        let too_large = INTERFACES.map(|interface| ReadBack {
+            interface,
+            side: 1 << 20,
+        });
+        let group = trials(STUDY, STUDY.to_owned(), 1, too_large.into());
         let context = Context {
             devices: &devices,
             folder: folder.path(),

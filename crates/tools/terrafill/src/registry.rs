@@ -129,7 +129,7 @@ mod tests {
     use std::collections::BTreeSet;
     use terrafill_fill::{Role, Rung, Switches, Values, layouts, matrix_row};
     use terrafill_results::made_up::{MadeUpCase, MadeUpRun};
-    use terrafill_results::{Clock, Kind, Metric, Scope};
+    use terrafill_results::{Block, Clock, Finding, Kind, Metric, Scope, Standing, Status};
     use terrafill_scene::{Overlap, Scene};
     use terrafill_study::{Depth, Request, RunOptions};
 
@@ -169,12 +169,12 @@ mod tests {
         assert_eq!(unnamed, ["readback_rate", "suite_case_s"]);
     }
 
-    /// A run in which every timed case of a study's full plan is right, and every time is as long. Two processes:
+    /// A run in which every timed case of a study's plan is right, and every time is as long. Two processes:
     /// intervals take long and refuse nothing.
-    fn made_of_plan(study: &dyn Study) -> MadeUpRun {
+    fn made_of_plan(study: &dyn Study, depth: Depth) -> MadeUpRun {
         let request = Request {
             size: [64; 2],
-            depth: Depth::Full,
+            depth,
             ..Request::default()
         };
         let mut run = MadeUpRun {
@@ -207,7 +207,7 @@ mod tests {
     fn no_comparison_of_any_chapter_is_refused() {
         for study in STUDIES {
             assert_eq!(
-                refused(*study, &made_of_plan(*study)),
+                refused(*study, &made_of_plan(*study, Depth::Full)),
                 None,
                 "{}",
                 study.name()
@@ -218,7 +218,7 @@ mod tests {
         let filling = studies
             .find(|study| study.name() == "filling")
             .expect("it is one");
-        let mut run = made_of_plan(*filling);
+        let mut run = made_of_plan(*filling, Depth::Full);
         let of = |case: &MadeUpCase, key: &str| case.id.condition_named(key).to_owned();
         run.cases.retain(|case| !of(case, "step").is_empty());
         let is_step = |case: &&mut MadeUpCase| of(case, "step") == "strips";
@@ -228,6 +228,44 @@ mod tests {
         }
         let said = refused(*filling, &run).expect("two changes");
         assert!(said.contains("depth-rule"), "{said}");
+    }
+
+    /// Findings of a study's chapter, and of what it gives to the report's first page, that were not measured, and of
+    /// them those that name no command.
+    fn unmeasured(study: &dyn Study, run: &MadeUpRun) -> [Vec<Finding>; 2] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = run.write(folder.path()).expect("a run");
+        let blocks = study.chapter().blocks(&run).expect("a chapter");
+        let own = blocks.into_iter().filter_map(|block| match block {
+            Block::Finding(finding) => Some(finding),
+            _ => None,
+        });
+        let answers = study.chapter().answers(&run).expect("answers");
+        let all = own.chain(answers.requirements);
+        let open = all.filter(|finding| finding.standing == Standing::NotMeasured);
+        let open: Vec<Finding> = open.collect();
+        let mut silent = open.clone();
+        silent.retain(|finding| !finding.because.contains("terrafill bench"));
+        [open, silent]
+    }
+
+    #[test]
+    fn what_was_not_measured_names_the_command_that_measures_it() {
+        let mut found = 0;
+        // Fills have chapters of their own, which say of a claim that its rows are not in the run.
+        let own = |study: &&&dyn Study| ["filling", "extreme"].contains(&study.name());
+        for study in STUDIES.iter().filter(|study| !own(study)) {
+            let mut run = made_of_plan(*study, Depth::Quick);
+            for case in &mut run.cases {
+                case.figures.clear();
+                case.ended(Status::Skipped, "no such device");
+            }
+            let [open, silent] = unmeasured(*study, &run);
+            found += open.len();
+            assert_eq!(silent, [], "{}", study.name());
+        }
+        // Control: there are such findings.
+        assert!(found > 10, "{found}");
     }
 
     #[test]

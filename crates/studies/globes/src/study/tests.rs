@@ -2,7 +2,7 @@
 //! The study on a device, without one, and with wrong parameters.
 
 use super::*;
-use crate::api::{RAYS, WGPU};
+use crate::api::RAYS;
 use crate::error::Errors;
 use crate::list::SurfaceRow;
 use crate::sight::{RAY_CAST, Work, drawn_otherwise, standing};
@@ -118,7 +118,7 @@ fn kinds_that_there_are_not_are_left_out_by_name() {
 
 #[test]
 fn a_run_has_errors_times_and_a_chapter() {
-    for interface in [WGPU, RAYS] {
+    for interface in [terrafill_gpu::SURFACES, RAYS] {
         let size = terrafill_scene::ImageSize {
             width: 1,
             height: 1,
