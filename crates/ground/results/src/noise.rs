@@ -6,8 +6,8 @@
 //! its operands, so that half as long and twice as long differ by as much. A gap between two cases
 //! that is no larger than the largest noise of a pair is a tie.
 
-use crate::threshold::{MIN_BAND, MIN_DIFFERENCE, MIN_REPLICATES};
-use crate::{Case, Estimate, REPEATS, Standing, process_medians, ratio};
+use crate::threshold::{MIN_BAND, MIN_DIFFERENCE};
+use crate::{Case, Estimate, REPEATS, process_medians, ratio};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// By how much identical work differed.
@@ -153,50 +153,11 @@ impl Noise {
     }
 }
 
-impl Standing {
-    /// Whether something takes less time than something else, and why that cannot be told.
-    ///
-    /// Decided where the whole interval lies further from 1 than [`Noise::band`].
-    ///
-    /// - `gain`: time of the other over its own, over processes
-    /// - `noise`: of that metric in the same run
-    #[must_use]
-    pub fn of_times(gain: &Estimate, noise: Option<Noise>) -> (Self, String) {
-        let Some([low, high]) = gain.interval else {
-            let needed = format!(
-                "Undecided: {} of the {MIN_REPLICATES} processes that an interval takes.",
-                gain.processes
-            );
-            return (Self::CannotTell, needed);
-        };
-        let band = Noise::band(noise);
-        if low > band {
-            return (Self::Holds, String::new());
-        }
-        if high < 1.0 / band {
-            return (Self::DoesNotHold, String::new());
-        }
-        let percent = |factor: f64| format!("{:.2} %", 100.0 * (factor - 1.0));
-        let reason = match noise {
-            Some(_) => format!(
-                "Undecided: the interval of the ratio, {low:.4} to {high:.4}, is not clear of the {} by \
-                 which identical work differed.",
-                percent(band)
-            ),
-            None => format!(
-                "Undecided: no identical work was measured twice, and the interval of the ratio, {low:.4} \
-                 to {high:.4}, is not clear of {}.",
-                percent(band)
-            ),
-        };
-        (Self::CannotTell, reason)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::made_up::{MadeUpRun, case_id};
+    use crate::{Claim, Standing};
 
     const METRIC: &str = "fill_cpu_ms";
 
@@ -278,32 +239,22 @@ mod tests {
             let folder = tempfile::tempdir().expect("a folder");
             let run = run.write(folder.path()).expect("a run");
             let gain = ratio(&run.cases[0], &run.cases[1], METRIC).expect("a ratio");
-            Standing::of_times(&gain, noise)
+            Claim::Faster.standing_beyond(&gain, Noise::band(noise))
         };
-        use Standing::{CannotTell, DoesNotHold, Holds};
+        use Standing::{CannotTell, DoesNotHold, Holds, NoDifference};
         // Steady, and less than identical work differs by.
-        let (standing, reason) = of(&[10.3; 5], &[10.0; 5], noise);
-        assert_eq!(standing, CannotTell);
-        assert!(
-            reason.contains("4.00 % by which identical work differed"),
-            "{reason}"
-        );
-        assert_eq!(of(&[10.0; 5], &[10.3; 5], noise).0, CannotTell);
+        assert_eq!(of(&[10.3; 5], &[10.0; 5], noise), NoDifference);
+        assert_eq!(of(&[10.0; 5], &[10.3; 5], noise), NoDifference);
         // Controls: beyond it, either way.
-        assert_eq!(of(&[10.5; 5], &[10.0; 5], noise), (Holds, String::new()));
-        assert_eq!(
-            of(&[10.0; 5], &[10.5; 5], noise),
-            (DoesNotHold, String::new())
-        );
+        assert_eq!(of(&[10.5; 5], &[10.0; 5], noise), Holds);
+        assert_eq!(of(&[10.0; 5], &[10.5; 5], noise), DoesNotHold);
         // Far apart in the middle, and in most processes only.
-        let (standing, _) = of(&[13.0, 13.0, 13.0, 9.0, 9.0], &[10.0; 5], noise);
-        assert_eq!(standing, CannotTell);
+        let scattered = of(&[13.0, 13.0, 13.0, 9.0, 9.0], &[10.0; 5], noise);
+        assert_eq!(scattered, CannotTell);
         // Too few processes, and no repeat, which leaves 5 %.
-        let (standing, reason) = of(&[20.0; 3], &[10.0; 3], noise);
-        assert_eq!(standing, CannotTell);
-        assert!(reason.contains("3 of the 5 processes"), "{reason}");
-        assert_eq!(of(&[10.4; 5], &[10.0; 5], None).0, CannotTell);
-        assert_eq!(of(&[10.6; 5], &[10.0; 5], None).0, Holds);
+        assert_eq!(of(&[20.0; 3], &[10.0; 3], noise), CannotTell);
+        assert_eq!(of(&[10.4; 5], &[10.0; 5], None), NoDifference);
+        assert_eq!(of(&[10.6; 5], &[10.0; 5], None), Holds);
     }
 
     #[test]

@@ -6,7 +6,6 @@
 //! compared with the reference of that frame.
 
 mod chapter;
-mod keys;
 mod metrics;
 mod sensors;
 mod stage;

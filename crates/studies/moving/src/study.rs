@@ -3,8 +3,7 @@
 
 use crate::STUDY;
 use crate::chapter::CHAPTER;
-use crate::keys::{SCENE, SENSORS, TECHNIQUE, UPKEEP, VARIANT};
-use crate::metrics::METRICS;
+use crate::metrics::*;
 use crate::sensors::{FRAMES, Sensors};
 use crate::stage::{Stage, StepCost, Upkeep};
 use std::cell::{OnceCell, RefCell};
@@ -47,7 +46,7 @@ impl Study for MovingStudy {
         name: STUDY,
         question: "What do regions cost that change in every frame, such as what sensors see?",
         metrics: METRICS,
-        conditions: crate::keys::CONDITIONS,
+        conditions: crate::metrics::CONDITIONS,
         least_depth: Full,
         chapter: CHAPTER,
     );
@@ -204,15 +203,17 @@ impl Compared {
 
     fn verdict(&self, image: String) -> Verdict {
         let mut figures = vec![
-            ("moving_upload_bytes", self.upload_bytes as f64),
-            ("moving_uploaded_regions", self.regions as f64),
-            ("moving_frames_compared", f64::from(self.tally.frames)),
-            ("moving_frames_wrong", self.tally.wrong.len() as f64),
-            ("moving_outside_px", self.tally.outside_px as f64),
+            (BYTES.name, self.upload_bytes as f64),
+            (REGIONS.name, self.regions as f64),
+            (COMPARED.name, f64::from(self.tally.frames)),
+            (WRONG.name, self.tally.wrong.len() as f64),
+            (OUTSIDE.name, self.tally.outside_px as f64),
         ];
-        figures.extend(self.bound.into_iter().flat_map(|[metres, pixels]| {
-            [("moving_bound_m", metres), ("moving_bound_px", pixels)]
-        }));
+        figures.extend(
+            self.bound
+                .into_iter()
+                .flat_map(|[metres, pixels]| [(BOUND_M.name, metres), (BOUND_PX.name, pixels)]),
+        );
         judged(self.tally.reason(), figures, vec![("image", image)])
     }
 }
@@ -374,14 +375,15 @@ impl Measures for SweepSession<'_> {
         let times = times?;
         (*input, *frame) = (moved, next);
         let mut values = vec![
-            ("moving_mesh_cpu_ms", cost.mesh_cpu_ms),
-            ("moving_plan_cpu_ms", cost.plan_cpu_ms),
-            ("moving_update_cpu_ms", cost.update_cpu_ms),
-            ("moving_fill_cpu_ms", times.fill_cpu_ms),
-            ("moving_frame_cpu_ms", frame_cpu_ms),
-            ("moving_frame_wall_ms", frame_wall_ms),
+            (MESH.name, cost.mesh_cpu_ms),
+            (PLAN.name, cost.plan_cpu_ms),
+            (UPDATE.name, cost.update_cpu_ms),
+            (MESH_AND_UPDATE.name, cost.mesh_cpu_ms + cost.update_cpu_ms),
+            (FILL_CPU.name, times.fill_cpu_ms),
+            (FRAME_CPU.name, frame_cpu_ms),
+            (FRAME_WALL.name, frame_wall_ms),
         ];
-        values.extend(times.fill_gpu_ms.map(|ms| ("moving_fill_gpu_ms", ms)));
+        values.extend(times.fill_gpu_ms.map(|ms| (FILL_GPU.name, ms)));
         Ok(values)
     }
 }

@@ -1,8 +1,0 @@
-// SPDX-License-Identifier: MIT OR Apache-2.0
-//! Conditions of the study's cases.
-
-terrafill_results::conditions! {
-    shared SCENE, TECHNIQUE, VARIANT;
-    SENSORS = "sensors";
-    UPKEEP = "upkeep";
-}
