@@ -4,13 +4,11 @@
 mod devices;
 mod drawn;
 
-use crate::contact::worst_symplectic;
 use crate::drop::MOSTLY;
 use crate::integrator::Integrator;
 use crate::keys::*;
 use terrafill_lab::{
-    Cases, Column, Drawing, Figure, Names, Panel, Section, SectionedChapter, Select, finding,
-    log_slope,
+    Cases, Drawing, Figure, Names, Panel, Section, SectionedChapter, Select, finding, log_slope,
 };
 use terrafill_plot::number::significant;
 use terrafill_plot::{PointStanding, Upwards};
@@ -24,10 +22,6 @@ const EVENT_M: f64 = 2e-6;
 const NEAR_M: f64 = 0.01;
 /// By how much a fitted order may differ: few contacts are averaged over.
 const ORDER_TOLERANCE: f64 = 0.25;
-/// Balls that literal reflection under symplectic Euler sinks, as computed apart from this program, percent …
-const SUNK_PERCENT: f64 = 10.9;
-/// … and by how many points it may differ: which balls sink depends on the heights chosen.
-const SUNK_TOLERANCE: f64 = 2.0;
 /// Contacts by their stiffness.
 const CONTACTS: [&str; 4] = ["1e3", "1e5", "1e7", "hard"];
 
@@ -53,51 +47,10 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
             more: &[|cases| Ok(Some(Block::Table(orders(cases))))],
             ..Section::EMPTY
         },
-        Section {
-            title: "Energy of one contact",
-            cases: Select::With(PART, "contact"),
-            named_by: Names::Columns(&[("integrator", INTEGRATOR), ("omega_dt", OMEGA_DT)]),
-            columns: &[
-                Column::metric("mean", BALL_CONTACT_ENERGY_MEAN).or(NO_BALL),
-                Column::metric("largest", BALL_CONTACT_ENERGY_MAX).or(NO_BALL),
-                Column::metric("change, rms", BALL_CONTACT_ENERGY_RMS).or(NO_BALL),
-            ],
-            ..Section::EMPTY
-        },
-        Section {
-            title: "Reflection, 2 000 balls, 10 s",
-            cases: Select::With(PART, "reflect"),
-            named_by: Names::Columns(&[
-                ("integrator", INTEGRATOR),
-                ("restitution", RESTITUTION),
-                ("steps_per_second", STEPS_PER_SECOND),
-            ]),
-            columns: &[
-                Column::metric("sunk", BALL_SUNK_SHARE).or(NO_BALL),
-                Column::metric("energy change", BALL_ENERGY_CHANGE).or(NO_BALL),
-            ],
-            ..Section::EMPTY
-        },
-        Section {
-            title: "A ball at rest, by the height that its state includes",
-            cases: Select::With(PART, "rest"),
-            named_by: Names::Columns(&[
-                ("stiffness", STIFFNESS),
-                ("arithmetic", ARITHMETIC),
-                ("datum_m", DATUM_M),
-            ]),
-            columns: &[
-                Column::metric("gap, m", BALL_REST_GAP_M).or(NO_BALL),
-                Column::metric("speed, m/s", BALL_REST_SPEED).or(NO_BALL),
-            ],
-            ..Section::EMPTY
-        },
         devices::SECTION,
         drawn::SECTION,
     ],
 };
-
-const NO_BALL: &str = "no ball left";
 
 /// Error against step and against time, a plot for each arithmetic.
 const fn contact(title: &'static str, cases: fn(&Case) -> bool) -> Section<'static> {
@@ -314,27 +267,6 @@ fn findings(cases: &Cases<'_>) -> Vec<Finding> {
             because.unwrap_or_default(),
         ));
     }
-    let contacts = cases.with(&[(PART, "contact")]);
-    let gains = contacts.with(&[(INTEGRATOR, "explicit-euler")]);
-    let least = gains.least(BALL_CONTACT_ENERGY_MEAN);
-    findings.push(finding(
-        "Explicit Euler gains energy in contact at every step:",
-        least.map(|least| least > 1.0),
-        least.map_or_else(String::new, |least| {
-            format!("least ratio {}", significant(least))
-        }),
-    ));
-    let near_limit = contacts.with(&[(INTEGRATOR, "symplectic-euler"), (OMEGA_DT, "1.9")]);
-    let largest = near_limit.value(BALL_CONTACT_ENERGY_MAX);
-    let formula = worst_symplectic(1.9);
-    findings.push(finding(
-        format!(
-            "Symplectic Euler at ω·dt = 1.9, inside its limit, multiplies energy by up to {}:",
-            significant(formula)
-        ),
-        largest.map(|largest| (largest / formula - 1.0).abs() <= 0.02),
-        largest.map(significant).unwrap_or_default(),
-    ));
     let events = errors(cases, "exact-event", "hard", "compensated-f32");
     let worst = events.iter().map(|event| event.1).max_by(f64::total_cmp);
     findings.push(finding(
@@ -343,29 +275,6 @@ fn findings(cases: &Cases<'_>) -> Vec<Finding> {
         worst.map_or_else(String::new, |worst| {
             format!("worst {} m", significant(worst))
         }),
-    ));
-    let sunk = |integrator| {
-        let conditions = [
-            (PART, "reflect"),
-            (INTEGRATOR, integrator),
-            (RESTITUTION, "1"),
-            (STEPS_PER_SECOND, "60"),
-        ];
-        cases.with(&conditions).value(BALL_SUNK_SHARE)
-    };
-    let literal = sunk("reflect-symplectic");
-    let guarded = literal.zip(sunk("reflect-guarded"));
-    let percent = literal.map(|share| format!("{} % sink", significant(100.0 * share)));
-    let percent = percent.unwrap_or_default();
-    findings.push(finding(
-        "Literal reflection under symplectic Euler sinks balls at 1/60 s; put onto the surface none sinks:",
-        guarded.map(|(literal, guarded)| literal > 0.0 && guarded <= 0.0),
-        percent.clone(),
-    ));
-    findings.push(finding(
-        format!("By literal reflection at 1/60 s {SUNK_PERCENT} % sink, to within {SUNK_TOLERANCE} points:"),
-        literal.map(|share| (100.0 * share - SUNK_PERCENT).abs() <= SUNK_TOLERANCE),
-        percent,
     ));
     findings
 }

@@ -7,13 +7,10 @@ terrafill_results::conditions! {
     shared PART, SIZE_PX;
     ARITHMETIC = "arithmetic";
     BALLS = "balls";
-    DATUM_M = "datum_m";
     DRAWN = "drawn";
     GROUND = "ground";
     INTEGRATOR = "integrator";
     INTERFACE = "interface";
-    OMEGA_DT = "omega_dt";
-    RESTITUTION = "restitution";
     STATE = "state";
     STEPS_PER_SECOND = "steps_per_second";
     STIFFNESS = "stiffness";
@@ -22,15 +19,10 @@ terrafill_results::conditions! {
 
 terrafill_results::metrics! {
     METRICS;
-    BALL_BLOWN_SHARE = "ball_blown_share"; BALL_CONTACT_ENERGY_MAX = "ball_contact_energy_max";
-    BALL_CONTACT_ENERGY_MEAN = "ball_contact_energy_mean";
-    BALL_CONTACT_ENERGY_RMS = "ball_contact_energy_rms"; BALL_CPU_US = "ball_cpu_us";
-    BALL_DEVICE_MAX_M = "ball_device_max_m"; BALL_DEVICE_RMS_M = "ball_device_rms_m";
-    BALL_DIFFERING_PX = "ball_differing_px"; BALL_DRAWS = "ball_draws";
+    BALL_BLOWN_SHARE = "ball_blown_share"; BALL_CPU_US = "ball_cpu_us"; BALL_DEVICE_MAX_M = "ball_device_max_m";
+    BALL_DEVICE_RMS_M = "ball_device_rms_m"; BALL_DIFFERING_PX = "ball_differing_px"; BALL_DRAWS = "ball_draws";
     BALL_DRAW_GPU_US = "ball_draw_gpu_us"; BALL_ENERGY_CHANGE = "ball_energy_change";
-    BALL_MISMATCHED_PX = "ball_mismatched_px"; BALL_REST_GAP_M = "ball_rest_gap_m";
-    BALL_REST_SPEED = "ball_rest_speed"; BALL_RMS_M = "ball_rms_m";
-    BALL_SUNK_SHARE = "ball_sunk_share"; BALL_TERRAIN_BEYOND = "ball_terrain_beyond";
+    BALL_MISMATCHED_PX = "ball_mismatched_px"; BALL_RMS_M = "ball_rms_m"; BALL_TERRAIN_BEYOND = "ball_terrain_beyond";
     BALL_TERRAIN_GUIDED_M = "ball_terrain_guided_m"; BALL_TERRAIN_MAX_M = "ball_terrain_max_m";
     BALL_TERRAIN_P95_M = "ball_terrain_p95_m"; BALL_TERRAIN_STEP_M = "ball_terrain_step_m";
     BALL_TERRAIN_UNEXPLAINED = "ball_terrain_unexplained"; BALL_UPLOAD_BYTES = "ball_upload_bytes";

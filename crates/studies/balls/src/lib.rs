@@ -9,10 +9,11 @@
 mod arithmetic;
 mod chapter;
 mod closed_form;
-mod contact;
 mod drawing;
 mod drawn;
 mod drop;
+#[cfg(test)]
+mod formulas;
 mod integrator;
 mod keys;
 mod metrics;

@@ -3,7 +3,7 @@
 
 use terrafill_results::{Kind, Metric, Primary, Scope};
 
-pub(crate) const METRICS: [Metric; 35] = [
+pub(crate) const METRICS: [Metric; 28] = [
     Metric::less(
         "ball_cpu_us",
         "µs",
@@ -34,38 +34,6 @@ pub(crate) const METRICS: [Metric; 35] = [
         Kind::Error,
         "Largest depth below the surface, over balls not blown up.",
     ),
-    Metric::neither(
-        "ball_contact_energy_mean",
-        "",
-        Kind::Error,
-        "Mean energy after one contact over that before it, over 1,000 places in a step at which it begins.",
-    ),
-    Metric::error(
-        "ball_contact_energy_max",
-        "",
-        "Largest energy after one contact over that before it.",
-    ),
-    Metric::error(
-        "ball_contact_energy_rms",
-        "",
-        "Root mean square of the energy ratio of one contact, less 1.",
-    ),
-    Metric::error(
-        "ball_contact_stayed_share",
-        "",
-        "Share of the contacts that did not end within 100 half periods.",
-    ),
-    Metric::error(
-        "ball_sunk_share",
-        "",
-        "Share of the balls deeper than half a metre after 10 s.",
-    ),
-    Metric::error(
-        "ball_rest_gap_m",
-        "m",
-        "Largest difference of a resting ball from its depth g/ω².",
-    ),
-    Metric::error("ball_rest_speed", "m/s", "Largest speed of a ball at rest."),
     Metric::less(
         "ball_step_cpu_us",
         "µs",

@@ -7,13 +7,9 @@ use crate::integrator::{Ball, Forces, Integrator, step};
 use crate::keys::{BALLS, INTERFACE, PART, WAY};
 use crate::stepping::{BallConstants, Steps, Way};
 use crate::terrain::{CELL_M, CELLS, State};
-use std::collections::BTreeMap;
 use terrafill_fill::{CpuStopwatch, DeviceError};
-use terrafill_results::Verdict;
-use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged, planned_case,
-    verified,
-};
+use terrafill_results::{ConditionKey, Verdict};
+use terrafill_study::{Context, Failure, Figures, Group, Trial, judged, trials};
 
 pub(crate) const STIFFNESS: f64 = 1e3;
 pub(crate) const STEPS_PER_SECOND: u32 = 480;
@@ -39,40 +35,17 @@ pub(crate) fn counts(is_quick: bool) -> &'static [u32] {
 
 /// Balls on devices.
 pub(crate) fn group(is_quick: bool, samples: u32) -> impl Group {
-    let counts = counts(is_quick);
-    let ways = Way::ALL.into_iter();
-    let ways = ways.flat_map(|way| counts.iter().map(move |balls| (way, *balls)));
-    let ways: Vec<(Way, u32)> = ways.collect();
-    let case = |&(way, balls): &(Way, u32)| {
-        let (interface, name) = way.names();
-        let conditions = vec![
-            (PART, "device".to_owned()),
-            (INTERFACE, interface.to_owned()),
-            (WAY, name.to_owned()),
-            (BALLS, balls.to_string()),
-        ];
-        planned_case(STUDY, samples, conditions, None)
-    };
-    CaseGroup {
-        name: format!("{STUDY}/device"),
-        cases: ways.iter().map(case).collect(),
-        warm_up: None,
-        work: ways,
-        open: |group, context| {
-            Ok(Box::new(CaseSession(DeviceSession {
-                ways: &group.work,
-                context,
-                opened: BTreeMap::new(),
-            })))
-        },
-    }
+    let stepped = Way::ALL.into_iter().flat_map(|way| {
+        let of = move |&balls: &u32| Stepped { way, balls };
+        counts(is_quick).iter().map(of)
+    });
+    trials(STUDY, format!("{STUDY}/device"), samples, stepped.collect())
 }
 
-struct DeviceSession<'a> {
-    ways: &'a [(Way, u32)],
-    context: Context<'a>,
-    /// By case.
-    opened: BTreeMap<usize, Box<dyn Steps>>,
+/// So many balls, stepped in a way.
+struct Stepped {
+    way: Way,
+    balls: u32,
 }
 
 /// Dropped at rest from 0.1 to 0.3 m.
@@ -161,18 +134,29 @@ pub(crate) fn take_all(steps: &mut dyn Steps) -> Result<u64, DeviceError> {
     Ok(steps.uploaded() - before)
 }
 
-impl Measures for DeviceSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
-        let (way, count) = self.ways[case];
-        let first = balls(count);
-        let mut steps = way.open(self.context.devices, &constants(count), &first, None)?;
+impl Trial for Stepped {
+    type Opened = Box<dyn Steps>;
+
+    fn conditions(&self) -> Vec<(ConditionKey, String)> {
+        let (interface, way) = self.way.names();
+        vec![
+            (PART, "device".to_owned()),
+            (INTERFACE, interface.to_owned()),
+            (WAY, way.to_owned()),
+            (BALLS, self.balls.to_string()),
+        ]
+    }
+
+    fn verify(&self, context: Context<'_>) -> Result<(Self::Opened, Verdict), Failure> {
+        let first = balls(self.balls);
+        let constants = constants(self.balls);
+        let mut steps = self.way.open(context.devices, &constants, &first, None)?;
         let uploaded = take_all(steps.as_mut())?;
         let last = steps.read()?;
         let mut found = judge(Integrator::SymplecticEuler, &first, &last);
         if last.len() != first.len() {
             found.max_m = f64::INFINITY;
         }
-        self.opened.insert(case, steps);
         let is_right = found.max_m <= ALLOWED_M;
         let reason = if !is_right {
             format!("{} m from f64, allowed {ALLOWED_M} m", found.max_m)
@@ -187,11 +171,10 @@ impl Measures for DeviceSession<'_> {
             ("ball_device_judged", f64::from(found.count)),
             ("ball_upload_bytes", uploaded as f64),
         ];
-        Ok(judged(reason, figures, Vec::new()))
+        Ok((steps, judged(reason, figures, Vec::new())))
     }
 
-    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        let steps = verified(&mut self.opened, case)?;
+    fn time(&self, steps: &mut Self::Opened) -> Result<Figures, Failure> {
         let watch = CpuStopwatch::start();
         steps.step(TIMED)?;
         let each = 1e3 / f64::from(TIMED);
