@@ -9,9 +9,8 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
-use crate::keys::{CPU_NS, GPU_NS, POINTS};
-use data::{Data, MIN_NS};
-use std::collections::BTreeSet;
+use crate::keys::{CPU_NS, GPU_NS, POINTS, ROUTE};
+use data::{Data, MIN_NS, count_of};
 use terrafill_plot::number::{count, significant};
 use terrafill_results::{Answers, Block, Chapter, ChapterError, Clock, Outcome, Run};
 
@@ -72,14 +71,14 @@ impl Chapter for PrecisionChapter {
             return Ok(Answers::default());
         }
         let formulas = || data.formulas.iter();
-        let compared = formulas().filter(|row| row.figure(POINTS).is_some());
-        let meant = formulas().filter(|row| row.0.planned.may_be_wrong);
+        let compared = formulas().filter(|row| row.value(POINTS).is_some());
+        let meant = formulas().filter(|row| row.planned.may_be_wrong);
         Ok(Answers {
             scope: vec![format!(
                 "{} of {} formulas at a place compared with the exact map in double precision; {} may be \
                  wrong: their error is the question.",
                 count(compared.count() as u64),
-                count(data.formulas.len() as u64),
+                count(formulas().count() as u64),
                 count(meant.count() as u64),
             )],
             blocks: tables::recommended(&data),
@@ -90,13 +89,13 @@ impl Chapter for PrecisionChapter {
 
 fn summary(data: &Data<'_>) -> String {
     let formulas = || data.formulas.iter();
-    let of = |status| formulas().filter(|row| row.0.outcome == status).count();
-    let points: u64 = formulas().map(|row| row.count(POINTS)).sum();
-    let routes: BTreeSet<&str> = data.of("coordinate").map(|row| row.route()).collect();
+    let of = |status| formulas().filter(|row| row.outcome == status).count();
+    let points: u64 = formulas().map(|row| count_of(row, POINTS)).sum();
+    let routes = data.of("coordinate").distinct(ROUTE);
     format!(
         "{} rows of {} places in all, {} coordinate routes: {} within their bound, {} not finite, above \
          their bound or without one, {} not measured.",
-        count(data.formulas.len() as u64),
+        count(formulas().count() as u64),
         count(points),
         routes.len(),
         of(Outcome::Ok),

@@ -3,9 +3,9 @@
 
 use crate::keys::*;
 use crate::row::whole;
-use std::collections::BTreeMap;
+use terrafill_lab::Cases;
 use terrafill_plot::Reading;
-use terrafill_results::{Case, Clock, ConditionKey, Metric, Outcome, Run, median, spread};
+use terrafill_results::{Case, Clock, ConditionKey, Metric, Run, median, spread};
 
 /// A formula that costs less than this much beyond the loop around it is below the timer's resolution
 /// and is drawn here. Nanoseconds.
@@ -40,89 +40,54 @@ pub(super) const DRAWN: [(&str, &str); 6] = [
     ("extent=360;latitude=0;heights=+9km", "The globe"),
 ];
 
-/// One formula under one condition.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Formula<'a>(pub(super) &'a Case);
+/// A condition that is a number.
+pub(super) fn number(row: &Case, condition: ConditionKey) -> Option<f64> {
+    row.condition(condition).parse().ok()
+}
 
-impl<'a> Formula<'a> {
-    pub(super) fn part(self) -> &'a str {
-        self.0.condition(PART)
-    }
+/// Whether a plan takes the route there.
+pub(super) fn is_chosen(row: &Case) -> bool {
+    row.value(CHOSEN).is_some_and(|chosen| chosen > 0.5)
+}
 
-    pub(super) fn route(self) -> &'a str {
-        self.0.condition(ROUTE)
-    }
+/// A figure that counts something; 0 where nothing was counted.
+pub(super) fn count_of(row: &Case, metric: &Metric) -> u64 {
+    row.value(metric).and_then(whole).unwrap_or(0)
+}
 
-    pub(super) fn family(self) -> &'a str {
-        self.0.condition(FAMILY)
-    }
-
-    pub(super) fn condition(self) -> &'a str {
-        self.0.condition(CONDITION)
-    }
-
-    pub(super) fn anchor(self) -> &'a str {
-        self.0.condition(ANCHOR)
-    }
-
-    /// A condition that is a number.
-    pub(super) fn number(self, condition: ConditionKey) -> Option<f64> {
-        self.0.condition(condition).parse().ok()
-    }
-
-    pub(super) fn figure(self, metric: &Metric) -> Option<f64> {
-        self.0.value(metric)
-    }
-
-    pub(super) fn is_chosen(self) -> bool {
-        self.figure(CHOSEN).is_some_and(|chosen| chosen > 0.5)
-    }
-
-    pub(super) fn is_ok(self) -> bool {
-        self.0.outcome == Outcome::Ok
-    }
-
-    /// A figure that counts something; 0 where nothing was counted.
-    pub(super) fn count(self, metric: &Metric) -> u64 {
-        self.figure(metric).and_then(whole).unwrap_or(0)
-    }
-
-    /// Answers that are not finite, emulated or on the device.
-    pub(super) fn non_finite(self) -> u64 {
-        self.count(NON_FINITE_EMULATED) + self.count(NON_FINITE_DEVICE)
-    }
+/// Answers that are not finite, emulated or on the device.
+pub(super) fn non_finite(row: &Case) -> u64 {
+    count_of(row, NON_FINITE_EMULATED) + count_of(row, NON_FINITE_DEVICE)
 }
 
 /// The study in a run.
 pub(super) struct Data<'a> {
     pub(super) clock: Clock,
-    /// Every formula that was verified.
-    pub(super) formulas: Vec<Formula<'a>>,
+    /// Every formula under every condition that was verified.
+    pub(super) formulas: Cases<'a>,
     /// Timed coordinate routes.
-    pub(super) times: BTreeMap<&'a str, &'a Case>,
+    pub(super) times: Cases<'a>,
 }
 
 impl<'a> Data<'a> {
     pub(super) fn new(run: &'a Run) -> Self {
-        let own = || run.of_study(crate::STUDY).filter(|case| !case.is_twin());
-        let is_time = |case: &&Case| case.condition(PART) == "time";
-        let timed = own().filter(is_time);
-        let timed = timed.filter(|case| case.condition(OF_PART) == "coordinate");
+        let own = Cases::of_study(run, crate::STUDY);
         Self {
             clock: run.clock(),
-            formulas: own().filter(|case| !is_time(case)).map(Formula).collect(),
-            times: timed.map(|case| (case.condition(ROUTE), case)).collect(),
+            formulas: own.fitting(|case| case.condition(PART) != "time"),
+            times: own.with(&[(PART, "time"), (OF_PART, "coordinate")]),
         }
     }
 
-    pub(super) fn of(&self, part: &'a str) -> impl Iterator<Item = Formula<'a>> {
-        let formulas = self.formulas.iter().copied();
-        formulas.filter(move |formula| formula.part() == part)
+    /// Formulas of a part.
+    pub(super) fn of(&self, part: &str) -> Cases<'a> {
+        self.formulas.with(&[(PART, part)])
     }
 
     /// Time of a coordinate route, as a plot has it.
     pub(super) fn time(&self, route: &str) -> Option<Reading> {
-        let case = self.times.get(route).filter(|case| case.counts())?;
+        let timed = self.times.with(&[(ROUTE, route)]);
+        let case = timed.first().filter(|case| case.counts())?;
         let samples = case.samples(self.clock.pick(GPU_NS, CPU_NS))?;
         let seen = |ns: &f64| ns.max(MIN_NS);
         let all: Vec<f64> = samples

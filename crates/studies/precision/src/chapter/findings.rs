@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What was computed before the measurement, and whether the measurement agrees.
 
-use super::data::{DEFAULT_POSITION, Data, Formula, MIDDLE, NO_REASON, PLAN, QUARTER, agrees};
+use super::data::{
+    DEFAULT_POSITION, Data, MIDDLE, NO_REASON, PLAN, QUARTER, agrees, is_chosen, non_finite, number,
+};
 use crate::keys::{self, *};
-use std::collections::BTreeSet;
 use terrafill_plot::number::{count, significant};
-use terrafill_results::{Finding, Metric};
+use terrafill_results::{Case, Finding, Metric, Outcome};
 
 /// Largest error of a plan's route, texels.
 const MAX_TEXELS: f64 = 0.5;
@@ -20,57 +21,53 @@ fn finding(holds: bool, text: String) -> Finding {
     terrafill_lab::finding(text, Some(holds), "")
 }
 
-fn largest<'a>(
-    rows: impl Iterator<Item = Formula<'a>>,
-    metric: &Metric,
-) -> Option<(f64, Formula<'a>)> {
-    rows.filter_map(|row| Some((row.figure(metric)?, row)))
+fn largest<'a>(rows: impl Iterator<Item = &'a Case>, metric: &Metric) -> Option<(f64, &'a Case)> {
+    rows.filter_map(|row| Some((row.value(metric)?, row)))
         .max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 pub(super) fn findings(data: &Data<'_>) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let chosen = || data.formulas.iter().copied().filter(|row| row.is_chosen());
-    let non_finite: u64 = chosen().map(Formula::non_finite).sum();
-    let contradicted = chosen().filter(|row| !row.is_ok()).count();
-    let places: BTreeSet<&str> = data.of("coordinate").map(|row| row.condition()).collect();
+    let chosen = || data.formulas.iter().filter(|row| is_chosen(row));
+    let not_finite: u64 = chosen().map(non_finite).sum();
+    let contradicted = chosen().filter(|row| row.outcome != Outcome::Ok).count();
+    let places = data.of("coordinate").distinct(CONDITION);
     let rms = largest(chosen(), RMS_TEXELS);
     let max = largest(chosen(), keys::MAX_TEXELS);
     if let (Some((rms, rms_at)), Some((max, max_at))) = (rms, max) {
         let unchosen = places.len() - chosen().count();
         let within = rms <= QUARTER && max <= MAX_TEXELS;
-        let holds = within && non_finite + (contradicted + unchosen) as u64 == 0;
+        let holds = within && not_finite + (contradicted + unchosen) as u64 == 0;
         findings.push(finding(
             holds,
             format!(
                 "Routes that a plan takes, on the device: at most {} texel RMS ({} at {}) and {} texel \
-                 ({} at {}); {non_finite} answers not finite; {contradicted} contradicted by \
+                 ({} at {}); {not_finite} answers not finite; {contradicted} contradicted by \
                  measurement; {unchosen} of {} regions without such a route.",
                 significant(rms),
-                rms_at.route(),
-                rms_at.condition(),
+                rms_at.condition(ROUTE),
+                rms_at.condition(CONDITION),
                 significant(max),
-                max_at.route(),
-                max_at.condition(),
+                max_at.condition(ROUTE),
+                max_at.condition(CONDITION),
                 places.len(),
             ),
         ));
     }
-    let default = || {
-        data.of("position")
-            .filter(|row| (row.route(), row.0.condition(DEPTH_FORMAT)) == DEFAULT_POSITION)
-    };
-    let anchored = |anchor: &'static str| default().filter(move |row| row.anchor() == anchor);
+    let (route, depth) = DEFAULT_POSITION;
+    let default = data.of("position");
+    let default = default.with(&[(ROUTE, route), (DEPTH_FORMAT, depth)]);
+    let anchored = |anchor: &str| default.with(&[(ANCHOR, anchor)]);
     let at_20_m = |anchor| {
-        let near = anchored(anchor).filter(|row| row.number(DISTANCE_M) == Some(DEFAULT_LIMIT.0));
-        largest(near, DEVICE_MAX_M)
+        let near = |row: &Case| number(row, DISTANCE_M) == Some(DEFAULT_LIMIT.0);
+        largest(anchored(anchor).fitting(near).iter(), DEVICE_MAX_M)
     };
-    let beside = |middle: Option<(f64, Formula<'_>)>, unit: &str| {
+    let beside = |middle: Option<(f64, &Case)>, unit: &str| {
         middle.map_or_else(String::new, |(most, row)| {
             let most = significant(most);
             format!(
                 " Anchored in the middle of the region: {most} {unit} ({}).",
-                row.condition()
+                row.condition(CONDITION)
             )
         })
     };
@@ -81,29 +78,29 @@ pub(super) fn findings(data: &Data<'_>) -> Vec<Finding> {
                 "The default position, {}, at 20 m, its anchor where a plan puts it: {} m at most ({}).{}",
                 DEFAULT_POSITION.0,
                 significant(metres),
-                row.condition(),
+                row.condition(CONDITION),
                 beside(at_20_m(MIDDLE), "m"),
             ),
         ));
     }
-    if let Some((pixels, row)) = largest(anchored(PLAN), MAX_PX) {
-        let middle = largest(anchored(MIDDLE), MAX_PX);
+    if let Some((pixels, row)) = largest(anchored(PLAN).iter(), MAX_PX) {
+        let middle = largest(anchored(MIDDLE).iter(), MAX_PX);
         findings.push(finding(
             pixels <= QUARTER,
             format!(
                 "The same from 10 m to 30,000 km, over every extent and latitude: at most {} of a pixel \
                  ({}).{}",
                 significant(pixels),
-                row.condition(),
+                row.condition(CONDITION),
                 beside(middle, "of a pixel"),
             ),
         ));
     }
     // Where a route is no map at all there is nothing to bound.
-    let is_measured = |row: &Formula<'_>| row.figure(MEASURED_OVER_EXPECTED).is_some();
-    let measured = || data.formulas.iter().copied().filter(is_measured);
+    let is_measured = |row: &&Case| row.value(MEASURED_OVER_EXPECTED).is_some();
+    let measured = || data.formulas.iter().filter(is_measured);
     let all = count(measured().count() as u64);
-    let ratios = measured().filter_map(|row| row.figure(MAX_OVER_RESIDUAL));
+    let ratios = measured().filter_map(|row| row.value(MAX_OVER_RESIDUAL));
     let above = ratios.filter(|ratio| *ratio > BOUND_SLACK).count();
     if let Some((ratio, row)) = largest(measured(), MAX_OVER_RESIDUAL) {
         findings.push(finding(
@@ -112,14 +109,14 @@ pub(super) fn findings(data: &Data<'_>) -> Vec<Finding> {
                 "Largest measured error over its bound: {} ({}, {}); {above} of {all} rows are above it by \
                  more than the 2 % that sampling may miss of a peak.",
                 significant(ratio),
-                row.route(),
-                row.condition(),
+                row.condition(ROUTE),
+                row.condition(CONDITION),
             ),
         ));
     }
-    let agreeing = measured().filter(|row| row.figure(MEASURED_OVER_EXPECTED).is_some_and(agrees));
+    let agreeing = measured().filter(|row| row.value(MEASURED_OVER_EXPECTED).is_some_and(agrees));
     let unexplained = measured()
-        .filter(|row| row.0.note("residual_reason").contains(NO_REASON))
+        .filter(|row| row.note("residual_reason").contains(NO_REASON))
         .count();
     if measured().count() > 0 {
         findings.push(finding(

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The plots: error against time and against operations, a curve for each family.
 
-use super::data::{DRAWN, Data, Formula, QUARTER};
+use super::data::{DRAWN, Data, QUARTER, non_finite, number};
 use crate::keys::*;
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, ReferenceLine, Upwards,
     WorkPrecision, panels,
 };
-use terrafill_results::{Block, ChapterError, Outcome, Plot};
+use terrafill_results::{Block, Case, ChapterError, Outcome, Plot};
 
 /// WGSL and Vulkan allow `atan2` this many units in the last place.
 const SPECIFIED_ULP: f64 = 4096.0;
@@ -63,16 +63,16 @@ pub(super) fn plots(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
     let drawn: Vec<_> = drawn
         .chain([(POLYNOMIALS_AT, name, &POLYNOMIALS)])
         .collect();
-    let rows_of = |condition: &str, families: &[&str]| -> Vec<Formula<'_>> {
-        let own = data
-            .of("coordinate")
-            .filter(|row| row.condition() == condition);
-        own.filter(|row| families.contains(&row.family())).collect()
+    let coordinates = data.of("coordinate");
+    let rows_of = |condition: &str, families: &[&str]| -> Vec<&Case> {
+        let own = coordinates.with(&[(CONDITION, condition)]);
+        let own = own.fitting(|row| families.contains(&row.condition(FAMILY)));
+        own.iter().collect()
     };
     let mut names: Vec<String> = drawn
         .iter()
         .flat_map(|(condition, _, families)| rows_of(condition, *families))
-        .map(|row| row.family().to_owned())
+        .map(|row| row.condition(FAMILY).to_owned())
         .collect();
     names.sort_unstable();
     names.dedup();
@@ -93,7 +93,7 @@ pub(super) fn plots(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
 /// Error against time and, below it, against operations, which no noise reaches.
 fn plot(
     data: &Data<'_>,
-    rows: &[Formula<'_>],
+    rows: &[&Case],
     name: &str,
     palette: &Palette,
 ) -> Result<Option<String>, ChapterError> {
@@ -107,10 +107,10 @@ fn plot(
         up: "error, m: largest (filled), RMS (open)",
         upwards: Upwards::Error,
         curves,
-        lines: reference_lines(*first),
+        lines: reference_lines(first),
     };
-    let time = |row: Formula<'_>| data.time(row.route());
-    let operations = |row: Formula<'_>| row.figure(OPERATIONS_COST).map(Reading::exact);
+    let time = |row: &Case| data.time(row.condition(ROUTE));
+    let operations = |row: &Case| row.value(OPERATIONS_COST).map(Reading::exact);
     let both = [
         panel(by_time.as_str(), clock.as_str(), curves(rows, time)),
         panel(
@@ -124,22 +124,25 @@ fn plot(
 }
 
 /// A curve for each family, through its knob.
-fn curves(rows: &[Formula<'_>], cost: impl Fn(Formula<'_>) -> Option<Reading>) -> Vec<Curve> {
+fn curves(rows: &[&Case], cost: impl Fn(&Case) -> Option<Reading>) -> Vec<Curve> {
     let mut curves: Vec<Curve> = Vec::new();
     for &row in rows {
         let point = Point {
-            knob: row.number(KNOB).unwrap_or_default(),
-            label: row.0.condition(KNOB).to_owned(),
+            knob: number(row, KNOB).unwrap_or_default(),
+            label: row.condition(KNOB).to_owned(),
             x: cost(row),
-            y: row.figure(DEVICE_MAX_M).map(Reading::exact),
-            y_rms: row.figure(DEVICE_RMS_M),
+            y: row.value(DEVICE_MAX_M).map(Reading::exact),
+            y_rms: row.value(DEVICE_RMS_M),
             standing: standing(row),
             command: String::new(),
         };
-        match curves.iter_mut().find(|curve| curve.name == row.family()) {
+        match curves
+            .iter_mut()
+            .find(|curve| curve.name == row.condition(FAMILY))
+        {
             Some(curve) => curve.points.push(point),
             None => curves.push(Curve {
-                name: row.family().to_owned(),
+                name: row.condition(FAMILY).to_owned(),
                 points: vec![point],
             }),
         }
@@ -149,10 +152,10 @@ fn curves(rows: &[Formula<'_>], cost: impl Fn(Formula<'_>) -> Option<Reading>) -
 
 /// An answer that is not finite has no place, nor has a route that is no map of the region; an error
 /// above its bound has, and counts for nothing.
-fn standing(row: Formula<'_>) -> PointStanding {
-    match row.0.outcome {
+fn standing(row: &Case) -> PointStanding {
+    match row.outcome {
         Outcome::Ok => PointStanding::Right,
-        Outcome::Wrong if row.non_finite() == 0 && row.figure(MEASURED_OVER_EXPECTED).is_some() => {
+        Outcome::Wrong if non_finite(row) == 0 && row.value(MEASURED_OVER_EXPECTED).is_some() => {
             PointStanding::Wrong
         }
         _ => PointStanding::Failed,
@@ -160,20 +163,21 @@ fn standing(row: Formula<'_>) -> PointStanding {
 }
 
 /// A quarter of a texel, the last place of an answer, and what the specification allows.
-fn reference_lines(row: Formula<'_>) -> Vec<ReferenceLine> {
+fn reference_lines(row: &Case) -> Vec<ReferenceLine> {
     let line = |label: &str, y: f64| ReferenceLine {
         label: label.to_owned(),
         from_x: None,
         y,
         power: 0.0,
     };
-    let (Some(extent_deg), Some(latitude_deg)) = (row.number(EXTENT_DEG), row.number(LATITUDE_DEG))
+    let (Some(extent_deg), Some(latitude_deg)) =
+        (number(row, EXTENT_DEG), number(row, LATITUDE_DEG))
     else {
         return Vec::new();
     };
     let height_rad = extent_deg.min(180.0).to_radians();
     let mut lines = Vec::new();
-    if let Some(texels) = row.figure(TEXTURE_PX) {
+    if let Some(texels) = row.value(TEXTURE_PX) {
         let texel_m = height_rad * EARTH_M / texels;
         lines.push(line("¼ texel", QUARTER * texel_m));
     }

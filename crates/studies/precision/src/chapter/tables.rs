@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The tables: what a plan takes, errors of positions, and where formulas break.
 
-use super::data::{DEFAULT_POSITION, Data, Formula, MIDDLE, NO_REASON, PLAN, QUARTER, agrees};
+use super::data::{
+    DEFAULT_POSITION, Data, MIDDLE, NO_REASON, PLAN, QUARTER, agrees, count_of, is_chosen,
+    non_finite, number,
+};
 use crate::keys::*;
 use std::collections::{BTreeMap, BTreeSet};
 use terrafill_plot::number::{count, significant};
-use terrafill_results::{Block, Cell, ConditionKey, Heading, Metric, Outcome, Row, Table};
+use terrafill_results::{Block, Case, Cell, ConditionKey, Heading, Metric, Outcome, Row, Table};
 
 /// Distances of the position tables, metres, with their headings.
 const DISTANCES: [(f64, &str); 4] = [
@@ -125,24 +128,31 @@ pub(super) fn tables(data: &Data<'_>) -> Vec<Block> {
 
 /// Extent across, latitude down: what a plan takes with terrain up to 9 km, and its error.
 pub(super) fn recommended(data: &Data<'_>) -> Vec<Block> {
-    let formulas = data.formulas.iter().copied();
-    let chosen: Vec<Formula<'_>> = formulas
-        .filter(|row| row.is_chosen() && row.number(HIGHEST_M) == Some(9_000.0))
+    let chosen: Vec<&Case> = data
+        .formulas
+        .iter()
+        .filter(|row| is_chosen(row) && number(row, HIGHEST_M) == Some(9_000.0))
         .collect();
     let distinct = |of: ConditionKey| {
-        let mut values: Vec<f64> = chosen.iter().filter_map(|row| row.number(of)).collect();
+        let mut values: Vec<f64> = chosen.iter().filter_map(|row| number(row, of)).collect();
         values.sort_by(f64::total_cmp);
         values.dedup();
         values
     };
     let extents = distinct(EXTENT_DEG);
     let cell = |latitude: f64, extent: f64| {
-        let at = |row: &Formula<'_>| [LATITUDE_DEG, EXTENT_DEG].map(|key| row.number(key));
+        let at = |row: &&Case| [LATITUDE_DEG, EXTENT_DEG].map(|key| number(row, key));
         let mut here = chosen.iter();
         let here = here.find(|row| at(row) == [Some(latitude), Some(extent)]);
         here.map_or_else(
             || NONE.to_owned(),
-            |row| format!("{} · {}", row.route(), or_none(row.figure(RMS_TEXELS))),
+            |row| {
+                format!(
+                    "{} · {}",
+                    row.condition(ROUTE),
+                    or_none(row.value(RMS_TEXELS))
+                )
+            },
         )
     };
     let rows = distinct(LATITUDE_DEG).into_iter().map(|latitude| {
@@ -168,11 +178,11 @@ fn or_none(value: Option<f64>) -> String {
 }
 
 /// The errors of one route or format by distance.
-fn by_distance(name: &str, found: [Option<Formula<'_>>; 4], error_m: &Metric) -> Row {
-    let text = |row: Option<Formula<'_>>| {
-        let of = |metric| row?.figure(metric);
+fn by_distance(name: &str, found: [Option<&Case>; 4], error_m: &Metric) -> Row {
+    let text = |row: Option<&Case>| {
+        let of = |metric| row?.value(metric);
         match (of(error_m), of(PIXEL_M)) {
-            _ if row.is_some_and(|row| row.non_finite() > 0) => "not finite".to_owned(),
+            _ if row.is_some_and(|row| non_finite(row) > 0) => "not finite".to_owned(),
             (Some(metres), Some(pixel)) => {
                 let pixels = metres / pixel;
                 format!("{} m · {} px", significant(metres), significant(pixels))
@@ -180,16 +190,16 @@ fn by_distance(name: &str, found: [Option<Formula<'_>>; 4], error_m: &Metric) ->
             _ => NONE.to_owned(),
         }
     };
-    let is_bad = |row: &Formula<'_>| {
-        row.non_finite() > 0 || row.figure(MAX_PX).is_some_and(|px| px > QUARTER)
-    };
+    let is_bad =
+        |row: &&Case| non_finite(row) > 0 || row.value(MAX_PX).is_some_and(|px| px > QUARTER);
     row(name, found.map(text), found.iter().flatten().any(is_bad))
 }
 
 /// Route and depth down, distance across: the worst over extents and latitudes, anchored where a plan
 /// does; below it the default anchored in the middle of its region.
 pub(super) fn positions(data: &Data<'_>) -> Vec<Row> {
-    let routes: BTreeSet<&str> = data.of("position").map(|row| row.route()).collect();
+    let mut routes = data.of("position").distinct(ROUTE);
+    routes.sort_unstable();
     let mut rows = Vec::new();
     for depth in DEPTHS {
         for route in &routes {
@@ -203,17 +213,16 @@ pub(super) fn positions(data: &Data<'_>) -> Vec<Row> {
 }
 
 fn position(data: &Data<'_>, route: &str, depth: &str, anchor: &str) -> Option<Row> {
+    let own = [(ROUTE, route), (DEPTH_FORMAT, depth), (ANCHOR, anchor)];
+    let own = data.of("position").with(&own);
     let found = DISTANCES.map(|(distance, _)| {
-        let here = data.of("position").filter(|row| {
-            row.route() == route
-                && row.0.condition(DEPTH_FORMAT) == depth
-                && row.anchor() == anchor
-                && row.number(DISTANCE_M) == Some(distance)
-        });
+        let here = own
+            .iter()
+            .filter(|row| number(row, DISTANCE_M) == Some(distance));
         // What is not finite has no largest error and is worse than any.
         here.max_by(|a, b| {
-            let error = |row: &Formula<'_>| row.figure(DEVICE_MAX_M).unwrap_or(-1.0);
-            let by_count = a.non_finite().cmp(&b.non_finite());
+            let error = |row: &Case| row.value(DEVICE_MAX_M).unwrap_or(-1.0);
+            let by_count = non_finite(a).cmp(&non_finite(b));
             by_count.then(error(a).total_cmp(&error(b)))
         })
     });
@@ -227,41 +236,30 @@ fn position(data: &Data<'_>, route: &str, depth: &str, anchor: &str) -> Option<R
 
 /// Vertex formats down, distance across, in a region of 1°.
 fn vertices(data: &Data<'_>) -> Vec<Row> {
-    let formats = distinct(data.of("vertex").map(|row| row.route()));
+    let vertices = data.of("vertex");
     let row = |format: &str| {
         let found = DISTANCES.map(|(distance, _)| {
-            data.of("vertex").find(|row| {
-                row.route() == format
-                    && row.number(DISTANCE_M) == Some(distance)
-                    && row.number(EXTENT_DEG) == Some(1.0)
+            vertices.iter().find(|row| {
+                row.condition(ROUTE) == format
+                    && number(row, DISTANCE_M) == Some(distance)
+                    && number(row, EXTENT_DEG) == Some(1.0)
             })
         });
         by_distance(format, found, EMULATED_MAX_M)
     };
-    formats.into_iter().map(row).collect()
-}
-
-/// Each once, in order.
-fn distinct<'a>(all: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut found = Vec::new();
-    for one in all {
-        if !found.contains(&one) {
-            found.push(one);
-        }
-    }
-    found
+    vertices.distinct(ROUTE).into_iter().map(row).collect()
 }
 
 /// Families whose formula and measurement differ by more than twice, by reason: those without one first, then the
 /// most frequent one.
 pub(super) fn disagreements(data: &Data<'_>) -> Vec<Row> {
-    let mut groups: BTreeMap<(&str, &str), Vec<(f64, Formula<'_>)>> = BTreeMap::new();
+    let mut groups: BTreeMap<(&str, &str), Vec<(f64, &Case)>> = BTreeMap::new();
     let mut of_reason: BTreeMap<&str, usize> = BTreeMap::new();
-    for &row in &data.formulas {
-        let ratio = row.figure(MEASURED_OVER_EXPECTED);
+    for row in data.formulas.iter() {
+        let ratio = row.value(MEASURED_OVER_EXPECTED);
         if let Some(ratio) = ratio.filter(|ratio| !agrees(*ratio)) {
-            let reason = row.0.note("residual_reason");
-            let group = groups.entry((reason, row.family())).or_default();
+            let reason = row.note("residual_reason");
+            let group = groups.entry((reason, row.condition(FAMILY))).or_default();
             group.push((ratio, row));
             *of_reason.entry(reason).or_default() += 1;
         }
@@ -276,7 +274,7 @@ pub(super) fn disagreements(data: &Data<'_>) -> Vec<Row> {
         let (least, at) = rows.iter().min_by(by_ratio)?;
         let (most, _) = rows.iter().max_by(by_ratio)?;
         let rms_agrees = rows.iter().filter(|(_, row)| {
-            let ratio = row.figure(RMS_OVER_RESIDUAL);
+            let ratio = row.value(RMS_OVER_RESIDUAL);
             ratio.is_some_and(agrees)
         });
         let [agreeing, all] = [rms_agrees.count(), rows.len()].map(|rows| count(rows as u64));
@@ -284,7 +282,7 @@ pub(super) fn disagreements(data: &Data<'_>) -> Vec<Row> {
             all.clone(),
             format!("{} … {}", significant(*least), significant(*most)),
             format!("{agreeing} of {all}"),
-            format!("{}, {}", at.route(), at.condition()),
+            format!("{}, {}", at.condition(ROUTE), at.condition(CONDITION)),
             reason.to_owned(),
         ];
         Some(row(family, texts, reason.contains(NO_REASON)))
@@ -293,39 +291,44 @@ pub(super) fn disagreements(data: &Data<'_>) -> Vec<Row> {
 }
 
 /// How many of the rows have answers that are not finite.
-fn non_finite(rows: &[Formula<'_>], of: &Metric) -> String {
-    let found = rows.iter().filter(|row| row.count(of) > 0);
+fn share_not_finite(rows: &[&Case], of: &Metric) -> String {
+    let found = rows.iter().filter(|row| count_of(row, of) > 0);
     format!("{} of {}", found.count(), rows.len())
 }
 
 /// Inputs where formulas break: which of them do. Last, position routes where nothing was drawn.
 fn special_inputs(data: &Data<'_>) -> Vec<Row> {
-    let conditions = distinct(data.of("special").map(|row| row.condition()));
+    let special = data.of("special");
     let of_input = |condition: &str| {
-        let own = data.of("special");
-        let own: Vec<Formula<'_>> = own.filter(|row| row.condition() == condition).collect();
-        let native = own.iter().find(|row| row.family() == "atan2-native");
-        let wrong = own.iter().filter(|row| row.0.outcome == Outcome::Wrong);
-        let wrong: BTreeSet<&str> = wrong.map(|row| row.family()).collect();
+        let own = special.with(&[(CONDITION, condition)]);
+        let own: Vec<&Case> = own.iter().collect();
+        let native = own
+            .iter()
+            .find(|row| row.condition(FAMILY) == "atan2-native");
+        let wrong = own.iter().filter(|row| row.outcome == Outcome::Wrong);
+        let wrong: BTreeSet<&str> = wrong.map(|row| row.condition(FAMILY)).collect();
         let texts = [
-            non_finite(&own, NON_FINITE_EMULATED),
-            non_finite(&own, NON_FINITE_DEVICE),
+            share_not_finite(&own, NON_FINITE_EMULATED),
+            share_not_finite(&own, NON_FINITE_DEVICE),
             native
-                .map_or(NONE, |row| row.0.note("device_answer"))
+                .map_or(NONE, |row| row.note("device_answer"))
                 .to_owned(),
             wrong.iter().copied().collect::<Vec<_>>().join(", "),
         ];
         row(condition, texts, !wrong.is_empty())
     };
-    let mut rows: Vec<Row> = conditions.into_iter().map(of_input).collect();
-    let cleared = data
-        .of("position")
-        .filter(|row| row.number(DISTANCE_M).is_none());
-    let cleared: Vec<Formula<'_>> = cleared.collect();
+    let mut rows: Vec<Row> = special
+        .distinct(CONDITION)
+        .into_iter()
+        .map(of_input)
+        .collect();
+    let cleared = data.of("position");
+    let cleared = cleared.fitting(|row| number(row, DISTANCE_M).is_none());
+    let cleared: Vec<&Case> = cleared.iter().collect();
     if !cleared.is_empty() {
         let texts = [
-            non_finite(&cleared, NON_FINITE_EMULATED),
-            non_finite(&cleared, NON_FINITE_DEVICE),
+            share_not_finite(&cleared, NON_FINITE_EMULATED),
+            share_not_finite(&cleared, NON_FINITE_DEVICE),
             NONE.to_owned(),
             String::new(),
         ];
