@@ -147,7 +147,7 @@ fn requirements(cases: &Cases<'_>) -> Vec<Finding> {
     let limit = |what: String, metric: &Metric, most: f64, write: fn(f64) -> String| {
         let least = of_limits.least_of(|case| counted(case, metric));
         finding(
-            format!("{SENSORS_OF_LIMITS} moving footprints are {what} by the best technique"),
+            format!("{SENSORS_OF_LIMITS} moving footprints are {what} by the best technique:"),
             least.map(|(_, value)| value <= most),
             least.map_or_else(String::new, |(case, value)| {
                 format!("{} takes {}", name(case), write(value))
@@ -157,7 +157,7 @@ fn requirements(cases: &Cases<'_>) -> Vec<Finding> {
     let frames = cases.sum(WRONG).zip(cases.sum(COMPARED));
     vec![
         finding(
-            "every frame of moving regions is right",
+            "every frame of moving regions is right:",
             frames.map(|(wrong, _)| wrong == 0.0),
             frames.map_or_else(String::new, |(wrong, all)| {
                 format!("{wrong} of {all} frames are wrong")
@@ -203,7 +203,7 @@ fn less_by_geometry_shaders(
 ) -> Finding {
     let claim = format!(
         "where regions change, extruding in a geometry shader takes less {what} than volumes copied for the vertex shader \
-         (Cozzi 2007, abstract: it “reduces preprocessing, main memory, and CPU-GPU bandwidth”)"
+         (Cozzi 2007, abstract: it “reduces preprocessing, main memory, and CPU-GPU bandwidth”):"
     );
     let comparison = Comparison {
         changed: TECHNIQUE.name(),
