@@ -93,10 +93,9 @@ pub use route_choice::RouteChoice;
 pub use scene_bounds::SceneBounds;
 pub use steps::{FillStep, NUMBER_BYTES, VolumeDraw, VolumeState};
 pub use surface_view::{SurfaceLook, SurfaceView};
-pub use switch::{Switch, Values};
+pub use switch::{Switch, SwitchError, Values, pick};
 pub use switches::{
-    BottomCap, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass, StencilClear,
-    SwitchError, Switches, pick,
+    BottomCap, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass, StencilClear, Switches,
 };
 pub use targets::{Api, SurfaceInterface, SurfaceTargets, Targets};
 pub use technique::{Role, Technique, layouts};

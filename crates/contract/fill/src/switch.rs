@@ -2,8 +2,6 @@
 //! A switch, said once: its key, its values, its default and what it does. Parsing, lists, columns of tables and names
 //! of variants are made from that.
 
-use crate::SwitchError;
-
 /// Values that a switch or a parameter may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Values {
@@ -42,6 +40,18 @@ impl Values {
             }
         }
     }
+}
+
+/// Switches that do not go together, or not with the scene.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{switch}: found {found}, allowed: {allowed}")]
+pub struct SwitchError {
+    /// Which switch.
+    pub switch: &'static str,
+    /// Its value, and what it does not go with.
+    pub found: String,
+    /// What does.
+    pub allowed: String,
 }
 
 /// A switch of `T`.
@@ -123,4 +133,25 @@ pub(crate) fn set<T>(
         allowed: switch.values.allowed(),
     })?;
     Ok(true)
+}
+
+/// The choice that `value` names.
+///
+/// # Errors
+/// [`SwitchError`] with all names when it is none of them.
+pub fn pick<T: Copy>(
+    switch: &'static str,
+    value: &str,
+    choices: &[(&'static str, T)],
+) -> Result<T, SwitchError> {
+    let found = choices.iter().find(|(name, _)| *name == value);
+    found.map(|&(_, choice)| choice).ok_or_else(|| SwitchError {
+        switch,
+        found: value.to_owned(),
+        allowed: choices
+            .iter()
+            .map(|(name, _)| *name)
+            .collect::<Vec<_>>()
+            .join(", "),
+    })
 }

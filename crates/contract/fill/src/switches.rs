@@ -2,7 +2,7 @@
 //! The switches of a fill that every volume technique has, each with its own row in the ladder.
 
 use crate::RouteChoice;
-use crate::switch::{self, Switch, Values, one_of};
+use crate::switch::{self, Switch, SwitchError, Values, one_of};
 use terrafill_scene::Overlap;
 use terrafill_texture::PositionRoute;
 
@@ -281,18 +281,6 @@ const TABLE: &[Switch<Switches>] = &[
         "bend discs into footprints of sensors in the vertex stage"),
 ];
 
-/// Switches that do not go together, or not with the scene.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{switch}: found {found}, allowed: {allowed}")]
-pub struct SwitchError {
-    /// Which switch.
-    pub switch: &'static str,
-    /// Its value, and what it does not go with.
-    pub found: String,
-    /// What does.
-    pub allowed: String,
-}
-
 impl Switches {
     /// Every switch, in alphabetical order.
     pub const TABLE: &[Switch<Self>] = TABLE;
@@ -472,27 +460,6 @@ impl Switches {
         }
         Ok(())
     }
-}
-
-/// The choice that `value` names.
-///
-/// # Errors
-/// [`SwitchError`] with all names when it is none of them.
-pub fn pick<T: Copy>(
-    switch: &'static str,
-    value: &str,
-    choices: &[(&'static str, T)],
-) -> Result<T, SwitchError> {
-    let found = choices.iter().find(|(name, _)| *name == value);
-    found.map(|&(_, choice)| choice).ok_or_else(|| SwitchError {
-        switch,
-        found: value.to_owned(),
-        allowed: choices
-            .iter()
-            .map(|(name, _)| *name)
-            .collect::<Vec<_>>()
-            .join(", "),
-    })
 }
 
 #[cfg(test)]

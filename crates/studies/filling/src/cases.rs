@@ -102,6 +102,11 @@ pub(crate) struct FillCase {
 }
 
 impl FillCase {
+    /// Whether it stands in every view's comparison.
+    pub(crate) fn is_compared(&self) -> bool {
+        self.is(Purpose::Main) || self.is(Purpose::Layout)
+    }
+
     pub(crate) fn new(subject: Subject, purpose: Purpose, frames: u32) -> Self {
         Self {
             subject,

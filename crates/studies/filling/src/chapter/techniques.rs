@@ -45,7 +45,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
         .filter(|view| view.competing().next().is_some());
     let rows = rows.map(of).collect();
     let headings = techniques.iter().map(|(technique, _)| *technique);
-    let headings: Vec<&str> = ["scene, view"].into_iter().chain(headings).collect();
+    let headings: Vec<&str> = std::iter::once("scene, view").chain(headings).collect();
     let text = "Each technique's fastest right fill of each view, and its time over that of the view's fastest fill \
                 by any technique, paired by process.";
     let mut blocks = section("Techniques", text, plain_figures(&headings, rows));

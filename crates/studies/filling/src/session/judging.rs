@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What is said of a probe frame: its figures, what speaks against it, and which of its pictures are written.
 
+use super::ViewSession;
+use super::drawn::Drawn;
 use super::references::Against;
-use super::{Drawn, ViewSession};
 use crate::cases::{FillCase, Purpose};
 use crate::driver_fault::{Driver, DriverFault};
 use crate::keys::WALL_SHIFT_M;
@@ -12,7 +13,7 @@ use crate::textured::ShownPicture;
 use terrafill_conformance::{
     ErrorFigures, Verdict as Comparison, checks_nothing, movement_in_picture, verdict_of_moved,
 };
-use terrafill_fill::{ColourWay, FillBackend, Frame, RouteChoice, ids_hash, mask_hash};
+use terrafill_fill::{ColourWay, Frame, RouteChoice};
 use terrafill_results::{Status, Verdict};
 use terrafill_scene::{DrawnAs, FramePlan, PlannedRegion};
 use terrafill_study::{Failure, StudyError};
@@ -62,7 +63,7 @@ impl ViewSession<'_> {
                 probe.add_steady(counters);
             }
         }
-        let (mask_hash, ids_hash) = hashes(&*drawn.backend, &drawn.frame);
+        let (mask_hash, ids_hash) = drawn.hashes();
         let texture_route = drawn.backend.note().unwrap_or_default();
         let is_approximate = case.subject.is_approximate();
         let moved_px = moved_px(&drawn.input.plan);
@@ -111,7 +112,7 @@ impl ViewSession<'_> {
         if case.frames > 0 && one_at_a_time(&case.subject) {
             probe.remark(ALTERNATING);
         }
-        let is_shown = is_compared(case) || case.is(Purpose::Rival);
+        let is_shown = case.is_compared() || case.is(Purpose::Rival);
         let is_plain_main = is_shown && !case.variant_name().contains('=');
         let is_plain_main = is_plain_main || case.is(Purpose::Suite);
         // Of an approximate fill one picture a view shows what it is like.
@@ -196,15 +197,6 @@ impl ViewSession<'_> {
     }
 }
 
-/// Hashes of the mask and of the ids; the latter is empty where regions are not told apart.
-pub(super) fn hashes(backend: &dyn FillBackend, frame: &Frame) -> (String, String) {
-    let ids = match backend.tells_regions_apart() {
-        true => ids_hash(frame),
-        false => String::new(),
-    };
-    (mask_hash(frame), ids)
-}
-
 /// How regions find their places in a picture; `None` of a plain fill.
 fn route(subject: &Subject) -> Option<RouteChoice> {
     subject.switches()?.texture
@@ -220,15 +212,10 @@ pub(super) fn shows_chosen(case: &FillCase) -> bool {
     route(&case.subject) == Some(RouteChoice::Chosen) && case.shown == ShownPicture::Scene
 }
 
-/// Whether it stands in every view's comparison.
-pub(super) fn is_compared(case: &FillCase) -> bool {
-    case.is(Purpose::Main) || case.is(Purpose::Layout)
-}
-
 /// Whether what it holds and leaves out is told: of techniques as they should be used, and of what a view
 /// needs.
 fn tells_needs(case: &FillCase) -> bool {
-    let is_plain_main = is_compared(case) && !case.variant_name().contains('=');
+    let is_plain_main = case.is_compared() && !case.variant_name().contains('=');
     case.is(Purpose::Needs) || is_plain_main || shows_chosen(case)
 }
 

@@ -2,6 +2,7 @@
 //! One scene and view being measured: the reference is drawn once, probes are compared with it, and
 //! frames are timed.
 
+mod drawn;
 mod judging;
 mod pictures;
 mod references;
@@ -15,7 +16,7 @@ use crate::rounding::{objection, rounding_px};
 use crate::scenes::{build_meshes, mesh_error};
 use crate::subject::Subject;
 use crate::textured::{ShownPicture, TexturedReferences};
-use judging::{hashes, is_compared};
+use drawn::Drawn;
 use pictures::PictureFiles;
 use references::References;
 use std::collections::BTreeMap;
@@ -23,8 +24,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_core::MeshOptions;
 use terrafill_fill::{
-    Api, FillBackend, FillInput, Frame, FrameTimes, MemoryUse, PositionFormat, PreparedScene,
-    Targets,
+    Api, FillBackend, FillInput, FrameTimes, MemoryUse, PositionFormat, PreparedScene, Targets,
 };
 use terrafill_gpu::{Baseline, CpuStopwatch, SharedTargets, shared_targets};
 use terrafill_results::{Status, Verdict, median};
@@ -167,7 +167,7 @@ impl<'a> ViewSession<'a> {
         };
         let (input, plan_cpu_ms) = self.input_for(case)?;
         // A cell of the matrix has to be right; elsewhere its error is the question.
-        let has_to_be_right = case.is(Purpose::Matrix) && !is_compared(case);
+        let has_to_be_right = case.is(Purpose::Matrix) && !case.is_compared();
         let positions = case.subject.positions().filter(|_| has_to_be_right);
         let objection = positions.and_then(|format| objection(format, bound_px(format, &input)));
         if let Some(reason) = objection {
@@ -272,7 +272,7 @@ impl Measures for ViewSession<'_> {
             return self.verify(index);
         }
         let drawn = self.draw(case, rounding_px)?;
-        let (mask_hash, ids_hash) = hashes(&*drawn.backend, &drawn.frame);
+        let (mask_hash, ids_hash) = drawn.hashes();
         if (hash_of("mask_hash"), hash_of("ids_hash")) != (&mask_hash, &ids_hash) {
             let reason = "its picture is another one than when it was verified";
             return Err(Failure::broken(reason));
@@ -339,16 +339,6 @@ impl Measures for ViewSession<'_> {
         ];
         Ok(cpu.into_iter().chain(gpu).collect())
     }
-}
-
-/// A probe frame with what drew it.
-struct Drawn {
-    backend: Box<dyn FillBackend>,
-    memory: MemoryUse,
-    frame: Frame,
-    input: Rc<FillInput>,
-    plan_cpu_ms: Option<f64>,
-    prepare_cpu_ms: f64,
 }
 
 /// What is drawn for bytes: a technique and its variant.

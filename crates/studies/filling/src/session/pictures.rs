@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Files of a view's pictures.
 
-use super::Drawn;
+use super::drawn::Drawn;
 use super::references::Reference;
 use crate::cases::{FillCase, ViewGroup};
 use crate::images::{file_stem, write_rgb, zoomed};

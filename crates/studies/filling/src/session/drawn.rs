@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A probe frame with what drew it.
+
+use std::rc::Rc;
+use terrafill_fill::{FillBackend, FillInput, Frame, MemoryUse, ids_hash, mask_hash};
+
+/// A probe frame with what drew it.
+pub(super) struct Drawn {
+    pub(super) backend: Box<dyn FillBackend>,
+    pub(super) memory: MemoryUse,
+    pub(super) frame: Frame,
+    pub(super) input: Rc<FillInput>,
+    pub(super) plan_cpu_ms: Option<f64>,
+    pub(super) prepare_cpu_ms: f64,
+}
+
+impl Drawn {
+    /// Hashes of the mask and of the ids; the latter is empty where regions are not told apart.
+    pub(super) fn hashes(&self) -> (String, String) {
+        let ids = match self.backend.tells_regions_apart() {
+            true => ids_hash(&self.frame),
+            false => String::new(),
+        };
+        (mask_hash(&self.frame), ids)
+    }
+}
