@@ -85,17 +85,21 @@ fn cell(cell: &Cell) -> String {
     }
 }
 
-/// Text that cannot end a cell or become markup.
+/// Text that cannot end a cell or become markup. Intervals such as `[0.98, 1.02]` stay readable: brackets make a link
+/// only where `(`, `[` or `:` follows.
 #[must_use]
 pub fn escaped(text: &str) -> String {
     let mut escaped = String::new();
-    for c in text.chars() {
+    let mut rest = text.chars().peekable();
+    while let Some(c) = rest.next() {
+        let is_link = c == ']' && matches!(rest.peek(), Some('(' | '[' | ':'));
         match c {
             '\n' | '\r' => escaped.push(' '),
-            '|' | '<' | '>' | '*' | '`' | '[' | ']' | '\\' | '~' | '#' => {
+            '|' | '<' | '>' | '*' | '`' | '\\' | '~' | '#' => {
                 escaped.push('\\');
                 escaped.push(c);
             }
+            _ if is_link => escaped.push_str("\\]"),
             _ => escaped.push(c),
         }
     }
@@ -106,6 +110,13 @@ pub fn escaped(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::{Heading, Plot, Row, Standing};
+
+    #[test]
+    fn brackets_are_escaped_where_they_would_make_a_link() {
+        assert_eq!(escaped("1.20 [1.1, 1.3]"), "1.20 [1.1, 1.3]");
+        assert_eq!(escaped("[a](http://b)"), "[a\\](http://b)");
+        assert_eq!(escaped("[a]: b"), "[a\\]: b");
+    }
 
     #[test]
     fn blocks_stand_apart_and_findings_together() {
