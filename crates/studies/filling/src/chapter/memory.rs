@@ -7,7 +7,6 @@ use super::table::{NOT_RECORDED, alarm, head, none_differs, part};
 use crate::keys::*;
 use crate::request::STUDY;
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, finding};
-use terrafill_plot::PointStanding;
 use terrafill_plot::number::{digits, significant};
 use terrafill_results::{Block, Case, ChapterError, Estimate, Finding, Metric};
 
@@ -67,26 +66,16 @@ const fn recorded(heading: &'static str, metric: &'static Metric) -> Column {
     column.written(digits).or(NOT_RECORDED)
 }
 
-/// An open mark stands beside the curve where the scene itself holds less: what is made every frame is made for the
-/// regions in view only.
 const GROWTH: Drawing<'static> = Drawing {
-    caption: "Bytes by formula, the regions of the scene repeated in turn; open mark: the scene itself, as allocated.",
+    caption: "Bytes by formula: the scene itself, and its regions repeated in turn.",
     panels: &[Panel {
         across: ("regions", Figure::Condition(REGIONS)),
-        up: ("bytes", Figure::Computed(drawn_bytes)),
+        up: ("bytes", Figure::Computed(formula_bytes)),
         curve: Names::Of("layout", layout_name),
         knob: Figure::Condition(REGIONS),
-        standing: |case| match allocated_bytes(case) {
-            Some(_) => PointStanding::Approximate,
-            None => PointStanding::Right,
-        },
         ..Panel::EMPTY
     }],
 };
-
-fn drawn_bytes(case: &Case) -> Option<f64> {
-    allocated_bytes(case).or_else(|| formula_bytes(case))
-}
 
 fn formula_bytes(case: &Case) -> Option<f64> {
     Some(case.value(FORMULA_VERTEX_BYTES)? + case.value(FORMULA_INDEX_BYTES)?)
