@@ -67,15 +67,22 @@ const fn recorded(heading: &'static str, metric: &'static Metric) -> Column {
 }
 
 const GROWTH: Drawing<'static> = Drawing {
-    caption: "Bytes by formula: the scene itself, and its regions repeated in turn.",
+    caption: "Bytes by formula, of the scene's regions repeated in turn; those of the scene itself are in the table.",
     panels: &[Panel {
         across: ("regions", Figure::Condition(REGIONS)),
-        up: ("bytes", Figure::Computed(formula_bytes)),
+        up: ("bytes", Figure::Computed(repeated_bytes)),
         curve: Names::Of("layout", layout_name),
         knob: Figure::Condition(REGIONS),
         ..Panel::EMPTY
     }],
 };
+
+/// `None` for the scene itself: what is made every frame is made for the regions in view only.
+fn repeated_bytes(case: &Case) -> Option<f64> {
+    allocated_bytes(case)
+        .is_none()
+        .then(|| formula_bytes(case))?
+}
 
 fn formula_bytes(case: &Case) -> Option<f64> {
     Some(case.value(FORMULA_VERTEX_BYTES)? + case.value(FORMULA_INDEX_BYTES)?)
