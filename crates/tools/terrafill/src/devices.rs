@@ -176,11 +176,7 @@ fn vulkan_verdict(facts: &terrafill_vulkan::DeviceFacts) -> Verdict {
             STATISTICS,
             "invocation counts stay empty",
         ),
-        (
-            has.depth_bounds,
-            "depth bounds",
-            "no depth bounds of shadows",
-        ),
+        (has.depth_bounds, "depth bounds", "shadows go without"),
         (
             has.blends_float,
             "blending of R32_SFLOAT",
@@ -346,7 +342,7 @@ mod tests {
         for phrase in [
             "lacks GPU timestamps: GPU times stay empty",
             "lacks geometry shaders: only technique=vs-control runs",
-            "lacks depth bounds: no depth bounds of shadows",
+            "lacks depth bounds: shadows go without",
         ] {
             assert!(text.contains(phrase), "{phrase:?} is not in {text}");
         }

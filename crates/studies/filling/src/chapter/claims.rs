@@ -15,8 +15,9 @@ use super::textured::AS_IN_2007_OVER_PLAIN;
 use super::{fill_rate, memory, subdivision, textured};
 use crate::claims::{self, Gain, Only, PAPER, Rival, Test};
 use crate::keys::*;
+use crate::request::STUDY;
 use terrafill_lab::{
-    Answer, Claimed, Comparison, Follows, Told, claims_blocks, claims_table, overall,
+    Answer, Claimed, Comparison, Follows, Told, claims_blocks, claims_table, full_command, overall,
 };
 use terrafill_plot::number::{count, figure, significant, times};
 use terrafill_results::{
@@ -501,10 +502,16 @@ fn surface_independence(data: &Data<'_>) -> Told {
 
 /// What the run says of each claim, in order.
 fn all(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Told> {
+    let command = full_command(&data.run.environment, STUDY);
     let claims = PAPER.claims.iter();
-    claims
-        .map(|claimed| judge(data, ladders, claimed))
-        .collect()
+    let judged = claims.map(|claimed| {
+        let mut told = judge(data, ladders, claimed);
+        if told.standing == Standing::NotMeasured {
+            told.reason = sentences([told.reason.as_str(), &format!("To measure it: {command}")]);
+        }
+        told
+    });
+    judged.collect()
 }
 
 /// The table, and how many claims ended how; nothing for a run that measured none of it.

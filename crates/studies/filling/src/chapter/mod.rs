@@ -36,6 +36,7 @@ use data::{Data, is_baseline};
 use rungs::FULL_PLAN;
 pub(crate) use scenes::picture;
 pub(crate) use table::{alarm, figures, row};
+use terrafill_lab::with_commands;
 use terrafill_results::{
     Answers, Block, Case, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run,
 };
@@ -84,7 +85,8 @@ impl Chapter for FillingChapter {
             scenes::blocks(&data)?,
             techniques::blocks(&data),
         ];
-        Ok(sections.into_iter().flatten().collect())
+        let blocks = sections.into_iter().flatten().collect();
+        Ok(with_commands(blocks, run, STUDY))
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {

@@ -76,7 +76,7 @@ fn equal_work_passes_and_a_counter_that_changed_fails_until_it_is_blessed() {
     }
     let compared = desk.run(&["compare", "a", "b"]);
     assert_eq!(compared.code, 1);
-    assert!(compared.stdout.contains("→ 999"), "{}", compared.stdout);
+    assert!(compared.stdout.contains("| 999 |"), "{}", compared.stdout);
 
     desk.run(&["bless", CASE, "--reason", ""])
         .refused(&[&["--reason"]]);

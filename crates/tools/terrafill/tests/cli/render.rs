@@ -555,8 +555,8 @@ fn switches_of_another_backend_are_refused_with_the_backends_own() {
         let more = ["--technique", backend, "--set", "speed=fast"];
         let ends = "faces=two-sided|two-pass, first-pass=stencil|colour|program|program-colour, held-meshes=all|drawn, normalize=needed|superfluous, \
             position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
-            stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3, \
-            texture-code=needed|loaded, vertices=stored|bent, \
+            stencil-clear=at-start|by-colour, texture-code=needed|loaded, \
+            texture=plain|chosen|floor|a route such as gnomonic-3, vertices=stored|bent, \
             boundary-lod-px=PIXELS|off, far-level-px=PIXELS|off, frustum-culling=on|off, horizon-culling=on|off, interior=on|off, \
             part-culling=off|frustum|all, sky-culling=on|off, too-small-culling=on|off, wall-heights=region|global, boundary-tolerance-m=METRES";
         desk.run(&[&SCENE[..], &more].concat()).refused(&[&[ends]]);
