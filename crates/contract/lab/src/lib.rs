@@ -19,4 +19,4 @@ pub use curves::{Drawing, Panel, draw, slope_one};
 pub use figure::{Figure, Names};
 pub use lines::Lines;
 pub use section::{Absent, Column, MoreOf, Section, SectionedChapter, Select};
-pub use settling::{bench_command, full_command, with_commands};
+pub use settling::{bench_command, full_command, with_command, with_commands};

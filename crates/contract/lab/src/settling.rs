@@ -81,7 +81,8 @@ pub fn with_commands(blocks: Vec<Block>, run: &Run, study: &str) -> Vec<Block> {
 }
 
 /// A finding with the command that measures it, where this run has not and the finding names none.
-pub(crate) fn with_command(finding: Finding, run: &Run, study: &str) -> Finding {
+#[must_use]
+pub fn with_command(finding: Finding, run: &Run, study: &str) -> Finding {
     if finding.standing != Standing::NotMeasured || finding.because.contains(BENCH) {
         return finding;
     }

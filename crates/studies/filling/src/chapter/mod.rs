@@ -36,7 +36,7 @@ use data::{Data, is_baseline};
 use rungs::FULL_PLAN;
 pub(crate) use scenes::picture;
 pub(crate) use table::{alarm, figures, row};
-use terrafill_lab::with_commands;
+use terrafill_lab::{with_command, with_commands};
 use terrafill_results::{
     Answers, Block, Case, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run,
 };
@@ -90,7 +90,11 @@ impl Chapter for FillingChapter {
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
-        answers::answers(&self.data(run))
+        let mut answers = answers::answers(&self.data(run))?;
+        let requirements = answers.requirements.into_iter();
+        let requirements = requirements.map(|finding| with_command(finding, run, STUDY));
+        answers.requirements = requirements.collect();
+        Ok(answers)
     }
 
     fn has_long_sections(&self) -> bool {
