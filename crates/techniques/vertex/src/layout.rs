@@ -46,7 +46,7 @@ pub fn layout_bytes(layout: Layout, mesh: &RegionMesh) -> GeometryBytes {
 /// - `separate`: 2·12·v and indices as `doubled`, plus what all regions share
 ///   ([`shared_flag_bytes`]);
 /// - `per-triangle`: 2·16·v + i·24t, two caps of 3 and three walls of 6 indices a triangle. Strips
-///   of 4 would be 18 without restarts ([`per_triangle_volume_bytes`], as the 2007 document's total
+///   of 4 would be 18 without restarts (as the 2007 document's total
 ///   counts them, though its text says 24) and 21 with them;
 /// - `pulled`: 12·v + i·(3t + e + 2l), the loops closed and followed by a separator.
 ///
