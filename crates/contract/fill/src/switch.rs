@@ -2,6 +2,8 @@
 //! A switch, said once: its key, its values, its default and what it does. Parsing, lists, columns of tables and names
 //! of variants are made from that.
 
+use crate::RouteChoice;
+
 /// Values that a switch or a parameter may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Values {
@@ -24,6 +26,19 @@ impl Values {
             Self::Percent => vec!["1…100"],
             Self::Pixels => vec!["PIXELS", "off"],
             Self::RouteOr(values) => [values, &["a route such as gnomonic-3"]].concat(),
+        }
+    }
+
+    /// Whether it is one of these.
+    #[must_use]
+    pub fn allows(self, value: &str) -> bool {
+        match self {
+            Self::OneOf(values) => values.contains(&value),
+            Self::Percent => value
+                .parse()
+                .is_ok_and(|percent| (1..=100).contains(&percent)),
+            Self::Pixels => pixels(value).is_some(),
+            Self::RouteOr(values) => values.contains(&value) || RouteChoice::parse(value).is_some(),
         }
     }
 
@@ -69,8 +84,20 @@ pub struct Switch<T: 'static> {
     pub(crate) set: fn(&mut T, &str) -> Option<()>,
 }
 
-/// A switch between values of a field.
+/// A switch between values of a field, or, with `PIXELS`, of a number of pixels or none.
 macro_rules! one_of {
+    ($key:literal, $field:ident: PIXELS, $meaning:literal) => {
+        $crate::switch::Switch {
+            key: $key,
+            values: $crate::switch::Values::Pixels,
+            meaning: $meaning,
+            get: |of| of.$field.map_or_else(|| "off".to_owned(), |px: f64| px.to_string()),
+            set: |of, value| {
+                of.$field = $crate::switch::pixels(value)?;
+                Some(())
+            },
+        }
+    };
     ($key:literal, $($field:ident).+: [$($value:literal => $choice:expr),+ $(,)?], $meaning:literal) => {
         $crate::switch::Switch {
             key: $key,
@@ -90,6 +117,15 @@ macro_rules! one_of {
     };
 }
 pub(crate) use one_of;
+
+/// A number of pixels above 0, or `off`.
+pub(crate) fn pixels(value: &str) -> Option<Option<f64>> {
+    if value == "off" {
+        return Some(None);
+    }
+    let px: f64 = value.parse().ok()?;
+    (px > 0.0 && px.is_finite()).then_some(Some(px))
+}
 
 impl<T: Default> Switch<T> {
     /// Its value unless it is set.

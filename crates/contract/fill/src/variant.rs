@@ -39,14 +39,7 @@ impl Parameter {
     }
 
     fn check(&self, value: &str) -> Result<(), SwitchError> {
-        let is_allowed = match self.values {
-            Values::OneOf(values) | Values::RouteOr(values) => values.contains(&value),
-            Values::Percent => value
-                .parse()
-                .is_ok_and(|percent| (1..=100).contains(&percent)),
-            Values::Pixels => pixels(value).is_some(),
-        };
-        if is_allowed {
+        if self.values.allows(value) {
             return Ok(());
         }
         Err(SwitchError {
@@ -193,8 +186,9 @@ impl Variant {
             return Err(SwitchError {
                 switch,
                 found: value.to_owned(),
-                allowed: "no value: it gained nowhere and is gone, see docs/volume-cost.md"
-                    .to_owned(),
+                allowed:
+                    "no value: it did not pay on hardware and is gone, see docs/volume-cost.md"
+                        .to_owned(),
             });
         }
         Ok(self.switches.set(key, value)? || switch::set(PLAN_TABLE, &mut self.plan, key, value)?)
@@ -277,26 +271,10 @@ const GONE: [&str; 3] = ["cap-faces", "counted", "depth-bounds"];
 
 /// Every option of a plan, in alphabetical order.
 const PLAN_TABLE: &[Switch<PlanOptions>] = &[
-    Switch {
-        key: "boundary-lod-px",
-        values: Values::Pixels,
-        meaning: "draw boundaries at the coarsest level that moves none by more",
-        get: |of| px_name(of.boundary_lod_px),
-        set: |of, value| {
-            of.boundary_lod_px = pixels(value)?;
-            Some(())
-        },
-    },
-    Switch {
-        key: "far-level-px",
-        values: Values::Pixels,
-        meaning: "draw regions whose volumes are lower as flat meshes, without stencil",
-        get: |of| px_name(of.far_level_px),
-        set: |of, value| {
-            of.far_level_px = pixels(value)?;
-            Some(())
-        },
-    },
+    one_of!("boundary-lod-px", boundary_lod_px: PIXELS,
+        "draw boundaries at the coarsest level that moves none by more"),
+    one_of!("far-level-px", far_level_px: PIXELS,
+        "draw regions whose volumes are lower as flat meshes, without stencil"),
     one_of!("frustum-culling", frustum_culling: ["on" => true, "off" => false],
         "leave out regions outside the view"),
     one_of!("horizon-culling", horizon_culling: ["on" => true, "off" => false],
@@ -315,19 +293,6 @@ const PLAN_TABLE: &[Switch<PlanOptions>] = &[
     one_of!("wall-heights", wall_heights: ["region" => WallHeights::Region, "global" => WallHeights::Global],
         "how high walls are: as the ground of their region, or 12 km above and below the ellipsoid"),
 ];
-
-fn px_name(px: Option<f64>) -> String {
-    px.map_or_else(|| "off".to_owned(), |px| px.to_string())
-}
-
-/// A number of pixels above 0, or `off`.
-fn pixels(value: &str) -> Option<Option<f64>> {
-    if value == "off" {
-        return Some(None);
-    }
-    let px: f64 = value.parse().ok()?;
-    (px > 0.0 && px.is_finite()).then_some(Some(px))
-}
 
 #[cfg(test)]
 mod tests {
@@ -425,7 +390,7 @@ mod tests {
             (
                 "counted",
                 "wall-band",
-                "no value: it gained nowhere and is gone, see docs/volume-cost.md",
+                "no value: it did not pay on hardware and is gone, see docs/volume-cost.md",
             ),
         ] {
             let error = variant.set(key, value).expect_err("no such value");
@@ -435,6 +400,31 @@ mod tests {
         assert_eq!(variant.value("faces"), None, "none of its own");
         assert!(variant.choice("layout", &[("round", ())]).is_err());
         assert_eq!(variant.choice("layout", &[("flat", 1), ("tall", 2)]), Ok(1));
+    }
+
+    #[test]
+    fn each_value_that_is_listed_is_taken_and_shown_and_no_other() {
+        for (key, values, _) in plain().keys() {
+            let examples = match values {
+                Values::OneOf(values) => values.to_vec(),
+                Values::Percent => vec!["1", "100"],
+                Values::Pixels => vec!["0.5", "off"],
+                Values::RouteOr(values) => [values, &["gnomonic-3"]].concat(),
+            };
+            for value in examples {
+                assert!(values.allows(value), "{key}={value}");
+                let set = plain().with(key, value);
+                let shown = set.settings().into_iter().find(|(own, _)| *own == key);
+                assert_eq!(
+                    shown.map(|(_, shown)| shown).as_deref(),
+                    Some(value),
+                    "{key}"
+                );
+            }
+            // Negative control.
+            assert!(!values.allows("no such value"), "{key}");
+            assert!(plain().set(key, "no such value").is_err(), "{key}");
+        }
     }
 
     #[test]

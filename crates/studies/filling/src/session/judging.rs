@@ -212,8 +212,7 @@ pub(super) fn shows_chosen(case: &FillCase) -> bool {
     route(&case.subject) == Some(RouteChoice::Chosen) && case.shown == ShownPicture::Scene
 }
 
-/// Whether what it holds and leaves out is told: of techniques as they should be used, and of what a view
-/// needs.
+/// Whether a case lists what it holds and leaves out: compared cases without switches, and cases about needs.
 fn tells_needs(case: &FillCase) -> bool {
     let is_plain_main = case.is_compared() && !case.variant_name().contains('=');
     case.is(Purpose::Needs) || is_plain_main || shows_chosen(case)
