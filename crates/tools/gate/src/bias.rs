@@ -7,7 +7,7 @@
 //! a process brings from its start weighs most in its first group. One block is one number of a group, since its
 //! cases share their processes.
 
-use crate::time::differences;
+use crate::block::differences;
 use crate::{Span, TimeGate, Times};
 use std::collections::BTreeMap;
 

@@ -12,6 +12,7 @@
 mod baseline;
 mod bias;
 mod bless;
+mod block;
 mod carry;
 mod cores;
 mod error;
@@ -39,6 +40,7 @@ mod report;
 mod self_test;
 mod setup;
 mod shard;
+mod sides;
 mod table;
 pub mod threshold;
 mod time;
@@ -46,6 +48,7 @@ mod time;
 pub use baseline::{load_baseline, save_baseline};
 pub use bias::{Bias, GroupBias, MAX_BIAS_PERCENT, Mean};
 pub use bless::{Blessing, add_blessings, apply, read_blessings};
+pub use block::Block;
 pub use carry::{CarriedScenes, carry_scenes};
 pub use error::GateError;
 pub use exact::{Exact, compare_exactly, driver_fingerprint, same_driver};
@@ -67,7 +70,5 @@ pub use report::{GATE_SCHEMA, GateOptions, GateReport, Rules, gate};
 pub use self_test::{Injection, Proof, Rates, SelfTest, self_test};
 pub use setup::compare_setups;
 pub use shard::merge_gates;
-pub use time::{
-    Block, CaseTime, Pace, Side, Sides, Stage, TimeGate, TimeOptions, Times, Trio, Watched, Way,
-    compare_times,
-};
+pub use sides::{Side, Sides, Times, Trio, Way};
+pub use time::{CaseTime, Pace, Stage, TimeGate, TimeOptions, Watched, compare_times};

@@ -4,8 +4,9 @@
 //! The verdict comes first, then the largest changes of times, which stand there even where nothing fails, then
 //! what decides. A page that nobody reads to its end is no page, so it is short; `gate.json` has everything.
 
+use crate::block::logarithm;
 use crate::output::{blessed, commands, headline, scope, title};
-use crate::time::{logarithm, milliseconds};
+use crate::time::milliseconds;
 use crate::{CaseTime, Finding, Floors, Gate, GateReport, Severity, Verdict};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

@@ -5,8 +5,9 @@
 //! there is looked at once more, and what moved again is measured in [`SETUP_PAIRS`] fresh pairs of processes, which
 //! alone decide. So a gate in which nothing moved pays nothing for it.
 
+use crate::block::{deviation, logarithm, percent};
 use crate::threshold::{SCREEN_SHARE, SETUP_COVERAGE, SETUP_LOOKS, SETUP_PAIRS};
-use crate::time::{NO_TIME, deviation, logarithm, pace, percent};
+use crate::time::{NO_TIME, pace};
 use crate::{CaseTime, GateError, Pace, Side, Sides, TimeOptions, Times, Watched};
 use std::time::Duration;
 use terrafill_results::{Shift, median};

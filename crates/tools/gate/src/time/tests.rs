@@ -5,6 +5,7 @@
 //! by 30 % on average, and processes differ by 1 %.
 
 use super::*;
+use crate::block::bursts;
 use terrafill_results::SplitMix64;
 
 /// The generator of Steele, Lea and Flood (2014).
