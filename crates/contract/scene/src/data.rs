@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Files with regions: opened, read, and for scenes held against their SHA-256.
 //!
-//! A scene names its data by a path relative to the data folder and by the hash of the bytes. A
-//! file that is not there, or has other bytes, is no wrong input: the scene is skipped, with a line
-//! on how to get the file. A measurement on other data would carry the same name and mean
-//! something else. A scene may name the published file beside a trimmed one: either will do, as
+//! A scene names its data by a path, absolute or from the scene file or the data folder, and may give the
+//! hash of the bytes. A file that is not there, or has other bytes, is no wrong input then: the scene is
+//! skipped, with a line on how to get the file. A measurement on other data would carry the same name and
+//! mean something else. Without a hash any bytes will do, and a file that is not there is an error. A scene may name the published file beside a trimmed one: either will do, as
 //! both hold the same regions.
 
 use sha2::{Digest, Sha256};
@@ -126,35 +126,53 @@ pub(crate) enum Verified {
     Absent(String),
 }
 
-/// Reads `file` under `data_dir` and compares its hash.
-///
-/// # Errors
-/// [`RegionLoadError`] if it is there but cannot be read.
-pub(crate) fn read_verified(
-    data_dir: Option<&Path>,
-    file: &str,
-    sha256: &str,
-) -> Result<Verified, RegionLoadError> {
-    let Some(data_dir) = data_dir else {
-        return Ok(Verified::Absent(format!(
-            "no data folder is given ({DATA_DIR_VARIABLE} is not set, and there is no folder \
-             {DEFAULT_DATA_DIR})"
-        )));
-    };
-    let path = data_dir.join(file);
-    match read(&path) {
-        Ok(bytes) => {
-            let found = sha256_hex(&bytes);
-            Ok(if found == sha256 {
-                Verified::Bytes(bytes)
-            } else {
-                Verified::Absent(format!("{} has sha256 {found}", path.display()))
-            })
+/// Where files that a scene names are looked for.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Folders<'a> {
+    /// Of the scene file, which goes first; `None` of a scene that ships.
+    pub(crate) scene: Option<&'a Path>,
+    /// Of the data.
+    pub(crate) data: Option<&'a Path>,
+}
+
+impl Folders<'_> {
+    /// Reads `file` and compares its hash.
+    ///
+    /// - `sha256`: empty where any bytes will do; then the file must be there
+    ///
+    /// # Errors
+    /// [`RegionLoadError`] if it is there but cannot be read.
+    pub(crate) fn read(self, file: &str, sha256: &str) -> Result<Verified, RegionLoadError> {
+        let Some(path) = self.place(file) else {
+            return Ok(Verified::Absent(format!(
+                "no data folder is given ({DATA_DIR_VARIABLE} is not set, and there is no folder \
+                 {DEFAULT_DATA_DIR})"
+            )));
+        };
+        match read(&path) {
+            Ok(bytes) if sha256.is_empty() => Ok(Verified::Bytes(bytes)),
+            Ok(bytes) => {
+                let found = sha256_hex(&bytes);
+                Ok(if found == sha256 {
+                    Verified::Bytes(bytes)
+                } else {
+                    Verified::Absent(format!("{} has sha256 {found}", path.display()))
+                })
+            }
+            Err(RegionLoadError::Missing { .. }) if !sha256.is_empty() => {
+                Ok(Verified::Absent(format!("{} is not there", path.display())))
+            }
+            Err(other) => Err(other),
         }
-        Err(RegionLoadError::Missing { .. }) => {
-            Ok(Verified::Absent(format!("{} is not there", path.display())))
+    }
+
+    fn place(self, file: &str) -> Option<PathBuf> {
+        if Path::new(file).is_absolute() {
+            return Some(file.into());
         }
-        Err(other) => Err(other),
+        let beside = self.scene.map(|folder| folder.join(file));
+        let beside = beside.filter(|path| path.exists() || self.data.is_none());
+        beside.or_else(|| self.data.map(|folder| folder.join(file)))
     }
 }
 
@@ -223,17 +241,46 @@ mod tests {
     #[test]
     fn one_changed_byte_makes_a_data_file_absent() {
         let folder = tempfile::tempdir().expect("temporary folder");
-        let dir = Some(folder.path());
+        let folders = Folders {
+            data: Some(folder.path()),
+            ..Folders::default()
+        };
         std::fs::write(folder.path().join("d"), "abc").expect("writable");
         let hash = sha256_hex(b"abc");
-        let verified = read_verified(dir, "d", &hash).expect("readable");
+        let verified = folders.read("d", &hash).expect("readable");
         assert!(matches!(verified, Verified::Bytes(bytes) if bytes == b"abc"));
         std::fs::write(folder.path().join("d"), "ab").expect("writable");
-        let verified = read_verified(dir, "d", &hash).expect("readable");
+        let verified = folders.read("d", &hash).expect("readable");
         let Verified::Absent(why) = verified else {
             panic!("other bytes were taken for the scene's");
         };
         assert!(why.contains(&sha256_hex(b"ab")), "{why}");
+    }
+
+    #[test]
+    fn a_file_without_a_hash_is_read_where_it_is_and_missing_is_an_error() {
+        let [beside, data] = [(); 2].map(|()| tempfile::tempdir().expect("temporary folder"));
+        std::fs::write(beside.path().join("d"), "beside").expect("writable");
+        std::fs::write(data.path().join("d"), "data").expect("writable");
+        let folders = Folders {
+            scene: Some(beside.path()),
+            data: Some(data.path()),
+        };
+        let bytes = |folders: Folders<'_>, file: &str| match folders.read(file, "") {
+            Ok(Verified::Bytes(bytes)) => bytes,
+            Ok(Verified::Absent(why)) => panic!("{why}"),
+            Err(error) => panic!("{error}"),
+        };
+        assert_eq!(bytes(folders, "d"), b"beside");
+        let absolute = data.path().join("d").display().to_string();
+        assert_eq!(bytes(Folders::default(), &absolute), b"data");
+        std::fs::remove_file(beside.path().join("d")).expect("removable");
+        assert_eq!(bytes(folders, "d"), b"data");
+        // Negative control: no bytes are taken for those that are not there.
+        assert!(matches!(
+            folders.read("e", ""),
+            Err(RegionLoadError::Missing { .. })
+        ));
     }
 
     #[test]
@@ -251,7 +298,11 @@ mod tests {
             (None, "TERRAFILL_DATA is not set"),
             (Some(folder.path()), "is not there"),
         ] {
-            let Ok(Verified::Absent(why)) = read_verified(dir, "d", EMPTY_SHA256) else {
+            let folders = Folders {
+                data: dir,
+                ..Folders::default()
+            };
+            let Ok(Verified::Absent(why)) = folders.read("d", EMPTY_SHA256) else {
                 panic!("nothing was taken for something");
             };
             assert!(why.contains(phrase), "{why}");

@@ -17,6 +17,14 @@ pub enum SceneError {
         /// Names there are.
         allowed: String,
     },
+    /// Regions alone, where a scene is wanted.
+    #[error(
+        "{path}: is a file of regions, allowed: a scene or a scene file; `terrafill scene init {path}` makes one"
+    )]
+    RegionFile {
+        /// The path.
+        path: String,
+    },
     /// The scene file cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Unreadable {

@@ -47,7 +47,7 @@ pub use plan::{
     PartCulling, PlanOptions, PlannedRegion, RegionBounds, SmallRings, WallHeights,
 };
 pub use procedural::Islands;
-pub use scene::{LevelChoice, Overlap, Scene, SurfaceChoice, SurfaceFile, View};
+pub use scene::{LevelChoice, Overlap, Scene, SurfaceChoice, SurfaceFile, TexturedFills, View};
 pub use shipped::{shipped_scene_names, shipped_scene_text, suite_names, suite_scenes};
 pub use suite::{Expectation, SuiteScene, SuiteView};
 pub use terrafill_core::ShapeFamily;

@@ -82,6 +82,15 @@ pub enum LevelChoice {
     Given(Vec<f64>),
 }
 
+/// Which textured fills of a scene with a texture are drawn.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct TexturedFills {
+    /// The scene is about its picture: no fill without it is drawn.
+    pub alone: bool,
+    /// The view in which quick runs draw some too.
+    pub quick_view: Option<String>,
+}
+
 /// A scene, checked but for its surface.
 #[derive(Debug, Clone)]
 pub struct Scene {
@@ -109,6 +118,8 @@ pub struct Scene {
     pub sweep_boundary_tolerance_m: Vec<f64>,
     /// What a textured fill shows; `None` where the scene is filled in plain colours only.
     pub texture: Option<Arc<SceneTexture>>,
+    /// Which fills show it.
+    pub textured: TexturedFills,
     /// Cap steps to sweep for subdivision against wall height, degrees; may be empty.
     pub sweep_cap_step_deg: Vec<f64>,
     /// Whether every way to store positions is tried through the boundary tolerances, right or wrong.

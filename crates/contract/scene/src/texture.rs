@@ -6,10 +6,9 @@
 //! filter. Levels are made here, once: drivers differ in how they shrink a picture, and a comparison
 //! of texture coordinates must not see that. Angles in radians, lengths in metres.
 
-use crate::data::{Verified, read_verified};
+use crate::data::{Folders, Verified};
 use crate::{RegionLoadError, SceneError};
 use rayon::prelude::*;
-use std::path::Path;
 use std::sync::LazyLock;
 
 /// Longest side of a picture, texels: what every device of WebGPU's default limits holds.
@@ -376,7 +375,7 @@ impl ImageSource {
     /// # Errors
     /// [`SceneError::DataMissing`] if the file is not here, [`SceneError::Image`] if it is no
     /// picture.
-    pub(crate) fn load(self, scene: &str, data_dir: Option<&Path>) -> Result<MipChain, SceneError> {
+    pub(crate) fn load(self, scene: &str, folders: Folders<'_>) -> Result<MipChain, SceneError> {
         match self {
             Self::Checker { size, cells } => {
                 checker(size, cells).ok_or_else(|| SceneError::Image {
@@ -389,7 +388,7 @@ impl ImageSource {
                 message: format!("{size} texels cannot be cut into {lines} lines"),
             }),
             Self::File { path, sha256, how } => {
-                match read_verified(data_dir, &path, &sha256).map_err(unreadable)? {
+                match folders.read(&path, &sha256).map_err(unreadable)? {
                     Verified::Bytes(bytes) => decode(&path, &bytes),
                     Verified::Absent(why) => Err(SceneError::DataMissing {
                         scene: scene.to_owned(),

@@ -202,8 +202,9 @@ fn region_sources_that_are_not_exactly_one() {
              square-10m.geojson, square-200km.geojson, window-west.geojson, window-east.geojson",
         ),
         (
-            broken(embedded, &FILE_SOURCE.replace("a.geojson", "../a.geojson")),
-            "t.toml: regions.file: found \"../a.geojson\", allowed: a path inside the data folder",
+            broken(embedded, &FILE_SOURCE.replace("a.geojson", "")),
+            "t.toml: regions.file: found nothing, allowed: an absolute path, or one from the scene file or the \
+             data folder",
         ),
         (
             broken(embedded, &FILE_SOURCE.replace("e3b0", "E3B0")),
@@ -225,9 +226,10 @@ fn region_sources_that_are_not_exactly_one() {
         (
             broken(
                 embedded,
-                &format!("{FILE_SOURCE}\nsource = {{ file = \"/b\", sha256 = \"\" }}"),
+                &format!("{FILE_SOURCE}\nsource = {{ file = \"\", sha256 = \"\" }}"),
             ),
-            "t.toml: regions.source.file: found \"/b\", allowed: a path inside the data folder",
+            "t.toml: regions.source.file: found nothing, allowed: an absolute path, or one from the scene file or the \
+             data folder",
         ),
         (
             broken(
@@ -537,8 +539,9 @@ fn wrong_textures_name_the_key_the_value_and_what_is_allowed() {
         ),
         (
             "checker = { size = 64, cells = 4 }",
-            "image = { path = \"../a.png\", sha256 = \"0\" }",
-            "t.toml: texture.image.path: found \"../a.png\", allowed: a path inside the data folder",
+            "image = { path = \"\", sha256 = \"0\" }",
+            "t.toml: texture.image.path: found nothing, allowed: an absolute path, or one from the scene file or the \
+             data folder",
         ),
         (
             "checker = { size = 64, cells = 4 }",

@@ -126,6 +126,12 @@ pub struct RunFolder {
 }
 
 impl RunFolder {
+    /// Whether a folder holds a run, ended or not.
+    #[must_use]
+    pub fn is_begun(path: &Path) -> bool {
+        path.join(PLAN).exists()
+    }
+
     /// Starts a run in a new or empty folder: writes plan, environment, schema and empty tables.
     ///
     /// # Errors
@@ -136,7 +142,7 @@ impl RunFolder {
         plan: RunPlan,
         metrics: &[Metric],
     ) -> Result<Self, RunError> {
-        if path.join(PLAN).exists() {
+        if Self::is_begun(path) {
             return Err(RunError::Occupied {
                 path: path.to_owned(),
                 message: "give another --out, or --resume to go on with it".to_owned(),

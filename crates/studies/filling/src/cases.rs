@@ -323,7 +323,7 @@ impl Builder<'_> {
             };
             for variant in technique.variants(scene, role) {
                 let subject = Subject::Fill(*technique, variant);
-                if !subject.is_approximate() || wishes.wants_approximate(&scene.name) {
+                if !subject.is_approximate() || wishes.wants_approximate(scene) {
                     self.add(subject, purpose, frames);
                 }
             }

@@ -22,10 +22,6 @@ const LADDER_SCENE: &str = "planet-134";
 /// and neighbours that share borders.
 const MATRIX_SCENES: [&str; 3] = ["planet-134", "california", "countries-110m"];
 
-/// The scene on which approximate fills stand beside the others in a run that is not full: it needs no
-/// data, and its terrain is what they are off by.
-const APPROXIMATE_SCENE: &str = "hills";
-
 /// Timed frames of a case in a process. Few: a process is one number, and more processes say more than
 /// more frames of one.
 const FRAMES: u32 = 2;
@@ -144,9 +140,11 @@ impl Wishes {
         self.frames().min(LADDER_FRAMES)
     }
 
-    /// Whether approximate fills of this scene are wanted.
-    pub(crate) fn wants_approximate(&self, scene: &str) -> bool {
-        self.is_full() || self.has_named_techniques || scene == APPROXIMATE_SCENE
+    /// Whether approximate fills of this scene are wanted. Terrain is what they are off by; over the bare body a
+    /// quick run and one over all scenes leave them out.
+    pub(crate) fn wants_approximate(&self, scene: &Scene) -> bool {
+        let is_asked_for = self.depth == Depth::Main && !self.scenes.is_empty();
+        self.is_full() || self.has_named_techniques || is_asked_for || !scene.surface.is_bare()
     }
 
     /// Whether the ladder of this scene is wanted.

@@ -27,8 +27,8 @@ use terrafill_texture::PositionRoute;
 /// techniques.
 const GLOBE_SCENES: [&str; 2] = ["screen-grid", "spiral"];
 
-/// Scenes that are about pictures: only textured fills are drawn of them, each once.
-pub(crate) const PICTURE_SCENES: [&str; 6] = [
+/// Scenes that are about pictures, which say so themselves: only textured fills are drawn of them, each once.
+const PICTURE_SCENES: [&str; 6] = [
     "blue-marble",
     "fade",
     "hatching",
@@ -36,9 +36,6 @@ pub(crate) const PICTURE_SCENES: [&str; 6] = [
     "window-west",
     "window-east",
 ];
-
-/// The one scene and view that a quick run measures textured.
-const QUICK: (&str, &str) = ("california", "top-down");
 
 /// The device's own arctangent, and geodetic latitude.
 const NATIVE_ROUTE: &str = "atan2-native";
@@ -117,7 +114,7 @@ impl ShownPicture {
 
 /// Whether only textured fills of a scene are drawn.
 pub(crate) fn is_picture_scene(scene: &Scene) -> bool {
-    PICTURE_SCENES.contains(&scene.name.as_str()) && scene.texture.is_some()
+    scene.textured.alone
 }
 
 /// The textured cases of a technique in one view, from its main variant `plain`.
@@ -133,7 +130,7 @@ pub(crate) fn textured_variants(
     if scene.texture.is_none() {
         return Vec::new();
     }
-    let is_quick_view = QUICK == (scene.name.as_str(), view.name.as_str());
+    let is_quick_view = scene.textured.quick_view.as_ref() == Some(&view.name);
     let by = |choice: RouteChoice| {
         let textured = plain.clone();
         let textured = textured.with_switches(|switches| switches.texture = Some(choice));

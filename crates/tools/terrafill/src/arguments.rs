@@ -1,14 +1,26 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Verbs and their arguments.
 
+mod gate;
+mod history;
+mod own;
+
+pub(crate) use gate::{BlessArguments, GateArguments, SelfTestKind};
+pub(crate) use history::{
+    BackfillArguments, BisectArguments, HistoryArguments, HistoryVerb, StoreArguments,
+};
+
+pub(crate) use own::{InitArguments, OwnArguments, SceneArguments, SceneVerb};
+
 use crate::registry;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use gate::{BLESS_EXAMPLE, GATE_EXAMPLE};
+use history::HISTORY_EXAMPLE;
 use std::path::PathBuf;
 use terrafill_core::{EdgeRule, Ellipsoid, Inside, Reading, Unwrap};
 use terrafill_data::{Mirror, WrongMirror};
 use terrafill_filling::EXTREME;
-use terrafill_gate::threshold;
 use terrafill_results::Shard;
 
 const EXIT_CODES: &str = "\
@@ -69,6 +81,9 @@ pub(crate) enum Verb {
     /// List the data sets that scenes need, and get them from where they are published
     #[command(after_help = DATA_EXAMPLE)]
     Data(DataArguments),
+    /// Make a scene file of one's own regions
+    #[command(after_help = "Example: terrafill scene init hoods.geojson --out hoods.toml")]
+    Scene(SceneArguments),
     /// List the shipped scenes and whether they can run
     #[command(after_help = "Example: terrafill scenes --data natural-earth")]
     Scenes(ScenesArguments),
@@ -102,10 +117,12 @@ pub(crate) struct StudiesArguments {
     pub(crate) markdown: bool,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct BenchArguments {
-    /// Shipped scenes by name, or paths of scene files [default: all shipped scenes]
+    /// Shipped scenes by name, scene files, GeoJSON files [default: all shipped scenes]
     pub(crate) scenes: Vec<String>,
+    #[command(flatten)]
+    pub(crate) own: OwnArguments,
     #[arg(long, help = STUDY_HELP)]
     pub(crate) study: Vec<String>,
     /// Run a suite of scenes that globes break at instead: extreme
@@ -225,138 +242,6 @@ pub(crate) struct MergeArguments {
     pub(crate) out: PathBuf,
 }
 
-const GATE_EXAMPLE: &str = "\
-Exit codes: 0 pass · 1 differs for the worse, or for the better and not blessed · 2 bad input ·
-            3 inconclusive · 4 nothing measured · 5 no usable device · 6 the machine failed
-Example: terrafill gate california --base origin/main --out out/gate";
-
-#[derive(Debug, Args)]
-pub(crate) struct GateArguments {
-    /// Shipped scenes by name, or paths of scene files [default: all shipped scenes]
-    pub(crate) scenes: Vec<String>,
-    /// Program or git revision to compare with: both run by turns
-    #[arg(long)]
-    pub(crate) base: Option<String>,
-    /// Program or git revision to decide about [default: this program]
-    #[arg(long)]
-    pub(crate) new: Option<String>,
-    /// Run folder to compare with, without times
-    #[arg(long, value_name = "DIR")]
-    pub(crate) base_run: Option<PathBuf>,
-    /// Run folder to decide about, without times
-    #[arg(long, value_name = "DIR", conflicts_with = "new")]
-    pub(crate) new_run: Option<PathBuf>,
-    /// Saved baseline to compare with, without times
-    #[arg(long, value_name = "NAME")]
-    pub(crate) baseline: Option<String>,
-    /// Save the new run's counters, bytes and errors under this name
-    #[arg(long, value_name = "NAME")]
-    pub(crate) save_baseline: Option<String>,
-    /// Folder of baselines
-    #[arg(long, value_name = "DIR", default_value = "gate/baselines")]
-    pub(crate) baselines: PathBuf,
-    /// File of accepted differences
-    #[arg(long, value_name = "FILE", default_value = "gate/blessed.csv")]
-    pub(crate) blessed: PathBuf,
-    /// File of further limits: case,metric,min,max,reason
-    #[arg(long, value_name = "FILE")]
-    pub(crate) limits: Option<PathBuf>,
-    /// Study to measure; may be repeated [default: filling]
-    #[arg(long)]
-    pub(crate) study: Vec<String>,
-    /// Technique to run; may be repeated [default: all]
-    #[arg(long)]
-    pub(crate) technique: Vec<String>,
-    /// All main variants, not the quick ones alone
-    #[arg(long)]
-    pub(crate) main: bool,
-    /// Image size, WIDTHxHEIGHT or one number for both
-    #[arg(long, default_value = "256", value_parser = parse_size)]
-    pub(crate) size: (u32, u32),
-    /// Compare counters, bytes and errors alone
-    #[arg(long)]
-    pub(crate) no_time: bool,
-    /// Times are printed and decide nothing: for shared machines
-    #[arg(long, conflicts_with = "no_time")]
-    pub(crate) advisory_time: bool,
-    /// Smallest change of a frame's time that fails
-    #[arg(long, value_name = "PERCENT", default_value_t = threshold::FLOOR_PERCENT,
-        value_parser = parse_floor)]
-    pub(crate) floor_percent: f64,
-    /// The same of wall clock, preparation, planning [default: 10,50,50]
-    #[arg(long, value_name = "W,P,P", value_parser = parse_floors)]
-    pub(crate) other_floors: Option<[f64; 3]>,
-    /// Time for measuring, builds not counted
-    #[arg(long, value_name = "SECONDS", default_value = "600")]
-    pub(crate) time_budget_s: u64,
-    /// Part m of n of the named scenes; `merge` joins the parts
-    #[arg(long, value_name = "M/N", value_parser = parse_shard)]
-    pub(crate) shard: Option<Shard>,
-    /// Folder of an earlier gate whose times balance the shards
-    #[arg(long, value_name = "DIR", requires = "shard")]
-    pub(crate) balance_by: Option<PathBuf>,
-    /// How often is the time gate right: with equal work, or with more
-    #[arg(long, value_name = "aa|inject", hide_possible_values = true)]
-    pub(crate) self_test: Option<SelfTestKind>,
-    /// Work that the self-test adds
-    #[arg(long, default_value = "10")]
-    pub(crate) percent: u32,
-    /// Gates of a self-test
-    #[arg(long, default_value = "4", value_parser = parse_processes)]
-    pub(crate) runs: u32,
-    /// Folder for runs and report, new or empty
-    #[arg(long, default_value = "out/gate")]
-    pub(crate) out: PathBuf,
-    /// Folder that keeps built revisions
-    #[arg(long, value_name = "DIR", default_value = "target/gate")]
-    pub(crate) cache: PathBuf,
-    /// Folder with real data [default: $TERRAFILL_DATA, or data]
-    #[arg(long)]
-    pub(crate) data: Option<PathBuf>,
-    /// Part of the adapter's name
-    #[arg(long)]
-    pub(crate) adapter: Option<String>,
-}
-
-/// What a self-test proves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum SelfTestKind {
-    // No false alarm.
-    Aa,
-    // Added work is caught.
-    Inject,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct BlessArguments {
-    /// Cases, as the gate names them; * stands for any characters
-    #[arg(required_unless_present_any = ["all", "prune"])]
-    pub(crate) cases: Vec<String>,
-    /// Accept every difference that the gate found
-    #[arg(long, conflicts_with = "cases")]
-    pub(crate) all: bool,
-    /// Take out what covers nothing any more of the scenes that it measured
-    #[arg(long)]
-    pub(crate) prune: bool,
-    /// Why the differences are accepted
-    #[arg(long)]
-    pub(crate) reason: Option<String>,
-    /// Metric to accept; may be repeated [default: all that differ]
-    #[arg(long)]
-    pub(crate) metric: Vec<String>,
-    /// Folder of the gate that found it
-    #[arg(long, value_name = "DIR", default_value = "out/gate")]
-    pub(crate) gate: PathBuf,
-    /// File of accepted differences
-    #[arg(long, value_name = "FILE", default_value = "gate/blessed.csv")]
-    pub(crate) blessed: PathBuf,
-}
-
-const BLESS_EXAMPLE: &str = "\
-A change of a time is accepted from the base that it was found on, and from no later one.
-Example: terrafill bless \"filling/hills/*/doubled\" --reason \"two caps\"
-         terrafill bless --all --reason \"another mesh\" --prune";
-
 const COMPARE_EXAMPLE: &str = "\
 Counters, bytes and errors are compared exactly and decide the exit code: 0 nothing differs ·
 1 something does · 3 inconclusive · 4 nothing compared. Times of two jobs are advice.
@@ -394,147 +279,6 @@ pub(crate) enum Sides {
 const BY_HELP: &str = "\
 device: a column for each kind of machine, times as ratios
 to its own control";
-
-const HISTORY_EXAMPLE: &str = "\
-A history is one file that is appended to and never edited. Changes of times are advice.
-Example: terrafill history add out/run --store history.sqlite";
-
-#[derive(Debug, Args)]
-pub(crate) struct HistoryArguments {
-    #[command(subcommand)]
-    pub(crate) verb: HistoryVerb,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct StoreArguments {
-    /// File of the history
-    #[arg(long, value_name = "FILE", default_value = "history.sqlite")]
-    pub(crate) store: PathBuf,
-}
-
-/// What to do with a history.
-#[derive(Debug, Subcommand)]
-pub(crate) enum HistoryVerb {
-    /// Store runs; one that is there already is left alone
-    #[command(after_help = "Example: terrafill history add out/run --store history.sqlite")]
-    Add {
-        /// Run folders
-        #[arg(required = true)]
-        runs: Vec<PathBuf>,
-        #[command(flatten)]
-        store: StoreArguments,
-        /// Repository that tells the order of commits
-        #[arg(long, value_name = "DIR", default_value = ".")]
-        repository: PathBuf,
-    },
-    /// List machines and runs
-    #[command(after_help = "Example: terrafill history list --json")]
-    List {
-        #[command(flatten)]
-        store: StoreArguments,
-        /// Print one JSON object
-        #[arg(long)]
-        json: bool,
-    },
-    /// List where figures changed, for better and for worse, and what is missing
-    #[command(after_help = "Example: terrafill history changes --metric fill_wall_ms")]
-    Changes {
-        #[command(flatten)]
-        store: StoreArguments,
-        /// Figure to look at; may be repeated [default: exact ones and main times]
-        #[arg(long)]
-        metric: Vec<String>,
-        /// Print one JSON object
-        #[arg(long)]
-        json: bool,
-    },
-    /// Write a page: changes, what is missing, and the course of every case
-    #[command(after_help = "Example: terrafill history report --out out/history")]
-    Report {
-        #[command(flatten)]
-        store: StoreArguments,
-        /// Figure to look at; may be repeated [default: exact ones and main times]
-        #[arg(long)]
-        metric: Vec<String>,
-        /// Repository that knows the commits and their web host
-        #[arg(long, value_name = "DIR", default_value = ".")]
-        repository: PathBuf,
-        /// Folder for index.html
-        #[arg(short, long, value_name = "DIR", default_value = "out/history")]
-        out: PathBuf,
-    },
-    /// Propose the commits to build to find the one that changed a case
-    #[command(
-        after_help = "Example: terrafill history bisect filling/california/globe/vertex/doubled"
-    )]
-    Bisect(BisectArguments),
-    /// Build and measure commits of a range that the history lacks
-    #[command(after_help = BACKFILL_EXAMPLE)]
-    Backfill(BackfillArguments),
-    /// Write everything as tables
-    #[command(after_help = "Example: terrafill history export --csv out/tables")]
-    Export {
-        #[command(flatten)]
-        store: StoreArguments,
-        /// Folder for runs.csv, cases.csv, figures.csv and metrics.csv
-        #[arg(long, value_name = "DIR")]
-        csv: PathBuf,
-    },
-    /// Store the runs of exported tables
-    #[command(after_help = "Example: terrafill history import out/tables --store both.sqlite")]
-    Import {
-        /// Folder of exported tables
-        csv: PathBuf,
-        #[command(flatten)]
-        store: StoreArguments,
-    },
-}
-
-const BACKFILL_EXAMPLE: &str = "\
-Exit codes: 0 all are stored · 2 bad input · 3 some commits failed, each is named · 4 all failed
-Again, it goes on where it was stopped. Run it in the repository that has the commits.
-Example: terrafill history backfill v1.0..main -- california --quick --size 256";
-
-#[derive(Debug, Args)]
-pub(crate) struct BackfillArguments {
-    /// Commits after FROM up to and with TO, as git names them
-    #[arg(value_name = "FROM..TO")]
-    pub(crate) range: String,
-    #[command(flatten)]
-    pub(crate) store: StoreArguments,
-    /// Only runs of this machine count as stored [default: any]
-    #[arg(long)]
-    pub(crate) machine: Option<i64>,
-    /// Print the commands and do nothing
-    #[arg(long)]
-    pub(crate) dry_run: bool,
-    /// Folder for the runs, one by commit
-    #[arg(long, value_name = "DIR", default_value = "out/backfill")]
-    pub(crate) runs: PathBuf,
-    /// Folder that keeps built revisions
-    #[arg(long, value_name = "DIR", default_value = "target/gate")]
-    pub(crate) cache: PathBuf,
-    /// Scenes and options of bench, after --
-    #[arg(last = true, value_name = "BENCH")]
-    pub(crate) bench: Vec<String>,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct BisectArguments {
-    /// Case, as `history changes` names it
-    pub(crate) case: String,
-    #[command(flatten)]
-    pub(crate) store: StoreArguments,
-    /// Figure to look at; may be repeated [default: exact ones and main times]
-    #[arg(long)]
-    pub(crate) metric: Vec<String>,
-    /// Machine by its number in the list [default: any]
-    #[arg(long)]
-    pub(crate) machine: Option<i64>,
-    /// Repository that has both commits
-    #[arg(long, value_name = "DIR", default_value = ".")]
-    pub(crate) repository: PathBuf,
-}
 
 const LADDER_HELP: &str = "\
 Scene to measure switch by switch, from the un-optimised
@@ -578,10 +322,12 @@ standard input; every column comes out again";
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArguments {
-    /// Shipped scene by name, or path of a scene file
+    /// Shipped scene by name, a scene file, or a GeoJSON file
     #[arg(required_unless_present = "list_switches")]
     pub(crate) scene: Option<String>,
-    /// View of the scene
+    #[command(flatten)]
+    pub(crate) own: OwnArguments,
+    /// View of the scene; of GeoJSON all, filled or dense, horizon
     #[arg(long, required_unless_present_any = ["fit", "list_switches"], conflicts_with = "fit")]
     pub(crate) view: Option<String>,
     #[arg(long, help = FIT_HELP)]
@@ -849,20 +595,6 @@ fn parse_processes(text: &str) -> Result<u32, &'static str> {
     match text.parse() {
         Ok(processes @ 1..=1_000) => Ok(processes),
         _ => Err("1 … 1000"),
-    }
-}
-
-fn parse_floors(text: &str) -> Result<[f64; 3], &'static str> {
-    let floors: Option<Vec<f64>> = text.split(',').map(|of| parse_floor(of).ok()).collect();
-    let floors = floors.and_then(|floors| <[f64; 3]>::try_from(floors).ok());
-    floors.ok_or("three of 0.5 … 100 with commas between: wall clock, preparation, planning")
-}
-
-/// A floor of 0 would fail on noise alone.
-fn parse_floor(text: &str) -> Result<f64, &'static str> {
-    match text.parse() {
-        Ok(percent) if (0.5..=100.0).contains(&percent) => Ok(percent),
-        _ => Err("0.5 … 100"),
     }
 }
 

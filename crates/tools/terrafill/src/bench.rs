@@ -5,6 +5,7 @@ use crate::arguments::{
     BenchArguments, GrowthSampleArguments, MergeArguments, ReportArguments, Sharing,
 };
 use crate::clocks::device_clocks;
+use crate::draft;
 use crate::environment::environment;
 use crate::gate::finish;
 use crate::outcome::{Failure, Outcome, complain, print};
@@ -21,7 +22,7 @@ use std::sync::mpsc::Receiver;
 use terrafill_fill::Devices;
 use terrafill_gpu::shared_gpu;
 use terrafill_results::{Moment, Run, RunFolder, Skipped, append_clocks, read_durations};
-use terrafill_scene::data_dir;
+use terrafill_scene::{ImageSize, data_dir};
 use terrafill_study::{
     Depth, FramesPerSample, Request, RunOptions, RunOutcome, Settling, Share, Study, StudyError,
     Turn, Turns, plan_shared,
@@ -49,6 +50,19 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     if arguments.suite.is_some() && !arguments.in_suite {
         return crate::suite::run(arguments);
     }
+    let (width, height) = arguments.size();
+    let is_first = arguments.process == 0 && !arguments.resume;
+    let scenes = draft::written(
+        &arguments.scenes,
+        &arguments.own,
+        ImageSize { width, height },
+        &arguments.out,
+        is_first && !RunFolder::is_begun(&arguments.out),
+    )?;
+    let arguments = &BenchArguments {
+        scenes,
+        ..arguments.clone()
+    };
     let depth = match (arguments.quick, arguments.full) {
         (true, _) => Depth::Quick,
         (_, true) => Depth::Full,

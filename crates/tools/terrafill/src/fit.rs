@@ -2,22 +2,22 @@
 //! A file of regions as a scene: WGS 84, the bare ellipsoid, one view from straight above that shows
 //! all of them.
 
-use crate::arguments::Repair;
+use crate::arguments::{OwnArguments, Repair};
 use crate::outcome::Failure;
 use crate::regions::{Leniency, Meshed, read_and_mesh, report_repairs, report_warnings};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
-use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, Reading, RegionMesh};
+use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh};
 use terrafill_scene::{
-    Camera, CameraPose, ImageSize, LevelChoice, Overlap, Scene, SurfaceChoice, View,
+    Camera, CameraPose, ImageSize, LevelChoice, Overlap, Scene, SurfaceChoice, TexturedFills, View,
 };
 
 /// Name of the fitted view.
 pub(crate) const VIEW: &str = "fit";
 
 /// Vertical field of view: that of scenes that name none.
-const FOV_RAD: f64 = 60.0 * PI / 180.0;
+pub(crate) const FOV_RAD: f64 = 60.0 * PI / 180.0;
 
 /// Distance of the near plane, share of the eye's height, as in scenes that name none.
 const NEAR_SHARE: f64 = 1e-3;
@@ -45,9 +45,9 @@ const BISECTIONS: u32 = 40;
 ///
 /// # Errors
 /// As `mesh`, by whose rules the file is read, and where nothing is there to be fitted.
-pub(crate) fn scene_of(path: &Path, size: ImageSize) -> Result<Scene, Failure> {
+pub(crate) fn scene_of(path: &Path, own: &OwnArguments, size: ImageSize) -> Result<Scene, Failure> {
     let body = Ellipsoid::WGS84;
-    let (edge_rule, mesh) = (EdgeRule::Planar, MeshOptions::default());
+    let (edge_rule, mesh): (EdgeRule, _) = (own.edges.into(), MeshOptions::default());
     let leniency = Leniency {
         repair: Some(Repair::EvenOdd),
         skip_invalid: false,
@@ -57,7 +57,7 @@ pub(crate) fn scene_of(path: &Path, size: ImageSize) -> Result<Scene, Failure> {
         meshes,
         warnings,
         ..
-    } = read_and_mesh(path, Reading::default(), leniency, &body, edge_rule, &mesh)?;
+    } = read_and_mesh(path, own.reading(), leniency, &body, edge_rule, &mesh)?;
     report_warnings(path, &warnings);
     report_repairs(&meshes);
     let Some(pose) = fitted(&body, &meshes, size) else {
@@ -94,6 +94,7 @@ pub(crate) fn scene_of(path: &Path, size: ImageSize) -> Result<Scene, Failure> {
         }],
         sweep_boundary_tolerance_m: Vec::new(),
         texture: None,
+        textured: TexturedFills::default(),
         sweep_cap_step_deg: Vec::new(),
         sweep_positions: false,
     })
@@ -101,7 +102,11 @@ pub(crate) fn scene_of(path: &Path, size: ImageSize) -> Result<Scene, Failure> {
 
 /// The lowest eye above the middle of all regions that sees each of their vertices within the
 /// picture; one that sees the whole disc of the body where none does.
-fn fitted(body: &Ellipsoid, meshes: &[RegionMesh], size: ImageSize) -> Option<CameraPose> {
+pub(crate) fn fitted(
+    body: &Ellipsoid,
+    meshes: &[RegionMesh],
+    size: ImageSize,
+) -> Option<CameraPose> {
     let vertices = || {
         meshes
             .iter()
@@ -151,7 +156,7 @@ fn max_height_m(radius_m: f64, size: ImageSize) -> f64 {
 }
 
 /// Rows of the drawn ellipsoid: as few as keep its facets from hanging too far below the eye.
-fn surface_rows(body: &Ellipsoid, eye_height_m: f64) -> i64 {
+pub(crate) fn surface_rows(body: &Ellipsoid, eye_height_m: f64) -> i64 {
     let sag_m = MAX_SAG_SHARE * eye_height_m;
     // A cell of 2 φ sags by R φ² / 2 along a row, and as much again along its diagonal.
     let half_cell_rad = (sag_m / body.equatorial_radius_m()).sqrt();

@@ -12,6 +12,7 @@ mod bench;
 mod clocks;
 mod data;
 mod devices;
+mod draft;
 mod environment;
 mod fit;
 mod gate;
@@ -65,6 +66,7 @@ fn run(verb: &Verb) -> Result<Outcome, Failure> {
         Verb::Mesh(arguments) => mesh::run(arguments),
         Verb::Locate(arguments) => locate::run(arguments),
         Verb::Data(arguments) => data::run(arguments),
+        Verb::Scene(arguments) => draft::run(arguments),
         Verb::Scenes(arguments) => inspect::scenes(arguments),
         Verb::Studies(arguments) => inspect::studies(arguments),
         Verb::Techniques(arguments) => techniques::run(arguments),

@@ -204,6 +204,38 @@ mod tests {
     }
 
     #[test]
+    fn a_copy_of_a_scene_under_another_name_has_the_same_cases() {
+        let folder = tempfile::tempdir().expect("a folder");
+        // Scenes whose data is not here have no cases under either name.
+        let keys = |scene: &str, name: &str, depth| {
+            let request = Request {
+                scenes: vec![scene.to_owned()],
+                size: [64; 2],
+                depth,
+                ..Request::default()
+            };
+            let planned = STUDIES[0].plan(&request).expect("a plan");
+            let cases = planned.groups.iter().flat_map(|group| group.cases());
+            let keys = cases.map(|case| case.id.key().replacen(name, "scene", 1));
+            keys.collect::<Vec<_>>()
+        };
+        for name in terrafill_scene::shipped_scene_names() {
+            let text = terrafill_scene::shipped_scene_text(name).expect("it ships");
+            let path = folder.path().join("copy.toml");
+            let copy = text.replacen(&format!("name = \"{name}\""), "name = \"copy\"", 1);
+            assert_ne!(copy, text);
+            std::fs::write(&path, copy).expect("written");
+            for depth in [Depth::Quick, Depth::Main] {
+                let copied = keys(&path.display().to_string(), "copy", depth);
+                assert_eq!(keys(name, name, depth), copied, "{name}");
+            }
+        }
+        // Negative control: another scene has other cases.
+        let of = |name: &str| keys(name, name, Depth::Quick);
+        assert_ne!(of("california"), of("hills"));
+    }
+
+    #[test]
     fn no_comparison_of_any_chapter_is_refused() {
         for study in STUDIES {
             assert_eq!(

@@ -2,6 +2,7 @@
 //! `render`: one picture.
 
 use crate::arguments::RenderArguments;
+use crate::draft;
 use crate::fit;
 use crate::outcome::{Failure, Outcome, print};
 use crate::output::{check_paths, check_pictures, write_all};
@@ -75,10 +76,21 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
 
 /// The scene called `name`, or that of the regions in the file `name`.
 fn scene(name: &str, arguments: &RenderArguments) -> Result<Scene, Failure> {
+    let own = &arguments.own;
     if arguments.fit {
-        return fit::scene_of(Path::new(name), size(arguments));
+        if !own.terrain.is_empty() {
+            let message =
+                "--terrain: found with --fit, allowed: with --view all of a .geojson file";
+            return Err(Failure::bad_input(message));
+        }
+        return fit::scene_of(Path::new(name), own, size(arguments));
     }
     let data = data_dir(arguments.data.as_deref());
+    if draft::is_region_file(name) {
+        let text = draft::scene_text(Path::new(name), own, size(arguments))?;
+        return Scene::from_toml(&text, name, data.as_deref()).map_err(Failure::bad_input);
+    }
+    draft::refuse_for_scenes(own)?;
     Scene::open(name, data.as_deref()).map_err(Failure::bad_input)
 }
 

@@ -752,7 +752,7 @@ fn an_approximate_fill_is_timed_never_right_and_no_failure() {
         assert!(swept || !case.planned.may_be_wrong, "{}", case.id());
         assert_eq!(case.condition("approximate"), "", "{}", case.id());
     }
-    // Twin: unless they are named, they stand on one scene alone.
+    // Negative control: unless they are named, a quick run over the bare body leaves them out.
     let unnamed = Request {
         techniques: Vec::new(),
         ..request

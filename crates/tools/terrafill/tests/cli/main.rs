@@ -14,6 +14,7 @@ mod history;
 mod killed;
 mod locate;
 mod mesh;
+mod own;
 mod readme;
 mod render;
 mod sizes;

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Files of one's own: from GeoJSON and heights to a report in one command.
+
+use crate::harness::{Desk, QUICK, collection, has_device, polygon, rectangle};
+use terrafill_results::Run;
+
+/// Heights that ship: plateaux of 0 and 5,000 m by turns round 0 N 0 E.
+const HEIGHTS: &[u8] = include_bytes!("../../../../../bench-scenes/extreme/cliffs.tif");
+
+fn desk() -> Desk {
+    let desk = Desk::new();
+    let square = |west: f64| polygon(&rectangle(west, 0.01, west + 0.02, 0.03));
+    let squares = [("a", square(0.0)), ("b", square(0.02)), ("c", square(0.05))];
+    desk.write("hoods.geojson", collection(&squares));
+    desk.write("dem/cliffs.tif", HEIGHTS);
+    desk
+}
+
+#[test]
+fn regions_and_heights_become_a_report_with_every_alternative() {
+    if !has_device() {
+        return;
+    }
+    let desk = desk();
+    let options = ["--quick", "--size", "64", "--samples", "1", "--out", "run"];
+    let line = [
+        &["bench", "hoods.geojson", "--terrain", "dem"][..],
+        &options,
+    ]
+    .concat();
+    let ran = desk.run(&line);
+    assert_eq!(ran.code, 0, "{}{}", ran.stdout, ran.stderr);
+    assert!(ran.stdout.starts_with(QUICK), "{}", ran.stdout);
+    let run = Run::load(&desk.path("run")).expect("a run");
+    let of = |key: &str| {
+        let own = run.cases.iter();
+        let mut values: Vec<&str> = own.map(|case| case.condition_named(key)).collect();
+        values.sort_unstable();
+        values.dedup();
+        values
+    };
+    assert_eq!(of("scene"), ["hoods"]);
+    for technique in [
+        "draped-mesh",
+        "flat-mesh",
+        "mask-texture",
+        "vertex",
+        "compute",
+    ] {
+        assert!(of("technique").contains(&technique), "{technique}");
+    }
+    for view in ["all", "filled", "horizon"] {
+        assert!(of("view").contains(&view), "{view}: {:?}", of("view"));
+    }
+    // The scene that was measured is there to be edited, and is that of `scene init`.
+    let kept = desk.read_text("run/scenes/hoods.toml");
+    let made = desk.run(&[
+        "scene",
+        "init",
+        "hoods.geojson",
+        "--terrain",
+        "dem",
+        "--size",
+        "64",
+    ]);
+    assert_eq!(made.succeeded(), kept);
+    let picture = [
+        "render",
+        "run/scenes/hoods.toml",
+        "--view",
+        "horizon",
+        "--out",
+        "a.png",
+    ];
+    let same = [
+        "render",
+        "hoods.geojson",
+        "--terrain",
+        "dem",
+        "--view",
+        "horizon",
+        "--out",
+        "b.png",
+    ];
+    for line in [&picture[..], &same] {
+        let line = [line, &["--size", "64"]].concat();
+        desk.run(&line).succeeded();
+    }
+    assert_eq!(desk.read("a.png"), desk.read("b.png"));
+}
+
+#[test]
+fn what_cannot_become_a_scene_is_refused() {
+    let desk = desk();
+    let refused = |line: &[&str], words: &[&str]| {
+        desk.run(line).refused(&[words]);
+    };
+    refused(
+        &["bench", "california", "--terrain", "dem"],
+        &["--terrain: found with a scene", "(.geojson or .json)"],
+    );
+    refused(
+        &["scene", "init", "hoods.geojson", "--terrain", "nothing.tif"],
+        &["nothing.tif", "no such file"],
+    );
+    desk.write("empty/readme.txt", "");
+    refused(
+        &["scene", "init", "hoods.geojson", "--terrain", "empty"],
+        &["--terrain: empty", "found no file of heights", "tif"],
+    );
+    refused(
+        &[
+            "render",
+            "california",
+            "--view",
+            "globe",
+            "--unwrap",
+            "shortest",
+            "--out",
+            "x.png",
+        ],
+        &["--unwrap: found with a scene"],
+    );
+    refused(
+        &["bench", "none.geojson"],
+        &["none.geojson", "no such file"],
+    );
+}
