@@ -23,21 +23,21 @@ struct Mutation {
 const MUTATIONS: [Mutation; 11] = [
     Mutation {
         name: "horizon-cull-dropped",
-        file: "crates/contract/scene/src/plan.rs",
+        file: "crates/contract/plan/src/plan.rs",
         from: "options.horizon_culling && self.horizon",
         to: "options.horizon_culling && false && self.horizon",
         counter: "regions_left_out",
     },
     Mutation {
         name: "level-of-detail-skipped",
-        file: "crates/contract/scene/src/plan.rs",
+        file: "crates/contract/plan/src/plan.rs",
         from: "levels.pick(&drawn, pixels, look)",
         to: "levels.pick(&drawn, 1e-9 * pixels, look)",
         counter: "cap_triangles",
     },
     Mutation {
         name: "rectangle-too-large",
-        file: "crates/contract/scene/src/plan.rs",
+        file: "crates/contract/plan/src/plan.rs",
         from: "                screen_rect,\n                near_rectangle",
         to: "                screen_rect: PixelRect::full(self.size),\n                near_rectangle",
         // Regions whose rectangles overlap share no pass, and each pass has pipelines of its own.
@@ -45,7 +45,7 @@ const MUTATIONS: [Mutation; 11] = [
     },
     Mutation {
         name: "walls-too-tall",
-        file: "crates/contract/scene/src/plan.rs",
+        file: "crates/contract/plan/src/plan.rs",
         from: "clearance_m: cap_clearance_m(body, camera, size, terrain),",
         to: "clearance_m: 100.0 * cap_clearance_m(body, camera, size, terrain),",
         counter: "wall_height_m",

@@ -10,7 +10,7 @@
 //! stencil holds any number of overlapping volumes side by side, eight at a time.
 
 use crate::Volume;
-use terrafill_scene::PixelRect;
+use terrafill_plan::PixelRect;
 
 /// Numbers an 8-bit stencil can tell apart from "no volume".
 pub const XOR_NUMBERS: usize = 255;
@@ -106,7 +106,7 @@ pub fn overlap_depth(volumes: &[Volume]) -> usize {
 mod tests {
     use super::*;
     use crate::DepthRange;
-    use terrafill_scene::{DrawnAs, NearRectangle};
+    use terrafill_plan::{DrawnAs, NearRectangle};
 
     fn volume(left: u32, right: u32) -> Volume {
         Volume {

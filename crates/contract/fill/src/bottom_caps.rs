@@ -71,7 +71,8 @@ impl BottomCaps {
 mod tests {
     use super::*;
     use crate::{ColourWay, DepthRange, ViewId, Volume};
-    use terrafill_scene::{DrawnAs, ImageSize, NearRectangle, Overlap, PixelRect};
+    use terrafill_plan::{DrawnAs, NearRectangle, PixelRect};
+    use terrafill_scene::{ImageSize, Overlap};
 
     /// Three volumes, of meshes 10, 11 and 12; the near plane meets the second.
     fn list() -> VolumeList {

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use terrafill_core::ConeEdge;
 use terrafill_core::VolumeHeights;
-use terrafill_scene::PlannedRegion;
+use terrafill_plan::PlannedRegion;
 
 /// Twin of `ViewConstants` in `shared/view.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]

@@ -6,7 +6,8 @@
 
 use crate::{FillPass, FillProgram, FillStep, VolumeList};
 use bytemuck::{Pod, Zeroable};
-use terrafill_scene::{ImageSize, PixelRect};
+use terrafill_plan::PixelRect;
+use terrafill_scene::ImageSize;
 
 /// One cover, as the vertex stage reads it: attributes 0 and 1 of `rectangle_main` in `vertex/cover.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

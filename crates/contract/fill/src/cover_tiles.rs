@@ -9,7 +9,8 @@ use crate::{FillInput, count_u32};
 use glam::{DMat3, DVec2, DVec3};
 use std::ops::Range;
 use terrafill_core::{Ellipsoid, VolumeHeights};
-use terrafill_scene::{Camera, ImageSize, NearRectangle, PixelRect, PlannedRegion};
+use terrafill_plan::{NearRectangle, PixelRect, PlannedRegion};
+use terrafill_scene::{Camera, ImageSize};
 
 /// Side of a tile, pixels.
 const TILE_PX: u32 = 16;

@@ -5,7 +5,7 @@ use crate::FillInput;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use terrafill_core::RegionMesh;
-use terrafill_scene::SeenParts;
+use terrafill_plan::SeenParts;
 
 /// What is drawn of each mesh of which not all is, by its number.
 pub type DrawnOfMeshes = BTreeMap<usize, DrawnParts>;
@@ -51,7 +51,7 @@ impl WallIndices {
 /// What is drawn of a mesh.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct DrawnParts {
-    /// Of the indices of a cap whose triangles lie part by part ([`terrafill_scene::PartOrder`]).
+    /// Of the indices of a cap whose triangles lie part by part ([`terrafill_plan::PartOrder`]).
     pub caps: Vec<Range<u32>>,
     /// Of the indices of the walls.
     pub walls: Vec<Range<u32>>,

@@ -11,7 +11,7 @@
 use crate::{FillInput, PlannedTexture};
 use glam::DVec3;
 use terrafill_core::{Ellipsoid, Geodetic};
-use terrafill_scene::{PixelRect, PlannedRegion};
+use terrafill_plan::{PixelRect, PlannedRegion};
 
 /// What the bound must be below for level 0: 1, less what rounding in `f32` may add.
 const MAGNIFIED_BELOW: f64 = 0.99;

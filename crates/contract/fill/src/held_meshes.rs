@@ -3,7 +3,7 @@
 
 use crate::{Switches, VolumeList};
 use std::collections::{BTreeMap, BTreeSet};
-use terrafill_scene::LevelTable;
+use terrafill_plan::LevelTable;
 
 /// Meshes on the device, by their place in the scene's set.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -59,7 +59,7 @@ impl HeldMeshes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_scene::Level;
+    use terrafill_plan::Level;
 
     fn drawn(meshes: &[usize]) -> HeldMeshes {
         HeldMeshes::Drawn(meshes.iter().copied().collect())

@@ -6,7 +6,7 @@ use std::ops::Deref;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use terrafill_core::RegionMesh;
-use terrafill_scene::LazyMesh;
+use terrafill_plan::LazyMesh;
 
 /// Last number given.
 static GIVEN: AtomicU64 = AtomicU64::new(0);

@@ -5,11 +5,11 @@ use crate::{DeviceError, MAX_REGIONS, NoSuchRegion, RegionSet, SceneBounds, View
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
 use terrafill_core::{EdgeRule, Ellipsoid, Extent, MovingFootprint, Region, RegionMesh};
-use terrafill_scene::{
-    Camera, FramePlan, HeightRange, ImageSize, LevelTable, LeveledMeshes, MeshParts, MipChain,
-    Overlap, PartCulling, PlanOptions, RegionBounds, Scene, SceneTexture, View,
+use terrafill_plan::{
+    FramePlan, LevelTable, LeveledMeshes, MeshParts, PartCulling, PlanOptions, RegionBounds,
 };
-use terrafill_surface::{Surface, SurfaceError, SurfaceFrame};
+use terrafill_scene::{Camera, ImageSize, MipChain, Overlap, Scene, SceneTexture, View};
+use terrafill_surface::{HeightRange, Surface, SurfaceError, SurfaceFrame};
 
 /// A scene made ready to draw: regions meshed, surface opened. One per scene and mesh options; shared
 /// by all its views.

@@ -14,7 +14,8 @@
 use crate::{
     BottomCap, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass, Switches, Variant,
 };
-use terrafill_scene::{Overlap, PartCulling, PlanOptions, WallHeights};
+use terrafill_plan::{PartCulling, PlanOptions, WallHeights};
+use terrafill_scene::Overlap;
 
 /// Deviation that boundaries may be drawn with where levels of detail are on: half a pixel stays
 /// within the band in which rounding decides as well.

@@ -8,7 +8,8 @@ use crate::{
     BottomCap, ColourWay, DepthRuleChoice, FacePasses, LOD_PX, StencilClear, Switches, Technique,
     Variant,
 };
-use terrafill_scene::{Overlap, PartCulling};
+use terrafill_plan::PartCulling;
+use terrafill_scene::Overlap;
 
 /// `base` and, one at a time, every switch away from its default; with it, where a switch has no
 /// effect or is not allowed alone, the one that it needs.

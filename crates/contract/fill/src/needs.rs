@@ -10,7 +10,8 @@ use crate::{
     BottomCaps, DepthRule, DepthRuleChoice, FillInput, MemoryUse, NUMBER_BYTES, Switches,
     VolumeState, WorkDone,
 };
-use terrafill_scene::{LeftOutReason, Overlap, TextureShare};
+use terrafill_plan::LeftOutReason;
+use terrafill_scene::{Overlap, TextureShare};
 
 /// Bytes of a pixel of depth and stencil: 32 bits and 8.
 pub const DEPTH_STENCIL_BYTES: u64 = 5;

@@ -4,7 +4,8 @@
 //! Every rung shows the same picture. What comes last decides by itself what each view needs.
 
 use crate::{BottomCap, ColourWay, CoverArea, DepthRuleChoice, Rung, Switches, Technique, Variant};
-use terrafill_scene::{Overlap, PlanOptions};
+use terrafill_plan::PlanOptions;
+use terrafill_scene::Overlap;
 
 /// The rungs that `technique` can draw on scenes of this kind; none for a technique without these switches.
 ///

@@ -10,7 +10,8 @@ use crate::{
     BottomCap, ColourWay, CoverArea, DepthRuleChoice, DeviceError, FacePasses, FirstPass,
     StencilClear, SwitchError, Switches, Volume,
 };
-use terrafill_scene::{DrawnAs, NearRectangle, Overlap};
+use terrafill_plan::{DrawnAs, NearRectangle};
+use terrafill_scene::Overlap;
 
 /// Which fragments of a volume touch the stencil.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -690,7 +691,7 @@ const ON_GROUND: StencilTest = StencilTest {
 mod tests {
     use super::*;
     use crate::DepthRange;
-    use terrafill_scene::PixelRect;
+    use terrafill_plan::PixelRect;
 
     fn volume(index: usize, left: u32, cut: bool) -> Volume {
         Volume {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::ops::Index;
 use std::sync::{Arc, OnceLock};
 use terrafill_core::Ellipsoid;
-use terrafill_scene::{LazyMesh, MeshBounds, RegionBounds};
+use terrafill_plan::{LazyMesh, MeshBounds, RegionBounds};
 use terrafill_surface::{Surface, SurfaceFrame};
 
 /// Bounds of each mesh over the heights of its own extent. Clones are the same bounds.

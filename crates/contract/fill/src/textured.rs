@@ -16,7 +16,8 @@ use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 use terrafill_core::{Ellipsoid, OrientedBox};
-use terrafill_scene::{PlannedRegion, SceneTexture};
+use terrafill_plan::PlannedRegion;
+use terrafill_scene::SceneTexture;
 use terrafill_texture::{
     Chart, Chooser, CoordinateRoute, Demand, DepthFormat, MapExtent, MapRegion, PositionRoute,
     Reason, View,

@@ -3,7 +3,8 @@
 
 use crate::{DeviceError, FillInput, StencilExecutor, Switches, TexturedPlan, ViewId};
 use std::sync::Arc;
-use terrafill_scene::{PlannedRegion, SceneTexture, TextureShare};
+use terrafill_plan::PlannedRegion;
+use terrafill_scene::{SceneTexture, TextureShare};
 
 /// Plans textured covers for one executor.
 #[derive(Debug, Default)]

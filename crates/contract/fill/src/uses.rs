@@ -6,7 +6,7 @@ use crate::{
     CoverShape, DepthRule, FaceEffect, FillCommand, FillInput, FillProgram, Switches, VolumeList,
 };
 use std::collections::BTreeSet;
-use terrafill_scene::NearRectangle;
+use terrafill_plan::NearRectangle;
 
 /// Counts over a program.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -4,7 +4,8 @@
 use crate::switch::{self, Switch, Values, one_of};
 use crate::{DepthRuleChoice, SwitchError, Switches, pick};
 use std::collections::BTreeMap;
-use terrafill_scene::{Overlap, PartCulling, PlanOptions, WallHeights};
+use terrafill_plan::{PartCulling, PlanOptions, WallHeights};
+use terrafill_scene::Overlap;
 
 /// A parameter that a technique has beside the switches of every fill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -8,7 +8,8 @@
 use crate::cover_tiles::cover_tiles;
 use crate::{CoverArea, DepthRange, FillInput, Switches, ViewId};
 use std::collections::BTreeMap;
-use terrafill_scene::{DrawnAs, ImageSize, NearRectangle, PixelRect, PlannedRegion};
+use terrafill_plan::{DrawnAs, NearRectangle, PixelRect, PlannedRegion};
+use terrafill_scene::ImageSize;
 
 /// A closed solid. A stencil program marks the part of the surface that lies inside it.
 ///

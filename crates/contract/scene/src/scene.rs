@@ -73,9 +73,8 @@ pub struct SurfaceFile {
 /// Which levels a scene has.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum LevelChoice {
-    /// Deviations from the boundary tolerance of the meshes on, [`crate::LEVEL_GROWTH`] times as large each
-    /// time, without those that have more than [`crate::LEVEL_VERTEX_SHARE`] of the vertices of the one
-    /// before; none for scenes of fewer than [`crate::FEWEST_VERTICES_FOR_LEVELS`] vertices.
+    /// Deviations from the boundary tolerance of the meshes on, each a fixed factor larger than the one
+    /// before, without those that leave out few vertices; none for scenes of few vertices.
     #[default]
     Automatic,
     /// These deviations, metres, growing; none for level 0 alone.

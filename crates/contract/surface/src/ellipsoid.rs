@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The bare ellipsoid: the same triangles in every view.
 
-use crate::{Parameters, Surface, SurfaceError, SurfaceFrame, SurfaceKind, SurfaceMesh};
+use crate::{
+    HeightRange, Parameters, Surface, SurfaceError, SurfaceFrame, SurfaceKind, SurfaceMesh,
+};
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Extent};
-use terrafill_scene::{Camera, HeightRange, ImageSize};
+use terrafill_scene::{Camera, ImageSize};
 
 /// Name in scene files.
 const KIND: &str = "ellipsoid";

@@ -12,6 +12,7 @@
 mod blocks;
 mod elevation;
 mod ellipsoid;
+mod height_range;
 mod kind;
 mod mesh;
 mod refining;
@@ -20,6 +21,7 @@ mod surface;
 pub use blocks::SurfaceBlocks;
 pub use elevation::read_elevation;
 pub use ellipsoid::EllipsoidKind;
+pub use height_range::HeightRange;
 pub use kind::{Parameters, SurfaceKind, open_surface};
 pub use mesh::SurfaceMesh;
 pub use refining::{AsItIs, InBackground};

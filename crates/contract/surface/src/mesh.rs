@@ -3,12 +3,12 @@
 //!
 //! ECEF metres, `f64`.
 
-use crate::{SurfaceBlocks, SurfaceError, SurfaceFrame};
+use crate::{HeightRange, SurfaceBlocks, SurfaceError, SurfaceFrame};
 use glam::DVec3;
 use std::f64::consts::PI;
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Geodetic};
-use terrafill_scene::{Camera, HeightRange, ImageSize};
+use terrafill_scene::{Camera, ImageSize};
 
 /// Triangles of a planet's surface.
 #[derive(Debug, Clone)]

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Frames of a surface whose pieces are still being made, and a thread that makes them.
 
+use crate::HeightRange;
 use crate::surface::{Refinement, Refining, Surface, SurfaceError, SurfaceFrame};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use terrafill_core::Extent;
-use terrafill_scene::{Camera, HeightRange, ImageSize};
+use terrafill_scene::{Camera, ImageSize};
 
 /// Rest of a thread that has no piece to make: far shorter than a frame.
 const REST: Duration = Duration::from_micros(200);

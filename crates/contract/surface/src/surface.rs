@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a surface promises, what it draws in a view, and what may fail.
 
+use crate::HeightRange;
 use glam::DVec3;
 use std::fmt::Debug;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_core::Extent;
-use terrafill_scene::{Camera, HeightRange, ImageSize, MipChain};
+use terrafill_scene::{Camera, ImageSize, MipChain};
 
 /// A planet's surface. One that is the same in every view is closed around the body.
 ///

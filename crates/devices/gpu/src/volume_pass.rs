@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 use terrafill_fill::{Counters, VolumeList};
-use terrafill_scene::PixelRect;
+use terrafill_plan::PixelRect;
 
 /// A pass and what was drawn in it.
 #[derive(Debug)]

@@ -13,9 +13,10 @@ use terrafill_fill::{
 use terrafill_gpu::{
     BoundCover, Gpu, GpuOptions, Probe, RenderTargets, TexturedFill, open_for_test,
 };
+use terrafill_plan::{NearRectangle, PixelRect, PlanOptions, PlannedRegion};
 use terrafill_scene::{
-    CameraPose, ImageSize, MipChain, NearRectangle, Outside, Overlap, PixelRect, PlanOptions,
-    PlannedRegion, SceneTexture, TextureAnchor, TexturePlacement, TextureShare, View,
+    CameraPose, ImageSize, MipChain, Outside, Overlap, SceneTexture, TextureAnchor,
+    TexturePlacement, TextureShare, View,
 };
 use terrafill_surface::EllipsoidKind;
 use terrafill_texture::PositionRoute;
@@ -135,7 +136,7 @@ fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FillInput {
     };
     let mut input = FillInput::new(&scene, &view, SIZE, PlanOptions::default()).expect("above");
     input.plan.regions.push(PlannedRegion {
-        drawn_as: terrafill_scene::DrawnAs::Volume,
+        drawn_as: terrafill_plan::DrawnAs::Volume,
         region: 0,
         mesh: 0,
         heights: terrafill_core::VolumeHeights {

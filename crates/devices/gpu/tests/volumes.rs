@@ -13,7 +13,7 @@ use terrafill_fixtures::globe::SIZE;
 use terrafill_gpu::{
     Gpu, HandedOn, RenderTargets, VolumeFill, VolumePass, VolumeShader, Volumes, open_for_test,
 };
-use terrafill_scene::PixelRect;
+use terrafill_plan::PixelRect;
 
 /// A box, closed or not.
 struct Boxes {

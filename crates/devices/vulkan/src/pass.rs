@@ -16,7 +16,7 @@ use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_fill::{CoverInstance, DeviceError};
-use terrafill_scene::PixelRect;
+use terrafill_plan::PixelRect;
 
 /// Width of an index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -9,7 +9,8 @@ use terrafill_fill::{
     VolumeConstants,
 };
 use terrafill_fixtures::globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
-use terrafill_scene::{ImageSize, MipChain, PixelRect};
+use terrafill_plan::PixelRect;
+use terrafill_scene::{ImageSize, MipChain};
 use terrafill_vulkan::{
     BindGroup, Buffer, BufferUse, CoverState, DepthBindings, DrawState, Fragments, Geometry, Gpu,
     GpuOptions, ImageBindings, IndexWidth, Measured, POSITIVE_CONTROL, Pipeline,

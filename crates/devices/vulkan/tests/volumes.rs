@@ -11,7 +11,7 @@ use terrafill_fill::{
 };
 use terrafill_fixtures::BoxOverGround;
 use terrafill_fixtures::globe::SIZE;
-use terrafill_scene::PixelRect;
+use terrafill_plan::PixelRect;
 use terrafill_vulkan::{
     Buffer, BufferUse, Fragments, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor,
     RenderTargets, Topology, VertexFormat, VertexStage, VolumeFill, VolumePass, Volumes,

@@ -23,10 +23,9 @@ use terrafill_fill::{
 use terrafill_grid::GridKind;
 use terrafill_instanced::InstancedTechnique;
 use terrafill_native::NativeTechnique;
+use terrafill_plan::{LazyMesh, LeveledMeshes};
 use terrafill_results::median;
-use terrafill_scene::{
-    CameraPose, ImageSize, LazyMesh, LeveledMeshes, Scene, View, data_dir_from_env,
-};
+use terrafill_scene::{CameraPose, ImageSize, Scene, View, data_dir_from_env};
 use terrafill_spiral::SpiralKind;
 use terrafill_surface::{EllipsoidKind, SurfaceKind, open_surface};
 use terrafill_tiles::TilesKind;

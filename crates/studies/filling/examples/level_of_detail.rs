@@ -11,9 +11,10 @@ use std::sync::Arc;
 use terrafill_conformance::compare;
 use terrafill_fill::{FillBackend as _, FillInput, PreparedScene};
 use terrafill_gpu::{Baseline, BaselineKind, Gpu, GpuOptions, RenderTargets};
+use terrafill_plan::{LazyMesh, LeveledMeshes, PlanOptions};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::median;
-use terrafill_scene::{ImageSize, LazyMesh, LeveledMeshes, PlanOptions, Scene, data_dir_from_env};
+use terrafill_scene::{ImageSize, Scene, data_dir_from_env};
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::{VertexBackend, VertexVariant, layout_bytes};
 

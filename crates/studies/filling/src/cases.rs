@@ -11,8 +11,9 @@ use std::sync::Arc;
 use terrafill_core::MeshOptions;
 use terrafill_fill::{Role, Technique, Variant, matrix_row, needs_ladder};
 use terrafill_gpu::BaselineKind;
+use terrafill_plan::{LazyMesh, PlanOptions, WallHeights};
 use terrafill_results::{CaseId, ConditionKey, PlannedCase};
-use terrafill_scene::{LazyMesh, PlanOptions, Scene, View, WallHeights};
+use terrafill_scene::{Scene, View};
 use terrafill_study::StudyError;
 
 /// What a case is measured for; it may be several things at once.

@@ -165,7 +165,8 @@ mod tests {
     use std::sync::Arc;
     use terrafill_core::{RegionMesh, VolumeHeights};
     use terrafill_fill::{FillInput, PreparedScene, Variant};
-    use terrafill_scene::{Overlap, PlanOptions, Scene};
+    use terrafill_plan::PlanOptions;
+    use terrafill_scene::{Overlap, Scene};
 
     const THIS: Driver<'_> = Driver {
         name: "llvmpipe (LLVM 15.0.6, 256 bits)",

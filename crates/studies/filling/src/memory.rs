@@ -6,7 +6,7 @@
 
 use crate::subject::Subject;
 use terrafill_fill::{GeometryBytes, MemoryUse};
-use terrafill_scene::LazyMesh;
+use terrafill_plan::LazyMesh;
 
 /// Numbers of regions for which the formula is worked out.
 pub(crate) const REGION_COUNTS: [usize; 12] =

@@ -7,8 +7,8 @@ use terrafill_conformance::{ErrorFigures, TextureErrors};
 use terrafill_core::{MeshOptions, VolumeHeights};
 use terrafill_fill::{Counters, DeviceError, FillInput, Frame, MemoryUse, Needs};
 use terrafill_results::{Status, Verdict};
-use terrafill_scene::HeightRange;
 use terrafill_study::Failure;
+use terrafill_surface::HeightRange;
 
 /// Notes of every case; empty for what it has not.
 const NOTES: [&str; 11] = [

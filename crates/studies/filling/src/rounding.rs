@@ -114,7 +114,8 @@ mod tests {
     use super::*;
     use terrafill_core::RegionMesh;
     use terrafill_fill::{PreparedScene, two_float, two_float_difference_m};
-    use terrafill_scene::{ImageSize, PlanOptions};
+    use terrafill_plan::PlanOptions;
+    use terrafill_scene::ImageSize;
     use terrafill_surface::EllipsoidKind;
 
     const SIZE: ImageSize = ImageSize {

@@ -5,8 +5,8 @@ use crate::keys::{LAYOUT, POSITIONS};
 use terrafill_core::RegionMesh;
 use terrafill_fill::{Api, FillInput, GeometryBytes, PositionFormat, Switches, Technique, Variant};
 use terrafill_gpu::BaselineKind;
+use terrafill_plan::{LazyMesh, PlanOptions};
 use terrafill_results::ConditionKey;
-use terrafill_scene::{LazyMesh, PlanOptions};
 use terrafill_surface::SurfaceKind;
 
 /// Techniques of a study, in the order in which they are measured. The first is the one whose

@@ -19,9 +19,10 @@ use terrafill_fill::{
     CpuStopwatch, FillBackend, FillInput, Frame, Picture, PreparedScene, Role, Targets, Technique,
     Variant,
 };
+use terrafill_plan::PlanOptions;
 use terrafill_reference::{CloseLook, ReferenceBackend};
 use terrafill_results::{Skipped, Status, Verdict, median};
-use terrafill_scene::{ImageSize, PlanOptions, Scene, View};
+use terrafill_scene::{ImageSize, Scene, View};
 use terrafill_study::{
     CaseGroup, CaseSession, Context, Depth, Failure, Figures, Measures, Planned, Request, Study,
     StudyError, file_stem, judged, planned_case, write_rgb,

@@ -256,7 +256,7 @@ pub(crate) fn no_triangles() -> terrafill_surface::SurfaceFrame {
     terrafill_surface::SurfaceFrame {
         vertices_rte: Arc::default(),
         triangles: Arc::default(),
-        heights: terrafill_scene::HeightRange {
+        heights: terrafill_surface::HeightRange {
             lowest_m: 0.0,
             highest_m: 0.0,
         },

@@ -82,7 +82,7 @@ fn mesh_ready(text: &[u8]) -> Result<(u64, f64), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_scene::ShapeFamily;
+    use terrafill_core::ShapeFamily;
 
     #[test]
     fn a_program_that_says_nothing_or_fails_is_no_measurement() {

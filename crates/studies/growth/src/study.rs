@@ -5,8 +5,8 @@ use crate::measure::{GrowthProgram, measure_here};
 use crate::metrics::{METRICS, OUTLINE_VERTICES, SHAPE, TIME, VERTICES};
 use crate::{STUDY, chapter::CHAPTER};
 use tempfile::NamedTempFile;
+use terrafill_core::ShapeFamily;
 use terrafill_results::{ConditionKey, Verdict};
-use terrafill_scene::ShapeFamily;
 use terrafill_study::{
     CaseGroup, Context, Depth, Failure, Figures, Planned, Request, Study, StudyError, Trial,
     judged, trials,

@@ -16,7 +16,8 @@ use glam::DVec4;
 use std::ops::Range;
 use terrafill_casters::Volume;
 use terrafill_fill::{DepthRange, DepthRule, DeviceError, FillCommand, FillProgram, Switches};
-use terrafill_scene::{DrawnAs, NearRectangle, Overlap, PixelRect};
+use terrafill_plan::{DrawnAs, NearRectangle, PixelRect};
+use terrafill_scene::Overlap;
 use terrafill_study::Failure;
 
 /// Volumes that 8 bits count over one pixel.

@@ -6,8 +6,7 @@ use crate::view::View;
 use crate::way::{Positions, count};
 use glam::DVec3;
 use terrafill_casters::Mesh;
-use terrafill_scene::HeightRange;
-use terrafill_surface::SurfaceFrame;
+use terrafill_surface::{HeightRange, SurfaceFrame};
 
 /// Between meridians of the sea's patch, degrees.
 const SECTOR_DEG: f64 = 1.0;

@@ -7,7 +7,8 @@
 //! faces cancel there.
 
 use terrafill_fill::{DepthRange, Volume};
-use terrafill_scene::{ImageSize, PixelRect};
+use terrafill_plan::PixelRect;
+use terrafill_scene::ImageSize;
 
 /// Pixels along a tile, as where a GPU keeps a least and a greatest depth.
 const TILE: u32 = 16;

@@ -5,9 +5,10 @@
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Extent};
 use terrafill_elevation::Elevation;
-use terrafill_scene::{Camera, HeightRange, ImageSize};
+use terrafill_scene::{Camera, ImageSize};
 use terrafill_surface::{
-    Parameters, Surface, SurfaceError, SurfaceFrame, SurfaceKind, SurfaceMesh, read_elevation,
+    HeightRange, Parameters, Surface, SurfaceError, SurfaceFrame, SurfaceKind, SurfaceMesh,
+    read_elevation,
 };
 
 /// Name in scene files.

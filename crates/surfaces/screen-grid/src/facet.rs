@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use terrafill_core::{Ellipsoid, Extent, wrapped_deg};
-use terrafill_scene::HeightRange;
+use terrafill_surface::HeightRange;
 
 /// Added to extents, degrees: longitudes and latitudes are rounded to some 1e-14 of them.
 const ROUNDING_DEG: f64 = 1e-9;

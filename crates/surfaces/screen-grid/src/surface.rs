@@ -8,9 +8,9 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Extent};
-use terrafill_scene::{Camera, HeightRange, ImageSize};
+use terrafill_scene::{Camera, ImageSize};
 use terrafill_surface::{
-    Parameters, Surface, SurfaceError, SurfaceFrame, SurfaceKind, SurfacePart,
+    HeightRange, Parameters, Surface, SurfaceError, SurfaceFrame, SurfaceKind, SurfacePart,
 };
 
 /// Name in scene files.

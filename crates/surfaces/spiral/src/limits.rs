@@ -8,7 +8,8 @@ use crate::layout::Steps;
 use glam::{DMat3, DVec3};
 use std::f64::consts::FRAC_PI_2;
 use terrafill_core::Ellipsoid;
-use terrafill_scene::{Camera, HeightRange, ImageSize};
+use terrafill_scene::{Camera, ImageSize};
+use terrafill_surface::HeightRange;
 
 /// Largest inner radius: from far away a fan of some pixels would be as wide as the globe, and the worst
 /// piece of the mesh.

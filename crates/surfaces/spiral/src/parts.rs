@@ -4,8 +4,7 @@
 
 use glam::DVec3;
 use terrafill_core::{Ellipsoid, Extent, wrapped_deg};
-use terrafill_scene::HeightRange;
-use terrafill_surface::{SurfaceMesh, SurfacePart};
+use terrafill_surface::{HeightRange, SurfaceMesh, SurfacePart};
 
 /// Parts of a turn. With fewer a part is long and its extent holds much that is not in it.
 const PARTS_PER_TURN: usize = 12;

@@ -11,10 +11,10 @@ use std::f64::consts::{FRAC_PI_2, LN_2, TAU};
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Extent};
 use terrafill_elevation::{Base, Elevation};
-use terrafill_scene::{Camera, HeightRange, ImageSize};
+use terrafill_scene::{Camera, ImageSize};
 use terrafill_surface::{
-    Parameters, Surface, SurfaceBlocks, SurfaceError, SurfaceFrame, SurfaceKind, SurfaceMesh,
-    read_elevation,
+    HeightRange, Parameters, Surface, SurfaceBlocks, SurfaceError, SurfaceFrame, SurfaceKind,
+    SurfaceMesh, read_elevation,
 };
 
 /// Name in scene files.

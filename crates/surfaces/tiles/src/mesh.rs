@@ -14,8 +14,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Extent, Geodetic};
 use terrafill_elevation::Elevation;
-use terrafill_scene::HeightRange;
-use terrafill_surface::{SurfaceBlocks, SurfaceMesh, SurfacePart};
+use terrafill_surface::{HeightRange, SurfaceBlocks, SurfaceMesh, SurfacePart};
 
 /// Vertices of a tile's side.
 const SIDE: u32 = CELLS + 1;

@@ -11,10 +11,10 @@ use crate::tree::Tree;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use terrafill_core::{Ellipsoid, Extent, wrapped_deg};
 use terrafill_elevation::Elevation;
-use terrafill_scene::{Camera, HeightRange, ImageSize};
+use terrafill_scene::{Camera, ImageSize};
 use terrafill_surface::{
-    Parameters, PieceMemory, Refinement, Refining, Surface, SurfaceError, SurfaceFrame,
-    SurfaceKind, read_elevation,
+    HeightRange, Parameters, PieceMemory, Refinement, Refining, Surface, SurfaceError,
+    SurfaceFrame, SurfaceKind, read_elevation,
 };
 
 /// Name in scene files.

@@ -7,7 +7,7 @@
 use std::borrow::Borrow;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{FixedPoint, LaidOut, RegionSet, VolumePlace};
-use terrafill_scene::PartOrder;
+use terrafill_plan::PartOrder;
 
 /// Bytes of one or more regions, what is stored and what is made from it apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

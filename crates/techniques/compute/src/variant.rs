@@ -2,7 +2,7 @@
 //! The switches of this backend.
 
 use terrafill_fill::{SwitchError, Switches, Variant};
-use terrafill_scene::PartCulling;
+use terrafill_plan::PartCulling;
 
 /// When volumes are made from meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]

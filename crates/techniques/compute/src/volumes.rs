@@ -11,7 +11,7 @@ use terrafill_fill::{
     MemoryUse, RegionVolumes, Switches, VolumeBackend, VolumeConstants, VolumePlace, WallIndices,
 };
 use terrafill_gpu::{Gpu, VolumeFill, read_buffer};
-use terrafill_scene::PlannedRegion;
+use terrafill_plan::PlannedRegion;
 
 /// Shadow volumes made by a compute pass.
 pub type ComputeBackend = VolumeBackend<ComputeVolumes>;
@@ -603,7 +603,8 @@ mod tests {
     use terrafill_core::RegionMesh;
     use terrafill_fill::{FillBackend as _, PreparedScene, RegionSet};
     use terrafill_gpu::{GpuOptions, RenderTargets, open_for_test};
-    use terrafill_scene::{ImageSize, PlanOptions, Scene};
+    use terrafill_plan::PlanOptions;
+    use terrafill_scene::{ImageSize, Scene};
     use terrafill_surface::{EllipsoidKind, open_surface};
 
     #[test]

@@ -16,8 +16,9 @@ use terrafill_fill::{
 };
 use terrafill_gpu::{Gpu, RenderTargets, open_for_test};
 use terrafill_grid::GridKind;
+use terrafill_plan::{NearRectangle, PlanOptions};
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{CameraPose, ImageSize, NearRectangle, PlanOptions, Scene, View};
+use terrafill_scene::{CameraPose, ImageSize, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};
 
 const SIZE: ImageSize = ImageSize {

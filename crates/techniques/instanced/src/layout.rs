@@ -9,7 +9,7 @@ use terrafill_core::RegionMesh;
 use terrafill_fill::{
     FixedPoint, GeometryBytes, IndexLists, LaidOut, RegionSet, VolumePlace, boundary_edges,
 };
-use terrafill_scene::PartOrder;
+use terrafill_plan::PartOrder;
 
 /// A position in its region's units.
 pub(crate) type Position = [i32; 3];

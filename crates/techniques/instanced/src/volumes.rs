@@ -10,7 +10,7 @@ use terrafill_fill::{
     RegionVolumes, Switches, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
 };
 use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
-use terrafill_scene::{PartCulling, SeenParts};
+use terrafill_plan::{PartCulling, SeenParts};
 
 /// Shadow volumes whose walls are instances.
 pub type InstancedBackend = VolumeBackend<InstancedVolumes>;

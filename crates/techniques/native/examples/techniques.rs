@@ -11,7 +11,8 @@ use terrafill_fill::{FillBackend as _, FillInput, PreparedScene, Switches};
 use terrafill_native::{
     Extrusion, Indices, NativeBackend, NativeVariant, StripCounts, native_bytes, strip_counts,
 };
-use terrafill_scene::{ImageSize, LazyMesh, PlanOptions, Scene, data_dir_from_env};
+use terrafill_plan::{LazyMesh, PlanOptions};
+use terrafill_scene::{ImageSize, Scene, data_dir_from_env};
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vulkan::{Gpu, GpuOptions, RenderTargets};
 

@@ -12,7 +12,7 @@ use terrafill_core::RegionMesh;
 use terrafill_fill::{
     FixedPoint, GeometryBytes, IndexLists, LaidOut, RegionSet, VolumePlace, boundary_edges,
 };
-use terrafill_scene::PartOrder;
+use terrafill_plan::PartOrder;
 
 /// Whether a region's indices fit 16 bits. Strips end with 0xffff, so that it is no vertex.
 fn has_short_indices(technique: Extrusion, indices: Indices, vertices: usize) -> bool {

@@ -165,7 +165,8 @@ fn commands_of(
 mod tests {
     use super::*;
     use terrafill_fill::{DepthRange, Switches, Volume};
-    use terrafill_scene::{DrawnAs, NearRectangle, Overlap, PixelRect};
+    use terrafill_plan::{DrawnAs, NearRectangle, PixelRect};
+    use terrafill_scene::Overlap;
 
     #[test]
     fn every_volume_of_a_step_has_its_command_and_no_other_has_one() {

@@ -448,7 +448,8 @@ mod tests {
     use crate::{Indices, strip_counts};
     use terrafill_core::RegionMesh;
     use terrafill_fill::{ColourWay, FillBackend as _, PreparedScene};
-    use terrafill_scene::{ImageSize, PlanOptions, Scene};
+    use terrafill_plan::PlanOptions;
+    use terrafill_scene::{ImageSize, Scene};
     use terrafill_surface::{EllipsoidKind, open_surface};
     use terrafill_vulkan::Measured;
 

@@ -3,7 +3,8 @@
 
 use crate::{Extrusion, Indices};
 use terrafill_fill::{SwitchError, Switches, Variant, WallIndices};
-use terrafill_scene::{Overlap, PartCulling};
+use terrafill_plan::PartCulling;
+use terrafill_scene::Overlap;
 
 /// A variant: how volumes come about, and the switches of the fill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

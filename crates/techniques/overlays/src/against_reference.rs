@@ -13,8 +13,9 @@ use terrafill_fill::{
     Devices, FillBackend, FillInput, Frame, PreparedScene, RegionSet, Targets, Technique as _,
 };
 use terrafill_grid::GridKind;
+use terrafill_plan::PlanOptions;
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{CameraPose, ImageSize, PlanOptions, Scene};
+use terrafill_scene::{CameraPose, ImageSize, Scene};
 use terrafill_surface::{EllipsoidKind, open_surface};
 
 const SIZE: ImageSize = ImageSize {

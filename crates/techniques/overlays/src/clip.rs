@@ -12,7 +12,7 @@ use crate::near::{Bounds, Boxes, bounds_of};
 use glam::DVec3;
 use terrafill_core::{Ellipsoid, RegionMesh};
 use terrafill_fill::FillInput;
-use terrafill_scene::PlannedRegion;
+use terrafill_plan::PlannedRegion;
 
 /// Corners of all pieces, and triangles of them.
 #[derive(Debug, Default)]

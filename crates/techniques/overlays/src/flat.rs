@@ -14,7 +14,7 @@ use terrafill_fill::{
     PositionFormat, SwitchError, Variant, VolumeConstants, VolumePlace,
 };
 use terrafill_gpu::{Gpu, RenderTargets};
-use terrafill_scene::PlannedRegion;
+use terrafill_plan::PlannedRegion;
 
 /// Largest number of vertices that 16 bits tell apart.
 const MAX_SHORT_VERTICES: usize = 0x1_0000;

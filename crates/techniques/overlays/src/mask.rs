@@ -21,7 +21,7 @@ use terrafill_fill::{
     Colours, Counters, DeviceError, FillInput, MemoryUse, SwitchError, Variant, count_u32,
 };
 use terrafill_gpu::{Gpu, RenderTargets};
-use terrafill_scene::LazyMesh;
+use terrafill_plan::LazyMesh;
 
 /// Key of the texture's longer side, texels.
 pub(crate) const SIZE: &str = "size";

@@ -14,7 +14,7 @@ use terrafill_fill::{
     FixedPoint, GeometryBytes, IndexLists, LaidOut, PositionFormat, RegionSet, VolumePlace,
     boundary_edges, two_float,
 };
-use terrafill_scene::PartOrder;
+use terrafill_plan::PartOrder;
 
 /// Largest number of distinct indices in 16 bits: 0xffff restarts strips and separates loops.
 const MAX_SHORT_INDICES: usize = 0xffff;

@@ -348,7 +348,8 @@ mod tests {
     use std::collections::BTreeSet;
     use terrafill_fill::{DepthRange, Switches, ViewId, Volume};
     use terrafill_fixtures::by_hand::{circle_deg, mesh};
-    use terrafill_scene::{DrawnAs, ImageSize, NearRectangle, Overlap, PixelRect};
+    use terrafill_plan::{DrawnAs, NearRectangle, PixelRect};
+    use terrafill_scene::{ImageSize, Overlap};
 
     /// Rings of 3, 5 and 40,000 vertices: the last one has indices of 32 bits.
     fn geometry() -> SceneGeometry {

@@ -4,7 +4,7 @@
 use crate::{IndexOrder, Layout, VertexVariant, cache_ordered};
 use terrafill_core::RegionMesh;
 use terrafill_fill::WallIndices;
-use terrafill_scene::PartOrder;
+use terrafill_plan::PartOrder;
 
 impl VertexVariant {
     /// How many indices walls take.
@@ -69,7 +69,7 @@ mod tests {
     use std::collections::BTreeSet;
     use terrafill_fill::{DrawnParts, boundary_edges};
     use terrafill_fixtures::by_hand::{circle_deg, mesh};
-    use terrafill_scene::{PART_FACETS, SeenParts};
+    use terrafill_plan::{PART_FACETS, SeenParts};
 
     /// A fan of 1,000 and a triangle, whose loops come the other way round.
     fn large() -> RegionMesh {

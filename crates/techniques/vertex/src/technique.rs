@@ -13,7 +13,8 @@ use terrafill_fill::{
     layouts,
 };
 use terrafill_gpu::shared_targets;
-use terrafill_scene::{Overlap, PlannedRegion, Scene};
+use terrafill_plan::PlannedRegion;
+use terrafill_scene::{Overlap, Scene};
 
 /// Volumes extruded in the vertex shader, on wgpu.
 #[derive(Debug)]

@@ -2,7 +2,8 @@
 //! A variant of the vertex backend: how geometry lies in buffers, and the switches of the fill.
 
 use terrafill_fill::{ColourWay, DepthRuleChoice, PositionFormat, SwitchError, Switches, Variant};
-use terrafill_scene::{Overlap, PartCulling};
+use terrafill_plan::PartCulling;
+use terrafill_scene::Overlap;
 
 /// Where a volume's vertices come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]

@@ -19,8 +19,9 @@ use terrafill_fill::{
     DeviceError, Devices, FillInput, Frame, MemoryUse, PreparedScene, Targets, Technique, Variant,
     paint,
 };
+use terrafill_plan::{LeveledMeshes, PlanOptions};
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions, Scene, View, data_dir};
+use terrafill_scene::{ImageSize, Scene, View, data_dir};
 use terrafill_surface::open_surface;
 
 /// What one backend drew.

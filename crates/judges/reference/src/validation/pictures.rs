@@ -18,7 +18,8 @@ use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
 use terrafill_fill::{
     DeviceError, FillInput, NO_REGION, PreparedScene, RegionSet, SceneBounds, ViewId,
 };
-use terrafill_scene::{Camera, CameraPose, FramePlan, ImageSize, Overlap};
+use terrafill_plan::FramePlan;
+use terrafill_scene::{Camera, CameraPose, ImageSize, Overlap};
 use terrafill_surface::{EllipsoidKind, SurfaceFrame};
 
 const ROWS: u32 = 360;

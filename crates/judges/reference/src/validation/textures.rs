@@ -20,8 +20,9 @@ use terrafill_fill::{
     ViewId,
 };
 use terrafill_fixtures::data;
+use terrafill_plan::FramePlan;
 use terrafill_scene::{
-    Camera, CameraPose, FramePlan, ImageSize, Outside, Overlap, Scene, SceneTexture, TextureAnchor,
+    Camera, CameraPose, ImageSize, Outside, Overlap, Scene, SceneTexture, TextureAnchor,
     TexturePlacement,
 };
 use terrafill_surface::EllipsoidKind;

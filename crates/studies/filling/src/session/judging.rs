@@ -14,8 +14,8 @@ use terrafill_conformance::{
     ErrorFigures, Verdict as Comparison, checks_nothing, movement_in_picture, verdict_of_moved,
 };
 use terrafill_fill::{ColourWay, Frame, RouteChoice};
+use terrafill_plan::{DrawnAs, FramePlan, PlannedRegion};
 use terrafill_results::{Status, Verdict};
-use terrafill_scene::{DrawnAs, FramePlan, PlannedRegion};
 use terrafill_study::{Failure, StudyError};
 
 /// Why a row lacks the times of its passes.

@@ -27,8 +27,8 @@ use terrafill_fill::{
     Api, FillBackend, FillInput, FrameTimes, MemoryUse, PositionFormat, PreparedScene, Targets,
 };
 use terrafill_gpu::{Baseline, CpuStopwatch, SharedTargets, shared_targets};
+use terrafill_plan::{LazyMesh, LeveledMeshes, PlanOptions};
 use terrafill_results::{Status, Verdict, median};
-use terrafill_scene::{LazyMesh, LeveledMeshes, PlanOptions};
 use terrafill_study::{Context, Failure, Figures, Measures, StudyError};
 use terrafill_surface::open_surface;
 

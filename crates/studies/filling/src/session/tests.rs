@@ -8,9 +8,8 @@ use crate::request::Wishes;
 use crate::tests::TECHNIQUES;
 use terrafill_core::VolumeHeights;
 use terrafill_fill::Devices;
-use terrafill_scene::{
-    DrawnAs, FramePlan, ImageSize, NearRectangle, PixelRect, PlannedRegion, Scene,
-};
+use terrafill_plan::{DrawnAs, FramePlan, NearRectangle, PixelRect, PlannedRegion};
+use terrafill_scene::{ImageSize, Scene};
 use terrafill_study::Request;
 use terrafill_surface::EllipsoidKind;
 

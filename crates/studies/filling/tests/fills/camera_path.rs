@@ -12,7 +12,8 @@ use terrafill_fill::{
     PreparedScene, StencilTest, Switches, VolumeList, VolumeState,
 };
 use terrafill_native::{Extrusion, NativeVariant};
-use terrafill_scene::{CameraPose, ImageSize, LeveledMeshes, PlanOptions, Scene, View};
+use terrafill_plan::{LeveledMeshes, PlanOptions};
+use terrafill_scene::{CameraPose, ImageSize, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::VertexVariant;
 

@@ -21,7 +21,8 @@ use terrafill_fill::{
     BottomCap, ColourWay, DepthRuleChoice, DeviceError, FacePasses, FillBackend as _, FillInput,
     Frame, StencilClear, Switches,
 };
-use terrafill_scene::{LeftOutReason, Overlap, PartCulling, PlanOptions, WallHeights};
+use terrafill_plan::{LeftOutReason, PartCulling, PlanOptions, WallHeights};
+use terrafill_scene::Overlap;
 
 /// Every expansion with every culling that goes with it, and either transform.
 fn all_variants() -> Vec<ComputeVariant> {

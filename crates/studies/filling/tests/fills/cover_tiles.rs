@@ -10,7 +10,8 @@ use drawing::{
 use merged_draws::{SIZE, differing_when, seen, switches, techniques};
 use terrafill_core::Ellipsoid;
 use terrafill_fill::{CoverArea, FillInput, PreparedScene, Switches, VolumeList};
-use terrafill_scene::{ImageSize, Overlap, PixelRect, PlanOptions, View};
+use terrafill_plan::{PixelRect, PlanOptions};
+use terrafill_scene::{ImageSize, Overlap, View};
 
 const LARGE: ImageSize = ImageSize {
     width: 1024,

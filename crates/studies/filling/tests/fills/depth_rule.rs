@@ -14,7 +14,8 @@ use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_fill::{
     BottomCap, ColourWay, DepthRuleChoice, FillBackend, FillInput, Frame, PreparedScene, Switches,
 };
-use terrafill_scene::{ImageSize, NearRectangle, Overlap};
+use terrafill_plan::NearRectangle;
+use terrafill_scene::{ImageSize, Overlap};
 
 const SMALL: ImageSize = ImageSize {
     width: 128,

@@ -18,8 +18,9 @@ use terrafill_conformance::{
 use terrafill_core::Ellipsoid;
 use terrafill_fill::{ColourWay, FillInput, Frame, LOD_PX, Switches};
 use terrafill_native::{Extrusion, NativeVariant};
+use terrafill_plan::{DrawnAs, PlanOptions};
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{DrawnAs, ImageSize, Overlap, PlanOptions};
+use terrafill_scene::{ImageSize, Overlap};
 use terrafill_vertex::{Layout, VertexVariant};
 
 const SIZE: ImageSize = ImageSize {

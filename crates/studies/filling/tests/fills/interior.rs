@@ -7,7 +7,8 @@ use drawing::{AllTargets, Devices, counters, differing, draw_with, shipped, with
 use merged_draws::{SIZE, differing_when, switches, techniques};
 use terrafill_core::Geodetic;
 use terrafill_fill::{FillInput, FillProgram, PreparedScene, Volume};
-use terrafill_scene::{CameraPose, DrawnAs, LeftOutReason, PlanOptions, View};
+use terrafill_plan::{DrawnAs, LeftOutReason, PlanOptions};
+use terrafill_scene::{CameraPose, View};
 
 fn view(place_deg: [f64; 2], height_m: f64, pitch_deg: f64) -> View {
     View {

@@ -17,10 +17,9 @@ use terrafill_core::RegionMesh;
 use terrafill_fill::{FillInput, Frame, NO_REGION, PreparedScene, Switches};
 use terrafill_fixtures::data;
 use terrafill_native::{Extrusion as Native, Indices, NativeVariant};
+use terrafill_plan::{LeveledMeshes, PlanOptions, RegionBounds};
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{
-    ImageSize, LevelChoice, LeveledMeshes, PlanOptions, RegionBounds, Scene, View,
-};
+use terrafill_scene::{ImageSize, LevelChoice, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};
 
 const SIZE: ImageSize = ImageSize {

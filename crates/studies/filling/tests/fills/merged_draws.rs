@@ -15,7 +15,8 @@ use terrafill_fill::{
 };
 use terrafill_gpu::VolumeFill;
 use terrafill_native::{Extrusion, NativeVariant};
-use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions, Scene, View};
+use terrafill_plan::{LeveledMeshes, PlanOptions};
+use terrafill_scene::{ImageSize, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::{Layout, VertexVariant, VertexVolumes, Walls};
 

@@ -20,7 +20,8 @@ use terrafill_native::{
     Extrusion as Native, Indices, NativeBackend, NativeVariant, native_bytes,
     walls_with_other_diagonal,
 };
-use terrafill_scene::{ImageSize, PlanOptions};
+use terrafill_plan::PlanOptions;
+use terrafill_scene::ImageSize;
 use terrafill_vertex::{Layout, layout_bytes};
 
 #[test]

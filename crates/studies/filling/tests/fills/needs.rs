@@ -16,7 +16,8 @@ use terrafill_fill::{
     PreparedScene, Switches, WorkDone, needs_ladder,
 };
 use terrafill_native::{Extrusion, NativeVariant};
-use terrafill_scene::{NearRectangle, Overlap, PlanOptions};
+use terrafill_plan::{NearRectangle, PlanOptions};
+use terrafill_scene::Overlap;
 use terrafill_vertex::{Layout, VertexVariant};
 
 fn two_squares(overlap: Overlap) -> PreparedScene {

@@ -9,9 +9,12 @@ use terrafill_conformance::verdict;
 use terrafill_core::{Extent, Geodetic};
 use terrafill_fill::{FillInput, Frame, PreparedScene};
 use terrafill_overlays::DRAPED_MESH;
-use terrafill_scene::{Camera, CameraPose, HeightRange, ImageSize, PlanOptions, Scene, View};
+use terrafill_plan::PlanOptions;
+use terrafill_scene::{Camera, CameraPose, ImageSize, Scene, View};
 use terrafill_spiral::SpiralKind;
-use terrafill_surface::{EllipsoidKind, Surface, SurfaceError, SurfaceFrame, SurfaceKind};
+use terrafill_surface::{
+    EllipsoidKind, HeightRange, Surface, SurfaceError, SurfaceFrame, SurfaceKind,
+};
 use terrafill_vertex::VertexTechnique;
 
 const KINDS: [&dyn SurfaceKind; 2] = [&EllipsoidKind, &SpiralKind];

@@ -10,9 +10,8 @@ use terrafill_fill::{
 };
 use terrafill_instanced::InstancedBackend;
 use terrafill_native::{Extrusion, NativeVariant};
-use terrafill_scene::{
-    ImageSize, LeftOutReason, LeveledMeshes, PartCulling, PlanOptions, Scene, View,
-};
+use terrafill_plan::{LeftOutReason, LeveledMeshes, PartCulling, PlanOptions};
+use terrafill_scene::{ImageSize, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::{IndexOrder, Layout, VertexVariant, Walls};
 

@@ -11,9 +11,10 @@ use std::sync::Arc;
 use terrafill_conformance::verdict;
 use terrafill_core::Extent;
 use terrafill_fill::{FillInput, Frame};
-use terrafill_scene::{Camera, HeightRange, ImageSize, PlanOptions, Scene};
+use terrafill_plan::PlanOptions;
+use terrafill_scene::{Camera, ImageSize, Scene};
 use terrafill_screen_grid::ScreenGridKind;
-use terrafill_surface::{Surface, SurfaceError, SurfaceFrame};
+use terrafill_surface::{HeightRange, Surface, SurfaceError, SurfaceFrame};
 
 const SIZE: ImageSize = ImageSize {
     width: 192,

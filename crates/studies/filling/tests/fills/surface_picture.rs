@@ -7,7 +7,8 @@ use glam::DVec3;
 use std::sync::Arc;
 use terrafill_fill::{FillInput, Picture, PreparedScene, Technique};
 use terrafill_native::NativeTechnique;
-use terrafill_scene::{ImageSize, MipChain, PlanOptions, Scene, View};
+use terrafill_plan::PlanOptions;
+use terrafill_scene::{ImageSize, MipChain, Scene, View};
 use terrafill_surface::EllipsoidKind;
 use terrafill_vertex::VertexTechnique;
 

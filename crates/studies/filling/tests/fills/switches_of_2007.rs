@@ -12,7 +12,8 @@ use terrafill_conformance::{filled_only, verdict};
 use terrafill_core::Ellipsoid;
 use terrafill_fill::{Counters, FillInput, Technique as _, Variant};
 use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
-use terrafill_scene::{NearRectangle, Overlap, PlanOptions, WallHeights};
+use terrafill_plan::{NearRectangle, PlanOptions, WallHeights};
+use terrafill_scene::Overlap;
 use terrafill_vertex::{VertexTechnique, VertexVariant};
 
 /// The document's way of colouring, with `settings` of one layout.

@@ -18,10 +18,11 @@ use terrafill_fill::{
 use terrafill_fixtures::data;
 use terrafill_gpu::{Gpu, GpuOptions, RenderTargets, SharedTargets, open_for_test};
 use terrafill_native::{Extrusion, Indices, NativeBackend, NativeVariant};
+use terrafill_plan::PlanOptions;
 use terrafill_reference::{ReferenceBackend, ReferenceFrame};
 use terrafill_scene::{
-    ImageSize, MipChain, Outside, Overlap, PlanOptions, Scene, SceneTexture, TextureAnchor,
-    TexturePlacement, TextureShare,
+    ImageSize, MipChain, Outside, Overlap, Scene, SceneTexture, TextureAnchor, TexturePlacement,
+    TextureShare,
 };
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::{Layout, VertexBackend, VertexVariant};

@@ -18,7 +18,8 @@ use terrafill_core::Ellipsoid;
 use terrafill_fill::{
     ColourWay, Counters, FillInput, PositionFormat, Switches, Technique as _, Variant,
 };
-use terrafill_scene::{Overlap, PlanOptions};
+use terrafill_plan::PlanOptions;
+use terrafill_scene::Overlap;
 use terrafill_vertex::{Layout, VertexTechnique, VertexVariant};
 
 /// Every layout, drawn so.

@@ -9,8 +9,9 @@ use std::sync::Arc;
 use terrafill_conformance::{filled_only, verdict};
 use terrafill_core::{Ellipsoid, Extent};
 use terrafill_fill::{ColourWay, FillInput};
-use terrafill_scene::{Camera, HeightRange, ImageSize, Overlap, PlanOptions, WallHeights};
-use terrafill_surface::{Surface, SurfaceError, SurfaceFrame};
+use terrafill_plan::{PlanOptions, WallHeights};
+use terrafill_scene::{Camera, ImageSize, Overlap};
+use terrafill_surface::{HeightRange, Surface, SurfaceError, SurfaceFrame};
 
 const SIZE: ImageSize = ImageSize {
     width: 128,

@@ -12,8 +12,7 @@ use std::sync::Arc;
 use terrafill_control::Node;
 use terrafill_core::Geodetic;
 use terrafill_reference::SurfaceTriangles;
-use terrafill_scene::HeightRange;
-use terrafill_surface::SurfaceFrame;
+use terrafill_surface::{HeightRange, SurfaceFrame};
 
 /// Sub-quads along a side of a node.
 const SUB_QUADS: u32 = 10;

@@ -11,7 +11,8 @@ use terrafill_conformance::{filled_only, verdict};
 use terrafill_core::RegionMesh;
 use terrafill_fill::{ColourWay, DepthRuleChoice, FacePasses, FillInput, Frame, Switches};
 use terrafill_native::Extrusion as Native;
-use terrafill_scene::{NearRectangle, Overlap, PlanOptions};
+use terrafill_plan::{NearRectangle, PlanOptions};
+use terrafill_scene::Overlap;
 use terrafill_vertex::Layout;
 
 /// The vertex backend's picture with the same switches is what the others' are compared with; its own

@@ -26,8 +26,9 @@ use terrafill_fill::{
 use terrafill_filling::Techniques;
 use terrafill_fixtures::data;
 use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
+use terrafill_plan::PlanOptions;
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{CameraPose, ImageSize, Overlap, PlanOptions, View};
+use terrafill_scene::{CameraPose, ImageSize, Overlap, View};
 use terrafill_surface::EllipsoidKind;
 use terrafill_vertex::{VertexBackend, VertexTechnique, VertexVariant};
 

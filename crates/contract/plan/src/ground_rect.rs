@@ -6,9 +6,10 @@
 //! its centre. So the plane through the eye `e` leaves the body behind where `|A n| ≤ n · e`. For lines along the
 //! image's sides `n` is linear in their place, and the outermost planes are roots of a quadratic equation.
 
-use crate::{Camera, ImageSize, PixelRect};
+use crate::PixelRect;
 use glam::DVec3;
 use terrafill_core::Ellipsoid;
+use terrafill_scene::{Camera, ImageSize};
 
 /// Pixels by which the ground's rectangle is wider: rounding of corners to `f32` and to the rasteriser's grid moves
 /// them by less.
@@ -100,8 +101,8 @@ fn sides(axes: DVec3, eye: DVec3, along: DVec3, back: DVec3) -> [Option<f64>; 2]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::CameraPose;
     use terrafill_core::Geodetic;
+    use terrafill_scene::CameraPose;
 
     const SIZE: ImageSize = ImageSize {
         width: 80,

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Boundary levels of detail of scenes: what they cost to make and what they leave.
 //!
-//! `cargo run --release -p terrafill-scene --example levels -- planet-134 countries-50m`
+//! `cargo run --release -p terrafill-plan --example levels -- planet-134 countries-50m`
 
 #![allow(clippy::print_stdout, reason = "printing is what an example is for")]
 
 use std::time::Instant;
-use terrafill_scene::{LazyMesh, LeveledMeshes, Scene, data_dir_from_env};
+use terrafill_plan::{LazyMesh, LeveledMeshes};
+use terrafill_scene::{Scene, data_dir_from_env};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     for name in std::env::args().skip(1) {

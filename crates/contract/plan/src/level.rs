@@ -5,9 +5,9 @@
 //! Regions that share a border always take the same level, or their borders would part. Level 0 is
 //! every region as written; its meshes come first, in the order of the regions.
 
+use crate::LazyMesh;
 use crate::boundary_pieces::{SeenPiece, boundary_pieces};
 use crate::lazy_mesh::{MeshSource, made};
-use crate::{LazyMesh, LevelChoice, Scene};
 use rayon::prelude::*;
 use std::cell::OnceCell;
 use std::sync::{Arc, OnceLock};
@@ -15,6 +15,7 @@ use terrafill_core::{
     EdgeRule, Ellipsoid, LeftOutRings, MeshError, MeshOptions, OrientedBox, Region, RegionMesh,
     SharedBoundaries, SimplifiedRegions, SimplifyError, ThinnedLevel,
 };
+use terrafill_scene::{LevelChoice, Scene};
 
 /// Scenes of fewer vertices than this have one level unless they ask for more: below it a fill
 /// spends its time on pixels.
@@ -79,9 +80,7 @@ impl LeveledMeshes {
     /// # Errors
     /// What keeps a region from being meshed as written.
     pub fn build(scene: &Scene, options: &MeshOptions) -> Result<Self, Vec<MeshError>> {
-        let tolerances_m = scene
-            .levels
-            .tolerances_m(&scene.regions, &scene.body, options);
+        let tolerances_m = tolerances_m(scene, options);
         let as_written = || -> Result<_, Vec<MeshError>> {
             let (body, rule) = (&scene.body, scene.edge_rule);
             let meshes = RegionMesh::build_all(&scene.regions, body, rule, options)?;
@@ -249,23 +248,19 @@ fn mesh_within(
     }
 }
 
-impl LevelChoice {
-    fn tolerances_m(
-        &self,
-        regions: &[Region],
-        body: &Ellipsoid,
-        options: &MeshOptions,
-    ) -> Vec<f64> {
-        match self {
-            Self::Given(tolerances_m) => tolerances_m.clone(),
-            Self::Automatic if vertex_count(regions) < FEWEST_VERTICES_FOR_LEVELS => Vec::new(),
-            Self::Automatic => {
-                let coarsest_m = body.equatorial_radius_m() * COARSEST_LEVEL_SHARE;
-                let first = Some(options.boundary_tolerance_m);
-                std::iter::successors(first, |tolerance_m| Some(tolerance_m * LEVEL_GROWTH))
-                    .take_while(|tolerance_m| *tolerance_m <= coarsest_m)
-                    .collect()
-            }
+/// Deviations of the levels that `scene` has beside the one as written.
+fn tolerances_m(scene: &Scene, options: &MeshOptions) -> Vec<f64> {
+    match &scene.levels {
+        LevelChoice::Given(tolerances_m) => tolerances_m.clone(),
+        LevelChoice::Automatic if vertex_count(&scene.regions) < FEWEST_VERTICES_FOR_LEVELS => {
+            Vec::new()
+        }
+        LevelChoice::Automatic => {
+            let coarsest_m = scene.body.equatorial_radius_m() * COARSEST_LEVEL_SHARE;
+            let first = Some(options.boundary_tolerance_m);
+            std::iter::successors(first, |tolerance_m| Some(tolerance_m * LEVEL_GROWTH))
+                .take_while(|tolerance_m| *tolerance_m <= coarsest_m)
+                .collect()
         }
     }
 }

@@ -4,11 +4,12 @@
 
 use glam::DVec3;
 use terrafill_core::{Geodetic, RegionMesh};
-use terrafill_scene::{
-    Camera, DrawnAs, FEWEST_VERTICES_FOR_LEVELS, FramePlan, HeightRange, ImageSize,
-    LEVEL_VERTEX_SHARE, LevelChoice, LeveledMeshes, PlanOptions, PlannedRegion, RegionBounds,
-    Scene,
+use terrafill_plan::{
+    DrawnAs, FEWEST_VERTICES_FOR_LEVELS, FramePlan, LEVEL_VERTEX_SHARE, LeveledMeshes, PlanOptions,
+    PlannedRegion, RegionBounds,
 };
+use terrafill_scene::{Camera, ImageSize, LevelChoice, Scene};
+use terrafill_surface::HeightRange;
 
 fn is_flat(planned: &&PlannedRegion) -> bool {
     planned.drawn_as == DrawnAs::FlatMesh

@@ -14,11 +14,11 @@
 //! otherwise spend milliseconds on the vertices of a continent.
 
 use crate::parts::{MeshParts, edges_in, index_u32};
-use crate::{Camera, ImageSize};
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
 use std::ops::Range;
 use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
+use terrafill_scene::{Camera, ImageSize};
 
 /// Where the near plane lies, as far as the image shows it, seen from a closed volume.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -378,9 +378,9 @@ fn clipped(polygon: &[DVec3], distance: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::CameraPose;
     use crate::parts::tests::strip;
     use terrafill_core::{EdgeRule, Geodetic, MeshOptions, RegionMesh, parse_regions};
+    use terrafill_scene::CameraPose;
 
     const SIZE: ImageSize = ImageSize {
         width: 200,

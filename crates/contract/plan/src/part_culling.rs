@@ -4,10 +4,11 @@
 use crate::left_out::LeftOutReason;
 use crate::near_plane::NearRectangle;
 use crate::parts::{MeshParts, SeenParts};
-use crate::plan::{FramePlan, HeightRange, PartCulling, Planner};
-use crate::{Camera, ImageSize};
+use crate::plan::{FramePlan, PartCulling, Planner};
 use glam::DVec3;
 use terrafill_core::Ellipsoid;
+use terrafill_scene::{Camera, ImageSize};
+use terrafill_surface::HeightRange;
 
 impl FramePlan {
     /// Leaves out parts of large regions, as the options say. Comes after

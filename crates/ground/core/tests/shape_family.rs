@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The shapes that growth is measured on are what they are called, at any size.
 
-use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, parse_regions};
-use terrafill_scene::ShapeFamily;
+use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, ShapeFamily, parse_regions};
 
 #[test]
 fn every_family_has_about_the_vertices_asked_for_and_meshes() {

@@ -22,6 +22,7 @@
 //!
 //! Boundary levels of detail are no cull: they move boundaries, by no more than the stated pixels.
 
+use crate::LevelTable;
 use crate::boundary_pieces::{SeenPiece, grown};
 use crate::ground_rect::ground_rect;
 use crate::left_out::LeftOutReason;
@@ -29,11 +30,12 @@ use crate::level::DrawnRegion;
 use crate::near_plane::{NearPlane, NearRectangle, ViewVolume};
 use crate::parts::{MeshParts, SeenParts};
 use crate::pixel_rect::PixelRect;
-use crate::{Camera, ImageSize, LevelTable};
 use glam::DVec3;
 use std::borrow::Borrow;
 use std::collections::BTreeMap;
 use terrafill_core::{Ellipsoid, MovingFootprint, OrientedBox, RegionMesh, VolumeHeights};
+use terrafill_scene::{Camera, ImageSize};
+use terrafill_surface::HeightRange;
 
 /// Caps are moved away from the terrain by at least this many pixels at the eye's distance, so
 /// that rounding of depth (2⁻²⁴ of the distance) can never lift terrain through a cap: 1/64 of a
@@ -242,36 +244,6 @@ impl MeshBounds for [RegionBounds] {
 
     fn of(&self, mesh: usize) -> RegionBounds {
         self[mesh]
-    }
-}
-
-/// Heights above the ellipsoid between which a surface lies, metres.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HeightRange {
-    /// No point lies lower.
-    pub lowest_m: f64,
-    /// No point lies higher.
-    pub highest_m: f64,
-}
-
-impl HeightRange {
-    /// What lies in both ranges, or `None` where they have nothing in common.
-    #[must_use]
-    pub fn intersection(self, other: Self) -> Option<Self> {
-        let both = Self {
-            lowest_m: self.lowest_m.max(other.lowest_m),
-            highest_m: self.highest_m.min(other.highest_m),
-        };
-        (both.lowest_m <= both.highest_m).then_some(both)
-    }
-
-    /// The smallest range that holds both.
-    #[must_use]
-    pub fn union(self, other: Self) -> Self {
-        Self {
-            lowest_m: self.lowest_m.min(other.lowest_m),
-            highest_m: self.highest_m.max(other.highest_m),
-        }
     }
 }
 

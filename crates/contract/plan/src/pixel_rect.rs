@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Rectangles of whole pixels.
 
-use crate::ImageSize;
+use terrafill_scene::ImageSize;
 
 /// Pixels `left..right` × `top..bottom`, row 0 at the top.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

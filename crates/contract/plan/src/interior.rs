@@ -11,11 +11,12 @@
 use crate::left_out::LeftOutReason;
 use crate::parts::{MeshParts, edges, edges_in};
 use crate::pixel_rect::PixelRect;
-use crate::plan::{DrawnAs, FramePlan, HeightRange, LeftOutRegion, PlannedRegion};
-use crate::{Camera, ImageSize};
+use crate::plan::{DrawnAs, FramePlan, LeftOutRegion, PlannedRegion};
 use glam::DVec3;
 use std::borrow::Borrow;
 use terrafill_core::{Ellipsoid, RegionMesh, VolumeHeights};
+use terrafill_scene::{Camera, ImageSize};
+use terrafill_surface::HeightRange;
 
 impl FramePlan {
     /// Says which region has all ground in view, if that is certain of one. All others are left out, as is a region
