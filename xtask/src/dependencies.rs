@@ -17,16 +17,18 @@ use std::path::Path;
 const LAYERS: &[(&str, &[&str])] = &[
     ("ground", &[]),
     ("contract", &["ground"]),
-    ("devices", &["ground", "contract"]),
-    ("techniques", &["ground", "contract", "devices"]),
+    ("volumes", &["ground", "contract"]),
+    ("devices", &["ground", "contract", "volumes"]),
+    ("techniques", &["ground", "contract", "volumes", "devices"]),
     ("surfaces", &["ground", "contract", "devices"]),
     ("judges", &["ground", "contract"]),
-    ("studies", &["ground", "contract", "devices", "judges"]),
+    ("studies", &["ground", "contract", "volumes", "devices", "judges"]),
     (
         "tools",
         &[
             "ground",
             "contract",
+            "volumes",
             "devices",
             "techniques",
             "surfaces",
@@ -46,8 +48,9 @@ const WITHIN: &[(&str, &[&str])] = &[
     ("plot", &["results"]),
     ("surface", &["scene"]),
     ("plan", &["scene", "surface"]),
-    ("fill", &["scene", "surface", "plan"]),
-    ("study", &["fill", "surface"]),
+    ("variant", &["scene", "plan"]),
+    ("contract", &["scene", "surface", "plan", "variant"]),
+    ("study", &["contract", "surface"]),
     ("history", &["gate"]),
     ("terrafill", &["data", "gate", "history", "report"]),
 ];
@@ -55,16 +58,17 @@ const WITHIN: &[(&str, &[&str])] = &[
 /// Crates that may need less than their layer: the reference finds texture coordinates by itself and
 /// shares no meshing, projection or fill with what it verifies. `report` opens no device, so it sees
 /// results and the kit that plots are drawn with. `gate` starts programs that do, and sees results alone.
-/// `history` compares runs as `gate` does. `data` reads what scenes need.
+/// `history` compares runs as `gate` does. `data` reads what scenes need. `growth` runs on the CPU alone.
 const LESS: &[(&str, &[&str])] = &[
     ("core", &[]),
     ("results", &[]),
     ("scene", &["core", "texture"]),
-    ("reference", &["core", "scene", "surface", "plan", "fill"]),
+    ("reference", &["core", "scene", "surface", "plan", "contract"]),
     ("report", &["results", "plot"]),
     ("data", &["scene"]),
     ("gate", &["results"]),
     ("history", &["results", "plot", "gate"]),
+    ("growth", &["core", "results", "contract", "study", "lab"]),
     ("xtask", &["shaders"]),
 ];
 
@@ -183,8 +187,8 @@ fn objection(Edge { from, to, kind }: &Edge) -> Option<String> {
     }
     if from.name == DEV_ONLY {
         // Only tests see it, so that what it needs of a contract ships with nothing.
-        let is_below = ["ground", "contract"].contains(&to.layer.as_str());
-        return (!is_below).then(|| "allowed: ground and contract".to_owned());
+        let is_below = ["ground", "contract", "volumes"].contains(&to.layer.as_str());
+        return (!is_below).then(|| "allowed: ground, contract and volumes".to_owned());
     }
     if is_dev && has(listed(IN_TESTS, &from.layer), &to.layer) {
         return None;
@@ -331,7 +335,8 @@ mod tests {
     }
 
     const CORE: (&str, &str) = ("ground", "core");
-    const FILL: (&str, &str) = ("contract", "fill");
+    const CONTRACT: (&str, &str) = ("contract", "contract");
+    const STENCIL: (&str, &str) = ("volumes", "stencil");
     const GPU: (&str, &str) = ("devices", "gpu");
     const VERTEX: (&str, &str) = ("techniques", "vertex");
     const FILLING: (&str, &str) = ("studies", "filling");
@@ -342,8 +347,9 @@ mod tests {
     fn what_points_down_is_allowed_also_for_a_newcomer() {
         let newcomer = ("techniques", "newcomer");
         let allowed = [
-            edge(FILL, CORE, None),
-            edge(GPU, FILL, None),
+            edge(CONTRACT, CORE, None),
+            edge(STENCIL, CONTRACT, None),
+            edge(GPU, STENCIL, None),
             edge(newcomer, GPU, None),
             edge(newcomer, REFERENCE, Some("dev")),
             edge(FILLING, REFERENCE, None),
@@ -353,7 +359,7 @@ mod tests {
             edge(CORE, ("ground", "fixtures"), Some("dev")),
         ];
         let summary = check(&allowed).expect("allowed");
-        assert!(summary.starts_with("9 edges"), "{summary}");
+        assert!(summary.starts_with("10 edges"), "{summary}");
     }
 
     #[test]
@@ -365,9 +371,14 @@ mod tests {
             (VERTEX, FILLING, None),
             (GPU, ("devices", "vulkan"), None),
             (GPU, VERTEX, None),
-            (FILL, GPU, None),
+            (CONTRACT, GPU, None),
+            (CONTRACT, STENCIL, None),
+            (STENCIL, GPU, None),
+            (("surfaces", "grid"), STENCIL, None),
+            (("studies", "growth"), STENCIL, None),
+            (REFERENCE, STENCIL, None),
             (CORE, ("ground", "results"), None),
-            (CORE, FILL, None),
+            (CORE, CONTRACT, None),
             (FILLING, VERTEX, None),
             (FILLING, ("studies", "growth"), None),
             (FILLING, REPORT, None),
@@ -377,15 +388,15 @@ mod tests {
             (REPORT, GPU, None),
             (REPORT, FILLING, None),
             (VERTEX, REFERENCE, None),
-            (("contract", "scene"), FILL, None),
+            (("contract", "scene"), CONTRACT, None),
             (("surfaces", "grid"), ("surfaces", "tiles"), None),
             (VERTEX, ("ground", "fixtures"), None),
             (("elsewhere", "newcomer"), CORE, None),
         ] {
-            let error = check(&[edge(FILL, CORE, None), edge(from, to, kind)]);
+            let error = check(&[edge(CONTRACT, CORE, None), edge(from, to, kind)]);
             let text = error.expect_err(to.1).to_string();
             assert!(text.contains(&format!("{} -> {}:", from.1, to.1)), "{text}");
-            assert!(!text.contains("fill -> core"), "{text}");
+            assert!(!text.contains("contract -> core"), "{text}");
         }
     }
 
@@ -397,19 +408,19 @@ mod tests {
 
     #[test]
     fn edges_are_read_from_metadata_with_their_layers_and_those_of_tests() {
-        let metadata = r#"{"packages":[{"name":"terrafill-fill",
-            "manifest_path":"/x/crates/contract/fill/Cargo.toml","dependencies":[
+        let metadata = r#"{"packages":[{"name":"terrafill-contract",
+            "manifest_path":"/x/crates/contract/contract/Cargo.toml","dependencies":[
             {"name":"glam","kind":null},
             {"name":"terrafill-scene","kind":null,"path":"/x/crates/contract/scene"},
             {"name":"terrafill-gpu","kind":"dev","path":"/x/crates/devices/gpu"}]}]}"#;
         let edges = edges(&packages_of(metadata).expect("valid"));
         let expected = [
-            edge(FILL, GPU, Some("dev")),
-            edge(FILL, ("contract", "scene"), None),
+            edge(CONTRACT, GPU, Some("dev")),
+            edge(CONTRACT, ("contract", "scene"), None),
         ];
         assert_eq!(edges, expected);
         let error = check(&edges).expect_err("an edge of tests is an edge");
-        assert!(error.to_string().contains("fill -> gpu"), "{error}");
+        assert!(error.to_string().contains("contract -> gpu"), "{error}");
     }
 
     #[test]

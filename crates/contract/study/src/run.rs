@@ -13,7 +13,7 @@ use running::Running;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::rc::Rc;
-use terrafill_fill::Devices;
+use terrafill_contract::Devices;
 use terrafill_results::{
     Outcome, PlannedCase, Run, RunError, RunFolder, RunPlan, Shard, SplitMix64, Status,
     repeated_cases,

@@ -3,7 +3,7 @@
 
 use crate::{Context, Group, Session, StudyError};
 use std::collections::BTreeMap;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 use terrafill_results::{CaseId, ConditionKey, PlannedCase, Status, Verdict};
 use terrafill_surface::SurfaceError;
 
@@ -240,7 +240,7 @@ impl<W> Group for CaseGroup<W> {
 mod tests {
     use super::*;
     use std::rc::Rc;
-    use terrafill_fill::Devices;
+    use terrafill_contract::Devices;
     use terrafill_results::condition::{API, SIZE_PX, VIEW};
 
     /// Fails by the case's number.

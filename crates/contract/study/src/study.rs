@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use terrafill_fill::Devices;
+use terrafill_contract::Devices;
 use terrafill_results::{Chapter, ConditionKey, Metric, PlannedCase, Skipped, Status, Verdict};
 
 /// How much is measured.

@@ -94,7 +94,7 @@ mod tests {
     use super::*;
     use crate::{Group as _, judged};
     use std::rc::Rc;
-    use terrafill_fill::Devices;
+    use terrafill_contract::Devices;
     use terrafill_results::condition::VIEW;
 
     /// Adds itself in each frame; 2 opens nothing.

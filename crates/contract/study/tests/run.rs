@@ -5,7 +5,7 @@ use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::rc::Rc;
-use terrafill_fill::{DeviceLoss, Devices};
+use terrafill_contract::{DeviceLoss, Devices};
 use terrafill_results::{
     Block, CaseId, Chapter, ChapterError, Clock, ConditionKey, Kind, Metric, Numbered, Outcome,
     PlannedCase, Run, RunEnvironment, RunError, RunFolder, SCHEMA, Shard, Status, UNSTEADY_CLOCK,

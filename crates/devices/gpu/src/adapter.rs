@@ -3,7 +3,7 @@
 
 use crate::validation;
 use std::sync::Arc;
-use terrafill_fill::{
+use terrafill_contract::{
     DeviceError, DeviceLoss, DeviceType, WorkCounters, choose_adapter, device_for_test,
 };
 
@@ -29,7 +29,7 @@ pub struct Features {
 }
 
 /// What a device is, for reports.
-pub type DeviceFacts = terrafill_fill::DeviceFacts<Features>;
+pub type DeviceFacts = terrafill_contract::DeviceFacts<Features>;
 
 /// An open device.
 #[derive(Debug)]

@@ -5,7 +5,8 @@ use crate::attachments::{attached, read_only_depth};
 use crate::covers::full_screen;
 use crate::volume_pipeline::{colour_state, colour_target};
 use crate::{SharedTargets, TimedPass};
-use terrafill_fill::{CpuStopwatch, DeviceError, FrameTimes, StencilTest};
+use terrafill_contract::{CpuStopwatch, DeviceError, FrameTimes};
+use terrafill_stencil::StencilTest;
 
 /// Which pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,8 +4,9 @@
 #[cfg(test)]
 mod tests {
     use std::mem::{offset_of, size_of};
-    use terrafill_fill::{FootprintConstants, TexturedRegion, ViewConstants, VolumeConstants};
+    use terrafill_contract::ViewConstants;
     use terrafill_shaders::{RouteText, TexturedParts, TexturedPlacement, struct_layout};
+    use terrafill_stencil::{FootprintConstants, TexturedRegion, VolumeConstants};
 
     /// Offsets by name of the Rust struct, to be found again in the shader's.
     macro_rules! offsets {

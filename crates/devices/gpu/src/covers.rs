@@ -7,8 +7,9 @@ use crate::volume_pipeline::{NUMBER_FORMAT, colour_state, colour_target, unchang
 use crate::{Gpu, VolumePass};
 use std::collections::HashMap;
 use std::ops::Range;
-use terrafill_fill::{CoverInstance, DeviceError, Feature, Holding, NUMBER_BYTES, StencilTest};
+use terrafill_contract::{DeviceError, Feature};
 use terrafill_scene::ImageSize;
+use terrafill_stencil::{CoverInstance, Holding, NUMBER_BYTES, StencilTest};
 
 /// Where covers that are instances are bound, behind whatever volumes bind.
 const INSTANCES: u32 = 3;

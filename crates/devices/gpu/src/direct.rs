@@ -3,7 +3,7 @@
 
 use crate::attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, attached};
 use crate::{Gpu, RenderTargets, TimedPass};
-use terrafill_fill::{DeviceError, SKY};
+use terrafill_contract::{DeviceError, SKY};
 
 /// Shaders of a pipeline, and how its vertices come.
 #[derive(Debug, Clone, Copy)]

@@ -15,7 +15,7 @@ use crate::readback::read_buffer_start;
 use crate::{CpuStopwatch, Gpu, read_buffer};
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 /// Inputs of one dispatch; more are taken in several.
 pub const EVALUATIONS_PER_DISPATCH: usize = 16_384;

@@ -14,13 +14,17 @@ use crate::volume_pipeline::check_blendable;
 use crate::{Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{
-    COLOUR_BYTES, Capabilities, Counters, CoverPurpose, CpuStopwatch, DEPTH_STENCIL_BYTES,
-    DeviceError, Feature, FillPass, FillProgram, FillStep, FirstPass, FrameTimes, Holding, Picture,
-    Probed, StencilExecutor, StencilTest, StencilWork, SurfaceView, Switches, TexturedPlan, ViewId,
-    VolumeDraw, VolumeList, VolumeState, WorkDone,
+use terrafill_contract::{
+    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FrameTimes, Picture, SurfaceView,
+    ViewId, WorkDone,
 };
 use terrafill_scene::{ImageSize, MipChain};
+use terrafill_stencil::{
+    COLOUR_BYTES, CoverPurpose, DEPTH_STENCIL_BYTES, FillPass, FillProgram, FillStep, Holding,
+    Probed, StencilExecutor, StencilTest, StencilWork, TexturedPlan, VolumeDraw, VolumeList,
+    VolumeState,
+};
+use terrafill_variant::{FirstPass, Switches};
 
 /// Volumes as the passes of a stencil program draw them.
 pub trait Volumes {

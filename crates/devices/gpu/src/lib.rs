@@ -29,7 +29,7 @@ mod volume_pass;
 mod volume_pipeline;
 mod work;
 
-pub use terrafill_fill::{CpuStopwatch, WorkDone};
+pub use terrafill_contract::{CpuStopwatch, WorkDone};
 pub use terrafill_shaders::source_hash as shader_source_hash;
 
 pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, list_adapters, open_for_test};

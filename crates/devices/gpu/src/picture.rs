@@ -2,7 +2,7 @@
 //! Pictures that fragment shaders sample, with all their levels.
 
 use crate::Gpu;
-use terrafill_fill::{AddressMode, DeviceError};
+use terrafill_contract::{AddressMode, DeviceError};
 use terrafill_scene::{MipChain, MipLevel};
 
 /// A picture with all its levels on the device.

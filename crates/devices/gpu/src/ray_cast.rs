@@ -7,8 +7,8 @@ use crate::covers::full_screen;
 use crate::{RenderTargets, TimedPass};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
+use terrafill_contract::{DeviceError, SKY};
 use terrafill_core::Ellipsoid;
-use terrafill_fill::{DeviceError, SKY};
 use terrafill_scene::{Camera, ImageSize};
 
 /// Twin of `RayConstants` in `surface/ray_cast.wgsl`.

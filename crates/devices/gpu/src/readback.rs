@@ -2,7 +2,7 @@
 //! Reading textures and buffers back to the CPU.
 
 use crate::Gpu;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 /// Copies one aspect of a texture with `COPY_SRC` usage into tightly packed rows, layer by layer.
 ///

@@ -3,7 +3,8 @@
 //! of longitude and latitude. Group 3 of a textured cover.
 
 use crate::Gpu;
-use terrafill_fill::{DeviceError, RouteTexelFormat, RouteTexels, TexturedCover};
+use terrafill_contract::DeviceError;
+use terrafill_stencil::{RouteTexelFormat, RouteTexels, TexturedCover};
 
 /// A route's texture, bound.
 #[derive(Debug)]

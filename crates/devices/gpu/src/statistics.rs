@@ -3,7 +3,7 @@
 
 use crate::volume_pipeline::{unchanged, unwritten_target};
 use crate::{Gpu, read_buffer};
-use terrafill_fill::{Counters, DeviceError};
+use terrafill_contract::{Counters, DeviceError};
 
 /// Pipeline statistics of a frame's passes.
 #[derive(Debug)]

@@ -7,7 +7,7 @@ use crate::picture::{bind_picture, picture_layout, upload_picture};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, SurfaceLook, count_u32};
+use terrafill_contract::{DeviceError, SurfaceLook, count_u32};
 use terrafill_scene::MipChain;
 use terrafill_surface::{SurfaceFrame, SurfaceRenderer};
 

@@ -12,7 +12,7 @@ use crate::{Gpu, PassTimer, TimedPass};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_fill::{
+use terrafill_contract::{
     DeviceError, Picture, SKY, SurfaceView, ViewConstants, ViewId, check_target_size,
 };
 use terrafill_scene::ImageSize;

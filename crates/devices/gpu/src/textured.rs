@@ -13,12 +13,13 @@ use crate::route_table::RouteTable;
 use crate::volume_pipeline::{colour_state, colour_target};
 use crate::{Gpu, RenderTargets};
 use std::collections::HashMap;
-use terrafill_fill::{
-    AddressMode, CoverLook, CoverPurpose, DeviceError, Holding, Probed, StencilTest, TexturedCover,
-    TexturedPlan, textured_holdings,
-};
+use terrafill_contract::{AddressMode, DeviceError};
 use terrafill_scene::{ImageSize, MipChain};
 use terrafill_shaders::{TEXTURED_COVER, TexturedParts};
+use terrafill_stencil::{
+    CoverLook, CoverPurpose, Holding, Probed, StencilTest, TexturedCover, TexturedPlan,
+    textured_holdings,
+};
 
 /// Format of the probe's targets: what the shader computes, unrounded.
 const PROBE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;

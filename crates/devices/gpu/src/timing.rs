@@ -5,7 +5,7 @@
 //! (wgpu #6406, #9414), and a difference of them is no time.
 
 use crate::{Gpu, read_buffer};
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 /// Stamps of up to `PASSES` passes a frame.
 #[derive(Debug)]

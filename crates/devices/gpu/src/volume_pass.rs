@@ -2,8 +2,9 @@
 //! One pass of a stencil program while it is recorded: draws are counted, scissors set where they change.
 
 use std::ops::Range;
-use terrafill_fill::{Counters, VolumeList};
+use terrafill_contract::Counters;
 use terrafill_plan::PixelRect;
+use terrafill_stencil::VolumeList;
 
 /// A pass and what was drawn in it.
 #[derive(Debug)]

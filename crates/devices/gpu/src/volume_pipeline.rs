@@ -4,9 +4,9 @@
 //! Reversed depth: what is nearer is greater. No pipeline here writes depth.
 
 use crate::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, Gpu};
-use terrafill_fill::{
-    DepthRule, DeviceError, FaceEffect, FaceSet, FirstPass, StencilRule, StencilTest, VolumeState,
-};
+use terrafill_contract::DeviceError;
+use terrafill_stencil::{DepthRule, FaceEffect, FaceSet, StencilRule, StencilTest, VolumeState};
+use terrafill_variant::FirstPass;
 
 /// Format of the accumulation target: integers to 2²⁴ are exact in it.
 pub(crate) const NUMBER_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;

@@ -5,7 +5,8 @@
 //! measuring needs, such as queries and read-back, is made on the device itself and not counted.
 
 use crate::Gpu;
-use terrafill_fill::{DeviceError, WorkDone, changed_words};
+use terrafill_contract::{DeviceError, WorkDone};
+use terrafill_stencil::changed_words;
 
 impl Gpu {
     /// What was made and written so far.

@@ -2,7 +2,7 @@
 //! Tests that need a Vulkan device. Without one they are skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
 
-use terrafill_fill::{DeviceError, Devices, device_for_test};
+use terrafill_contract::{DeviceError, Devices, device_for_test};
 use terrafill_fixtures::globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
 use terrafill_gpu::{
     Baseline, BaselineKind, GpuOptions, POSITIVE_CONTROL, RenderTargets, make_deliberate_error,

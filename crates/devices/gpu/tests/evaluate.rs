@@ -3,7 +3,7 @@
 //! take. Skipped without a device; see `device.rs`.
 
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 use terrafill_gpu::{
     EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluator, Gpu, GpuOptions, Kernel, KernelTable,
     TableFormat, open_for_test,

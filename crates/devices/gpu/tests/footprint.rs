@@ -4,9 +4,9 @@
 
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, FootprintMesher, Geodetic, MovingFootprint, SensorCone};
-use terrafill_fill::{FixedPoint, FootprintConstants};
 use terrafill_gpu::{Evaluator, Gpu, GpuOptions, Kernel, open_for_test};
 use terrafill_shaders::shared_text;
+use terrafill_stencil::{FixedPoint, FootprintConstants};
 
 const STEPS: u32 = 256;
 

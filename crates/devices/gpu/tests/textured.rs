@@ -5,11 +5,10 @@
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
-use terrafill_core::{Ellipsoid, Geodetic, parse_regions};
-use terrafill_fill::{
-    AddressMode, CoverPurpose, DeviceError, Feature, FillInput, PreparedScene, Probed, RegionSet,
-    RouteChoice, SceneBounds, StencilTest, Switches, TexturedPlan, TexturedRegion,
+use terrafill_contract::{
+    AddressMode, DeviceError, Feature, FillInput, PreparedScene, RegionSet, SceneBounds,
 };
+use terrafill_core::{Ellipsoid, Geodetic, parse_regions};
 use terrafill_gpu::{
     BoundCover, Gpu, GpuOptions, Probe, RenderTargets, TexturedFill, open_for_test,
 };
@@ -18,8 +17,10 @@ use terrafill_scene::{
     CameraPose, ImageSize, MipChain, Outside, Overlap, SceneTexture, TextureAnchor,
     TexturePlacement, TextureShare, View,
 };
+use terrafill_stencil::{CoverPurpose, Probed, StencilTest, TexturedPlan, TexturedRegion};
 use terrafill_surface::EllipsoidKind;
 use terrafill_texture::PositionRoute;
+use terrafill_variant::{RouteChoice, Switches};
 
 const SIZE: ImageSize = ImageSize {
     width: 160,
@@ -111,7 +112,7 @@ fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FillInput {
         levels: Arc::default(),
         footprints: Arc::default(),
         bounds: SceneBounds::default(),
-        parts: terrafill_fill::LazyParts::default(),
+        parts: terrafill_contract::LazyParts::default(),
         surface: EllipsoidKind::surface(&BODY, 720),
         picture: None,
         texture: Some(Arc::new(SceneTexture {
@@ -387,7 +388,7 @@ struct Errors {
 impl Errors {
     fn of(sight: &Sight, drawn: &Drawn) -> Self {
         let mut errors = Self::default();
-        let address = terrafill_fill::PlannedTexture::of_scene(&sight.input.scene)[0].address;
+        let address = terrafill_contract::PlannedTexture::of_scene(&sight.input.scene)[0].address;
         for row in 0..SIZE.height {
             for column in 0..SIZE.width {
                 let index = (row * SIZE.width + column) as usize;

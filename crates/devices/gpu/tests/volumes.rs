@@ -5,15 +5,15 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
-use terrafill_fill::{
-    DeviceError, Picture, StencilExecutor, Switches, VolumeDraw, VolumeList, VolumeState,
-};
+use terrafill_contract::{DeviceError, Picture};
 use terrafill_fixtures::BoxOverGround;
 use terrafill_fixtures::globe::SIZE;
 use terrafill_gpu::{
     Gpu, HandedOn, RenderTargets, VolumeFill, VolumePass, VolumeShader, Volumes, open_for_test,
 };
 use terrafill_plan::PixelRect;
+use terrafill_stencil::{StencilExecutor, VolumeDraw, VolumeList, VolumeState};
+use terrafill_variant::Switches;
 
 /// A box, closed or not.
 struct Boxes {

@@ -12,7 +12,7 @@ use ash::{ext, khr, vk};
 use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use terrafill_fill::{
+use terrafill_contract::{
     DeviceError, DeviceLoss, DeviceType, THIS_MACHINE, WorkCounters, WorkDone, choose_adapter,
     device_for_test,
 };
@@ -67,7 +67,7 @@ pub struct Features {
 }
 
 /// What a device is, for reports.
-pub type DeviceFacts = terrafill_fill::DeviceFacts<Features>;
+pub type DeviceFacts = terrafill_contract::DeviceFacts<Features>;
 
 /// The queue and what is needed to hand it one submission at a time.
 #[derive(Debug)]

@@ -5,7 +5,7 @@ use crate::failure::failure;
 use crate::{Buffer, BufferUse, Gpu};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 /// View constants at binding 0 and, for fills, region constants at binding 1 and the footprints that lie
 /// behind them at binding 2.

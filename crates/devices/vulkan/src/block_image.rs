@@ -5,7 +5,7 @@ use crate::memory::{Image, ImageKind, ImageShape};
 use crate::{Buffer, Gpu};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 const ASPECT: vk::ImageAspectFlags = vk::ImageAspectFlags::COLOR;
 const READABLE: vk::ImageLayout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;

@@ -12,7 +12,7 @@ use crate::targets::Framebuffer;
 use crate::{Buffer, BufferUse, Dispatch, Gpu, Resources};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 /// A compiled vertex shader whose outputs are kept.
 #[derive(Debug)]

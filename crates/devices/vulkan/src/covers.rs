@@ -10,7 +10,8 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{CoverInstance, DeviceError, FaceSet, Feature, Holding, StencilTest};
+use terrafill_contract::{DeviceError, Feature};
+use terrafill_stencil::{CoverInstance, FaceSet, Holding, StencilTest};
 
 /// Corners of a rectangle, in a strip.
 const CORNERS: u32 = 4;

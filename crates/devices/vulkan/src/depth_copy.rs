@@ -9,7 +9,8 @@ use crate::readback::{DEPTH_AND_STENCIL, change_layout};
 use crate::targets::Targets;
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::{DEPTH_STENCIL_BYTES, DeviceError};
+use terrafill_contract::DeviceError;
+use terrafill_stencil::DEPTH_STENCIL_BYTES;
 
 /// Room for the copy, as large as the targets.
 #[derive(Debug)]

@@ -9,7 +9,7 @@ use crate::{
 };
 use ash::vk;
 use std::ops::Range;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 /// What is drawn.
 #[derive(Debug, Clone, Copy)]

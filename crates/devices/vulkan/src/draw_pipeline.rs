@@ -7,7 +7,7 @@ use crate::shader_modules::ModuleKey;
 use crate::{Gpu, Resources, Topology, VertexFormat};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, SurfaceLook};
+use terrafill_contract::{DeviceError, SurfaceLook};
 use terrafill_shaders::SpirvStage;
 
 /// Where a shader comes from.

@@ -2,7 +2,7 @@
 //! From Vulkan's result codes to typed errors.
 
 use ash::vk;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 /// The error of a call that was made for `what` and might have needed `bytes`.
 pub(crate) fn failure(result: vk::Result, what: &str, bytes: u64) -> DeviceError {

@@ -13,13 +13,16 @@ use crate::{
     PassRecorder, Probe, SharedTargets, VolumePass,
 };
 use std::sync::Arc;
-use terrafill_fill::{
-    Capabilities, Counters, CoverPurpose, CpuStopwatch, DeviceError, Feature, FillPass,
-    FillProgram, FillStep, FirstPass, FrameTimes, Holding, Picture, Probed, StencilExecutor,
-    StencilTest, StencilWork, SurfaceView, Switches, TexturedPlan, ViewId, VolumeDraw, VolumeList,
-    WorkDone,
+use terrafill_contract::{
+    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FrameTimes, Picture, SurfaceView,
+    ViewId, WorkDone,
 };
 use terrafill_scene::MipChain;
+use terrafill_stencil::{
+    CoverPurpose, FillPass, FillProgram, FillStep, Holding, Probed, StencilExecutor, StencilTest,
+    StencilWork, TexturedPlan, VolumeDraw, VolumeList,
+};
+use terrafill_variant::{FirstPass, Switches};
 
 /// Volumes as the passes of a stencil program draw them.
 pub trait Volumes {

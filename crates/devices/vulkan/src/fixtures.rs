@@ -6,7 +6,7 @@
 
 use crate::failure::failure;
 use ash::vk;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 /// Colour target: ids and colours are exact in it. Every driver can draw into it.
 pub(crate) const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;

@@ -6,7 +6,7 @@ use crate::failure::failure;
 use crate::{BlockImage, Gpu};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 const KIND: vk::DescriptorType = vk::DescriptorType::SAMPLED_IMAGE;
 

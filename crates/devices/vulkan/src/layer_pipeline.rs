@@ -9,7 +9,7 @@ use crate::shader_modules::ModuleKey;
 use crate::{DirectReport, GeometryOutput, Gpu, LayeredDepth, LayersBy, Measured, Resources};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 /// Compiled shaders that draw depth alone.
 #[derive(Debug)]

@@ -9,7 +9,7 @@ use crate::targets::Framebuffer;
 use crate::{Buffer, Gpu};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 const FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 const ASPECT: vk::ImageAspectFlags = vk::ImageAspectFlags::DEPTH;

@@ -7,7 +7,8 @@ use crate::failure::failure;
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use terrafill_fill::{DeviceError, changed_words};
+use terrafill_contract::DeviceError;
+use terrafill_stencil::changed_words;
 
 /// What a buffer is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

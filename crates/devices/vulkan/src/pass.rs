@@ -15,8 +15,9 @@ use ash::vk;
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{CoverInstance, DeviceError};
+use terrafill_contract::DeviceError;
 use terrafill_plan::PixelRect;
+use terrafill_stencil::CoverInstance;
 
 /// Width of an index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

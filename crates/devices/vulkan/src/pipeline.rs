@@ -11,11 +11,11 @@ use crate::{Gpu, VertexStage};
 use ash::vk;
 use std::ffi::CString;
 use std::sync::Arc;
-use terrafill_fill::{
-    CoverInstance, DepthRule, DeviceError, FaceEffect, FaceSet, StencilRule, StencilTest,
-    SurfaceLook, VolumeState,
-};
+use terrafill_contract::{DeviceError, SurfaceLook};
 use terrafill_shaders::HandsOn;
+use terrafill_stencil::{
+    CoverInstance, DepthRule, FaceEffect, FaceSet, StencilRule, StencilTest, VolumeState,
+};
 
 /// A geometry shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -57,7 +57,7 @@ pub enum VertexFormat {
     FixedAndFlag,
     /// A `u32`, 4 bytes.
     Word,
-    /// A [`terrafill_fill::CoverInstance`] for each instance, and the vertex's number.
+    /// A [`terrafill_stencil::CoverInstance`] for each instance, and the vertex's number.
     Cover,
 }
 

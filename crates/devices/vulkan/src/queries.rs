@@ -8,7 +8,7 @@ use crate::Gpu;
 use crate::failure::failure;
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 /// GPU times of one fill.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -7,7 +7,7 @@ use crate::targets::Targets;
 use crate::{Buffer, Gpu};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 pub(crate) const DEPTH_AND_STENCIL: vk::ImageAspectFlags = vk::ImageAspectFlags::from_raw(
     vk::ImageAspectFlags::DEPTH.as_raw() | vk::ImageAspectFlags::STENCIL.as_raw(),

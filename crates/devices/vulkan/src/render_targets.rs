@@ -17,7 +17,7 @@ use ash::vk;
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_fill::{
+use terrafill_contract::{
     DeviceError, Picture, SKY, SurfaceView, ViewConstants, ViewId, check_target_size,
 };
 use terrafill_scene::ImageSize;

@@ -7,7 +7,7 @@ use crate::image_array::ImageArray;
 use crate::{BlockImage, Buffer, BufferUse, Gpu, LayeredDepth, SampledImage, TriangleTree};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 /// What shaders find at a binding.
 #[derive(Debug, Clone)]

@@ -7,8 +7,9 @@ use crate::memory::{Image, ImageKind, ImageShape};
 use crate::{Buffer, Gpu};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::{AddressMode, DeviceError, RouteTexelFormat, RouteTexels};
+use terrafill_contract::{AddressMode, DeviceError};
 use terrafill_scene::MipChain;
+use terrafill_stencil::{RouteTexelFormat, RouteTexels};
 
 /// An image in device memory, ready to be read by fragment shaders.
 #[derive(Debug)]

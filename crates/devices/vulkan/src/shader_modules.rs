@@ -5,7 +5,7 @@ use crate::failure::failure;
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 use terrafill_shaders::{
     HandsOn, ShaderError, SpirvStage, compiled_spirv, compose, composed_to_spirv, geometry_spirv,
     wgsl_to_spirv, with_footprints,

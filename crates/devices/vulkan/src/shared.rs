@@ -3,7 +3,7 @@
 
 use crate::{Gpu, GpuOptions, RenderTargets, SharedTargets};
 use std::sync::Arc;
-use terrafill_fill::{
+use terrafill_contract::{
     Api, DeviceError, Devices, Picture, SurfaceInterface, SurfaceTargets, SurfaceView, Targets,
 };
 

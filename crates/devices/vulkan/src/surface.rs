@@ -9,7 +9,7 @@ use ash::vk;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, SurfaceLook, count_u32};
+use terrafill_contract::{DeviceError, SurfaceLook, count_u32};
 use terrafill_scene::MipChain;
 use terrafill_surface::{SurfaceFrame, SurfaceRenderer};
 

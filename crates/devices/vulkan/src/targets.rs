@@ -8,8 +8,9 @@ use crate::fixtures::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, NUMBER_FORMAT};
 use crate::memory::Image;
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, NUMBER_BYTES};
+use terrafill_contract::DeviceError;
 use terrafill_scene::ImageSize;
+use terrafill_stencil::NUMBER_BYTES;
 
 /// Colour, depth and stencil, as attachments.
 #[derive(Debug)]

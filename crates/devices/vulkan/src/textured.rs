@@ -11,11 +11,12 @@ use crate::{
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
-use terrafill_fill::{
-    AddressMode, CoverLook, CoverPurpose, DeviceError, Holding, Probed, StencilTest, TexturedCover,
-    TexturedPlan, textured_holdings,
-};
+use terrafill_contract::{AddressMode, DeviceError};
 use terrafill_scene::MipChain;
+use terrafill_stencil::{
+    CoverLook, CoverPurpose, Holding, Probed, StencilTest, TexturedCover, TexturedPlan,
+    textured_holdings,
+};
 
 /// A copy of the picture, and what is seen beyond it.
 type ImageKey = (usize, [AddressMode; 2]);

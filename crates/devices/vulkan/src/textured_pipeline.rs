@@ -16,8 +16,9 @@ use crate::{Buffer, BufferUse, Gpu, ImageBindings};
 use ash::vk;
 use std::cell::Cell;
 use std::sync::Arc;
-use terrafill_fill::{CoverLook, CoverPurpose, DeviceError, StencilTest};
+use terrafill_contract::DeviceError;
 use terrafill_shaders::{SpirvStage, TEXTURED_COVER, TexturedParts, composed_to_spirv};
+use terrafill_stencil::{CoverLook, CoverPurpose, StencilTest};
 
 /// All that makes the pipeline of a textured cover.
 #[derive(Debug, Clone, Copy)]

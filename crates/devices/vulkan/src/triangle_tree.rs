@@ -10,7 +10,7 @@ use crate::queries::{Queries, QueryKind, Span};
 use crate::{Buffer, Gpu};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 /// Triangles that rays may meet.
 #[derive(Debug)]

@@ -12,7 +12,7 @@ use std::ffi::CStr;
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 /// One message of the validation layer.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -4,7 +4,8 @@
 
 use crate::{BindGroup, Buffer, CoverState, DrawState, Geometry, PassRecorder, Pipeline};
 use std::ops::Range;
-use terrafill_fill::{Counters, VolumeList};
+use terrafill_contract::Counters;
+use terrafill_stencil::VolumeList;
 
 /// A pass and what was drawn in it. Whatever is drawn with outlives `'a`, and thereby the fill.
 pub struct VolumePass<'a, 'r, 'f> {

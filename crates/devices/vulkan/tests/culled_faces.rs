@@ -16,9 +16,9 @@
 use glam::DVec3;
 use std::sync::Arc;
 use terrafill_core::VolumeHeights;
-use terrafill_fill::{FaceSet, FixedPoint, PositionFormat, VolumeConstants, VolumePlace};
 use terrafill_fixtures::BoxOverGround;
 use terrafill_fixtures::globe::SIZE;
+use terrafill_stencil::{FaceSet, FixedPoint, PositionFormat, VolumeConstants, VolumePlace};
 use terrafill_vulkan::{
     BindGroup, Buffer, BufferUse, DrawState, Fragments, Geometry, Gpu, IndexWidth, Measured,
     Pipeline, PipelineDescriptor, PipelineState, RenderTargets, Topology, VertexFormat,

@@ -3,14 +3,14 @@
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
 
 use std::sync::Arc;
-use terrafill_fill::{
-    AddressMode, CoverLook, CoverOverrides, CoverPurpose, DepthRule, DeviceError, FaceSet,
-    RouteTexelFormat, RouteTexels, StencilOperation, StencilRule, StencilTest, TexturedRegion,
-    VolumeConstants,
-};
+use terrafill_contract::{AddressMode, DeviceError};
 use terrafill_fixtures::globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
 use terrafill_plan::PixelRect;
 use terrafill_scene::{ImageSize, MipChain};
+use terrafill_stencil::{
+    CoverLook, CoverOverrides, CoverPurpose, DepthRule, FaceSet, RouteTexelFormat, RouteTexels,
+    StencilOperation, StencilRule, StencilTest, TexturedRegion, VolumeConstants,
+};
 use terrafill_vulkan::{
     BindGroup, Buffer, BufferUse, CoverState, DepthBindings, DrawState, Fragments, Geometry, Gpu,
     GpuOptions, ImageBindings, IndexWidth, Measured, POSITIVE_CONTROL, Pipeline,

@@ -3,8 +3,9 @@
 
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, RouteTexelFormat, RouteTexels, ids_of};
+use terrafill_contract::{DeviceError, ids_of};
 use terrafill_scene::ImageSize;
+use terrafill_stencil::{RouteTexelFormat, RouteTexels};
 use terrafill_vulkan::{
     Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, GeometryOutput, Gpu, GpuOptions,
     Measured, PrimitiveStages, RenderTargets, Resource, Resources, SampledImage, Shader, Topology,

@@ -6,12 +6,12 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
-use terrafill_fill::{
-    DepthRule, DeviceError, Picture, StencilExecutor, Switches, VolumeDraw, VolumeState,
-};
+use terrafill_contract::{DeviceError, Picture};
 use terrafill_fixtures::BoxOverGround;
 use terrafill_fixtures::globe::SIZE;
 use terrafill_plan::PixelRect;
+use terrafill_stencil::{DepthRule, StencilExecutor, VolumeDraw, VolumeState};
+use terrafill_variant::Switches;
 use terrafill_vulkan::{
     Buffer, BufferUse, Fragments, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor,
     RenderTargets, Topology, VertexFormat, VertexStage, VolumeFill, VolumePass, Volumes,

@@ -7,7 +7,7 @@
 //! a lake of one pixel counts like an island of one.
 
 use crate::tolerance::{BAND_RADIUS_PX, SMALLEST_PIECE_PX};
-use terrafill_fill::Frame;
+use terrafill_contract::Frame;
 
 /// Pixels of `frame` whose left, right, upper or lower neighbour has another id.
 #[must_use]

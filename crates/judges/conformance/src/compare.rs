@@ -5,7 +5,7 @@ use crate::ErrorFigures;
 use crate::boundary::Grid;
 use crate::distance::{Measured, hausdorff_px};
 use crate::tolerance::{MAX_FOREIGN_PX, MAX_HAUSDORFF_PX};
-use terrafill_fill::Frame;
+use terrafill_contract::Frame;
 
 /// Why two pictures cannot be compared.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -4,7 +4,7 @@
 use crate::boundary::Grid;
 use crate::compare::{CompareError, check};
 use crate::distance::squared_distances;
-use terrafill_fill::{Frame, NO_REGION};
+use terrafill_contract::{Frame, NO_REGION};
 
 /// Neither picture fills the pixel.
 const BACKGROUND: [u8; 3] = [18, 20, 26];

@@ -16,7 +16,7 @@ use crate::ErrorFigures;
 use crate::compare::{CompareError, check};
 use crate::tolerance::{MOVED_SEARCH_PX, MOVED_STEP_PX};
 use std::f64::consts::TAU;
-use terrafill_fill::Frame;
+use terrafill_contract::Frame;
 
 /// Mismatched pixels that are searched for; what differs at more of them was not moved a little.
 ///

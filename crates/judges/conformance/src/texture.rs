@@ -9,7 +9,7 @@
 use crate::boundary::Grid;
 use crate::compare::{CompareError, check};
 use crate::tolerance::{BAND_RADIUS_PX, DEPTH_JUMP};
-use terrafill_fill::{AddressMode, Frame, NO_REGION, TextureCoordinates, TexturePixel};
+use terrafill_contract::{AddressMode, Frame, NO_REGION, TextureCoordinates, TexturePixel};
 
 /// Errors of a textured frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -9,8 +9,8 @@ use crate::texture::Texturing;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
+use terrafill_contract::{DeviceError, FillInput, Frame, NO_REGION, TexturePixel, paint};
 use terrafill_core::Geodetic;
-use terrafill_fill::{DeviceError, FillInput, Frame, NO_REGION, TexturePixel, paint};
 
 /// Judges frames on the CPU, in f64.
 #[derive(Debug, Default)]

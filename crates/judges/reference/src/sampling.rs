@@ -5,7 +5,7 @@
 //! are decoded from sRGB before anything is averaged and encoded again at the end (IEC 61966-2-1),
 //! as a device does with an sRGB texture.
 
-use terrafill_fill::AddressMode;
+use terrafill_contract::AddressMode;
 use terrafill_scene::{MipChain, MipLevel};
 
 /// Red, green and blue in linear light, and alpha; 0 to 1.

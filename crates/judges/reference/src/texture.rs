@@ -13,8 +13,8 @@ use crate::extent::RegionExtent;
 use crate::sampling::{Rgba, Sampler, mix};
 use glam::DVec3;
 use std::f64::consts::TAU;
+use terrafill_contract::{AddressMode, FillInput, TextureCoordinates, TexturePixel};
 use terrafill_core::Ellipsoid;
-use terrafill_fill::{AddressMode, FillInput, TextureCoordinates, TexturePixel};
 use terrafill_scene::{Camera, ImageSize, Outside, SceneTexture, TextureAnchor, TexturePlacement};
 
 /// Cosine between ray and normal below which a footprint grows no longer: at this one it is longer

@@ -4,7 +4,7 @@
 use crate::terrain::{BallView, PointConstants};
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, Picture};
+use terrafill_contract::{DeviceError, Picture};
 use terrafill_gpu::DirectPipeline;
 use terrafill_scene::ImageSize;
 use terrafill_vulkan::{

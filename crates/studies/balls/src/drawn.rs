@@ -10,7 +10,7 @@ use crate::terrain::{BallView, JudgedBalls, State, Terrain, judge};
 use crate::walk::{Walk, walk};
 use std::collections::BTreeMap;
 use std::ops::Range;
-use terrafill_fill::{CpuStopwatch, DeviceError, ids_of};
+use terrafill_contract::{CpuStopwatch, DeviceError, ids_of};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
 use terrafill_study::{
@@ -277,7 +277,7 @@ impl Measures for DrawnSession<'_> {
 mod tests {
     use super::*;
     use std::rc::Rc;
-    use terrafill_fill::Devices;
+    use terrafill_contract::Devices;
     use terrafill_results::Status;
 
     const SIZE: ImageSize = ImageSize {

@@ -7,7 +7,7 @@ use crate::integrator::{Ball, Forces, Integrator, step};
 use crate::keys::{BALLS, INTERFACE, PART, WAY};
 use crate::stepping::{BallConstants, Steps, Way};
 use crate::terrain::{CELL_M, CELLS, State};
-use terrafill_fill::{CpuStopwatch, DeviceError};
+use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_results::{ConditionKey, Verdict};
 use terrafill_study::{Context, Failure, Figures, Group, Trial, judged, trials};
 
@@ -192,7 +192,7 @@ impl Trial for Stepped {
 mod tests {
     use super::*;
     use crate::drawing::DrawsBalls;
-    use terrafill_fill::Devices;
+    use terrafill_contract::Devices;
     use terrafill_scene::ImageSize;
     use terrafill_vulkan::{Buffer, BufferUse};
 

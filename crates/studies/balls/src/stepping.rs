@@ -4,7 +4,7 @@
 use crate::drawing::{DrawsBalls, VulkanPoints, WgpuPoints};
 use crate::terrain::{State, Terrain};
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, Devices};
+use terrafill_contract::{DeviceError, Devices};
 use terrafill_gpu::{PassTimer, TimedPass};
 use terrafill_scene::ImageSize;
 use terrafill_vulkan::{

@@ -7,7 +7,7 @@ use crate::integrator::Integrator;
 use crate::keys::{self, *};
 use crate::{STUDY, drawn, metrics::METRICS, on_devices};
 use std::collections::BTreeMap;
-use terrafill_fill::CpuStopwatch;
+use terrafill_contract::CpuStopwatch;
 use terrafill_results::{ConditionKey, PlannedCase, Status, Verdict};
 use terrafill_study::{
     CaseGroup, CaseSession, Depth, Failure, Figures, Measures, Planned, Request, Study, StudyError,

@@ -12,7 +12,7 @@ use crate::on_devices::{STEPS, STEPS_PER_SECOND, STIFFNESS};
 use crate::stepping::Steps;
 use crate::terrain::{State, Terrain};
 use glam::DVec3;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 /// What a place may differ by in one step, metres along an axis: half a last place below 128 m, since balls leave the
 /// tile of 64 m, and a sixth as much again for the velocity's rounding.

@@ -16,10 +16,8 @@
 use std::collections::BTreeSet;
 use std::rc::Rc;
 use terrafill_compute::ComputeTechnique;
+use terrafill_contract::{CpuStopwatch, Devices, FillInput, PreparedScene, Targets, Technique};
 use terrafill_core::Geodetic;
-use terrafill_fill::{
-    CpuStopwatch, Devices, FillInput, PreparedScene, Targets, Technique, Variant,
-};
 use terrafill_grid::GridKind;
 use terrafill_instanced::InstancedTechnique;
 use terrafill_native::NativeTechnique;
@@ -29,6 +27,7 @@ use terrafill_scene::{CameraPose, ImageSize, Scene, View, data_dir_from_env};
 use terrafill_spiral::SpiralKind;
 use terrafill_surface::{EllipsoidKind, SurfaceKind, open_surface};
 use terrafill_tiles::TilesKind;
+use terrafill_variant::Variant;
 use terrafill_vertex::VertexTechnique;
 
 const SIZE: ImageSize = ImageSize {

@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 use terrafill_conformance::compare;
-use terrafill_fill::{FillBackend as _, FillInput, PreparedScene};
+use terrafill_contract::{FillBackend as _, FillInput, PreparedScene};
 use terrafill_gpu::{Baseline, BaselineKind, Gpu, GpuOptions, RenderTargets};
 use terrafill_plan::{LazyMesh, LeveledMeshes, PlanOptions};
 use terrafill_reference::ReferenceBackend;

@@ -8,13 +8,15 @@ use crate::subject::Subject;
 use crate::textured::{ShownPicture, is_of_2007, is_picture_scene, textured_variants};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use terrafill_contract::{Role, Technique};
 use terrafill_core::MeshOptions;
-use terrafill_fill::{Role, Technique, Variant, matrix_row, needs_ladder};
 use terrafill_gpu::BaselineKind;
 use terrafill_plan::{LazyMesh, PlanOptions, WallHeights};
 use terrafill_results::{CaseId, ConditionKey, PlannedCase};
 use terrafill_scene::{Scene, View};
+use terrafill_stencil::{matrix_row, needs_ladder};
 use terrafill_study::StudyError;
+use terrafill_variant::Variant;
 
 /// What a case is measured for; it may be several things at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

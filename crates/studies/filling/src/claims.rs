@@ -147,7 +147,7 @@ mod tests {
     use super::*;
     use crate::subject::Subject;
     use std::collections::{BTreeMap, BTreeSet};
-    use terrafill_fill::Technique;
+    use terrafill_contract::Technique;
     use terrafill_scene::Overlap;
 
     /// What each step of the vertex shader's ladder sets, by the last step that is kept before it.

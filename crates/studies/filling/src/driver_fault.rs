@@ -7,9 +7,10 @@
 
 use crate::cases::FillCase;
 use crate::subject::Subject;
-use terrafill_fill::{DepthRuleChoice, FacePasses, Frame};
+use terrafill_contract::Frame;
 use terrafill_results::Status;
 use terrafill_scene::ImageSize;
+use terrafill_variant::{DepthRuleChoice, FacePasses};
 
 /// What a driver loses.
 #[derive(Debug, Clone, Copy)]
@@ -163,10 +164,11 @@ mod tests {
     use crate::cases::Purpose;
     use crate::tests::TECHNIQUES;
     use std::sync::Arc;
+    use terrafill_contract::{FillInput, PreparedScene};
     use terrafill_core::{RegionMesh, VolumeHeights};
-    use terrafill_fill::{FillInput, PreparedScene, Variant};
     use terrafill_plan::PlanOptions;
     use terrafill_scene::{Overlap, Scene};
+    use terrafill_variant::Variant;
 
     const THIS: Driver<'_> = Driver {
         name: "llvmpipe (LLVM 15.0.6, 256 bits)",

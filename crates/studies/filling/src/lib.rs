@@ -37,7 +37,7 @@ pub use suite::{EXTREME, ExtremeChapter, ExtremeStudy, IN_HAND, extreme_sentence
 #[cfg(test)]
 mod tests {
     use terrafill_compute::ComputeTechnique;
-    use terrafill_fill::Technique;
+    use terrafill_contract::Technique;
     use terrafill_native::NativeTechnique;
     use terrafill_vertex::VertexTechnique;
 

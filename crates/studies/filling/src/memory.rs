@@ -5,7 +5,7 @@
 //! a layout takes for thousands of them.
 
 use crate::subject::Subject;
-use terrafill_fill::{GeometryBytes, MemoryUse};
+use terrafill_contract::{GeometryBytes, MemoryUse};
 use terrafill_plan::LazyMesh;
 
 /// Numbers of regions for which the formula is worked out.
@@ -86,8 +86,8 @@ mod tests {
     use super::*;
     use std::collections::BTreeMap;
     use terrafill_compute::ComputeTechnique;
+    use terrafill_contract::{RegionSet, Technique as _};
     use terrafill_core::{MeshOptions, RegionMesh};
-    use terrafill_fill::{RegionSet, Technique as _};
     use terrafill_gpu::BaselineKind;
     use terrafill_scene::{Overlap, Scene};
     use terrafill_vertex::VertexTechnique;

@@ -4,8 +4,8 @@
 use crate::cases::{FillCase, Place, Purpose};
 use std::collections::BTreeMap;
 use terrafill_conformance::{ErrorFigures, TextureErrors};
+use terrafill_contract::{Counters, DeviceError, FillInput, Frame, MemoryUse, Needs};
 use terrafill_core::{MeshOptions, VolumeHeights};
-use terrafill_fill::{Counters, DeviceError, FillInput, Frame, MemoryUse, Needs};
 use terrafill_results::{Status, Verdict};
 use terrafill_study::Failure;
 use terrafill_surface::HeightRange;
@@ -326,7 +326,7 @@ mod tests {
 
     #[test]
     fn what_has_no_picture_is_skipped_with_that_reason() {
-        let error = DeviceError::Switch(terrafill_fill::SwitchError {
+        let error = DeviceError::Switch(terrafill_variant::SwitchError {
             switch: "texture",
             found: "chosen for a scene without a picture".to_owned(),
             allowed: "plain".to_owned(),

@@ -3,7 +3,7 @@
 
 use crate::subject::{Surfaces, Techniques};
 use std::path::PathBuf;
-use terrafill_fill::{Rung, Technique};
+use terrafill_contract::{Rung, Technique};
 use terrafill_results::Skipped;
 use terrafill_scene::{ImageSize, Scene};
 use terrafill_study::{Depth, Request, StudyError};

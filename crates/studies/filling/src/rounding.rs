@@ -9,7 +9,8 @@
 //! position on is the same in every format, and verified with the default.
 
 use glam::DVec3;
-use terrafill_fill::{FillInput, FixedPoint, PositionFormat, boundary_edges};
+use terrafill_contract::FillInput;
+use terrafill_stencil::{FixedPoint, PositionFormat, boundary_edges};
 use terrafill_texture::VertexFormat;
 
 /// Pixels that rounding may move a boundary by, so that the picture may be expected to be right: a
@@ -112,10 +113,11 @@ fn largest_in_sight(input: &FillInput, from: DVec3, to: DVec3) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrafill_contract::PreparedScene;
     use terrafill_core::RegionMesh;
-    use terrafill_fill::{PreparedScene, two_float, two_float_difference_m};
     use terrafill_plan::PlanOptions;
     use terrafill_scene::ImageSize;
+    use terrafill_stencil::{two_float, two_float_difference_m};
     use terrafill_surface::EllipsoidKind;
 
     const SIZE: ImageSize = ImageSize {

@@ -2,12 +2,14 @@
 //! What draws a case: a full-screen pass, or a variant of a technique.
 
 use crate::keys::{LAYOUT, POSITIONS};
+use terrafill_contract::{Api, FillInput, GeometryBytes, Technique};
 use terrafill_core::RegionMesh;
-use terrafill_fill::{Api, FillInput, GeometryBytes, PositionFormat, Switches, Technique, Variant};
 use terrafill_gpu::BaselineKind;
 use terrafill_plan::{LazyMesh, PlanOptions};
 use terrafill_results::ConditionKey;
+use terrafill_stencil::PositionFormat;
 use terrafill_surface::SurfaceKind;
+use terrafill_variant::{Switches, Variant};
 
 /// Techniques of a study, in the order in which they are measured. The first is the one whose
 /// pictures the others' are laid beside.

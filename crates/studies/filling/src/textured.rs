@@ -17,11 +17,12 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_conformance::{TextureErrors, Verdict, compare_texture, texture_verdict};
-use terrafill_fill::{FillInput, Frame, NO_REGION, Picture, RouteChoice, Switches, Variant};
+use terrafill_contract::{FillInput, Frame, NO_REGION, Picture};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{ImageSize, Scene, SceneTexture, TextureShare, View, checker};
 use terrafill_study::{Depth, StudyError};
 use terrafill_texture::PositionRoute;
+use terrafill_variant::{RouteChoice, Switches, Variant};
 
 /// Scenes over the surfaces of published globes: made for their surfaces and views, not for the comparison of
 /// techniques.

@@ -14,11 +14,10 @@ use std::sync::Arc;
 use terrafill_conformance::{
     BAND_RADIUS_PX, BORDER_ROUNDING, ErrorFigures, Tally, compare_closely,
 };
-use terrafill_core::RegionMesh;
-use terrafill_fill::{
+use terrafill_contract::{
     CpuStopwatch, FillBackend, FillInput, Frame, Picture, PreparedScene, Role, Targets, Technique,
-    Variant,
 };
+use terrafill_core::RegionMesh;
 use terrafill_plan::PlanOptions;
 use terrafill_reference::{CloseLook, ReferenceBackend};
 use terrafill_results::{Skipped, Status, Verdict, median};
@@ -30,6 +29,7 @@ use terrafill_study::{
 use terrafill_surface::{
     AsItIs, InBackground, PieceMemory, Refinement, Surface, SurfaceKind, open_surface,
 };
+use terrafill_variant::Variant;
 
 /// The scene that is flown over where none is named: terrain grown from a seed, in tiles.
 const HOME: &str = "hills";
@@ -486,7 +486,7 @@ impl Measures for FlightsSession<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_fill::{Devices, device_for_test};
+    use terrafill_contract::{Devices, device_for_test};
     use terrafill_native::NativeTechnique;
     use terrafill_surface::EllipsoidKind;
     use terrafill_tiles::TilesKind;

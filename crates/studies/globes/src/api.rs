@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The body drawn by rays, in the form of an interface that draws surfaces.
 
-use terrafill_fill::{DeviceError, Picture, SurfaceInterface, SurfaceTargets, SurfaceView};
+use terrafill_contract::{DeviceError, Picture, SurfaceInterface, SurfaceTargets, SurfaceView};
 use terrafill_gpu::RayCast;
 
 /// The body met by a ray for each pixel. Of what it is given it reads the camera alone.

@@ -4,7 +4,7 @@
 use bytemuck::Pod;
 use glam::DVec3;
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 use terrafill_gpu::{Gpu, PassTimer, TimedPass, read_texture};
 use terrafill_scene::ImageSize;
 
@@ -266,10 +266,10 @@ pub(crate) fn no_triangles() -> terrafill_surface::SurfaceFrame {
 }
 
 /// Constants of a view without a surface.
-pub(crate) fn view_constants(eye: &crate::list::Eye) -> terrafill_fill::ViewConstants {
+pub(crate) fn view_constants(eye: &crate::list::Eye) -> terrafill_contract::ViewConstants {
     let nothing = no_triangles();
-    terrafill_fill::ViewConstants::new(&terrafill_fill::SurfaceView {
-        id: terrafill_fill::ViewId::unique(),
+    terrafill_contract::ViewConstants::new(&terrafill_contract::SurfaceView {
+        id: terrafill_contract::ViewId::unique(),
         body: &eye.body,
         camera: &eye.camera,
         size: eye.size,

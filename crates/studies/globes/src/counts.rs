@@ -17,8 +17,8 @@ use course::Course;
 use device::{Counters, NODE_TEXELS, SIDE_PX, Way};
 use scene::{Drawn, Picture};
 use std::collections::BTreeMap;
+use terrafill_contract::CpuStopwatch;
 use terrafill_control::{Node, Quadtree, Thresholds};
-use terrafill_fill::CpuStopwatch;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
 
@@ -269,7 +269,7 @@ mod tests {
     use super::*;
     use scene::ByRays;
     use std::rc::Rc;
-    use terrafill_fill::{Devices, device_for_test};
+    use terrafill_contract::{Devices, device_for_test};
 
     #[test]
     fn devices_count_what_rays_see_and_a_wide_hysteresis_comes_to_rest() {

@@ -15,7 +15,7 @@ use std::collections::btree_map::Entry;
 use std::hash::{DefaultHasher, Hasher as _};
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_fill::{
+use terrafill_contract::{
     DeviceError, SurfaceInterface, SurfaceTargets, SurfaceView, ViewConstants, ViewId,
 };
 use terrafill_gpu::RayCast;

@@ -27,7 +27,7 @@ use options::Options;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
 use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
 use terrafill_surface::{Surface, SurfaceFrame};

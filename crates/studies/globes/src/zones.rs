@@ -237,7 +237,7 @@ impl Measures for ZonePart<'_> {
 mod tests {
     use super::*;
     use std::rc::Rc;
-    use terrafill_fill::{Devices, device_for_test};
+    use terrafill_contract::{Devices, device_for_test};
 
     #[test]
     fn spikes_let_zones_cycle_and_a_wide_hysteresis_stops_them() {

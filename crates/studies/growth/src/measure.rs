@@ -10,8 +10,8 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use terrafill_contract::CpuStopwatch;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, parse_regions};
-use terrafill_fill::CpuStopwatch;
 
 /// What measures one build in a process of its own.
 #[derive(Debug, Clone)]

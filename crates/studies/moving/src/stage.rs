@@ -3,8 +3,8 @@
 
 use crate::sensors::Sensors;
 use std::collections::BTreeMap;
+use terrafill_contract::{CpuStopwatch, FillBackend, FillInput, PreparedScene, RegionSet};
 use terrafill_core::{MeshOptions, Region, RegionMesh};
-use terrafill_fill::{CpuStopwatch, FillBackend, FillInput, PreparedScene, RegionSet};
 use terrafill_plan::{LazyMesh, PlanOptions};
 use terrafill_scene::{ImageSize, Overlap, Scene, View};
 use terrafill_study::Failure;

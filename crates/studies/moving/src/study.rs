@@ -10,9 +10,7 @@ use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use terrafill_conformance::{BAND_RADIUS_PX, ErrorFigures, Tally, compare_closely, filled_only};
-use terrafill_fill::{
-    CpuStopwatch, FillBackend, FillInput, Frame, Role, Targets, Technique, Variant,
-};
+use terrafill_contract::{CpuStopwatch, FillBackend, FillInput, Frame, Role, Targets, Technique};
 use terrafill_reference::{CloseLook, ReferenceBackend};
 use terrafill_results::{Skipped, Status, Verdict};
 use terrafill_scene::{ImageSize, Overlap, Scene, SceneError};
@@ -21,6 +19,7 @@ use terrafill_study::{
     Study, StudyError, file_stem, judged, planned_case, write_rgb,
 };
 use terrafill_surface::SurfaceKind;
+use terrafill_variant::Variant;
 
 /// Scenes to move over: the first whose data is there.
 const BASES: [&str; 2] = ["countries-110m", "planet-134"];
@@ -391,7 +390,7 @@ impl Measures for SweepSession<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_fill::{Devices, device_for_test};
+    use terrafill_contract::{Devices, device_for_test};
     use terrafill_native::NativeTechnique;
     use terrafill_surface::EllipsoidKind;
     use terrafill_vertex::VertexTechnique;

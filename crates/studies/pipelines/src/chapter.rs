@@ -97,7 +97,7 @@ mod tests {
     use crate::PipelinesStudy;
     use crate::metrics::METRICS;
     use std::rc::Rc;
-    use terrafill_fill::Devices;
+    use terrafill_contract::Devices;
     use terrafill_results::made_up::{MadeUpRun, case_id};
     use terrafill_results::{
         Chapter as _, Outcome, Run, RunEnvironment, RunFolder, SCHEMA, Standing,

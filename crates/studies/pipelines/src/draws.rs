@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What opened ways do, on whichever interface: they draw, count and take time.
 
-use terrafill_fill::{CpuStopwatch, DeviceError, Picture};
+use terrafill_contract::{CpuStopwatch, DeviceError, Picture};
 use terrafill_study::Figures;
 use terrafill_vulkan::PassStatistics;
 

@@ -9,8 +9,9 @@ use crate::way::{
 };
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError, Picture, RouteTexelFormat, RouteTexels};
+use terrafill_contract::{CpuStopwatch, DeviceError, Picture};
 use terrafill_scene::ImageSize;
+use terrafill_stencil::{RouteTexelFormat, RouteTexels};
 use terrafill_vulkan::{
     Buffer, BufferUse, ComputePipeline, DirectDraw, DirectReport, Dispatch, DrawCall, DrawPipeline,
     GeometryOutput, Gpu, IndexWidth, Measured, PrimitiveStages, RenderTargets, Resource, Resources,

@@ -6,7 +6,7 @@ use crate::grid::{Grid, GridConstants, View};
 use crate::way::{ARGUMENT_BYTES, PATCH_CELLS, Way, patch_indices, points, strip_ranges, strips};
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError, Picture};
+use terrafill_contract::{CpuStopwatch, DeviceError, Picture};
 use terrafill_gpu::{DirectPipeline, Gpu, RenderTargets};
 use terrafill_scene::ImageSize;
 

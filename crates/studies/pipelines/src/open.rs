@@ -6,7 +6,7 @@ use crate::grid::{Grid, View};
 use crate::on_vulkan::OnVulkan;
 use crate::on_wgpu::OnWgpu;
 use crate::way::{Interface, Way};
-use terrafill_fill::{DeviceError, Devices};
+use terrafill_contract::{DeviceError, Devices};
 use terrafill_scene::ImageSize;
 
 /// Makes everything that a way needs.

@@ -12,7 +12,7 @@ use crate::rays::{Cut, Rays};
 use crate::way::{GRID_WAYS, Interface, Source, Strips, Way};
 use crate::{STUDY, cache, culling, layered, lights};
 use std::collections::BTreeMap;
-use terrafill_fill::ids_of;
+use terrafill_contract::ids_of;
 use terrafill_results::{ConditionKey, Verdict};
 use terrafill_scene::ImageSize;
 use terrafill_study::{
@@ -285,7 +285,7 @@ mod tests {
     use super::*;
     use crate::images::{PICTURE, run_folder};
     use std::rc::Rc;
-    use terrafill_fill::Devices;
+    use terrafill_contract::Devices;
     use terrafill_results::Status;
 
     fn figure(verdict: &Verdict, name: &str) -> f64 {
@@ -299,7 +299,7 @@ mod tests {
             Interface::Wgpu => terrafill_gpu::shared_gpu(&devices).map(drop),
             Interface::Vulkan => terrafill_vulkan::shared_gpu(&devices).map(drop),
         };
-        terrafill_fill::device_for_test(opened).is_some()
+        terrafill_contract::device_for_test(opened).is_some()
     }
 
     fn check(group: &CaseGroup<Grids>, expected: usize) {

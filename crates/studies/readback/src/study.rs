@@ -5,7 +5,7 @@ use crate::metrics::{API, BYTES, CPU, METRICS, RATE, SIZE_PX, WALL};
 use crate::{STUDY, chapter::CHAPTER};
 use std::hash::{DefaultHasher, Hasher as _};
 use terrafill_conformance::{globe_mismatch, rolled_globe};
-use terrafill_fill::{CpuStopwatch, Picture, SurfaceInterface, SurfaceTargets};
+use terrafill_contract::{CpuStopwatch, Picture, SurfaceInterface, SurfaceTargets};
 use terrafill_results::{ConditionKey, Verdict};
 use terrafill_scene::ImageSize;
 use terrafill_study::{
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
     use std::path::Path;
     use std::rc::Rc;
-    use terrafill_fill::{Devices, device_for_test};
+    use terrafill_contract::{Devices, device_for_test};
     use terrafill_results::{
         Block, Chapter as _, Outcome, Run, RunEnvironment, RunFolder, SCHEMA, Status,
     };

@@ -7,10 +7,11 @@ mod on_wgpu;
 use self::on_vulkan::OnVulkan;
 use self::on_wgpu::OnWgpu;
 use crate::source::VolumeSource;
-use terrafill_fill::{
-    Counters, CpuStopwatch, DeviceError, Devices, FrameTimes, Picture, StencilExecutor,
-    StencilWork, SurfaceView, Switches,
+use terrafill_contract::{
+    Counters, CpuStopwatch, DeviceError, Devices, FrameTimes, Picture, SurfaceView,
 };
+use terrafill_stencil::{StencilExecutor, StencilWork};
+use terrafill_variant::Switches;
 
 /// An interface that draws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -13,7 +13,7 @@ use crate::work::Scene;
 use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError, Devices, FrameTimes};
+use terrafill_contract::{CpuStopwatch, DeviceError, Devices, FrameTimes};
 use terrafill_gpu::{Gpu, PassTimer, TimedPass, read_texture};
 use terrafill_study::Failure;
 

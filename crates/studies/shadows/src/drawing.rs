@@ -19,12 +19,12 @@ use crate::work::{End, ROUNDING_PX, Scene};
 use glam::{DMat3, DVec3};
 use std::cell::LazyCell;
 use terrafill_casters::Volume;
+use terrafill_contract::{DeviceError, Devices, Frame, SurfaceView, ViewId, mask_hash};
 use terrafill_core::{Ellipsoid, VolumeHeights};
-use terrafill_fill::{
-    DeviceError, Devices, FixedPoint, Frame, PositionFormat, StencilWork, SurfaceView, ViewId,
-    VolumeConstants, VolumeList, VolumePlace, mask_hash,
-};
 use terrafill_scene::{Camera, ImageSize};
+use terrafill_stencil::{
+    FixedPoint, PositionFormat, StencilWork, VolumeConstants, VolumeList, VolumePlace,
+};
 use terrafill_study::Failure;
 
 /// What a device drew, over all channels.
@@ -153,7 +153,7 @@ impl Scene {
                 VolumeSource::Adjacent(own) => Some(own.clone()),
                 _ => None,
             };
-            let work = move |list: Vec<terrafill_fill::Volume>| {
+            let work = move |list: Vec<terrafill_stencil::Volume>| {
                 let constants = constants(&camera, list.len());
                 let mut constants = bytemuck::cast_slice(&constants).to_vec();
                 if let Some(own) = &words {

@@ -11,7 +11,8 @@ use crate::scissor::{Rectangle, depths_of_parts, of_parts};
 use crate::way::{Bounds, Counting, Cut, DeviceWay, Positions, Silhouettes};
 use crate::work::{BOUNDS_SHARE, End, Pass, Scene};
 use terrafill_casters::{EdgeTable, Side, Volume};
-use terrafill_fill::{CpuStopwatch, FacePasses};
+use terrafill_contract::CpuStopwatch;
+use terrafill_variant::FacePasses;
 
 /// A rung: what it adds, and what the paper says of that.
 #[derive(Debug, Clone, Copy, PartialEq)]

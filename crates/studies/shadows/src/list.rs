@@ -19,9 +19,9 @@ use crate::way::Silhouettes;
 use crate::way::{Bounds, Counting, Cut, DeviceWay, Positions};
 use crate::work::{End, NEARS, Scissor};
 use terrafill_casters::Policy;
-use terrafill_fill::FacePasses;
 use terrafill_results::PlannedCase;
 use terrafill_study::Depth;
+use terrafill_variant::FacePasses;
 
 /// Suns over the deck: elevation and azimuth from the dock, degrees.
 const DECK_SUNS: [[f64; 2]; 2] = [[30.0, -60.0], [5.0, 0.0]];

@@ -15,10 +15,12 @@ use crate::work::Scene;
 use glam::DVec4;
 use std::ops::Range;
 use terrafill_casters::Volume;
-use terrafill_fill::{DepthRange, DepthRule, DeviceError, FillCommand, FillProgram, Switches};
+use terrafill_contract::DeviceError;
 use terrafill_plan::{DrawnAs, NearRectangle, PixelRect};
 use terrafill_scene::Overlap;
+use terrafill_stencil::{DepthRange, DepthRule, FillCommand, FillProgram};
 use terrafill_study::Failure;
+use terrafill_variant::Switches;
 
 /// Volumes that 8 bits count over one pixel.
 const COUNTABLE: usize = 255;
@@ -29,7 +31,7 @@ const ABSOLUTE: f64 = 1.0 / (1 << 22) as f64;
 /// What a channel's program runs on.
 pub(crate) struct Loadable {
     pub(crate) source: VolumeSource,
-    pub(crate) list: Vec<terrafill_fill::Volume>,
+    pub(crate) list: Vec<terrafill_stencil::Volume>,
     pub(crate) left_out: usize,
 }
 
@@ -121,7 +123,7 @@ impl Scene {
                 Cut::Rectangle => rectangle,
                 Cut::Off | Cut::Culled => Rectangle::whole(view),
             };
-            list.push(terrafill_fill::Volume {
+            list.push(terrafill_stencil::Volume {
                 near_rectangle: NearRectangle::by_bounds(is_near),
                 depth,
                 ..listed(drawn, volumes.ranges.len())
@@ -181,8 +183,8 @@ fn depth_range(view: &View, corners: impl Iterator<Item = DVec4>) -> DepthRange 
 }
 
 /// A volume over the whole depth.
-pub(crate) fn listed(rectangle: Rectangle, geometry: usize) -> terrafill_fill::Volume {
-    terrafill_fill::Volume {
+pub(crate) fn listed(rectangle: Rectangle, geometry: usize) -> terrafill_stencil::Volume {
+    terrafill_stencil::Volume {
         drawn_as: DrawnAs::Volume,
         screen_rect: PixelRect {
             left: rectangle.columns[0],
@@ -201,7 +203,7 @@ pub(crate) fn listed(rectangle: Rectangle, geometry: usize) -> terrafill_fill::V
 pub(crate) fn program(
     way: DeviceWay,
     switches: &Switches,
-    list: &[terrafill_fill::Volume],
+    list: &[terrafill_stencil::Volume],
 ) -> Result<FillProgram, DeviceError> {
     let mut program = match way.counting {
         Counting::Parts { is_guarded: true } => together(switches, list, COUNTABLE)?,
@@ -217,7 +219,7 @@ pub(crate) fn program(
                 FillCommand::Volumes { rule, .. } => {
                     let mut always = command.clone();
                     if let FillCommand::Volumes { rule: own, .. } = &mut always {
-                        *own = terrafill_fill::StencilRule {
+                        *own = terrafill_stencil::StencilRule {
                             depth: DepthRule::Always,
                             ..*rule
                         };
@@ -236,7 +238,7 @@ pub(crate) fn program(
 /// Passes that count so many volumes each.
 fn together(
     switches: &Switches,
-    list: &[terrafill_fill::Volume],
+    list: &[terrafill_stencil::Volume],
     count: usize,
 ) -> Result<FillProgram, DeviceError> {
     let mut program = FillProgram::default();

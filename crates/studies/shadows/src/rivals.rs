@@ -19,7 +19,7 @@ use crate::named::named;
 use crate::view::View;
 use crate::way::{Positions, count};
 use crate::work::Scene;
-use terrafill_fill::Devices;
+use terrafill_contract::Devices;
 use terrafill_study::Failure;
 
 /// A triangle counts as over a place where the place is this many pixels below it: where rasterisers round corners to

@@ -15,7 +15,7 @@ pub(crate) struct EyeVolumes {
     pub(crate) vertices: Vec<[u32; 4]>,
     /// Of triangles, counter-clockwise seen from outside.
     pub(crate) indices: Vec<u32>,
-    /// Of each volume, by [`terrafill_fill::Volume::geometry`]: its range of indices.
+    /// Of each volume, by [`terrafill_stencil::Volume::geometry`]: its range of indices.
     pub(crate) ranges: Vec<Range<u32>>,
 }
 
@@ -28,7 +28,7 @@ pub(crate) struct EyeMesh {
     pub(crate) pieces: Vec<[u32; 4]>,
     /// A bit a triangle.
     pub(crate) lit: Vec<u32>,
-    /// Of each caster, by [`terrafill_fill::Volume::geometry`]: its range of pieces.
+    /// Of each caster, by [`terrafill_stencil::Volume::geometry`]: its range of pieces.
     pub(crate) ranges: Vec<Range<u32>>,
 }
 

@@ -19,7 +19,7 @@ use crate::work::{End, Scene, prepared_port};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use terrafill_casters::EdgeTable;
-use terrafill_fill::{CpuStopwatch, FrameTimes};
+use terrafill_contract::{CpuStopwatch, FrameTimes};
 use terrafill_results::{PlannedCase, Verdict};
 use terrafill_study::{
     CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,

@@ -6,9 +6,9 @@
 //! Exact for closed volumes: in a tile that is left out each pixel sees what lies outside of the volume, whose
 //! faces cancel there.
 
-use terrafill_fill::{DepthRange, Volume};
 use terrafill_plan::PixelRect;
 use terrafill_scene::ImageSize;
+use terrafill_stencil::{DepthRange, Volume};
 
 /// Pixels along a tile, as where a GPU keeps a least and a greatest depth.
 const TILE: u32 = 16;

@@ -10,7 +10,7 @@ use crate::view::View;
 use crate::work::End;
 use glam::{DVec3, Vec3};
 use terrafill_casters::Volume;
-use terrafill_fill::{ColourWay, DepthRuleChoice, FacePasses, Switches};
+use terrafill_variant::{ColourWay, DepthRuleChoice, FacePasses, Switches};
 
 /// Where silhouettes are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,11 +6,11 @@ use crate::pose::{MAX_APART_PX, Matrices, Pose, apart_px};
 use crate::way::{NAME, Way};
 use serde::Deserialize;
 use serde_json::{Value, json};
-use terrafill_core::Region;
-use terrafill_fill::{
+use terrafill_contract::{
     Capabilities, Counters, DeviceError, FillBackend, FillInput, Frame, FrameTimes, MAX_REGIONS,
     MemoryUse, NO_REGION, Picture, Uploaded, ViewId, paint,
 };
+use terrafill_core::Region;
 use terrafill_scene::ImageSize;
 
 /// CPU time that the frames of a sample take at least, milliseconds: fifty of the clock's steps.

@@ -13,7 +13,7 @@ use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use sysinfo::{Pid, ProcessRefreshKind, ProcessesToUpdate, System};
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 use terrafill_scene::ImageSize;
 
 const DRIVER: &str = include_str!("../driver/driver.mjs");

@@ -5,14 +5,15 @@ use crate::backend::CesiumBackend;
 use crate::browser::Browser;
 use crate::way::{NAME, Way};
 use std::path::{Path, PathBuf};
-use terrafill_core::{EdgeRule, Ellipsoid, RegionMesh};
-use terrafill_fill::{
-    Api, DeviceError, FillBackend, GeometryBytes, Parameter, Role, Rung, SwitchError, THIS_MACHINE,
-    Targets, Technique, Variant, layouts,
+use terrafill_contract::{
+    Api, DeviceError, FillBackend, GeometryBytes, Role, Rung, THIS_MACHINE, Targets, Technique,
+    layouts,
 };
+use terrafill_core::{EdgeRule, Ellipsoid, RegionMesh};
 use terrafill_gpu::shared_targets;
 use terrafill_scene::{Overlap, Scene};
 use terrafill_surface::{EllipsoidKind, SurfaceKind as _};
+use terrafill_variant::{Parameter, SwitchError, Variant};
 
 /// Variable that names the folder into which `ci/peers.sh` has fetched CesiumJS.
 pub const FOLDER: &str = "TERRAFILL_PEERS";

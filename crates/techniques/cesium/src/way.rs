@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The ways in which CesiumJS fills.
 
-use terrafill_fill::{SwitchError, Variant};
+use terrafill_variant::{SwitchError, Variant};
 
 /// Of the technique.
 pub(crate) const NAME: &str = "cesium";

@@ -7,7 +7,7 @@
 use crate::expansion::OutputSlice;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-use terrafill_fill::FillInput;
+use terrafill_contract::FillInput;
 use terrafill_plan::PlannedRegion;
 
 /// Twin of `CullRegion` in `compute/cull.wgsl`.

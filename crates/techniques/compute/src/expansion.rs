@@ -4,8 +4,9 @@
 use crate::layout::MeshSlice;
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
+use terrafill_contract::DeviceError;
 use terrafill_core::RegionMesh;
-use terrafill_fill::{DeviceError, DrawnParts};
+use terrafill_stencil::DrawnParts;
 
 /// Invocations of a workgroup of `compute/expand.wgsl`.
 pub(crate) const WORKGROUP_SIZE: usize = 64;

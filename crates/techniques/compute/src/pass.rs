@@ -4,8 +4,8 @@
 use crate::culling::DRAW_ARGUMENTS_BYTES;
 use crate::expansion::WORKGROUP_SIZE;
 use crate::volumes::ComputeVolumes;
-use terrafill_fill::{VolumeDraw, VolumeList};
 use terrafill_gpu::{Gpu, VolumePass, Volumes};
+use terrafill_stencil::{VolumeDraw, VolumeList};
 
 impl Volumes for ComputeVolumes {
     fn ensure(&mut self, gpu: &Gpu, _list: &VolumeList, draw: &VolumeDraw<'_>, _blends: bool) {

@@ -3,8 +3,9 @@
 
 use crate::{ComputeVariant, Expansion, GpuCulling, Transform};
 use std::collections::HashMap;
-use terrafill_fill::{DeviceError, Feature, Holding, VolumeState};
+use terrafill_contract::DeviceError;
 use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
+use terrafill_stencil::{Holding, VolumeState};
 
 /// What each bind group holds, by its number; 0 holds view and regions.
 #[derive(Debug)]
@@ -154,7 +155,7 @@ impl Pipelines {
 
     /// What the others are for.
     pub(crate) fn holdings(&self) -> impl Iterator<Item = Holding> {
-        Holding::pipelines(self.volumes.keys().copied().map(Feature::of_state))
+        Holding::pipelines(self.volumes.keys().copied().map(VolumeState::feature))
     }
 
     /// A pipeline that [`Pipelines::ensure`] made.

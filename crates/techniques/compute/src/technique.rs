@@ -2,13 +2,14 @@
 //! The technique as the contract knows it.
 
 use crate::{ComputeBackend, ComputeVariant, Expansion, GpuCulling, compute_bytes, placed_bytes};
-use terrafill_core::RegionMesh;
-use terrafill_fill::{
-    Api, Climb, DeviceError, FillBackend, GeometryBytes, Parameter, Role, Rung, SwitchError,
-    Targets, Technique, Variant, layouts,
+use terrafill_contract::{
+    Api, DeviceError, FillBackend, GeometryBytes, Role, Rung, Targets, Technique, layouts,
 };
+use terrafill_core::RegionMesh;
 use terrafill_gpu::shared_targets;
 use terrafill_scene::{Overlap, Scene};
+use terrafill_stencil::Climb;
+use terrafill_variant::{Parameter, SwitchError, Variant};
 
 /// The geometry shader emulated in compute, on wgpu.
 #[derive(Debug)]
@@ -143,7 +144,7 @@ impl Technique for ComputeTechnique {
 mod tests {
     use super::*;
     use crate::{GpuCulling, Transform};
-    use terrafill_fill::matrix_row;
+    use terrafill_stencil::matrix_row;
 
     #[test]
     fn a_variant_is_read_as_it_was_set() {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The switches of this backend.
 
-use terrafill_fill::{SwitchError, Switches, Variant};
 use terrafill_plan::PartCulling;
+use terrafill_variant::{SwitchError, Switches, Variant};
 
 /// When volumes are made from meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]

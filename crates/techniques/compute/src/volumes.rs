@@ -6,12 +6,14 @@ use crate::expansion::{Capacity, ExpansionPlan, OutputSlice, PlacingPlan, WorkGr
 use crate::layout::{MeshSlice, SceneGeometry};
 use crate::pipeline::Pipelines;
 use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling, Transform};
-use terrafill_fill::{
-    BottomCaps, DeviceError, DrawnOfMeshes, DrawnParts, Feature, FillInput, Holding, LaidOut,
-    MemoryUse, RegionVolumes, Switches, VolumeBackend, VolumeConstants, VolumePlace, WallIndices,
-};
+use terrafill_contract::{DeviceError, Feature, FillInput, MemoryUse};
 use terrafill_gpu::{Gpu, VolumeFill, read_buffer};
 use terrafill_plan::PlannedRegion;
+use terrafill_stencil::{
+    BottomCaps, DrawnOfMeshes, DrawnParts, Holding, LaidOut, RegionVolumes, VolumeBackend,
+    VolumeConstants, VolumePlace, WallIndices,
+};
+use terrafill_variant::Switches;
 
 /// Shadow volumes made by a compute pass.
 pub type ComputeBackend = VolumeBackend<ComputeVolumes>;
@@ -600,8 +602,8 @@ impl ComputeVolumes {
 mod tests {
     use super::*;
     use crate::compute_bytes;
+    use terrafill_contract::{FillBackend as _, PreparedScene, RegionSet};
     use terrafill_core::RegionMesh;
-    use terrafill_fill::{FillBackend as _, PreparedScene, RegionSet};
     use terrafill_gpu::{GpuOptions, RenderTargets, open_for_test};
     use terrafill_plan::PlanOptions;
     use terrafill_scene::{ImageSize, Scene};

@@ -9,17 +9,17 @@ use crate::layout::SceneGeometry;
 use crate::{InstancedBackend, instanced_bytes};
 use std::sync::Arc;
 use terrafill_conformance::{compare, filled_only, verdict};
-use terrafill_core::{Geodetic, RegionMesh};
-use terrafill_fill::{
-    BottomCap, ColourWay, DepthRuleChoice, FacePasses, FillBackend as _, FillInput, Frame,
-    GeometryBytes, PreparedScene, RegionSet, Switches,
+use terrafill_contract::{
+    FillBackend as _, FillInput, Frame, GeometryBytes, PreparedScene, RegionSet,
 };
+use terrafill_core::{Geodetic, RegionMesh};
 use terrafill_gpu::{Gpu, RenderTargets, open_for_test};
 use terrafill_grid::GridKind;
 use terrafill_plan::{NearRectangle, PlanOptions};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{CameraPose, ImageSize, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};
+use terrafill_variant::{BottomCap, ColourWay, DepthRuleChoice, FacePasses, Switches};
 
 const SIZE: ImageSize = ImageSize {
     width: 256,

@@ -5,11 +5,10 @@
 
 use std::borrow::Borrow;
 use std::ops::Range;
+use terrafill_contract::{GeometryBytes, RegionSet};
 use terrafill_core::RegionMesh;
-use terrafill_fill::{
-    FixedPoint, GeometryBytes, IndexLists, LaidOut, RegionSet, VolumePlace, boundary_edges,
-};
 use terrafill_plan::PartOrder;
+use terrafill_stencil::{FixedPoint, IndexLists, LaidOut, VolumePlace, boundary_edges};
 
 /// A position in its region's units.
 pub(crate) type Position = [i32; 3];

@@ -3,8 +3,9 @@
 
 use crate::layout::Position;
 use std::collections::HashMap;
-use terrafill_fill::{DeviceError, Feature, Holding, VolumeState};
+use terrafill_contract::{DeviceError, Feature};
 use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
+use terrafill_stencil::{Holding, VolumeState};
 
 /// Which part of a volume a pipeline draws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -73,7 +74,7 @@ impl Pipelines {
     pub(crate) fn holdings(&self) -> impl Iterator<Item = Holding> {
         let features = self.volumes.keys().map(|(part, state)| match part {
             Part::BottomCap if !matches!(state, VolumeState::Count { .. }) => Feature::BottomCaps,
-            _ => Feature::of_state(*state),
+            _ => state.feature(),
         });
         Holding::pipelines(features)
     }

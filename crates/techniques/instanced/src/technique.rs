@@ -2,13 +2,14 @@
 //! The technique as the contract knows it.
 
 use crate::{InstancedBackend, instanced_bytes};
-use terrafill_core::RegionMesh;
-use terrafill_fill::{
-    Api, Climb, DeviceError, FillBackend, GeometryBytes, Parameter, Role, Rung, SwitchError,
-    Targets, Technique, Variant, layouts,
+use terrafill_contract::{
+    Api, DeviceError, FillBackend, GeometryBytes, Role, Rung, Targets, Technique, layouts,
 };
+use terrafill_core::RegionMesh;
 use terrafill_gpu::shared_targets;
 use terrafill_scene::{Overlap, Scene};
+use terrafill_stencil::Climb;
+use terrafill_variant::{Parameter, SwitchError, Variant};
 
 /// Walls as instances, on wgpu.
 #[derive(Debug)]

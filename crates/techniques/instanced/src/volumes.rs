@@ -5,12 +5,13 @@ use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pipeline::{Part, Pipelines, VERTICES, WALL_CORNERS, WALLS};
 use std::collections::BTreeMap;
 use std::slice::from_ref;
-use terrafill_fill::{
-    BottomCaps, DeviceError, Feature, FillInput, GeometryBytes, Holding, LaidOut, MemoryUse,
-    RegionVolumes, Switches, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
-};
+use terrafill_contract::{DeviceError, Feature, FillInput, GeometryBytes, MemoryUse};
 use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
 use terrafill_plan::{PartCulling, SeenParts};
+use terrafill_stencil::{
+    BottomCaps, Holding, LaidOut, RegionVolumes, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
+};
+use terrafill_variant::Switches;
 
 /// Shadow volumes whose walls are instances.
 pub type InstancedBackend = VolumeBackend<InstancedVolumes>;

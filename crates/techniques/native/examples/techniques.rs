@@ -6,14 +6,15 @@
 
 use std::error::Error;
 use std::time::Instant;
+use terrafill_contract::{FillBackend as _, FillInput, PreparedScene};
 use terrafill_core::RegionMesh;
-use terrafill_fill::{FillBackend as _, FillInput, PreparedScene, Switches};
 use terrafill_native::{
     Extrusion, Indices, NativeBackend, NativeVariant, StripCounts, native_bytes, strip_counts,
 };
 use terrafill_plan::{LazyMesh, PlanOptions};
 use terrafill_scene::{ImageSize, Scene, data_dir_from_env};
 use terrafill_surface::{EllipsoidKind, open_surface};
+use terrafill_variant::Switches;
 use terrafill_vulkan::{Gpu, GpuOptions, RenderTargets};
 
 #[allow(

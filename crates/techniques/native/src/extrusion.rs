@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The techniques: what is drawn, and by which shaders.
 
-use terrafill_fill::{DepthRule, VolumeState};
+use terrafill_stencil::{DepthRule, VolumeState};
 use terrafill_vulkan::{
     Fragments, GeometryStage, HandsOn, PipelineDescriptor, Topology, VertexFormat, VertexStage,
 };

@@ -8,10 +8,8 @@ use crate::extrusion::Part;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{
-    DeviceError, Feature, FillPass, FillProgram, FillStep, Holding, MemoryUse, VolumeDraw,
-    VolumeList,
-};
+use terrafill_contract::{DeviceError, Feature, MemoryUse};
+use terrafill_stencil::{FillPass, FillProgram, FillStep, Holding, VolumeDraw, VolumeList};
 use terrafill_vulkan::{Buffer, BufferUse, DrawCommand, Gpu, IndexWidth};
 
 /// One draw that the commands are for.
@@ -164,9 +162,10 @@ fn commands_of(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_fill::{DepthRange, Switches, Volume};
     use terrafill_plan::{DrawnAs, NearRectangle, PixelRect};
     use terrafill_scene::Overlap;
+    use terrafill_stencil::{DepthRange, Volume};
+    use terrafill_variant::Switches;
 
     #[test]
     fn every_volume_of_a_step_has_its_command_and_no_other_has_one() {

@@ -6,7 +6,7 @@
 //! a vertex has many they are in the order of their ends, and not each is looked at.
 
 use terrafill_core::RegionMesh;
-use terrafill_fill::boundary_edges;
+use terrafill_stencil::boundary_edges;
 
 /// A side of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

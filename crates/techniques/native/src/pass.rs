@@ -9,11 +9,12 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{
-    BottomCaps, DeviceError, DrawnOfMeshes, DrawnParts, Feature, FillInput, FillProgram,
-    GeometryBytes, Holding, IndexLists, LaidOut, MemoryUse, RegionVolumes, Switches, VolumeBackend,
-    VolumeDraw, VolumeList, VolumePlace, VolumeState,
+use terrafill_contract::{DeviceError, Feature, FillInput, GeometryBytes, MemoryUse};
+use terrafill_stencil::{
+    BottomCaps, DrawnOfMeshes, DrawnParts, FillProgram, Holding, IndexLists, LaidOut,
+    RegionVolumes, VolumeBackend, VolumeDraw, VolumeList, VolumePlace, VolumeState,
 };
+use terrafill_variant::Switches;
 use terrafill_vulkan::{
     Buffer, BufferUse, DrawCommand, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor,
     VolumeFill, VolumePass, Volumes,
@@ -345,7 +346,7 @@ impl Volumes for NativeVolumes {
     fn ensure(&mut self, gpu: &Arc<Gpu>, draw: &VolumeDraw<'_>) -> Result<(), DeviceError> {
         for (_, descriptor) in self.pipelines_of(draw.state, draw.without_bottom) {
             if let Entry::Vacant(place) = self.pipelines.entry(descriptor) {
-                let feature = Feature::of_state(draw.state);
+                let feature = draw.state.feature();
                 place.insert((Pipeline::new(gpu, descriptor)?, feature));
             }
         }
@@ -446,11 +447,12 @@ fn check_numbers(technique: Extrusion, vertices: usize) -> Result<(), DeviceErro
 mod tests {
     use super::*;
     use crate::{Indices, strip_counts};
+    use terrafill_contract::{FillBackend as _, PreparedScene};
     use terrafill_core::RegionMesh;
-    use terrafill_fill::{ColourWay, FillBackend as _, PreparedScene};
     use terrafill_plan::PlanOptions;
     use terrafill_scene::{ImageSize, Scene};
     use terrafill_surface::{EllipsoidKind, open_surface};
+    use terrafill_variant::ColourWay;
     use terrafill_vulkan::Measured;
 
     #[test]

@@ -2,12 +2,14 @@
 //! The technique as the contract knows it.
 
 use crate::{NativeBackend, NativeVariant, native_bytes, native_layouts};
-use terrafill_core::RegionMesh;
-use terrafill_fill::{
-    Api, Climb, DeviceError, FillBackend, GeometryBytes, Parameter, Role, Rung, SwitchError,
-    THIS_MACHINE, Targets, Technique, Variant, layouts,
+use terrafill_contract::{
+    Api, DeviceError, FillBackend, GeometryBytes, Role, Rung, THIS_MACHINE, Targets, Technique,
+    layouts,
 };
+use terrafill_core::RegionMesh;
 use terrafill_scene::{Overlap, Scene};
+use terrafill_stencil::Climb;
+use terrafill_variant::{Parameter, SwitchError, Variant};
 use terrafill_vulkan::shared_targets;
 
 /// Geometry shaders, and the vertex shader as their control, on Vulkan itself.
@@ -161,8 +163,9 @@ mod tests {
     use super::*;
     use crate::Extrusion;
     use std::rc::Rc;
-    use terrafill_fill::{Devices, matrix_row};
+    use terrafill_contract::Devices;
     use terrafill_scene::ImageSize;
+    use terrafill_stencil::matrix_row;
 
     fn main() -> Variant {
         NativeTechnique.main(Overlap::Disjoint)

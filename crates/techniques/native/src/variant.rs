@@ -2,9 +2,10 @@
 //! A variant of the native backend: how volumes come about, and the switches of the fill.
 
 use crate::{Extrusion, Indices};
-use terrafill_fill::{SwitchError, Switches, Variant, WallIndices};
 use terrafill_plan::PartCulling;
 use terrafill_scene::Overlap;
+use terrafill_stencil::WallIndices;
+use terrafill_variant::{SwitchError, Switches, Variant};
 
 /// A variant: how volumes come about, and the switches of the fill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -8,10 +8,10 @@
 use crate::{DRAPED_MESH, FLAT_MESH, MASK_TEXTURE, OverlayTechnique};
 use std::rc::Rc;
 use terrafill_conformance::{ErrorFigures, compare, movement_in_picture};
-use terrafill_core::{Geodetic, RegionMesh, parse_regions};
-use terrafill_fill::{
+use terrafill_contract::{
     Devices, FillBackend, FillInput, Frame, PreparedScene, RegionSet, Targets, Technique as _,
 };
+use terrafill_core::{Geodetic, RegionMesh, parse_regions};
 use terrafill_grid::GridKind;
 use terrafill_plan::PlanOptions;
 use terrafill_reference::ReferenceBackend;

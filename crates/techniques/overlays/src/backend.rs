@@ -2,7 +2,7 @@
 //! The backend of every overlay: one pass over the surface that the targets hold.
 
 use std::fmt::Debug;
-use terrafill_fill::{
+use terrafill_contract::{
     Capabilities, Colours, Counters, CpuStopwatch, DeviceError, FillBackend, FillInput, Frame,
     FrameTimes, MemoryUse, Picture, Uploaded, ViewId, WorkDone,
 };

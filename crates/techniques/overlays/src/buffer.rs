@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A buffer that is written only where its bytes change.
 
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 use terrafill_gpu::Gpu;
 
 /// A buffer and what it holds.

@@ -10,8 +10,8 @@
 
 use crate::near::{Bounds, Boxes, bounds_of};
 use glam::DVec3;
+use terrafill_contract::FillInput;
 use terrafill_core::{Ellipsoid, RegionMesh};
-use terrafill_fill::FillInput;
 use terrafill_plan::PlannedRegion;
 
 /// Corners of all pieces, and triangles of them.

@@ -9,11 +9,11 @@ use crate::backend::Overlay;
 use crate::buffer::HeldBuffer;
 use crate::clip::Pieces;
 use crate::pipeline::OverlayPipeline;
-use terrafill_fill::{
-    Colours, Counters, DeviceError, FillInput, GeometryBytes, MemoryUse, SwitchError, Variant,
-    ViewId, count_u32,
+use terrafill_contract::{
+    Colours, Counters, DeviceError, FillInput, GeometryBytes, MemoryUse, ViewId, count_u32,
 };
 use terrafill_gpu::{Gpu, RenderTargets};
+use terrafill_variant::{SwitchError, Variant};
 
 /// Key of the share by which depth is greater than the surface's.
 pub(crate) const OFFSET: &str = "depth-offset";

@@ -8,13 +8,12 @@
 use crate::backend::Overlay;
 use crate::buffer::HeldBuffer;
 use crate::pipeline::OverlayPipeline;
+use terrafill_contract::{Colours, Counters, DeviceError, FillInput, GeometryBytes, MemoryUse};
 use terrafill_core::{RegionMesh, VolumeHeights};
-use terrafill_fill::{
-    Colours, Counters, DeviceError, FillInput, FixedPoint, GeometryBytes, IndexLists, MemoryUse,
-    PositionFormat, SwitchError, Variant, VolumeConstants, VolumePlace,
-};
 use terrafill_gpu::{Gpu, RenderTargets};
 use terrafill_plan::PlannedRegion;
+use terrafill_stencil::{FixedPoint, IndexLists, PositionFormat, VolumeConstants, VolumePlace};
+use terrafill_variant::{SwitchError, Variant};
 
 /// Largest number of vertices that 16 bits tell apart.
 const MAX_SHORT_VERTICES: usize = 0x1_0000;

@@ -8,7 +8,7 @@
 //! - [`MASK_TEXTURE`]: all regions drawn once into a texture over longitude and latitude, which
 //!   a full-screen pass looks up by depth (2.1.2, second idea).
 //!
-//! Their pictures are approximate by nature: [`terrafill_fill::Technique::is_approximate`].
+//! Their pictures are approximate by nature: [`terrafill_contract::Technique::is_approximate`].
 
 mod backend;
 mod buffer;

@@ -16,12 +16,11 @@ use crate::backend::Overlay;
 use crate::buffer::HeldBuffer;
 use crate::pipeline::OverlayPipeline;
 use glam::{DMat3, DVec3};
+use terrafill_contract::{Colours, Counters, DeviceError, FillInput, MemoryUse, count_u32};
 use terrafill_core::{Ellipsoid, Extent};
-use terrafill_fill::{
-    Colours, Counters, DeviceError, FillInput, MemoryUse, SwitchError, Variant, count_u32,
-};
 use terrafill_gpu::{Gpu, RenderTargets};
 use terrafill_plan::LazyMesh;
+use terrafill_variant::{SwitchError, Variant};
 
 /// Key of the texture's longer side, texels.
 pub(crate) const SIZE: &str = "size";

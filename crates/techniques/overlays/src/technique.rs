@@ -5,13 +5,13 @@ use crate::backend::OverlayBackend;
 use crate::draped::{self, DrapedMesh};
 use crate::flat::{self, FlatMesh, flat_bytes};
 use crate::mask::{self, MaskTexture};
-use terrafill_core::RegionMesh;
-use terrafill_fill::{
-    Api, DeviceError, FillBackend, GeometryBytes, Parameter, Role, Rung, SwitchError, Switches,
-    Targets, Technique, Variant,
+use terrafill_contract::{
+    Api, DeviceError, FillBackend, GeometryBytes, Role, Rung, Targets, Technique,
 };
+use terrafill_core::RegionMesh;
 use terrafill_gpu::{SharedTargets, shared_targets};
 use terrafill_scene::{Overlap, Scene};
+use terrafill_variant::{Parameter, SwitchError, Switches, Variant};
 
 type Open = fn(&SharedTargets, &Variant) -> Result<Box<dyn FillBackend>, DeviceError>;
 

@@ -9,12 +9,12 @@ use glam::{DVec3, IVec3, Vec3};
 use std::borrow::{Borrow, Cow};
 use std::collections::HashSet;
 use std::ops::Range;
+use terrafill_contract::{GeometryBytes, RegionSet};
 use terrafill_core::RegionMesh;
-use terrafill_fill::{
-    FixedPoint, GeometryBytes, IndexLists, LaidOut, PositionFormat, RegionSet, VolumePlace,
-    boundary_edges, two_float,
-};
 use terrafill_plan::PartOrder;
+use terrafill_stencil::{
+    FixedPoint, IndexLists, LaidOut, PositionFormat, VolumePlace, boundary_edges, two_float,
+};
 
 /// Largest number of distinct indices in 16 bits: 0xffff restarts strips and separates loops.
 const MAX_SHORT_INDICES: usize = 0xffff;

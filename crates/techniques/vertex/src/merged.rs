@@ -11,11 +11,11 @@
 use crate::layout::RegionSlice;
 use std::collections::HashMap;
 use std::ops::Range;
-use terrafill_fill::{
-    DeviceError, DrawnOfMeshes, Feature, FillPass, FillProgram, FillStep, Holding, IndexLists,
-    MemoryUse, VolumeDraw, VolumeList,
-};
+use terrafill_contract::{DeviceError, Feature, MemoryUse};
 use terrafill_gpu::Gpu;
+use terrafill_stencil::{
+    DrawnOfMeshes, FillPass, FillProgram, FillStep, Holding, IndexLists, VolumeDraw, VolumeList,
+};
 
 /// Restarts strips, in either width.
 const RESTART: u32 = u32::MAX;
@@ -346,10 +346,12 @@ mod tests {
     use crate::VertexVariant;
     use crate::layout::SceneGeometry;
     use std::collections::BTreeSet;
-    use terrafill_fill::{DepthRange, Switches, ViewId, Volume};
+    use terrafill_contract::ViewId;
     use terrafill_fixtures::by_hand::{circle_deg, mesh};
     use terrafill_plan::{DrawnAs, NearRectangle, PixelRect};
     use terrafill_scene::{ImageSize, Overlap};
+    use terrafill_stencil::{DepthRange, Volume};
+    use terrafill_variant::Switches;
 
     /// Rings of 3, 5 and 40,000 vertices: the last one has indices of 32 bits.
     fn geometry() -> SceneGeometry {

@@ -3,8 +3,8 @@
 
 use crate::{IndexOrder, Layout, VertexVariant, cache_ordered};
 use terrafill_core::RegionMesh;
-use terrafill_fill::WallIndices;
 use terrafill_plan::PartOrder;
+use terrafill_stencil::WallIndices;
 
 impl VertexVariant {
     /// How many indices walls take.
@@ -67,9 +67,9 @@ mod tests {
     use crate::Walls;
     use crate::layout::SceneGeometry;
     use std::collections::BTreeSet;
-    use terrafill_fill::{DrawnParts, boundary_edges};
     use terrafill_fixtures::by_hand::{circle_deg, mesh};
     use terrafill_plan::{PART_FACETS, SeenParts};
+    use terrafill_stencil::{DrawnParts, boundary_edges};
 
     /// A fan of 1,000 and a triangle, whose loops come the other way round.
     fn large() -> RegionMesh {

@@ -6,13 +6,14 @@ use crate::merged::Merged;
 use crate::pipeline::{Part, PipelineKey, Pipelines, parts};
 use crate::{Buffers, Layout, VertexVariant};
 use std::ops::Range;
-use terrafill_fill::{
-    BottomCaps, DeviceError, DrawnOfMeshes, DrawnParts, FaceSet, Feature, FillInput, FillProgram,
-    GeometryBytes, Holding, IndexLists, MemoryUse, PositionFormat, RegionVolumes, Switches,
-    VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
-};
+use terrafill_contract::{DeviceError, Feature, FillInput, GeometryBytes, MemoryUse};
 use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
 use terrafill_scene::Overlap;
+use terrafill_stencil::{
+    BottomCaps, DrawnOfMeshes, DrawnParts, FaceSet, FillProgram, Holding, IndexLists,
+    PositionFormat, RegionVolumes, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
+};
+use terrafill_variant::Switches;
 
 /// Shadow volumes extruded in the vertex shader.
 pub type VertexBackend = VolumeBackend<VertexVolumes>;

@@ -3,8 +3,9 @@
 
 use crate::{BOTTOM_PX, Bottom, FLAG_BYTES, Layout, Normals, VertexVariant};
 use std::collections::HashMap;
-use terrafill_fill::{DeviceError, Feature, Holding, PositionFormat, VolumeState};
+use terrafill_contract::DeviceError;
 use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
+use terrafill_stencil::{Holding, PositionFormat, VolumeState};
 
 /// Which part of a volume a pipeline draws. Doubled walls may be strips, and a strip's restart value
 /// belongs to the pipeline.
@@ -85,7 +86,7 @@ impl Pipelines {
     /// What they are for.
     pub(crate) fn holdings(&self) -> impl Iterator<Item = Holding> {
         let states = self.volumes.keys().map(|key| key.state);
-        Holding::pipelines(states.map(Feature::of_state))
+        Holding::pipelines(states.map(VolumeState::feature))
     }
 
     /// A pipeline that [`Pipelines::ensure`] made.

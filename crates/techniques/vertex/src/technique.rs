@@ -6,15 +6,16 @@ use crate::{
     CACHE_SIZE, IndexOrder, Normals, VertexBackend, VertexVariant, acmr, cache_ordered,
     centric_shift_m, shared_flag_bytes, variant_bytes,
 };
-use terrafill_core::RegionMesh;
-use terrafill_fill::{
-    Api, Climb, ColourWay, DeviceError, FillBackend, FillInput, GeometryBytes, Parameter,
-    PositionFormat, Role, Rung, SwitchError, Switches, Targets, Technique, Values, Variant,
+use terrafill_contract::{
+    Api, DeviceError, FillBackend, FillInput, GeometryBytes, Role, Rung, Targets, Technique,
     layouts,
 };
+use terrafill_core::RegionMesh;
 use terrafill_gpu::shared_targets;
 use terrafill_plan::PlannedRegion;
 use terrafill_scene::{Overlap, Scene};
+use terrafill_stencil::{Climb, PositionFormat};
+use terrafill_variant::{ColourWay, Parameter, SwitchError, Switches, Values, Variant};
 
 /// Volumes extruded in the vertex shader, on wgpu.
 #[derive(Debug)]
@@ -306,7 +307,7 @@ mod tests {
     use super::*;
     use crate::Layout;
     use std::collections::BTreeSet;
-    use terrafill_fill::matrix_row;
+    use terrafill_stencil::matrix_row;
 
     fn names(overlap: Overlap) -> Vec<String> {
         let row = matrix_row(&VertexTechnique, &VertexTechnique.main(overlap), overlap);

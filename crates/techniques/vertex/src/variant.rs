@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A variant of the vertex backend: how geometry lies in buffers, and the switches of the fill.
 
-use terrafill_fill::{ColourWay, DepthRuleChoice, PositionFormat, SwitchError, Switches, Variant};
 use terrafill_plan::PartCulling;
 use terrafill_scene::Overlap;
+use terrafill_stencil::PositionFormat;
+use terrafill_variant::{ColourWay, DepthRuleChoice, SwitchError, Switches, Variant};
 
 /// Where a volume's vertices come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
@@ -445,7 +446,7 @@ impl VertexVariant {
 mod tests {
     use super::*;
     use crate::VertexTechnique;
-    use terrafill_fill::Technique as _;
+    use terrafill_contract::Technique as _;
 
     #[test]
     fn positions_refuse_what_they_cannot_have() {

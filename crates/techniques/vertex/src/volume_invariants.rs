@@ -18,10 +18,12 @@ use crate::layout::{RegionSlice, SceneGeometry};
 use crate::{IndexOrder, Layout, VertexSize, VertexTechnique, VertexVariant, Walls};
 use glam::{DVec3, IVec3, Vec3};
 use std::collections::HashMap;
+use terrafill_contract::Technique as _;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, VolumeHeights, parse_regions};
-use terrafill_fill::{PositionFormat, Technique as _, Variant, two_float, two_float_difference_m};
 use terrafill_fixtures::{ClosedSurface, check_closed, check_volume, data};
 use terrafill_scene::Overlap;
+use terrafill_stencil::{PositionFormat, two_float, two_float_difference_m};
+use terrafill_variant::Variant;
 
 /// Every way to store geometry.
 fn storages() -> Vec<VertexVariant> {

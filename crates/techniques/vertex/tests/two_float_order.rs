@@ -7,8 +7,8 @@
 //! shows. Metres, ECEF. Skipped without a device.
 
 use glam::{DVec3, Vec3};
-use terrafill_fill::{two_float, two_float_difference_m};
 use terrafill_gpu::{Evaluator, GpuOptions, Kernel, open_for_test};
+use terrafill_stencil::{two_float, two_float_difference_m};
 
 const RIGHT: &str = "(high - eye_high) + (low - eye_low)";
 const REASSOCIATED: &str = "(high + low) - (eye_high + eye_low)";

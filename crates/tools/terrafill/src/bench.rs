@@ -19,7 +19,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::rc::Rc;
 use std::sync::mpsc::Receiver;
-use terrafill_fill::Devices;
+use terrafill_contract::Devices;
 use terrafill_gpu::shared_gpu;
 use terrafill_results::{Moment, Run, RunFolder, Skipped, append_clocks, read_durations};
 use terrafill_scene::{ImageSize, data_dir};

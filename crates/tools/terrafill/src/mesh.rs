@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
+use terrafill_contract::layouts;
 use terrafill_core::{EdgeRule, MeshOptions, Region, RegionMesh, printable};
-use terrafill_fill::layouts;
 use terrafill_scene::Overlap;
 
 #[derive(Serialize)]

@@ -4,7 +4,7 @@
 use std::sync::OnceLock;
 use terrafill_cesium::CesiumTechnique;
 use terrafill_compute::ComputeTechnique;
-use terrafill_fill::Technique;
+use terrafill_contract::Technique;
 use terrafill_filling::{ExtremeStudy, FillingStudy};
 use terrafill_flight::FlightStudy;
 use terrafill_growth::GrowthStudy;
@@ -127,11 +127,13 @@ mod tests {
 
     use super::*;
     use std::collections::BTreeSet;
-    use terrafill_fill::{Role, Rung, Switches, Values, layouts, matrix_row};
+    use terrafill_contract::{Role, Rung, layouts};
     use terrafill_results::made_up::{MadeUpCase, MadeUpRun};
     use terrafill_results::{Block, Clock, Finding, Kind, Metric, Scope, Standing, Status};
     use terrafill_scene::{Overlap, Scene};
+    use terrafill_stencil::matrix_row;
     use terrafill_study::{Depth, Request, RunOptions};
+    use terrafill_variant::{Switches, Values};
 
     const OVERLAPS: [Overlap; 2] = [Overlap::Disjoint, Overlap::Ordered];
 

@@ -14,15 +14,15 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use terrafill_core::{MeshError, MeshOptions, RegionMesh};
-use terrafill_fill::{
-    DeviceError, Devices, FillInput, Frame, MemoryUse, PreparedScene, Targets, Technique, Variant,
-    paint,
+use terrafill_contract::{
+    DeviceError, Devices, FillInput, Frame, MemoryUse, PreparedScene, Targets, Technique, paint,
 };
+use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_plan::{LeveledMeshes, PlanOptions};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{ImageSize, Scene, View, data_dir};
 use terrafill_surface::open_surface;
+use terrafill_variant::Variant;
 
 /// What one backend drew.
 struct Drawn {
@@ -379,7 +379,7 @@ mod tests {
     use crate::arguments::{Arguments, Verb};
     use crate::registry::TECHNIQUES;
     use clap::Parser as _;
-    use terrafill_fill::Role;
+    use terrafill_contract::Role;
     use terrafill_scene::Overlap;
 
     /// What `render` draws with these switches.

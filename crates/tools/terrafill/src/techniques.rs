@@ -6,9 +6,10 @@ use crate::outcome::{Failure, Outcome, print, print_json};
 use crate::registry::TECHNIQUES;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use terrafill_contract::Technique;
 use terrafill_core::MeshOptions;
-use terrafill_fill::{Technique, Variant};
 use terrafill_scene::Overlap;
+use terrafill_variant::Variant;
 
 /// Switch of the meshes that go into every technique.
 pub(crate) const BOUNDARY_TOLERANCE: &str = "boundary-tolerance-m";

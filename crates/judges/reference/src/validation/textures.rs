@@ -14,11 +14,11 @@ use crate::texture::{SurfacePoint, Texturing};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
-use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
-use terrafill_fill::{
+use terrafill_contract::{
     AddressMode, FillInput, PlannedTexture, PreparedScene, RegionSet, SceneBounds, TexturePixel,
     ViewId,
 };
+use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
 use terrafill_fixtures::data;
 use terrafill_plan::FramePlan;
 use terrafill_scene::{
@@ -122,7 +122,7 @@ impl Shot {
                 levels: Arc::default(),
                 footprints: Arc::default(),
                 bounds: SceneBounds::default(),
-                parts: terrafill_fill::LazyParts::default(),
+                parts: terrafill_contract::LazyParts::default(),
                 surface,
                 picture: None,
                 texture: Some(Arc::new(checker(self.placement))),
@@ -612,7 +612,7 @@ fn a_plain_frame_has_no_texture_and_a_textured_one_the_same_ids() {
     let has_texture = pixels(&textured).iter().map(Option::is_some);
     assert!(owned.eq(has_texture));
     let picture = textured.picture.expect("a picture");
-    let background = terrafill_fill::paint(&plain.frame);
+    let background = terrafill_contract::paint(&plain.frame);
     let pairs = picture.chunks(3).zip(background.chunks(3));
     for ((textured, plain), &id) in pairs.zip(&plain.frame.ids) {
         assert_eq!(textured == plain, id == 0, "{textured:?} {plain:?}");

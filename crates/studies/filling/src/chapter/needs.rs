@@ -11,7 +11,7 @@ use super::table::{
     Column, alarm, figures, head, none_differs, part, row, step_cells, steps_plot, table,
 };
 use crate::keys::*;
-use terrafill_fill::{Feature, Need};
+use terrafill_contract::{Feature, Need};
 use terrafill_plot::number::{bytes, count, significant};
 use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Row, Table};
 

@@ -2,7 +2,7 @@
 //! A probe frame with what drew it.
 
 use std::rc::Rc;
-use terrafill_fill::{FillBackend, FillInput, Frame, MemoryUse, ids_hash, mask_hash};
+use terrafill_contract::{FillBackend, FillInput, Frame, MemoryUse, ids_hash, mask_hash};
 
 /// A probe frame with what drew it.
 pub(super) struct Drawn {

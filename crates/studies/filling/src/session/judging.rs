@@ -13,10 +13,11 @@ use crate::textured::ShownPicture;
 use terrafill_conformance::{
     ErrorFigures, Verdict as Comparison, checks_nothing, movement_in_picture, verdict_of_moved,
 };
-use terrafill_fill::{ColourWay, Frame, RouteChoice};
+use terrafill_contract::Frame;
 use terrafill_plan::{DrawnAs, FramePlan, PlannedRegion};
 use terrafill_results::{Status, Verdict};
 use terrafill_study::{Failure, StudyError};
+use terrafill_variant::{ColourWay, RouteChoice};
 
 /// Why a row lacks the times of its passes.
 const ALTERNATING: &str =

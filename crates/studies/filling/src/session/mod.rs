@@ -22,13 +22,14 @@ use references::References;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_core::MeshOptions;
-use terrafill_fill::{
-    Api, FillBackend, FillInput, FrameTimes, MemoryUse, PositionFormat, PreparedScene, Targets,
+use terrafill_contract::{
+    Api, FillBackend, FillInput, FrameTimes, MemoryUse, PreparedScene, Targets,
 };
+use terrafill_core::MeshOptions;
 use terrafill_gpu::{Baseline, CpuStopwatch, SharedTargets, shared_targets};
 use terrafill_plan::{LazyMesh, LeveledMeshes, PlanOptions};
 use terrafill_results::{Status, Verdict, median};
+use terrafill_stencil::PositionFormat;
 use terrafill_study::{Context, Failure, Figures, Measures, StudyError};
 use terrafill_surface::open_surface;
 

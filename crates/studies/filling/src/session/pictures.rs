@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::path::Path;
 use terrafill_conformance::{difference_rgb, worst_pixel};
-use terrafill_fill::{Frame, paint};
+use terrafill_contract::{Frame, paint};
 use terrafill_scene::ImageSize;
 use terrafill_study::StudyError;
 

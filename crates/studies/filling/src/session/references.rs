@@ -13,8 +13,8 @@ use terrafill_conformance::{
     BAND_RADIUS_PX, BORDER_ROUNDING, ErrorFigures, boundary_band, boundary_movement,
     compare_closely, filled_only, with_movement,
 };
+use terrafill_contract::{FillInput, Frame, paint};
 use terrafill_core::EdgeRule;
-use terrafill_fill::{FillInput, Frame, paint};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::quantile;
 use terrafill_study::StudyError;

@@ -13,7 +13,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_fill::{PreparedScene, Technique};
+use terrafill_contract::{PreparedScene, Technique};
 use terrafill_results::{CaseId, PlannedCase, Skipped};
 use terrafill_scene::{
     Expectation, ImageSize, Scene, SceneError, SuiteScene, SuiteView, suite_scenes,

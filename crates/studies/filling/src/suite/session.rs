@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use terrafill_fill::PreparedScene;
+use terrafill_contract::PreparedScene;
 use terrafill_results::{PlannedCase, RunError, Status, Verdict};
 use terrafill_scene::Expectation;
 use terrafill_study::{CaseSession, Context, Session, StudyError};

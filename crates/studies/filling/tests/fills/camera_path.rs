@@ -6,15 +6,14 @@ use crate::drawing;
 
 use drawing::{AllTargets, Devices, Technique, counters, draw_with};
 use std::collections::HashSet;
+use terrafill_contract::{Counters, FillInput, PreparedScene};
 use terrafill_core::Geodetic;
-use terrafill_fill::{
-    BottomCap, Counters, CoverArea, DepthRuleChoice, FillInput, FillPass, FillProgram, FillStep,
-    PreparedScene, StencilTest, Switches, VolumeList, VolumeState,
-};
 use terrafill_native::{Extrusion, NativeVariant};
 use terrafill_plan::{LeveledMeshes, PlanOptions};
 use terrafill_scene::{CameraPose, ImageSize, Scene, View};
+use terrafill_stencil::{FillPass, FillProgram, FillStep, StencilTest, VolumeList, VolumeState};
 use terrafill_surface::{EllipsoidKind, open_surface};
+use terrafill_variant::{BottomCap, CoverArea, DepthRuleChoice, Switches};
 use terrafill_vertex::VertexVariant;
 
 pub(crate) const SIZE: ImageSize = ImageSize {

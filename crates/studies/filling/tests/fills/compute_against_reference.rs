@@ -17,12 +17,12 @@ use terrafill_compute::{
     Capacity, ComputeBackend, ComputeVariant, Expansion, GpuCulling, Transform, compute_bytes,
     placed_bytes,
 };
-use terrafill_fill::{
-    BottomCap, ColourWay, DepthRuleChoice, DeviceError, FacePasses, FillBackend as _, FillInput,
-    Frame, StencilClear, Switches,
-};
+use terrafill_contract::{DeviceError, FillBackend as _, FillInput, Frame};
 use terrafill_plan::{LeftOutReason, PartCulling, PlanOptions, WallHeights};
 use terrafill_scene::Overlap;
+use terrafill_variant::{
+    BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, Switches,
+};
 
 /// Every expansion with every culling that goes with it, and either transform.
 fn all_variants() -> Vec<ComputeVariant> {

@@ -8,10 +8,12 @@ use drawing::{
     AllTargets, Devices, counters, draw_with, look, polygon, scene, shipped, with_switches,
 };
 use merged_draws::{SIZE, differing_when, seen, switches, techniques};
+use terrafill_contract::{FillInput, PreparedScene};
 use terrafill_core::Ellipsoid;
-use terrafill_fill::{CoverArea, FillInput, PreparedScene, Switches, VolumeList};
 use terrafill_plan::{PixelRect, PlanOptions};
 use terrafill_scene::{ImageSize, Overlap, View};
+use terrafill_stencil::VolumeList;
+use terrafill_variant::{CoverArea, Switches};
 
 const LARGE: ImageSize = ImageSize {
     width: 1024,

@@ -10,12 +10,11 @@ use drawing::{
     polygon, scene_within, vertex,
 };
 use terrafill_conformance::verdict;
+use terrafill_contract::{FillBackend, FillInput, Frame, PreparedScene};
 use terrafill_core::{Ellipsoid, Geodetic};
-use terrafill_fill::{
-    BottomCap, ColourWay, DepthRuleChoice, FillBackend, FillInput, Frame, PreparedScene, Switches,
-};
 use terrafill_plan::NearRectangle;
 use terrafill_scene::{ImageSize, Overlap};
+use terrafill_variant::{BottomCap, ColourWay, DepthRuleChoice, Switches};
 
 const SMALL: ImageSize = ImageSize {
     width: 128,

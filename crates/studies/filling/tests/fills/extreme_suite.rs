@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::rc::Rc;
 use terrafill_compute::ComputeTechnique;
-use terrafill_fill::Devices;
+use terrafill_contract::Devices;
 use terrafill_filling::{EXTREME, ExtremeStudy, FillingStudy, Techniques, extreme_sentence};
 use terrafill_instanced::InstancedTechnique;
 use terrafill_native::NativeTechnique;

@@ -15,14 +15,16 @@ use drawing::{
 use std::collections::BTreeMap;
 use terrafill_conformance::ErrorFigures;
 use terrafill_conformance::verdict;
-use terrafill_fill::{ColourWay, FacePasses, FillInput, PositionFormat, Switches};
+use terrafill_contract::FillInput;
 use terrafill_filling::FillingStudy;
 use terrafill_native::{Extrusion as Native, NativeVariant};
 use terrafill_plan::PlanOptions;
 use terrafill_results::PlannedCase;
 use terrafill_scene::{ImageSize, Scene};
+use terrafill_stencil::PositionFormat;
 use terrafill_study::{Depth, Request, Study as _};
 use terrafill_surface::EllipsoidKind;
+use terrafill_variant::{ColourWay, FacePasses, Switches};
 use terrafill_vertex::{Layout, VertexVariant, shared_flag_bytes, variant_bytes};
 
 const SIZE: ImageSize = ImageSize {

@@ -15,12 +15,14 @@ use terrafill_compute::ComputeVariant;
 use terrafill_conformance::{
     BAND_RADIUS_PX, boundary_movement, compare_closely, verdict_of_moved, with_movement,
 };
+use terrafill_contract::{FillInput, Frame};
 use terrafill_core::Ellipsoid;
-use terrafill_fill::{ColourWay, FillInput, Frame, LOD_PX, Switches};
 use terrafill_native::{Extrusion, NativeVariant};
 use terrafill_plan::{DrawnAs, PlanOptions};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{ImageSize, Overlap};
+use terrafill_stencil::LOD_PX;
+use terrafill_variant::{ColourWay, Switches};
 use terrafill_vertex::{Layout, VertexVariant};
 
 const SIZE: ImageSize = ImageSize {

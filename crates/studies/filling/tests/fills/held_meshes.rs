@@ -8,7 +8,8 @@ use camera_path::{leveled, path};
 use drawing::{AllTargets, Devices, counters, differing, draw_with, with_switches};
 use merged_draws::{switches, techniques};
 use std::collections::BTreeMap;
-use terrafill_fill::{Feature, FillInput, Needs, Switches};
+use terrafill_contract::{Feature, FillInput, Needs};
+use terrafill_variant::Switches;
 
 fn holding(drawn: bool, merges_draws: bool) -> Switches {
     Switches {

@@ -5,10 +5,11 @@ use crate::{drawing, merged_draws};
 
 use drawing::{AllTargets, Devices, counters, differing, draw_with, shipped, with_switches};
 use merged_draws::{SIZE, differing_when, switches, techniques};
+use terrafill_contract::{FillInput, PreparedScene};
 use terrafill_core::Geodetic;
-use terrafill_fill::{FillInput, FillProgram, PreparedScene, Volume};
 use terrafill_plan::{DrawnAs, LeftOutReason, PlanOptions};
 use terrafill_scene::{CameraPose, View};
+use terrafill_stencil::{FillProgram, Volume};
 
 fn view(place_deg: [f64; 2], height_m: f64, pitch_deg: f64) -> View {
     View {

@@ -13,14 +13,15 @@ use terrafill_conformance::{
     BAND_RADIUS_PX, MOVED_STEP_PX, boundary_movement, compare_closely, verdict_of_moved,
     with_movement,
 };
+use terrafill_contract::{FillInput, Frame, NO_REGION, PreparedScene};
 use terrafill_core::RegionMesh;
-use terrafill_fill::{FillInput, Frame, NO_REGION, PreparedScene, Switches};
 use terrafill_fixtures::data;
 use terrafill_native::{Extrusion as Native, Indices, NativeVariant};
 use terrafill_plan::{LeveledMeshes, PlanOptions, RegionBounds};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{ImageSize, LevelChoice, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};
+use terrafill_variant::Switches;
 
 const SIZE: ImageSize = ImageSize {
     width: 512,

@@ -8,16 +8,17 @@ use drawing::{
     AllTargets, Devices, Technique, counters, differing, draw_with, shipped, vertex, with_switches,
 };
 use terrafill_compute::ComputeVariant;
-use terrafill_fill::{
-    BottomCap, BottomCaps, ColourWay, Colours, Counters, DepthRuleChoice, FacePasses, Feature,
-    FillCommand, FillInput, FillPass, FillProgram, FillStep, PreparedScene, RegionVolumes as _,
-    StencilExecutor, StencilWork, Switches, VolumeConstants, VolumeList,
-};
+use terrafill_contract::{Colours, Counters, Feature, FillInput, PreparedScene};
 use terrafill_gpu::VolumeFill;
 use terrafill_native::{Extrusion, NativeVariant};
 use terrafill_plan::{LeveledMeshes, PlanOptions};
 use terrafill_scene::{ImageSize, Scene, View};
+use terrafill_stencil::{
+    BottomCaps, FillCommand, FillPass, FillProgram, FillStep, RegionVolumes as _, StencilExecutor,
+    StencilWork, VolumeConstants, VolumeList,
+};
 use terrafill_surface::{EllipsoidKind, open_surface};
+use terrafill_variant::{BottomCap, ColourWay, DepthRuleChoice, FacePasses, Switches};
 use terrafill_vertex::{Layout, VertexVariant, VertexVolumes, Walls};
 
 pub(crate) const SIZE: ImageSize = ImageSize {
@@ -277,7 +278,7 @@ pub(crate) fn differing_when(
     fill.draw(&mut volumes).expect("draws");
     let picture = StencilExecutor::<VertexVolumes>::read(fill).expect("reads");
     let all = targets.draw(input, vertex(self::switches(false)));
-    let changed = terrafill_fill::ids_of(&picture);
+    let changed = terrafill_contract::ids_of(&picture);
     all.ids.iter().zip(changed).filter(|(a, b)| *a != b).count()
 }
 

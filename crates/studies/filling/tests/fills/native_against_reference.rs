@@ -12,16 +12,16 @@ use drawing::sights::{self, square_from, three_regions_from};
 use drawing::{
     AllTargets, Devices, SIZE, Technique, checks, counters, differing, draw, shipped, vertex,
 };
-use terrafill_fill::{
-    BottomCap, ColourWay, Counters, DepthRuleChoice, DeviceError, FacePasses, FillBackend as _,
-    FillInput, FirstPass, StencilClear, Switches,
-};
+use terrafill_contract::{Counters, DeviceError, FillBackend as _, FillInput};
 use terrafill_native::{
     Extrusion as Native, Indices, NativeBackend, NativeVariant, native_bytes,
     walls_with_other_diagonal,
 };
 use terrafill_plan::PlanOptions;
 use terrafill_scene::ImageSize;
+use terrafill_variant::{
+    BottomCap, ColourWay, DepthRuleChoice, FacePasses, FirstPass, StencilClear, Switches,
+};
 use terrafill_vertex::{Layout, layout_bytes};
 
 #[test]

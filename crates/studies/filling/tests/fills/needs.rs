@@ -10,14 +10,13 @@ use drawing::{
     draw_with, look, polygon, scene, shipped, with_switches,
 };
 use terrafill_compute::{ComputeVariant, Expansion, GpuCulling};
+use terrafill_contract::{Feature, FillBackend, FillInput, Need, Needs, PreparedScene, WorkDone};
 use terrafill_core::Ellipsoid;
-use terrafill_fill::{
-    BottomCap, ColourWay, CoverArea, DepthRuleChoice, Feature, FillBackend, FillInput, Need, Needs,
-    PreparedScene, Switches, WorkDone, needs_ladder,
-};
 use terrafill_native::{Extrusion, NativeVariant};
 use terrafill_plan::{NearRectangle, PlanOptions};
 use terrafill_scene::Overlap;
+use terrafill_stencil::needs_ladder;
+use terrafill_variant::{BottomCap, ColourWay, CoverArea, DepthRuleChoice, Switches};
 use terrafill_vertex::{Layout, VertexVariant};
 
 fn two_squares(overlap: Overlap) -> PreparedScene {
@@ -432,8 +431,8 @@ fn every_rung_from_everything_to_what_is_needed_shows_the_same() {
     };
     let (california, views) = shipped("california");
     drop(devices);
-    let shared = std::rc::Rc::new(terrafill_fill::Devices::default());
-    let targets = terrafill_fill::Targets::new(&shared, SIZE);
+    let shared = std::rc::Rc::new(terrafill_contract::Devices::default());
+    let targets = terrafill_contract::Targets::new(&shared, SIZE);
     for technique in TECHNIQUES {
         let rungs = needs_ladder(*technique, california.overlap, true);
         assert!(rungs.len() >= 9, "{}: {}", technique.name(), rungs.len());

@@ -5,7 +5,7 @@
 use crate::drawing::by_main::{Open, prepared};
 use crate::drawing::{collection, figures, polygon};
 use terrafill_conformance::verdict;
-use terrafill_fill::{FillInput, PreparedScene, Technique};
+use terrafill_contract::{FillInput, PreparedScene, Technique};
 use terrafill_fixtures::data;
 use terrafill_grid::GridKind;
 use terrafill_native::NativeTechnique;

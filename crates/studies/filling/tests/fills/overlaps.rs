@@ -9,11 +9,12 @@ use drawing::{
     scene, with_colour,
 };
 use terrafill_conformance::{filled_only, verdict};
-use terrafill_core::Ellipsoid;
-use terrafill_fill::{
-    ColourWay, DeviceError, FillInput, NO_REGION, Picture, PreparedScene, region_colour,
+use terrafill_contract::{
+    DeviceError, FillInput, NO_REGION, Picture, PreparedScene, region_colour,
 };
+use terrafill_core::Ellipsoid;
 use terrafill_scene::{ImageSize, Overlap};
+use terrafill_variant::ColourWay;
 use terrafill_vertex::VertexVariant;
 
 const SIZE: ImageSize = ImageSize {

@@ -5,14 +5,13 @@ use crate::drawing;
 
 use drawing::{AllTargets, Devices, Technique, counters, differing, draw_with};
 use terrafill_compute::{ComputeVariant, Expansion, Transform};
-use terrafill_fill::{
-    BottomCap, ColourWay, DepthRuleChoice, FillBackend, FillInput, Frame, PreparedScene, Switches,
-};
+use terrafill_contract::{FillBackend, FillInput, Frame, PreparedScene};
 use terrafill_instanced::InstancedBackend;
 use terrafill_native::{Extrusion, NativeVariant};
 use terrafill_plan::{LeftOutReason, LeveledMeshes, PartCulling, PlanOptions};
 use terrafill_scene::{ImageSize, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};
+use terrafill_variant::{BottomCap, ColourWay, DepthRuleChoice, Switches};
 use terrafill_vertex::{IndexOrder, Layout, VertexVariant, Walls};
 
 const SIZE: ImageSize = ImageSize {

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::rc::Rc;
 use terrafill_compute::ComputeTechnique;
-use terrafill_fill::Devices;
+use terrafill_contract::Devices;
 use terrafill_filling::{FillingStudy, STUDY, Surfaces, Techniques};
 use terrafill_native::{Extrusion, NativeTechnique};
 use terrafill_overlays::{DRAPED_MESH, FLAT_MESH, MASK_TEXTURE};

@@ -9,13 +9,12 @@ use drawing::{
     AllTargets, Devices, SIZE, Technique, collection, counters, draw, look, polygon, scene, vertex,
     with_colour,
 };
+use terrafill_contract::{Counters, FillInput, GeometryBytes, PreparedScene, Technique as _};
 use terrafill_core::Ellipsoid;
-use terrafill_fill::{
-    ColourWay, Counters, FillInput, GeometryBytes, PreparedScene, Switches, Technique as _,
-};
 use terrafill_gpu::WorkDone;
 use terrafill_scene::{ImageSize, Overlap};
 use terrafill_surface::EllipsoidKind;
+use terrafill_variant::{ColourWay, Switches};
 use terrafill_vertex::{Layout, VertexTechnique, VertexVariant, shared_flag_bytes, variant_bytes};
 
 fn two_squares() -> PreparedScene {

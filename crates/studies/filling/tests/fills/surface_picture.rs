@@ -5,7 +5,7 @@ use crate::drawing::by_main::{Open, prepared};
 use crate::drawing::{collection, polygon};
 use glam::DVec3;
 use std::sync::Arc;
-use terrafill_fill::{FillInput, Picture, PreparedScene, Technique};
+use terrafill_contract::{FillInput, Picture, PreparedScene, Technique};
 use terrafill_native::NativeTechnique;
 use terrafill_plan::PlanOptions;
 use terrafill_scene::{ImageSize, MipChain, Scene, View};

@@ -9,11 +9,12 @@ use drawing::{
     sights::square_from,
 };
 use terrafill_conformance::{filled_only, verdict};
+use terrafill_contract::{Counters, FillInput, Technique as _};
 use terrafill_core::Ellipsoid;
-use terrafill_fill::{Counters, FillInput, Technique as _, Variant};
 use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
 use terrafill_plan::{NearRectangle, PlanOptions, WallHeights};
 use terrafill_scene::Overlap;
+use terrafill_variant::Variant;
 use terrafill_vertex::{VertexTechnique, VertexVariant};
 
 /// The document's way of colouring, with `settings` of one layout.

@@ -11,10 +11,8 @@ use terrafill_compute::{ComputeBackend, ComputeVariant};
 use terrafill_conformance::{
     TextureErrors, Verdict, compare, compare_texture, silhouette_band, texture_verdict, verdict,
 };
+use terrafill_contract::{DeviceError, FillBackend, FillInput, Frame, PreparedScene};
 use terrafill_core::{Ellipsoid, RegionMesh};
-use terrafill_fill::{
-    ColourWay, DeviceError, FillBackend, FillInput, Frame, PreparedScene, RouteChoice, Switches,
-};
 use terrafill_fixtures::data;
 use terrafill_gpu::{Gpu, GpuOptions, RenderTargets, SharedTargets, open_for_test};
 use terrafill_native::{Extrusion, Indices, NativeBackend, NativeVariant};
@@ -25,6 +23,7 @@ use terrafill_scene::{
     TextureShare,
 };
 use terrafill_surface::{EllipsoidKind, open_surface};
+use terrafill_variant::{ColourWay, RouteChoice, Switches};
 use terrafill_vertex::{Layout, VertexBackend, VertexVariant};
 
 const SIZE: ImageSize = ImageSize {

@@ -8,11 +8,12 @@ use drawing::{
     AllTargets, Devices, SIZE, Technique, collection, draw_with, look, polygon, scene, vertex,
 };
 use terrafill_compute::{ComputeVariant, Expansion};
+use terrafill_contract::{DeviceError, FillInput, PreparedScene};
 use terrafill_core::Ellipsoid;
-use terrafill_fill::{DeviceError, FillInput, PreparedScene, Switches};
 use terrafill_native::{Extrusion, Indices, NativeVariant};
 use terrafill_plan::PlanOptions;
 use terrafill_scene::Overlap;
+use terrafill_variant::Switches;
 use terrafill_vertex::{Layout, VertexVariant};
 
 const WEST: &str = "[[0,0],[3,0],[3,4],[0,4],[0,0]]";

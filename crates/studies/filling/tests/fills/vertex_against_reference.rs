@@ -14,12 +14,12 @@ use drawing::{
 };
 use std::collections::BTreeSet;
 use terrafill_conformance::verdict;
+use terrafill_contract::{Counters, FillInput, Technique as _};
 use terrafill_core::Ellipsoid;
-use terrafill_fill::{
-    ColourWay, Counters, FillInput, PositionFormat, Switches, Technique as _, Variant,
-};
 use terrafill_plan::PlanOptions;
 use terrafill_scene::Overlap;
+use terrafill_stencil::PositionFormat;
+use terrafill_variant::{ColourWay, Switches, Variant};
 use terrafill_vertex::{Layout, VertexTechnique, VertexVariant};
 
 /// Every layout, drawn so.

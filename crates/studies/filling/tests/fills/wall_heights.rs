@@ -7,11 +7,12 @@ use crate::drawing;
 use drawing::{Devices, draw, figures, judge, look, polygon, scene, vertex, with_colour};
 use std::sync::Arc;
 use terrafill_conformance::{filled_only, verdict};
+use terrafill_contract::FillInput;
 use terrafill_core::{Ellipsoid, Extent};
-use terrafill_fill::{ColourWay, FillInput};
 use terrafill_plan::{PlanOptions, WallHeights};
 use terrafill_scene::{Camera, ImageSize, Overlap};
 use terrafill_surface::{HeightRange, Surface, SurfaceError, SurfaceFrame};
+use terrafill_variant::ColourWay;
 
 const SIZE: ImageSize = ImageSize {
     width: 128,

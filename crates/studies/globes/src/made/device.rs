@@ -7,7 +7,7 @@ use crate::list::Eye;
 use bytemuck::{Pod, Zeroable};
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, ViewConstants};
+use terrafill_contract::{DeviceError, ViewConstants};
 use terrafill_gpu::{Gpu, read_buffer};
 use terrafill_scene::ImageSize;
 

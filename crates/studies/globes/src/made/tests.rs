@@ -3,8 +3,8 @@
 
 use super::*;
 use std::rc::Rc;
+use terrafill_contract::{Devices, device_for_test};
 use terrafill_core::Geodetic;
-use terrafill_fill::{Devices, device_for_test};
 use terrafill_results::Status;
 use terrafill_spiral::SpiralKind;
 use terrafill_study::Group as _;

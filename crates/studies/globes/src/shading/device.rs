@@ -8,7 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 use terrafill_gpu::Gpu;
 use terrafill_scene::ImageSize;
 

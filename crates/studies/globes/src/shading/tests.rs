@@ -4,7 +4,7 @@
 use super::judge::Found;
 use super::layers::colour;
 use super::*;
-use terrafill_fill::{Devices, device_for_test};
+use terrafill_contract::{Devices, device_for_test};
 use terrafill_reference::SurfaceTriangles;
 use terrafill_results::Status;
 use terrafill_spiral::SpiralKind;

@@ -7,7 +7,7 @@ use crate::error::Errors;
 use crate::list::SurfaceRow;
 use crate::sight::{RAY_CAST, Work, drawn_otherwise, standing};
 use std::path::Path;
-use terrafill_fill::{Devices, device_for_test};
+use terrafill_contract::{Devices, device_for_test};
 use terrafill_results::{
     Block, Chapter, ConditionKey, Metric, Outcome, Run, RunEnvironment, RunFolder, SCHEMA, Status,
 };

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::num::NonZeroU32;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, ViewConstants};
+use terrafill_contract::{DeviceError, ViewConstants};
 use terrafill_gpu::Gpu;
 use terrafill_maps::{CAP_SPAN, TILE_TEXELS, max_latitude_rad};
 use terrafill_scene::ImageSize;

@@ -27,7 +27,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 use terrafill_maps::{CAP_SPAN, MapTile, PictureLevel, cut_cap, cut_tile};
 use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
 use terrafill_scene::{MipChain, Scene};

@@ -20,7 +20,7 @@ use crate::opened::Opened;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, Picture, ViewConstants};
+use terrafill_contract::{DeviceError, Picture, ViewConstants};
 use terrafill_maps::TILE_TEXELS;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
@@ -317,7 +317,7 @@ impl Measures for StagePart<'_> {
 mod tests {
     use super::*;
     use crate::list::List;
-    use terrafill_fill::{Devices, device_for_test};
+    use terrafill_contract::{Devices, device_for_test};
     use terrafill_results::Status;
     use terrafill_screen_grid::ScreenGridKind;
     use terrafill_study::Group as _;

@@ -5,7 +5,7 @@ use super::options::{Drawing, Seam};
 use super::truth::{Place, Texel, Tile};
 use super::*;
 use crate::list::List;
-use terrafill_fill::{Devices, device_for_test};
+use terrafill_contract::{Devices, device_for_test};
 use terrafill_results::Status;
 use terrafill_screen_grid::ScreenGridKind;
 use terrafill_study::Group as _;

@@ -6,7 +6,7 @@ use super::options::Drawing;
 use super::truth::{Texel, Tile};
 use crate::canvas::{texture, write_layers};
 use std::ops::Range;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 use terrafill_gpu::Gpu;
 
 /// Texels along a side of a tile.

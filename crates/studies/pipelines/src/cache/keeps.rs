@@ -2,7 +2,7 @@
 //! What kept blocks do, on whichever interface.
 
 use crate::draws::Times;
-use terrafill_fill::DeviceError;
+use terrafill_contract::DeviceError;
 
 /// Blocks kept in one way.
 pub(super) trait Keeps {

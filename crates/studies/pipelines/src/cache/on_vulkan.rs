@@ -8,7 +8,7 @@ use crate::draws::Times;
 use crate::on_vulkan::uniform;
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError};
+use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_vulkan::{
     BlockImage, BlockShape, Buffer, BufferUse, ComputePipeline, Dispatch, Gpu, Resource, Resources,
     Shader, StateStep, advance,

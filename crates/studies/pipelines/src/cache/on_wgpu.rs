@@ -10,7 +10,7 @@ use crate::on_wgpu::{
 };
 use std::num::NonZeroU32;
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError};
+use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_gpu::{Gpu, PassTimer, TimedPass, read_buffer};
 
 const GROUP: u32 = 64;

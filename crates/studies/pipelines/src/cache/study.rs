@@ -216,7 +216,7 @@ impl Measures for CacheSession<'_> {
 mod tests {
     use super::*;
     use std::rc::Rc;
-    use terrafill_fill::Devices;
+    use terrafill_contract::Devices;
     use terrafill_results::Status;
 
     #[test]
@@ -224,8 +224,8 @@ mod tests {
         let devices = Rc::new(Devices::default());
         let wgpu = terrafill_gpu::shared_gpu(&devices).map(drop);
         let vulkan = terrafill_vulkan::shared_gpu(&devices).map(drop);
-        if terrafill_fill::device_for_test(wgpu).is_none()
-            || terrafill_fill::device_for_test(vulkan).is_none()
+        if terrafill_contract::device_for_test(wgpu).is_none()
+            || terrafill_contract::device_for_test(vulkan).is_none()
         {
             return;
         }

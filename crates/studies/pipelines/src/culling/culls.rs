@@ -6,7 +6,7 @@ use super::ground::{Ground, GroundConstants, PATCH_TRIANGLES};
 use super::way::{Place, Test};
 use crate::draws::{Counted, Times};
 use crate::grid::View;
-use terrafill_fill::{DeviceError, Picture};
+use terrafill_contract::{DeviceError, Picture};
 
 /// Vertices of a patch, six a cell.
 const PATCH_VERTICES: u32 = 3 * PATCH_TRIANGLES;

@@ -9,7 +9,7 @@ use crate::grid::View;
 use crate::on_vulkan::{heights, uniform};
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError};
+use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_scene::ImageSize;
 use terrafill_vulkan::{
     Buffer, BufferUse, ComputePipeline, DirectDraw, DirectReport, Dispatch, DrawCall, DrawPipeline,

@@ -12,7 +12,7 @@ use crate::on_wgpu::{
 };
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError};
+use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_gpu::{Gpu, RenderTargets, read_buffer};
 use terrafill_scene::ImageSize;
 

@@ -16,7 +16,7 @@ use crate::rays::{Cut, Judged, Rays};
 use crate::way::Interface;
 use std::collections::BTreeMap;
 use std::rc::Rc;
-use terrafill_fill::{DeviceError, ids_of};
+use terrafill_contract::{DeviceError, ids_of};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
 use terrafill_study::{
@@ -342,14 +342,14 @@ mod tests {
     use super::*;
     use crate::draws::Counted;
     use crate::images::{PICTURE, run_folder};
-    use terrafill_fill::{Devices, Picture};
+    use terrafill_contract::{Devices, Picture};
     use terrafill_results::Status;
     use terrafill_study::Group as _;
 
     #[test]
     fn every_exact_way_shows_the_same_and_the_point_test_is_wrong() {
         let devices = Rc::new(Devices::default());
-        let has = |opened: Result<(), DeviceError>| terrafill_fill::device_for_test(opened);
+        let has = |opened: Result<(), DeviceError>| terrafill_contract::device_for_test(opened);
         if has(terrafill_gpu::shared_gpu(&devices).map(drop)).is_none()
             || has(terrafill_vulkan::shared_gpu(&devices).map(drop)).is_none()
         {

@@ -17,7 +17,7 @@ use crate::lights::{LightColumns, LightWay};
 use crate::way::Interface;
 use bytemuck::{Pod, Zeroable};
 use std::collections::BTreeMap;
-use terrafill_fill::{DeviceError, Devices};
+use terrafill_contract::{DeviceError, Devices};
 use terrafill_results::{PlannedCase, SplitMix64, Verdict};
 use terrafill_scene::ImageSize;
 use terrafill_study::{

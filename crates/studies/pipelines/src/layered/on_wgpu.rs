@@ -5,7 +5,7 @@ use super::listed::Listed;
 use crate::draws::{Counted, FrameTimes, Looked, LooksUp, Times};
 use crate::on_wgpu::{bind, draw_pipeline, entry, storage_type, texture_type, uniform_type};
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError};
+use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_gpu::{Gpu, RenderTargets, read_texture};
 
 /// Where layers are drawn.

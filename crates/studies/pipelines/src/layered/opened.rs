@@ -8,7 +8,7 @@ use crate::lights::{LayerParts, LightWay, OnVulkan, known};
 use crate::on_vulkan::uniform;
 use crate::way::Interface;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, Devices};
+use terrafill_contract::{DeviceError, Devices};
 use terrafill_vulkan::{Buffer, BufferUse, Resource};
 
 impl Listed {

@@ -7,7 +7,7 @@ use crate::draws::{Counted, FrameTimes, Looked, LooksUp, Times};
 use crate::grid::{Grid, GridConstants, View};
 use crate::on_vulkan::{heights, uniform};
 use std::sync::Arc;
-use terrafill_fill::{CpuStopwatch, DeviceError};
+use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_scene::ImageSize;
 use terrafill_vulkan::{
     DirectDraw, DirectReport, DrawCall, DrawPipeline, GeometryOutput, Gpu, LayerPipeline,

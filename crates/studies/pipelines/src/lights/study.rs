@@ -12,7 +12,7 @@ use crate::images::{of_lights, size_px, write};
 use crate::keys::{self, EXPERIMENT, GRID_CELLS, LAYERS_BY, MAP_TEXELS};
 use crate::rays::{Cut, Rays};
 use std::collections::BTreeMap;
-use terrafill_fill::ids_of;
+use terrafill_contract::ids_of;
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
 use terrafill_study::{
@@ -167,14 +167,14 @@ mod tests {
     use super::*;
     use crate::images::{PICTURE, run_folder};
     use std::rc::Rc;
-    use terrafill_fill::Devices;
+    use terrafill_contract::Devices;
     use terrafill_results::Status;
 
     #[test]
     fn every_way_has_the_same_depths_and_a_turned_light_is_noticed() {
         let devices = Rc::new(Devices::default());
         let opened = terrafill_vulkan::shared_gpu(&devices).map(drop);
-        if terrafill_fill::device_for_test(opened).is_none() {
+        if terrafill_contract::device_for_test(opened).is_none() {
             return;
         }
         let group = group(4, QUICK_SIZES, (PICTURE, 1));

@@ -6,7 +6,8 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, VolumeDraw, VolumeState};
+use terrafill_contract::DeviceError;
+use terrafill_stencil::{VolumeDraw, VolumeState};
 use terrafill_vulkan::{
     Buffer, BufferUse, Fragments, Geometry, GeometryStage, Gpu, HandsOn, IndexWidth, Pipeline,
     PipelineDescriptor, Topology, VertexFormat, VertexStage, VolumePass, Volumes,

@@ -4,8 +4,9 @@
 use crate::source::{Computed, EyeMesh, SHADER, VolumeSource};
 use std::collections::HashMap;
 use std::ops::Range;
-use terrafill_fill::{DeviceError, VolumeDraw, VolumeList, VolumeState};
+use terrafill_contract::DeviceError;
 use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumePass, VolumeShader, Volumes};
+use terrafill_stencil::{VolumeDraw, VolumeList, VolumeState};
 
 const BOUNDED_SHADER: &str = "casters/bounded.wgsl";
 const PULLED_SHADER: &str = "casters/pulled.wgsl";

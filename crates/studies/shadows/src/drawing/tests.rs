@@ -7,7 +7,8 @@ use crate::device::Interface;
 use crate::way::Counting;
 use crate::work::Scene;
 use terrafill_casters::Mesh;
-use terrafill_fill::{DepthRange, FacePasses};
+use terrafill_stencil::DepthRange;
+use terrafill_variant::FacePasses;
 
 fn way(bounds: Bounds) -> DeviceWay {
     DeviceWay {

@@ -12,8 +12,8 @@ use crate::views::Chooser;
 use crate::way::{Counting, DeviceWay, Positions};
 use crate::work::Scissor;
 use terrafill_casters::Policy;
-use terrafill_fill::FacePasses;
 use terrafill_results::{CaseId, ConditionKey, PlannedCase};
+use terrafill_variant::FacePasses;
 
 /// Timed silhouettes, and frames of a device, a process.
 const SAMPLES: u32 = 3;

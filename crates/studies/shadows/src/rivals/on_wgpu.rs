@@ -4,7 +4,7 @@
 use crate::casting::{Casting, mask_of};
 use crate::device::{Channel, Draws};
 use std::sync::Arc;
-use terrafill_fill::{Counters, CpuStopwatch, DeviceError, Devices, FrameTimes, SurfaceView};
+use terrafill_contract::{Counters, CpuStopwatch, DeviceError, Devices, FrameTimes, SurfaceView};
 use terrafill_gpu::{Gpu, PassTimer, RenderTargets, TimedPass, read_buffer, shared_gpu};
 
 const SHADER: &str = "casters/tiles.wgsl";

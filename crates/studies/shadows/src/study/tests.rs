@@ -5,7 +5,7 @@ use super::answers::percent;
 use super::*;
 use crate::device_map::differing;
 use crate::maps::Bias;
-use terrafill_fill::Devices;
+use terrafill_contract::Devices;
 use terrafill_results::Status;
 
 /// By name of the case.

@@ -6,7 +6,7 @@ use crate::harness::{
 };
 use image::DynamicImage;
 use terrafill_conformance::{compare, verdict};
-use terrafill_fill::Frame;
+use terrafill_contract::Frame;
 use terrafill_scene::ImageSize;
 
 const SIZE: ImageSize = ImageSize {

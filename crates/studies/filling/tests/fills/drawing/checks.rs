@@ -8,11 +8,12 @@ use super::{
     vertex, with_colour, with_switches,
 };
 use terrafill_conformance::{filled_only, verdict};
+use terrafill_contract::{FillInput, Frame};
 use terrafill_core::RegionMesh;
-use terrafill_fill::{ColourWay, DepthRuleChoice, FacePasses, FillInput, Frame, Switches};
 use terrafill_native::Extrusion as Native;
 use terrafill_plan::{NearRectangle, PlanOptions};
 use terrafill_scene::Overlap;
+use terrafill_variant::{ColourWay, DepthRuleChoice, FacePasses, Switches};
 use terrafill_vertex::Layout;
 
 /// The vertex backend's picture with the same switches is what the others' are compared with; its own

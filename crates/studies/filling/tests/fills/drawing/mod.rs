@@ -18,11 +18,10 @@ use std::sync::Arc;
 use terrafill_compute::{ComputeBackend, ComputeTechnique, ComputeVariant};
 use terrafill_conformance::ErrorFigures;
 use terrafill_conformance::{compare, verdict};
-use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh, parse_regions};
-use terrafill_fill::{
-    ColourWay, Counters, FillBackend, FillInput, Frame, LazyParts, PreparedScene, RegionSet,
-    SceneBounds, Switches,
+use terrafill_contract::{
+    Counters, FillBackend, FillInput, Frame, LazyParts, PreparedScene, RegionSet, SceneBounds,
 };
+use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh, parse_regions};
 use terrafill_filling::Techniques;
 use terrafill_fixtures::data;
 use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
@@ -30,6 +29,7 @@ use terrafill_plan::PlanOptions;
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{CameraPose, ImageSize, Overlap, View};
 use terrafill_surface::EllipsoidKind;
+use terrafill_variant::{ColourWay, Switches};
 use terrafill_vertex::{VertexBackend, VertexTechnique, VertexVariant};
 
 /// As the command line hands them to a study.

@@ -2,8 +2,8 @@
 //! Regions and views of them on which backends go wrong, if anywhere; and ways to break a volume.
 
 use super::{Pose, collection, input, polygon};
+use terrafill_contract::FillInput;
 use terrafill_core::{Ellipsoid, RegionMesh};
-use terrafill_fill::FillInput;
 
 /// A view, and what to call it where something is wrong.
 pub(crate) type Sight = (&'static str, FillInput);

@@ -26,8 +26,8 @@ fn devices_blur_as_defined_and_another_exposure_is_noticed() {
     let devices = Rc::new(Devices::default());
     let wgpu = terrafill_gpu::shared_gpu(&devices).map(drop);
     let vulkan = terrafill_vulkan::shared_gpu(&devices).map(drop);
-    if terrafill_fill::device_for_test(wgpu).is_none()
-        || terrafill_fill::device_for_test(vulkan).is_none()
+    if terrafill_contract::device_for_test(wgpu).is_none()
+        || terrafill_contract::device_for_test(vulkan).is_none()
     {
         return;
     }

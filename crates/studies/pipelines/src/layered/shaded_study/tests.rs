@@ -5,7 +5,7 @@ use super::*;
 use crate::draws::Looked;
 use crate::images::run_folder;
 use std::rc::Rc;
-use terrafill_fill::Devices;
+use terrafill_contract::Devices;
 use terrafill_results::Status;
 
 fn figure(verdict: &Verdict, name: &str) -> f64 {
@@ -16,8 +16,8 @@ fn figure(verdict: &Verdict, name: &str) -> f64 {
 fn has_devices(devices: &Devices) -> bool {
     let wgpu = terrafill_gpu::shared_gpu(devices).map(drop);
     let vulkan = terrafill_vulkan::shared_gpu(devices).map(drop);
-    terrafill_fill::device_for_test(wgpu).is_some()
-        && terrafill_fill::device_for_test(vulkan).is_some()
+    terrafill_contract::device_for_test(wgpu).is_some()
+        && terrafill_contract::device_for_test(vulkan).is_some()
 }
 
 #[test]

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Fills by volumes, on whatever interface: the engine between techniques that make volumes and devices that draw
+//! them.
+//!
+//! A [`FillProgram`] says in which order volumes mark the stencil and covers colour what is marked. A device runs it
+//! ([`StencilExecutor`]); a technique says how meshes become volumes ([`RegionVolumes`]); [`VolumeBackend`] is the
+//! backend that the two make together. A program takes a list of volumes and does not know what a region is, so
+//! shadows of objects are drawn by it too.
+
+mod batches;
+mod bottom_caps;
+mod constants;
+mod cover_instances;
+mod cover_tiles;
+mod depth_range;
+mod drawn_parts;
+mod executor;
+mod fixed_point;
+mod footprint;
+mod geometry;
+mod held_meshes;
+mod ladder;
+mod laid_out;
+mod matrix;
+mod needs;
+mod needs_ladder;
+mod program;
+mod steps;
+mod textured;
+mod textured_device;
+mod textured_work;
+mod uses;
+mod volume_backend;
+mod volumes;
+
+pub use bottom_caps::BottomCaps;
+pub use constants::{FootprintConstants, VolumeConstants, VolumePlace, changed_words};
+pub use cover_instances::CoverInstance;
+pub use depth_range::DepthRange;
+pub use drawn_parts::{DrawnOfMeshes, DrawnParts, WallIndices};
+pub use executor::{StencilExecutor, StencilWork};
+pub use fixed_point::{
+    EyeInUnits, FixedPoint, PositionFormat, eye_relative_m, two_float, two_float_difference_m,
+};
+pub use geometry::{IndexLists, boundary_edges};
+pub use ladder::{Climb, LOD_PX};
+pub use laid_out::LaidOut;
+pub use matrix::matrix_row;
+pub use needs::{COLOUR_BYTES, DEPTH_STENCIL_BYTES, Holding};
+pub use needs_ladder::needs_ladder;
+pub use program::{
+    CoverShape, DepthRule, FaceEffect, FaceSet, FillCommand, FillPass, FillProgram,
+    StencilOperation, StencilRule, StencilTest,
+};
+pub use steps::{FillStep, NUMBER_BYTES, VolumeDraw, VolumeState};
+pub use textured::{
+    CoverLook, CoverOverrides, CoverPurpose, RouteNote, TexturedCover, TexturedPlan, TexturedRegion,
+};
+pub use textured_device::{Probed, RouteTexelFormat, RouteTexels, textured_holdings};
+pub use volume_backend::{RegionVolumes, VolumeBackend};
+pub use volumes::{Volume, VolumeList};

@@ -1,0 +1,1196 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What a fill does, step by step, before any graphics API is chosen.
+//!
+//! Every volume backend walks through the same program, so a switch means the same for a vertex
+//! shader on wgpu and a geometry shader on ash, and two rows that differ in one switch differ in
+//! nothing else.
+
+use crate::Volume;
+use crate::batches::{VolumeClasses, XorBatches, overlap_depth};
+use terrafill_contract::DeviceError;
+use terrafill_plan::{DrawnAs, NearRectangle};
+use terrafill_scene::Overlap;
+use terrafill_variant::{
+    BottomCap, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass, StencilClear,
+    SwitchError, Switches,
+};
+
+/// Which fragments of a volume touch the stencil.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum DepthRule {
+    /// Those that fail the depth test: behind the surface.
+    Fail,
+    /// Those that pass it: in front.
+    Pass,
+    /// All, as with [`DepthRule::Fail`]: the first step of a stencil that is preloaded.
+    Always,
+}
+
+/// Faces of a closed volume, seen from the eye.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum FaceSet {
+    /// All.
+    Both,
+    /// Those that look at the eye.
+    Front,
+    /// Those that look away.
+    Back,
+}
+
+/// What a touching fragment does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum StencilOperation {
+    /// Flips the bits of `mask`, whichever way the face looks: a closed volume leaves them flipped
+    /// exactly inside.
+    Invert {
+        /// Bits that are flipped; the stencil's write mask.
+        mask: u8,
+    },
+    /// Adds or takes away one, modulo 256: with [`DepthRule::Fail`] and [`DepthRule::Always`] back faces
+    /// add and front faces take away, with [`DepthRule::Pass`] the other way round.
+    Count,
+}
+
+/// State of a draw that marks the inside of volumes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct StencilRule {
+    /// Which fragments touch the stencil.
+    pub depth: DepthRule,
+    /// What they do.
+    pub operation: StencilOperation,
+    /// Faces that are drawn; the others are culled.
+    pub faces: FaceSet,
+}
+
+/// What a touching fragment of one kind of face does to the bits that are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FaceEffect {
+    /// Flips them.
+    Invert,
+    /// Adds one, modulo 256.
+    Add,
+    /// Takes one away, modulo 256.
+    Take,
+}
+
+impl StencilRule {
+    /// What front and back faces do, and the bits that are written.
+    #[must_use]
+    pub fn effects(self) -> (FaceEffect, FaceEffect, u8) {
+        match (self.operation, self.depth) {
+            (StencilOperation::Invert { mask }, _) => {
+                (FaceEffect::Invert, FaceEffect::Invert, mask)
+            }
+            (StencilOperation::Count, DepthRule::Fail | DepthRule::Always) => {
+                (FaceEffect::Take, FaceEffect::Add, 0xff)
+            }
+            (StencilOperation::Count, DepthRule::Pass) => (FaceEffect::Add, FaceEffect::Take, 0xff),
+        }
+    }
+}
+
+/// State of a draw that colours marked pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct StencilTest {
+    /// Passes where stencil and reference, both masked, are equal; otherwise where they differ.
+    pub is_equal: bool,
+    /// Compared with.
+    pub reference: u8,
+    /// Bits compared.
+    pub read_mask: u8,
+    /// A coloured pixel's stencil becomes 0.
+    pub zeroes: bool,
+    /// Passes only where there is a surface. Covers of this kind are drawn at depth 0, the sky's.
+    pub skips_sky: bool,
+}
+
+/// What brings the colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum CoverShape {
+    /// One triangle over the screen, cut to the volume's rectangle.
+    Rectangle,
+    /// One triangle over the screen.
+    Screen,
+    /// The volume again, without depth test.
+    Volume {
+        /// Faces that are drawn.
+        faces: FaceSet,
+        /// Leaves out bottom caps.
+        without_bottom: bool,
+    },
+    /// The volume's top cap and walls, where they face the eye and are nearer than the surface. The walls
+    /// close what opens between neighbours whose caps differ in height: without them 87 pixels of 512² of
+    /// `countries-110m`, view `globe`, belonged to nobody.
+    Flat,
+}
+
+/// One step. Volumes are indices into a [`crate::VolumeList`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum FillCommand {
+    /// Marks the inside of volumes. Their order changes nothing, so a backend may sort them by
+    /// pipeline.
+    Volumes {
+        /// State.
+        rule: StencilRule,
+        /// Leaves out bottom caps.
+        without_bottom: bool,
+        /// Cuts each volume to its rectangle.
+        scissor: bool,
+        /// What is drawn.
+        volumes: Vec<usize>,
+    },
+    /// Colours marked pixels, volume by volume in this order, each in its own colour;
+    /// [`CoverShape::Screen`] draws once, in the first volume's.
+    Cover {
+        /// State.
+        test: StencilTest,
+        /// What is drawn.
+        shape: CoverShape,
+        /// Whose colours.
+        volumes: Vec<usize>,
+    },
+    /// Adds to a 32-bit float target, cleared to 0 when the pass starts, each volume's number (its
+    /// place in the list, plus 1) where a fragment counts. With [`DepthRule::Fail`] back faces add
+    /// and front faces take away, with [`DepthRule::Pass`] the other way round. What is left is the
+    /// number of the volume that the surface lies in. Their order changes nothing.
+    Accumulate {
+        /// Which fragments count.
+        depth: DepthRule,
+        /// Faces that are drawn; the others are culled.
+        faces: FaceSet,
+        /// Leaves out bottom caps.
+        without_bottom: bool,
+        /// Cuts each volume to its rectangle.
+        scissor: bool,
+        /// What is drawn.
+        volumes: Vec<usize>,
+    },
+    /// Colours every pixel whose accumulated number is not 0 with that volume's colour, by one
+    /// triangle over the screen.
+    Resolve,
+}
+
+/// Steps between two barriers of the targets.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FillPass {
+    /// The pass starts by setting the stencil to 0.
+    pub clears_stencil: bool,
+    /// The pass has a colour target; steps that only mark leave it alone.
+    pub has_colour: bool,
+    /// What fragments do beside marking, in a pass without that target.
+    pub first_pass: FirstPass,
+    /// In order.
+    pub commands: Vec<FillCommand>,
+}
+
+impl FillCommand {
+    /// What is drawn; nothing of [`FillCommand::Resolve`].
+    fn volumes_mut(&mut self) -> &mut [usize] {
+        match self {
+            Self::Volumes { volumes, .. }
+            | Self::Cover { volumes, .. }
+            | Self::Accumulate { volumes, .. } => volumes,
+            Self::Resolve => &mut [],
+        }
+    }
+}
+
+impl FillPass {
+    /// Whether the stencil is cleared, written or looked at.
+    #[must_use]
+    pub fn touches_stencil(&self) -> bool {
+        let touches = |command: &FillCommand| match command {
+            FillCommand::Volumes { .. } => true,
+            FillCommand::Cover { test, .. } => test.read_mask != 0 || test.zeroes,
+            FillCommand::Accumulate { .. } | FillCommand::Resolve => false,
+        };
+        self.clears_stencil || self.commands.iter().any(touches)
+    }
+
+    /// Whether the pass draws into the target of [`FillCommand::Accumulate`] and nothing else.
+    #[must_use]
+    pub fn accumulates(&self) -> bool {
+        let accumulates = |command| matches!(command, &FillCommand::Accumulate { .. });
+        self.commands.iter().any(accumulates)
+    }
+}
+
+/// A fill.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FillProgram {
+    /// In order. None for no volumes.
+    pub passes: Vec<FillPass>,
+}
+
+impl FillProgram {
+    /// The steps that colour the inside of `volumes` with these switches.
+    ///
+    /// # Errors
+    /// [`DeviceError::Switch`] when the switches do not go together or not with the scene;
+    /// [`DeviceError::OverCapacity`] when more than 255 volumes may lie over one pixel and are
+    /// counted together: a multiple of 256 would count as none; or when there are more volumes than
+    /// numbers can be accumulated exactly.
+    pub fn new(
+        volumes: &[Volume],
+        switches: &Switches,
+        overlap: Overlap,
+    ) -> Result<Self, DeviceError> {
+        switches.check(overlap)?;
+        let drawn_as = |what: DrawnAs| -> Vec<usize> {
+            let all = 0..volumes.len();
+            all.filter(|&index| volumes[index].drawn_as == what)
+                .collect()
+        };
+        let [near, flat, ground] =
+            [DrawnAs::Volume, DrawnAs::FlatMesh, DrawnAs::Ground].map(drawn_as);
+        if near.len() == volumes.len() {
+            return Self::of_volumes(volumes, switches, overlap);
+        }
+        for (regions, switch) in [(&flat, "far-level-px"), (&ground, "interior")] {
+            if !regions.is_empty() {
+                check_unmarked(switch, switches, overlap)?;
+            }
+        }
+        let own: Vec<Volume> = near.iter().map(|&index| volumes[index]).collect();
+        let mut program = Self::of_volumes(&own, switches, overlap)?;
+        for command in program
+            .passes
+            .iter_mut()
+            .flat_map(|pass| &mut pass.commands)
+        {
+            for index in command.volumes_mut() {
+                *index = near[*index];
+            }
+        }
+        program.add_unmarked(ANYWHERE, CoverShape::Flat, flat);
+        program.add_unmarked(ON_GROUND, CoverShape::Rectangle, ground);
+        Ok(program)
+    }
+
+    /// Of volumes that are drawn as such.
+    fn of_volumes(
+        volumes: &[Volume],
+        switches: &Switches,
+        overlap: Overlap,
+    ) -> Result<Self, DeviceError> {
+        let builder = Builder { volumes, switches };
+        let passes = match switches.colour {
+            _ if volumes.is_empty() => Vec::new(),
+            ColourWay::Xor => builder.xor(),
+            ColourWay::BitPlanes => builder.bit_planes(),
+            ColourWay::Rectangle | ColourWay::Volume => builder.one_at_a_time(),
+            ColourWay::OneColour | ColourWay::OneColourVolumes => {
+                if overlap == Overlap::Ordered {
+                    check_depth(volumes)?;
+                }
+                builder.one_colour()
+            }
+            ColourWay::IdAccumulation => {
+                check_numbers(volumes.len())?;
+                builder.id_accumulation()
+            }
+        };
+        Ok(Self { passes })
+    }
+
+    /// Draws these in the last pass, which colours, or in one of their own.
+    fn add_unmarked(&mut self, test: StencilTest, shape: CoverShape, volumes: Vec<usize>) {
+        if volumes.is_empty() {
+            return;
+        }
+        let command = FillCommand::Cover {
+            test,
+            shape,
+            volumes,
+        };
+        match self.passes.last_mut() {
+            Some(pass) => pass.commands.push(command),
+            None => self.passes.push(FillPass {
+                clears_stencil: false,
+                has_colour: true,
+                first_pass: FirstPass::Stencil,
+                commands: vec![command],
+            }),
+        }
+    }
+
+    /// All steps in order: what a backend needs pipelines for.
+    pub fn commands(&self) -> impl Iterator<Item = &FillCommand> {
+        self.passes.iter().flat_map(|pass| &pass.commands)
+    }
+}
+
+/// What needs no stencil is drawn after all volumes, by the regions' plain colours.
+fn check_unmarked(
+    switch: &'static str,
+    switches: &Switches,
+    overlap: Overlap,
+) -> Result<(), DeviceError> {
+    let refuse = |found: &str, allowed: &str| {
+        Err(DeviceError::Switch(SwitchError {
+            switch,
+            found: format!("regions without volumes {found}"),
+            allowed: allowed.to_owned(),
+        }))
+    };
+    if overlap == Overlap::Ordered {
+        return refuse(
+            "in a scene with overlap=ordered",
+            "off, or overlap=disjoint",
+        );
+    }
+    if switches.texture.is_some() {
+        return refuse("of a textured fill", "off, or a plain fill");
+    }
+    Ok(())
+}
+
+/// Volumes that an 8-bit count can hold over one pixel.
+const COUNTABLE: usize = 255;
+
+fn check_depth(volumes: &[Volume]) -> Result<(), DeviceError> {
+    if volumes.len() <= COUNTABLE {
+        return Ok(());
+    }
+    let found = overlap_depth(volumes);
+    if found <= COUNTABLE {
+        return Ok(());
+    }
+    Err(DeviceError::OverCapacity {
+        what: "volumes over one pixel, counted together in 8 bits".to_owned(),
+        found: found as u64,
+        allowed: COUNTABLE as u64,
+    })
+}
+
+/// Volumes whose numbers a 32-bit float can accumulate. It holds integers to 2²⁴, and the sum of
+/// 1 … 4,095 is half of that. So every order of adding is exact as long as no ray is inside more
+/// than two sheets of every volume at once.
+const ACCUMULABLE: usize = 4_095;
+
+fn check_numbers(volumes: usize) -> Result<(), DeviceError> {
+    if volumes <= ACCUMULABLE {
+        return Ok(());
+    }
+    Err(DeviceError::OverCapacity {
+        what: "volumes in view whose numbers are accumulated in 32-bit floats".to_owned(),
+        found: volumes as u64,
+        allowed: ACCUMULABLE as u64,
+    })
+}
+
+struct Builder<'a> {
+    volumes: &'a [Volume],
+    switches: &'a Switches,
+}
+
+impl Builder<'_> {
+    fn all(&self) -> Vec<usize> {
+        (0..self.volumes.len()).collect()
+    }
+
+    fn depth_rule(&self, volume: usize) -> DepthRule {
+        match self.switches.depth_rule {
+            DepthRuleChoice::Fail => DepthRule::Fail,
+            DepthRuleChoice::Pass => DepthRule::Pass,
+            DepthRuleChoice::Automatic => match self.volumes[volume].near_rectangle {
+                NearRectangle::Outside => DepthRule::Pass,
+                NearRectangle::Within | NearRectangle::Cut => DepthRule::Fail,
+            },
+            DepthRuleChoice::Uncut => match self.volumes[volume].near_rectangle {
+                NearRectangle::Outside | NearRectangle::Within => DepthRule::Pass,
+                NearRectangle::Cut => DepthRule::Fail,
+            },
+        }
+    }
+
+    /// Its fragments in front of the surface are counted from within, so that they mark what lies outside.
+    fn marks_outside(&self, volume: usize) -> bool {
+        self.switches.depth_rule == DepthRuleChoice::Uncut
+            && self.volumes[volume].near_rectangle == NearRectangle::Within
+    }
+
+    /// Marks `volumes`, split by depth rule and, with two passes, by face.
+    fn mark(&self, volumes: &[usize], operation: StencilOperation) -> Vec<FillCommand> {
+        let (outside, inside): (Vec<usize>, Vec<usize>) = volumes
+            .iter()
+            .partition(|&&volume| self.marks_outside(volume));
+        let split = |volumes: &[usize], scissor| {
+            self.split(volumes, |depth, faces, without_bottom, volumes| {
+                FillCommand::Volumes {
+                    rule: StencilRule {
+                        depth,
+                        operation,
+                        faces,
+                    },
+                    without_bottom,
+                    scissor,
+                    volumes,
+                }
+            })
+        };
+        let mut commands = split(&inside, self.switches.scissor);
+        // Their rectangles hold what lies inside.
+        commands.extend(split(&outside, false));
+        commands
+    }
+
+    /// One command for each depth rule that a volume has and each set of faces.
+    fn split(
+        &self,
+        volumes: &[usize],
+        command: impl Fn(DepthRule, FaceSet, bool, Vec<usize>) -> FillCommand,
+    ) -> Vec<FillCommand> {
+        let faces: &[FaceSet] = match self.switches.faces {
+            FacePasses::TwoSided => &[FaceSet::Both],
+            FacePasses::TwoPass => &[FaceSet::Front, FaceSet::Back],
+        };
+        let mut commands = Vec::new();
+        for depth in [DepthRule::Fail, DepthRule::Pass] {
+            let of_rule: Vec<usize> = volumes
+                .iter()
+                .copied()
+                .filter(|&volume| self.depth_rule(volume) == depth)
+                .collect();
+            let without_bottom =
+                depth == DepthRule::Pass && self.switches.bottom_cap == BottomCap::WhereNeeded;
+            if !of_rule.is_empty() {
+                let each = |&faces| command(depth, faces, without_bottom, of_rule.clone());
+                commands.extend(faces.iter().map(each));
+            }
+        }
+        commands
+    }
+
+    /// Front faces suffice to cover a volume, except where the near plane cuts it; with an infinite
+    /// far plane no back face is ever clipped.
+    fn cover_faces(&self, volume: usize) -> FaceSet {
+        match self.volumes[volume].near_rectangle {
+            _ if !self.switches.cover_culls_faces => FaceSet::Both,
+            NearRectangle::Outside => FaceSet::Front,
+            NearRectangle::Within | NearRectangle::Cut => FaceSet::Back,
+        }
+    }
+
+    /// How a volume's cover is drawn by the volume itself.
+    fn cover_shape(&self, volume: usize) -> CoverShape {
+        let may_be_inside = self.volumes[volume].near_rectangle != NearRectangle::Outside;
+        CoverShape::Volume {
+            faces: self.cover_faces(volume),
+            without_bottom: self.switches.bottom_cap != BottomCap::Always && !may_be_inside,
+        }
+    }
+
+    fn xor(&self) -> Vec<FillPass> {
+        let mut passes = Vec::new();
+        for classes in XorBatches::new(self.volumes).passes {
+            let numbered = || (1..=u8::MAX).zip(&classes);
+            // Bits that no number has stay 0 and are not looked at.
+            let largest = u8::try_from(classes.len()).unwrap_or(u8::MAX);
+            let bits = u8::MAX.checked_shr(largest.leading_zeros()).unwrap_or(0);
+            // A pixel starts outside of these, whatever it shows, and each that it lies in flips it back.
+            let outside = numbered().flat_map(|(number, volumes)| {
+                let around = volumes.iter().filter(|&&volume| self.marks_outside(volume));
+                around.map(move |_| number)
+            });
+            let outside = outside.fold(0, |all, number| all ^ number);
+            passes.push(FillPass {
+                clears_stencil: true,
+                has_colour: false,
+                first_pass: FirstPass::Stencil,
+                commands: numbered()
+                    .flat_map(|(mask, volumes)| {
+                        self.mark(volumes, StencilOperation::Invert { mask })
+                    })
+                    .collect(),
+            });
+            passes.push(FillPass {
+                clears_stencil: false,
+                has_colour: true,
+                first_pass: FirstPass::Stencil,
+                commands: numbered()
+                    .map(|(number, volumes)| FillCommand::Cover {
+                        test: StencilTest {
+                            is_equal: true,
+                            reference: number ^ outside,
+                            read_mask: bits,
+                            zeroes: false,
+                            skips_sky: false,
+                        },
+                        shape: CoverShape::Rectangle,
+                        volumes: volumes.clone(),
+                    })
+                    .collect(),
+            });
+        }
+        passes
+    }
+
+    fn bit_planes(&self) -> Vec<FillPass> {
+        let mut passes = Vec::new();
+        for planes in VolumeClasses::in_order(self.volumes, 8) {
+            let bit = |plane: usize| 1_u8 << plane;
+            passes.push(FillPass {
+                clears_stencil: true,
+                has_colour: false,
+                first_pass: FirstPass::Stencil,
+                commands: planes
+                    .iter()
+                    .enumerate()
+                    .flat_map(|(plane, volumes)| {
+                        self.mark(volumes, StencilOperation::Invert { mask: bit(plane) })
+                    })
+                    .collect(),
+            });
+            let mut in_order: Vec<(usize, usize)> = planes
+                .iter()
+                .enumerate()
+                .flat_map(|(plane, volumes)| volumes.iter().map(move |&volume| (volume, plane)))
+                .collect();
+            in_order.sort_unstable();
+            passes.push(FillPass {
+                clears_stencil: false,
+                has_colour: true,
+                first_pass: FirstPass::Stencil,
+                commands: in_order
+                    .iter()
+                    .map(|&(volume, plane)| FillCommand::Cover {
+                        test: StencilTest {
+                            is_equal: true,
+                            reference: bit(plane),
+                            read_mask: bit(plane),
+                            zeroes: false,
+                            skips_sky: false,
+                        },
+                        shape: CoverShape::Rectangle,
+                        volumes: vec![volume],
+                    })
+                    .collect(),
+            });
+        }
+        passes
+    }
+
+    fn one_at_a_time(&self) -> Vec<FillPass> {
+        let mut commands = Vec::new();
+        for volume in self.all() {
+            commands.extend(self.mark(&[volume], StencilOperation::Count));
+            commands.push(FillCommand::Cover {
+                test: MARKED,
+                shape: match self.switches.colour {
+                    ColourWay::Volume => self.cover_shape(volume),
+                    _ if self.switches.cover_area == CoverArea::Screen => CoverShape::Screen,
+                    _ => CoverShape::Rectangle,
+                },
+                volumes: vec![volume],
+            });
+        }
+        vec![FillPass {
+            clears_stencil: self.switches.stencil_clear == StencilClear::AtStart,
+            has_colour: true,
+            first_pass: FirstPass::Stencil,
+            commands,
+        }]
+    }
+
+    fn id_accumulation(&self) -> Vec<FillPass> {
+        vec![
+            FillPass {
+                clears_stencil: false,
+                has_colour: false,
+                first_pass: FirstPass::Stencil,
+                commands: self.split(&self.all(), |depth, faces, without_bottom, volumes| {
+                    FillCommand::Accumulate {
+                        depth,
+                        faces,
+                        without_bottom,
+                        scissor: self.switches.scissor,
+                        volumes,
+                    }
+                }),
+            },
+            FillPass {
+                clears_stencil: false,
+                has_colour: true,
+                first_pass: FirstPass::Stencil,
+                commands: vec![FillCommand::Resolve],
+            },
+        ]
+    }
+
+    fn one_colour(&self) -> Vec<FillPass> {
+        let zeroes = self.switches.stencil_clear == StencilClear::ByColour;
+        let test = StencilTest { zeroes, ..MARKED };
+        let covers = match self.switches.colour {
+            ColourWay::OneColourVolumes => {
+                // Volumes that look alike in one draw; of few kinds, so a list is map enough.
+                let mut by_shape: Vec<(CoverShape, Vec<usize>)> = Vec::new();
+                for volume in self.all() {
+                    let shape = self.cover_shape(volume);
+                    match by_shape.iter_mut().find(|(known, _)| *known == shape) {
+                        Some((_, volumes)) => volumes.push(volume),
+                        None => by_shape.push((shape, vec![volume])),
+                    }
+                }
+                by_shape.sort_by_key(|(shape, _)| *shape);
+                let covers = by_shape.into_iter();
+                covers
+                    .map(|(shape, volumes)| FillCommand::Cover {
+                        test,
+                        shape,
+                        volumes,
+                    })
+                    .collect()
+            }
+            _ => vec![FillCommand::Cover {
+                test,
+                shape: CoverShape::Screen,
+                volumes: vec![0],
+            }],
+        };
+        vec![
+            FillPass {
+                clears_stencil: !zeroes,
+                has_colour: false,
+                first_pass: self.switches.first_pass,
+                commands: self.mark(&self.all(), StencilOperation::Count),
+            },
+            FillPass {
+                clears_stencil: false,
+                has_colour: true,
+                first_pass: FirstPass::Stencil,
+                commands: covers,
+            },
+        ]
+    }
+}
+
+/// Any count but 0, taken back to 0 for the next volume.
+const MARKED: StencilTest = StencilTest {
+    is_equal: false,
+    reference: 0,
+    read_mask: 0xff,
+    zeroes: true,
+    skips_sky: false,
+};
+
+/// Whatever the stencil says.
+const ANYWHERE: StencilTest = StencilTest {
+    is_equal: true,
+    reference: 0,
+    read_mask: 0,
+    zeroes: false,
+    skips_sky: false,
+};
+
+/// Where there is a surface: one that is made for a view may have none close to the limb.
+const ON_GROUND: StencilTest = StencilTest {
+    skips_sky: true,
+    ..ANYWHERE
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::DepthRange;
+    use terrafill_plan::PixelRect;
+
+    fn volume(index: usize, left: u32, cut: bool) -> Volume {
+        Volume {
+            geometry: index,
+            depth: DepthRange::ANY,
+            screen_rect: PixelRect {
+                left,
+                top: 0,
+                right: left + 10,
+                bottom: 10,
+            },
+            near_rectangle: NearRectangle::by_bounds(cut),
+            drawn_as: DrawnAs::Volume,
+        }
+    }
+
+    /// Three volumes, the last two over each other, the middle one cut by the near plane.
+    fn three() -> [Volume; 3] {
+        [
+            volume(0, 0, false),
+            volume(1, 20, true),
+            volume(2, 25, false),
+        ]
+    }
+
+    /// How often each volume is marked by front and by back faces, and covered.
+    fn tally(program: &FillProgram, volumes: usize) -> Vec<[usize; 3]> {
+        let mut tally = vec![[0; 3]; volumes];
+        for command in program.commands() {
+            match command {
+                FillCommand::Volumes {
+                    rule: StencilRule { faces, .. },
+                    volumes,
+                    ..
+                }
+                | FillCommand::Accumulate { faces, volumes, .. } => {
+                    for &volume in volumes {
+                        tally[volume][0] += usize::from(*faces != FaceSet::Back);
+                        tally[volume][1] += usize::from(*faces != FaceSet::Front);
+                    }
+                }
+                FillCommand::Resolve => {
+                    for volume in &mut tally {
+                        volume[2] += 1;
+                    }
+                }
+                FillCommand::Cover { volumes, .. } => {
+                    for &volume in volumes {
+                        tally[volume][2] += 1;
+                    }
+                }
+            }
+        }
+        tally
+    }
+
+    fn every_combination() -> Vec<Switches> {
+        let mut all = Vec::new();
+        for colour in ColourWay::ALL {
+            for faces in [FacePasses::TwoSided, FacePasses::TwoPass] {
+                for depth_rule in [
+                    DepthRuleChoice::Fail,
+                    DepthRuleChoice::Pass,
+                    DepthRuleChoice::Automatic,
+                ] {
+                    for bottom_cap in [
+                        BottomCap::Always,
+                        BottomCap::FirstPass,
+                        BottomCap::WhereNeeded,
+                    ] {
+                        for flags in 0..4 {
+                            all.push(Switches {
+                                colour,
+                                faces,
+                                depth_rule,
+                                bottom_cap,
+                                scissor: flags & 1 != 0,
+                                cover_culls_faces: flags & 2 != 0,
+                                ..Switches::default()
+                            });
+                        }
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn whatever_the_switches_each_face_marks_once_and_each_region_is_covered_once() {
+        for switches in every_combination() {
+            let program =
+                FillProgram::new(&three(), &switches, Overlap::Disjoint).expect("allowed");
+            let tally = tally(&program, 3);
+            for (index, [front, back, covers]) in tally.into_iter().enumerate() {
+                assert_eq!((front, back), (1, 1), "{switches:?}");
+                let expected = usize::from(switches.colour != ColourWay::OneColour || index == 0);
+                assert_eq!(covers, expected, "{switches:?}");
+            }
+            let accumulates = switches.colour == ColourWay::IdAccumulation;
+            assert_eq!(program.passes[0].accumulates(), accumulates);
+            assert_eq!(program.passes[0].clears_stencil, !accumulates);
+            let mut passes = program.passes.iter();
+            assert!(passes.all(|pass| pass.touches_stencil() != accumulates));
+        }
+    }
+
+    #[test]
+    fn covers_look_at_no_more_bits_than_numbers_have() {
+        let switches = Switches::default();
+        let many: Vec<Volume> = (0..5).map(|index| volume(index, 0, false)).collect();
+        for (volumes, numbers, bits) in [(&many[..1], 1, 1), (&many[..3], 3, 3), (&many[..], 5, 7)]
+        {
+            let program = FillProgram::new(volumes, &switches, Overlap::Disjoint);
+            let program = program.expect("allowed");
+            let tests = program.commands().filter_map(|command| match command {
+                FillCommand::Cover { test, .. } => Some((test.reference, test.read_mask)),
+                _ => None,
+            });
+            let expected = (1..=numbers).map(|number| (number, bits));
+            assert!(tests.eq(expected), "{numbers}");
+            // Twin: one bit less would take the largest number for another one.
+            assert_ne!(numbers & (bits >> 1), numbers);
+        }
+    }
+
+    #[test]
+    fn a_flat_volume_is_covered_once_and_marks_nothing() {
+        for switches in every_combination() {
+            let mut volumes = three();
+            volumes[0].drawn_as = DrawnAs::FlatMesh;
+            let program = FillProgram::new(&volumes, &switches, Overlap::Disjoint);
+            let program = program.expect("allowed");
+            let own: Vec<_> = program
+                .commands()
+                .filter(|command| {
+                    matches!(
+                        command,
+                        FillCommand::Cover {
+                            shape: CoverShape::Flat,
+                            ..
+                        }
+                    )
+                })
+                .collect();
+            let [
+                FillCommand::Cover {
+                    test,
+                    volumes: flat,
+                    ..
+                },
+            ] = own[..]
+            else {
+                panic!("{switches:?}: {own:?}");
+            };
+            assert_eq!((test, flat.as_slice()), (&ANYWHERE, &[0][..]));
+            let resolved = usize::from(switches.colour == ColourWay::IdAccumulation);
+            let tally = tally(&program, 3);
+            assert_eq!(tally[0], [0, 0, 1 + resolved], "{switches:?}");
+            // Twin: the others are drawn as without it.
+            for [front, back, _] in &tally[1..] {
+                assert_eq!((*front, *back), (1, 1), "{switches:?}");
+            }
+            let is_last = program.passes.last().is_some_and(|pass| pass.has_colour);
+            assert!(is_last, "{switches:?}");
+            // Where all are flat, nothing clears or marks.
+            for volume in &mut volumes {
+                volume.drawn_as = DrawnAs::FlatMesh;
+            }
+            let program = FillProgram::new(&volumes, &switches, Overlap::Disjoint);
+            let program = program.expect("allowed");
+            assert_eq!(program.passes.len(), 1, "{switches:?}");
+            assert_eq!(program.counted().count(), 0, "{switches:?}");
+            assert!(!program.passes[0].touches_stencil(), "{switches:?}");
+        }
+    }
+
+    #[test]
+    fn flat_volumes_need_regions_that_do_not_overlap() {
+        let mut volumes = three();
+        let switches = Switches::for_overlap(Overlap::Ordered);
+        assert!(FillProgram::new(&volumes, &switches, Overlap::Ordered).is_ok());
+        volumes[2].drawn_as = DrawnAs::FlatMesh;
+        let refused = FillProgram::new(&volumes, &switches, Overlap::Ordered).expect_err("order");
+        assert!(refused.to_string().contains("overlap=ordered"), "{refused}");
+    }
+
+    #[test]
+    fn what_marks_is_counted_once_more_and_nothing_else() {
+        for switches in every_combination() {
+            let program =
+                FillProgram::new(&three(), &switches, Overlap::Disjoint).expect("allowed");
+            let mut counted = Vec::new();
+            for command in program.commands() {
+                let (faces, without_bottom, scissor, volumes) = match command {
+                    FillCommand::Volumes {
+                        rule,
+                        without_bottom,
+                        scissor,
+                        volumes,
+                    } => (rule.faces, without_bottom, scissor, volumes),
+                    FillCommand::Accumulate {
+                        faces,
+                        without_bottom,
+                        scissor,
+                        volumes,
+                        ..
+                    } => (*faces, without_bottom, scissor, volumes),
+                    FillCommand::Cover { .. } | FillCommand::Resolve => continue,
+                };
+                counted.push(crate::VolumeDraw {
+                    state: crate::VolumeState::Count { faces },
+                    without_bottom: *without_bottom,
+                    scissor: *scissor,
+                    volumes,
+                });
+            }
+            assert_eq!(program.counted().collect::<Vec<_>>(), counted);
+            let commands = program.commands().count();
+            let covers = commands - counted.len();
+            assert!(covers > 0 && !counted.is_empty(), "{switches:?}");
+            let steps: usize = program.passes.iter().map(|pass| pass.steps().count()).sum();
+            assert_eq!(steps, commands);
+        }
+    }
+
+    #[test]
+    fn a_closed_volume_counts_one_inside_and_none_outside() {
+        // One ray through a convex volume: a front face at 1, a back face at 3.
+        let count = |depth: DepthRule, surface: i32| {
+            let rule = StencilRule {
+                depth,
+                operation: StencilOperation::Count,
+                faces: FaceSet::Both,
+            };
+            let (front, back, _) = rule.effects();
+            let mut stencil = 0_u8;
+            for (distance, effect) in [(1, front), (3, back)] {
+                let is_behind = distance > surface;
+                if is_behind != (depth == DepthRule::Fail) {
+                    continue;
+                }
+                stencil = match effect {
+                    FaceEffect::Add => stencil.wrapping_add(1),
+                    FaceEffect::Take => stencil.wrapping_sub(1),
+                    FaceEffect::Invert => !stencil,
+                };
+            }
+            stencil
+        };
+        for depth in [DepthRule::Fail, DepthRule::Pass] {
+            assert_eq!([0, 2, 4].map(|surface| count(depth, surface)), [0, 1, 0]);
+        }
+        let number = StencilRule {
+            depth: DepthRule::Fail,
+            operation: StencilOperation::Invert { mask: 6 },
+            faces: FaceSet::Both,
+        };
+        assert_eq!(
+            number.effects(),
+            (FaceEffect::Invert, FaceEffect::Invert, 6)
+        );
+    }
+
+    #[test]
+    fn the_depth_rule_is_chosen_per_region() {
+        let rules = |choice| {
+            let switches = Switches {
+                depth_rule: choice,
+                bottom_cap: BottomCap::WhereNeeded,
+                colour: ColourWay::OneColour,
+                ..Switches::default()
+            };
+            let program =
+                FillProgram::new(&three(), &switches, Overlap::Disjoint).expect("allowed");
+            let mut rules = Vec::new();
+            for command in program.commands() {
+                if let FillCommand::Volumes {
+                    rule,
+                    without_bottom,
+                    volumes,
+                    ..
+                } = command
+                {
+                    // A bottom cap may be missing only where fragments in front count.
+                    assert_eq!(*without_bottom, rule.depth == DepthRule::Pass);
+                    rules.extend(volumes.iter().map(|&volume| (volume, rule.depth)));
+                }
+            }
+            rules.sort_unstable();
+            rules
+        };
+        let [fail, pass] = [DepthRule::Fail, DepthRule::Pass];
+        assert_eq!(
+            rules(DepthRuleChoice::Automatic),
+            [(0, pass), (1, fail), (2, pass)]
+        );
+        assert_eq!(
+            rules(DepthRuleChoice::Pass),
+            [(0, pass), (1, pass), (2, pass)]
+        );
+    }
+
+    #[test]
+    fn a_volume_around_the_eye_is_counted_in_front_and_marks_what_lies_outside() {
+        let mut volumes = three();
+        volumes[1].near_rectangle = NearRectangle::Within;
+        let program = |depth_rule, volumes: &[Volume]| {
+            let switches = Switches {
+                depth_rule,
+                bottom_cap: BottomCap::WhereNeeded,
+                scissor: true,
+                ..Switches::default()
+            };
+            FillProgram::new(volumes, &switches, Overlap::Disjoint).expect("allowed")
+        };
+        // Of each volume: whether it counts in front, is cut to its rectangle and has a bottom; its number and test.
+        let told = |program: &FillProgram| {
+            let mut told = [(false, false, false, 0, 0); 3];
+            for command in program.commands() {
+                match command {
+                    FillCommand::Volumes {
+                        rule,
+                        without_bottom,
+                        scissor,
+                        volumes,
+                    } => {
+                        let (_, _, number) = rule.effects();
+                        for &volume in volumes {
+                            let is_in_front = rule.depth == DepthRule::Pass;
+                            told[volume] = (is_in_front, *scissor, !without_bottom, number, 0);
+                        }
+                    }
+                    FillCommand::Cover { test, volumes, .. } => {
+                        for &volume in volumes {
+                            told[volume].4 = test.reference;
+                        }
+                    }
+                    other => panic!("{other:?}"),
+                }
+            }
+            told
+        };
+        let uncut = told(&program(DepthRuleChoice::Uncut, &volumes));
+        // It flips what is not inside: 1 where nothing is, 0 inside the first and inside itself, 3 inside the last.
+        assert_eq!(
+            uncut,
+            [
+                (true, true, false, 1, 0),
+                (true, false, false, 1, 0),
+                (true, true, false, 2, 3)
+            ]
+        );
+        // Twins: counted behind the surface it marks what is inside, as does one that the near plane cuts.
+        let behind = [
+            (true, true, false, 1, 1),
+            (false, true, true, 1, 1),
+            (true, true, false, 2, 2),
+        ];
+        assert_eq!(told(&program(DepthRuleChoice::Automatic, &volumes)), behind);
+        assert_eq!(told(&program(DepthRuleChoice::Uncut, &three())), behind);
+        // A count cannot tell what was marked from outside.
+        let counted = Switches {
+            depth_rule: DepthRuleChoice::Uncut,
+            colour: ColourWay::Rectangle,
+            ..Switches::default()
+        };
+        let refused = FillProgram::new(&volumes, &counted, Overlap::Disjoint).expect_err("counts");
+        assert!(refused.to_string().contains("colour=xor"), "{refused}");
+    }
+
+    #[test]
+    fn a_cut_volume_is_covered_by_its_back_faces() {
+        let switches = Switches {
+            colour: ColourWay::Volume,
+            cover_culls_faces: true,
+            ..Switches::default()
+        };
+        let program = FillProgram::new(&three(), &switches, Overlap::Ordered).expect("allowed");
+        let shapes: Vec<CoverShape> = program
+            .commands()
+            .filter_map(|command| match command {
+                FillCommand::Cover { shape, .. } => Some(*shape),
+                _ => None,
+            })
+            .collect();
+        let by = |faces| CoverShape::Volume {
+            faces,
+            without_bottom: false,
+        };
+        assert_eq!(
+            shapes,
+            [by(FaceSet::Front), by(FaceSet::Back), by(FaceSet::Front)]
+        );
+    }
+
+    #[test]
+    fn only_a_volume_that_the_near_plane_cuts_is_coloured_with_its_bottom() {
+        for colour in [ColourWay::Volume, ColourWay::OneColourVolumes] {
+            for bottom_cap in [
+                BottomCap::Always,
+                BottomCap::FirstPass,
+                BottomCap::WhereNeeded,
+            ] {
+                let switches = Switches {
+                    colour,
+                    bottom_cap,
+                    ..Switches::default()
+                };
+                let program = FillProgram::new(&three(), &switches, Overlap::Disjoint);
+                let program = program.expect("allowed");
+                for command in program.commands() {
+                    match command {
+                        FillCommand::Cover {
+                            shape: CoverShape::Volume { without_bottom, .. },
+                            volumes,
+                            ..
+                        } => {
+                            let left_out = bottom_cap != BottomCap::Always && *volumes != [1];
+                            assert_eq!(*without_bottom, left_out, "{volumes:?}: {switches:?}");
+                        }
+                        // Behind the surface every cap counts.
+                        FillCommand::Volumes { without_bottom, .. } => assert!(!without_bottom),
+                        other => panic!("{other:?}"),
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn later_regions_cover_earlier_ones_whatever_the_way() {
+        let many: Vec<Volume> = (0..40).map(|i| volume(i, 0, false)).collect();
+        for colour in [
+            ColourWay::Rectangle,
+            ColourWay::Volume,
+            ColourWay::BitPlanes,
+        ] {
+            let switches = Switches {
+                colour,
+                ..Switches::default()
+            };
+            let program = FillProgram::new(&many, &switches, Overlap::Ordered).expect("allowed");
+            let covers: Vec<usize> = program
+                .commands()
+                .filter_map(|command| match command {
+                    FillCommand::Cover { volumes, .. } => Some(volumes.clone()),
+                    _ => None,
+                })
+                .flatten()
+                .collect();
+            assert_eq!(covers, (0..40).collect::<Vec<_>>(), "{colour:?}");
+        }
+    }
+
+    #[test]
+    fn a_count_that_could_wrap_to_nothing_is_refused() {
+        let one_colour = Switches {
+            colour: ColourWay::OneColour,
+            ..Switches::default()
+        };
+        let nested = |count| -> Vec<Volume> { (0..count).map(|i| volume(i, 0, false)).collect() };
+        let program = |count, overlap| FillProgram::new(&nested(count), &one_colour, overlap);
+        assert!(program(255, Overlap::Ordered).is_ok());
+        let error = program(256, Overlap::Ordered).expect_err("wraps");
+        assert!(
+            error.to_string().contains("found 256, allowed 255"),
+            "{error}"
+        );
+        // Side by side, or promised to be disjoint, any number is countable.
+        let apart: Vec<Volume> = (0..600)
+            .map(|i| volume(i as usize, 20 * i, false))
+            .collect();
+        assert!(FillProgram::new(&apart, &one_colour, Overlap::Ordered).is_ok());
+        assert!(program(600, Overlap::Disjoint).is_ok());
+    }
+
+    #[test]
+    fn numbers_that_a_float_would_round_are_refused() {
+        let accumulate = Switches {
+            colour: ColourWay::IdAccumulation,
+            ..Switches::default()
+        };
+        let apart = |count| -> Vec<Volume> { (0..count).map(|i| volume(i, 0, false)).collect() };
+        let program = |count| FillProgram::new(&apart(count), &accumulate, Overlap::Disjoint);
+        assert!(program(ACCUMULABLE).is_ok());
+        assert!(program(ACCUMULABLE + 1).is_err());
+        let sum: usize = (1..=ACCUMULABLE).sum();
+        assert!(2 * sum <= 1 << 24);
+        assert!(2 * (sum + ACCUMULABLE + 1) > 1 << 24);
+        let error = FillProgram::new(&apart(2), &accumulate, Overlap::Ordered);
+        assert!(error.is_err(), "two numbers over one pixel make a third");
+    }
+
+    #[test]
+    fn nothing_planned_is_nothing_to_do() {
+        let program = FillProgram::new(&[], &Switches::default(), Overlap::Disjoint);
+        assert_eq!(program.expect("allowed").passes, Vec::new());
+    }
+}
