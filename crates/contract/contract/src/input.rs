@@ -6,7 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
 use terrafill_core::{EdgeRule, Ellipsoid, Extent, MovingFootprint, Region, RegionMesh};
 use terrafill_plan::{
-    FramePlan, LevelTable, LeveledMeshes, MeshParts, PartCulling, PlanOptions, RegionBounds,
+    FramePlan, LevelTable, LeveledMeshes, MeshParts, PartCulling, PlacedMesh, PlanOptions,
+    PlanView, RegionBounds,
 };
 use terrafill_scene::{Camera, ImageSize, MipChain, Overlap, Scene, SceneTexture, View};
 use terrafill_surface::{HeightRange, Surface, SurfaceError, SurfaceFrame};
@@ -344,28 +345,23 @@ fn plan(
     terrain: HeightRange,
     options: PlanOptions,
 ) -> FramePlan {
-    let mut plan = FramePlan::new(
-        &scene.body,
+    let view = PlanView {
+        body: &scene.body,
         camera,
         size,
         terrain,
-        &scene.bounds,
-        &scene.levels,
-        options,
-    );
-    let is_stored = |mesh: usize| !scene.footprints.contains_key(&mesh);
-    let culls_parts = options.part_culling != PartCulling::Off;
-    let parts = |mesh: usize| {
-        (culls_parts && is_stored(mesh))
-            .then(|| scene.parts_of(mesh))
-            .flatten()
     };
-    let meshes = &scene.meshes;
-    plan.settle_near_plane(&scene.body, camera, size, meshes, is_stored, parts);
-    plan.cull_parts(&scene.body, camera, size, terrain, parts);
-    if options.interior && scene.overlap == Overlap::Disjoint {
-        let (body, view) = ((&scene.body, terrain), (camera, size));
-        plan.settle_interior(body, view, meshes, is_stored, parts);
-    }
-    plan
+    let culls_parts = options.part_culling != PartCulling::Off;
+    let placed = |mesh: usize| {
+        let is_stored = !scene.footprints.contains_key(&mesh);
+        is_stored.then(|| PlacedMesh {
+            mesh: &scene.meshes[mesh],
+            parts: culls_parts.then(|| scene.parts_of(mesh)).flatten(),
+        })
+    };
+    let options = PlanOptions {
+        interior: options.interior && scene.overlap == Overlap::Disjoint,
+        ..options
+    };
+    FramePlan::new(view, &scene.bounds, &scene.levels, placed, options)
 }

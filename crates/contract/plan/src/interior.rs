@@ -11,46 +11,35 @@
 use crate::left_out::LeftOutReason;
 use crate::parts::{MeshParts, edges, edges_in};
 use crate::pixel_rect::PixelRect;
-use crate::plan::{DrawnAs, FramePlan, LeftOutRegion, PlannedRegion};
+use crate::plan::{DrawnAs, FramePlan, LeftOutRegion, PlacedMesh, PlanView, PlannedRegion};
 use glam::DVec3;
-use std::borrow::Borrow;
 use terrafill_core::{Ellipsoid, RegionMesh, VolumeHeights};
-use terrafill_scene::{Camera, ImageSize};
-use terrafill_surface::HeightRange;
 
 impl FramePlan {
     /// Says which region has all ground in view, if that is certain of one. All others are left out, as is a region
     /// around the image that has none of it. For regions that do not overlap.
     ///
-    /// - `terrain`: height range of the surface as drawn
-    /// - `meshes`: what [`PlannedRegion::mesh`] points into
-    /// - `lies_there`: whether a mesh's vertices are where they will be drawn
-    /// - `parts`: of a mesh that lies there, if they are known and several
     /// - cost: nothing where a corner shows the sky. Else, for regions around the image, O(parts), and O(edges) of
     ///   those near it; without parts O(edges). Then O(triangles) of one region
-    pub fn settle_interior<'a>(
+    pub(crate) fn settle_interior<'m>(
         &mut self,
-        (body, terrain): (&Ellipsoid, HeightRange),
-        (camera, size): (&Camera, ImageSize),
-        meshes: &'a [impl Borrow<RegionMesh>],
-        lies_there: impl Fn(usize) -> bool,
-        parts: impl Fn(usize) -> Option<&'a MeshParts>,
+        view: PlanView<'_>,
+        placed: impl Fn(usize) -> Option<PlacedMesh<'m>>,
     ) {
-        let whole = PixelRect::full(size);
+        let whole = PixelRect::full(view.size);
         let is_around = |planned: &PlannedRegion| planned.screen_rect == whole;
         if !self.regions.iter().any(is_around) {
             return;
         }
-        let Some(ground) = Ground::of(body, camera, size, terrain) else {
+        let Some(ground) = Ground::of(view) else {
             return;
         };
         let has_all = |planned: &PlannedRegion| {
-            if !is_around(planned) || !lies_there(planned.mesh) {
+            if !is_around(planned) {
                 return None;
             }
-            let mesh = meshes[planned.mesh].borrow();
-            let parts = parts(planned.mesh);
-            let is_away = ground.leaves_walls_outside(body, mesh, parts, planned.heights);
+            let PlacedMesh { mesh, parts } = placed(planned.mesh)?;
+            let is_away = ground.leaves_walls_outside(view.body, mesh, parts, planned.heights);
             is_away.then(|| ground.is_in(mesh))
         };
         let found: Vec<Option<bool>> = self.regions.iter().map(has_all).collect();
@@ -92,12 +81,13 @@ struct Ground {
 
 impl Ground {
     /// `None` where a corner of the image may show the sky.
-    fn of(
-        body: &Ellipsoid,
-        camera: &Camera,
-        size: ImageSize,
-        terrain: HeightRange,
-    ) -> Option<Self> {
+    fn of(view: PlanView<'_>) -> Option<Self> {
+        let PlanView {
+            body,
+            camera,
+            size,
+            terrain,
+        } = view;
         // An ellipsoid below all ground: shrinking the axes by δ moves the surface by δ · b / a at least and δ at most.
         let flattening = body.equatorial_radius_m() / body.polar_radius_m();
         let shrink_m = (-terrain.lowest_m).max(0.0) * flattening;

@@ -27,5 +27,5 @@ pub use parts::{MeshParts, PART_FACETS, PartOrder, SeenParts};
 pub use pixel_rect::PixelRect;
 pub use plan::{
     CAP_CLEARANCE_PX, DrawnAs, FramePlan, GLOBAL_HEIGHT_M, LeftOutRegion, MeshBounds, PartCulling,
-    PlanOptions, PlannedRegion, RegionBounds, SmallRings, WallHeights,
+    PlacedMesh, PlanOptions, PlanView, PlannedRegion, RegionBounds, SmallRings, WallHeights,
 };

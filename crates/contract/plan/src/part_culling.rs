@@ -3,35 +3,23 @@
 
 use crate::left_out::LeftOutReason;
 use crate::near_plane::NearRectangle;
-use crate::parts::{MeshParts, SeenParts};
-use crate::plan::{FramePlan, PartCulling, Planner};
+use crate::parts::SeenParts;
+use crate::plan::{FramePlan, PartCulling, PlacedMesh, Planner};
 use glam::DVec3;
-use terrafill_core::Ellipsoid;
-use terrafill_scene::{Camera, ImageSize};
-use terrafill_surface::HeightRange;
 
 impl FramePlan {
     /// Leaves out parts of large regions, as the options say. Comes after
     /// [`FramePlan::settle_near_plane`], which says of which volumes fragments count in front.
     ///
-    /// - `terrain`: height range of the surface as drawn
-    /// - `parts`: of a mesh, if it has several and lies where it will be drawn
     /// - cost: O(parts of the regions drawn)
-    pub fn cull_parts<'a>(
+    pub(crate) fn cull_parts<'m>(
         &mut self,
-        body: &Ellipsoid,
-        camera: &Camera,
-        size: ImageSize,
-        terrain: HeightRange,
-        parts: impl Fn(usize) -> Option<&'a MeshParts>,
+        planner: &Planner<'_>,
+        placed: impl Fn(usize) -> Option<PlacedMesh<'m>>,
     ) {
-        if self.options.part_culling == PartCulling::Off {
-            return;
-        }
         let hides = self.options.part_culling == PartCulling::All;
-        let planner = Planner::new(body, camera, size, terrain, self.options);
         for mut planned in std::mem::take(&mut self.regions) {
-            let Some(parts) = parts(planned.mesh) else {
+            let Some(parts) = placed(planned.mesh).and_then(|placed| placed.parts) else {
                 self.regions.push(planned);
                 continue;
             };

@@ -174,6 +174,28 @@ pub struct FramePlan {
     pub options: PlanOptions,
 }
 
+/// What a frame is planned for.
+#[derive(Debug, Clone, Copy)]
+pub struct PlanView<'a> {
+    /// What the regions lie on.
+    pub body: &'a Ellipsoid,
+    /// The eye.
+    pub camera: &'a Camera,
+    /// The image.
+    pub size: ImageSize,
+    /// Heights between which the surface lies as drawn.
+    pub terrain: HeightRange,
+}
+
+/// A mesh whose vertices are where they will be drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct PlacedMesh<'a> {
+    /// All of it.
+    pub mesh: &'a RegionMesh,
+    /// Its parts, if they are known and several.
+    pub parts: Option<&'a MeshParts>,
+}
+
 /// A region's volume and a box around it before any view is known: what a plan looks at, so that
 /// planning a frame costs time per region, not per vertex.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -250,26 +272,24 @@ impl MeshBounds for [RegionBounds] {
 impl FramePlan {
     /// Plans a frame.
     ///
-    /// - `terrain`: height range of the surface as drawn
     /// - `meshes`: bounds of every mesh of the scene
     /// - `levels`: which of them is which
+    /// - `placed`: a mesh of the scene; of those for which there is `None` bounds decide alone
     #[must_use]
-    pub fn new(
-        body: &Ellipsoid,
-        camera: &Camera,
-        size: ImageSize,
-        terrain: HeightRange,
+    pub fn new<'m>(
+        view: PlanView<'_>,
         meshes: &(impl MeshBounds + ?Sized),
         levels: &LevelTable,
+        placed: impl Fn(usize) -> Option<PlacedMesh<'m>>,
         options: PlanOptions,
     ) -> Self {
-        let planner = Planner::new(body, camera, size, terrain, options);
+        let planner = Planner::new(view, options);
         let mut plan = Self {
             options,
             ground: planner.ground,
-            sky_px: planner
-                .ground
-                .map_or(0, |ground| PixelRect::full(size).area() - ground.area()),
+            sky_px: planner.ground.map_or(0, |ground| {
+                PixelRect::full(view.size).area() - ground.area()
+            }),
             ..Self::default()
         };
         let regions = 0..levels.region_count(meshes.count());
@@ -286,6 +306,13 @@ impl FramePlan {
                     planned.drawn_as = DrawnAs::FlatMesh;
                 }
             }
+        }
+        plan.settle_near_plane(view, &placed);
+        if options.part_culling != PartCulling::Off {
+            plan.cull_parts(&planner, &placed);
+        }
+        if options.interior {
+            plan.settle_interior(view, &placed);
         }
         plan
     }
@@ -426,24 +453,20 @@ impl FramePlan {
 
     /// Asks the volumes themselves where only their boxes were known to meet the near rectangle.
     ///
-    /// - `meshes`: what [`PlannedRegion::mesh`] points into
-    /// - `lies_there`: whether a mesh's vertices are where they will be drawn; a box decides otherwise
-    /// - `parts`: of a mesh that lies there, if they are known and several
     /// - cost: nothing for regions whose boxes the near rectangle does not meet. For any other O(parts), and
     ///   O(triangles) of the parts that it meets; without parts O(triangles).
-    pub fn settle_near_plane<'a>(
+    fn settle_near_plane<'m>(
         &mut self,
-        body: &Ellipsoid,
-        camera: &Camera,
-        size: ImageSize,
-        meshes: &'a [impl Borrow<RegionMesh>],
-        lies_there: impl Fn(usize) -> bool,
-        parts: impl Fn(usize) -> Option<&'a MeshParts>,
+        view: PlanView<'_>,
+        placed: impl Fn(usize) -> Option<PlacedMesh<'m>>,
     ) {
+        let PlanView {
+            body, camera, size, ..
+        } = view;
         for planned in &mut self.regions {
-            if planned.near_rectangle == NearRectangle::Cut && lies_there(planned.mesh) {
-                let mesh = meshes[planned.mesh].borrow();
-                let parts = parts(planned.mesh);
+            if planned.near_rectangle == NearRectangle::Cut
+                && let Some(PlacedMesh { mesh, parts }) = placed(planned.mesh)
+            {
                 let volume = ViewVolume::new(body, camera, mesh, planned.heights, parts);
                 planned.near_rectangle = volume.near_rectangle(camera, size);
             }
@@ -468,19 +491,19 @@ pub(crate) struct Planner<'a> {
 }
 
 impl<'a> Planner<'a> {
-    pub(crate) fn new(
-        body: &Ellipsoid,
-        camera: &'a Camera,
-        size: ImageSize,
-        terrain: HeightRange,
-        options: PlanOptions,
-    ) -> Self {
+    fn new(view: PlanView<'a>, options: PlanOptions) -> Self {
+        let PlanView {
+            body,
+            camera,
+            size,
+            terrain,
+        } = view;
         Self {
             camera,
             size,
             side_planes_ecef: camera.side_planes_ecef(size, 0.0),
             horizon: Horizon::new(body, camera.eye_ecef, terrain.lowest_m),
-            clearance_m: cap_clearance_m(body, camera, size, terrain),
+            clearance_m: cap_clearance_m(view),
             beyond_m: match options.wall_heights {
                 WallHeights::Region => [0.0; 2],
                 WallHeights::Global => [-terrain.highest_m, terrain.lowest_m]
@@ -639,12 +662,13 @@ fn distance_to_box_m(bounds: &OrientedBox, ecef: DVec3) -> f64 {
 /// [`CAP_CLEARANCE_PX`] in metres at the farthest distance at which anything can be seen: the horizon
 /// and, over terrain, the summits behind it. From the point where a ray touches the sphere of the
 /// lowest terrain, it reaches the highest terrain after `√((b + highest)² − (b + lowest)²)`.
-fn cap_clearance_m(
-    body: &Ellipsoid,
-    camera: &Camera,
-    size: ImageSize,
-    terrain: HeightRange,
-) -> f64 {
+fn cap_clearance_m(view: PlanView<'_>) -> f64 {
+    let PlanView {
+        body,
+        camera,
+        size,
+        terrain,
+    } = view;
     let to_center = camera.eye_ecef.length();
     let polar_m = body.polar_radius_m();
     let horizon_m = (to_center * to_center - polar_m.powi(2)).max(0.0).sqrt();

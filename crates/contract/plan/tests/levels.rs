@@ -6,7 +6,7 @@ use glam::DVec3;
 use terrafill_core::{Geodetic, RegionMesh};
 use terrafill_plan::{
     DrawnAs, FEWEST_VERTICES_FOR_LEVELS, FramePlan, LEVEL_VERTEX_SHARE, LeveledMeshes, PlanOptions,
-    PlannedRegion, RegionBounds,
+    PlanView, PlannedRegion, RegionBounds,
 };
 use terrafill_scene::{Camera, ImageSize, LevelChoice, Scene};
 use terrafill_surface::HeightRange;
@@ -58,15 +58,14 @@ impl Prepared {
     }
 
     fn plan_with(&self, camera: &Camera, options: PlanOptions) -> FramePlan {
-        FramePlan::new(
-            &self.scene.body,
+        let view = PlanView {
+            body: &self.scene.body,
             camera,
-            SIZE,
-            TERRAIN,
-            self.bounds.as_slice(),
-            &self.leveled.table,
-            options,
-        )
+            size: SIZE,
+            terrain: TERRAIN,
+        };
+        let bounds = self.bounds.as_slice();
+        FramePlan::new(view, bounds, &self.leveled.table, |_| None, options)
     }
 
     fn camera(&self, view: &str) -> Camera {
