@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The stencil-program executor on wgpu: the same for everything that is drawn by closed volumes.
 //!
-//! The volumes are drawn by whoever made them ([`Volumes`]); this owns the constants of a list, the
+//! The volumes are drawn by whoever made them ([`WgpuVolumes`]); this owns the constants of a list, the
 //! program, covers and the accumulation target, records the passes, and measures. Depth stays as the
 //! surface left it: it is attached read-only throughout. Covers of a textured fill read it there, and
 //! stand in passes that leave the stencil alone as well.
@@ -27,7 +27,7 @@ use terrafill_stencil::{
 use terrafill_variant::{FirstPass, Switches};
 
 /// Volumes as the passes of a stencil program draw them.
-pub trait Volumes {
+pub trait WgpuVolumes {
     /// Makes the pipelines of `draw` unless they are there. `blends` is set for colours only.
     fn ensure(&mut self, gpu: &Gpu, list: &VolumeList, draw: &VolumeDraw<'_>, blends: bool);
 
@@ -55,7 +55,7 @@ pub trait Volumes {
     ) {
     }
 
-    /// Makes ready what draws of many volumes need, once for a program and after [`Volumes::ensure`].
+    /// Makes ready what draws of many volumes need, once for a program and after [`WgpuVolumes::ensure`].
     ///
     /// # Errors
     /// [`DeviceError::OverCapacity`], [`DeviceError::OutOfMemory`].
@@ -68,7 +68,7 @@ pub trait Volumes {
         Ok(())
     }
 
-    /// Whether [`Volumes::stream`] has something to do.
+    /// Whether [`WgpuVolumes::stream`] has something to do.
     fn are_streamed(&self) -> bool {
         false
     }
@@ -79,7 +79,7 @@ pub trait Volumes {
     /// Binds what all draws of a pass share; group 0, view and volumes' constants, is bound.
     fn bind(&self, pass: &mut wgpu::RenderPass<'_>);
 
-    /// Draws volumes by the pipelines that [`Volumes::ensure`] made; the stencil reference is set.
+    /// Draws volumes by the pipelines that [`WgpuVolumes::ensure`] made; the stencil reference is set.
     fn draw(&mut self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>, blends: bool);
 }
 
@@ -137,7 +137,7 @@ struct Recording<'a> {
 
 const NO_PROGRAM: DeviceError = DeviceError::Missing("stencil program");
 
-impl<V: Volumes> StencilExecutor<V> for VolumeFill {
+impl<V: WgpuVolumes> StencilExecutor<V> for VolumeFill {
     type Targets = SharedTargets;
 
     fn new(targets: &SharedTargets, switches: &Switches) -> Result<Self, DeviceError> {
@@ -499,7 +499,7 @@ impl VolumeFill {
     fn run(
         &self,
         targets: &RenderTargets,
-        volumes: &mut impl Volumes,
+        volumes: &mut impl WgpuVolumes,
         recording: Recording<'_>,
     ) -> Result<Counters, DeviceError> {
         let mut counters = Counters::default();
@@ -602,7 +602,7 @@ impl VolumeFill {
     fn step(
         &self,
         pass: &mut VolumePass<'_>,
-        volumes: &mut impl Volumes,
+        volumes: &mut impl WgpuVolumes,
         loaded: &Loaded,
         step: &FillStep<'_>,
         merged_covers: &mut MergedCovers,

@@ -41,7 +41,7 @@ pub use evaluate::{
     EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, EvaluationTime, Evaluator, Kernel,
     KernelTable, TableFormat,
 };
-pub use fill::{VolumeFill, Volumes};
+pub use fill::{VolumeFill, WgpuVolumes};
 pub use ray_cast::RayCast;
 pub use readback::{read_buffer, read_texture};
 pub use shared::{API, SURFACES, shared_gpu, shared_targets};

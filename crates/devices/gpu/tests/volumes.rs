@@ -9,7 +9,7 @@ use terrafill_contract::{DeviceError, Picture};
 use terrafill_fixtures::BoxOverGround;
 use terrafill_fixtures::globe::SIZE;
 use terrafill_gpu::{
-    Gpu, HandedOn, RenderTargets, VolumeFill, VolumePass, VolumeShader, Volumes, open_for_test,
+    Gpu, HandedOn, RenderTargets, VolumeFill, VolumePass, VolumeShader, WgpuVolumes, open_for_test,
 };
 use terrafill_plan::PixelRect;
 use terrafill_stencil::{StencilExecutor, VolumeDraw, VolumeList, VolumeState};
@@ -41,7 +41,7 @@ impl Boxes {
     }
 }
 
-impl Volumes for Boxes {
+impl WgpuVolumes for Boxes {
     fn ensure(&mut self, gpu: &Gpu, _list: &VolumeList, draw: &VolumeDraw<'_>, blends: bool) {
         let attributes = wgpu::vertex_attr_array![0 => Sint32x3, 1 => Uint32];
         let shader = VolumeShader {

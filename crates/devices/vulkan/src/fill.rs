@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The stencil-program executor on Vulkan: the same for everything that is drawn by closed volumes.
 //!
-//! The volumes are drawn by whoever made them ([`Volumes`]); this owns the constants of a list, the
+//! The volumes are drawn by whoever made them ([`VulkanVolumes`]); this owns the constants of a list, the
 //! program and covers, records the passes, and measures. Depth stays as the surface left it: it is
 //! attached read-only throughout. Covers of a textured fill read it there, and stand in passes that
 //! leave the stencil alone as well.
@@ -25,7 +25,7 @@ use terrafill_stencil::{
 use terrafill_variant::{FirstPass, Switches};
 
 /// Volumes as the passes of a stencil program draw them.
-pub trait Volumes {
+pub trait VulkanVolumes {
     /// Makes the pipelines of `draw` unless they are there.
     ///
     /// # Errors
@@ -45,7 +45,7 @@ pub trait Volumes {
         Ok(())
     }
 
-    /// Draws volumes by the pipelines that [`Volumes::ensure`] made.
+    /// Draws volumes by the pipelines that [`VulkanVolumes::ensure`] made.
     fn draw<'a>(&'a self, pass: &mut VolumePass<'a, '_, '_>, draw: &VolumeDraw<'_>);
 }
 
@@ -88,7 +88,7 @@ impl Loaded {
 
 const NO_PROGRAM: DeviceError = DeviceError::Missing("stencil program");
 
-impl<V: Volumes> StencilExecutor<V> for VolumeFill {
+impl<V: VulkanVolumes> StencilExecutor<V> for VolumeFill {
     type Targets = SharedTargets;
 
     fn new(targets: &SharedTargets, switches: &Switches) -> Result<Self, DeviceError> {
@@ -346,7 +346,7 @@ impl VolumeFill {
     /// [`DeviceError::DeviceLost`].
     pub fn measure(
         &self,
-        volumes: &impl Volumes,
+        volumes: &impl VulkanVolumes,
         measured: Measured,
     ) -> Result<(FillReport, Counters), DeviceError> {
         self.run(volumes, measured, None)
@@ -355,7 +355,7 @@ impl VolumeFill {
     /// - `probe`: textured covers write where their texels came from into this instead of colours
     fn run(
         &self,
-        volumes: &impl Volumes,
+        volumes: &impl VulkanVolumes,
         measured: Measured,
         probe: Option<&Probe>,
     ) -> Result<(FillReport, Counters), DeviceError> {
@@ -384,7 +384,7 @@ struct Recording<'a> {
 
 impl<'a> Recording<'a> {
     /// All passes.
-    fn record<V: Volumes>(
+    fn record<V: VulkanVolumes>(
         &self,
         recorder: &mut FillRecorder<'a>,
         volumes: &'a V,
@@ -427,7 +427,7 @@ impl<'a> Recording<'a> {
     }
 
     /// - `covered`: how many merged covers are drawn so far; they lie in the order of the steps
-    fn step<V: Volumes>(
+    fn step<V: VulkanVolumes>(
         &self,
         pass: &mut VolumePass<'a, '_, '_>,
         volumes: &'a V,

@@ -61,7 +61,7 @@ pub use deliberate_error::make_deliberate_error;
 pub use depth_copy::DepthCopy;
 pub use direct::{DirectDraw, DirectReport, Dispatch, DrawCall};
 pub use draw_pipeline::{ComputePipeline, DrawPipeline, GeometryOutput, PrimitiveStages, Shader};
-pub use fill::{VolumeFill, Volumes};
+pub use fill::{VolumeFill, VulkanVolumes};
 pub use layer_pipeline::LayerPipeline;
 pub use layered::{LayeredDepth, LayersBy};
 pub use memory::{Buffer, BufferUse};

@@ -14,7 +14,7 @@ use terrafill_stencil::{DepthRule, StencilExecutor, VolumeDraw, VolumeState};
 use terrafill_variant::Switches;
 use terrafill_vulkan::{
     Buffer, BufferUse, Fragments, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor,
-    RenderTargets, Topology, VertexFormat, VertexStage, VolumeFill, VolumePass, Volumes,
+    RenderTargets, Topology, VertexFormat, VertexStage, VolumeFill, VolumePass, VulkanVolumes,
     open_for_test,
 };
 
@@ -79,7 +79,7 @@ fn descriptor(state: VolumeState) -> PipelineDescriptor {
     }
 }
 
-impl Volumes for Boxes {
+impl VulkanVolumes for Boxes {
     fn ensure(&mut self, gpu: &Arc<Gpu>, draw: &VolumeDraw<'_>) -> Result<(), DeviceError> {
         if let Entry::Vacant(place) = self.pipelines.entry(draw.state) {
             place.insert(Pipeline::new(gpu, descriptor(draw.state))?);

@@ -4,10 +4,10 @@
 use crate::culling::DRAW_ARGUMENTS_BYTES;
 use crate::expansion::WORKGROUP_SIZE;
 use crate::volumes::ComputeVolumes;
-use terrafill_gpu::{Gpu, VolumePass, Volumes};
+use terrafill_gpu::{Gpu, VolumePass, WgpuVolumes};
 use terrafill_stencil::{VolumeDraw, VolumeList};
 
-impl Volumes for ComputeVolumes {
+impl WgpuVolumes for ComputeVolumes {
     fn ensure(&mut self, gpu: &Gpu, _list: &VolumeList, draw: &VolumeDraw<'_>, _blends: bool) {
         self.pipelines.ensure(gpu, draw.state);
     }

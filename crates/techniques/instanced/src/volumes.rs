@@ -6,7 +6,7 @@ use crate::pipeline::{Part, Pipelines, VERTICES, WALL_CORNERS, WALLS};
 use std::collections::BTreeMap;
 use std::slice::from_ref;
 use terrafill_contract::{DeviceError, Feature, FillInput, GeometryBytes, MemoryUse};
-use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
+use terrafill_gpu::{Gpu, VolumeFill, VolumePass, WgpuVolumes};
 use terrafill_plan::{PartCulling, SeenParts};
 use terrafill_stencil::{
     BottomCaps, Holding, LaidOut, RegionVolumes, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
@@ -222,7 +222,7 @@ impl SceneBuffers {
     }
 }
 
-impl Volumes for InstancedVolumes {
+impl WgpuVolumes for InstancedVolumes {
     fn ensure(&mut self, gpu: &Gpu, _list: &VolumeList, draw: &VolumeDraw<'_>, _blends: bool) {
         for part in Part::all(draw.without_bottom) {
             self.pipelines.ensure(gpu, part, draw.state);

@@ -17,7 +17,7 @@ use terrafill_stencil::{
 use terrafill_variant::Switches;
 use terrafill_vulkan::{
     Buffer, BufferUse, DrawCommand, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor,
-    VolumeFill, VolumePass, Volumes,
+    VolumeFill, VolumePass, VulkanVolumes,
 };
 
 /// Shadow volumes extruded in geometry shaders, or by `vs-control` in the vertex shader.
@@ -342,7 +342,7 @@ impl SceneBuffers {
     }
 }
 
-impl Volumes for NativeVolumes {
+impl VulkanVolumes for NativeVolumes {
     fn ensure(&mut self, gpu: &Arc<Gpu>, draw: &VolumeDraw<'_>) -> Result<(), DeviceError> {
         for (_, descriptor) in self.pipelines_of(draw.state, draw.without_bottom) {
             if let Entry::Vacant(place) = self.pipelines.entry(descriptor) {

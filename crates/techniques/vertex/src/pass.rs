@@ -7,7 +7,7 @@ use crate::pipeline::{Part, PipelineKey, Pipelines, parts};
 use crate::{Buffers, Layout, VertexVariant};
 use std::ops::Range;
 use terrafill_contract::{DeviceError, Feature, FillInput, GeometryBytes, MemoryUse};
-use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
+use terrafill_gpu::{Gpu, VolumeFill, VolumePass, WgpuVolumes};
 use terrafill_scene::Overlap;
 use terrafill_stencil::{
     BottomCaps, DrawnOfMeshes, DrawnParts, FaceSet, FillProgram, Holding, IndexLists,
@@ -386,7 +386,7 @@ fn whole_words(list: &[u16], range: Range<usize>) -> (u64, Vec<[u16; 2]>) {
     (2 * first as u64, words.collect())
 }
 
-impl Volumes for VertexVolumes {
+impl WgpuVolumes for VertexVolumes {
     fn ensure(&mut self, gpu: &Gpu, list: &VolumeList, draw: &VolumeDraw<'_>, blends: bool) {
         let Some(scene) = &self.scene else {
             return;

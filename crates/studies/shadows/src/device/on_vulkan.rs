@@ -10,7 +10,7 @@ use terrafill_contract::DeviceError;
 use terrafill_stencil::{VolumeDraw, VolumeState};
 use terrafill_vulkan::{
     Buffer, BufferUse, Fragments, Geometry, GeometryStage, Gpu, HandsOn, IndexWidth, Pipeline,
-    PipelineDescriptor, Topology, VertexFormat, VertexStage, VolumePass, Volumes,
+    PipelineDescriptor, Topology, VertexFormat, VertexStage, VolumePass, VulkanVolumes,
 };
 
 /// Hands corners and facing bits to a geometry shader.
@@ -150,7 +150,7 @@ impl OnVulkan {
     }
 }
 
-impl Volumes for OnVulkan {
+impl VulkanVolumes for OnVulkan {
     fn ensure(&mut self, gpu: &Arc<Gpu>, draw: &VolumeDraw<'_>) -> Result<(), DeviceError> {
         for &part in self.parts() {
             let descriptor = self.descriptor(draw.state, part);

@@ -5,7 +5,7 @@ use crate::source::{Computed, EyeMesh, SHADER, VolumeSource};
 use std::collections::HashMap;
 use std::ops::Range;
 use terrafill_contract::DeviceError;
-use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumePass, VolumeShader, Volumes};
+use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumePass, VolumeShader, WgpuVolumes};
 use terrafill_stencil::{VolumeDraw, VolumeList, VolumeState};
 
 const BOUNDED_SHADER: &str = "casters/bounded.wgsl";
@@ -208,7 +208,7 @@ impl OnWgpu {
     }
 }
 
-impl Volumes for OnWgpu {
+impl WgpuVolumes for OnWgpu {
     fn make(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
