@@ -60,7 +60,7 @@ pub trait FillBackend {
     fn prepare(&mut self, input: &FillInput) -> Result<MemoryUse, DeviceError>;
 
     /// Uploads what differs from the input prepared or updated last, whose meshes those of `input`
-    /// were made from by [`crate::RegionSet::with_changed`]. A region with as many vertices and
+    /// were made from by [`terrafill_plan::RegionSet::with_changed`]. A region with as many vertices and
     /// indices as before is rewritten where it lies; otherwise everything is uploaded.
     ///
     /// - `changed`: indices into the scene's meshes

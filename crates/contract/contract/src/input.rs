@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What goes in: the same bytes for every backend.
 
-use crate::{DeviceError, MAX_REGIONS, NoSuchRegion, RegionSet, SceneBounds, ViewId};
+use crate::{DeviceError, MAX_REGIONS, ViewId};
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Extent, MovingFootprint, Region, RegionMesh};
 use terrafill_plan::{
-    FramePlan, LevelTable, LeveledMeshes, MeshParts, PartCulling, PlacedMesh, PlanOptions,
-    PlanView, RegionBounds,
+    FramePlan, LazyParts, LevelTable, LeveledMeshes, MeshParts, NoSuchRegion, PartCulling,
+    PlacedMesh, PlanOptions, PlanView, RegionBounds, RegionSet, SceneBounds,
 };
 use terrafill_scene::{Camera, ImageSize, MipChain, Overlap, Scene, SceneTexture, View};
 use terrafill_surface::{HeightRange, Surface, SurfaceError, SurfaceFrame};
@@ -142,25 +142,6 @@ impl PreparedScene {
             parts: LazyParts::default(),
             ..self.clone()
         }
-    }
-}
-
-/// Parts of a scene's large meshes, each found when a view draws the mesh; shared by all who have the same
-/// meshes.
-#[derive(Debug, Clone, Default)]
-pub struct LazyParts(Arc<OnceLock<PartsOfMeshes>>);
-
-/// Of each mesh; `None` where it is so small that it is one part.
-type PartsOfMeshes = Box<[OnceLock<Option<MeshParts>>]>;
-
-impl LazyParts {
-    /// - `meshes`: always the same
-    fn of(&self, body: &Ellipsoid, meshes: &RegionSet, mesh: usize) -> Option<&MeshParts> {
-        let all = self
-            .0
-            .get_or_init(|| meshes.iter().map(|_| OnceLock::new()).collect());
-        let own = all[mesh].get_or_init(|| MeshParts::of(body, &meshes[mesh]));
-        own.as_ref()
     }
 }
 

@@ -16,6 +16,8 @@ mod part_culling;
 mod parts;
 mod pixel_rect;
 mod plan;
+mod region_set;
+mod scene_bounds;
 
 pub use lazy_mesh::LazyMesh;
 pub use left_out::LeftOutReason;
@@ -26,6 +28,8 @@ pub use near_plane::NearRectangle;
 pub use parts::{MeshParts, PART_FACETS, PartOrder, SeenParts};
 pub use pixel_rect::PixelRect;
 pub use plan::{
-    CAP_CLEARANCE_PX, DrawnAs, FramePlan, GLOBAL_HEIGHT_M, LeftOutRegion, MeshBounds, PartCulling,
-    PlacedMesh, PlanOptions, PlanView, PlannedRegion, RegionBounds, SmallRings, WallHeights,
+    CAP_CLEARANCE_PX, DrawnAs, FramePlan, GLOBAL_HEIGHT_M, LeftOutRegion, PartCulling, PlacedMesh,
+    PlanOptions, PlanView, PlannedRegion, SmallRings, WallHeights,
 };
+pub use region_set::{LazyParts, NoSuchRegion, RegionSet};
+pub use scene_bounds::{RegionBounds, SceneBounds};

@@ -30,10 +30,11 @@ use crate::level::DrawnRegion;
 use crate::near_plane::{NearPlane, NearRectangle, ViewVolume};
 use crate::parts::{MeshParts, SeenParts};
 use crate::pixel_rect::PixelRect;
+use crate::scene_bounds::{RegionBounds, SceneBounds};
 use glam::DVec3;
 use std::borrow::Borrow;
 use std::collections::BTreeMap;
-use terrafill_core::{Ellipsoid, MovingFootprint, OrientedBox, RegionMesh, VolumeHeights};
+use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
 use terrafill_scene::{Camera, ImageSize};
 use terrafill_surface::HeightRange;
 
@@ -196,79 +197,6 @@ pub struct PlacedMesh<'a> {
     pub parts: Option<&'a MeshParts>,
 }
 
-/// A region's volume and a box around it before any view is known: what a plan looks at, so that
-/// planning a frame costs time per region, not per vertex.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RegionBounds {
-    /// Caps that contain the terrain.
-    pub heights: VolumeHeights,
-    /// Holds the volume between them.
-    pub bounds: OrientedBox,
-}
-
-impl RegionBounds {
-    /// Bounds of `mesh` over `terrain`.
-    #[must_use]
-    pub fn new(body: &Ellipsoid, mesh: &RegionMesh, terrain: HeightRange) -> Self {
-        let heights = mesh.volume_heights(terrain.lowest_m, terrain.highest_m);
-        Self {
-            heights,
-            bounds: mesh.oriented_box(body, heights),
-        }
-    }
-
-    /// Bounds of a cone's footprint over `terrain`.
-    #[must_use]
-    pub fn of_footprint(
-        body: &Ellipsoid,
-        footprint: &MovingFootprint,
-        terrain: HeightRange,
-    ) -> Self {
-        let heights = footprint.volume_heights(terrain.lowest_m, terrain.highest_m);
-        Self {
-            heights,
-            bounds: footprint.oriented_box(body, heights),
-        }
-    }
-
-    /// The same with its caps so much farther from the terrain, the top one `up_m` and the bottom one
-    /// `down_m`. No vertex moves by more, so a box grown by as much on all sides holds them.
-    fn grown(self, up_m: f64, down_m: f64) -> Self {
-        Self {
-            heights: VolumeHeights {
-                top_m: self.heights.top_m + up_m,
-                bottom_m: self.heights.bottom_m - down_m,
-            },
-            bounds: OrientedBox {
-                half_extents_m: self.bounds.half_extents_m + DVec3::splat(up_m.max(down_m)),
-                ..self.bounds
-            },
-        }
-    }
-}
-
-/// Bounds of a scene's meshes, known or made when a plan asks for them.
-pub trait MeshBounds {
-    /// Of how many meshes.
-    fn count(&self) -> usize;
-
-    /// Those of a mesh.
-    fn of(&self, mesh: usize) -> RegionBounds;
-
-    /// A plan is about to ask for those of these meshes.
-    fn expect(&self, _meshes: impl IntoIterator<Item = usize>) {}
-}
-
-impl MeshBounds for [RegionBounds] {
-    fn count(&self) -> usize {
-        self.len()
-    }
-
-    fn of(&self, mesh: usize) -> RegionBounds {
-        self[mesh]
-    }
-}
-
 impl FramePlan {
     /// Plans a frame.
     ///
@@ -278,7 +206,7 @@ impl FramePlan {
     #[must_use]
     pub fn new<'m>(
         view: PlanView<'_>,
-        meshes: &(impl MeshBounds + ?Sized),
+        meshes: &SceneBounds,
         levels: &LevelTable,
         placed: impl Fn(usize) -> Option<PlacedMesh<'m>>,
         options: PlanOptions,
@@ -295,14 +223,14 @@ impl FramePlan {
         let regions = 0..levels.region_count(meshes.count());
         meshes.expect(regions.clone());
         for region in regions {
-            plan.place(region, planner.examine(region, region, &meshes.of(region)));
+            plan.place(region, planner.examine(region, region, &meshes[region]));
         }
         if let Some(pixels) = options.boundary_lod_px {
             plan.pick_levels(&planner, meshes, levels, pixels);
         }
         if let Some(pixels) = options.far_level_px {
             for planned in &mut plan.regions {
-                if planner.is_far(planned, &meshes.of(planned.mesh), pixels) {
+                if planner.is_far(planned, &meshes[planned.mesh], pixels) {
                     planned.drawn_as = DrawnAs::FlatMesh;
                 }
             }
@@ -321,21 +249,21 @@ impl FramePlan {
     fn pick_levels(
         &mut self,
         planner: &Planner<'_>,
-        meshes: &(impl MeshBounds + ?Sized),
+        meshes: &SceneBounds,
         levels: &LevelTable,
         pixels: f64,
     ) {
         let whole = |planned: &PlannedRegion| {
-            let around = planner.with_clearance(&meshes.of(planned.mesh));
+            let around = planner.with_clearance(&meshes[planned.mesh]);
             DrawnRegion::new(planned.region, planner.see(&around))
         };
         let drawn: Vec<DrawnRegion> = self.regions.iter().map(whole).collect();
         let look = |region: usize| {
-            let VolumeHeights { top_m, bottom_m } = meshes.of(region).heights;
+            let VolumeHeights { top_m, bottom_m } = meshes[region].heights;
             // No vertex moves farther from the ellipsoid than that.
             let reach_m = top_m.abs().max(bottom_m.abs()) + planner.clearance_m;
             let Some(pieces) = levels.boundaries.get(region) else {
-                return vec![planner.see(&planner.with_clearance(&meshes.of(region)))];
+                return vec![planner.see(&planner.with_clearance(&meshes[region]))];
             };
             let pieces = pieces.iter();
             pieces
@@ -354,7 +282,7 @@ impl FramePlan {
             let examined = if mesh == planned.mesh {
                 Ok(planned)
             } else {
-                planner.examine(region, mesh, &meshes.of(mesh))
+                planner.examine(region, mesh, &meshes[mesh])
             };
             self.place(region, examined);
         }

@@ -6,7 +6,7 @@ use glam::DVec3;
 use terrafill_core::{Geodetic, RegionMesh};
 use terrafill_plan::{
     DrawnAs, FEWEST_VERTICES_FOR_LEVELS, FramePlan, LEVEL_VERTEX_SHARE, LeveledMeshes, PlanOptions,
-    PlanView, PlannedRegion, RegionBounds,
+    PlanView, PlannedRegion, RegionBounds, SceneBounds,
 };
 use terrafill_scene::{Camera, ImageSize, LevelChoice, Scene};
 use terrafill_surface::HeightRange;
@@ -27,7 +27,7 @@ const TERRAIN: HeightRange = HeightRange {
 struct Prepared {
     scene: Scene,
     leveled: LeveledMeshes,
-    bounds: Vec<RegionBounds>,
+    bounds: SceneBounds,
 }
 
 impl Prepared {
@@ -64,8 +64,8 @@ impl Prepared {
             size: SIZE,
             terrain: TERRAIN,
         };
-        let bounds = self.bounds.as_slice();
-        FramePlan::new(view, bounds, &self.leveled.table, |_| None, options)
+        let levels = &self.leveled.table;
+        FramePlan::new(view, &self.bounds, levels, |_| None, options)
     }
 
     fn camera(&self, view: &str) -> Camera {

@@ -5,14 +5,14 @@
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
-use terrafill_contract::{
-    AddressMode, DeviceError, Feature, FillInput, PreparedScene, RegionSet, SceneBounds,
-};
+use terrafill_contract::{AddressMode, DeviceError, Feature, FillInput, PreparedScene};
 use terrafill_core::{Ellipsoid, Geodetic, parse_regions};
 use terrafill_gpu::{
     BoundCover, Gpu, GpuOptions, Probe, RenderTargets, TexturedFill, open_for_test,
 };
-use terrafill_plan::{NearRectangle, PixelRect, PlanOptions, PlannedRegion};
+use terrafill_plan::{
+    NearRectangle, PixelRect, PlanOptions, PlannedRegion, RegionSet, SceneBounds,
+};
 use terrafill_scene::{
     CameraPose, ImageSize, MipChain, Outside, Overlap, SceneTexture, TextureAnchor,
     TexturePlacement, TextureShare, View,
@@ -112,7 +112,7 @@ fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FillInput {
         levels: Arc::default(),
         footprints: Arc::default(),
         bounds: SceneBounds::default(),
-        parts: terrafill_contract::LazyParts::default(),
+        parts: terrafill_plan::LazyParts::default(),
         surface: EllipsoidKind::surface(&BODY, 720),
         picture: None,
         texture: Some(Arc::new(SceneTexture {

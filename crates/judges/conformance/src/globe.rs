@@ -9,8 +9,8 @@
 
 use crate::tolerance::{COARSEST_SNAP_PX, DEPTH_ROUNDING_M};
 use glam::{DMat3, DVec3};
-use terrafill_contract::{FillInput, Picture, PreparedScene, RegionSet, SKY};
-use terrafill_plan::PlanOptions;
+use terrafill_contract::{FillInput, Picture, PreparedScene, SKY};
+use terrafill_plan::{PlanOptions, RegionSet};
 use terrafill_scene::{ImageSize, Scene, SceneError};
 use terrafill_surface::{EllipsoidKind, SurfaceError};
 

@@ -86,9 +86,10 @@ mod tests {
     use super::*;
     use std::collections::BTreeMap;
     use terrafill_compute::ComputeTechnique;
-    use terrafill_contract::{RegionSet, Technique as _};
+    use terrafill_contract::Technique as _;
     use terrafill_core::{MeshOptions, RegionMesh};
     use terrafill_gpu::BaselineKind;
+    use terrafill_plan::RegionSet;
     use terrafill_scene::{Overlap, Scene};
     use terrafill_vertex::VertexTechnique;
 

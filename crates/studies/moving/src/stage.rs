@@ -3,9 +3,9 @@
 
 use crate::sensors::Sensors;
 use std::collections::BTreeMap;
-use terrafill_contract::{CpuStopwatch, FillBackend, FillInput, PreparedScene, RegionSet};
+use terrafill_contract::{CpuStopwatch, FillBackend, FillInput, PreparedScene};
 use terrafill_core::{MeshOptions, Region, RegionMesh};
-use terrafill_plan::{LazyMesh, PlanOptions};
+use terrafill_plan::{LazyMesh, PlanOptions, RegionSet};
 use terrafill_scene::{ImageSize, Overlap, Scene, View};
 use terrafill_study::Failure;
 use terrafill_surface::{SurfaceKind, open_surface};

@@ -5,9 +5,8 @@
 //! region by region; those that are written are 32 bits.
 
 use std::borrow::Borrow;
-use terrafill_contract::RegionSet;
 use terrafill_core::RegionMesh;
-use terrafill_plan::PartOrder;
+use terrafill_plan::{PartOrder, RegionSet};
 use terrafill_stencil::{FixedPoint, LaidOut, VolumePlace};
 
 /// Bytes of one or more regions, what is stored and what is made from it apart.

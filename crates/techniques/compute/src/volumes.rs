@@ -602,10 +602,10 @@ impl ComputeVolumes {
 mod tests {
     use super::*;
     use crate::compute_bytes;
-    use terrafill_contract::{FillBackend as _, PreparedScene, RegionSet};
+    use terrafill_contract::{FillBackend as _, PreparedScene};
     use terrafill_core::RegionMesh;
     use terrafill_gpu::{GpuOptions, RenderTargets, open_for_test};
-    use terrafill_plan::PlanOptions;
+    use terrafill_plan::{PlanOptions, RegionSet};
     use terrafill_scene::{ImageSize, Scene};
     use terrafill_surface::{EllipsoidKind, open_surface};
 

@@ -9,13 +9,11 @@ use crate::layout::SceneGeometry;
 use crate::{InstancedBackend, instanced_bytes};
 use std::sync::Arc;
 use terrafill_conformance::{compare, filled_only, verdict};
-use terrafill_contract::{
-    FillBackend as _, FillInput, Frame, GeometryBytes, PreparedScene, RegionSet,
-};
+use terrafill_contract::{FillBackend as _, FillInput, Frame, GeometryBytes, PreparedScene};
 use terrafill_core::{Geodetic, RegionMesh};
 use terrafill_gpu::{Gpu, RenderTargets, open_for_test};
 use terrafill_grid::GridKind;
-use terrafill_plan::{NearRectangle, PlanOptions};
+use terrafill_plan::{NearRectangle, PlanOptions, RegionSet};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{CameraPose, ImageSize, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};

@@ -5,9 +5,9 @@
 
 use std::borrow::Borrow;
 use std::ops::Range;
-use terrafill_contract::{GeometryBytes, RegionSet};
+use terrafill_contract::GeometryBytes;
 use terrafill_core::RegionMesh;
-use terrafill_plan::PartOrder;
+use terrafill_plan::{PartOrder, RegionSet};
 use terrafill_stencil::{FixedPoint, IndexLists, LaidOut, VolumePlace, boundary_edges};
 
 /// A position in its region's units.

@@ -8,9 +8,9 @@ use crate::ring_order::RingOrder;
 use crate::strips::{StripCorner, Strips};
 use crate::{Extrusion, Indices, NativeVariant, StripCounts, strip_counts};
 use std::borrow::{Borrow, Cow};
-use terrafill_contract::{GeometryBytes, RegionSet};
+use terrafill_contract::GeometryBytes;
 use terrafill_core::RegionMesh;
-use terrafill_plan::PartOrder;
+use terrafill_plan::{PartOrder, RegionSet};
 use terrafill_stencil::{FixedPoint, IndexLists, LaidOut, VolumePlace, boundary_edges};
 
 /// Whether a region's indices fit 16 bits. Strips end with 0xffff, so that it is no vertex.

@@ -9,11 +9,11 @@ use crate::{DRAPED_MESH, FLAT_MESH, MASK_TEXTURE, OverlayTechnique};
 use std::rc::Rc;
 use terrafill_conformance::{ErrorFigures, compare, movement_in_picture};
 use terrafill_contract::{
-    Devices, FillBackend, FillInput, Frame, PreparedScene, RegionSet, Targets, Technique as _,
+    Devices, FillBackend, FillInput, Frame, PreparedScene, Targets, Technique as _,
 };
 use terrafill_core::{Geodetic, RegionMesh, parse_regions};
 use terrafill_grid::GridKind;
-use terrafill_plan::PlanOptions;
+use terrafill_plan::{PlanOptions, RegionSet};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{CameraPose, ImageSize, Scene};
 use terrafill_surface::{EllipsoidKind, open_surface};

@@ -9,9 +9,9 @@ use glam::{DVec3, IVec3, Vec3};
 use std::borrow::{Borrow, Cow};
 use std::collections::HashSet;
 use std::ops::Range;
-use terrafill_contract::{GeometryBytes, RegionSet};
+use terrafill_contract::GeometryBytes;
 use terrafill_core::RegionMesh;
-use terrafill_plan::PartOrder;
+use terrafill_plan::{PartOrder, RegionSet};
 use terrafill_stencil::{
     FixedPoint, IndexLists, LaidOut, PositionFormat, VolumePlace, boundary_edges, two_float,
 };

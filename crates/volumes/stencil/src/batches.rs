@@ -13,13 +13,13 @@ use crate::Volume;
 use terrafill_plan::PixelRect;
 
 /// Numbers an 8-bit stencil can tell apart from "no volume".
-pub const XOR_NUMBERS: usize = 255;
+pub(crate) const XOR_NUMBERS: usize = 255;
 
 /// Volumes by number, in passes of at most [`XOR_NUMBERS`] numbers.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct XorBatches {
+pub(crate) struct XorBatches {
     /// Pass → number − 1 → indices into the list. Each pass clears the stencil.
-    pub passes: Vec<Vec<Vec<usize>>>,
+    pub(crate) passes: Vec<Vec<Vec<usize>>>,
 }
 
 fn is_free(volumes: &[Volume], class: &[usize], rect: PixelRect) -> bool {
@@ -31,7 +31,7 @@ fn is_free(volumes: &[Volume], class: &[usize], rect: PixelRect) -> bool {
 impl XorBatches {
     /// Greedy colouring of the rectangles' overlap graph, in their order.
     #[must_use]
-    pub fn new(volumes: &[Volume]) -> Self {
+    pub(crate) fn new(volumes: &[Volume]) -> Self {
         let mut classes: Vec<Vec<usize>> = Vec::new();
         for (index, volume) in volumes.iter().enumerate() {
             let free = classes
@@ -53,14 +53,14 @@ impl XorBatches {
 
 /// Volumes in classes whose members do not overlap on the screen.
 #[derive(Debug, Clone, Copy)]
-pub struct VolumeClasses;
+pub(crate) struct VolumeClasses;
 
 impl VolumeClasses {
     /// Pass → class → indices into the list, at most `classes` a pass. No volume comes
     /// in an earlier pass than one before it in the list, so passes drawn one after the other keep
     /// the order in which volumes cover each other.
     #[must_use]
-    pub fn in_order(volumes: &[Volume], classes: usize) -> Vec<Vec<Vec<usize>>> {
+    pub(crate) fn in_order(volumes: &[Volume], classes: usize) -> Vec<Vec<Vec<usize>>> {
         let mut passes: Vec<Vec<Vec<usize>>> = Vec::new();
         for (index, volume) in volumes.iter().enumerate() {
             let rect = volume.screen_rect;
@@ -81,7 +81,7 @@ impl VolumeClasses {
 
 /// Most screen rectangles over one pixel: no more volumes than that can lie over it.
 #[must_use]
-pub fn overlap_depth(volumes: &[Volume]) -> usize {
+pub(crate) fn overlap_depth(volumes: &[Volume]) -> usize {
     // The deepest pixel may be taken where some rectangle starts, in both directions.
     let mut deepest = 0;
     for start in volumes {

@@ -4,9 +4,8 @@
 use crate::{FixedPoint, PositionFormat, two_float};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-use terrafill_contract::{Colours, FillInput, SurfaceView};
-use terrafill_core::ConeEdge;
-use terrafill_core::VolumeHeights;
+use terrafill_contract::{Colours, FillInput};
+use terrafill_core::{ConeEdge, VolumeHeights};
 use terrafill_plan::PlannedRegion;
 
 /// Twin of `VolumeConstants` in `shared/region.wgsl`.

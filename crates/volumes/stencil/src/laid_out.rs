@@ -4,7 +4,7 @@
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use terrafill_contract::RegionSet;
+use terrafill_plan::RegionSet;
 
 /// Parts of a scene's geometry as they were laid out last.
 ///

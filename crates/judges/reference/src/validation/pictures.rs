@@ -14,11 +14,9 @@ use glam::DVec3;
 use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
-use terrafill_contract::{
-    DeviceError, FillInput, NO_REGION, PreparedScene, RegionSet, SceneBounds, ViewId,
-};
+use terrafill_contract::{DeviceError, FillInput, NO_REGION, PreparedScene, ViewId};
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
-use terrafill_plan::FramePlan;
+use terrafill_plan::{FramePlan, RegionSet, SceneBounds};
 use terrafill_scene::{Camera, CameraPose, ImageSize, Overlap};
 use terrafill_surface::{EllipsoidKind, SurfaceFrame};
 
@@ -54,7 +52,7 @@ fn input(body: Ellipsoid, pose: &CameraPose, size: u32, rows: u32) -> FillInput 
             levels: Arc::default(),
             footprints: Arc::default(),
             bounds: SceneBounds::default(),
-            parts: terrafill_contract::LazyParts::default(),
+            parts: terrafill_plan::LazyParts::default(),
             surface,
             picture: None,
             texture: None,

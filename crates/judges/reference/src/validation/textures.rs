@@ -15,12 +15,11 @@ use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
 use terrafill_contract::{
-    AddressMode, FillInput, PlannedTexture, PreparedScene, RegionSet, SceneBounds, TexturePixel,
-    ViewId,
+    AddressMode, FillInput, PlannedTexture, PreparedScene, TexturePixel, ViewId,
 };
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
 use terrafill_fixtures::data;
-use terrafill_plan::FramePlan;
+use terrafill_plan::{FramePlan, RegionSet, SceneBounds};
 use terrafill_scene::{
     Camera, CameraPose, ImageSize, Outside, Overlap, Scene, SceneTexture, TextureAnchor,
     TexturePlacement,
@@ -122,7 +121,7 @@ impl Shot {
                 levels: Arc::default(),
                 footprints: Arc::default(),
                 bounds: SceneBounds::default(),
-                parts: terrafill_contract::LazyParts::default(),
+                parts: terrafill_plan::LazyParts::default(),
                 surface,
                 picture: None,
                 texture: Some(Arc::new(checker(self.placement))),

@@ -13,8 +13,7 @@ use drawing::{
     with_colour,
 };
 use std::collections::BTreeMap;
-use terrafill_conformance::ErrorFigures;
-use terrafill_conformance::verdict;
+use terrafill_conformance::{ErrorFigures, verdict};
 use terrafill_contract::FillInput;
 use terrafill_filling::FillingStudy;
 use terrafill_native::{Extrusion as Native, NativeVariant};

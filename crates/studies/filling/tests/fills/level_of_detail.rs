@@ -8,10 +8,9 @@
 use crate::drawing;
 
 use drawing::{Devices, Technique, differing, draw, judge, vertex};
-use terrafill_conformance::ErrorFigures;
 use terrafill_conformance::{
-    BAND_RADIUS_PX, MOVED_STEP_PX, boundary_movement, compare_closely, verdict_of_moved,
-    with_movement,
+    BAND_RADIUS_PX, ErrorFigures, MOVED_STEP_PX, boundary_movement, compare_closely,
+    verdict_of_moved, with_movement,
 };
 use terrafill_contract::{FillInput, Frame, NO_REGION, PreparedScene};
 use terrafill_core::RegionMesh;

@@ -16,16 +16,13 @@ pub(crate) mod sights;
 use std::cell::OnceCell;
 use std::sync::Arc;
 use terrafill_compute::{ComputeBackend, ComputeTechnique, ComputeVariant};
-use terrafill_conformance::ErrorFigures;
-use terrafill_conformance::{compare, verdict};
-use terrafill_contract::{
-    Counters, FillBackend, FillInput, Frame, LazyParts, PreparedScene, RegionSet, SceneBounds,
-};
+use terrafill_conformance::{ErrorFigures, compare, verdict};
+use terrafill_contract::{Counters, FillBackend, FillInput, Frame, PreparedScene};
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh, parse_regions};
 use terrafill_filling::Techniques;
 use terrafill_fixtures::data;
 use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
-use terrafill_plan::PlanOptions;
+use terrafill_plan::{LazyParts, PlanOptions, RegionSet, SceneBounds};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{CameraPose, ImageSize, Overlap, View};
 use terrafill_surface::EllipsoidKind;

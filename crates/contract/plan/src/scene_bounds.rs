@@ -2,13 +2,64 @@
 //! Bounds of a scene's meshes over its surface, each found when a plan first asks for it. A view draws one level
 //! of a region, and needs no bounds of the others.
 
-use crate::RegionSet;
+use crate::{LazyMesh, RegionSet};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Index;
 use std::sync::{Arc, OnceLock};
-use terrafill_core::Ellipsoid;
-use terrafill_plan::{LazyMesh, MeshBounds, RegionBounds};
-use terrafill_surface::{Surface, SurfaceFrame};
+use terrafill_core::{Ellipsoid, MovingFootprint, OrientedBox, RegionMesh, VolumeHeights};
+use terrafill_surface::{HeightRange, Surface, SurfaceFrame};
+
+/// A region's volume and a box around it before any view is known: what a plan looks at, so that
+/// planning a frame costs time per region, not per vertex.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RegionBounds {
+    /// Caps that contain the terrain.
+    pub heights: VolumeHeights,
+    /// Holds the volume between them.
+    pub bounds: OrientedBox,
+}
+
+impl RegionBounds {
+    /// Bounds of `mesh` over `terrain`.
+    #[must_use]
+    pub fn new(body: &Ellipsoid, mesh: &RegionMesh, terrain: HeightRange) -> Self {
+        let heights = mesh.volume_heights(terrain.lowest_m, terrain.highest_m);
+        Self {
+            heights,
+            bounds: mesh.oriented_box(body, heights),
+        }
+    }
+
+    /// Bounds of a cone's footprint over `terrain`.
+    #[must_use]
+    pub fn of_footprint(
+        body: &Ellipsoid,
+        footprint: &MovingFootprint,
+        terrain: HeightRange,
+    ) -> Self {
+        let heights = footprint.volume_heights(terrain.lowest_m, terrain.highest_m);
+        Self {
+            heights,
+            bounds: footprint.oriented_box(body, heights),
+        }
+    }
+
+    /// The same with its caps so much farther from the terrain, the top one `up_m` and the bottom one
+    /// `down_m`. No vertex moves by more, so a box grown by as much on all sides holds them.
+    pub(crate) fn grown(self, up_m: f64, down_m: f64) -> Self {
+        Self {
+            heights: VolumeHeights {
+                top_m: self.heights.top_m + up_m,
+                bottom_m: self.heights.bottom_m - down_m,
+            },
+            bounds: OrientedBox {
+                half_extents_m: self.bounds.half_extents_m + DVec3::splat(up_m.max(down_m)),
+                ..self.bounds
+            },
+        }
+    }
+}
 
 /// Bounds of each mesh over the heights of its own extent. Clones are the same bounds.
 #[derive(Debug, Clone, Default)]
@@ -58,7 +109,7 @@ impl SceneBounds {
 
     /// The same for other meshes at some places, which must be there.
     #[must_use]
-    pub(crate) fn with_changed(
+    pub fn with_changed(
         &self,
         body: &Ellipsoid,
         meshes: &RegionSet,
@@ -73,10 +124,37 @@ impl SceneBounds {
         Self(cells.into())
     }
 
+    /// How many meshes there are.
+    pub(crate) fn count(&self) -> usize {
+        self.0.len()
+    }
+
     /// Those of a mesh; `None` where there is no such mesh.
     #[must_use]
     pub fn get(&self, mesh: usize) -> Option<&RegionBounds> {
         (mesh < self.0.len()).then(|| &self[mesh])
+    }
+
+    /// Finds those of these meshes that nobody asked for yet, together: a plan is about to.
+    pub(crate) fn expect(&self, meshes: impl IntoIterator<Item = usize>) {
+        let missing = |&mesh: &usize| match &self.0[mesh] {
+            Cell::Later { found, source } if found.get().is_none() => Some((mesh, source)),
+            _ => None,
+        };
+        let missing: Vec<_> = meshes
+            .into_iter()
+            .filter_map(|mesh| missing(&mesh))
+            .collect();
+        LazyMesh::make_all(missing.iter().map(|(mesh, source)| &source.meshes[*mesh]));
+        missing.par_iter().for_each(|(mesh, _)| {
+            let _: &RegionBounds = &self[*mesh];
+        });
+    }
+}
+
+impl FromIterator<RegionBounds> for SceneBounds {
+    fn from_iter<I: IntoIterator<Item = RegionBounds>>(bounds: I) -> Self {
+        Self(bounds.into_iter().map(Cell::Known).collect())
     }
 }
 
@@ -125,30 +203,5 @@ impl Index<usize> for SceneBounds {
                 found.get_or_init(|| bounds)
             }),
         }
-    }
-}
-
-impl MeshBounds for SceneBounds {
-    fn count(&self) -> usize {
-        self.0.len()
-    }
-
-    fn of(&self, mesh: usize) -> RegionBounds {
-        self[mesh]
-    }
-
-    fn expect(&self, meshes: impl IntoIterator<Item = usize>) {
-        let missing = |&mesh: &usize| match &self.0[mesh] {
-            Cell::Later { found, source } if found.get().is_none() => Some((mesh, source)),
-            _ => None,
-        };
-        let missing: Vec<_> = meshes
-            .into_iter()
-            .filter_map(|mesh| missing(&mesh))
-            .collect();
-        LazyMesh::make_all(missing.iter().map(|(mesh, source)| &source.meshes[*mesh]));
-        missing.par_iter().for_each(|(mesh, _)| {
-            let _: &RegionBounds = &self[*mesh];
-        });
     }
 }
