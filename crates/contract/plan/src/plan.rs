@@ -563,7 +563,7 @@ impl<'a> Planner<'a> {
         let corners = around.corners_ecef();
         let depth = |corner: &DVec3| -(camera.view_from_ecef * (*corner - camera.eye_ecef)).z;
         let depth_m = corners.iter().map(depth).fold(f64::INFINITY, f64::min);
-        let distance_m = distance_to_box_m(around, camera.eye_ecef);
+        let (distance_m, _) = around.distances_m(camera.eye_ecef);
         let footprint = Footprint::new(camera, size, &corners);
         let seen = footprint.map_or(PixelRect::full(size), |f| f.rect(size));
         let farthest = |low: u32, high: u32, count: u32| {
@@ -577,14 +577,6 @@ impl<'a> Planner<'a> {
         let by_depth = camera.pixel_size_m(size, depth_m.max(0.0)) / stretch.sqrt();
         by_distance.max(by_depth)
     }
-}
-
-/// Distance from a point to the nearest one of a box; 0 inside.
-fn distance_to_box_m(bounds: &OrientedBox, ecef: DVec3) -> f64 {
-    let local = bounds.axes.transpose() * (ecef - bounds.center_ecef);
-    (local.abs() - bounds.half_extents_m)
-        .max(DVec3::ZERO)
-        .length()
 }
 
 /// [`CAP_CLEARANCE_PX`] in metres at the farthest distance at which anything can be seen: the horizon
@@ -618,15 +610,10 @@ struct Horizon {
 }
 
 impl Horizon {
-    /// `lowest_m`: lowest height of the surface as drawn. Radii shrunk by `|lowest| · (a/b)` give an
-    /// ellipsoid wholly below it: shrinking both axes by δ moves the surface inward by at least
-    /// δ·b/a everywhere.
+    /// `lowest_m`: lowest height of the surface as drawn.
     fn new(body: &Ellipsoid, eye_ecef: DVec3, lowest_m: f64) -> Self {
-        let flattening = body.equatorial_radius_m() / body.polar_radius_m();
-        let shrink = (-lowest_m).max(0.0) * flattening;
-        let scale = (body.radii_m() - DVec3::splat(shrink))
-            .max(DVec3::splat(f64::MIN_POSITIVE))
-            .recip();
+        let radii_m = body.radii_below_m(lowest_m);
+        let scale = radii_m.max(DVec3::splat(f64::MIN_POSITIVE)).recip();
         let eye = eye_ecef * scale;
         Self {
             scale,

@@ -137,6 +137,15 @@ impl Ellipsoid {
         )
     }
 
+    /// Radii of an ellipsoid certainly below a surface that is nowhere lower than `lowest_m`, metres; not
+    /// positive where nothing is left of it. Shrinking all axes by δ moves the ellipsoid inwards by at
+    /// least δ·b/a everywhere.
+    #[must_use]
+    pub fn radii_below_m(&self, lowest_m: f64) -> DVec3 {
+        let flattening = self.equatorial_radius_m / self.polar_radius_m;
+        self.radii_m() - DVec3::splat((-lowest_m).max(0.0) * flattening)
+    }
+
     /// First eccentricity squared, `e² = 1 − b²/a²`.
     #[must_use]
     pub fn eccentricity_squared(&self) -> f64 {

@@ -121,6 +121,14 @@ impl OrientedBox {
         }
     }
 
+    /// Distance from a point to the nearest place of the box, 0 inside, and to the farthest.
+    #[must_use]
+    pub fn distances_m(&self, ecef: DVec3) -> (f64, f64) {
+        let local = (self.axes.transpose() * (ecef - self.center_ecef)).abs();
+        let outside = (local - self.half_extents_m).max(DVec3::ZERO);
+        (outside.length(), (local + self.half_extents_m).length())
+    }
+
     /// The eight corners, ECEF metres.
     #[must_use]
     pub fn corners_ecef(&self) -> [DVec3; 8] {
@@ -332,4 +340,22 @@ fn enclosing_radius_squared([a, b, c]: [DVec3; 3]) -> f64 {
 pub(crate) fn index_u32(index: usize) -> u32 {
     debug_assert!(index < u32::MAX as usize);
     index as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_is_as_far_as_its_faces() {
+        let unit = OrientedBox {
+            center_ecef: DVec3::new(10.0, 0.0, 0.0),
+            axes: DMat3::IDENTITY,
+            half_extents_m: DVec3::ONE,
+        };
+        let (near, far) = unit.distances_m(DVec3::ZERO);
+        assert!((near - 9.0).abs() < 1e-12 && (far - 123_f64.sqrt()).abs() < 1e-12);
+        let (inside, _) = unit.distances_m(DVec3::new(10.5, 0.0, 0.0));
+        assert!(inside.abs() < 1e-12);
+    }
 }

@@ -64,17 +64,13 @@ pub(crate) struct Horizon {
 }
 
 impl Horizon {
-    /// The shadow of the largest ellipsoid certainly below the surface as drawn. Shrinking both
-    /// axes by δ moves the surface inward by at least δ·b/a everywhere.
+    /// The shadow of the largest ellipsoid certainly below the surface as drawn.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "rounding to what the GPU reads is the purpose"
     )]
     pub(crate) fn new(input: &FillInput) -> Self {
-        let body = &input.scene.body;
-        let flattening = body.equatorial_radius_m() / body.polar_radius_m();
-        let shrink = (-input.terrain().lowest_m).max(0.0) * flattening;
-        let radii = body.radii_m() - DVec3::splat(shrink);
+        let radii = input.scene.body.radii_below_m(input.terrain().lowest_m);
         if radii.min_element() <= 0.0 {
             // Nothing solid is left to hide anything.
             return Self::zeroed();

@@ -14,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 use terrafill_contract::{
     AddressMode, FillInput, PlannedTexture, TextureCoordinates, TexturePixel,
 };
-use terrafill_core::{Ellipsoid, OrientedBox};
+use terrafill_core::Ellipsoid;
 use terrafill_plan::PlannedRegion;
 use terrafill_scene::SceneTexture;
 use terrafill_texture::{
@@ -504,7 +504,7 @@ impl Sight {
     fn new(input: &FillInput, planned: &PlannedRegion) -> Self {
         let bounds = input.scene.bounds.get(planned.mesh);
         let (nearest_m, farthest_m) = bounds.map_or((0.0, f64::INFINITY), |bounds| {
-            distances_m(&bounds.bounds, input.camera.eye_ecef)
+            bounds.bounds.distances_m(input.camera.eye_ecef)
         });
         let camera = &input.camera;
         let body = &input.scene.body;
@@ -552,13 +552,6 @@ impl Sight {
 )]
 fn whole(texels: f64) -> u32 {
     texels.ceil().clamp(1.0, f64::from(u32::MAX)) as u32
-}
-
-/// Distance from `eye` to the nearest point of a box, and to the farthest.
-pub(crate) fn distances_m(bounds: &OrientedBox, eye: DVec3) -> (f64, f64) {
-    let local = (bounds.axes.transpose() * (eye - bounds.center_ecef)).abs();
-    let outside = (local - bounds.half_extents_m).max(DVec3::ZERO);
-    (outside.length(), (local + bounds.half_extents_m).length())
 }
 
 #[allow(
@@ -676,18 +669,5 @@ mod tests {
         // Twin: less would move the coarser picture.
         let wrong = 12_345.25_f64.rem_euclid(8.0);
         assert!(((12_345.25 - wrong) / 16.0 % 1.0).abs() > 0.1);
-    }
-
-    #[test]
-    fn a_box_is_as_far_as_its_faces() {
-        let unit = OrientedBox {
-            center_ecef: DVec3::new(10.0, 0.0, 0.0),
-            axes: DMat3::IDENTITY,
-            half_extents_m: DVec3::ONE,
-        };
-        let (near, far) = distances_m(&unit, DVec3::ZERO);
-        assert!((near - 9.0).abs() < 1e-12 && (far - 123_f64.sqrt()).abs() < 1e-12);
-        let (inside, _) = distances_m(&unit, DVec3::new(10.5, 0.0, 0.0));
-        assert!(inside.abs() < 1e-12);
     }
 }

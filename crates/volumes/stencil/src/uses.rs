@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the stencil program of a view does, counted: what reasons for what it holds are made from.
 
-use crate::textured::distances_m;
 use crate::{CoverShape, DepthRule, FaceEffect, FillCommand, FillProgram, VolumeList};
 use std::collections::BTreeSet;
 use terrafill_contract::FillInput;
@@ -54,7 +53,7 @@ impl Uses {
         };
         let nearest = input.plan.regions.iter().filter_map(|planned| {
             let bounds = input.scene.bounds.get(planned.mesh)?;
-            Some(distances_m(&bounds.bounds, input.camera.eye_ecef).0)
+            Some(bounds.bounds.distances_m(input.camera.eye_ecef).0)
         });
         let mut uses = Self {
             volumes: list.volumes.len(),
