@@ -12,11 +12,12 @@ use crate::statistics::{Statistics, whole_image};
 use crate::textured::{BoundCover, Probe, TexturedFill};
 use crate::volume_pipeline::check_blendable;
 use crate::{Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
+use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FrameTimes, Picture, SurfaceView,
-    ViewId, WorkDone,
+    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FrameTimes, SurfaceTargets,
+    WorkDone,
 };
 use terrafill_scene::{ImageSize, MipChain};
 use terrafill_stencil::{
@@ -175,16 +176,8 @@ impl<V: WgpuVolumes> StencilExecutor<V> for VolumeFill {
         self.gpu().work_done()
     }
 
-    fn set_view(&mut self, view: SurfaceView<'_>) -> Result<(), DeviceError> {
-        self.targets.borrow_mut().prepare(view)
-    }
-
-    fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError> {
-        self.targets.borrow_mut().draw_surface()
-    }
-
-    fn holds_surface(&self, view: ViewId) -> bool {
-        self.targets.borrow().holds(view)
+    fn targets(&self) -> &RefCell<dyn SurfaceTargets> {
+        &*self.targets
     }
 
     fn load(&mut self, work: StencilWork) -> Result<(), DeviceError> {
@@ -417,10 +410,6 @@ impl<V: WgpuVolumes> StencilExecutor<V> for VolumeFill {
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
         Ok(counted_fragments(&statistics.fragments(gpu)?))
-    }
-
-    fn read(&self) -> Result<Picture, DeviceError> {
-        self.targets.borrow().read()
     }
 
     fn holdings(&self) -> Vec<Holding> {

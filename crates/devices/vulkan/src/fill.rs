@@ -12,10 +12,11 @@ use crate::{
     BindGroup, Buffer, BufferUse, DepthCopy, FillRecorder, FillReport, Gpu, Measured, Numbers,
     PassRecorder, Probe, SharedTargets, VolumePass,
 };
+use std::cell::RefCell;
 use std::sync::Arc;
 use terrafill_contract::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FrameTimes, Picture, SurfaceView,
-    ViewId, WorkDone,
+    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FrameTimes, SurfaceTargets,
+    WorkDone,
 };
 use terrafill_scene::MipChain;
 use terrafill_stencil::{
@@ -127,16 +128,8 @@ impl<V: VulkanVolumes> StencilExecutor<V> for VolumeFill {
         self.gpu().work_done()
     }
 
-    fn set_view(&mut self, view: SurfaceView<'_>) -> Result<(), DeviceError> {
-        self.targets.borrow_mut().prepare(view)
-    }
-
-    fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError> {
-        self.targets.borrow_mut().draw_surface()
-    }
-
-    fn holds_surface(&self, view: ViewId) -> bool {
-        self.targets.borrow().holds(view)
+    fn targets(&self) -> &RefCell<dyn SurfaceTargets> {
+        &*self.targets
     }
 
     fn load(&mut self, work: StencilWork) -> Result<(), DeviceError> {
@@ -306,10 +299,6 @@ impl<V: VulkanVolumes> StencilExecutor<V> for VolumeFill {
             });
         })?;
         Ok(report.samples)
-    }
-
-    fn read(&self) -> Result<Picture, DeviceError> {
-        self.targets.borrow().read()
     }
 
     fn holdings(&self) -> Vec<Holding> {

@@ -99,7 +99,8 @@ impl<V, E: StencilExecutor<V>> Loaded<E, V> {
     /// Leaves out tiles by the depths that lie in the targets.
     fn retile(&mut self) -> Result<(), DeviceError> {
         if let Some(retile) = &self.retile {
-            let work = retile(&self.executor.read()?)?;
+            let picture = self.executor.targets().borrow().read()?;
+            let work = retile(&picture)?;
             self.executor.load(work)?;
             self.executor.ensure(&mut self.volumes)?;
         }
@@ -109,10 +110,10 @@ impl<V, E: StencilExecutor<V>> Loaded<E, V> {
 
 impl<V, E: StencilExecutor<V>> Draws for Loaded<E, V> {
     fn draw(&mut self) -> Result<(Counters, Vec<bool>), DeviceError> {
-        self.executor.draw_surface()?;
+        self.executor.targets().borrow_mut().draw_surface()?;
         self.retile()?;
         let mut counters = self.executor.draw(&mut self.volumes)?;
-        let picture = self.executor.read()?;
+        let picture = self.executor.targets().borrow().read()?;
         counters.stencil_fragments = self.executor.count_fragments(&mut self.volumes)?;
         // The cover coloured what is in shadow.
         let pixels = picture.rgba.chunks_exact(4);
@@ -120,7 +121,7 @@ impl<V, E: StencilExecutor<V>> Draws for Loaded<E, V> {
     }
 
     fn time(&mut self) -> Result<FrameTimes, DeviceError> {
-        self.executor.draw_surface()?;
+        self.executor.targets().borrow_mut().draw_surface()?;
         let watch = CpuStopwatch::start();
         self.retile()?;
         let (cpu_ms, wall_ms) = match self.retile {
@@ -143,7 +144,7 @@ fn loaded<V: 'static, E: StencilExecutor<V> + 'static>(
 ) -> Result<Box<dyn Draws>, DeviceError> {
     let mut executor = E::new(targets, switches)?;
     let mut volumes = make(&executor)?;
-    executor.set_view(view)?;
+    executor.targets().borrow_mut().prepare(view)?;
     executor.load(work)?;
     executor.ensure(&mut volumes)?;
     Ok(Box::new(Loaded {

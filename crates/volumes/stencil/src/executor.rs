@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What runs stencil programs on a device: the promise of each device crate.
 //!
-//! An executor draws a surface, then runs a [`FillProgram`] over a [`VolumeList`]. It knows where
+//! An executor runs a [`FillProgram`] over a [`VolumeList`], on top of a surface. It knows where
 //! volumes are seen and what their covers read; what they are made of is left to `V`, the device
 //! crate's own trait of volumes. Regions stay with [`crate::VolumeBackend`].
 
 use crate::{FillProgram, Holding, Probed, TexturedPlan, VolumeList};
+use std::cell::RefCell;
 use terrafill_contract::{
-    Capabilities, Counters, DeviceError, Feature, FrameTimes, Picture, SurfaceView, ViewId,
-    WorkDone,
+    Capabilities, Counters, DeviceError, Feature, FrameTimes, SurfaceTargets, WorkDone,
 };
 use terrafill_scene::MipChain;
 use terrafill_variant::Switches;
@@ -43,7 +43,8 @@ impl StencilWork {
 
 /// Runs stencil programs over volumes of type `V`.
 ///
-/// The order is `set_view`, `load`, `ensure`, `draw_surface`, then any number of frames.
+/// The order is `prepare` of the targets, `load`, `ensure`, `draw_surface` of the targets, then any number of
+/// frames.
 pub trait StencilExecutor<V>: Sized {
     /// Where it draws; several executors may share them.
     type Targets;
@@ -61,20 +62,8 @@ pub trait StencilExecutor<V>: Sized {
     /// What the device has made and written so far.
     fn work_done(&self) -> WorkDone;
 
-    /// Uploads a view and its surface, unless the targets have them already.
-    ///
-    /// # Errors
-    /// [`DeviceError::OverCapacity`] when the view's size is not the targets'.
-    fn set_view(&mut self, view: SurfaceView<'_>) -> Result<(), DeviceError>;
-
-    /// Draws the surface, waits, and gives its GPU time, where there is a clock.
-    ///
-    /// # Errors
-    /// [`DeviceError::Missing`] before a view is set, [`DeviceError::DeviceLost`].
-    fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError>;
-
-    /// Whether the targets hold the surface of this view.
-    fn holds_surface(&self, view: ViewId) -> bool;
+    /// Where it draws: the view is prepared there, and the surface drawn.
+    fn targets(&self) -> &RefCell<dyn SurfaceTargets>;
 
     /// Replaces the program and what it runs on. Buffers are made only where sizes differ, and
     /// written only where bytes do.
@@ -130,12 +119,6 @@ pub trait StencilExecutor<V>: Sized {
     /// # Errors
     /// As [`StencilExecutor::draw`].
     fn count_fragments(&mut self, volumes: &mut V) -> Result<Option<u64>, DeviceError>;
-
-    /// Reads the targets back.
-    ///
-    /// # Errors
-    /// [`DeviceError::DeviceLost`].
-    fn read(&self) -> Result<Picture, DeviceError>;
 
     /// What it holds, the buffer of [`StencilWork::constants`] included.
     fn holdings(&self) -> Vec<Holding>;

@@ -299,7 +299,8 @@ impl<V: RegionVolumes> VolumeBackend<V> {
         let mut counters = self.executor.draw(&mut self.volumes)?;
         let prepared = std::mem::take(&mut self.work);
         WorkDone::write_into(&mut counters, prepared, self.executor.work_done() - before);
-        Ok((self.executor.read()?, counters))
+        let picture = self.executor.targets().borrow().read()?;
+        Ok((picture, counters))
     }
 }
 
@@ -318,7 +319,8 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
 
     fn prepare(&mut self, input: &FillInput) -> Result<MemoryUse, DeviceError> {
         input.check_region_count()?;
-        self.executor.set_view(input.into())?;
+        let view = input.into();
+        self.executor.targets().borrow_mut().prepare(view)?;
         let (upload_bytes, _) = self.bring_up_to_date(input, self.executor.work_done())?;
         let uploaded = MemoryUse {
             upload_bytes,
@@ -346,7 +348,8 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
     fn update(&mut self, input: &FillInput, changed: &[usize]) -> Result<Uploaded, DeviceError> {
         input.check_region_count()?;
         let changed = input.check_update(V::TECHNIQUE, self.meshes, changed)?;
-        self.executor.set_view(input.into())?;
+        let view = input.into();
+        self.executor.targets().borrow_mut().prepare(view)?;
         let before = self.executor.work_done();
         self.meshes = None;
         // What is not held is handed over when a view draws it.
@@ -394,7 +397,8 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
     fn picture(&mut self, input: &FillInput) -> Result<Picture, DeviceError> {
         self.check_prepared(input)?;
         let opacity = self.volumes.opacity(input.scene.overlap)?;
-        self.executor.set_view(input.into())?;
+        let view = input.into();
+        self.executor.targets().borrow_mut().prepare(view)?;
         let before = self.executor.work_done();
         let work = self.program(input)?;
         let colours = Colours::Palette { opacity };
@@ -407,14 +411,15 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
     }
 
     fn draw_surface(&mut self, input: &FillInput) -> Result<Option<f64>, DeviceError> {
-        self.executor.set_view(input.into())?;
-        self.executor.draw_surface()
+        let mut targets = self.executor.targets().borrow_mut();
+        targets.prepare(input.into())?;
+        targets.draw_surface()
     }
 
     fn time_frame(&mut self, input: &FillInput) -> Result<FrameTimes, DeviceError> {
         self.check_prepared(input)?;
         // Another backend of the targets may have drawn another view since.
-        if !self.executor.holds_surface(input.view_id) {
+        if !self.executor.targets().borrow().holds(input.view_id) {
             return Err(input.not_prepared(V::TECHNIQUE));
         }
         self.executor.time(&mut self.volumes)

@@ -262,7 +262,7 @@ pub(crate) fn differing_when(
     let program = FillProgram::new(&list.volumes, &switches, input.scene.overlap);
     let mut program = program.expect("allowed");
     change(&mut program, &mut list);
-    StencilExecutor::<VertexVolumes>::set_view(fill, input.into()).expect("fits");
+    targets.wgpu().borrow_mut().prepare(input).expect("fits");
     volumes.upload(fill, input, &BottomCaps::All).expect("fits");
     let places = volumes.places().expect("uploaded");
     let constants = VolumeConstants::bytes_of_all(input, volumes.positions(), Colours::Ids, places);
@@ -274,9 +274,10 @@ pub(crate) fn differing_when(
     };
     StencilExecutor::<VertexVolumes>::load(fill, work).expect("fits");
     fill.ensure(&mut volumes).expect("makes");
-    StencilExecutor::<VertexVolumes>::draw_surface(fill).expect("draws");
+    let drawn = targets.wgpu().borrow_mut().draw_surface();
+    drawn.expect("draws");
     fill.draw(&mut volumes).expect("draws");
-    let picture = StencilExecutor::<VertexVolumes>::read(fill).expect("reads");
+    let picture = targets.wgpu().borrow().read().expect("reads");
     let all = targets.draw(input, vertex(self::switches(false)));
     let changed = terrafill_contract::ids_of(&picture);
     all.ids.iter().zip(changed).filter(|(a, b)| *a != b).count()
