@@ -3,8 +3,8 @@
 //!
 //! A scene names a kind of surface and its parameters; [`open_surface`] finds the [`SurfaceKind`] and
 //! opens a [`Surface`]. For each view the surface gives a [`SurfaceFrame`]: triangles relative to the
-//! eye, as every renderer and the reference see them, and the heights between which they lie. A
-//! [`SurfaceRenderer`] per API draws them. The fill sees only the depth that is left behind.
+//! eye, as every renderer and the reference see them, and the heights between which they lie. The fill
+//! sees only the depth that is left behind.
 //!
 //! A surface that leaves depth without triangles, such as a ray cast for each pixel, needs another form
 //! of frame, in which the reference reads depth back. There is none yet.
@@ -27,5 +27,4 @@ pub use mesh::SurfaceMesh;
 pub use refining::{AsItIs, InBackground};
 pub use surface::{
     PieceMemory, Refinement, Refining, Surface, SurfaceError, SurfaceFrame, SurfacePart,
-    SurfaceRenderer,
 };

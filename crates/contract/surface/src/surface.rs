@@ -7,7 +7,7 @@ use std::fmt::Debug;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_core::Extent;
-use terrafill_scene::{Camera, ImageSize, MipChain};
+use terrafill_scene::{Camera, ImageSize};
 
 /// A planet's surface. One that is the same in every view is closed around the body.
 ///
@@ -204,29 +204,6 @@ fn overlaps(one: &Extent, other: &Extent) -> bool {
             || begins_in(other, one)
             || touch(one, other)
             || touch(other, one))
-}
-
-/// Draws surfaces through one API.
-pub trait SurfaceRenderer {
-    /// A pass that draws can be recorded in; constants of the view are bound.
-    type Pass<'p>;
-    /// Why a surface cannot be uploaded.
-    type Error;
-
-    /// Uploads a frame in place of the one before, and a picture that is not there yet.
-    ///
-    /// - `picture`: what colours the surface, of the whole body
-    ///
-    /// # Errors
-    /// The device cannot hold it.
-    fn prepare(
-        &mut self,
-        frame: &SurfaceFrame,
-        picture: Option<&Arc<MipChain>>,
-    ) -> Result<(), Self::Error>;
-
-    /// Records the draws of the frame that was prepared last; nothing before there is one.
-    fn draw(&self, pass: &mut Self::Pass<'_>);
 }
 
 /// Why a surface cannot be opened or drawn.

@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, SurfaceLook, count_u32};
 use terrafill_scene::MipChain;
-use terrafill_surface::{SurfaceFrame, SurfaceRenderer};
+use terrafill_surface::SurfaceFrame;
 
 /// Draws the triangles of any surface. Group 0 holds the view's constants, group 1 a picture where there is one.
 #[derive(Debug)]
@@ -87,13 +87,9 @@ impl TriangleRenderer {
         let groups = &groups[..1 + usize::from(own.is_some())];
         pipeline(&self.gpu, self.look.shader(), groups, cull_mode)
     }
-}
 
-impl SurfaceRenderer for TriangleRenderer {
-    type Pass<'p> = wgpu::RenderPass<'p>;
-    type Error = DeviceError;
-
-    fn prepare(
+    /// Uploads a frame in place of the one before, and a picture of the whole body that is not there yet.
+    pub(crate) fn prepare(
         &mut self,
         frame: &SurfaceFrame,
         picture: Option<&Arc<MipChain>>,
@@ -125,7 +121,8 @@ impl SurfaceRenderer for TriangleRenderer {
         Ok(())
     }
 
-    fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+    /// Draws the frame that was prepared last; nothing before there is one.
+    pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
         let pipeline = self.pipelines.get(&self.look);
         let (Some(uploaded), Some(pipeline)) = (&self.uploaded, pipeline) else {
             return;

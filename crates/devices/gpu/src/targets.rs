@@ -16,7 +16,6 @@ use terrafill_contract::{
     DeviceError, Picture, SKY, SurfaceView, ViewConstants, ViewId, check_target_size,
 };
 use terrafill_scene::ImageSize;
-use terrafill_surface::SurfaceRenderer as _;
 
 /// Targets shared by the backends of one run.
 pub type SharedTargets = Rc<RefCell<RenderTargets>>;

@@ -11,7 +11,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, SurfaceLook, count_u32};
 use terrafill_scene::MipChain;
-use terrafill_surface::{SurfaceFrame, SurfaceRenderer};
+use terrafill_surface::SurfaceFrame;
 
 fn descriptor(look: SurfaceLook) -> PipelineDescriptor {
     let path = look.shader();
@@ -112,13 +112,9 @@ impl TriangleRenderer {
         };
         Ok(())
     }
-}
 
-impl SurfaceRenderer for TriangleRenderer {
-    type Pass<'p> = SurfacePass<'p>;
-    type Error = DeviceError;
-
-    fn prepare(
+    /// Uploads a frame in place of the one before, and a picture of the whole body that is not there yet.
+    pub(crate) fn prepare(
         &mut self,
         frame: &SurfaceFrame,
         picture: Option<&Arc<MipChain>>,
@@ -152,7 +148,8 @@ impl SurfaceRenderer for TriangleRenderer {
         Ok(())
     }
 
-    fn draw(&self, pass: &mut SurfacePass<'_>) {
+    /// Draws the frame that was prepared last; nothing before there is one.
+    pub(crate) fn draw(&self, pass: &mut SurfacePass<'_>) {
         let pipeline = self.pipelines.get(&self.look);
         let (Some(uploaded), Some(pipeline)) = (&self.uploaded, pipeline) else {
             return;

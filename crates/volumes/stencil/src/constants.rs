@@ -152,7 +152,8 @@ impl VolumeConstants {
             };
             let first = (behind + size_of_val(footprints.as_slice())) / 16;
             footprints.push(FootprintConstants::new(&moving.edge, &place.fixed));
-            constants.bent(eye, &moving.edge, index_u32(first))
+            let first = u32::try_from(first).unwrap_or(u32::MAX);
+            constants.bent(eye, &moving.edge, first)
         };
         let constants: Vec<Self> = input.plan.regions.iter().map(of_region).collect();
         if constants.is_empty() {
@@ -171,14 +172,6 @@ impl VolumeConstants {
         let footprints = moving.count() * size_of::<FootprintConstants>();
         (input.plan.regions.len() * size_of::<Self>() + footprints) as u64
     }
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "buffers are refused by the device long before 2^32 elements"
-)]
-fn index_u32(index: usize) -> u32 {
-    index as u32
 }
 
 /// Twin of `CIRCLE_UNIT` in `shared/region.wgsl`.
