@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What comes out: the picture as region ids, what it cost in memory and work, and how long it took.
 
-use crate::{GeometryBytes, NO_REGION, Picture, TextureCoordinates, ids_of};
+use crate::{NO_REGION, Picture, TextureCoordinates, ids_of};
 use std::ops::Add;
 use terrafill_scene::ImageSize;
 
@@ -82,6 +82,40 @@ pub struct Counters {
     pub pipeline_creations: u64,
     /// Writes of the CPU into buffers for this frame's fill, as above.
     pub uploads: u64,
+}
+
+/// Bytes of one or more regions in one layout.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct GeometryBytes {
+    /// Positions and flags.
+    pub vertex_bytes: u64,
+    /// Indices.
+    pub index_bytes: u64,
+}
+
+impl GeometryBytes {
+    /// Both.
+    #[must_use]
+    pub fn total(self) -> u64 {
+        self.vertex_bytes + self.index_bytes
+    }
+}
+
+impl Add for GeometryBytes {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            vertex_bytes: self.vertex_bytes + other.vertex_bytes,
+            index_bytes: self.index_bytes + other.index_bytes,
+        }
+    }
+}
+
+impl std::iter::Sum for GeometryBytes {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        parts.fold(Self::default(), Add::add)
+    }
 }
 
 /// Bytes a backend holds for a frame, by purpose.
@@ -188,5 +222,16 @@ mod tests {
         assert_eq!(frame.surface, [false, true, false, true]);
         assert_eq!((frame.non_finite, frame.filled_px()), (2, 2));
         assert_eq!(frame.counters, Some(Counters::default()));
+    }
+
+    #[test]
+    fn bytes_add_up_each_with_its_own() {
+        let bytes = |vertex_bytes, index_bytes| GeometryBytes {
+            vertex_bytes,
+            index_bytes,
+        };
+        let sum: GeometryBytes = [bytes(1, 10), bytes(2, 20)].into_iter().sum();
+        assert_eq!((sum, sum.total()), (bytes(3, 30), 33));
+        assert_ne!(sum, bytes(30, 3));
     }
 }

@@ -219,11 +219,7 @@ impl FillInput {
         Self {
             plan: plan(&scene, &self.camera, self.size, terrain, options),
             scene,
-            view: self.view.clone(),
-            camera: self.camera,
-            size: self.size,
-            view_id: self.view_id,
-            surface: self.surface.clone(),
+            ..self.clone()
         }
     }
 

@@ -82,15 +82,10 @@ struct Ground {
 impl Ground {
     /// `None` where a corner of the image may show the sky.
     fn of(view: PlanView<'_>) -> Option<Self> {
-        let PlanView {
-            body,
-            camera,
-            size,
-            terrain,
-        } = view;
+        let PlanView { body, camera, .. } = view;
         // An ellipsoid below all ground: shrinking the axes by δ moves the surface by δ · b / a at least and δ at most.
         let flattening = body.equatorial_radius_m() / body.polar_radius_m();
-        let shrink_m = (-terrain.lowest_m).max(0.0) * flattening;
+        let shrink_m = (-view.terrain.lowest_m).max(0.0) * flattening;
         let axes_m = body.radii_m() - DVec3::splat(shrink_m);
         if axes_m.min_element() <= 0.0 {
             return None;
@@ -99,13 +94,13 @@ impl Ground {
         let tangent_squared = eye.length_squared() - 1.0;
         // Where a ray meets it, in the space where it is the unit sphere.
         let hit = |place_px: [f64; 2]| {
-            let ray = (camera.direction_ecef(size, place_px) / axes_m).normalize();
+            let ray = (camera.direction_ecef(view.size, place_px) / axes_m).normalize();
             let along = -eye.dot(ray);
             let discriminant = along * along - tangent_squared;
             let meets = tangent_squared > 0.0 && along > 0.0 && discriminant > 0.0;
             meets.then(|| eye + ray * (tangent_squared / (along + discriminant.sqrt())))
         };
-        let [width, height] = [size.width, size.height].map(f64::from);
+        let [width, height] = [view.size.width, view.size.height].map(f64::from);
         let corners = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]];
         if !corners.into_iter().all(|corner| hit(corner).is_some()) {
             return None;
@@ -118,7 +113,7 @@ impl Ground {
         });
         Some(Self {
             eye_ecef: camera.eye_ecef,
-            side_planes_ecef: camera.side_planes_ecef(size, 0.0),
+            side_planes_ecef: camera.side_planes_ecef(view.size, 0.0),
             lowest_m: -shrink_m,
             middle_ecef,
         })

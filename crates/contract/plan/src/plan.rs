@@ -388,15 +388,12 @@ impl FramePlan {
         view: PlanView<'_>,
         placed: impl Fn(usize) -> Option<PlacedMesh<'m>>,
     ) {
-        let PlanView {
-            body, camera, size, ..
-        } = view;
         for planned in &mut self.regions {
             if planned.near_rectangle == NearRectangle::Cut
                 && let Some(PlacedMesh { mesh, parts }) = placed(planned.mesh)
             {
-                let volume = ViewVolume::new(body, camera, mesh, planned.heights, parts);
-                planned.near_rectangle = volume.near_rectangle(camera, size);
+                let volume = ViewVolume::new(view.body, view.camera, mesh, planned.heights, parts);
+                planned.near_rectangle = volume.near_rectangle(view.camera, view.size);
             }
         }
     }
@@ -420,27 +417,22 @@ pub(crate) struct Planner<'a> {
 
 impl<'a> Planner<'a> {
     fn new(view: PlanView<'a>, options: PlanOptions) -> Self {
-        let PlanView {
-            body,
-            camera,
-            size,
-            terrain,
-        } = view;
+        let PlanView { camera, size, .. } = view;
         Self {
             camera,
             size,
             side_planes_ecef: camera.side_planes_ecef(size, 0.0),
-            horizon: Horizon::new(body, camera.eye_ecef, terrain.lowest_m),
+            horizon: Horizon::new(view.body, camera.eye_ecef, view.terrain.lowest_m),
             clearance_m: cap_clearance_m(view),
             beyond_m: match options.wall_heights {
                 WallHeights::Region => [0.0; 2],
-                WallHeights::Global => [-terrain.highest_m, terrain.lowest_m]
+                WallHeights::Global => [-view.terrain.highest_m, view.terrain.lowest_m]
                     .map(|margin_m| (GLOBAL_HEIGHT_M + margin_m).max(0.0)),
             },
             near_plane: NearPlane::new(camera, size),
             ground: options
                 .sky_culling
-                .then(|| ground_rect(body, camera, size, terrain.highest_m)),
+                .then(|| ground_rect(view.body, camera, size, view.terrain.highest_m)),
             options,
         }
     }
@@ -584,13 +576,10 @@ impl<'a> Planner<'a> {
 /// lowest terrain, it reaches the highest terrain after `√((b + highest)² − (b + lowest)²)`.
 fn cap_clearance_m(view: PlanView<'_>) -> f64 {
     let PlanView {
-        body,
-        camera,
-        size,
-        terrain,
+        camera, terrain, ..
     } = view;
     let to_center = camera.eye_ecef.length();
-    let polar_m = body.polar_radius_m();
+    let polar_m = view.body.polar_radius_m();
     let horizon_m = (to_center * to_center - polar_m.powi(2)).max(0.0).sqrt();
     let behind_m = if terrain.highest_m > 0.0 {
         let [low, high] = [terrain.lowest_m.min(0.0), terrain.highest_m].map(|h| polar_m + h);
@@ -598,7 +587,7 @@ fn cap_clearance_m(view: PlanView<'_>) -> f64 {
     } else {
         0.0
     };
-    camera.pixel_size_m(size, horizon_m + behind_m) * CAP_CLEARANCE_PX
+    camera.pixel_size_m(view.size, horizon_m + behind_m) * CAP_CLEARANCE_PX
 }
 
 /// The shadow of the body from the eye, in the space where the body is the unit sphere.

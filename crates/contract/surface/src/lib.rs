@@ -12,7 +12,6 @@
 mod blocks;
 mod elevation;
 mod ellipsoid;
-mod height_range;
 mod kind;
 mod mesh;
 mod refining;
@@ -21,10 +20,10 @@ mod surface;
 pub use blocks::SurfaceBlocks;
 pub use elevation::read_elevation;
 pub use ellipsoid::EllipsoidKind;
-pub use height_range::HeightRange;
 pub use kind::{Parameters, SurfaceKind, open_surface};
 pub use mesh::SurfaceMesh;
 pub use refining::{AsItIs, InBackground};
 pub use surface::{
-    PieceMemory, Refinement, Refining, Surface, SurfaceError, SurfaceFrame, SurfacePart,
+    HeightRange, PieceMemory, Refinement, Refining, Surface, SurfaceError, SurfaceFrame,
+    SurfacePart,
 };
