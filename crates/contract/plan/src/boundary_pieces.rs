@@ -5,7 +5,6 @@
 //! pixel there would seem worth less than it is anywhere. And a boundary that lies outside the image may
 //! move as it likes, as long as it does not move into it.
 
-use crate::parts::edges;
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -19,7 +18,7 @@ const FEWEST_EDGES: usize = 16;
 /// Boxes that together hold a mesh's boundary on the ellipsoid, and what its chords leave out.
 pub(crate) fn boundary_pieces(body: &Ellipsoid, mesh: &RegionMesh) -> Vec<OrientedBox> {
     let places = &mesh.vertices_ecef;
-    let whole = Piece::new(edges(mesh).collect(), places);
+    let whole = Piece::new(mesh.boundary_edges().collect(), places);
     let most = (whole.edges.len() / FEWEST_EDGES).clamp(1, MOST_PIECES);
     let mut pieces = BinaryHeap::from([whole]);
     while pieces.len() < most

@@ -9,7 +9,7 @@
 //! tells which.
 
 use crate::left_out::LeftOutReason;
-use crate::parts::{MeshParts, edges, edges_in};
+use crate::parts::{MeshParts, edges_in};
 use crate::pixel_rect::PixelRect;
 use crate::plan::{DrawnAs, FramePlan, LeftOutRegion, PlacedMesh, PlanView, PlannedRegion};
 use glam::DVec3;
@@ -150,7 +150,7 @@ impl Ground {
         };
         let is_away = |edge: [u32; 2]| self.is_outside(edge.map(post).as_flattened());
         let Some(parts) = parts else {
-            return edges(mesh).all(is_away);
+            return mesh.boundary_edges().all(is_away);
         };
         parts.boxes(heights).all(|(_, walls, around)| {
             walls.is_empty()

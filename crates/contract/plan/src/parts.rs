@@ -165,7 +165,7 @@ impl MeshParts {
             let own = &triangles[range.start as usize..range.end as usize];
             part(range, own.as_flattened().to_vec())
         });
-        let edges: Vec<[u32; 2]> = edges(mesh).collect();
+        let edges: Vec<[u32; 2]> = mesh.boundary_edges().collect();
         let walls = order.walls.iter();
         let walls = walls.map(|range| {
             let own = &edges[range.start as usize..range.end as usize];
@@ -233,14 +233,6 @@ impl MeshParts {
         }
         (seen, rect)
     }
-}
-
-/// Boundary edges, loop after loop.
-pub(crate) fn edges(mesh: &RegionMesh) -> impl Iterator<Item = [u32; 2]> {
-    mesh.boundary_loops.iter().flat_map(|ring| {
-        let ends = ring.iter().skip(1).chain(ring.first());
-        ring.iter().zip(ends).map(|(&start, &end)| [start, end])
-    })
 }
 
 /// Boundary edges of a range of them, loop after loop.
@@ -360,7 +352,7 @@ pub(crate) mod tests {
     #[test]
     fn edges_of_a_range_are_those_of_all_at_these_places() {
         let mesh = strip(5);
-        let all: Vec<[u32; 2]> = edges(&mesh).collect();
+        let all: Vec<[u32; 2]> = mesh.boundary_edges().collect();
         for (start, end) in [(0, 15), (0, 3), (2, 4), (3, 15), (5, 5), (14, 15)] {
             let own: Vec<[u32; 2]> = edges_in(&mesh, start..end).collect();
             assert_eq!(own, all[start as usize..end as usize], "{start} {end}");

@@ -212,6 +212,14 @@ impl RegionMesh {
         self.triangles.len()
     }
 
+    /// Directed edges of the boundary, loop after loop, inside on the left.
+    pub fn boundary_edges(&self) -> impl Iterator<Item = [u32; 2]> {
+        self.boundary_loops.iter().flat_map(|ring| {
+            let ends = ring.iter().cycle().skip(1);
+            ring.iter().zip(ends).map(|(&start, &end)| [start, end])
+        })
+    }
+
     /// Edges of the boundary: as many walls.
     #[must_use]
     pub fn boundary_edge_count(&self) -> usize {

@@ -10,7 +10,7 @@
 
 use glam::DVec3;
 use terrafill_contract::FillInput;
-use terrafill_stencil::{FixedPoint, PositionFormat, boundary_edges};
+use terrafill_stencil::{FixedPoint, PositionFormat};
 use terrafill_texture::VertexFormat;
 
 /// Pixels that rounding may move a boundary by, so that the picture may be expected to be right: a
@@ -51,7 +51,7 @@ pub(crate) fn rounding_px(format: PositionFormat, input: &FillInput) -> f64 {
             };
             DVec3::from_array([0, 1, 2].map(along)).length()
         };
-        for ends in boundary_edges(mesh) {
+        for ends in mesh.boundary_edges() {
             let [from, to] = ends.map(|end| mesh.vertices_ecef[end as usize]);
             if let Some(nearness) = largest_in_sight(input, from, to) {
                 let moved_px = error_m(from).max(error_m(to)) * px_at_1_m * nearness;
@@ -165,7 +165,7 @@ mod tests {
         for planned in &input.plan.regions {
             let mesh = &input.scene.meshes[planned.mesh];
             let origin = FixedPoint::for_mesh(mesh).origin_ecef;
-            for ends in boundary_edges(mesh) {
+            for ends in mesh.boundary_edges() {
                 let exact = ends.map(|end| mesh.vertices_ecef[end as usize]);
                 let [from, to] = exact.map(|at| as_stored(format, at, eye, origin));
                 let stored = [eye + from?, eye + to?];

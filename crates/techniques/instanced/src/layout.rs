@@ -8,7 +8,7 @@ use std::ops::Range;
 use terrafill_contract::GeometryBytes;
 use terrafill_core::RegionMesh;
 use terrafill_plan::{PartOrder, RegionSet};
-use terrafill_stencil::{FixedPoint, IndexLists, LaidOut, VolumePlace, boundary_edges};
+use terrafill_stencil::{FixedPoint, IndexLists, LaidOut, VolumePlace};
 
 /// A position in its region's units.
 pub(crate) type Position = [i32; 3];
@@ -126,7 +126,7 @@ impl SceneGeometry {
         let is_short = has_short_indices(mesh);
         let first_wall = self.walls.len() as u32;
         let ends = |edge: [u32; 2]| edge.map(|vertex| positions[vertex as usize]);
-        self.walls.extend(boundary_edges(mesh).map(ends));
+        self.walls.extend(mesh.boundary_edges().map(ends));
         self.regions.push(RegionSlice {
             place: VolumePlace {
                 fixed,
@@ -199,7 +199,7 @@ mod tests {
             let first = slice.place.first_vertex as usize;
             let walls = &geometry.walls[slice.walls.start as usize..slice.walls.end as usize];
             assert_eq!(walls.len(), mesh.boundary_edge_count());
-            for ([start, end], found) in boundary_edges(mesh).zip(walls) {
+            for ([start, end], found) in mesh.boundary_edges().zip(walls) {
                 let at = |vertex: u32| geometry.vertices[first + vertex as usize];
                 assert_eq!(*found, [at(start), at(end)]);
                 // Twin: the other way round it is another wall.

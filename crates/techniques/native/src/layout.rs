@@ -11,7 +11,7 @@ use std::borrow::{Borrow, Cow};
 use terrafill_contract::GeometryBytes;
 use terrafill_core::RegionMesh;
 use terrafill_plan::{PartOrder, RegionSet};
-use terrafill_stencil::{FixedPoint, IndexLists, LaidOut, VolumePlace, boundary_edges};
+use terrafill_stencil::{FixedPoint, IndexLists, LaidOut, VolumePlace};
 
 /// Whether a region's indices fit 16 bits. Strips end with 0xffff, so that it is no vertex.
 fn has_short_indices(technique: Extrusion, indices: Indices, vertices: usize) -> bool {
@@ -281,7 +281,7 @@ impl SceneGeometry {
                 }
             }
             (Extrusion::GsDegenerate, _) => {
-                let walls = boundary_edges(mesh).map(|[a, b]| [a, b, b]);
+                let walls = mesh.boundary_edges().map(|[a, b]| [a, b, b]);
                 for corner in mesh.triangles.iter().copied().chain(walls).flatten() {
                     self.indices.push(short, corner);
                 }
@@ -637,7 +637,7 @@ pub(crate) mod tests {
         }
 
         fn of_mesh(mesh: &RegionMesh) -> Self {
-            Self::of(mesh.triangles.iter().copied(), boundary_edges(mesh))
+            Self::of(mesh.triangles.iter().copied(), mesh.boundary_edges())
         }
 
         /// As `degenerate.geom` does.
@@ -780,7 +780,7 @@ pub(crate) mod tests {
                 let inputs: Vec<[u32; 3]> = edges_in_pairs(&mesh).collect();
                 let found: Vec<[u32; 2]> = inputs.iter().flat_map(|&i| decode(i).1).collect();
                 assert!(inputs.iter().all(|&input| decode(input).0.is_none()));
-                let edges: Vec<[u32; 2]> = boundary_edges(&mesh).collect();
+                let edges: Vec<[u32; 2]> = mesh.boundary_edges().collect();
                 assert_eq!(found, edges, "each once, in order");
                 // An odd edge of each ring, and one more where the smallest number is in the way.
                 assert!(inputs.len() <= count as usize + 4, "{}", inputs.len());
@@ -812,7 +812,7 @@ pub(crate) mod tests {
             walls
         };
         let mut mesh = annulus(9);
-        assert_eq!(walls_of(&mesh), boundary_edges(&mesh).collect());
+        assert_eq!(walls_of(&mesh), mesh.boundary_edges().collect());
         // A cut that is no boundary, such as the antimeridian's, gets no wall.
         let without = mesh.triangles.remove(0);
         assert_eq!(walls_of(&mesh).len(), 17);

@@ -6,7 +6,6 @@
 //! a vertex has many they are in the order of their ends, and not each is looked at.
 
 use terrafill_core::RegionMesh;
-use terrafill_stencil::boundary_edges;
 
 /// A side of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,7 +63,7 @@ impl<'a> Neighbours<'a> {
         };
         let around = |&[a, b, c]: &[u32; 3]| [neighbour(a, b), neighbour(b, c), neighbour(c, a)];
         let mut across: Vec<_> = triangles.iter().map(around).collect();
-        for [from, to] in boundary_edges(mesh) {
+        for [from, to] in mesh.boundary_edges() {
             for side in sides.between(from, to) {
                 let side = side.side();
                 across[side.triangle][side.number] = Across::WALL;

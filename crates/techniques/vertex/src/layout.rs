@@ -12,9 +12,7 @@ use std::ops::Range;
 use terrafill_contract::GeometryBytes;
 use terrafill_core::RegionMesh;
 use terrafill_plan::{PartOrder, RegionSet};
-use terrafill_stencil::{
-    FixedPoint, IndexLists, LaidOut, PositionFormat, VolumePlace, boundary_edges, two_float,
-};
+use terrafill_stencil::{FixedPoint, IndexLists, LaidOut, PositionFormat, VolumePlace, two_float};
 
 /// Largest number of distinct indices in 16 bits: 0xffff restarts strips and separates loops.
 const MAX_SHORT_INDICES: usize = 0xffff;
@@ -390,7 +388,7 @@ impl SceneGeometry {
     }
 
     fn push_wall_list(&mut self, short: bool, mesh: &RegionMesh) {
-        for [start, end] in boundary_edges(mesh) {
+        for [start, end] in mesh.boundary_edges() {
             self.push_wall(short, start, end);
         }
     }
@@ -408,7 +406,7 @@ impl SceneGeometry {
     /// looks for rectangles in pairs of triangles, and drops the edge-on half of some pairs; where a long
     /// draw is cut decides which pairs there are, and a wall must fare alike both times.
     fn push_inner_walls(&mut self, short: bool, mesh: &RegionMesh, triangles: &[[u32; 3]]) -> u32 {
-        let outer: HashSet<[u32; 2]> = boundary_edges(mesh).collect();
+        let outer: HashSet<[u32; 2]> = mesh.boundary_edges().collect();
         let sides = || {
             let of_each = triangles.iter();
             of_each.flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])

@@ -69,7 +69,7 @@ mod tests {
     use std::collections::BTreeSet;
     use terrafill_fixtures::by_hand::{circle_deg, mesh};
     use terrafill_plan::{PART_FACETS, SeenParts};
-    use terrafill_stencil::{DrawnParts, boundary_edges};
+    use terrafill_stencil::DrawnParts;
 
     /// A fan of 1,000 and a triangle, whose loops come the other way round.
     fn large() -> RegionMesh {
@@ -129,7 +129,7 @@ mod tests {
     fn ranges_hold_the_facets_and_walls_seen_and_no_others() {
         let mesh = large();
         let order = PartOrder::of(&mesh).expect("large");
-        let edges: Vec<[u32; 2]> = boundary_edges(&mesh).collect();
+        let edges: Vec<[u32; 2]> = mesh.boundary_edges().collect();
         // Neither the first part nor the last, and of the walls the small loop and what follows.
         let last = order.caps.len() - 1;
         let seen = SeenParts {

@@ -12,13 +12,12 @@ mod bottom_caps;
 mod constants;
 mod cover_instances;
 mod cover_tiles;
-mod depth_range;
 mod drawn_parts;
 mod executor;
 mod fixed_point;
 mod footprint;
-mod geometry;
 mod held_meshes;
+mod index_lists;
 mod ladder;
 mod laid_out;
 mod matrix;
@@ -36,13 +35,12 @@ mod volumes;
 pub use bottom_caps::BottomCaps;
 pub use constants::{FootprintConstants, VolumeConstants, VolumePlace, changed_words};
 pub use cover_instances::CoverInstance;
-pub use depth_range::DepthRange;
 pub use drawn_parts::{DrawnOfMeshes, DrawnParts, WallIndices};
 pub use executor::{StencilExecutor, StencilWork};
 pub use fixed_point::{
     EyeInUnits, FixedPoint, PositionFormat, eye_relative_m, two_float, two_float_difference_m,
 };
-pub use geometry::{IndexLists, boundary_edges};
+pub use index_lists::IndexLists;
 pub use ladder::{Climb, LOD_PX};
 pub use laid_out::LaidOut;
 pub use matrix::matrix_row;
@@ -58,4 +56,4 @@ pub use textured::{
 };
 pub use textured_device::{Probed, RouteTexelFormat, RouteTexels, textured_holdings};
 pub use volume_backend::{RegionVolumes, VolumeBackend};
-pub use volumes::{Volume, VolumeList};
+pub use volumes::{DepthRange, Volume, VolumeList};

@@ -52,18 +52,8 @@ pub fn matrix_row(technique: &dyn Technique, base: &Variant, overlap: Overlap) -
     let mut in_parts = base.clone();
     in_parts.plan.part_culling = PartCulling::Frustum;
     row.push(in_parts);
-    for culling in 0..3 {
-        let mut variant = base.clone();
-        let switches = [
-            &mut variant.plan.frustum_culling,
-            &mut variant.plan.horizon_culling,
-            &mut variant.plan.too_small_culling,
-        ];
-        for (index, switch) in switches.into_iter().enumerate() {
-            *switch = index != culling;
-        }
-        row.push(variant);
-    }
+    let cullings = ["frustum-culling", "horizon-culling", "too-small-culling"];
+    row.extend(cullings.map(|culling| base.clone().with(culling, "off")));
     let mut kept: Vec<Variant> = Vec::new();
     for variant in row {
         if technique.check(&variant, overlap).is_ok() && !kept.contains(&variant) {

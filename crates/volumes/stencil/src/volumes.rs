@@ -5,13 +5,34 @@
 //! its list from a [`FillInput`], one volume for each planned region; shadows of objects make theirs
 //! from whatever casts them.
 
-use crate::DepthRange;
 use crate::cover_tiles::cover_tiles;
 use std::collections::BTreeMap;
 use terrafill_contract::{FillInput, ViewId};
 use terrafill_plan::{DrawnAs, NearRectangle, PixelRect, PlannedRegion};
 use terrafill_scene::ImageSize;
 use terrafill_variant::{CoverArea, Switches};
+
+/// The range of the surface's depth in which a volume can lie at all; reversed, `0 ≤ low ≤ high ≤ 1`.
+///
+/// Where the surface is nearer than the volume or farther, every ray crosses the volume an even number of
+/// times on either side. So its fragments may be dropped before they touch the stencil. The range is that of
+/// the corners of a box that holds the volume, along the viewing direction; with reversed depth the farthest
+/// corner gives the lower end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthRange {
+    /// At the farthest corner, or below.
+    pub low: f32,
+    /// At the nearest corner, or above.
+    pub high: f32,
+}
+
+impl DepthRange {
+    /// Every depth there is.
+    pub const ANY: Self = Self {
+        low: 0.0,
+        high: 1.0,
+    };
+}
 
 /// A closed solid. A stencil program marks the part of the surface that lies inside it.
 ///

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What every layout of meshes in GPU buffers has: index lists of two widths, boundary edges.
-
-use terrafill_core::RegionMesh;
+//! Index lists of two widths, as every layout of meshes in GPU buffers has them.
 
 /// Indices of a scene: of 16 bits for regions whose vertices fit, of 32 for the others.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -52,14 +50,6 @@ impl IndexLists {
     pub fn bytes(&self) -> u64 {
         self.short.len() as u64 * 2 + self.long.len() as u64 * 4
     }
-}
-
-/// Directed edges of the boundary loops, inside on the left.
-pub fn boundary_edges(mesh: &RegionMesh) -> impl Iterator<Item = [u32; 2]> {
-    mesh.boundary_loops.iter().flat_map(|ring| {
-        let ends = ring.iter().cycle().skip(1);
-        ring.iter().zip(ends).map(|(&start, &end)| [start, end])
-    })
 }
 
 #[cfg(test)]
