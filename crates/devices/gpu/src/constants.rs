@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Holds the constants of `terrafill-fill` against what the shaders read.
+//! Holds the constants of `terrafill-stencil` against what the shaders read.
 
 #[cfg(test)]
 mod tests {

@@ -6,7 +6,7 @@ use crate::schedule::block_order;
 use crate::steady::{Settled, settle};
 use crate::{Session, StudyError, Turn, Turns};
 use std::collections::{BTreeMap, BTreeSet};
-use terrafill_fill::Devices;
+use terrafill_contract::Devices;
 use terrafill_results::{Measurement, Note, RunFolder, Status, UNSTEADY_CLOCK, Verdict, median};
 
 /// The median of each metric that all measurements of a sample have.
