@@ -2,7 +2,7 @@
 //! Where techniques draw: render targets of one size, one set for each graphics interface.
 
 use crate::devices::TypeMap;
-use crate::{DeviceError, Devices, Picture, SurfaceView, ViewId};
+use crate::{DeviceError, Devices, Picture, SurfaceView};
 use std::rc::Rc;
 use terrafill_scene::ImageSize;
 
@@ -26,9 +26,6 @@ pub trait SurfaceTargets {
     /// # Errors
     /// [`DeviceError::Missing`] before a view is prepared, [`DeviceError::DeviceLost`].
     fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError>;
-
-    /// Whether the surface of this view was drawn last.
-    fn holds(&self, view: ViewId) -> bool;
 
     /// Reads colour and depth back.
     ///

@@ -16,7 +16,7 @@ use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FrameTimes, SurfaceTargets,
+    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FrameTimes, SurfaceTargets, ViewId,
     WorkDone,
 };
 use terrafill_scene::{ImageSize, MipChain};
@@ -178,6 +178,10 @@ impl<V: WgpuVolumes> StencilExecutor<V> for VolumeFill {
 
     fn targets(&self) -> &RefCell<dyn SurfaceTargets> {
         &*self.targets
+    }
+
+    fn holds_surface(&self, view: ViewId) -> bool {
+        self.targets.borrow().holds(view)
     }
 
     fn load(&mut self, work: StencilWork) -> Result<(), DeviceError> {

@@ -15,7 +15,7 @@ use crate::{
 use std::cell::RefCell;
 use std::sync::Arc;
 use terrafill_contract::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FrameTimes, SurfaceTargets,
+    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FrameTimes, SurfaceTargets, ViewId,
     WorkDone,
 };
 use terrafill_scene::MipChain;
@@ -130,6 +130,10 @@ impl<V: VulkanVolumes> StencilExecutor<V> for VolumeFill {
 
     fn targets(&self) -> &RefCell<dyn SurfaceTargets> {
         &*self.targets
+    }
+
+    fn holds_surface(&self, view: ViewId) -> bool {
+        self.targets.borrow().holds(view)
     }
 
     fn load(&mut self, work: StencilWork) -> Result<(), DeviceError> {

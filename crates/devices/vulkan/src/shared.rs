@@ -5,7 +5,6 @@ use crate::{Gpu, GpuOptions, RenderTargets, SharedTargets};
 use std::sync::Arc;
 use terrafill_contract::{
     Api, DeviceError, Devices, Picture, SurfaceInterface, SurfaceTargets, SurfaceView, Targets,
-    ViewId,
 };
 
 /// Vulkan itself.
@@ -24,10 +23,6 @@ impl SurfaceTargets for RenderTargets {
 
     fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError> {
         self.draw_surface()
-    }
-
-    fn holds(&self, view: ViewId) -> bool {
-        self.holds(view)
     }
 
     fn read(&self) -> Result<Picture, DeviceError> {

@@ -8,7 +8,7 @@
 use crate::{FillProgram, Holding, Probed, TexturedPlan, VolumeList};
 use std::cell::RefCell;
 use terrafill_contract::{
-    Capabilities, Counters, DeviceError, Feature, FrameTimes, SurfaceTargets, WorkDone,
+    Capabilities, Counters, DeviceError, Feature, FrameTimes, SurfaceTargets, ViewId, WorkDone,
 };
 use terrafill_scene::MipChain;
 use terrafill_variant::Switches;
@@ -64,6 +64,9 @@ pub trait StencilExecutor<V>: Sized {
 
     /// Where it draws: the view is prepared there, and the surface drawn.
     fn targets(&self) -> &RefCell<dyn SurfaceTargets>;
+
+    /// Whether the targets hold the surface of this view.
+    fn holds_surface(&self, view: ViewId) -> bool;
 
     /// Replaces the program and what it runs on. Buffers are made only where sizes differ, and
     /// written only where bytes do.

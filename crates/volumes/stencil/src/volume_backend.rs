@@ -419,7 +419,7 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
     fn time_frame(&mut self, input: &FillInput) -> Result<FrameTimes, DeviceError> {
         self.check_prepared(input)?;
         // Another backend of the targets may have drawn another view since.
-        if !self.executor.targets().borrow().holds(input.view_id) {
+        if !self.executor.holds_surface(input.view_id) {
             return Err(input.not_prepared(V::TECHNIQUE));
         }
         self.executor.time(&mut self.volumes)
