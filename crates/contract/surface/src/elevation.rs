@@ -2,6 +2,7 @@
 //! Elevation as scenes name it, the same for every kind of surface that has any.
 
 use crate::{Parameters, SurfaceError};
+use std::ops::RangeInclusive;
 use terrafill_core::Ellipsoid;
 use terrafill_elevation::{Base, Elevation, Relief, read};
 
@@ -16,6 +17,9 @@ const DEFAULT_AMPLITUDE_M: f64 = 8_000.0;
 const DEFAULT_FEATHER: f64 = 0.05;
 /// Ten times is what globes offer; a hundred shows a plain's relief.
 const MAX_EXAGGERATION: f64 = 100.0;
+
+/// Heights of the Earth, metres: the Mariana Trench and Mount Everest with room for the geoid and the survey.
+const EARTH_M: RangeInclusive<f64> = -12_000.0..=9_000.0;
 
 /// Elevation from the keys of a scene's `[surface]`:
 ///
@@ -40,10 +44,16 @@ pub fn read_elevation(
         "relief" => relief(body, parameters)?,
         _ => Base::Flat,
     };
+    let earth_m = Ellipsoid::WGS84.equatorial_radius_m();
+    let is_earth = (body.equatorial_radius_m() / earth_m - 1.0).abs() < 1e-3;
     let fields = files.iter().map(|file| {
-        read(&file.path, &file.bytes).map_err(|error| SurfaceError::Data {
+        let field = read(&file.path, &file.bytes).map_err(|error| SurfaceError::Data {
             file: parameters.scene_file().to_owned(),
             message: error.to_string(),
+        })?;
+        Ok(match is_earth {
+            true => field.expected_within(EARTH_M),
+            false => field,
         })
     });
     let fields = fields.collect::<Result<Vec<_>, _>>()?;

@@ -58,6 +58,12 @@ pub trait Surface: Debug + Send + Sync {
         None
     }
 
+    /// What has to be said of the files that the surface was made from: what was read otherwise than a file says, or may
+    /// be wrong. Each names its file.
+    fn warnings(&self) -> &[String] {
+        &[]
+    }
+
     /// What is drawn in a view.
     ///
     /// # Errors

@@ -32,6 +32,7 @@ pub struct Elevation {
     base: Base,
     feather: f64,
     exaggeration: f64,
+    warnings: Vec<String>,
 }
 
 impl Elevation {
@@ -40,7 +41,9 @@ impl Elevation {
     /// - `exaggeration`: every height is multiplied by this
     #[must_use]
     pub fn new(fields: Vec<HeightField>, base: Base, feather: f64, exaggeration: f64) -> Self {
+        let warnings = fields.iter().flat_map(HeightField::warnings);
         Self {
+            warnings: warnings.cloned().collect(),
             fields: join_neighbours(fields),
             base,
             feather,
@@ -52,6 +55,12 @@ impl Elevation {
     #[must_use]
     pub fn fields(&self) -> &[HeightField] {
         &self.fields
+    }
+
+    /// What has to be said of the files, see [`HeightField::warnings`].
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// Height, metres above the ellipsoid.

@@ -50,6 +50,18 @@ impl Complaints<'_> {
         }
     }
 
+    /// The command that writes a file which is read: by GDAL, with these options.
+    pub(crate) fn gdal_translate(self, options: &str) -> String {
+        let file = self.file;
+        format!("`gdal_translate {options} {file} mended.tif` writes one that is read")
+    }
+
+    /// The same for a file that lies in another system or askew.
+    pub(crate) fn gdalwarp(self) -> String {
+        let file = self.file;
+        format!("`gdalwarp -t_srs EPSG:4326 -r bilinear {file} mended.tif` writes one that is read")
+    }
+
     pub(crate) fn undecodable(
         self,
         format: &'static str,

@@ -9,6 +9,7 @@ use crate::error::Complaints;
 use crate::pyramid::{Heights, Pyramid};
 use crate::{ElevationError, voids};
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 use terrafill_core::Extent;
 
 /// Most samples of a field: 256 MiB in memory, and four times a tile of 1 arc-second.
@@ -142,6 +143,7 @@ pub struct HeightField {
     pyramid: Pyramid,
     void_samples: u64,
     below_zero: u64,
+    warnings: Vec<String>,
 }
 
 impl HeightField {
@@ -185,7 +187,52 @@ impl HeightField {
             samples,
             void_samples,
             below_zero,
+            warnings: Vec::new(),
         })
+    }
+
+    /// The same field with what a reader has to say of its file.
+    pub(crate) fn with_warnings(mut self, texts: Vec<String>) -> Self {
+        let name = &self.name;
+        let named = texts.into_iter().map(|text| format!("{name}: {text}"));
+        self.warnings.extend(named);
+        self
+    }
+
+    /// The same field with a warning where heights lie outside `allowed`, metres: it names the place of the one that
+    /// is farthest outside.
+    #[must_use]
+    pub fn expected_within(self, allowed: RangeInclusive<f64>) -> Self {
+        let (low, high) = (*allowed.start(), *allowed.end());
+        let outside_m = |height_m: f64| (low - height_m).max(height_m - high);
+        let all = self.heights();
+        if outside_m(all.lowest_m).max(outside_m(all.highest_m)) <= 0.0 {
+            return self;
+        }
+        let outside = self.samples.iter().copied().map(f64::from).map(outside_m);
+        let count = outside.clone().filter(|far| *far > 0.0).count();
+        let farthest = outside.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
+        let at = farthest.map_or(0, |(at, _)| at);
+        let columns = self.grid.columns as usize;
+        let steps = [at % columns, at / columns].map(|steps| steps as f64);
+        let [longitude_deg, latitude_deg] = self.grid.projection.unproject([
+            self.grid.first[0] + steps[0] * self.grid.step[0],
+            self.grid.first[1] - steps[1] * self.grid.step[1],
+        ]);
+        let text = format!(
+            "{count} of {} heights are outside {low} to {high} m, which nothing on this body is: {} m at longitude \
+             {longitude_deg:.5}, latitude {latitude_deg:.5}; are they voids that the file does not say, or another \
+             unit?",
+            self.samples.len(),
+            self.samples[at],
+        );
+        self.with_warnings(vec![text])
+    }
+
+    /// What has to be said of the file, each with its name: what was read otherwise than it says, or may be wrong.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// Name of the file.
@@ -421,6 +468,8 @@ impl HeightField {
         let mut joined = Self::new(&names.join(" + "), grid, samples).ok()?;
         joined.void_samples = fields.iter().map(Self::void_samples).sum();
         joined.below_zero = fields.iter().map(Self::samples_below_zero).sum();
+        let warnings = fields.iter().flat_map(Self::warnings);
+        joined.warnings = warnings.cloned().collect();
         Some(joined)
     }
 

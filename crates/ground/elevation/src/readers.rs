@@ -17,7 +17,10 @@ use crate::{ElevationError, HeightField};
 /// | `.hgt` | SRTM, 1201 or 3601 samples a side; the name holds the corner, as in `N27E086` |
 /// | `.hgt.zip` | the same in a zip archive |
 /// | `.dt0`, `.dt1`, `.dt2` | DTED (MIL-PRF-89020B), checksums compared |
-/// | `.png` | a map tile; the name holds `terrain-rgb` or `terrarium` and ends in `z-x-y` |
+/// | `.png` | a map tile; the path holds `terrain-rgb` or `terrarium` and ends in `z-x-y` or `z/x/y` |
+///
+/// What a file says that changes the meaning of its samples is honoured or refused by name. What was read otherwise
+/// than it says, or may be wrong, is in [`HeightField::warnings`].
 ///
 /// USGS ASCII DEM (`.dem`) is refused: no maintained library reads it, and its heights are in UTM.
 ///
@@ -25,7 +28,7 @@ use crate::{ElevationError, HeightField};
 ///
 /// # Errors
 /// [`ElevationError`] for a name that fits no format and for anything wrong in the bytes. No more memory is
-/// taken than a fixed multiple of the file's length, whatever its header says.
+/// taken than a fixed multiple of the file's length, whatever its header says, and what ZSTD looks back on, up to 128 MiB.
 pub fn read(name: &str, bytes: &[u8]) -> Result<HeightField, ElevationError> {
     let complaints = Complaints { file: name };
     let plain = name.rsplit(['/', '\\']).next().unwrap_or(name);
@@ -40,7 +43,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<HeightField, ElevationError> {
     } else if ends(&[".dt0", ".dt1", ".dt2"]) {
         dted::read(complaints, bytes)
     } else if ends(&[".png"]) {
-        tile::read_named(complaints, plain, bytes)
+        tile::read_named(complaints, bytes)
     } else {
         let allowed =
             ".tif, .tiff, .hgt, .hgt.zip, .dt0, .dt1, .dt2 or .png; USGS ASCII DEM is not read";

@@ -86,6 +86,10 @@ impl Surface for GridSurface {
         KIND
     }
 
+    fn warnings(&self) -> &[String] {
+        self.elevation.warnings()
+    }
+
     fn heights(&self, extent: &Extent) -> HeightRange {
         let per_degree = f64::from(self.rows) / 180.0;
         let (rows, columns) = (i64::from(self.rows), 2 * i64::from(self.rows));

@@ -248,6 +248,10 @@ impl Surface for Spiral {
 
     /// Of the coarsest mesh that any view may draw, the same everywhere: seen from infinity a facet lies
     /// anywhere and is as large as any. A view's own parts say how much less it is.
+    fn warnings(&self) -> &[String] {
+        self.elevation.warnings()
+    }
+
     fn heights(&self, _extent: &Extent) -> HeightRange {
         let mut off = match self.arithmetic {
             Arithmetic::F64 => 0.0,

@@ -189,6 +189,10 @@ impl Surface for Tiles {
     }
 
     /// Of the coarsest tiles and of the finest, whichever a view draws.
+    fn warnings(&self) -> &[String] {
+        self.elevation.warnings()
+    }
+
     fn heights(&self, extent: &Extent) -> HeightRange {
         // A triangle of the coarsest tiles reaches a cell beyond the place that it is over.
         let cell = TileId {

@@ -4,7 +4,7 @@
 use crate::arguments::RenderArguments;
 use crate::draft;
 use crate::fit;
-use crate::outcome::{Failure, Outcome, print};
+use crate::outcome::{Failure, Outcome, complain, print};
 use crate::output::{check_paths, check_pictures, write_all};
 use crate::registry::{SURFACES, technique};
 use crate::techniques::{self, BOUNDARY_TOLERANCE, allowed_switches};
@@ -230,6 +230,9 @@ fn input(
         Failure::bad_input(lines.join("\n"))
     };
     let surface = open_surface(SURFACES, scene).map_err(Failure::bad_input)?;
+    for warning in surface.warnings() {
+        complain(format!("warning: {warning}"));
+    }
     let prepared = if wanted.plan().boundary_lod_px.is_some() {
         let leveled = LeveledMeshes::build(scene, &wanted.mesh).map_err(refused)?;
         PreparedScene::leveled(scene, leveled, surface)

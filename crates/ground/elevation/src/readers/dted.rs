@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! DTED levels 0 to 2 (MIL-PRF-89020B, 2000, §3.13): three headers, then a record for each meridian
 //! from the west, of 16-bit whole metres from the south, sign and magnitude, each with a checksum.
+//!
+//! Some producers write negative heights in two's complement instead, and some wrong checksums; GDAL reads both
+//! (`dted_api.c`), and so does this, with a warning.
 
 use crate::error::Complaints;
 use crate::{ElevationError, Grid, HeightField, MAX_SAMPLES, Projection, Registration};
@@ -14,6 +17,8 @@ const AFTER: usize = 4;
 const SENTINEL: u8 = 0xAA;
 /// All bits set: minus 32,767, no height.
 const VOID: u16 = 0xFFFF;
+/// Lower than this by sign and magnitude, metres, a sample is in two's complement: there it is above −16,768 m.
+const LOWEST_M: f32 = -16_000.0;
 
 pub(super) fn read(
     complaints: Complaints<'_>,
@@ -66,12 +71,17 @@ pub(super) fn read(
         return Err(complaints.value("bytes", bytes.len(), allowed));
     }
     let mut samples = vec![f32::NAN; columns as usize * rows as usize];
+    let (mut wrong_sums, mut complements) = (Vec::new(), 0);
     for (column, record) in bytes[HEADERS..needed].chunks_exact(record).enumerate() {
-        check_record(complaints, column, record)?;
+        if let Some(wrong) = wrong_sum(complaints, column, record)? {
+            wrong_sums.push(wrong);
+        }
         let heights = &record[BEFORE..record.len() - AFTER];
         for (north, pair) in heights.chunks_exact(2).enumerate() {
             let row = rows as usize - 1 - north;
-            samples[row * columns as usize + column] = height_m([pair[0], pair[1]]);
+            let (height_m, is_complement) = height_m([pair[0], pair[1]]);
+            complements += u64::from(is_complement);
+            samples[row * columns as usize + column] = height_m;
         }
     }
     let step = [step_east, step_north].map(|tenths| f64::from(tenths) / 36_000.0);
@@ -86,14 +96,28 @@ pub(super) fn read(
         ],
         step,
     };
-    HeightField::new(complaints.file, grid, samples)
+    let mut warnings = Vec::new();
+    if let Some(first) = wrong_sums.first() {
+        warnings.push(format!(
+            "{} of {columns} records have a wrong checksum, and are read: {first}",
+            wrong_sums.len()
+        ));
+    }
+    if complements > 0 {
+        warnings.push(format!(
+            "{complements} heights are in two's complement, where DTED has sign and magnitude: read so; a height of -1 m \
+             cannot be told from a void there"
+        ));
+    }
+    Ok(HeightField::new(complaints.file, grid, samples)?.with_warnings(warnings))
 }
 
-fn check_record(
+/// Words for a checksum that is not the sum of its record.
+fn wrong_sum(
     complaints: Complaints<'_>,
     column: usize,
     record: &[u8],
-) -> Result<(), ElevationError> {
+) -> Result<Option<String>, ElevationError> {
     let place = |what: &str| format!("record {column}, {what}");
     if record[0] != SENTINEL {
         let found = format!("{:#04x}", record[0]);
@@ -104,26 +128,21 @@ fn check_record(
     let stated = stated
         .iter()
         .fold(0, |value: u32, &byte| value << 8 | u32::from(byte));
-    if sum != stated {
-        return Err(complaints.value(
-            place("checksum"),
-            stated,
-            format!("{sum}, the sum of its bytes"),
-        ));
-    }
-    Ok(())
+    Ok((sum != stated).then(|| {
+        let place = place("checksum");
+        format!("{place}: found {stated}, allowed: {sum}, the sum of its bytes")
+    }))
 }
 
-fn height_m(pair: [u8; 2]) -> f32 {
+/// The height, and whether it is in two's complement.
+fn height_m(pair: [u8; 2]) -> (f32, bool) {
     let bits = u16::from_be_bytes(pair);
-    if bits == VOID {
-        return f32::NAN;
-    }
     let magnitude = f32::from(bits & 0x7FFF);
-    if bits >> 15 == 1 {
-        -magnitude
-    } else {
-        magnitude
+    match bits >> 15 {
+        _ if bits == VOID => (f32::NAN, false),
+        0 => (magnitude, false),
+        _ if -magnitude < LOWEST_M => (f32::from(bits.cast_signed()), true),
+        _ => (-magnitude, false),
     }
 }
 

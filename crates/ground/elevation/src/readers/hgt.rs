@@ -10,6 +10,8 @@ use std::io::{Cursor, Read as _};
 const SIDES: [u32; 2] = [1201, 3601];
 /// A sample that has no height.
 const VOID: i16 = -32_768;
+/// Characters of a corner.
+const CORNER: usize = 7;
 
 pub(super) fn read(
     complaints: Complaints<'_>,
@@ -25,6 +27,14 @@ pub(super) fn read(
         let allowed = "a corner such as N27E086, up to 90° and 180°";
         complaints.value("name", format!("{plain:?}"), allowed)
     })?;
+    // N45W074T86 is one of the 81 tiles of a degree at 1/3 arc-second, and as large as a whole degree at 3.
+    let is_more = |next: char| next.is_ascii_alphanumeric();
+    if plain.chars().nth(CORNER).is_some_and(is_more) {
+        let allowed = "a corner such as N27E086 alone or before a character that is no letter or digit, for a whole \
+                       degree; a tile of a part of one has no header that says where it lies: as a GeoTIFF, by \
+                       `gdal_translate -a_ullr WEST NORTH EAST SOUTH`, it is read";
+        return Err(complaints.value("name", format!("{plain:?}"), allowed));
+    }
     let step = 1.0 / f64::from(side - 1);
     let grid = Grid {
         projection: Projection::Geographic,
@@ -86,7 +96,7 @@ pub(super) fn read_zipped(
 
 /// Longitude and latitude of the south-western corner, degrees.
 fn corner(plain: &str) -> Option<[f64; 2]> {
-    let name = plain.get(..7)?.to_ascii_uppercase();
+    let name = plain.get(..CORNER)?.to_ascii_uppercase();
     let signed = |text: &str, letters: [char; 2], most: i32| -> Option<f64> {
         let digits = text
             .get(1..)

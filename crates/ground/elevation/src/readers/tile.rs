@@ -3,7 +3,9 @@
 //!
 //! Terrain-RGB (Mapbox, "Terrain-RGB v1"): `−10,000 + (65,536 R + 256 G + B) / 10` metres. Terrarium
 //! (Tilezen, "Terrain tiles: formats"): `256 R + G + B / 256 − 32,768` metres. Pixels stand for areas; a
-//! pixel that is fully transparent is a void.
+//! pixel that is fully transparent is a void. So is a black one of terrarium: −32,768 m is the lowest that it can say, and
+//! what services send where they have nothing. A black one of terrain-RGB is −10,000 m by its formula, and a tile of
+//! nothing else is read so with a warning.
 
 use crate::error::Complaints;
 use crate::{ElevationError, Grid, HeightField, MAX_SAMPLES, Projection, Registration};
@@ -37,8 +39,9 @@ impl TileEncoding {
     }
 
     #[allow(clippy::cast_possible_truncation, reason = "f32 holds 24 bits")]
-    fn height_m(self, [r, g, b, alpha]: [u8; 4]) -> f32 {
-        if alpha == 0 {
+    fn height_m(self, pixel: [u8; 4]) -> f32 {
+        let [r, g, b, alpha] = pixel;
+        if alpha == 0 || (self == Self::Terrarium && is_black(pixel)) {
             return f32::NAN;
         }
         let [r, g, b] = [r, g, b].map(f64::from);
@@ -50,27 +53,53 @@ impl TileEncoding {
     }
 }
 
+fn is_black([r, g, b, _]: [u8; 4]) -> bool {
+    [r, g, b] == [0; 3]
+}
+
+/// The encoding is in the path, the address at the end of the name as `z-x-y` or in folders as `z/x/y`.
 pub(super) fn read_named(
     complaints: Complaints<'_>,
-    plain: &str,
     bytes: &[u8],
 ) -> Result<HeightField, ElevationError> {
+    let path = complaints.file;
     let encodings = [TileEncoding::TerrainRgb, TileEncoding::Terrarium];
-    let named = encodings
-        .into_iter()
-        .find(|encoding| plain.contains(encoding.name()));
-    let stem = plain.get(..plain.len().saturating_sub(4)).unwrap_or("");
-    let from = stem.rfind(|c: char| !(c.is_ascii_digit() || c == '-'));
-    let numbers = from.map_or(stem, |at| stem.get(at + 1..).unwrap_or(""));
-    let parts: Option<Vec<u32>> = numbers.split('-').map(|part| part.parse().ok()).collect();
-    match (named, parts.as_deref()) {
-        (Some(encoding), Some(&[z, x, y])) => read(complaints, bytes, encoding, [z, x, y]),
+    // terrain-rgb, terrain_rgb and terrainrgb are in use.
+    let letters = |text: &str| text.to_ascii_lowercase().replace(['-', '_'], "");
+    let folded = letters(path);
+    let mut encodings = encodings.into_iter();
+    let named = encodings.find(|encoding| folded.contains(&letters(encoding.name())));
+    match (named, address(path)) {
+        (Some(encoding), Some(address)) => read(complaints, bytes, encoding, address),
         _ => Err(complaints.value(
             "name",
-            format!("{plain:?}"),
-            "terrain-rgb or terrarium, and z-x-y at the end, as in fuji_terrain-rgb_10-906-404.png",
+            format!("{path:?}"),
+            "terrain-rgb or terrarium, and z-x-y at the end, as in fuji_terrain-rgb_10-906-404.png, or folders z/x/y, \
+             as in terrarium/10/906/404.png",
         )),
     }
+}
+
+/// Level, column and row in a path.
+fn address(path: &str) -> Option<[u32; 3]> {
+    let stem = path.get(..path.len().checked_sub(4)?)?;
+    // What services append for twice the pixels.
+    let stem = stem.strip_suffix("@2x").unwrap_or(stem);
+    let mut folders = stem.rsplit(['/', '\\']);
+    let last = folders.next()?;
+    let parts: Vec<&str> = match last.bytes().all(|byte| byte.is_ascii_digit()) {
+        true => {
+            let (x, z) = (folders.next()?, folders.next()?);
+            vec![z, x, last]
+        }
+        false => {
+            let from = last.rfind(|c: char| !(c.is_ascii_digit() || c == '-'));
+            let numbers = from.map_or(last, |at| last.get(at + 1..).unwrap_or(""));
+            numbers.split('-').collect()
+        }
+    };
+    let parts: Option<Vec<u32>> = parts.iter().map(|part| part.parse().ok()).collect();
+    parts?.try_into().ok()
 }
 
 /// - level, column from 180° west, row from the north: at level 0 there is one tile, each level has twice as many a
@@ -95,10 +124,21 @@ fn read(
     reader.limits(limits);
     let picture = reader.decode().map_err(broken)?.into_rgba8();
     let (columns, rows) = picture.dimensions();
-    let samples = picture
-        .pixels()
-        .map(|pixel| encoding.height_m(pixel.0))
-        .collect();
+    let heights = picture.pixels().map(|pixel| encoding.height_m(pixel.0));
+    let mut samples: Vec<f32> = heights.collect();
+    let mut warnings = Vec::new();
+    if samples.iter().all(|sample| sample.is_nan()) {
+        warnings.push(
+            "every pixel is black or transparent, which says that there is no height: the tile is level at 0 m"
+                .to_owned(),
+        );
+        samples.fill(0.0);
+    } else if picture.pixels().all(|pixel| is_black(pixel.0)) {
+        let height_m = samples[0];
+        warnings.push(format!(
+            "every pixel is black, which is {height_m} m by the formula and often means that there is no height"
+        ));
+    }
     let side_m = 2.0 * HALF_TURN_M / 2_f64.powi(z.cast_signed());
     let step = [columns, rows].map(|count| side_m / f64::from(count.max(1)));
     let grid = Grid {
@@ -112,5 +152,5 @@ fn read(
         ],
         step,
     };
-    HeightField::new(complaints.file, grid, samples)
+    Ok(HeightField::new(complaints.file, grid, samples)?.with_warnings(warnings))
 }
