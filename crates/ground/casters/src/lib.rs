@@ -18,7 +18,7 @@ mod waterline;
 pub use mesh::{Caster, Mesh, MeshError, Part};
 pub use policy::{Policy, Prepared};
 pub use port::{PortSize, hull, port, row};
-pub use read::{ReadError, Reading, Up};
+pub use read::{ModelFile, ReadError, Reading, Up};
 pub use silhouette::{EdgeTable, Facing, Side, by_hash, by_stack};
 pub use verdict::{Verdict, verdict};
 pub use volume::{Extent, Face, LightError, Volume, VolumeTriangle, sea_level_below};

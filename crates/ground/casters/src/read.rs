@@ -8,8 +8,9 @@
 mod glb;
 mod model;
 mod obj;
+mod polygon;
 
-use self::model::{Model, Wrong, wrong};
+use self::model::{Contents, Model, Wrong, wrong};
 use crate::Mesh;
 use crate::mesh::index;
 use crate::pieces::pieces;
@@ -78,7 +79,16 @@ pub enum ReadError {
     },
 }
 
-impl Mesh {
+/// A file's models.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelFile {
+    /// All of them.
+    pub mesh: Mesh,
+    /// What was read otherwise than the file says, or not at all.
+    pub warnings: Vec<String>,
+}
+
+impl ModelFile {
     /// The models of an OBJ or GLB file. Each is parted where its triangles hang together no longer.
     ///
     /// # Errors
@@ -96,7 +106,7 @@ impl Mesh {
             allowed,
         };
         let extension = path.extension().unwrap_or_default().to_string_lossy();
-        let read: fn(&[u8]) -> Result<Vec<Model>, Wrong> =
+        let read: fn(&[u8]) -> Result<Contents, Wrong> =
             match extension.to_ascii_lowercase().as_str() {
                 "obj" => obj::read,
                 "glb" => glb::read,
@@ -114,10 +124,16 @@ impl Mesh {
             error,
         })?;
         let up = if is_obj { reading.up } else { Up::Y };
-        let models = read(&bytes).map_err(named)?;
-        Self::of_models(models, |place| up.enu(place) * reading.unit_m).map_err(named)
+        let Contents { models, warnings } = read(&bytes).map_err(named)?;
+        let mesh = Mesh::of_models(models, |place| up.enu(place) * reading.unit_m);
+        Ok(Self {
+            mesh: mesh.map_err(named)?,
+            warnings,
+        })
     }
+}
 
+impl Mesh {
     fn of_models(models: Vec<Model>, enu: impl Fn([f64; 3]) -> DVec3) -> Result<Self, Wrong> {
         let count: usize = models.iter().map(|model| model.places.len()).sum();
         if u32::try_from(count).is_err() {
@@ -166,8 +182,8 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join(name);
         std::fs::write(&path, bytes).expect("written");
-        let read = Mesh::read(&path, reading);
-        read.map_err(|error| {
+        let read = ModelFile::read(&path, reading);
+        read.map(|file| file.mesh).map_err(|error| {
             let text = error.to_string();
             let folder = format!("{}/", folder.path().display());
             assert!(text.starts_with(&folder), "{text}");
@@ -198,7 +214,7 @@ mod tests {
 
     #[test]
     fn a_file_that_is_none_is_refused_by_its_name() {
-        let missing = Mesh::read(Path::new("no/such.glb"), Reading::default());
+        let missing = ModelFile::read(Path::new("no/such.glb"), Reading::default());
         let error = missing.expect_err("missing").to_string();
         assert!(error.starts_with("no/such.glb: "), "{error}");
         let text = read("a.stl", b"solid", Reading::default());

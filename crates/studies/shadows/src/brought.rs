@@ -8,7 +8,7 @@ use crate::view::View;
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::path::Path;
-use terrafill_casters::{Mesh, Policy, Prepared, Reading, Up, Verdict, verdict};
+use terrafill_casters::{Mesh, ModelFile, Policy, Prepared, Reading, Up, Verdict, verdict};
 
 /// Name of the setting.
 pub(crate) const SETTING: &str = "casters";
@@ -26,6 +26,21 @@ pub(crate) struct Brought {
     /// Of the file, before the policy.
     pub(crate) verdict: Verdict,
     pub(crate) prepared: Prepared,
+    /// What was read otherwise than the file says.
+    pub(crate) warnings: Vec<String>,
+}
+
+/// What has to be said of the model that the setting names: each line names the file. Nothing of one that cannot be
+/// read, since the study's plan says why.
+#[must_use]
+pub fn model_warnings(setting: &str) -> Vec<String> {
+    let Ok(Options { file, reading, .. }) = options(setting) else {
+        return Vec::new();
+    };
+    let read = ModelFile::read(Path::new(file), reading);
+    let warnings = read.map_or_else(|_| Vec::new(), |read| read.warnings);
+    let named = warnings.into_iter().map(|text| format!("{file}: {text}"));
+    named.collect()
 }
 
 /// Options behind the file's name, at its end.
@@ -91,9 +106,13 @@ impl Brought {
             policy,
         } = options(setting)?;
         let path = Path::new(file);
-        let mesh = Mesh::read(path, reading).map_err(|error| error.to_string())?;
-        let name = path.file_name().unwrap_or_default();
-        Self::of(&name.to_string_lossy(), mesh, policy).map_err(|error| format!("{file}: {error}"))
+        let read = ModelFile::read(path, reading).map_err(|error| error.to_string())?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let brought = Self::of(&name, read.mesh, policy);
+        Ok(Self {
+            warnings: read.warnings,
+            ..brought.map_err(|error| format!("{file}: {error}"))?
+        })
     }
 
     pub(crate) fn of(name: &str, mut mesh: Mesh, policy: Policy) -> Result<Self, String> {
@@ -118,6 +137,7 @@ impl Brought {
             policy,
             verdict: found,
             prepared,
+            warnings: Vec::new(),
         })
     }
 
@@ -270,7 +290,9 @@ mod tests {
             up: Up::Z,
             unit_m: 1.0,
         };
-        Mesh::read(&path, reading).map_err(|error| error.to_string())
+        let read = ModelFile::read(&path, reading);
+        read.map(|file| file.mesh)
+            .map_err(|error| error.to_string())
     }
 
     #[test]

@@ -37,6 +37,7 @@ mod views;
 mod way;
 mod work;
 
+pub use brought::model_warnings;
 pub use study::ShadowsStudy;
 
 /// Name of the study.

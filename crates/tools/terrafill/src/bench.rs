@@ -10,7 +10,7 @@ use crate::environment::environment;
 use crate::gate::finish;
 use crate::outcome::{Failure, Outcome, complain, print};
 use crate::progress::{Said, Timed};
-use crate::registry::{RIVALS, STUDIES, chapters, metrics, metrics_of};
+use crate::registry::{RIVALS, STUDIES, SURFACES, chapters, metrics, metrics_of};
 use crate::report::print_report;
 use crate::stop::{say_when_stopped, what_is_kept};
 use std::collections::BTreeMap;
@@ -22,11 +22,13 @@ use std::sync::mpsc::Receiver;
 use terrafill_contract::Devices;
 use terrafill_gpu::shared_gpu;
 use terrafill_results::{Moment, Run, RunFolder, Skipped, append_clocks, read_durations};
-use terrafill_scene::{ImageSize, data_dir};
+use terrafill_scene::{ImageSize, Scene, data_dir};
+use terrafill_shadows::model_warnings;
 use terrafill_study::{
     Depth, FramesPerSample, Request, RunOptions, RunOutcome, Settling, Share, Study, StudyError,
     Turn, Turns, plan_shared,
 };
+use terrafill_surface::open_surface;
 
 /// Processes of a run: fewer than five give no interval.
 const PROCESSES: u32 = 5;
@@ -117,6 +119,9 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         let skipped = plan.run_plan().skipped.iter();
         for skipped in skipped.filter(|skipped| !is_rival(skipped)) {
             complain(format!("skipped: {}: {}", skipped.what, skipped.reason));
+        }
+        for warning in warnings(&request) {
+            complain(format!("warning: {warning}"));
         }
     }
     if plan.run_plan().cases.is_empty() {
@@ -288,6 +293,18 @@ fn request(arguments: &BenchArguments, depth: Depth) -> Request {
         }
     }
     request
+}
+
+/// What has to be said of the files of the scenes that a user names, and of her model: what was read otherwise than a
+/// file says. What cannot be opened is left to the plan, which says why.
+fn warnings(request: &Request) -> Vec<String> {
+    let scenes = request.scenes.iter();
+    let scenes = scenes.filter_map(|name| Scene::open(name, request.data_dir.as_deref()).ok());
+    let surfaces = scenes.filter_map(|scene| open_surface(SURFACES, &scene).ok());
+    let of_surfaces = surfaces.flat_map(|surface| surface.warnings().to_vec());
+    let models = request.settings.get("casters").into_iter().flatten();
+    let of_models = models.flat_map(|setting| model_warnings(setting));
+    of_surfaces.chain(of_models).collect()
 }
 
 /// The run's options as `key=value`: a run is resumed with the same ones only.

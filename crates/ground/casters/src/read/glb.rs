@@ -2,35 +2,106 @@
 //! GLB by `gltf`, whose checks of the JSON come first; bytes are read here, within the bounds they say.
 //!
 //! Every node of the scene that has a mesh is a model, its triangles moved by the node's transform in
-//! `f64`. Skins and morph targets are taken at rest.
+//! `f64`. A skinned mesh is where its joints are, whatever its own node says (glTF 2.0, §3.7.3.3). Animations are not
+//! played: joints and morph targets are as the file has them at rest.
 
-use super::model::{Model, Wrong, wrong};
+mod accessors;
+mod extensions;
+mod skin;
+
+use self::accessors::{Accessors, buffers};
+use super::model::{Contents, Model, Wrong, wrong};
 use glam::{DMat4, DQuat, DVec3};
 use gltf::accessor::{DataType, Dimensions};
 use gltf::mesh::Mode;
 use gltf::scene::Transform;
-use gltf::{Accessor, Document, Gltf, Node, Semantic};
+use gltf::{Document, Gltf, Node, Semantic};
 
 /// Bytes of the file's header: magic, version, length.
 const HEADER_BYTES: usize = 12;
+/// Vertices, and corners of triangles, of all models together: nodes may repeat a mesh, so that a small file has many.
+const MAX_VERTICES: usize = 1 << 25;
+const MAX_CORNERS: usize = 1 << 26;
 
-pub(super) fn read(bytes: &[u8]) -> Result<Vec<Model>, Wrong> {
+pub(super) fn read(bytes: &[u8]) -> Result<Contents, Wrong> {
     check_header(bytes)?;
-    let Gltf { document, blob } = Gltf::from_slice(bytes).map_err(refused)?;
-    let blob = blob.unwrap_or_default();
-    let scene = document
-        .default_scene()
-        .or_else(|| document.scenes().next());
-    let scene = scene.ok_or_else(|| wrong("scenes", 0, "at least 1"))?;
+    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(refused)?;
+    let mut json = document.into_json();
+    let mut contents = Contents::default();
+    let is_quantized = extensions::check(&json, &mut contents.warnings)?;
+    // `gltf` would refuse any that it does not read itself.
+    json.extensions_required.clear();
+    let document = Document::from_json(json).map_err(refused)?;
+    let bin = blob.unwrap_or_default();
+    let buffers = buffers(&document, &bin)?;
+    let roots = roots(&document, &mut contents.warnings);
+    let nodes = placed(&document, roots)?;
     let mut walk = Walk {
-        document: &document,
-        blob: &blob,
-        models: Vec::new(),
+        accessors: Accessors {
+            buffers: &buffers,
+            file_bytes: bytes.len(),
+        },
+        is_quantized,
+        nodes: &nodes,
+        vertices: 0,
+        corners: 0,
+        contents,
     };
-    for node in scene.nodes() {
-        walk.node(&node, DMat4::IDENTITY, 0)?;
+    for (node, scene_from_node) in &nodes {
+        walk.node(node, *scene_from_node)?;
     }
-    Ok(walk.models)
+    Ok(walk.contents)
+}
+
+/// Nodes of the default scene that are below no other; of the first one where no scene is the default; of the whole file
+/// where there is no scene.
+fn roots<'a>(document: &'a Document, warnings: &mut Vec<String>) -> Vec<Node<'a>> {
+    if let Some(scene) = document.default_scene() {
+        return scene.nodes().collect();
+    }
+    let count = document.scenes().count();
+    if let Some(scene) = document.scenes().next() {
+        if count > 1 {
+            warnings.push(format!(
+                "scenes: {count}, and none is the default; the first is read"
+            ));
+        }
+        return scene.nodes().collect();
+    }
+    warnings.push("scenes: none; every node that is below no other is read".to_owned());
+    let mut is_below = vec![false; document.nodes().len()];
+    for child in document
+        .nodes()
+        .flat_map(|node| node.children().collect::<Vec<_>>())
+    {
+        is_below[child.index()] = true;
+    }
+    let roots = document.nodes().filter(|node| !is_below[node.index()]);
+    roots.collect()
+}
+
+/// Every node below these with its transform to the scene, parents before children.
+fn placed<'a>(document: &Document, roots: Vec<Node<'a>>) -> Result<Vec<(Node<'a>, DMat4)>, Wrong> {
+    let mut is_met = vec![false; document.nodes().len()];
+    let mut placed = Vec::new();
+    let mut waiting: Vec<(Node<'a>, DMat4)> = Vec::new();
+    waiting.extend(roots.into_iter().rev().map(|node| (node, DMat4::IDENTITY)));
+    while let Some((node, above)) = waiting.pop() {
+        if std::mem::replace(&mut is_met[node.index()], true) {
+            let element = format!("nodes[{}]", node.index());
+            return Err(wrong(element, "a node below itself or below two", "a tree"));
+        }
+        let scene_from_node = above * matrix(node.transform());
+        let children: Vec<Node<'a>> = node.children().collect();
+        waiting.extend(
+            children
+                .into_iter()
+                .rev()
+                .map(|child| (child, scene_from_node)),
+        );
+        placed.push((node, scene_from_node));
+    }
+    Ok(placed)
 }
 
 /// `gltf` takes the header's length as it is, and subtracts from it.
@@ -70,158 +141,174 @@ fn refused(error: gltf::Error) -> Wrong {
 }
 
 struct Walk<'a> {
-    document: &'a Document,
-    blob: &'a [u8],
-    models: Vec<Model>,
+    accessors: Accessors<'a>,
+    /// Whether places may be whole numbers.
+    is_quantized: bool,
+    nodes: &'a [(Node<'a>, DMat4)],
+    vertices: usize,
+    corners: usize,
+    contents: Contents,
 }
 
 impl Walk<'_> {
-    fn node(&mut self, node: &Node<'_>, above: DMat4, depth: usize) -> Result<(), Wrong> {
-        let element = || format!("nodes[{}]", node.index());
-        if depth >= self.document.nodes().len() {
-            return Err(wrong(element(), "a node below itself", "a tree"));
+    fn node(&mut self, node: &Node<'_>, scene_from_node: DMat4) -> Result<(), Wrong> {
+        let Some(mesh) = node.mesh() else {
+            return Ok(());
+        };
+        let element = format!("nodes[{}]", node.index());
+        let name = node.name().or_else(|| mesh.name()).map(str::to_owned);
+        let mut model = Model {
+            name: name.unwrap_or_else(|| element.clone()),
+            ..Model::default()
+        };
+        let joints = match node.skin() {
+            Some(skin) => Some(skin::joints(&skin, self.nodes, &self.accessors)?),
+            None => None,
+        };
+        if joints.is_some() {
+            self.contents.warnings.push(format!(
+                "{element}: a skinned mesh; it stands as its joints do at rest, and its own node moves it nowhere"
+            ));
         }
-        let scene_from_node = above * matrix(node.transform());
-        if let Some(mesh) = node.mesh() {
-            let name = node.name().or_else(|| mesh.name()).map(str::to_owned);
-            let mut model = Model {
-                name: name.unwrap_or_else(element),
-                ..Model::default()
-            };
-            for primitive in mesh.primitives() {
-                let own = format!("meshes[{}].primitives[{}]", mesh.index(), primitive.index());
-                self.primitive(&mut model, &primitive, &own)?;
-            }
-            // A mirror turns faces over; so does their order, back.
-            if scene_from_node.determinant() < 0.0 {
-                for corners in &mut model.triangles {
-                    corners.swap(1, 2);
+        let weights = node.weights().or_else(|| mesh.weights()).unwrap_or(&[]);
+        let mut degenerate = 0;
+        for primitive in mesh.primitives() {
+            let own = format!("meshes[{}].primitives[{}]", mesh.index(), primitive.index());
+            let first = model.places.len();
+            degenerate += self.primitive(&mut model, &primitive, weights, &own)?;
+            let places = &mut model.places[first..];
+            match &joints {
+                Some(joints) => skin::pose(places, &primitive, joints, &self.accessors)?,
+                None => {
+                    for place in places {
+                        let moved = scene_from_node.transform_point3(DVec3::from(*place));
+                        *place = moved.to_array();
+                    }
                 }
             }
-            for place in &mut model.places {
-                *place = scene_from_node
-                    .transform_point3(DVec3::from(*place))
-                    .to_array();
+        }
+        // A mirror turns faces over; so does their order, back.
+        let first = joints.as_ref().and_then(|joints| joints.first());
+        if first.unwrap_or(&scene_from_node).determinant() < 0.0 {
+            for corners in &mut model.triangles {
+                corners.swap(1, 2);
             }
-            self.models.push(model);
         }
-        for child in node.children() {
-            self.node(&child, scene_from_node, depth + 1)?;
-        }
+        self.contents.warn_degenerate(&model.name, degenerate);
+        self.contents.models.push(model);
         Ok(())
     }
 
-    /// Adds a primitive's triangles: one solid may have several, each of a material.
+    /// Adds a primitive's triangles, its places as the mesh has them: one solid may have several, each of a material.
+    ///
+    /// - returns: triangles that were left out since they have no area
     fn primitive(
-        &self,
+        &mut self,
         model: &mut Model,
         primitive: &gltf::Primitive<'_>,
+        weights: &[f32],
         element: &str,
-    ) -> Result<(), Wrong> {
-        match primitive.mode() {
-            Mode::Triangles => {}
-            Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => return Ok(()),
-            other => {
-                return Err(wrong(
-                    format!("{element}.mode"),
-                    format!("{other:?}"),
-                    "Triangles",
-                ));
-            }
+    ) -> Result<usize, Wrong> {
+        if let Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip = primitive.mode() {
+            return Ok(0);
         }
         let positions = primitive.get(&Semantic::Positions);
         let positions = positions
             .ok_or_else(|| wrong(format!("{element}.attributes"), "no POSITION", "POSITION"))?;
+        let count = positions.count();
+        self.vertices = self.vertices.saturating_add(count);
+        if self.vertices > MAX_VERTICES {
+            let allowed = format!("{MAX_VERTICES} in all nodes together");
+            return Err(wrong(
+                format!("{element}.attributes"),
+                self.vertices,
+                allowed,
+            ));
+        }
+        let kinds: &[DataType] = match self.is_quantized {
+            true => &[
+                DataType::F32,
+                DataType::I8,
+                DataType::U8,
+                DataType::I16,
+                DataType::U16,
+            ],
+            false => &[DataType::F32],
+        };
         let first = model.places.len();
-        let form = (DataType::F32, Dimensions::Vec3);
-        let places = self.items(&positions, form)?;
-        model.places.extend(places.map(|bytes| {
-            let number = |at: usize| {
-                let bytes = bytes[4 * at..].first_chunk().copied();
-                f64::from(f32::from_le_bytes(bytes.unwrap_or_default()))
+        let places = self
+            .accessors
+            .numbers(&positions, kinds, Dimensions::Vec3)?;
+        model
+            .places
+            .extend(places.chunks_exact(3).map(|own| [own[0], own[1], own[2]]));
+        for (target, weight) in primitive.morph_targets().zip(weights) {
+            let Some(moves) = target.positions().filter(|_| *weight != 0.0) else {
+                continue;
             };
-            [number(0), number(1), number(2)]
-        }));
-        let count = model.places.len() - first;
+            let moves = self.accessors.numbers(&moves, kinds, Dimensions::Vec3)?;
+            for (place, by) in model.places[first..].iter_mut().zip(moves.chunks_exact(3)) {
+                *place = [0, 1, 2].map(|axis| place[axis] + f64::from(*weight) * by[axis]);
+            }
+        }
         let (corners, of) = match primitive.indices() {
             Some(indices) => {
-                let kind = indices.data_type();
-                if !matches!(kind, DataType::U8 | DataType::U16 | DataType::U32) {
-                    let element = format!("accessors[{}]", indices.index());
-                    return Err(wrong(element, format!("{kind:?}"), "U8, U16 or U32"));
-                }
-                let all = self.items(&indices, (kind, Dimensions::Scalar))?;
-                let number = |bytes: &[u8]| {
-                    let bytes = bytes.iter().rev();
-                    bytes.fold(0_u32, |number, byte| number << 8 | u32::from(*byte))
-                };
-                let all: Vec<u32> = all.map(number).collect();
-                (all, format!("accessors[{}]", indices.index()))
+                let of = format!("accessors[{}]", indices.index());
+                (self.accessors.indices(&indices)?, of)
             }
             None => {
                 let past = u32::try_from(count).unwrap_or(u32::MAX);
-                (
-                    (0..past).collect(),
-                    format!("accessors[{}]", positions.index()),
-                )
+                let of = format!("accessors[{}]", positions.index());
+                ((0..past).collect(), of)
             }
         };
-        if corners.len() % 3 != 0 {
-            let found = format!("{} corners", corners.len());
-            return Err(wrong(of, found, "3 for each triangle"));
+        self.corners = self.corners.saturating_add(corners.len());
+        if self.corners > MAX_CORNERS {
+            let allowed = format!("{MAX_CORNERS} in all nodes together");
+            return Err(wrong(of, format!("{} corners", self.corners), allowed));
         }
         if let Some(at) = corners.iter().position(|corner| *corner as usize >= count) {
             let found = format!("index {} at {at}", corners[at]);
             return Err(wrong(of, found, format!("below {count}, its vertices")));
         }
+        let is_list = primitive.mode() == Mode::Triangles;
+        if is_list && !corners.len().is_multiple_of(3) {
+            let found = format!("{} corners", corners.len());
+            return Err(wrong(of, found, "3 for each triangle"));
+        }
+        let all = triangles(primitive.mode(), &corners);
+        let has_area = |[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
+        let solid: Vec<[u32; 3]> = all.iter().copied().filter(has_area).collect();
         let first = u32::try_from(first).unwrap_or(u32::MAX);
-        let triangles = corners.chunks_exact(3);
-        let triangles = triangles.map(|own| [own[0], own[1], own[2]]);
-        let moved = |corners: [u32; 3]| corners.map(|corner| corner.saturating_add(first));
-        model.triangles.extend(triangles.map(moved));
-        Ok(())
+        let moved = |corners: &[u32; 3]| corners.map(|corner| corner.saturating_add(first));
+        model.triangles.extend(solid.iter().map(moved));
+        // A strip has them where it turns.
+        Ok(match is_list {
+            true => all.len() - solid.len(),
+            false => 0,
+        })
     }
+}
 
-    /// Bytes of each item of an accessor.
-    fn items(
-        &self,
-        accessor: &Accessor<'_>,
-        form: (DataType, Dimensions),
-    ) -> Result<impl Iterator<Item = &[u8]>, Wrong> {
-        let element = format!("accessors[{}]", accessor.index());
-        let found = (accessor.data_type(), accessor.dimensions());
-        if found != form {
-            let [found, allowed] = [found, form].map(|(kind, of)| format!("{of:?} of {kind:?}"));
-            return Err(wrong(element, found, allowed));
+/// As glTF 2.0, §3.7.2.1, numbers them.
+fn triangles(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
+        Mode::TriangleStrip => {
+            let all = corners.windows(3).enumerate();
+            let own = |(at, own): (usize, &[u32])| match at % 2 {
+                0 => [own[0], own[1], own[2]],
+                _ => [own[0], own[2], own[1]],
+            };
+            all.map(own).collect()
         }
-        if accessor.sparse().is_some() {
-            return Err(wrong(element, "sparse values", "values in a buffer view"));
+        Mode::TriangleFan => {
+            let all = corners.get(1..).unwrap_or_default().windows(2);
+            all.map(|own| [own[0], own[1], corners[0]]).collect()
         }
-        let view = accessor.view();
-        let view = view.ok_or_else(|| wrong(element.as_str(), "no buffer view", "one"))?;
-        let size = accessor.size();
-        let stride = view.stride().unwrap_or(size);
-        let count = accessor.count();
-        let bytes = || -> Option<&[u8]> {
-            let start = view.offset();
-            let view = self.blob.get(start..start.checked_add(view.length())?)?;
-            let last = stride.checked_mul(count.checked_sub(1)?)?;
-            let past = accessor.offset().checked_add(last)?.checked_add(size)?;
-            view.get(accessor.offset()..past)
-        };
-        // Another buffer than the file's own would be another file.
-        let bytes = bytes().filter(|_| view.buffer().index() == 0 && stride >= size);
-        let bytes = bytes.ok_or_else(|| {
-            let found = format!(
-                "{count} items of {size} bytes, {stride} apart, from byte {} of bufferViews[{}] in buffers[{}]",
-                accessor.offset(),
-                view.index(),
-                view.buffer().index()
-            );
-            let allowed = format!("what lies in the {} bytes of BIN", self.blob.len());
-            wrong(element.as_str(), found, allowed)
-        })?;
-        Ok((0..count).map(move |at| &bytes[at * stride..at * stride + size]))
+        _ => {
+            let all = corners.chunks_exact(3);
+            all.map(|own| [own[0], own[1], own[2]]).collect()
+        }
     }
 }
 
@@ -283,7 +370,7 @@ mod tests {
         bytes
     }
 
-    fn text_of(read: Result<Vec<Model>, Wrong>) -> String {
+    fn text_of(read: Result<Contents, Wrong>) -> String {
         match read {
             Ok(_) => "read".to_owned(),
             Err(Wrong {
@@ -298,7 +385,7 @@ mod tests {
 
     #[test]
     fn nodes_move_their_meshes_and_a_mirror_keeps_faces_outwards() {
-        let models = read(&glb(JSON, &bin())).expect("a tetrahedron");
+        let models = read(&glb(JSON, &bin())).expect("a tetrahedron").models;
         let [hull] = models.as_slice() else {
             panic!("one model, found {models:?}");
         };
@@ -340,12 +427,12 @@ mod tests {
                 r#""count":12"#,
                 r#""count":15"#,
                 "accessors[1]: found 15 items of 2 bytes, 2 apart, from byte 0 of bufferViews[1] in buffers[0], \
-                 allowed: what lies in the 72 bytes of BIN",
+                 allowed: what lies in its 72 bytes",
             ),
             (
                 r#""count":4"#,
                 r#""count":18446744073709551615"#,
-                "allowed: what lies in the 72 bytes of BIN",
+                "18446744073709551615 in all nodes together",
             ),
             (r#""count":4"#, r#""count":0"#, "accessors[0]"),
             (
@@ -361,27 +448,17 @@ mod tests {
             (
                 r#"5123"#,
                 r#"5126"#,
-                "accessors[1]: found F32, allowed: U8, U16 or U32",
-            ),
-            (
-                r#""mode":4"#,
-                r#""mode":5"#,
-                "meshes[0].primitives[0].mode: found TriangleStrip, allowed: Triangles",
+                "accessors[1]: found Scalar of F32, allowed: Scalar of U8, U16, U32",
             ),
             (
                 r#""asset""#,
                 r#""extensionsRequired":["KHR_draco_mesh_compression"],"asset""#,
-                "extensionsRequired[0] = \"KHR_draco_mesh_compression\": found Unsupported extension",
-            ),
-            (
-                r#""scene":0,"scenes":[{"nodes":[0]}],"#,
-                "",
-                "scenes: found 0, allowed: at least 1",
+                "extensionsRequired[0]: found KHR_draco_mesh_compression, allowed: plain triangles: `gltf-pipeline",
             ),
             (
                 r#""mesh":0,"#,
                 r#""mesh":0,"children":[0],"#,
-                "found a node below itself, allowed: a tree",
+                "found a node below itself or below two, allowed: a tree",
             ),
             (r#"{"asset""#, r#"["asset""#, "JSON: found "),
         ] {
@@ -419,5 +496,159 @@ mod tests {
         let mut old = whole;
         old[4] = 1;
         assert_eq!(text_of(read(&old)), "version: found 1, allowed: 2");
+    }
+
+    /// The tetrahedron's volume and its highest place.
+    fn volume_and_top(contents: &Contents) -> (f64, f64) {
+        let [model] = contents.models.as_slice() else {
+            panic!("one model, found {:?}", contents.models);
+        };
+        let volumes = model.triangles.iter().map(|corners| {
+            let [a, b, c] = corners.map(|at| DVec3::from(model.places[at as usize]));
+            a.dot(b.cross(c)) / 6.0
+        });
+        let top = model
+            .places
+            .iter()
+            .map(|place| place[2])
+            .fold(0.0, f64::max);
+        (volumes.sum(), top)
+    }
+
+    fn near((volume, top): (f64, f64), expected: (f64, f64)) {
+        let is_near = (volume - expected.0).abs() < 1e-9 && (top - expected.1).abs() < 1e-9;
+        assert!(is_near, "{volume} {top}, not {expected:?}");
+    }
+
+    #[test]
+    fn fans_scenes_that_are_missing_and_targets_are_read() {
+        let plain = read(&glb(JSON, &bin())).expect("read");
+        near(volume_and_top(&plain), (8.0 / 6.0, 12.0));
+        assert!(plain.warnings.is_empty(), "{:?}", plain.warnings);
+        // A fan around corner 0 of the three other faces; the fourth, below it, is missing.
+        let mut fan = bin();
+        let corners: [u16; 5] = [3, 1, 2, 0, 1];
+        fan.truncate(48);
+        fan.extend(corners.iter().flat_map(|corner| corner.to_le_bytes()));
+        fan.resize(72, 0);
+        let json = JSON
+            .replace(r#""mode":4"#, r#""mode":6"#)
+            .replace(r#""count":12"#, r#""count":5"#);
+        let found = read(&glb(&json, &fan)).expect("a fan");
+        // Mirrored as the node is.
+        assert_eq!(found.models[0].triangles, [[1, 3, 2], [2, 3, 0], [0, 3, 1]]);
+        let json = JSON.replace(r#""scene":0,"scenes":[{"nodes":[0]}],"#, "");
+        let found = read(&glb(&json, &bin())).expect("no scene");
+        near(volume_and_top(&found), (8.0 / 6.0, 12.0));
+        assert_eq!(
+            found.warnings,
+            ["scenes: none; every node that is below no other is read"]
+        );
+        // Twice the places, added half.
+        let json = JSON.replace(r#""mode":4"#, r#""mode":4,"targets":[{"POSITION":0}]"#);
+        let json = json.replace(r#""primitives""#, r#""weights":[0.5],"primitives""#);
+        let found = read(&glb(&json, &bin())).expect("a target");
+        near(volume_and_top(&found), (8.0 / 6.0 * 1.5_f64.powi(3), 13.0));
+        // Control: a weight of 0 adds nothing.
+        let found = read(&glb(&json.replace("[0.5]", "[0]"), &bin())).expect("a target");
+        near(volume_and_top(&found), (8.0 / 6.0, 12.0));
+    }
+
+    #[test]
+    fn whole_numbers_are_places_where_the_extension_says_so() {
+        let mut bytes = Vec::new();
+        for place in [
+            [0_u16, 0, 0],
+            [65_535, 0, 0],
+            [0, 65_535, 0],
+            [0, 0, 65_535],
+        ] {
+            let place = place.iter().chain(&[0]);
+            bytes.extend(place.flat_map(|value| value.to_le_bytes()));
+        }
+        bytes.extend(&bin()[48..]);
+        let json = JSON
+            .replace(
+                r#""asset""#,
+                r#""extensionsRequired":["KHR_mesh_quantization"],"asset""#,
+            )
+            .replace(r#"5126,"count":4"#, r#"5123,"normalized":true,"count":4"#)
+            .replace(r#""byteLength":48}"#, r#""byteLength":32,"byteStride":8}"#)
+            .replace(r#""byteOffset":48"#, r#""byteOffset":32"#)
+            .replace(r#"[{"byteLength":72}]"#, r#"[{"byteLength":56}]"#);
+        let found = read(&glb(&json, &bytes)).expect("quantized");
+        near(volume_and_top(&found), (1.0 / 6.0, 11.0));
+        let signed = json.replace("5123,\"normalized\":true", "5122");
+        let found = read(&glb(&signed, &bytes)).expect("quantized");
+        near(volume_and_top(&found), (-1.0 / 6.0, 10.0));
+        // Control: without the extension core glTF 2.0 has no such places.
+        let core = json.replace(r#""extensionsRequired":["KHR_mesh_quantization"],"#, "");
+        assert_eq!(
+            text_of(read(&glb(&core, &bytes))),
+            "accessors[0]: found Vec3 of U16, allowed: Vec3 of F32"
+        );
+    }
+
+    #[test]
+    fn extensions_are_refused_said_or_passed_by_what_they_touch() {
+        let with = |key: &str, name: &str| {
+            let json = JSON.replace(r#""asset""#, &format!(r#""{key}":["{name}"],"asset""#));
+            read(&glb(&json, &bin()))
+        };
+        for name in [
+            "KHR_materials_variants",
+            "KHR_texture_basisu",
+            "EXT_texture_webp",
+        ] {
+            let found = with("extensionsRequired", name).expect(name);
+            assert_eq!(
+                found.warnings,
+                [format!(
+                    "extensionsRequired[0]: {name} says nothing of where triangles are, and is not read"
+                )]
+            );
+            assert!(
+                with("extensionsUsed", name)
+                    .expect(name)
+                    .warnings
+                    .is_empty()
+            );
+        }
+        for (key, name) in [
+            ("extensionsRequired", "EXT_meshopt_compression"),
+            ("extensionsRequired", "VENDOR_anything"),
+            ("extensionsUsed", "EXT_mesh_gpu_instancing"),
+        ] {
+            let text = text_of(with(key, name));
+            assert!(
+                text.starts_with(&format!("{key}[0]: found {name}, allowed: ")),
+                "{text}"
+            );
+        }
+        let found = with("extensionsUsed", "VENDOR_anything").expect("read");
+        assert_eq!(
+            found.warnings,
+            ["extensionsUsed[0]: VENDOR_anything is not known, and what it says is not read"]
+        );
+    }
+
+    #[test]
+    fn buffers_elsewhere_and_nodes_met_twice_are_refused() {
+        let json = JSON.replace(
+            r#"{"byteLength":72}"#,
+            r#"{"byteLength":72,"uri":"hull.bin"}"#,
+        );
+        let text = text_of(read(&glb(&json, &bin())));
+        assert!(
+            text.starts_with("buffers[0].uri: found \"hull.bin\", allowed: the file's own bytes"),
+            "{text}"
+        );
+        // Thirty levels of two equal children would be a thousand million nodes.
+        let twice = JSON.replace(r#""children":[1]"#, r#""children":[1,1]"#);
+        let text = text_of(read(&glb(&twice, &bin())));
+        assert_eq!(
+            text,
+            "nodes[1]: found a node below itself or below two, allowed: a tree"
+        );
     }
 }

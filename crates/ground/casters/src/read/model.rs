@@ -28,3 +28,22 @@ pub(super) struct Model {
     pub(super) places: Vec<[f64; 3]>,
     pub(super) triangles: Vec<[u32; 3]>,
 }
+
+/// Everything in a file.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Contents {
+    pub(super) models: Vec<Model>,
+    /// What was read otherwise than the file says, or not at all.
+    pub(super) warnings: Vec<String>,
+}
+
+impl Contents {
+    /// Says how many faces of a model were left out since they have no area.
+    pub(super) fn warn_degenerate(&mut self, model: &str, faces: usize) {
+        if faces > 0 {
+            self.warnings.push(format!(
+                "object {model:?}: {faces} faces that name a vertex twice have no area, and are left out"
+            ));
+        }
+    }
+}

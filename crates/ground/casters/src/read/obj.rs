@@ -2,17 +2,57 @@
 //! OBJ by `tobj`, in `f64`: surveyed places of 10⁶ m keep their millimetres.
 //!
 //! What casts no shadow is blanked before, lines and points among it: `tobj` takes a line of three places
-//! for a triangle. Objects (`o`) are models. Groups (`g`) are not: programs put the sides of one solid into
-//! several. Its errors name no line, so the lines that it takes are counted.
+//! for a triangle. Lines that a `\\` continues are joined, comments and a byte order mark cut off. Objects (`o`) are
+//! models. Groups (`g`) are not: programs put the sides of one solid into several. Its errors name no line, so the
+//! lines that it takes are counted.
 
-use super::model::{Model, Wrong, wrong};
-use crate::mesh::fan_normal;
+use super::model::{Contents, Model, Wrong, wrong};
+use super::polygon::triangles;
 use glam::DVec3;
+use std::collections::BTreeMap;
 use std::io::{BufRead, Read};
 use tobj::{LoadError, LoadOptions};
 
-/// A corner of a polygon may turn back by this share of its edges' lengths, as rounding makes it.
-const TURN_SHARE: f64 = 1e-9;
+/// Keywords that are read.
+const READ: [&str; 3] = ["v", "f", "o"];
+/// Keywords that make no solid: normals, textures, materials, groups, names of files, lines and points, and what
+/// belongs to free-form curves and surfaces, whose own keywords are said.
+const HARMLESS: [&str; 34] = [
+    "vn",
+    "vt",
+    "vp",
+    "g",
+    "s",
+    "l",
+    "p",
+    "mg",
+    "usemtl",
+    "mtllib",
+    "usemap",
+    "maplib",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "lod",
+    "trace_obj",
+    "cstype",
+    "deg",
+    "bmat",
+    "step",
+    "parm",
+    "trim",
+    "hole",
+    "scrv",
+    "sp",
+    "end",
+    "con",
+    "ctech",
+    "stech",
+    "curv",
+    "curv2",
+    "cdp",
+    "res",
+];
 
 /// Text whose lines are counted as they are taken.
 struct Counted<'a> {
@@ -44,15 +84,21 @@ fn newlines(bytes: &[u8]) -> usize {
     bytes.iter().filter(|byte| **byte == b'\n').count()
 }
 
-pub(super) fn read(bytes: &[u8]) -> Result<Vec<Model>, Wrong> {
+pub(super) fn read(bytes: &[u8]) -> Result<Contents, Wrong> {
+    if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
+        return Err(wrong("first bytes", "UTF-16", "UTF-8 or ASCII"));
+    }
     let text = String::from_utf8_lossy(bytes);
-    let casts = |line: &&str| {
-        let keyword = line.split_whitespace().next();
-        matches!(keyword, Some("v" | "f" | "o"))
-    };
-    let kept = text
-        .lines()
-        .map(|line| Some(line).filter(casts).unwrap_or_default());
+    let text = text.strip_prefix('\u{FEFF}').unwrap_or(&text);
+    let lines = joined(text);
+    let mut contents = Contents::default();
+    contents.warnings.extend(not_read(&lines));
+    let kept = lines
+        .iter()
+        .map(|line| match READ.contains(&keyword(line)) {
+            true => line.as_str(),
+            false => "",
+        });
     let kept: Vec<&str> = kept.collect();
     let kept = kept.join("\n") + "\n";
     let mut counted = Counted {
@@ -66,13 +112,68 @@ pub(super) fn read(bytes: &[u8]) -> Result<Vec<Model>, Wrong> {
     };
     let no_materials = |_: &std::path::Path| Err(LoadError::GenericFailure);
     let loaded = tobj::load_obj_buf(&mut counted, &options, no_materials);
-    let lines = counted.lines;
-    let (models, _) = loaded.map_err(|error| at_line(&text, lines, error))?;
-    models.iter().map(model).collect()
+    let taken = counted.lines;
+    let (loaded, _) = loaded.map_err(|error| at_line(&lines, taken, error))?;
+    for model in &loaded {
+        let (model, degenerate) = solid(model)?;
+        contents.warn_degenerate(&model.name, degenerate);
+        contents.models.push(model);
+    }
+    Ok(contents)
+}
+
+fn keyword(line: &str) -> &str {
+    line.split_whitespace().next().unwrap_or_default()
+}
+
+/// Lines without comments, as many as the text has: one that is continued stands where it begins, and its rest is empty.
+fn joined(text: &str) -> Vec<String> {
+    // Old files of the Macintosh end lines by a carriage return alone.
+    let end = if text.contains('\n') { '\n' } else { '\r' };
+    let mut lines: Vec<String> = Vec::new();
+    let mut begun: Option<usize> = None;
+    for line in text.trim_end_matches(end).split(end) {
+        // The name of an object may hold the sign.
+        let line = match keyword(line) {
+            "o" => line,
+            _ => line.split('#').next().unwrap_or_default(),
+        };
+        let line = line.trim_end();
+        let (line, is_continued) = match line.strip_suffix('\\') {
+            Some(begin) => (begin, true),
+            None => (line, false),
+        };
+        let own = lines.len();
+        lines.push(String::new());
+        let at = begun.unwrap_or(own);
+        if at < own {
+            lines[at].push(' ');
+        }
+        lines[at].push_str(line);
+        begun = is_continued.then_some(at);
+    }
+    lines
+}
+
+/// Says which keywords were passed over that may make a solid.
+fn not_read(lines: &[String]) -> Option<String> {
+    let mut found: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
+    for (number, line) in lines.iter().enumerate() {
+        let keyword = keyword(line);
+        if !keyword.is_empty() && !READ.contains(&keyword) && !HARMLESS.contains(&keyword) {
+            found.entry(keyword).or_insert((number + 1, 0)).1 += 1;
+        }
+    }
+    let one = |(keyword, (first, count)): (&&str, &(usize, usize))| {
+        let keyword: String = keyword.chars().take(20).collect();
+        format!("{keyword:?} ({count}, first in line {first})")
+    };
+    let all: Vec<String> = found.iter().take(10).map(one).collect();
+    (!all.is_empty()).then(|| format!("lines that are not read: {}", all.join(", ")))
 }
 
 /// What is wrong, at the last line taken or, of an index, where that stands.
-fn at_line(text: &str, taken: usize, error: LoadError) -> Wrong {
+fn at_line(lines: &[String], taken: usize, error: LoadError) -> Wrong {
     let (number, allowed) = match error {
         LoadError::PositionParseError => (taken, "v x y z".to_owned()),
         LoadError::ColorParseError => (taken, "v x y z, or v x y z r g b".to_owned()),
@@ -81,29 +182,21 @@ fn at_line(text: &str, taken: usize, error: LoadError) -> Wrong {
             taken,
             "f and whole numbers, as v, v/vt or v/vt/vn".to_owned(),
         ),
-        LoadError::FaceVertexOutOfBounds => missing_vertex(text)
+        LoadError::FaceVertexOutOfBounds => missing_vertex(lines)
             .unwrap_or((taken, "faces behind the vertices that they name".to_owned())),
         other => (taken, format!("a line that tobj takes: {other}")),
     };
-    let found = text
-        .lines()
-        .nth(number.saturating_sub(1))
-        .unwrap_or_default();
+    let found = lines.get(number.saturating_sub(1));
+    let found = found.map(String::as_str).unwrap_or_default();
     wrong(format!("line {number}"), format!("{found:?}"), allowed)
 }
 
 /// The first face that names a vertex which there is not: its line and what it may name.
-fn missing_vertex(text: &str) -> Option<(usize, String)> {
-    let keyword = |line: &str| {
-        line.split_whitespace()
-            .next()
-            .unwrap_or_default()
-            .to_owned()
-    };
-    let all = text.lines().filter(|line| keyword(line) == "v").count();
+fn missing_vertex(lines: &[String]) -> Option<(usize, String)> {
+    let all = lines.iter().filter(|line| keyword(line) == "v").count();
     let mut before = 0;
-    for (number, line) in text.lines().enumerate() {
-        match keyword(line).as_str() {
+    for (number, line) in lines.iter().enumerate() {
+        match keyword(line) {
             "v" => before += 1,
             "f" => {
                 let vertices = line.split_whitespace().skip(1);
@@ -123,7 +216,8 @@ fn missing_vertex(text: &str) -> Option<(usize, String)> {
     None
 }
 
-fn model(loaded: &tobj::Model) -> Result<Model, Wrong> {
+/// Faces as triangles, and how many had no area.
+fn solid(loaded: &tobj::Model) -> Result<(Model, usize), Wrong> {
     let mesh = &loaded.mesh;
     let places = mesh.positions.chunks_exact(3);
     let places = places.map(|place| [place[0], place[1], place[2]]);
@@ -133,44 +227,41 @@ fn model(loaded: &tobj::Model) -> Result<Model, Wrong> {
         triangles: Vec::new(),
     };
     // Of triangles alone there are no arities.
-    let triangles = vec![3; mesh.indices.len() / 3];
+    let all_three = vec![3; mesh.indices.len() / 3];
     let arities = match mesh.face_arities.is_empty() {
-        true => &triangles,
+        true => &all_three,
         false => &mesh.face_arities,
     };
-    let mut first = 0;
+    let (mut first, mut degenerate) = (0, 0);
     for (face, arity) in arities.iter().enumerate() {
         let past = first + *arity as usize;
         let ring = mesh.indices.get(first..past).unwrap_or_default();
+        first = past;
         let element = || format!("object {:?}, face {face}", model.name);
+        if ring.len() < 3 {
+            return Err(wrong(element(), format!("{arity} corners"), "3 and more"));
+        }
+        let mut ring = ring.to_vec();
+        ring.dedup();
+        while ring.len() > 1 && ring.first() == ring.last() {
+            ring.pop();
+        }
+        if ring.len() < 3 {
+            degenerate += 1;
+            continue;
+        }
         let places = ring
             .iter()
             .map(|at| DVec3::from(model.places[*at as usize]));
         let places: Vec<DVec3> = places.collect();
-        if ring.len() < 3 {
-            return Err(wrong(element(), format!("{arity} corners"), "3 and more"));
-        }
-        if let Some(corner) = dent(&places) {
-            let found = format!("a corner at {} that is dented", places[corner]);
-            let allowed = "triangles and convex polygons; most programs triangulate on export";
-            return Err(wrong(element(), found, allowed));
-        }
-        let fan = (1..ring.len() - 1).map(|at| [ring[0], ring[at], ring[at + 1]]);
-        model.triangles.extend(fan);
-        first = past;
+        let own = triangles(&places).map_err(|found| {
+            let allowed = "a polygon whose edges do not cross; most programs triangulate on export";
+            wrong(element(), found, allowed)
+        })?;
+        let own = own.iter().map(|corners| corners.map(|at| ring[at]));
+        model.triangles.extend(own);
     }
-    Ok(model)
-}
-
-/// A corner at which a polygon turns the other way; a fan over it would lie beside the polygon.
-fn dent(ring: &[DVec3]) -> Option<usize> {
-    let up = fan_normal(ring).normalize_or_zero();
-    let count = ring.len();
-    (0..count).find(|at| {
-        let (before, after) = (ring[(at + count - 1) % count], ring[(at + 1) % count]);
-        let (way, on) = (ring[*at] - before, after - ring[*at]);
-        way.cross(on).dot(up) < -TURN_SHARE * way.length() * on.length()
-    })
+    Ok((model, degenerate))
 }
 
 #[cfg(test)]
@@ -192,8 +283,9 @@ mod tests {
 
     #[test]
     fn polygons_groups_normals_colours_and_relative_indices_are_read() {
-        let models = read(PYRAMID.as_bytes()).expect("a pyramid");
+        let Contents { models, warnings } = read(PYRAMID.as_bytes()).expect("a pyramid");
         assert_eq!(models.len(), 1, "groups are no models");
+        assert!(warnings.is_empty(), "{warnings:?}");
         let pyramid = &models[0];
         assert_eq!((pyramid.name.as_str(), pyramid.places.len()), ("roof", 5));
         assert_eq!(pyramid.triangles.len(), 6, "the polyline is no triangle");
@@ -204,7 +296,7 @@ mod tests {
     #[test]
     fn places_keep_all_their_digits() {
         let text = PYRAMID.replace("v 0 0 1", "v 4096512.0078125 0.1 1e-300");
-        let models = read(text.as_bytes()).expect("a pyramid");
+        let models = read(text.as_bytes()).expect("a pyramid").models;
         let far: [f64; 3] = [4_096_512.007_812_5, 0.1, 1e-300];
         assert!(models[0].places.contains(&far));
     }
@@ -249,9 +341,9 @@ mod tests {
             ),
             (
                 "v 1 1 0 ",
-                "v -0.9 -0.9 0 ",
-                "object \"roof\", face 0: found a corner at [-0.9, -0.9, 0] that is dented, allowed: triangles and \
-                 convex polygons; most programs triangulate on export",
+                "v -2 0 0 ",
+                "object \"roof\", face 0: found edges that cross or lie upon each other, allowed: a polygon whose edges \
+                 do not cross; most programs triangulate on export",
             ),
             (
                 "f 3 4 5",
@@ -263,5 +355,31 @@ mod tests {
             let broken = read(PYRAMID.replace(from, to).as_bytes());
             assert_eq!(text_of(broken.expect_err(to)), message);
         }
+    }
+
+    #[test]
+    fn lines_are_continued_comments_cut_and_keywords_that_are_not_read_said() {
+        let text = PYRAMID.replace("v 1 1 0 ", "v 1 \\\n 1 0 ").replace(
+            "f 1 2 5\n",
+            "f 1 2 5 # south\ncall other.obj\nsurf 0 1\nsurf 0 2\n",
+        );
+        let found = read(text.as_bytes()).expect("a pyramid");
+        assert_eq!(
+            found.models,
+            read(PYRAMID.as_bytes()).expect("a pyramid").models
+        );
+        let words = "lines that are not read: \"call\" (1, first in line 14), \"surf\" (2, first in line 15)";
+        assert_eq!(found.warnings, [words]);
+        // Lines keep their numbers behind one that is continued.
+        let broken = text.replace("f 3 4 5", "f 3 4 6");
+        let text = text_of(read(broken.as_bytes()).expect_err("no such vertex"));
+        assert!(text.starts_with("line 20: found \"f 3 4 6\""), "{text}");
+        for ends in ["\r\n", "\r"] {
+            let found = read(PYRAMID.replace('\n', ends).as_bytes()).expect("a pyramid");
+            assert_eq!(found.models.len(), 1, "{ends:?}");
+            assert_eq!(found.models[0].triangles.len(), 6, "{ends:?}");
+        }
+        let text = text_of(read(&[0xFF, 0xFE, b'v', 0]).expect_err("UTF-16"));
+        assert_eq!(text, "first bytes: found UTF-16, allowed: UTF-8 or ASCII");
     }
 }

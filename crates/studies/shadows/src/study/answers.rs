@@ -190,9 +190,11 @@ impl Answering<'_> {
                 let own = self.question.brought.as_deref();
                 let own = own.ok_or_else(|| "no model".to_owned())?;
                 let mesh = &own.prepared.mesh;
+                let found = format!("policy {}: {}", own.policy.name(), own.verdict);
+                let warnings = own.warnings.iter().map(|text| format!("; warning: {text}"));
                 Ok(Verdict {
                     status: Status::Ok,
-                    reason: format!("policy {}: {}", own.policy.name(), own.verdict),
+                    reason: found + &warnings.collect::<String>(),
                     figures: vec![
                         ("shadow_mesh_triangles", mesh.triangles.len() as f64),
                         ("shadow_mesh_models", mesh.casters.len() as f64),
