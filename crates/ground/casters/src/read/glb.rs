@@ -432,7 +432,7 @@ mod tests {
             (
                 r#""count":4"#,
                 r#""count":18446744073709551615"#,
-                "18446744073709551615 in all nodes together",
+                "attributes: found 18446744073709551615, allowed: 33554432 in all nodes together",
             ),
             (r#""count":4"#, r#""count":0"#, "accessors[0]"),
             (

@@ -342,8 +342,8 @@ mod tests {
             (
                 "v 1 1 0 ",
                 "v -2 0 0 ",
-                "object \"roof\", face 0: found edges that cross or lie upon each other, allowed: a polygon whose edges \
-                 do not cross; most programs triangulate on export",
+                "object \"roof\", face 0: found edges that cross, so that areas of both sides are equal, allowed: a \
+                 polygon whose edges do not cross; most programs triangulate on export",
             ),
             (
                 "f 3 4 5",

@@ -109,7 +109,10 @@ fn every_tag_is_read_or_harmless_or_refused_by_name() {
             }
             Treatment::Refused(_) => {
                 let error = with(7).expect_err(name);
-                assert!(error.contains(&format!("tag {tag} ({name})")), "{error}");
+                // `tiff` refuses one number of the second by the name of a later standard.
+                let is_named = error.contains(&format!("tag {tag} ({name})"))
+                    || (tag == 530 && error.contains("ChromaSubsampling"));
+                assert!(is_named, "{error}");
                 met[3] += 1;
             }
         }
