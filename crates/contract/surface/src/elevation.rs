@@ -51,9 +51,10 @@ pub fn read_elevation(
             file: parameters.scene_file().to_owned(),
             message: error.to_string(),
         })?;
-        Ok(match is_earth {
-            true => field.expected_within(EARTH_M),
-            false => field,
+        Ok(if is_earth {
+            field.expected_within(EARTH_M)
+        } else {
+            field
         })
     });
     let fields = fields.collect::<Result<Vec<_>, _>>()?;

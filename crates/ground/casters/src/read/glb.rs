@@ -17,6 +17,14 @@ use gltf::mesh::Mode;
 use gltf::scene::Transform;
 use gltf::{Document, Gltf, Node, Semantic};
 
+/// What numbers of places may be by `KHR_mesh_quantization`.
+const QUANTIZED: [DataType; 5] = [
+    DataType::F32,
+    DataType::I8,
+    DataType::U8,
+    DataType::I16,
+    DataType::U16,
+];
 /// Bytes of the file's header: magic, version, length.
 const HEADER_BYTES: usize = 12;
 /// Vertices, and corners of triangles, of all models together: nodes may repeat a mesh, so that a small file has many.
@@ -225,15 +233,10 @@ impl Walk<'_> {
                 allowed,
             ));
         }
-        let kinds: &[DataType] = match self.is_quantized {
-            true => &[
-                DataType::F32,
-                DataType::I8,
-                DataType::U8,
-                DataType::I16,
-                DataType::U16,
-            ],
-            false => &[DataType::F32],
+        let kinds: &[DataType] = if self.is_quantized {
+            &QUANTIZED
+        } else {
+            &[DataType::F32]
         };
         let first = model.places.len();
         let places = self
@@ -283,10 +286,7 @@ impl Walk<'_> {
         let moved = |corners: &[u32; 3]| corners.map(|corner| corner.saturating_add(first));
         model.triangles.extend(solid.iter().map(moved));
         // A strip has them where it turns.
-        Ok(match is_list {
-            true => all.len() - solid.len(),
-            false => 0,
-        })
+        Ok(if is_list { all.len() - solid.len() } else { 0 })
     }
 }
 

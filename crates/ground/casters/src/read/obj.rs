@@ -93,12 +93,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, Wrong> {
     let lines = joined(text);
     let mut contents = Contents::default();
     contents.warnings.extend(not_read(&lines));
-    let kept = lines
-        .iter()
-        .map(|line| match READ.contains(&keyword(line)) {
-            true => line.as_str(),
-            false => "",
-        });
+    let is_read = |line: &&str| READ.contains(&keyword(line));
+    let kept = lines.iter().map(String::as_str);
+    let kept = kept.map(|line| Some(line).filter(is_read).unwrap_or_default());
     let kept: Vec<&str> = kept.collect();
     let kept = kept.join("\n") + "\n";
     let mut counted = Counted {

@@ -22,7 +22,7 @@ const AREA_SHARE: f64 = 1e-6;
 /// - `ring`: 3 places or more, none equal to the next
 /// - returns: why there are none
 pub(super) fn triangles(ring: &[DVec3]) -> Result<Vec<[usize; 3]>, String> {
-    if has_no_area(ring) {
+    if ring.len() > 3 && has_no_area(ring) {
         return Err("edges that cross, so that areas of both sides are equal".to_owned());
     }
     let Some(corner) = dent(ring) else {

@@ -140,9 +140,10 @@ fn interpreted(bytes: &[u8], image: IfdPointer, interpretation: u16) -> Vec<u8> 
     let number = |at: usize, length: usize| -> Option<usize> {
         let digits = bytes.get(at..at.checked_add(length)?)?.iter();
         let join = |number: usize, byte: &u8| number << 8 | usize::from(*byte);
-        Some(match is_little {
-            true => digits.rev().fold(0, join),
-            false => digits.fold(0, join),
+        Some(if is_little {
+            digits.rev().fold(0, join)
+        } else {
+            digits.fold(0, join)
         })
     };
     // BigTIFF counts entries in eight bytes, and has twenty for each with its value from the twelfth on.
@@ -157,9 +158,10 @@ fn interpreted(bytes: &[u8], image: IfdPointer, interpretation: u16) -> Vec<u8> 
         let entry = entries.find(|entry| number(*entry, 2) == Some(PHOTOMETRIC.into()))?;
         Some(entry + value_at)
     };
-    let value = match is_little {
-        true => interpretation.to_le_bytes(),
-        false => interpretation.to_be_bytes(),
+    let value = if is_little {
+        interpretation.to_le_bytes()
+    } else {
+        interpretation.to_be_bytes()
     };
     if let Some(place) = at().and_then(|at| copy.get_mut(at..at + 2)) {
         place.copy_from_slice(&value);

@@ -87,16 +87,13 @@ fn address(path: &str) -> Option<[u32; 3]> {
     let stem = stem.strip_suffix("@2x").unwrap_or(stem);
     let mut folders = stem.rsplit(['/', '\\']);
     let last = folders.next()?;
-    let parts: Vec<&str> = match last.bytes().all(|byte| byte.is_ascii_digit()) {
-        true => {
-            let (x, z) = (folders.next()?, folders.next()?);
-            vec![z, x, last]
-        }
-        false => {
-            let from = last.rfind(|c: char| !(c.is_ascii_digit() || c == '-'));
-            let numbers = from.map_or(last, |at| last.get(at + 1..).unwrap_or(""));
-            numbers.split('-').collect()
-        }
+    let parts: Vec<&str> = if last.bytes().all(|byte| byte.is_ascii_digit()) {
+        let (x, z) = (folders.next()?, folders.next()?);
+        vec![z, x, last]
+    } else {
+        let from = last.rfind(|c: char| !(c.is_ascii_digit() || c == '-'));
+        let numbers = from.map_or(last, |at| last.get(at + 1..).unwrap_or(""));
+        numbers.split('-').collect()
     };
     let parts: Option<Vec<u32>> = parts.iter().map(|part| part.parse().ok()).collect();
     parts?.try_into().ok()

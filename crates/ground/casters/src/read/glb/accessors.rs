@@ -165,8 +165,9 @@ fn number(bytes: &[u8], kind: DataType, is_share: bool) -> f64 {
         DataType::U16 => (whole(bytes).into(), 65_535.0),
         DataType::U32 => return whole(bytes).into(),
     };
-    match is_share {
-        true => (value / most).max(-1.0),
-        false => value,
+    if is_share {
+        (value / most).max(-1.0)
+    } else {
+        value
     }
 }

@@ -80,7 +80,7 @@ pub(super) fn pose(
     }
     for (vertex, place) in places.iter_mut().enumerate() {
         let sum: f64 = sums[vertex];
-        if !(sum > 0.0) {
+        if sum.is_nan() || sum <= 0.0 {
             let element = format!("vertex {vertex} of a skinned mesh");
             return Err(wrong(element, format!("weights of {sum}"), "above 0"));
         }

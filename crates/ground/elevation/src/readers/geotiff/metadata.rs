@@ -81,7 +81,7 @@ impl Metadata {
                     };
                     let Some((_, unit_m)) = found else {
                         let all = UNITS.iter().flat_map(|(names, _)| *names);
-                        let all: Vec<&str> = all.copied().filter(|name| *name != "").collect();
+                        let all: Vec<&str> = all.copied().filter(|name| !name.is_empty()).collect();
                         return Err(named(all.join(", ")));
                     };
                     match vertical_m {
@@ -110,9 +110,10 @@ impl Metadata {
         let is_void = self
             .no_data
             .is_some_and(|void| void.to_bits() == value.to_bits() || void as f32 == value as f32);
-        match is_void {
-            true => f32::NAN,
-            false => ((value * self.scale + self.offset) * self.unit_m) as f32,
+        if is_void {
+            f32::NAN
+        } else {
+            ((value * self.scale + self.offset) * self.unit_m) as f32
         }
     }
 }

@@ -190,13 +190,13 @@ impl Keys {
                 Ok(_) => {}
             }
         }
-        Ok(match unknown.is_empty() {
-            true => Vec::new(),
-            false => vec![format!(
+        let warning = (!unknown.is_empty()).then(|| {
+            format!(
                 "keys of the GeoKeyDirectory that are not known and not read: {}",
                 unknown.join(", ")
-            )],
-        })
+            )
+        });
+        Ok(warning.into_iter().collect())
     }
 }
 
@@ -322,11 +322,13 @@ impl Place {
             Registration::Area => 0.5,
             Registration::Point => 0.0,
         };
-        let first_y = match self.is_south_up {
-            true => self.at[1] + (f64::from(rows) - 1.0 + half - self.tie[1]) * self.scale[1],
-            false => self.at[1] - (half - self.tie[1]) * self.scale[1],
+        let last_row = f64::from(rows) - 1.0;
+        let first_y = if self.is_south_up {
+            self.at[1] + (last_row + half - self.tie[1]) * self.scale[1]
+        } else {
+            self.at[1] - (half - self.tie[1]) * self.scale[1]
         };
-        let last_y = first_y - (f64::from(rows) - 1.0) * self.scale[1];
+        let last_y = first_y - last_row * self.scale[1];
         // Rows of samples on both poles, as ETOPO has them: the half cells beyond are nowhere.
         let beyond = half * self.scale[1];
         let is_past = first_y + beyond > 90.0 + 1e-6 || last_y - beyond < -90.0 - 1e-6;

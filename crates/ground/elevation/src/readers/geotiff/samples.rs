@@ -176,12 +176,12 @@ pub(super) fn apply_mask(
         let (width, height) = decoder.chunk_data_dimensions(chunk);
         let (width, height) = (width as usize, height as usize);
         // GDAL leaves a block out where all of it is 0.
-        let bytes = match blocks.is_missing[block] {
-            true => Vec::new(),
-            false => match decoder.read_chunk(chunk).map_err(broken)? {
-                DecodingResult::U8(bytes) => bytes,
-                _ => return Err(complaints.value("mask", "another type", "1 or 8 bits unsigned")),
-            },
+        let bytes = if blocks.is_missing[block] {
+            Vec::new()
+        } else if let DecodingResult::U8(bytes) = decoder.read_chunk(chunk).map_err(broken)? {
+            bytes
+        } else {
+            return Err(complaints.value("mask", "another type", "1 or 8 bits unsigned"));
         };
         let a_row = if bits == 1 { width.div_ceil(8) } else { width };
         for (row, column) in (0..height).flat_map(|row| (0..width).map(move |column| (row, column)))
