@@ -13,17 +13,7 @@ use super::table::{
 use crate::keys::*;
 use terrafill_contract::{Feature, Need};
 use terrafill_plot::number::{bytes, count, significant};
-use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Row, Table};
-
-const SUMS: [Column; 7] = [
-    ("view", Own("")),
-    ("fill", Own("")),
-    ("bytes held", Count(HELD_BYTES)),
-    ("bytes spared", Count(SPARED_BYTES)),
-    ("pipelines", Count(HELD_PIPELINES)),
-    ("features built in", Own("")),
-    ("left out", Own("")),
-];
+use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Table};
 
 const STEPS: [Column; 7] = [
     ("step", Own("")),
@@ -54,11 +44,6 @@ impl<'a> Told<'a> {
         let needs = needs.filter_map(|&(feature, note)| Need::read(feature, case.note(note)));
         let needs: Vec<Need> = needs.collect();
         (!needs.is_empty()).then_some(Self { case, needs })
-    }
-
-    fn features(&self, is_held: bool) -> u64 {
-        let needs = self.needs.iter();
-        needs.filter(|need| need.is_held == is_held).count() as u64
     }
 
     /// Names of features that are built in here and not there.
@@ -123,7 +108,6 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         for (technique, own) in grouped(needed, |told| told.case.condition(TECHNIQUE)) {
             blocks.push(Block::Table(features(technique, &own)));
         }
-        blocks.push(Block::Table(sums(data, &own)));
         for ladder in ladders.iter().filter(|ladder| ladder.scene == scene) {
             blocks.extend(ladder_blocks(data, ladder)?);
         }
@@ -173,13 +157,21 @@ fn features(technique: &str, needed: &[&Told<'_>]) -> Table {
     let rows = Feature::ALL.into_iter().flat_map(of_feature);
     let rows = rows.map(|(_, same)| {
         let views: Vec<&str> = same.iter().map(|(_, view)| *view).collect();
-        let is_all = views.len() == needed.len();
-        let views = if is_all {
-            "all".to_owned()
-        } else {
-            views.join(", ")
-        };
-        feature(same[0].0, &views)
+        let need = same[0].0;
+        let some =
+            |number: u64, why: &str| Cell::or_absent((number > 0).then(|| count(number)), why);
+        let cells = [
+            Cell::name(match views.len() == needed.len() {
+                true => "all".to_owned(),
+                false => views.join(", "),
+            }),
+            Cell::name(if need.is_held { "yes" } else { "left out" }),
+            some(need.bytes, "it has no buffer and no texture of its own"),
+            some(need.pipelines, "no pipeline was made for it"),
+            some(need.spared_bytes, "it is built in, or would take no bytes"),
+            Cell::name(&need.reason),
+        ];
+        row(Cell::name(shown(need.feature)), cells)
     });
     let variants = distinct(needed.iter().map(|told| told.case.condition(VARIANT)));
     let headings = [
@@ -201,45 +193,6 @@ fn features(technique: &str, needed: &[&Told<'_>]) -> Table {
         ),
         ..figures(&headings, rows.collect())
     }
-}
-
-fn feature(need: &Need, views: &str) -> Row {
-    let some = |number: u64, why: &str| Cell::or_absent((number > 0).then(|| count(number)), why);
-    let cells = [
-        Cell::name(views),
-        Cell::name(if need.is_held { "yes" } else { "left out" }),
-        some(need.bytes, "it has no buffer and no texture of its own"),
-        some(need.pipelines, "no pipeline was made for it"),
-        some(need.spared_bytes, "it is built in, or would take no bytes"),
-        Cell::name(&need.reason),
-    ];
-    row(Cell::name(shown(need.feature)), cells)
-}
-
-/// Sums of all fills that say what they hold; rungs before the last one have their own table.
-fn sums(data: &Data<'_>, told: &[&Told<'_>]) -> Table {
-    let listed = |told: &&&Told<'_>| rung(told.case).is_none() || is_needed(data, told.case);
-    let told = told.iter().filter(listed);
-    let rows = told.clone().map(|told| {
-        let detail = match is_needed(data, told.case) {
-            true => "only what is needed",
-            false => "",
-        };
-        let features = [true, false].map(|is_held| Cell::plain(count(told.features(is_held))));
-        let fill = Cell {
-            detail: detail.to_owned(),
-            ..Cell::name(name(told.case))
-        };
-        let names = [Cell::name(told.case.condition(VIEW)), fill];
-        (told.case, names.into_iter().chain(features).collect())
-    });
-    let mut table = table(data, &SUMS, rows);
-    table.caption = "What fills of each view hold in all.".to_owned();
-    let rows = table.rows.into_iter().zip(told);
-    table.rows = rows
-        .map(|(row, told)| row.bad_if(disagreement(told).is_some()))
-        .collect();
-    table
 }
 
 /// The way from everything to what is needed.
@@ -312,199 +265,4 @@ fn sentence(data: &Data<'_>, rungs: &[Rung<'_>]) -> Option<String> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::chapter::FillingChapter;
-    use terrafill_results::made_up::{MadeUpCase, MadeUpRun, case_id};
-    use terrafill_results::{CellClass, Chapter as _, RunEnvironment};
-
-    const PROCESSES: [f64; 4] = [1.0, 1.1, 0.9, 1.05];
-
-    fn told(feature: Feature, bytes: u64, pipelines: u64) -> Need {
-        Need {
-            feature,
-            is_held: bytes + pipelines > 0,
-            bytes,
-            spared_bytes: if bytes == 0 { 64 } else { 0 },
-            pipelines,
-            reason: format!("{} because of {bytes}", shown(feature)),
-        }
-    }
-
-    /// A case that holds `needs` and says that this was made.
-    fn add<'a>(
-        run: &'a mut MadeUpRun,
-        (view, variant): (&str, &str),
-        more: &[(&str, &str)],
-        needs: &[Need],
-        ms: f64,
-    ) -> &'a mut MadeUpCase {
-        let key = format!("s/{view}/vertex/{variant}");
-        let mut conditions = vec![
-            ("scene", "s"),
-            ("view", view),
-            ("technique", "vertex"),
-            ("variant", variant),
-            ("layout", "doubled"),
-        ];
-        conditions.extend(more);
-        let bytes: u64 = needs.iter().map(|need| need.bytes).sum();
-        let pipelines: u64 = needs.iter().map(|need| need.pipelines).sum();
-        let case = run.case(case_id("filling", &key, &conditions));
-        for (metric, value) in [
-            ("held_bytes", bytes),
-            ("made_bytes", bytes),
-            ("held_pipelines", pipelines),
-            ("made_pipelines", pipelines),
-            ("spared_bytes", 64),
-            ("mismatched_px", 0),
-            ("mismatched_px_outside_band", 0),
-            ("vertices", 10 * bytes),
-        ] {
-            case.figure(metric, value as f64);
-        }
-        for need in needs {
-            case.note(need.feature.note(), &need.line());
-        }
-        case.timed("fill_cpu_ms", &PROCESSES.map(|factor| factor * ms))
-    }
-
-    /// Two views, of which one needs bottom caps; a ladder of the other.
-    fn run() -> MadeUpRun {
-        let mut run = MadeUpRun {
-            environment: RunEnvironment {
-                device_type: "cpu".to_owned(),
-                ..RunEnvironment::default()
-            },
-            ..MadeUpRun::default()
-        };
-        let depth_pass = case_id(
-            "filling",
-            "s/far/depth-pass/full-screen",
-            &[("scene", "s"), ("view", "far"), ("technique", "depth-pass")],
-        );
-        run.case(depth_pass).timed("fill_cpu_ms", &PROCESSES);
-        let everything = [
-            told(Feature::BottomCaps, 300, 0),
-            told(Feature::CountBehind, 0, 2),
-            told(Feature::Walls, 100, 0),
-        ];
-        let needed = [
-            told(Feature::BottomCaps, 0, 0),
-            told(Feature::CountBehind, 0, 0),
-            told(Feature::Walls, 100, 0),
-        ];
-        let rung = |number, step| {
-            [
-                ("role", "needs"),
-                ("needs-rung", number),
-                ("needs-step", step),
-            ]
-        };
-        let first = rung("1", "everything");
-        add(&mut run, ("far", "doubled,a=b"), &first, &everything, 8.0);
-        let last = rung("2", "bottom-caps");
-        add(&mut run, ("far", "doubled,c=d"), &last, &needed, 2.0);
-        let near = [("role", "needs")];
-        add(&mut run, ("near", "doubled,c=d"), &near, &everything, 4.0);
-        run
-    }
-
-    fn section(run: &MadeUpRun) -> Vec<Block> {
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
-        let all = FillingChapter.blocks(&run).expect("a chapter");
-        let is_section = |block: &&Block| matches!(block, Block::Heading { level: 3, .. });
-        let mut own = all
-            .iter()
-            .skip_while(|block| **block != Block::section(TITLE));
-        let title = own.next().cloned();
-        let rest = own.take_while(|block| !is_section(block)).cloned();
-        title.into_iter().chain(rest).collect()
-    }
-
-    fn tables(blocks: &[Block]) -> Vec<&Table> {
-        let tables = blocks.iter().filter_map(|block| match block {
-            Block::Table(table) => Some(table),
-            _ => None,
-        });
-        tables.collect()
-    }
-
-    fn texts(row: &Row) -> Vec<&str> {
-        row.cells.iter().map(|cell| cell.text.as_str()).collect()
-    }
-
-    #[test]
-    fn what_views_need_is_told_feature_by_feature_and_step_by_step() {
-        let blocks = section(&run());
-        let tables = tables(&blocks);
-        let [features, sums, steps] = tables[..] else {
-            panic!("{} tables", tables.len());
-        };
-        let rows: Vec<Vec<&str>> = features.rows.iter().map(texts).collect();
-        assert_eq!(
-            rows[0],
-            [
-                "bottom caps",
-                "far",
-                "left out",
-                "–",
-                "–",
-                "64",
-                "bottom caps because of 0"
-            ]
-        );
-        assert_eq!(rows[1][..4], ["bottom caps", "near", "yes", "300"]);
-        // Views of which the same is said share a row.
-        assert_eq!(rows[2][..4], ["walls", "all", "yes", "100"]);
-        assert_eq!(rows.len(), 5);
-        assert_eq!(
-            sums.rows.len(),
-            2,
-            "rungs before the last one have their own table"
-        );
-        assert_eq!(texts(&steps.rows[1])[2..4], ["100", "0"]);
-        let last = &steps.rows[1].cells;
-        assert_eq!(last[6].text, "without bottom caps, count behind");
-        assert!(last[5].text.starts_with('4'), "{}", last[5].text);
-        let said = blocks.iter().find_map(|block| match block {
-            Block::Text(text) if text.starts_with("Leaving out") => Some(text),
-            _ => None,
-        });
-        let said = said.expect("what it is worth");
-        assert!(
-            said.contains("25.0 %") && said.contains("gain in time 4"),
-            "{said}"
-        );
-        assert!(!blocks.iter().any(|block| matches!(block, Block::Alarm(_))));
-    }
-
-    #[test]
-    fn bytes_that_no_feature_declares_are_an_alarm() {
-        let mut forged = run();
-        forged.cases[3].figure("made_bytes", 500.0);
-        let blocks = section(&forged);
-        let alarm = blocks.iter().any(|block| matches!(block, Block::Alarm(_)));
-        assert!(alarm, "400 bytes are declared");
-        let list = blocks.iter().find_map(|block| match block {
-            Block::List(lines) => Some(lines.join("\n")),
-            _ => None,
-        });
-        let list = list.expect("which one");
-        assert!(list.contains("400 bytes declared, 500 made"), "{list}");
-        let sums = tables(&blocks)[1];
-        assert!(
-            sums.rows[1]
-                .cells
-                .iter()
-                .any(|cell| cell.class == CellClass::Bad)
-        );
-        // Twins: a pipeline; and a run that says nothing has no such section.
-        let mut forged = run();
-        forged.cases[1].figure("made_pipelines", 9.0);
-        let alarm = |block: &Block| matches!(block, Block::Alarm(_));
-        assert!(section(&forged).iter().any(alarm));
-        assert!(section(&MadeUpRun::default()).is_empty());
-    }
-}
+mod tests;

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What made-up runs hold and leave out, as a reader sees it.
+
+use super::*;
+use crate::chapter::FillingChapter;
+use terrafill_results::made_up::{MadeUpCase, MadeUpRun, case_id};
+use terrafill_results::{Chapter as _, Row, RunEnvironment};
+
+const PROCESSES: [f64; 4] = [1.0, 1.1, 0.9, 1.05];
+
+fn told(feature: Feature, bytes: u64, pipelines: u64) -> Need {
+    Need {
+        feature,
+        is_held: bytes + pipelines > 0,
+        bytes,
+        spared_bytes: if bytes == 0 { 64 } else { 0 },
+        pipelines,
+        reason: format!("{} because of {bytes}", shown(feature)),
+    }
+}
+
+/// A case that holds `needs` and says that this was made.
+fn add<'a>(
+    run: &'a mut MadeUpRun,
+    (view, variant): (&str, &str),
+    more: &[(&str, &str)],
+    needs: &[Need],
+    ms: f64,
+) -> &'a mut MadeUpCase {
+    let key = format!("s/{view}/vertex/{variant}");
+    let mut conditions = vec![
+        ("scene", "s"),
+        ("view", view),
+        ("technique", "vertex"),
+        ("variant", variant),
+        ("layout", "doubled"),
+    ];
+    conditions.extend(more);
+    let bytes: u64 = needs.iter().map(|need| need.bytes).sum();
+    let pipelines: u64 = needs.iter().map(|need| need.pipelines).sum();
+    let case = run.case(case_id("filling", &key, &conditions));
+    for (metric, value) in [
+        ("held_bytes", bytes),
+        ("made_bytes", bytes),
+        ("held_pipelines", pipelines),
+        ("made_pipelines", pipelines),
+        ("spared_bytes", 64),
+        ("mismatched_px", 0),
+        ("mismatched_px_outside_band", 0),
+        ("vertices", 10 * bytes),
+    ] {
+        case.figure(metric, value as f64);
+    }
+    for need in needs {
+        case.note(need.feature.note(), &need.line());
+    }
+    case.timed("fill_cpu_ms", &PROCESSES.map(|factor| factor * ms))
+}
+
+/// Two views, of which one needs bottom caps; a ladder of the other.
+fn run() -> MadeUpRun {
+    let mut run = MadeUpRun {
+        environment: RunEnvironment {
+            device_type: "cpu".to_owned(),
+            ..RunEnvironment::default()
+        },
+        ..MadeUpRun::default()
+    };
+    let depth_pass = case_id(
+        "filling",
+        "s/far/depth-pass/full-screen",
+        &[("scene", "s"), ("view", "far"), ("technique", "depth-pass")],
+    );
+    run.case(depth_pass).timed("fill_cpu_ms", &PROCESSES);
+    let everything = [
+        told(Feature::BottomCaps, 300, 0),
+        told(Feature::CountBehind, 0, 2),
+        told(Feature::Walls, 100, 0),
+    ];
+    let needed = [
+        told(Feature::BottomCaps, 0, 0),
+        told(Feature::CountBehind, 0, 0),
+        told(Feature::Walls, 100, 0),
+    ];
+    let rung = |number, step| {
+        [
+            ("role", "needs"),
+            ("needs-rung", number),
+            ("needs-step", step),
+        ]
+    };
+    let first = rung("1", "everything");
+    add(&mut run, ("far", "doubled,a=b"), &first, &everything, 8.0);
+    let last = rung("2", "bottom-caps");
+    add(&mut run, ("far", "doubled,c=d"), &last, &needed, 2.0);
+    let near = [("role", "needs")];
+    add(&mut run, ("near", "doubled,c=d"), &near, &everything, 4.0);
+    run
+}
+
+fn section(run: &MadeUpRun) -> Vec<Block> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = run.write(folder.path()).expect("a run");
+    let all = FillingChapter.blocks(&run).expect("a chapter");
+    let is_section = |block: &&Block| matches!(block, Block::Heading { level: 3, .. });
+    let mut own = all
+        .iter()
+        .skip_while(|block| **block != Block::section(TITLE));
+    let title = own.next().cloned();
+    let rest = own.take_while(|block| !is_section(block)).cloned();
+    title.into_iter().chain(rest).collect()
+}
+
+fn tables(blocks: &[Block]) -> Vec<&Table> {
+    let tables = blocks.iter().filter_map(|block| match block {
+        Block::Table(table) => Some(table),
+        _ => None,
+    });
+    tables.collect()
+}
+
+fn texts(row: &Row) -> Vec<&str> {
+    row.cells.iter().map(|cell| cell.text.as_str()).collect()
+}
+
+#[test]
+fn what_views_need_is_told_feature_by_feature_and_step_by_step() {
+    let blocks = section(&run());
+    let tables = tables(&blocks);
+    let [features, steps] = tables[..] else {
+        panic!("{} tables", tables.len());
+    };
+    let rows: Vec<Vec<&str>> = features.rows.iter().map(texts).collect();
+    assert_eq!(
+        rows[0],
+        [
+            "bottom caps",
+            "far",
+            "left out",
+            "–",
+            "–",
+            "64",
+            "bottom caps because of 0"
+        ]
+    );
+    assert_eq!(rows[1][..4], ["bottom caps", "near", "yes", "300"]);
+    // Views of which the same is said share a row.
+    assert_eq!(rows[2][..4], ["walls", "all", "yes", "100"]);
+    assert_eq!(rows.len(), 5);
+    assert_eq!(texts(&steps.rows[1])[2..4], ["100", "0"]);
+    let last = &steps.rows[1].cells;
+    assert_eq!(last[6].text, "without bottom caps, count behind");
+    assert!(last[5].text.starts_with('4'), "{}", last[5].text);
+    let said = blocks.iter().find_map(|block| match block {
+        Block::Text(text) if text.starts_with("Leaving out") => Some(text),
+        _ => None,
+    });
+    let said = said.expect("what it is worth");
+    assert!(
+        said.contains("25.0 %") && said.contains("gain in time 4"),
+        "{said}"
+    );
+    assert!(!blocks.iter().any(|block| matches!(block, Block::Alarm(_))));
+}
+
+#[test]
+fn bytes_that_no_feature_declares_are_an_alarm() {
+    let mut forged = run();
+    forged.cases[3].figure("made_bytes", 500.0);
+    let blocks = section(&forged);
+    let alarm = blocks.iter().any(|block| matches!(block, Block::Alarm(_)));
+    assert!(alarm, "400 bytes are declared");
+    let list = blocks.iter().find_map(|block| match block {
+        Block::List(lines) => Some(lines.join("\n")),
+        _ => None,
+    });
+    let list = list.expect("which one");
+    assert!(list.contains("400 bytes declared, 500 made"), "{list}");
+    // Twins: a pipeline; and a run that says nothing has no such section.
+    let mut forged = run();
+    forged.cases[1].figure("made_pipelines", 9.0);
+    let alarm = |block: &Block| matches!(block, Block::Alarm(_));
+    assert!(section(&forged).iter().any(alarm));
+    assert!(section(&MadeUpRun::default()).is_empty());
+}
