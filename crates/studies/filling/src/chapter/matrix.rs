@@ -6,14 +6,27 @@
 //! techniques agree. It is shown next to the reference's verdict and never replaces it.
 
 use super::data::{Data, counter, distinct, grouped, has_role, layout_name, name, switches};
-use super::table::{figures, head, part, row};
+use super::table::{head, plain_figures, row};
 use crate::keys::*;
 use std::collections::BTreeMap;
 use terrafill_results::{Block, Case, Cell, CellClass, ConditionKey, Outcome, Table, TableLayout};
 
-/// Switches that draw another boundary, other positions or other walls: their pictures are compared among
-/// themselves.
-const GEOMETRY: [ConditionKey; 5] = [VIEW, BOUNDARY_LOD_PX, TOLERANCE_M, NORMALS, POSITIONS];
+/// Cases that agree in these show the same picture: the others draw another boundary, other positions or other
+/// walls.
+const PICTURE_KEYS: [ConditionKey; 6] = [
+    SCENE,
+    VIEW,
+    BOUNDARY_LOD_PX,
+    TOLERANCE_M,
+    NORMALS,
+    POSITIONS,
+];
+
+/// Hashes of a picture, and what each is of.
+const HASHES: [(&str, &str); 2] = [
+    ("mask_hash", "its mask"),
+    ("ids_hash", "its regions' picture"),
+];
 
 /// Right by the reference, and the same picture as the first of its kind.
 const EQUAL: char = '✓';
@@ -22,6 +35,9 @@ const SKIPPED: char = '–';
 /// Wrong, different, not compared, or missing.
 const RED: char = '✗';
 
+/// The first case of each picture that has such a hash.
+type Firsts<'a> = BTreeMap<(&'static str, [&'a str; 6]), &'a Case>;
+
 /// A case with its mark, and what is said of it.
 struct Examined<'a> {
     case: &'a Case,
@@ -29,99 +45,90 @@ struct Examined<'a> {
     what: String,
 }
 
-/// The matrix of every scene that has one.
+/// One matrix of all scenes that have one.
 pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     let cells = data.cases.iter().copied();
     let cells = cells.filter(|case| has_role(case, "matrix"));
-    let scenes = grouped(cells, |case| case.condition(SCENE));
-    if scenes.is_empty() {
+    // Backwards, so that the first one stays.
+    let hashed = cells.clone().rev().flat_map(|case| {
+        let own = HASHES.iter().map(|(hash, _)| *hash);
+        let own = own.filter(|hash| !case.note(hash).is_empty());
+        own.map(move |hash| ((hash, PICTURE_KEYS.map(|key| case.condition(key))), case))
+    });
+    let firsts: Firsts<'_> = hashed.collect();
+    let found: Vec<Examined<'_>> = cells.map(|case| examine(case, &firsts)).collect();
+    if found.is_empty() {
         return Vec::new();
     }
-    let head = head(
+    let scenes = grouped(&found, |of| of.case.condition(SCENE)).into_iter();
+    let tallies = scenes.map(|(scene, own)| {
+        let marked = |mark: char| own.iter().filter(|of| of.mark == mark).count();
+        let (equal, red) = (marked(EQUAL), marked(RED));
+        format!("{scene}: {equal} of {} cells right and equal.", equal + red)
+    });
+    let marked = |mark: char| found.iter().filter(move |of| of.mark == mark);
+    let red = marked(RED).map(|of| {
+        let [scene, view] = [SCENE, VIEW].map(|key| of.case.condition(key));
+        format!("{scene}/{view}/{}: {}", name(of.case), of.what)
+    });
+    let red: Vec<String> = red.collect();
+    let reasons = grouped(marked(SKIPPED), |of| of.what.as_str()).into_iter();
+    let skipped = reasons.map(|(reason, cells)| format!("{reason} ({} cells)", cells.len()));
+    let mut blocks = head(
         "Every technique, layout and switch",
         "Each cell is drawn once. ✓: right by the reference, 0 wrong pixels outside the band, and \
              the same picture to the pixel as the first of its kind. ✗: anything else. –: unavailable \
              on this device. One mark for each view. Other boundaries (levels of detail) and other \
              positions are other pictures, and are compared among themselves.",
     );
-    let scenes = scenes.iter();
-    let scenes = scenes.flat_map(|(scene, cells)| scene_blocks(scene, cells));
-    head.into_iter().chain(scenes).collect()
-}
-
-fn scene_blocks(scene: &str, cells: &[&Case]) -> Vec<Block> {
-    let views = distinct(cells.iter().map(|case| case.condition(VIEW)));
-    let firsts = firsts(cells);
-    let found = cells.iter().map(|case| examine(case, &firsts));
-    let found: Vec<Examined<'_>> = found.collect();
-    let marked = |mark: char| found.iter().filter(move |of| of.mark == mark);
-    let red = marked(RED).map(|of| format!("{}: {}", name_in_view(of.case), of.what));
-    let red: Vec<String> = red.collect();
-    let equal = marked(EQUAL).count();
-    let drawn = equal + red.len();
-    let reasons = grouped(marked(SKIPPED), |of| of.what.as_str()).into_iter();
-    let skipped = reasons.map(|(reason, cells)| format!("{reason} ({} cells)", cells.len()));
-    let skipped: Vec<String> = skipped.collect();
-    let mut blocks = vec![
-        part(format!("{scene}: {equal} of {drawn} cells right and equal")),
-        Block::Remark(format!("Marks in a cell: {}.", views.join(", "))),
-    ];
+    blocks.push(Block::List(tallies.collect()));
     blocks.extend(Block::folded_list(
         format!("{} cells are not", red.len()),
         red,
     ));
     blocks.push(Block::Table(marks(&found)));
-    if !skipped.is_empty() {
-        blocks.push(Block::Remark(format!(
-            "Unavailable on this device: {}.",
-            skipped.join("; ")
-        )));
-    }
+    blocks.extend(Block::folded_list(
+        "Unavailable on this device",
+        skipped.collect(),
+    ));
     blocks
 }
 
-/// A row for each layout, those of a technique together, and a column for each set of switches. A set is what a case
-/// changes against the plainest one of its layout, which has the shortest variant.
+/// A row for each layout of a scene, and a column for each set of switches: what a case changes against the plainest
+/// one of its row, which has the shortest variant.
 fn marks(found: &[Examined<'_>]) -> Table {
-    let techniques = grouped(found, |of| of.case.condition(TECHNIQUE)).into_iter();
-    let layouts = techniques.flat_map(|(_, own)| grouped(own, |of| layout_name(of.case)));
-    let layouts: Vec<(String, Vec<&Examined<'_>>)> = layouts.collect();
-    let plain: BTreeMap<&str, BTreeMap<&str, &str>> = layouts
-        .iter()
-        .map(|(layout, own)| (layout.as_str(), plainest(own)))
-        .collect();
-    let set = |case: &Case| {
-        let plain = &plain[layout_name(case).as_str()];
-        let own = switches(case).into_iter();
-        let own = own.filter(|(key, value)| plain.get(key) != Some(value));
-        let own = own.map(|(key, value)| format!("{key}={value}"));
-        own.collect::<Vec<_>>().join(", ")
+    let title = |of: &&Examined<'_>| {
+        let scene = of.case.condition(SCENE);
+        format!("{scene}: {}", layout_name(of.case))
     };
-    let sets = distinct(found.iter().map(|of| set(of.case)));
-    let rows = layouts.iter().map(|(layout, own)| {
-        let by_set: BTreeMap<_, _> = grouped(own.iter().copied(), |of| set(of.case))
-            .into_iter()
-            .collect();
-        let cells = sets.iter();
-        let cells = cells.map(|set| cell(by_set.get(set).map_or(&[], Vec::as_slice)));
-        row(Cell::name(layout), cells)
+    let rows = grouped(found, title).into_iter().map(|(title, own)| {
+        let variants = own.iter().map(|of| of.case);
+        let plainest = variants.min_by_key(|case| case.condition(VARIANT).len());
+        let plain = plainest.map_or_else(Vec::new, switches);
+        let set = |of: &&Examined<'_>| {
+            let own = switches(of.case).into_iter();
+            let own = own.filter(|switch| !plain.contains(switch));
+            let own = own.map(|(key, value)| format!("{key}={value}"));
+            own.collect::<Vec<_>>().join(", ")
+        };
+        let by_set: BTreeMap<String, Vec<&Examined<'_>>> = grouped(own, set).into_iter().collect();
+        (title, by_set)
     });
+    let rows: Vec<_> = rows.collect();
+    let sets = distinct(rows.iter().flat_map(|(_, by_set)| by_set.keys().cloned()));
     let headings = sets.iter().map(|set| match set.as_str() {
-        "" => ("as it should be used", ""),
-        set => (set, ""),
+        "" => "as it should be used",
+        set => set,
     });
-    let headings: Vec<_> = [("layout", "")].into_iter().chain(headings).collect();
+    let headings: Vec<&str> = ["layout"].into_iter().chain(headings).collect();
+    let rows = rows.iter().map(|(title, by_set)| {
+        let marked = |set| cell(by_set.get(set).map_or(&[], Vec::as_slice));
+        row(Cell::name(title), sets.iter().map(marked))
+    });
     Table {
         layout: TableLayout::UprightHeadings,
-        ..figures(&headings, rows.collect())
+        ..plain_figures(&headings, rows.collect())
     }
-}
-
-/// Switches of the case with the shortest variant.
-fn plainest<'c>(own: &[&Examined<'c>]) -> BTreeMap<&'c str, &'c str> {
-    let cases = own.iter().map(|of| of.case);
-    let plainest = cases.min_by_key(|case| case.condition(VARIANT).len());
-    plainest.map_or_else(BTreeMap::new, |case| switches(case).into_iter().collect())
 }
 
 /// A mark for each view; empty where the layout has no such switch.
@@ -140,38 +147,6 @@ fn cell(found: &[&Examined<'_>]) -> Cell {
         },
         ..Cell::default()
     }
-}
-
-fn name_in_view(case: &Case) -> String {
-    format!(
-        "{}/{}/{}",
-        case.condition(SCENE),
-        case.condition(VIEW),
-        name(case)
-    )
-}
-
-/// Hashes of a picture, and what each is of.
-const HASHES: [(&str, &str); 2] = [
-    ("mask_hash", "its mask"),
-    ("ids_hash", "its regions' picture"),
-];
-
-/// The first case of each view and geometry that has such a hash.
-type Firsts<'a> = BTreeMap<(&'static str, [&'a str; 5]), &'a Case>;
-
-fn geometry(case: &Case) -> [&str; 5] {
-    GEOMETRY.map(|key| case.condition(key))
-}
-
-fn firsts<'a>(cells: &[&'a Case]) -> Firsts<'a> {
-    // Backwards, so that the first one stays.
-    let all = cells.iter().rev().flat_map(|case| {
-        let own = HASHES.into_iter();
-        let own = own.filter(|(hash, _)| !case.note(hash).is_empty());
-        own.map(|(hash, _)| ((hash, geometry(case)), *case))
-    });
-    all.collect()
 }
 
 fn examine<'a>(case: &'a Case, firsts: &Firsts<'_>) -> Examined<'a> {
@@ -204,7 +179,7 @@ fn objection(case: &Case, firsts: &Firsts<'_>) -> Option<String> {
     }
     HASHES.into_iter().find_map(|(hash, what)| {
         let own = case.note(hash);
-        let first = firsts.get(&(hash, geometry(case)))?;
+        let first = firsts.get(&(hash, PICTURE_KEYS.map(|key| case.condition(key))))?;
         let differs = !own.is_empty() && first.note(hash) != own;
         differs.then(|| format!("{what} differs from that of {}", name(first)))
     })
