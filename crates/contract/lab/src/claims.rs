@@ -76,6 +76,9 @@ pub struct Claimed<T> {
     /// Why a factor may be off by as much as the test allows.
     #[serde(default)]
     pub tolerance: String,
+    /// What explains our figure where no counter of a run does.
+    #[serde(default)]
+    pub because: String,
     /// How.
     pub test: T,
 }
@@ -96,6 +99,9 @@ pub struct Paper<T> {
     /// Steps of the study's ablation that claims speak of, each with the conditions that it changes.
     #[serde(default)]
     pub steps: BTreeMap<String, Vec<String>>,
+    /// Cases that claims name, each with its conditions.
+    #[serde(default)]
+    pub cases: BTreeMap<String, String>,
     /// Quotations within experiments: the words, and the place where they stand.
     #[serde(default)]
     pub quoted: Vec<[String; 2]>,

@@ -22,16 +22,8 @@ fn every_view() -> Vec<String> {
     EVERY_VIEW.map(str::to_owned).into()
 }
 
-/// What draws instead of volumes, of the techniques of this run.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Rival {
-    pub(crate) technique: String,
-    /// Its knob.
-    pub(crate) key: String,
-    /// The knob's value.
-    pub(crate) value: String,
-}
+/// Conditions by name that a case has, each with its value.
+pub(crate) type Conditions = Vec<[String; 2]>;
 
 /// Which of a step's views say something of a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -47,58 +39,71 @@ pub(crate) enum Only {
 }
 
 /// A step of the vertex shader's ablation in these views.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub(crate) struct Step {
-    pub(crate) step: String,
-    #[serde(default = "every_view")]
-    pub(crate) views: Vec<String>,
-}
-
-/// What is expected of the gain of a step, in these views.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub(crate) struct Gain {
     pub(crate) name: String,
-    pub(crate) expects: Claim,
     #[serde(default = "every_view")]
     pub(crate) views: Vec<String>,
     #[serde(default)]
     pub(crate) only: Only,
 }
 
+/// Two cases of each view that has both.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub(crate) enum Pair {
+    /// The last kept step before a step, and the step.
+    Step(Step),
+    /// Two textured fills, by their names.
+    Fills([String; 2]),
+    /// What draws instead of volumes, and volumes.
+    Rival(Conditions),
+    /// The coarsest mesh and the finest.
+    CapSteps,
+}
+
+/// A figure of the first case over that of the second, in each view.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub(crate) struct Ratio {
+    pub(crate) of: Pair,
+    /// Figures by name; without any, the time of the fill.
+    #[serde(default)]
+    pub(crate) metrics: Vec<String>,
+    pub(crate) expects: Claim,
+}
+
+/// Cases whose pictures are looked at.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub(crate) enum Pictured {
+    /// A step's.
+    Step(Step),
+    /// Those of every view's comparison that are so.
+    With(Conditions),
+}
+
 /// How a claim is tested.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub(crate) enum Test {
-    /// By the gain of a step: time without it over time with it.
-    Step(Gain),
-    /// By a counter of a step: its value without the step over that with it.
-    Counter {
-        step: String,
-        metric: String,
-        expects: Claim,
-        #[serde(default = "every_view")]
-        views: Vec<String>,
-    },
+    /// By the ratio of two cases.
+    Ratio(Ratio),
+    /// The pictures are right.
+    RightPictures(Pictured),
+    /// Some view has pixels that are wrong farther than a pixel from a boundary.
+    WrongPictures(Pictured),
     /// The step gains more than any other of the document's own steps.
     LargestGain(Step),
-    /// The step's picture is right.
-    RightPicture(Step),
     /// By the share of the second pass in the GPU time of a step's fill.
     SecondPass(Step),
     /// By the exponents of time over vertices and over fragments.
     FillRate,
-    /// By the ratio of two textured fills, named by the heading of its column.
-    Textured { ratio: String, expects: Claim },
-    /// Largest texel error by angles about the body's centre beside that by barycentric coordinates.
-    FlatMesh,
     /// Textured over plain is more along the horizon than elsewhere.
     TexturedWorstAtHorizon,
     /// By a formula alone.
     Sum {
-        /// With its figures, in words.
-        formula: String,
         /// Products that are added up.
         terms: Vec<Vec<u64>>,
         /// What the document says that it gives.
@@ -106,18 +111,8 @@ pub(crate) enum Test {
     },
     /// By the bytes of a geometry shader's layout over those of the vertex shader's.
     GeometryShaderBytes(Claim),
-    /// Centric normals give right pictures on terrain.
-    CentricNormals,
     /// Every plain picture is right on surfaces of more than one kind.
     SurfaceIndependence,
-    /// By the fills of the coarsest and the finest mesh.
-    Subdivision,
-    /// By figures of a rival over those of volumes, all of them more than 1.
-    CostsMore { rival: Rival, metrics: Vec<String> },
-    /// By the time of a rival over that of volumes.
-    TimeOverVolumes { rival: Rival, expects: Claim },
-    /// By pixels of a rival that are wrong farther than a pixel from a boundary: there are some.
-    WrongPixels { rival: Rival },
     /// Not at all, and why.
     No(String),
 }
@@ -125,11 +120,9 @@ pub(crate) enum Test {
 impl Tested for Test {
     fn expects(&self) -> Option<Claim> {
         match self {
-            Self::Step(Gain { expects, .. })
-            | Self::Counter { expects, .. }
-            | Self::Textured { expects, .. }
-            | Self::TimeOverVolumes { expects, .. }
-            | Self::GeometryShaderBytes(expects) => Some(*expects),
+            Self::Ratio(Ratio { expects, .. }) | Self::GeometryShaderBytes(expects) => {
+                Some(*expects)
+            }
             _ => None,
         }
     }
@@ -196,15 +189,18 @@ mod tests {
     #[test]
     fn claims_name_steps_that_there_are() {
         for claimed in &PAPER.claims {
-            let (Test::Step(Gain { name: step, .. })
-            | Test::Counter { step, .. }
-            | Test::LargestGain(Step { step, .. })
-            | Test::RightPicture(Step { step, .. })
-            | Test::SecondPass(Step { step, .. })) = &claimed.test
+            let (Test::Ratio(Ratio {
+                of: Pair::Step(step),
+                ..
+            })
+            | Test::RightPictures(Pictured::Step(step))
+            | Test::LargestGain(step)
+            | Test::SecondPass(step)) = &claimed.test
             else {
                 continue;
             };
-            assert!(PAPER.steps.contains_key(step), "{}: {step}", claimed.words);
+            let (name, words) = (&step.name, &claimed.words);
+            assert!(PAPER.steps.contains_key(name), "{words}: {name}");
         }
     }
 }

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The table of every claim of Cozzi (2007): what it says, what was measured here, and whether they agree.
 //!
-//! Steps are those of the vertex shader's ladder, which is the version that the document timed. What is
-//! no difference is taken from the run: how far intervals of identical work reach in the ladder's scene. A
-//! claim whose rows are not in the run has an empty cell.
+//! Most claims are of a ratio: two cases in each view, which the document's file selects, by their time or by
+//! counters. The others are a figure or a picture in each view. Steps are those of the vertex shader's ladder,
+//! which is the version that the document timed. What is no difference is taken from the run: how far intervals
+//! of identical work reach in the ladder's scene. A claim whose rows are not in the run has an empty cell.
 
 use super::data::{
     Data, Timed, counter, declared, grouped, has_role, is_approximate, is_baseline, is_compared,
     is_more, one_change,
 };
-use super::rungs::{Ladder, Rung, SOURCE, counters};
+use super::rungs::{Ladder, Rung, counters};
 use super::table::{or_dash, sentences};
-use super::textured::AS_IN_2007_OVER_PLAIN;
 use super::{fill_rate, memory, subdivision, textured};
-use crate::claims::{self, Gain, Only, PAPER, Rival, Test};
+use crate::claims::{Conditions, Only, PAPER, Pair, Pictured, Ratio, Step, Test};
 use crate::keys::*;
 use crate::request::STUDY;
 use terrafill_lab::{
@@ -21,8 +21,8 @@ use terrafill_lab::{
 };
 use terrafill_plot::number::{count, figure, significant, times};
 use terrafill_results::{
-    Block, Case, ChapterError, Claim, DerivedTable, Estimate, Finding, Outcome, Scope, Standing,
-    ratio, share,
+    Block, Case, ChapterError, Claim, DerivedTable, Estimate, Outcome, Scope, Standing, ratio,
+    share,
 };
 
 /// The technique whose ladder the document climbed.
@@ -37,21 +37,43 @@ const MAX_BAND: f64 = 1.027;
 /// The condition that says whether a frame hands over what it draws.
 const UPLOADS: &str = "buffers";
 
-/// What the document expects of the coarsest mesh's time over the finest's.
-const SUBDIVISION: Claim = Claim::NotFaster;
+/// The layout that the document describes: triangles, and a degenerate one for each boundary edge, in a
+/// list.
+const LAYOUT_2007: &str = "native/gs-degenerate/list";
 
-/// Parts of an answer, each with its words.
+/// A technique and volumes.
+const RIVALS: Comparison<'static> = Comparison {
+    follows: &[Follows {
+        key: LAYOUT.name(),
+        because: "each technique calls the first of its own parameters so",
+    }],
+    one_sided: Some("a switch that only one of the two techniques has"),
+    ..one_change(TECHNIQUE)
+};
+
+/// Views, or whatever else a claim is of, with what each says of it.
+type Views = Vec<(String, Standing)>;
+
+/// A ratio in one view, and what it says of its claim.
+struct Judged<'a> {
+    title: String,
+    /// Both, where there are two.
+    cases: Vec<&'a Case>,
+    answer: Answer,
+}
+
+/// All views of a claim together.
 ///
 /// - `reason`: from counters where there are any
-fn told(parts: impl IntoIterator<Item = (String, Standing)>, reason: impl Into<String>) -> Told {
-    let (ours, standings): (Vec<String>, Vec<Standing>) = parts.into_iter().unzip();
+fn told(views: Views, reason: String) -> Told {
+    let (ours, standings): (Vec<String>, Vec<Standing>) = views.into_iter().unzip();
     let standing = overall(&standings);
     Told {
         ours: ours.join("; "),
         standing,
         reason: match standing {
             Standing::NotMeasured => "its rows are not in this run".to_owned(),
-            _ => reason.into(),
+            _ => reason,
         },
     }
 }
@@ -65,163 +87,353 @@ fn unanswered(standing: Standing, why: &str) -> Told {
     }
 }
 
-/// Ratios with what each says of a claim, and what would settle the first that is open.
-fn of_answers(answers: Vec<(&str, Answer)>, reason: String) -> Told {
-    let mut open = answers.iter().map(|(_, answer)| answer);
-    let open =
-        open.find(|answer| answer.standing == Standing::CannotTell && !answer.because.is_empty());
-    let because = open.map_or("", |answer| &answer.because);
-    let reason = sentences([reason.as_str(), because]);
-    let parts = answers.iter().map(|(title, answer)| {
-        let ours = or_dash(answer.figure.as_ref().map(times));
-        (format!("{title} {ours}"), answer.standing)
-    });
-    told(parts, reason)
+/// What a run has of the document's experiments.
+struct Evidence<'r, 'a> {
+    data: &'r Data<'a>,
+    /// Of the document's technique, on the first scene that has them.
+    ladders: Vec<&'r Ladder<'a>>,
 }
 
-/// The ladders that speak of the document: of one technique, on the first scene that has them.
-fn documents<'l, 'a>(ladders: &'l [Ladder<'a>]) -> Vec<&'l Ladder<'a>> {
-    let own = || ladders.iter().filter(|ladder| ladder.technique == VOLUMES);
-    let scene = own().next().map(|ladder| ladder.scene);
-    own().filter(|ladder| Some(ladder.scene) == scene).collect()
-}
+impl<'r, 'a> Evidence<'r, 'a> {
+    fn new(data: &'r Data<'a>, ladders: &'r [Ladder<'a>]) -> Self {
+        let own = || ladders.iter().filter(|ladder| ladder.technique == VOLUMES);
+        let scene = own().next().map(|ladder| ladder.scene);
+        Self {
+            data,
+            ladders: own().filter(|ladder| Some(ladder.scene) == scene).collect(),
+        }
+    }
 
-/// Ladders of these views.
-fn of_views<'l, 'a>(
-    ladders: &[&'l Ladder<'a>],
-    views: &[String],
-) -> impl Iterator<Item = &'l Ladder<'a>> {
-    let is_of = |ladder: &&'l Ladder<'a>| views.iter().any(|view| view == ladder.view);
-    ladders.iter().copied().filter(is_of)
-}
+    /// Ladders of a step's views.
+    fn of_views(&self, step: &Step) -> impl Iterator<Item = &'r Ladder<'a>> {
+        let is_of = |ladder: &&Ladder<'_>| step.views.iter().any(|view| view == ladder.view);
+        self.ladders.iter().copied().filter(is_of)
+    }
 
-/// Rungs of a step in these views.
-fn steps<'l, 'a>(ladders: &[&'l Ladder<'a>], step: &str, views: &[String]) -> Vec<&'l Rung<'a>> {
-    let own = of_views(ladders, views);
-    own.filter_map(|ladder| ladder.step(step)).collect()
-}
+    /// A step in those of its views that say something of the claim.
+    fn rungs(&self, step: &Step) -> Vec<&'r Rung<'a>> {
+        let vertices = |case: &Case| counter(case, VERTICES);
+        let own = self.of_views(step);
+        let own = own.filter_map(|ladder| ladder.step(&step.name));
+        let telling = own.filter(|rung| match step.only {
+            Only::Any => true,
+            Only::AllInSight => counter(rung.case, REGIONS_LEFT_OUT) == Some(0),
+            Only::WhereItActs => rung.before.and_then(vertices) != vertices(rung.case),
+        });
+        telling.collect()
+    }
 
-/// The same, those that say something of the claim.
-fn telling_steps<'l, 'a>(ladders: &[&'l Ladder<'a>], of: &Gain) -> Vec<&'l Rung<'a>> {
-    let vertices = |case: &Case| counter(case, VERTICES);
-    let mut found = steps(ladders, &of.name, &of.views);
-    found.retain(|rung| match of.only {
-        Only::Any => true,
-        Only::AllInSight => counter(rung.case, REGIONS_LEFT_OUT) == Some(0),
-        Only::WhereItActs => rung.before.and_then(vertices) != vertices(rung.case),
-    });
-    found
-}
+    /// Each case of a rival with that of volumes of the same view.
+    fn beside_volumes(&self, rival: &Conditions) -> Vec<Timed<'a>> {
+        let is_volumes = |case: &&Case| {
+            case.condition(TECHNIQUE) == VOLUMES && case.condition(VARIANT) == "doubled"
+        };
+        let cases = self.data.cases.iter().copied();
+        let pairs = cases.filter(|case| has_all(case, rival)).filter_map(|own| {
+            let volumes = self.data.beside(own).iter().copied().find(is_volumes)?;
+            Some(Timed {
+                title: scene_and_view(own),
+                pairing: RIVALS,
+                cases: [own, volumes],
+            })
+        });
+        pairs.collect()
+    }
 
-/// What the run says of a claim.
-fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed<Test>) -> Told {
-    let own = documents(ladders);
-    let in_views = |of: &claims::Step| steps(&own, &of.step, &of.views);
-    match &claimed.test {
-        Test::Step(of) => {
-            let found = telling_steps(&own, of);
-            let acts_nowhere = of.only == Only::WhereItActs && found.is_empty();
-            if acts_nowhere && !steps(&own, &of.name, &of.views).is_empty() {
-                return unanswered(
-                    Standing::NotMeasured,
-                    "in these views the eye is inside every volume, or so near that the step changes nothing",
-                );
+    /// Every ratio of a claim.
+    fn judged(&self, ratio: &Ratio) -> Vec<Judged<'a>> {
+        let pairs = match &ratio.of {
+            Pair::Step(step) => {
+                let rungs = self.rungs(step).into_iter();
+                return rungs
+                    .flat_map(|rung| self.judge_step(rung, ratio))
+                    .collect();
             }
-            let answers = found.iter();
-            let answers = answers.map(|rung| (rung.view(), answer(data, rung, of.expects)));
-            of_answers(answers.collect(), reason(&found))
+            Pair::Fills([first, second]) => textured::compared(self.data, [first, second]),
+            Pair::Rival(rival) => self.beside_volumes(rival),
+            Pair::CapSteps => subdivision::coarsest_over_finest(self.data),
+        };
+        let pairs = pairs.into_iter();
+        let judged = pairs.flat_map(|of| self.judge(&of.title, of.pairing, of.cases, ratio));
+        judged.collect()
+    }
+
+    /// A step and the last kept one before it, unless a step that is not right comes between both.
+    fn judge_step(&self, rung: &Rung<'a>, ratio: &Ratio) -> Vec<Judged<'a>> {
+        let title = rung.view();
+        let (Some(before), None) = (rung.before, rung.skipped) else {
+            return vec![Judged {
+                title: title.to_owned(),
+                cases: Vec::new(),
+                answer: Answer::not_measured("what comes before it is not right"),
+            }];
+        };
+        // What a step sets is the ladder's to say; a test holds this list against it.
+        let set = PAPER.steps.get(rung.step).into_iter().flatten();
+        let follows = set.map(|key| Follows {
+            key,
+            because: "the step sets it",
+        });
+        let follows: Vec<Follows<'_>> = follows.collect();
+        // A step that changes what is handed over in a frame is compared by a clock that covers it.
+        let needs = match follows.iter().any(|follows| follows.key == UPLOADS) {
+            true => Scope::UPLOAD.and(Scope::DRAW),
+            false => Scope::DRAW,
+        };
+        let comparison = Comparison {
+            follows: &follows,
+            needs,
+            ..one_change(STEP)
+        };
+        self.judge(title, comparison, [before, rung.case], ratio)
+    }
+
+    /// By the time of the fill, or by each metric that the claim names.
+    fn judge(
+        &self,
+        title: &str,
+        comparison: Comparison<'_>,
+        cases: [&'a Case; 2],
+        ratio: &Ratio,
+    ) -> Vec<Judged<'a>> {
+        let time = self.data.time_covering(comparison.needs);
+        let mut metrics = vec![(time, comparison.needs)];
+        if !ratio.metrics.is_empty() {
+            let named = ratio.metrics.iter().map(|name| declared(name));
+            metrics = named.map(|metric| (metric, metric.scope)).collect();
         }
-        Test::Counter {
-            step,
-            metric,
-            expects,
-            views,
-        } => of_counter(&steps(&own, step, views), metric, *expects),
-        Test::LargestGain(of) => largest(data, &of.step, of_views(&own, &of.views)),
-        Test::RightPicture(step) => {
-            let found = in_views(step).into_iter();
-            told(found.map(|rung| picture(rung.view(), rung.case)), "")
-        }
-        Test::SecondPass(step) => second_pass(&in_views(step)),
-        Test::FillRate => of_fill_rate(&own),
-        Test::Textured { ratio, expects } => of_ratios(
-            data,
-            &textured::compared(data, ratio),
-            *expects,
-            ratio.to_owned(),
-        ),
-        Test::FlatMesh => flat_mesh(data),
-        Test::TexturedWorstAtHorizon => worst_at_horizon(data),
-        Test::Sum {
-            formula,
-            terms,
-            says,
-        } => {
-            let gives: u64 = terms
-                .iter()
-                .map(|factors| factors.iter().product::<u64>())
-                .sum();
-            Told {
-                ours: format!("{} B", count(gives)),
-                standing: Standing::holds_if(gives == *says),
-                reason: formula.clone(),
+        let judged = metrics.iter().map(|&(metric, needs)| {
+            let comparison = Comparison {
+                metric,
+                needs,
+                ..comparison
+            };
+            Judged {
+                title: match metrics.len() {
+                    1 => title.to_owned(),
+                    _ => format!("{title}, {}", metric.name),
+                },
+                cases: cases.to_vec(),
+                answer: self.data.judge(comparison, cases, ratio.expects),
             }
+        });
+        judged.collect()
+    }
+
+    /// All ratios of a claim, and what would settle the first that is open.
+    fn ratio(&self, ratio: &Ratio) -> Told {
+        let mut judged = self.judged(ratio);
+        if let Pair::Step(step) = &ratio.of
+            && step.only == Only::WhereItActs
+            && judged.is_empty()
+            && self
+                .of_views(step)
+                .any(|ladder| ladder.step(&step.name).is_some())
+        {
+            return unanswered(
+                Standing::NotMeasured,
+                "in these views the eye is inside every volume, or so near that the step changes nothing",
+            );
         }
-        Test::GeometryShaderBytes(claim) => of_geometry_shader(data, *claim),
-        Test::CentricNormals => centric_normals(data),
-        Test::SurfaceIndependence => surface_independence(data),
-        Test::Subdivision => of_ratios(
-            data,
-            &subdivision::coarsest_over_finest(data),
-            SUBDIVISION,
-            "time of the coarsest ÷ that of the finest".to_owned(),
-        ),
-        Test::CostsMore { rival, metrics } => costs_more(data, rival, metrics),
-        Test::TimeOverVolumes { rival, expects } => of_ratios(
-            data,
-            &over_volumes(data, rival),
-            *expects,
-            format!("{} ÷ {VOLUMES}/doubled", rival.technique),
-        ),
-        Test::WrongPixels { rival } => wrong_pixels(data, rival),
-        Test::No(why) => unanswered(Standing::CannotBeTested, why),
+        let is_time = ratio.metrics.is_empty();
+        // What a device does not count is no row.
+        judged.retain(|of| is_time || of.answer.standing != Standing::NotMeasured);
+        let text = |figure: &Estimate| match is_time {
+            true => times(figure),
+            false => format!("{} ×", significant(figure.middle)),
+        };
+        let views = judged.iter().map(|Judged { title, answer, .. }| {
+            let ours = or_dash(answer.figure.as_ref().map(text));
+            (format!("{title} {ours}"), answer.standing)
+        });
+        let reason = match &ratio.of {
+            Pair::Step(step) => changes(&self.rungs(step)),
+            Pair::Fills(names) => names.join(" ÷ "),
+            Pair::Rival(_) | Pair::CapSteps => String::new(),
+        };
+        let mut because = judged.iter().map(|of| match of.answer.standing {
+            Standing::CannotTell | Standing::CannotBeTested => of.answer.because.as_str(),
+            _ => "",
+        });
+        let because = because.find(|because| !because.is_empty());
+        let reason = sentences([reason.as_str(), because.unwrap_or_default()]);
+        told(views.collect(), reason)
+    }
+
+    /// What the run says of a claim.
+    fn told(&self, test: &Test) -> Told {
+        let views = match test {
+            Test::Ratio(ratio) => return self.ratio(ratio),
+            Test::SecondPass(step) => return second_pass(&self.rungs(step)),
+            Test::LargestGain(step) => {
+                return told(self.largest_gain(step), changes(&self.rungs(step)));
+            }
+            Test::No(why) => return unanswered(Standing::CannotBeTested, why),
+            Test::Sum { terms, says } => {
+                let products = terms.iter().map(|factors| factors.iter().product::<u64>());
+                let gives: u64 = products.sum();
+                let standing = Standing::holds_if(gives == *says);
+                vec![(format!("{} B", count(gives)), standing)]
+            }
+            Test::RightPictures(of) => {
+                let pictured = self.pictured(of).into_iter();
+                let judged = pictured.map(|(text, case)| match case.outcome {
+                    Outcome::Ok => (text, Standing::Holds),
+                    Outcome::Wrong => (text, Standing::DoesNotHold),
+                    _ => (text, Standing::NotMeasured),
+                });
+                judged.collect()
+            }
+            Test::WrongPictures(of) => {
+                let mut pictured = self.pictured(of);
+                pictured.retain(|(_, case)| outside_band(case).is_some());
+                // The document says of the view from close by what no other view need show.
+                let is_wrong = pictured
+                    .iter()
+                    .any(|(_, case)| outside_band(case) > Some(0));
+                let judged = pictured.into_iter();
+                let judged = judged.map(|(text, _)| (text, Standing::holds_if(is_wrong)));
+                judged.collect()
+            }
+            Test::FillRate => self.fill_rate(),
+            Test::TexturedWorstAtHorizon => self.worst_at_horizon(),
+            Test::GeometryShaderBytes(claim) => self.geometry_shader_bytes(*claim),
+            Test::SurfaceIndependence => self.surface_independence(),
+        };
+        told(views, String::new())
+    }
+
+    /// Cases with their wrong pixels in words.
+    fn pictured(&self, of: &Pictured) -> Vec<(String, &'a Case)> {
+        let all = self.data.cases.iter().copied();
+        let pictured: Vec<(String, &Case)> = match of {
+            Pictured::Step(step) => {
+                let rungs = self.rungs(step).into_iter();
+                let named = rungs.map(|rung| (rung.view().to_owned(), rung.case));
+                named.collect()
+            }
+            Pictured::With(conditions) => {
+                let own = all.filter(|case| is_compared(case) && has_all(case, conditions));
+                own.map(|case| (scene_and_view(case), case)).collect()
+            }
+        };
+        let told = |(title, case): (String, &'a Case)| {
+            let px = or_dash(outside_band(case).map(count));
+            let shift = case.value(WALL_SHIFT_M).map(significant);
+            let shift = shift.map(|shift| format!(", walls off by up to {shift} m"));
+            let shift = shift.unwrap_or_default();
+            (format!("{title}: {px} px outside the band{shift}"), case)
+        };
+        pictured.into_iter().map(told).collect()
+    }
+
+    fn largest_gain(&self, step: &Step) -> Views {
+        let views = self.of_views(step).filter_map(|ladder| {
+            let rung = ladder.step(&step.name)?;
+            // The document's own steps, up to what it was at work on.
+            let last = ladder.rungs.iter().position(|rung| rung.step == "z-pass")?;
+            let own = ladder.rungs[..=last].iter();
+            let others = own.filter(|other| !other.is_aside && other.step != step.name);
+            let others = others.filter_map(|other| Some((other.step, other.gain?)));
+            let (next, next_gain) = others.max_by(|a, b| a.1.middle.total_cmp(&b.1.middle))?;
+            let standing = is_more(rung.gain.as_ref()?, &next_gain);
+            let [gain, next_gain] = [rung.gain?, next_gain].map(|gain| self.data.ratio_text(&gain));
+            let text = format!("{} {gain}, next {next} {next_gain}", ladder.view);
+            Some((text, standing))
+        });
+        views.collect()
+    }
+
+    fn fill_rate(&self) -> Views {
+        let views = self.ladders.iter().filter_map(|ladder| {
+            let [vertices, fragments] = fill_rate::exponents(&ladder.rungs)?;
+            let standing = is_more(&fragments, &vertices);
+            let [vertices, fragments] = [vertices, fragments].map(|exponent| figure(&exponent));
+            let text = format!(
+                "{}: fragments {fragments}, vertices {vertices}",
+                ladder.view
+            );
+            Some((text, standing))
+        });
+        views.collect()
+    }
+
+    fn worst_at_horizon(&self) -> Views {
+        let fills = [textured::AS_IN_2007, textured::PLAIN];
+        let all = textured::compared(self.data, fills);
+        let over = |timed: &&Timed<'_>| ratio(timed.cases[0], timed.cases[1], self.data.metric);
+        let scenes = grouped(&all, |timed| timed.cases[0].condition(SCENE)).into_iter();
+        let views = scenes.filter_map(|(scene, own)| {
+            let (at_horizon, others): (Vec<&Timed<'_>>, Vec<&Timed<'_>>) = own
+                .into_iter()
+                .partition(|timed| timed.title.ends_with("horizon"));
+            let horizon = at_horizon.first().and_then(over)?;
+            let others = others.iter().filter_map(over);
+            let next = others.max_by(|a, b| a.middle.total_cmp(&b.middle))?;
+            let [at_horizon, most] = [horizon, next].map(|ratio| times(&ratio));
+            let text = format!("{scene}: {at_horizon}, elsewhere at most {most}");
+            Some((text, is_more(&horizon, &next)))
+        });
+        views.collect()
+    }
+
+    fn geometry_shader_bytes(&self, claim: Claim) -> Views {
+        let mut found = memory::geometry_shader_ratios(self.data);
+        if !found.iter().any(|(name, _)| name == LAYOUT_2007) {
+            found.clear();
+        }
+        let views = found.iter().map(|(name, ratio)| {
+            // The document's own layout decides; the others are named beside it.
+            let standing = match name == LAYOUT_2007 {
+                true => claim.standing_beyond(&Estimate::exact(*ratio), 1.0),
+                false => Standing::Holds,
+            };
+            (format!("{name} {} ×", significant(*ratio)), standing)
+        });
+        views.collect()
+    }
+
+    fn surface_independence(&self) -> Views {
+        let is_plain = |case: &&&Case| {
+            !is_baseline(case)
+                && !textured::is_textured(case)
+                && !has_role(case, "sweep")
+                && !is_approximate(case)
+                // An experiment whose error is its answer says nothing of surfaces.
+                && !case.planned.may_be_wrong
+        };
+        let tally = |(what, on_terrain): (&str, bool)| {
+            let own = self.data.cases.iter().filter(is_plain);
+            let own = own.filter(|case| ON_TERRAIN.contains(&case.condition(SCENE)) == on_terrain);
+            let ended = |outcome| own.clone().filter(|case| case.outcome == outcome).count();
+            let (right, wrong) = (ended(Outcome::Ok), ended(Outcome::Wrong));
+            let text = format!("{what}: {right} of {} pictures right", right + wrong);
+            (right + wrong > 0).then(|| (text, Standing::holds_if(wrong == 0)))
+        };
+        let kinds = [("bare ellipsoid", false), ("terrain", true)];
+        // Surfaces of one kind say nothing of two.
+        let both: Option<Vec<_>> = kinds.into_iter().map(tally).collect();
+        both.unwrap_or_default()
     }
 }
 
-/// What a rung's gain says of a claim, by the noise of its scene.
-fn answer(data: &Data<'_>, rung: &Rung<'_>, claim: Claim) -> Answer {
-    let Some(before) = rung.before else {
-        return Answer::not_measured("no kept step comes before it");
-    };
-    if let Some(skipped) = rung.skipped {
-        let why = format!("a step that is not right, {skipped}, comes before it");
-        return Answer::not_measured(&why);
-    }
-    // What a step sets is the ladder's to say; a test holds this list against it.
-    let set = PAPER.steps.get(rung.step).into_iter().flatten();
-    let follows = set.map(|key| Follows {
-        key,
-        because: "the step sets it",
-    });
-    let follows: Vec<Follows<'_>> = follows.collect();
-    // A step that changes what is handed over in a frame is compared by a clock that covers it.
-    let needs = match follows.iter().any(|follows| follows.key == UPLOADS) {
-        true => Scope::UPLOAD.and(Scope::DRAW),
-        false => Scope::DRAW,
-    };
-    let comparison = Comparison {
-        follows: &follows,
-        metric: data.time_covering(needs),
-        needs,
-        ..one_change(STEP)
-    };
-    data.judge(comparison, [before, rung.case], claim)
+fn has_all(case: &Case, conditions: &Conditions) -> bool {
+    let mut conditions = conditions.iter();
+    conditions.all(|[key, value]| case.condition_named(key) == value)
+}
+
+fn outside_band(case: &Case) -> Option<u64> {
+    counter(case, MISMATCHED_PX_OUTSIDE_BAND)
+}
+
+fn scene_and_view(case: &Case) -> String {
+    [SCENE, VIEW].map(|key| case.condition(key)).join(" ")
 }
 
 /// What the step that moved most changed in counters.
-fn reason(found: &[&Rung<'_>]) -> String {
+fn changes(rungs: &[&Rung<'_>]) -> String {
     let moved = |rung: &Rung<'_>| rung.gain.map_or(0.0, |gain| gain.middle.ln().abs());
-    let most = found.iter().max_by(|a, b| moved(a).total_cmp(&moved(b)));
+    let most = rungs.iter().max_by(|a, b| moved(a).total_cmp(&moved(b)));
     let of = |rung: &&Rung<'_>| {
         let changed = counters(rung.before?, rung.case);
         Some(format!("{}: {changed}", rung.view()))
@@ -229,66 +441,13 @@ fn reason(found: &[&Rung<'_>]) -> String {
     most.and_then(of).unwrap_or_default()
 }
 
-fn of_counter(found: &[&Rung<'_>], metric: &str, claim: Claim) -> Told {
-    let parts = found.iter().filter_map(|rung| {
-        let ratio = rung.before?.value(metric)? / rung.case.value(metric)?;
-        let standing = claim.standing_beyond(&Estimate::exact(ratio), 1.0);
-        Some((
-            format!("{} {} ×", rung.view(), significant(ratio)),
-            standing,
-        ))
-    });
-    told(parts, reason(found))
-}
-
-fn picture(view: &str, case: &Case) -> (String, Standing) {
-    let standing = match case.outcome {
-        Outcome::Ok => Standing::Holds,
-        Outcome::Wrong => Standing::DoesNotHold,
-        _ => Standing::NotMeasured,
-    };
-    let outside = counter(case, MISMATCHED_PX_OUTSIDE_BAND);
-    let px = or_dash(outside.map(count));
-    (format!("{view}: {px} px outside the band"), standing)
-}
-
-/// The document's own steps, up to what it was at work on.
-fn own_steps<'l, 'a>(ladder: &'l Ladder<'a>) -> impl Iterator<Item = &'l Rung<'a>> {
-    let last = ladder.rungs.iter().position(|rung| rung.step == "z-pass");
-    let own = ladder.rungs.iter().take(last.map_or(0, |last| last + 1));
-    own.filter(|rung| !rung.is_aside)
-}
-
-fn largest<'l, 'a: 'l>(
-    data: &Data<'_>,
-    step: &str,
-    ladders: impl Iterator<Item = &'l Ladder<'a>>,
-) -> Told {
-    let mut found = Vec::new();
-    let parts = ladders.filter_map(|ladder| {
-        let rung = ladder.step(step)?;
-        found.push(rung);
-        let others = own_steps(ladder).filter(|other| other.step != step);
-        let others = others.filter_map(|other| Some((other.step, other.gain?)));
-        let (next, next_gain) = others.max_by(|a, b| a.1.middle.total_cmp(&b.1.middle))?;
-        let standing = is_more(rung.gain.as_ref()?, &next_gain);
-        let [gain, next_gain] = [rung.gain?, next_gain].map(|gain| data.ratio_text(&gain));
-        Some((
-            format!("{} {gain}, next {next} {next_gain}", ladder.view),
-            standing,
-        ))
-    });
-    let parts: Vec<(String, Standing)> = parts.collect();
-    told(parts, reason(&found))
-}
-
-fn second_pass(found: &[&Rung<'_>]) -> Told {
-    let parts = found.iter().filter_map(|rung| {
+fn second_pass(rungs: &[&Rung<'_>]) -> Told {
+    let views = rungs.iter().filter_map(|rung| {
         let share = share(rung.case, COLOUR_GPU_MS, STENCIL_GPU_MS)?;
         let standing = Claim::AtLeast(0.5).standing(&share);
         Some((format!("{} {}", rung.view(), figure(&share)), standing))
     });
-    let fragments = found.first().map(|rung| {
+    let fragments = rungs.first().map(|rung| {
         let of = |metric| or_dash(counter(rung.case, metric).map(count));
         format!(
             "{}: {} fragments in the first pass, {} shaded in the second",
@@ -297,218 +456,22 @@ fn second_pass(found: &[&Rung<'_>]) -> Told {
             of(FRAGMENT_SHADER_INVOCATIONS)
         )
     });
-    told(parts, fragments.unwrap_or_default())
-}
-
-fn of_fill_rate(ladders: &[&Ladder<'_>]) -> Told {
-    let all = ladders
-        .iter()
-        .flat_map(|ladder| fill_rate::slopes(std::slice::from_ref(*ladder)));
-    let parts = all.filter_map(|slopes| {
-        let (vertices, fragments) = (slopes.vertices.as_ref()?, slopes.fragments.as_ref()?);
-        Some((
-            format!(
-                "{}: fragments {}, vertices {}",
-                slopes.view,
-                figure(&fragments.exponent),
-                figure(&vertices.exponent)
-            ),
-            slopes.standing(),
-        ))
-    });
-    told(parts, "exponents of time, on every view after culling")
-}
-
-fn of_ratios(data: &Data<'_>, found: &[Timed<'_>], claim: Claim, reason: String) -> Told {
-    let answers = found.iter();
-    let answers = answers.map(|timed| (timed.title.as_str(), timed.answer(data, claim)));
-    of_answers(answers.collect(), reason)
-}
-
-/// Barycentric coordinates have no more error than angles in f32 where a region is flat enough.
-fn flat_mesh(data: &Data<'_>) -> Told {
-    let found = super::textured::flat_mesh_errors(data).into_iter();
-    let parts = found.map(|(view, [angles, barycentric])| {
-        let standing = Standing::holds_if(barycentric <= angles);
-        let [angles, barycentric] = [angles, barycentric].map(significant);
-        (format!("{view} {angles} ÷ {barycentric}"), standing)
-    });
-    told(
-        parts,
-        "in a flat triangle a meridian is its chord: that error grows with the square of a region's size, and \
-         the study precision measures it from 10 m up",
-    )
-}
-
-fn worst_at_horizon(data: &Data<'_>) -> Told {
-    let all = textured::compared(data, AS_IN_2007_OVER_PLAIN);
-    let over = |timed: &&Timed<'_>| ratio(timed.cases[0], timed.cases[1], data.metric);
-    let scenes = grouped(&all, |timed| timed.cases[0].condition(SCENE)).into_iter();
-    let parts = scenes.filter_map(|(scene, own)| {
-        let at_horizon = |timed: &&&Timed<'_>| timed.title.ends_with("horizon");
-        let horizon = own.iter().copied().find(|timed| at_horizon(&timed));
-        let horizon = horizon.as_ref().and_then(over)?;
-        let others = own.iter().filter(|timed| !at_horizon(timed));
-        let others = others.filter_map(over);
-        let next = others.max_by(|a, b| a.middle.total_cmp(&b.middle))?;
-        let most = times(&next);
-        let text = format!("{scene}: {}, elsewhere at most {most}", times(&horizon));
-        Some((text, is_more(&horizon, &next)))
-    });
-    told(parts, AS_IN_2007_OVER_PLAIN)
-}
-
-fn of_geometry_shader(data: &Data<'_>, claim: Claim) -> Told {
-    let found = memory::geometry_shader_ratios(data);
-    let has_documents = found
-        .iter()
-        .any(|(name, _)| memory::is_documents_layout(name));
-    let parts = found.iter().filter(|_| has_documents).map(|(name, ratio)| {
-        // The document's own layout decides; the others are named beside it.
-        let standing = match memory::is_documents_layout(name) {
-            true => claim.standing_beyond(&Estimate::exact(*ratio), 1.0),
-            false => Standing::Holds,
-        };
-        (format!("{name} {} ×", significant(*ratio)), standing)
-    });
-    told(parts, memory::why_strips_are_smaller())
-}
-
-fn centric_normals(data: &Data<'_>) -> Told {
-    let own = data
-        .cases
-        .iter()
-        .filter(|case| case.condition(NORMALS) == "centric" && is_compared(case));
-    let parts = own.map(|case| {
-        let (pixels, standing) = picture(case.condition(VIEW), case);
-        let shift = or_dash(case.value(WALL_SHIFT_M).map(significant));
-        let scene = case.condition(SCENE);
-        (
-            format!("{scene} {pixels}, walls off by up to {shift} m"),
-            standing,
-        )
-    });
-    told(
-        parts,
-        "walls through the same vertices are |h| sin δ apart at height h, δ the angle between both normals: \
-         on the Earth 0.34 % of the height at most",
-    )
-}
-
-/// Each case of a rival with that of volumes of the same view, and what to call the two.
-fn beside_volumes<'a>(data: &Data<'a>, rival: &Rival) -> Vec<(String, [&'a Case; 2])> {
-    let cases = data.cases.iter().copied();
-    let own = cases.filter(|case| {
-        case.condition(TECHNIQUE) == rival.technique
-            && case.condition_named(&rival.key) == rival.value
-    });
-    let is_volumes =
-        |case: &&Case| case.condition(TECHNIQUE) == VOLUMES && case.condition(VARIANT) == "doubled";
-    let pairs = own.filter_map(|own| {
-        let volumes = data.beside(own).iter().copied().find(is_volumes)?;
-        let title = [SCENE, VIEW].map(|key| own.condition(key)).join(" ");
-        Some((title, [own, volumes]))
-    });
-    pairs.collect()
-}
-
-/// A technique and volumes.
-const RIVALS: Comparison<'static> = Comparison {
-    follows: &[Follows {
-        key: LAYOUT.name(),
-        because: "each technique calls the first of its own parameters so",
-    }],
-    one_sided: Some("a switch that only one of the two techniques has"),
-    ..one_change(TECHNIQUE)
-};
-
-/// A rival and volumes, view by view.
-fn over_volumes<'a>(data: &Data<'a>, rival: &Rival) -> Vec<Timed<'a>> {
-    let found = beside_volumes(data, rival).into_iter();
-    let timed = found.map(|(title, cases)| Timed {
-        title,
-        pairing: RIVALS,
-        cases,
-    });
-    timed.collect()
-}
-
-fn costs_more(data: &Data<'_>, rival: &Rival, metrics: &[String]) -> Told {
-    let mut parts = Vec::new();
-    for timed in over_volumes(data, rival) {
-        for name in metrics {
-            let metric = declared(name);
-            let answer = timed.answer_in(data, metric, metric.scope, Claim::Faster);
-            let Some(figure) = answer.figure else {
-                continue;
-            };
-            let over = significant(figure.middle);
-            parts.push((format!("{}, {name} {over} ×", timed.title), answer.standing));
-        }
-    }
-    told(parts, format!("{} ÷ {VOLUMES}/doubled", rival.technique))
-}
-
-fn wrong_pixels(data: &Data<'_>, rival: &Rival) -> Told {
-    let found = beside_volumes(data, rival);
-    let outside = |case: &Case| counter(case, MISMATCHED_PX_OUTSIDE_BAND);
-    let parts = found.iter().filter_map(|(title, [own, _])| {
-        let pixels = outside(own)?;
-        Some((format!("{title} {} px", count(pixels)), pixels))
-    });
-    let parts: Vec<(String, u64)> = parts.collect();
-    // The document says of the view from close by what no other view need show.
-    let standing = Standing::holds_if(parts.iter().any(|(_, pixels)| *pixels > 0));
-    let parts = parts.into_iter().map(|(text, _)| (text, standing));
-    let volumes = found
-        .iter()
-        .filter_map(|(_, [_, volumes])| outside(volumes));
-    let most = or_dash(volumes.max().map(count));
-    told(
-        parts,
-        format!("outside the boundary band; of volumes at most {most}"),
-    )
-}
-
-fn surface_independence(data: &Data<'_>) -> Told {
-    let plain = |case: &&&Case| {
-        !is_baseline(case)
-            && !textured::is_textured(case)
-            && !has_role(case, "sweep")
-            && !is_approximate(case)
-            // An experiment whose error is its answer says nothing of surfaces.
-            && !case.planned.may_be_wrong
-    };
-    let tally = |what: &str, on_terrain: bool| {
-        let own = data.cases.iter().filter(plain);
-        let own = own.filter(|case| ON_TERRAIN.contains(&case.condition(SCENE)) == on_terrain);
-        let ended = |outcome| own.clone().filter(|case| case.outcome == outcome).count();
-        let (right, wrong) = (ended(Outcome::Ok), ended(Outcome::Wrong));
-        let text = format!("{what}: {right} of {} pictures right", right + wrong);
-        (right + wrong > 0).then(|| (text, Standing::holds_if(wrong == 0)))
-    };
-    let tallies = [tally("bare ellipsoid", false), tally("terrain", true)];
-    let [Some(bare), Some(terrain)] = tallies else {
-        return unanswered(
-            Standing::NotMeasured,
-            "the run has surfaces of one kind only",
-        );
-    };
-    told(
-        vec![bare, terrain],
-        "fills read the surface's depth and nothing else of it",
-    )
+    told(views.collect(), fragments.unwrap_or_default())
 }
 
 /// What the run says of each claim, in order.
 fn all(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Told> {
+    let evidence = Evidence::new(data, ladders);
     let command = full_command(&data.run.environment, STUDY);
     let claims = PAPER.claims.iter();
     let judged = claims.map(|claimed| {
-        let mut told = judge(data, ladders, claimed);
-        if told.standing == Standing::NotMeasured {
-            told.reason = sentences([told.reason.as_str(), &format!("To measure it: {command}")]);
-        }
+        let mut told = evidence.told(&claimed.test);
+        told.reason = match told.standing {
+            Standing::NotMeasured => {
+                sentences([told.reason.as_str(), &format!("To measure it: {command}")])
+            }
+            _ => sentences([&claimed.because, &told.reason]),
+        };
         told
     });
     judged.collect()
@@ -518,11 +481,8 @@ fn all(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Told> {
 pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Block> {
     let all = all(data, ladders);
     let is_measured = |(claimed, told): (&Claimed<Test>, &Told)| {
-        !matches!(claimed.test, Test::Sum { .. })
-            && !matches!(
-                told.standing,
-                Standing::NotMeasured | Standing::CannotBeTested
-            )
+        told.standing != Standing::NotMeasured
+            && !matches!(claimed.test, Test::Sum { .. } | Test::No(_))
     };
     if !PAPER.claims.iter().zip(&all).any(is_measured) {
         return Vec::new();
@@ -536,68 +496,25 @@ pub(super) fn table(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<DerivedTa
     claims_table(&PAPER, &all(data, ladders))
 }
 
-/// What the document says of the steps of a ladder that it climbed.
-pub(super) fn of_ladder(data: &Data<'_>, ladder: &Ladder<'_>) -> Vec<Finding> {
-    if ladder.technique != VOLUMES {
-        return Vec::new();
-    }
-    let finding = |claimed: &Claimed<Test>| {
-        let Test::Step(of) = &claimed.test else {
-            return None;
-        };
-        let found = telling_steps(&[ladder], of);
-        let rung = found.first()?;
-        let answer = answer(data, rung, of.expects);
-        let said = match claimed.figure.as_str() {
-            "" => String::new(),
-            figure => format!(" ({figure})"),
-        };
-        let gain = answer.figure.as_ref().map(|gain| data.ratio_text(gain));
-        let gain = gain.map(|gain| format!("{}: {gain}", rung.step));
-        Some(Finding {
-            claim: format!(
-                "{SOURCE}, {}, {}{said}: “{}”",
-                claimed.place,
-                claimed.basis.name(),
-                claimed.words
-            ),
-            standing: answer.standing,
-            because: sentences([gain.unwrap_or_default(), answer.because]),
-        })
-    };
-    PAPER.claims.iter().filter_map(finding).collect()
-}
-
 /// Keys of the cases that further processes may decide a claim by: what is undecided, or all steps while
 /// noise is larger than [`MAX_BAND`].
 pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> {
-    let own = documents(ladders);
-    let Some(scene) = own.first().map(|ladder| ladder.scene) else {
+    let evidence = Evidence::new(data, ladders);
+    let Some(ladder) = evidence.ladders.first() else {
         return Vec::new();
     };
-    let noise = data.ladder_noise(scene);
+    let noise = data.ladder_noise(ladder.scene);
     let is_noisy = noise.is_some_and(|noise| noise.reach_factor() > MAX_BAND);
-    let mut keys = textured::undecided(data);
+    let mut keys = Vec::new();
     for claimed in &PAPER.claims {
-        let (timed, claim) = match &claimed.test {
-            Test::Step(of) => {
-                for rung in telling_steps(&own, of) {
-                    let is_open = answer(data, rung, of.expects).standing == Standing::CannotTell;
-                    if is_open || (is_noisy && rung.gain.is_some()) {
-                        let cases = rung.before.into_iter().chain([rung.case]);
-                        keys.extend(cases.map(|case| case.id().key()));
-                    }
-                }
-                continue;
-            }
-            Test::Textured { ratio, expects } => (textured::compared(data, ratio), *expects),
-            Test::Subdivision => (subdivision::coarsest_over_finest(data), SUBDIVISION),
-            Test::TimeOverVolumes { rival, expects } => (over_volumes(data, rival), *expects),
-            _ => continue,
+        let Test::Ratio(ratio) = &claimed.test else {
+            continue;
         };
-        for timed in &timed {
-            if timed.answer(data, claim).standing == Standing::CannotTell {
-                keys.extend(timed.cases.map(|case| case.id().key()));
+        let is_step = matches!(ratio.of, Pair::Step(_)) && ratio.metrics.is_empty();
+        for judged in evidence.judged(ratio) {
+            let is_hidden = is_noisy && is_step && judged.answer.figure.is_some();
+            if judged.answer.standing == Standing::CannotTell || is_hidden {
+                keys.extend(judged.cases.iter().map(|case| case.id().key()));
             }
         }
     }

@@ -3,7 +3,7 @@
 //! are those of each view's surface with volumes of one range for the whole Earth.
 
 use super::data::{Data, View, counter, has_role, name};
-use super::rungs::{Ladder, SOURCE};
+use super::rungs::Ladder;
 use super::table::{NOT_COMPARED, NOT_RECORDED, figures, plain_figures, row, section};
 use crate::keys::*;
 use terrafill_plot::number::{count, figure, significant};
@@ -39,9 +39,6 @@ const SCALES: [[&str; 2]; 2] = [["countries-110m", "globe"], ["countries-50m", "
 
 /// The step of every ladder that measures global heights against the rung before it.
 const WALLS_STEP: &str = "walls-global";
-
-/// What the document says of walls.
-const OF_WALLS: &str = "“Though you would think reducing their high would improve performance, I did not observe any differences.”";
 
 /// A row for every view in which a pair was timed.
 pub(super) fn pairs(data: &Data<'_>) -> Vec<Block> {
@@ -85,31 +82,29 @@ pub(super) fn scales(data: &Data<'_>) -> Vec<Block> {
     };
     let fills = |case: &&Case| {
         let other = many.cases.iter().find(|other| name(other) == name(case))?;
-        let both = [*case, *other];
-        let [of_few, of_many] = both.map(|case| data.replicates(case));
         let vertices = [case.value(VERTICES)?, other.value(VERTICES)?];
-        let times = [data.right_time(case)?, data.right_time(other)?];
+        let times = [data.typical(case)?.middle, data.typical(other)?.middle];
+        let [of_few, of_many] = [*case, *other].map(|case| data.replicates(case));
         let found = exponent(vertices, [&of_few, &of_many])?;
-        let vertices = both.map(|case| counter(case, VERTICES).map_or_else(String::new, count));
-        let times = times.map(|ms| significant(ms.median));
-        let cells = vertices.into_iter().chain(times).chain([figure(&found)]);
+        let grown = [vertices, times].map(|[few, many]| format!("{} ×", significant(many / few)));
+        let cells = grown.into_iter().chain([figure(&found)]);
         Some(row(Cell::name(name(case)), cells.map(Cell::plain)))
     };
     let own = few.cases.iter().filter(|case| !has_role(case, "sweep"));
     let rows = own.filter_map(fills).collect();
     let [[few, view], [many, _]] = SCALES;
     let text = format!(
-        "{many} beside {few}, {view}: the same countries from the same eye. The exponent b of time \
+        "{many} over {few}, {view}: the same countries from the same eye. The exponent b of {} \
          = c · verticesᵇ, with its 95 % interval over resampled processes: 0 where pixels cost \
-         everything, 1 where vertices do."
+         everything, 1 where vertices do.",
+        data.run.clock().name()
     );
-    let texts = ["vertices", data.unit()].map(|what| [few, many].map(|of| format!("{what}, {of}")));
-    let mut headings = vec![("technique", "")];
-    for (texts, metric) in texts.iter().zip([VERTICES, data.metric]) {
-        headings.extend(texts.iter().map(|text| (text.as_str(), metric.name)));
-    }
-    headings.push(("exponent", ""));
-    section("Fill time against vertices", text, figures(&headings, rows))
+    let headings = ["technique", "vertices", "time", "exponent"];
+    section(
+        "Fill time against vertices",
+        text,
+        plain_figures(&headings, rows),
+    )
 }
 
 /// What the walls' height costs: a row for every ladder that has both. The two fills differ in nothing else, the
@@ -146,13 +141,11 @@ pub(super) fn walls(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Block> {
             "mismatched_px − mismatched_px_outside_band",
         ),
     ];
-    let text = format!(
-        "Volumes that reach as far as the surface does over each region in the view at hand, facets that \
+    let text = "Volumes that reach as far as the surface does over each region in the view at hand, facets that \
          hang between their corners included (`wall-heights=region`), ÷ volumes from 12 km below the \
-         ellipsoid to 12 km above it (`wall-heights=global`); below 1 lower walls are better. {SOURCE} \
-         of walls: {OF_WALLS} `terrafill bench hills --ladder hills --technique vertex` measures \
-         both on terrain."
-    );
+         ellipsoid to 12 km above it (`wall-heights=global`); below 1 lower walls are better. \
+         `terrafill bench hills --ladder hills --technique vertex` measures \
+         both on terrain.";
     let rows = ladders.iter().filter_map(both).collect();
     section("Lower walls", text, figures(&headings, rows))
 }

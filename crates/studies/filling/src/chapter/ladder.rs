@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The ladder: what each switch gives on the way from the method of 2007 to the full plan, and whether
-//! what was found then is still found.
-//!
-//! Claims are compared with the measured interval; nothing here knows what came out.
+//! The ladder: what each switch gives on the way from the method of 2007 to the full plan. What the document
+//! says of these steps stands in the table of its claims.
 
-use super::data::{Data, is_more};
-use super::rungs::{Ladder, Rung, SOURCE, counters};
+use super::data::Data;
+use super::rungs::{Ladder, Rung, counters};
 use super::table::Show::{Bytes, Count, Own, Ratios, Status};
 use super::table::{Column, head, part, plain_figures, row, step_cells, steps_plot, table};
-use super::{claims, fill_rate};
 use crate::keys::*;
 use terrafill_plot::number::significant;
-use terrafill_results::{Block, Case, Cell, ChapterError, Estimate, Outcome, Standing, Table};
+use terrafill_results::{Block, Cell, ChapterError, Outcome, Table};
 
 const COLUMNS: [Column; 11] = [
     ("step", Own("")),
@@ -44,15 +41,12 @@ pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Bloc
             "One switch at a time, from the un-optimised method to the full plan. Gain = {} of the \
              last kept step before ÷ this step's, paired by process; above 1 is faster. A step is kept \
              unless its picture is wrong or it stands aside: an experiment that the next step does not \
-             start from. A bar's length is the printed gain. After each table of the vertex shader: what \
-             {SOURCE} says of the steps that repeat its experiments, and whether the interval measured \
-             here agrees. {}",
+             start from. A bar's length is the printed gain. {}",
             data.run.clock().name(),
             data.band_sentence(ladders.first().map(|ladder| ladder.scene)),
         ),
     );
     blocks.push(Block::Table(overview(data, ladders)));
-    blocks.extend(fill_rate::blocks(data, ladders));
     for ladder in ladders {
         blocks.extend(ladder_blocks(data, ladder)?);
     }
@@ -86,52 +80,27 @@ fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, Cha
         (rung.case, own.collect())
     });
     blocks.push(Block::Table(table(data, &COLUMNS, rows)));
-    let findings = claims::of_ladder(data, ladder);
-    blocks.extend(findings.into_iter().map(Block::Finding));
     Ok(blocks)
 }
 
-/// The step that gave most, and whether another one may have given as much.
-fn gave_most(data: &Data<'_>, rungs: &[Rung<'_>]) -> Option<String> {
-    let own = rungs.iter().filter(|rung| !rung.is_aside);
-    let gains = own.filter_map(|rung| Some((rung.step, rung.gain?)));
-    let mut gains: Vec<(&str, Estimate)> = gains.collect();
-    gains.sort_by(|a, b| b.1.middle.total_cmp(&a.1.middle));
-    let (step, most) = gains.first()?;
-    let is_close = |(_, second): &&(&str, Estimate)| is_more(most, second) != Standing::Holds;
-    let close = gains.get(1).filter(is_close);
-    let close = close.map_or_else(String::new, |(second, _)| {
-        format!(", not clearly more than {second}")
-    });
-    Some(format!("{step}: {}{close}", data.ratio_text(most)))
-}
-
+/// What all kept steps gave together, and which gave most.
 fn overview(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Table {
     let rows = ladders.iter().map(|ladder| {
-        let kept = ladder.rungs.iter().filter(|rung| rung.is_kept());
-        let mut right = kept.map(|rung| rung.case);
-        let over_depth_pass = |case: Option<&Case>| {
-            let ratio = case.and_then(|case| data.spread_over_depth_pass(case));
-            Cell::or_absent(ratio.map(|ratio| significant(ratio.median)), "no ratio")
-        };
-        let first = right.next();
-        let last = right.next_back().or(first);
-        let total = first
-            .zip(last)
-            .and_then(|(first, last)| data.over(first, last));
+        let mut kept = ladder.rungs.iter().filter(|rung| rung.is_kept());
+        let gains = kept.clone().filter_map(|rung| Some((rung, rung.gain?)));
+        let most = gains.max_by(|a, b| a.1.middle.total_cmp(&b.1.middle));
+        let most = most.map(|(rung, gain)| format!("{}: {}", rung.step, data.ratio_text(&gain)));
+        let both = kept.next().zip(kept.next_back());
+        let total = both.and_then(|(first, last)| data.over(first.case, last.case));
         let cells = [
-            over_depth_pass(first),
-            over_depth_pass(last),
             data.ratio_cell(total.as_ref(), "no two right steps with times"),
-            Cell::or_absent(gave_most(data, &ladder.rungs), "no gain was measured"),
+            Cell::or_absent(most, "no gain was measured"),
         ];
         row(Cell::name(&ladder.title), cells)
     });
     let headings = [
         "scene, view: technique",
-        "first right step ÷\u{a0}depth-pass",
-        "last ÷\u{a0}depth-pass",
-        "first ÷ last [95\u{a0}%]",
+        "first right step ÷ last [95\u{a0}%]",
         "gave most",
     ];
     Table {

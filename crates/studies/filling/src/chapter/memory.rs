@@ -1,36 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Memory: bytes of every layout by formula and as allocated, beside the figures of 2007.
+//! Memory: bytes of every layout by formula and as allocated.
 
 use super::data::{Data, counter, has_role, layout_name};
-use super::rungs::SOURCE;
 use super::table::{NOT_RECORDED, alarm, head, none_differs, part};
 use crate::keys::*;
 use crate::request::STUDY;
-use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, finding};
-use terrafill_plot::number::{digits, significant};
+use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section};
+use terrafill_plot::number::digits;
 use terrafill_results::{Block, Case, ChapterError, Estimate, Finding, Metric};
 
 /// The layout whose bytes the others' are divided by: every vertex twice, as a vertex shader needs.
 const BASE: &str = "vertex/doubled";
-
-/// Cozzi (2007): bytes of the geometry-shader version over the vertex-shader version, about.
-const RATIO_2007: f64 = 0.40;
-
-/// How far from [`RATIO_2007`] still counts as equal to it.
-const ABOUT: f64 = 0.05;
-
-/// Bytes of the document's own layouts (4.2, 4.3) on its California. With 1,056 vertices and 1,107
-/// triangles a region without holes has 2 · 1,056 − 2 − 1,107 = 1,003 boundary edges. The geometry shader
-/// reads vertices of 12 bytes and 3 indices for each boundary edge beside the triangles'; the vertex
-/// shader two copies of 16 bytes, two caps, and 2 indices of a strip for each boundary edge.
-const BY_LAYOUTS_2007: [u64; 2] = [
-    1_056 * 12 + (3_321 + 3 * 1_003) * 2,
-    1_056 * 2 * 16 + (2 * 3_321 + 2 * 1_003) * 2,
-];
-
-/// The layout that the document describes: triangles, and a degenerate one for each boundary edge, in a
-/// list.
-const LAYOUT_2007: &str = "native/gs-degenerate/list";
 
 /// Technique and beginning of the layouts that a geometry shader reads.
 const GEOMETRY_SHADER: (&str, &str) = ("native", "gs-");
@@ -103,9 +83,8 @@ fn over_base(of_scene: &Cases<'_>, case: &Case) -> Option<Estimate> {
     let base = of_scene.iter().find(|case| layout_name(case) == BASE)?;
     let base = formula_bytes(base).filter(|bytes| *bytes > 0.0)?;
     Some(Estimate {
-        middle: formula_bytes(case)? / base,
         interval: None,
-        processes: 0,
+        ..Estimate::exact(formula_bytes(case)? / base)
     })
 }
 
@@ -147,7 +126,6 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         let rows = rows.map(|(row, case)| row.bad_if(disagreement(case).is_some()));
         table.rows = rows.collect();
         blocks.push(Block::Table(table));
-        blocks.extend(findings(&own).into_iter().map(Block::Finding));
     }
     Ok(blocks)
 }
@@ -159,10 +137,6 @@ pub(super) fn requirement(data: &Data<'_>) -> Option<Finding> {
     let (all, differing) = (all.iter().count(), differing.count());
     let claim = "Every layout allocates the bytes of its formula.";
     (all > 0).then(|| none_differs(claim, all, differing, "layouts of scenes do"))
-}
-
-fn times(ratio: f64) -> String {
-    format!("{} ×", significant(ratio))
 }
 
 /// How formula and allocation differ, if they do. Errors that cancel in the sum are two errors.
@@ -183,54 +157,17 @@ fn disagreement(case: &Case) -> Option<String> {
     Some(differing.collect::<Vec<_>>().join("; ")).filter(|text| !text.is_empty())
 }
 
-/// Each geometry-shader layout beside the document's 40 %.
-fn findings(of_scene: &Cases<'_>) -> Vec<Finding> {
-    let ratios = ratios_to_base(of_scene).into_iter();
-    let claim = format!(
-        "{SOURCE}, measured: “only about 40% of the memory”; {} by the document's layouts.",
-        times(ratio_by_layouts())
-    );
-    let found = ratios.map(|(name, ratio)| {
-        let because = format!("{name} takes {} {BASE}", times(ratio));
-        finding(&claim, Some((ratio - RATIO_2007).abs() <= ABOUT), because)
-    });
-    found.collect()
-}
-
-/// Layouts that a geometry shader reads, by name, and their bytes over [`BASE`].
-fn ratios_to_base(of_scene: &Cases<'_>) -> Vec<(String, f64)> {
-    let (technique, beginning) = GEOMETRY_SHADER;
-    let of_geometry_shader = of_scene.iter().filter(|case| {
-        case.condition(TECHNIQUE) == technique && case.condition(LAYOUT).starts_with(beginning)
-    });
-    let ratio = |case| Some((layout_name(case), over_base(of_scene, case)?.middle));
-    of_geometry_shader.filter_map(ratio).collect()
-}
-
-/// Geometry shader over vertex shader by the document's own layouts.
-fn ratio_by_layouts() -> f64 {
-    let [geometry_shader, vertex_shader] = BY_LAYOUTS_2007;
-    geometry_shader as f64 / vertex_shader as f64
-}
-
-/// Why layouts in strips come nearer to the document's figure than its own layout does.
-pub(super) fn why_strips_are_smaller() -> String {
-    format!(
-        "In a list every triangle and every boundary edge takes 3 indices, which gives {} × on the \
-         document's California; in strips a triangle takes little more than 1 and a boundary edge 2, and \
-         indices are half of the bytes",
-        significant(ratio_by_layouts())
-    )
-}
-
-/// Whether the document describes a layout.
-pub(super) fn is_documents_layout(name: &str) -> bool {
-    name == LAYOUT_2007
-}
-
-/// Bytes of each geometry shader's layout over [`BASE`], on the first scene that has both.
+/// Layouts that a geometry shader reads, by name, and their bytes over [`BASE`], on the first scene that has
+/// both.
 pub(super) fn geometry_shader_ratios(data: &Data<'_>) -> Vec<(String, f64)> {
+    let (technique, beginning) = GEOMETRY_SHADER;
     let scenes = allocated(&layouts(data)).by(SCENE).into_iter();
-    let mut ratios = scenes.map(|(_, own)| ratios_to_base(&own));
+    let mut ratios = scenes.map(|(_, own)| {
+        let of_geometry_shader = own.iter().filter(|case| {
+            case.condition(TECHNIQUE) == technique && case.condition(LAYOUT).starts_with(beginning)
+        });
+        let ratio = |case| Some((layout_name(case), over_base(&own, case)?.middle));
+        of_geometry_shader.filter_map(ratio).collect::<Vec<_>>()
+    });
     ratios.find(|ratios| !ratios.is_empty()).unwrap_or_default()
 }

@@ -80,7 +80,7 @@ impl Chapter for FillingChapter {
             memory::blocks(&data)?,
             needs::blocks(&data)?,
             comparisons::scales(&data),
-            subdivision::blocks(&data),
+            subdivision::blocks(&data)?,
             textured::blocks(&data),
             scenes::blocks(&data)?,
             techniques::blocks(&data),

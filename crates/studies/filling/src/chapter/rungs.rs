@@ -9,9 +9,6 @@ use crate::keys::*;
 use terrafill_plot::number::{bytes, count};
 use terrafill_results::{Case, ConditionKey, Estimate};
 
-/// Where the findings come from, as printed.
-pub(super) const SOURCE: &str = "Cozzi (2007)";
-
 /// One rung as measured.
 pub(super) struct Rung<'a> {
     pub(super) number: u32,
