@@ -2,7 +2,8 @@
 //! A study's cases in a run, as its chapter reads them.
 
 use crate::comparison::Comparison;
-use terrafill_plot::number::significant;
+use std::collections::BTreeMap;
+use terrafill_plot::number::{count, significant};
 use terrafill_results::{
     Block, Case, Claim, Clock, ConditionKey, Finding, Kind, Metric, Noise, Outcome, Run, Standing,
     ratio,
@@ -110,13 +111,7 @@ impl<'a> Cases<'a> {
     /// Values of a condition, in order of appearance.
     #[must_use]
     pub fn distinct(&self, key: ConditionKey) -> Vec<&'a str> {
-        let mut values = Vec::new();
-        for value in self.iter().map(|case| case.condition(key)) {
-            if !values.contains(&value) {
-                values.push(value);
-            }
-        }
-        values
+        distinct(self.iter().map(|case| case.condition(key)))
     }
 
     /// Cases of each value of a condition, in order of appearance.
@@ -278,6 +273,40 @@ impl<'a> Cases<'a> {
         let noise = self.noise(comparison.metric);
         comparison.finding(self.run, pairs, says, claim.into(), noise)
     }
+}
+
+/// Items without repetitions, in order of appearance.
+pub fn distinct<T: Ord + Clone>(items: impl IntoIterator<Item = T>) -> Vec<T> {
+    let groups = grouped(items, T::clone).into_iter();
+    groups.map(|(item, _)| item).collect()
+}
+
+/// Items of the same key together, in order of appearance.
+pub fn grouped<T, K: Ord + Clone>(
+    items: impl IntoIterator<Item = T>,
+    key: impl Fn(&T) -> K,
+) -> Vec<(K, Vec<T>)> {
+    let mut places: BTreeMap<K, usize> = BTreeMap::new();
+    let mut groups: Vec<(K, Vec<T>)> = Vec::new();
+    for item in items {
+        let key = key(&item);
+        let place = *places.entry(key.clone()).or_insert(groups.len());
+        if place == groups.len() {
+            groups.push((key, Vec::new()));
+        }
+        groups[place].1.push(item);
+    }
+    groups
+}
+
+/// That nothing differs, with how many of all do not; not measured where there are none.
+///
+/// - `what`: they are and do, in words
+#[must_use]
+pub fn none_differs(claim: &str, all: usize, differing: usize, what: &str) -> Finding {
+    let [same, of] = [all - differing, all].map(|number| count(number as u64));
+    let because = format!("{same} of {of} {what}");
+    finding(claim, (all > 0).then_some(differing == 0), because)
 }
 
 /// What exact figures say of a claim; `None` where they were not measured. [`Cases::compared`] compares times.

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Plots of a section: curves of cases through a knob, as panels side by side.
 
-use crate::cases::Cases;
+use crate::cases::{Cases, distinct};
 use crate::figure::{Figure, Names};
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, ReferenceLine, Upwards,
     WorkPrecision, named_aside, panels,
 };
-use terrafill_results::{
-    Block, Case, ChapterError, Clock, Plot, Timer, process_medians, sample_spread,
-};
+use terrafill_results::{Block, Case, ChapterError, Clock, Timer, process_medians, sample_spread};
 
 /// A plot.
 #[derive(Debug, Clone, Copy)]
@@ -162,23 +160,14 @@ pub fn draw(
     caption: &str,
     plots: &[WorkPrecision<'_>],
 ) -> Result<Option<Block>, ChapterError> {
-    let mut names: Vec<String> = Vec::new();
-    for curve in plots.iter().flat_map(|plot| &plot.curves) {
-        if !names.contains(&curve.name) {
-            names.push(curve.name.clone());
-        }
-    }
+    let curves = plots.iter().flat_map(|plot| &plot.curves);
+    let names = distinct(curves.map(|curve| curve.name.clone()));
     let palette = Palette::new(names.clone());
     let svg = match plots {
         [only] => named_aside(title, only, &names, &palette)?,
         several => panels(title, several, Arrangement::SideBySide, &palette)?,
     };
-    Ok(svg.map(|svg| {
-        Block::Plot(Plot {
-            caption: caption.to_owned(),
-            svg,
-        })
-    }))
+    Ok(Block::plot(caption, svg))
 }
 
 /// Along it what is drawn upwards grows as what is drawn across: from the lowest first point of all curves.

@@ -11,6 +11,8 @@ pub enum Figure {
     Metric(&'static Metric),
     /// The first in runs that compare GPU times, else the second.
     ByClock(&'static Metric, &'static Metric),
+    /// The same with the range of 5 to 95 % of its samples.
+    Samples(&'static Metric, &'static Metric),
     /// A condition that is a number.
     Condition(ConditionKey),
     /// Made of several.
@@ -27,7 +29,7 @@ impl Figure {
     pub fn metric(self, clock: Clock) -> Option<&'static Metric> {
         match self {
             Self::Metric(metric) => Some(metric),
-            Self::ByClock(gpu, cpu) => Some(clock.pick(gpu, cpu)),
+            Self::ByClock(gpu, cpu) | Self::Samples(gpu, cpu) => Some(clock.pick(gpu, cpu)),
             Self::Condition(_) | Self::Computed(_) | Self::Words(_) | Self::Beside(_) => None,
         }
     }
@@ -36,7 +38,9 @@ impl Figure {
     #[must_use]
     pub fn of(self, case: &Case, clock: Clock) -> Option<f64> {
         match self {
-            Self::Metric(_) | Self::ByClock(..) => measured(case, self.metric(clock)?),
+            Self::Metric(_) | Self::ByClock(..) | Self::Samples(..) => {
+                measured(case, self.metric(clock)?)
+            }
             Self::Condition(key) => case.condition(key).parse().ok(),
             Self::Computed(of) => of(case),
             Self::Words(_) | Self::Beside(_) => None,

@@ -12,11 +12,13 @@ mod lines;
 mod section;
 mod settling;
 
-pub use cases::{Best, Cases, finding, log_slope, measured, range};
+pub use cases::{
+    Best, Cases, distinct, finding, grouped, log_slope, measured, none_differs, range,
+};
 pub use claims::{Basis, Claimed, Paper, PaperError, Tested, Told, claims_blocks, claims_table};
 pub use comparison::{Answer, Comparison, Follows, REFUSED, Refused, overall};
 pub use curves::{Drawing, Panel, draw, slope_one};
 pub use figure::{Figure, Names};
 pub use lines::Lines;
-pub use section::{Absent, Column, MoreOf, Section, SectionedChapter, Select};
-pub use settling::{bench_command, full_command, with_command, with_commands};
+pub use section::{Absent, Column, MoreOf, Section, SectionedChapter, Select, case_table};
+pub use settling::{answers_with_commands, bench_command, full_command, with_commands};

@@ -1,21 +1,24 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A section of a chapter as data: which cases, what names a row, columns, plot and pictures.
 
-use crate::cases::Cases;
+use crate::cases::{Cases, measured};
 use crate::curves::Drawing;
 use crate::figure::{Figure, Names};
 use crate::lines::Lines;
-use crate::settling::{with_command, with_commands};
+use crate::settling::{answers_with_commands, with_commands};
 use terrafill_plot::dotted;
-use terrafill_plot::number::{digits, measured_bytes, significant, times};
+use terrafill_plot::number::{digits, measured_bytes, significant, spread, times};
 use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, ConditionKey, Estimate, Finding,
-    Heading, Kind, Metric, Outcome, Picture, PictureFigure, Pictures, Row, Run, Table,
+    Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, ConditionKey, Estimate,
+    Finding, Heading, Kind, Metric, NOT_MEASURED, Outcome, Picture, PictureFigure, Pictures, Row,
+    Run, Table, Timer, sample_spread,
 };
 
 /// Why a case that ended well has no figure of a column. Others have their own reason.
 #[derive(Debug, Clone, Copy)]
 pub enum Absent {
+    /// As the metric declares.
+    Declared,
     /// In all rows.
     Said(&'static str),
     /// By the case.
@@ -25,7 +28,7 @@ pub enum Absent {
 /// A column of figures.
 #[derive(Debug, Clone, Copy)]
 pub struct Column {
-    /// Heading.
+    /// Heading, in which `{unit}` is that of the metric's clock.
     pub heading: &'static str,
     /// What it means where it is no metric; empty for what its heading says.
     pub meaning: &'static str,
@@ -45,7 +48,7 @@ impl Column {
             heading,
             meaning: "",
             figure,
-            absent: Absent::Said("not measured"),
+            absent: Absent::Declared,
             format: None,
         }
     }
@@ -64,6 +67,16 @@ impl Column {
         cpu: &'static Metric,
     ) -> Self {
         Self::of(heading, Figure::ByClock(gpu, cpu))
+    }
+
+    /// The same with the range of 5 to 95 % of its samples.
+    #[must_use]
+    pub const fn sampled(
+        heading: &'static str,
+        gpu: &'static Metric,
+        cpu: &'static Metric,
+    ) -> Self {
+        Self::of(heading, Figure::Samples(gpu, cpu))
     }
 
     /// Of ratios to another case of the section.
@@ -103,13 +116,15 @@ impl Column {
     }
 
     fn heading(&self, clock: Clock) -> Heading {
-        match self.figure.metric(clock) {
-            Some(metric) => Heading::metric(self.heading, metric),
-            None => Heading::explained(self.heading, self.meaning),
-        }
+        let Some(metric) = self.figure.metric(clock) else {
+            return Heading::explained(self.heading, self.meaning);
+        };
+        let unit = metric.timer().map_or(metric.unit, Timer::unit_ms);
+        Heading::metric(self.heading.replace("{unit}", unit), metric)
     }
 
-    /// A case's cell: its figure with a dot for each process, or the reason why there is none.
+    /// A case's cell: its figure with a dot for each process, or the reason why there is none. A time of what is wrong
+    /// counts for nothing, unless its error is the question.
     #[must_use]
     pub fn cell(&self, cases: &Cases<'_>, case: &Case) -> Cell {
         let clock = cases.clock();
@@ -118,6 +133,10 @@ impl Column {
         let text = match self.figure {
             Figure::Words(of) => of(case),
             Figure::Beside(of) => of(cases, case).as_ref().map(times),
+            Figure::Samples(..) => metric.and_then(|metric| {
+                let times = sample_spread(case, metric)?;
+                measured(case, metric).map(|_| spread(times))
+            }),
             figure => {
                 let value = figure.of(case, clock);
                 value.map(|value| {
@@ -128,17 +147,48 @@ impl Column {
         };
         let is_wrong_by_nature = case.outcome == Outcome::Wrong && case.planned.may_be_wrong;
         let has_ended_well = case.counts() || is_wrong_by_nature;
-        let why = match (self.absent, case.reason.as_str()) {
-            (_, reason) if !has_ended_well && !reason.is_empty() => reason,
-            (Absent::Said(why), _) => why,
-            (Absent::Of(why), _) => why(case),
+        let Some(text) = text else {
+            return Cell::absent(match (self.absent, case.reason.as_str()) {
+                (_, "") if !has_ended_well => case.outcome.name(),
+                (_, reason) if !has_ended_well => reason,
+                (Absent::Declared, _) => metric.map_or(NOT_MEASURED, |metric| metric.absent),
+                (Absent::Said(why), _) => why,
+                (Absent::Of(why), _) => why(case),
+            });
         };
-        let cell = Cell::or_absent(text, why);
+        let cell = Cell::plain(text);
         match metric {
+            Some(metric) if metric.kind == Kind::Time && !has_ended_well => Cell {
+                title: "it is wrong: this time counts for nothing".to_owned(),
+                class: CellClass::Void,
+                ..cell
+            },
             Some(metric) => dotted(cell, case, metric),
             None => cell,
         }
     }
+}
+
+/// Figures of cases below headings: in each row what the caller says of its case, then a cell for each column.
+///
+/// - `said`: headings of what the caller says
+#[must_use]
+pub fn case_table<'c>(
+    cases: &Cases<'_>,
+    mut said: Vec<Heading>,
+    columns: &[Column],
+    rows: impl IntoIterator<Item = (&'c Case, Vec<Cell>)>,
+) -> Table {
+    said.extend(columns.iter().map(|column| column.heading(cases.clock())));
+    let row = |(case, mut cells): (&Case, Vec<Cell>)| {
+        cells.extend(columns.iter().map(|column| column.cell(cases, case)));
+        Row {
+            cells,
+            status: case.outcome.name().to_owned(),
+            remark: case.reason.clone(),
+        }
+    };
+    Table::of(said, rows.into_iter().map(row).collect())
 }
 
 /// Bytes with their unit, counts with every digit, all else in three.
@@ -273,28 +323,17 @@ impl Section<'_> {
     /// A table with a row for each of these cases, those that were not measured too.
     #[must_use]
     pub fn table(&self, caption: impl Into<String>, cases: &Cases<'_>) -> Table {
-        let clock = cases.clock();
-        let row = |case: &Case| {
-            let mut cells = self.named_by.cells(case);
-            cells.extend(self.columns.iter().map(|column| column.cell(cases, case)));
-            let is_said = case.outcome == Outcome::Wrong && self.shows_what_is_wrong;
-            Row {
-                cells,
-                status: case.outcome.name().to_owned(),
-                remark: match is_said {
-                    true => String::new(),
-                    false => case.reason.clone(),
-                },
+        let rows = cases.iter().map(|case| (case, self.named_by.cells(case)));
+        let mut table = case_table(cases, self.named_by.headings(), self.columns, rows);
+        for row in &mut table.rows {
+            if row.status == Outcome::Wrong.name() && self.shows_what_is_wrong {
+                row.remark.clear();
             }
-        };
-        let mut headings = self.named_by.headings();
-        headings.extend(self.columns.iter().map(|column| column.heading(clock)));
+        }
         Table {
             caption: caption.into(),
-            headings,
-            rows: cases.iter().map(row).collect(),
             is_main: self.is_main,
-            ..Table::default()
+            ..table
         }
     }
 
@@ -302,13 +341,8 @@ impl Section<'_> {
     #[must_use]
     pub fn pictures(&self, caption: impl Into<String>, cases: &Cases<'_>) -> Option<Pictures> {
         let figure = |case: &Case| {
-            let drawn = self.pictures.iter().filter_map(|(note, caption)| {
-                let path = case.note(note);
-                (!path.is_empty()).then(|| Picture {
-                    path: path.to_owned(),
-                    caption: (*caption).to_owned(),
-                })
-            });
+            let pictures = self.pictures.iter();
+            let drawn = pictures.filter_map(|(note, caption)| Picture::of(case, note, *caption));
             let pictures: Vec<Picture> = drawn.collect();
             (!pictures.is_empty()).then(|| PictureFigure {
                 pictures,
@@ -355,11 +389,8 @@ impl Chapter for SectionedChapter {
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
-        let mut answers = (self.answers)(&Cases::of_study(run, self.study));
-        let requirements = answers.requirements.into_iter();
-        let requirements = requirements.map(|finding| with_command(finding, run, self.study));
-        answers.requirements = requirements.collect();
-        Ok(answers)
+        let answers = (self.answers)(&Cases::of_study(run, self.study));
+        Ok(answers_with_commands(answers, run, self.study))
     }
 
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
@@ -387,7 +418,7 @@ mod tests {
     use terrafill_plot::Upwards;
     use terrafill_results::condition::{SCENE, SIZE_PX, VIEW};
     use terrafill_results::made_up::{MadeUpRun, case_id};
-    use terrafill_results::{CellClass, Metric, Run, Scope, Standing, Status, ratio};
+    use terrafill_results::{Metric, Run, Scope, Standing, Status, ratio};
 
     const METRICS: [Metric; 2] = [
         Metric::less("draw_cpu_ms", "ms", Kind::Time, "Time.").covering(Scope::FRAME),
@@ -521,6 +552,36 @@ mod tests {
             (cell(2).text.as_str(), cell(2).title.as_str()),
             ("–", "not measured")
         );
+    }
+
+    #[test]
+    fn a_time_is_shown_with_its_range_and_clock_and_counts_for_nothing_where_it_is_wrong() {
+        const COLUMNS: [Column; 2] = [
+            Column::sampled("draw, {unit} (5–95 %)", TIME, TIME),
+            Column::metric("bytes", BYTES),
+        ];
+        let table = |outcome, may_be_wrong| {
+            let mut made = made_up();
+            made.cases[0].ended(outcome, "9 px").may_be_wrong = may_be_wrong;
+            let run = written(&made);
+            let cases = Cases::of_study(&run, "study");
+            let first = cases.first().map(|case| (case, vec![Cell::name("said")]));
+            case_table(&cases, vec!["case".into()], &COLUMNS, first)
+        };
+        let right = table(Status::Ok, false);
+        let headings: Vec<&str> = right.headings.iter().map(|h| h.text.as_str()).collect();
+        assert_eq!(headings, ["case", "draw, process CPU ms (5–95 %)", "bytes"]);
+        let cell = |table: &Table| table.rows[0].cells[1].clone();
+        assert_eq!(cell(&right).text, "1.00 (1.00–1.08)");
+        assert_eq!(cell(&right).class, CellClass::Plain);
+        let wrong = table(Status::Wrong, false);
+        assert_eq!(cell(&wrong).class, CellClass::Void);
+        assert_eq!(
+            (wrong.rows[0].status.as_str(), wrong.rows[0].remark.as_str()),
+            ("wrong", "9 px")
+        );
+        // Negative control: where the error is the question, the time stands beside it.
+        assert_eq!(cell(&table(Status::Wrong, true)).class, CellClass::Plain);
     }
 
     #[test]

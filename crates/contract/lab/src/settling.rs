@@ -2,7 +2,7 @@
 //! The command that would decide what a run leaves open, or measure what it has not.
 
 use terrafill_results::threshold::MIN_REPLICATES;
-use terrafill_results::{Block, Finding, Run, RunEnvironment, Standing};
+use terrafill_results::{Answers, Block, Finding, Run, RunEnvironment, Standing};
 
 /// How every command begins.
 const BENCH: &str = "terrafill bench";
@@ -80,9 +80,19 @@ pub fn with_commands(blocks: Vec<Block>, run: &Run, study: &str) -> Vec<Block> {
     blocks.into_iter().map(block).collect()
 }
 
-/// A finding with the command that measures it, where this run has not and the finding names none.
+/// The same of what a chapter offers for the first page.
 #[must_use]
-pub fn with_command(finding: Finding, run: &Run, study: &str) -> Finding {
+pub fn answers_with_commands(answers: Answers, run: &Run, study: &str) -> Answers {
+    let requirements = answers.requirements.into_iter();
+    let requirements = requirements.map(|finding| with_command(finding, run, study));
+    Answers {
+        requirements: requirements.collect(),
+        ..answers
+    }
+}
+
+/// A finding with the command that measures it, where this run has not and the finding names none.
+fn with_command(finding: Finding, run: &Run, study: &str) -> Finding {
     if finding.standing != Standing::NotMeasured || finding.because.contains(BENCH) {
         return finding;
     }

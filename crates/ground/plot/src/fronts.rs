@@ -72,7 +72,7 @@ pub struct FrontPoint {
     /// Its error.
     pub error: f64,
     /// What it holds, bytes; 0 where that is unknown.
-    pub bytes: u64,
+    pub bytes: f64,
     /// What a reader types to see it; empty for nothing.
     pub command: String,
 }
@@ -162,9 +162,13 @@ impl Fronts<'_> {
             [across.px(point.cost), y]
         };
         draw_front(canvas, &panel.points, at)?;
-        let most = panel.points.iter().map(|point| point.bytes).max();
+        let most = panel
+            .points
+            .iter()
+            .map(|point| point.bytes)
+            .fold(1.0, f64::max);
         for point in &panel.points {
-            let share = point.bytes as f64 / most.unwrap_or(0).max(1) as f64;
+            let share = point.bytes / most;
             let size = (MAX_MARKER_PX * share.sqrt()).max(MARKER_PX * 0.5);
             canvas.sized_marker(at(point), palette.stroke(&point.series), size, OPACITY)?;
         }
@@ -176,7 +180,7 @@ impl Fronts<'_> {
                 values: &[
                     (self.across, point.cost),
                     (self.up, point.error),
-                    (self.area, point.bytes as f64),
+                    (self.area, point.bytes),
                 ],
                 command: &point.command,
             });
@@ -225,7 +229,7 @@ mod tests {
             cost,
             costs: vec![cost; 6],
             error,
-            bytes: 1_000,
+            bytes: 1_000.0,
             command: format!("draw {name}"),
         }
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a chapter of a report is made of. A study says what; `report` says how it looks.
 
-use crate::{Clock, Run, RunError};
+use crate::{Case, Clock, Run, RunError};
 
 /// One study's part of a report, made from a run's tables alone.
 pub trait Chapter: Sync {
@@ -169,6 +169,31 @@ impl Block {
         }
     }
 
+    /// The heading of a part of a section.
+    #[must_use]
+    pub fn part(text: impl Into<String>) -> Self {
+        Self::Heading {
+            level: 4,
+            text: text.into(),
+        }
+    }
+
+    /// A drawing; nothing where there was nothing to draw.
+    #[must_use]
+    pub fn plot(caption: impl Into<String>, svg: Option<String>) -> Option<Self> {
+        let caption = caption.into();
+        svg.map(|svg| Self::Plot(Plot { caption, svg }))
+    }
+
+    /// What is wrong, seen at once, with a line for each; nothing where nothing is.
+    #[must_use]
+    pub fn alarm(text: impl Into<String>, wrong: Vec<String>) -> Vec<Self> {
+        match wrong.is_empty() {
+            true => Vec::new(),
+            false => vec![Self::Alarm(text.into()), Self::List(wrong)],
+        }
+    }
+
     /// Names under a heading, open where they are few; nothing where there are none.
     #[must_use]
     pub fn folded_list(summary: impl Into<String>, items: Vec<String>) -> Option<Self> {
@@ -195,6 +220,18 @@ pub struct Table {
     pub is_main: bool,
     /// How it is laid out.
     pub layout: TableLayout,
+}
+
+impl Table {
+    /// Rows below headings: texts that say what they mean, or each with its meaning.
+    #[must_use]
+    pub fn of(headings: impl IntoIterator<Item = impl Into<Heading>>, rows: Vec<Row>) -> Self {
+        Self {
+            headings: headings.into_iter().map(Into::into).collect(),
+            rows,
+            ..Self::default()
+        }
+    }
 }
 
 /// How a table is laid out.
@@ -259,6 +296,19 @@ impl Heading {
     }
 }
 
+impl From<&str> for Heading {
+    fn from(text: &str) -> Self {
+        Self::plain(text)
+    }
+}
+
+/// A text with its meaning.
+impl From<(&str, &str)> for Heading {
+    fn from((text, meaning): (&str, &str)) -> Self {
+        Self::explained(text, meaning)
+    }
+}
+
 /// A row of a table.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Row {
@@ -278,6 +328,12 @@ impl Row {
             cells,
             ..Self::default()
         }
+    }
+
+    /// A row that begins with a name.
+    #[must_use]
+    pub fn named(name: Cell, cells: impl IntoIterator<Item = Cell>) -> Self {
+        Self::new([name].into_iter().chain(cells).collect())
     }
 
     /// Every figure of the row is bad news.
@@ -411,6 +467,18 @@ pub struct Picture {
     pub path: String,
     /// What it shows, in a word or two.
     pub caption: String,
+}
+
+impl Picture {
+    /// The one whose path a note of the case is, if it has it.
+    #[must_use]
+    pub fn of(case: &Case, note: &str, caption: impl Into<String>) -> Option<Self> {
+        let path = case.note(note);
+        (!path.is_empty()).then(|| Self {
+            path: path.to_owned(),
+            caption: caption.into(),
+        })
+    }
 }
 
 /// What the measurements say of a claim.

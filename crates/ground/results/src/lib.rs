@@ -50,7 +50,7 @@ pub use folder::{
 pub use front::{Candidate, front, front_survival};
 pub use markdown::{escaped, markdown, markdown_finding, markdown_list, markdown_table};
 pub use merge::{MergeError, merge};
-pub use metric::{Direction, Kind, Metric, MetricRow, Primary, Timer};
+pub use metric::{Direction, Kind, Metric, MetricRow, NOT_MEASURED, Primary, Timer};
 pub use noise::{Between, Noise, has_two_groups};
 pub use numbered::Numbered;
 pub use paired::{Shift, rate_bounds};

@@ -2,8 +2,8 @@
 //! Made-up runs, for the tests of everything that reads one: figures in, a run folder out.
 
 use crate::{
-    CaseId, Direction, Kind, Measurement, Metric, Note, PlannedCase, Run, RunEnvironment, RunError,
-    RunFolder, RunPlan, Skipped, Status,
+    CaseId, Measurement, Metric, Note, PlannedCase, Run, RunEnvironment, RunError, RunFolder,
+    RunPlan, Skipped, Status,
 };
 use std::path::Path;
 
@@ -81,15 +81,7 @@ impl MadeUpRun {
         let mut metrics = self.metrics.clone();
         for (name, ..) in figures() {
             if metrics.iter().all(|metric| metric.name != *name) {
-                metrics.push(Metric {
-                    name,
-                    unit: "",
-                    kind: Kind::Counter,
-                    better: Direction::Neither,
-                    meaning: "made up",
-                    scope: crate::Scope::NOTHING,
-                    primary: crate::Primary::No,
-                });
+                metrics.push(Metric::quantity(name, "made up"));
             }
         }
         let environment = RunEnvironment {

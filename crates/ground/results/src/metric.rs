@@ -73,6 +73,18 @@ pub enum Timer {
     Wall,
 }
 
+impl Timer {
+    /// Of times by it, for headings and axes.
+    #[must_use]
+    pub fn unit_ms(self) -> &'static str {
+        match self {
+            Self::Gpu => "GPU ms",
+            Self::ProcessCpu => "process CPU ms",
+            Self::Wall => "wall-clock ms",
+        }
+    }
+}
+
 /// By which clock a study's cases are ranked by a figure, as in `metrics.csv`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -108,6 +120,9 @@ impl Primary {
     }
 }
 
+/// Why a figure is absent that gives no reason of its own.
+pub const NOT_MEASURED: &str = "not measured";
+
 /// One declared figure. Names are unique over all studies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Metric {
@@ -125,6 +140,8 @@ pub struct Metric {
     pub scope: Scope,
     /// Whether it ranks its study.
     pub primary: Primary,
+    /// Why a case that ended well may lack it.
+    pub absent: &'static str,
 }
 
 impl Metric {
@@ -138,6 +155,12 @@ impl Metric {
     #[must_use]
     pub const fn ranking(self, primary: Primary) -> Self {
         Self { primary, ..self }
+    }
+
+    /// The same figure, which a case that ended well may lack for this reason.
+    #[must_use]
+    pub const fn or(self, absent: &'static str) -> Self {
+        Self { absent, ..self }
     }
 
     /// Whether its scope fits its kind: a time covers something, and nothing else does.
@@ -174,6 +197,7 @@ impl Metric {
             meaning,
             scope: Scope::NOTHING,
             primary: Primary::No,
+            absent: NOT_MEASURED,
         }
     }
 
@@ -229,6 +253,7 @@ impl Metric {
             meaning,
             scope: Scope::NOTHING,
             primary: Primary::No,
+            absent: NOT_MEASURED,
         }
     }
 }

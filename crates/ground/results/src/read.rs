@@ -257,7 +257,7 @@ impl Run {
     }
 
     /// Cases of one study, A/A twins included.
-    pub fn of_study<'a>(&'a self, study: &'a str) -> impl Iterator<Item = &'a Case> {
+    pub fn of_study<'a>(&'a self, study: &'a str) -> impl Iterator<Item = &'a Case> + Clone {
         self.cases
             .iter()
             .filter(move |case| case.id().study == study)

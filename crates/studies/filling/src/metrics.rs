@@ -3,34 +3,42 @@
 
 use terrafill_results::{Kind, Metric, Primary, Scope};
 
+/// Why figures are absent that several metrics have in common.
+const NOT_COMPARED: &str = "not compared with the reference";
+const NOT_COUNTED: &str = "not counted by this technique";
+const NOT_TIMED: &str = "no frame was timed";
+const NO_PASS_TIME: &str = "no GPU time of its own: stencil and colour alternate region by region, or the device gave \
+                            none";
+const NO_TEXELS: &str = "a plain fill has no texels";
+
 /// Times first, then bytes, counters, errors, textured fills and bytes of layouts.
 pub(crate) const METRICS: [Metric; 74] = [
     Metric::time_ms(
 "fill_cpu_ms",
         "CPU time of the whole process from recording the fill until the device is done with it. On a software driver it contains the driver's threads and is the steadiest clock on a busy machine.",
-    ).covering(Scope::FRAME).ranking(Primary::Cpu),
+    ).or(NOT_TIMED).covering(Scope::FRAME).ranking(Primary::Cpu),
     Metric::time_ms(
 "fill_gpu_ms",
         "The whole fill, by the GPU's clock. Copies that a frame submits are inside of it, what the CPU writes before is not.",
-    ).covering(Scope::DEVICE).ranking(Primary::Gpu),
+    ).or("no frame was timed, or the device gave no GPU time").covering(Scope::DEVICE).ranking(Primary::Gpu),
     Metric::time_ms(
 "fill_wall_ms",
         "Wall clock over the same span.",
-    ).covering(Scope::FRAME),
+    ).or(NOT_TIMED).covering(Scope::FRAME),
     Metric::neither(
         "surface_gpu_ms",
         "ms",
         Kind::Time,
         "The pass that draws the planet and leaves depth behind, by the GPU's clock. Not part of the fill.",
-    ).covering(Scope::DRAW),
+    ).or("the technique draws a surface of its own, untimed, or the device gave no GPU time").covering(Scope::DRAW),
     Metric::time_ms(
 "stencil_gpu_ms",
         "The pass that marks the regions' pixels in the stencil, by the GPU's clock. Not measured where stencil and colour alternate region by region.",
-    ).covering(Scope::DISPATCH.and(Scope::DRAW)),
+    ).or(NO_PASS_TIME).covering(Scope::DISPATCH.and(Scope::DRAW)),
     Metric::time_ms(
 "colour_gpu_ms",
         "The pass that colours the marked pixels, by the GPU's clock. Not measured as above.",
-    ).covering(Scope::DRAW),
+    ).or(NO_PASS_TIME).covering(Scope::DRAW),
     Metric::time_ms(
 "plan_cpu_ms",
         "Process CPU time of planning one frame: culling, cap heights and screen rectangles of every region. Not part of the fill's times, since an unchanged view is not planned again.",
@@ -42,7 +50,7 @@ pub(crate) const METRICS: [Metric; 74] = [
     Metric::bytes(
 "geometry_bytes",
         "Bytes of positions, flags and indices that the technique holds for the scene: `vertex_bytes` + `index_bytes`.",
-    ),
+    ).or(NOT_COUNTED),
     Metric::bytes(
 "vertex_bytes",
         "Buffers with positions and flags, bytes.",
@@ -58,11 +66,11 @@ pub(crate) const METRICS: [Metric; 74] = [
     Metric::bytes(
 "target_bytes",
         "Bytes of further targets that the technique draws into, such as numbers that regions add up in, or a mask of ids.",
-    ),
+    ).or(NOT_COUNTED),
     Metric::bytes(
 "texture_bytes",
         "Bytes of pictures with all their levels and of the routes' tables on the device.",
-    ),
+    ).or(NOT_COUNTED),
     Metric::bytes(
 "upload_bytes",
         "Bytes uploaded per frame once everything is prepared.",
@@ -94,11 +102,11 @@ pub(crate) const METRICS: [Metric; 74] = [
         "Pipelines that the device was asked to make for the fill since its backend was opened. Must equal `held_pipelines`.",
     ),
     Metric::counter(
-"draws", "Draw calls of one fill."),
+"draws", "Draw calls of one fill.").or(NOT_COUNTED),
     Metric::counter(
 "vertices",
         "Vertices that the draws process: the sum of their vertex or index counts.",
-    ),
+    ).or(NOT_COUNTED),
     Metric::quantity(
 "regions_drawn",
         "Regions that the frame plan kept.",
@@ -142,7 +150,7 @@ pub(crate) const METRICS: [Metric; 74] = [
         "",
         Kind::DriverCounter,
         "Fragments of volumes in the stencil work, whether or not the depth test lets them touch the stencil; counted in an extra frame that is not timed.",
-    ),
+    ).or(NOT_COUNTED),
     Metric::counter(
 "buffer_creations",
         "Buffers made for the probe frame's fill, by `prepare` or later.",
@@ -172,7 +180,7 @@ pub(crate) const METRICS: [Metric; 74] = [
         "bytes",
         Kind::Bytes,
         "Vertices, indices and picture of the surface as drawn in this view. Not part of the fill.",
-    ),
+    ).or(NOT_COUNTED),
     Metric::less(
         "wall_height_m",
         "m",
@@ -199,23 +207,23 @@ pub(crate) const METRICS: [Metric; 74] = [
     Metric::error_px(
 "mismatched_px",
         "Pixels whose region differs from the reference's.",
-    ),
+    ).or(NOT_COMPARED),
     Metric::error_px(
 "mismatched_px_outside_band",
         "Wrong pixels outside the boundary band. One is enough to make a case `wrong`.",
-    ),
+    ).or(NOT_COMPARED),
     Metric::error_px(
 "hausdorff_px",
         "Symmetric Hausdorff distance between the boundaries of the two pictures, pixels: the farthest that any boundary pixel of either is from the other's. Regions of fewer than 4 pixels are left out.",
-    ),
+    ).or("one of the two pictures has no boundary, or they were not compared"),
     Metric::error_px(
 "boundary_moved_px",
         "How far boundaries moved that levels of detail simplify on purpose: the farthest that the centre of a mismatched pixel is from a place where the reference shows the id of the frame, pixels, found in steps of 1/16. Of approximate fills: to the centre of such a pixel, and empty beyond 64 pixels.",
-    ),
+    ).or("only levels of detail move boundaries on purpose; or too many pixels mismatch to compare"),
     Metric::error_px(
 "moved_px_true",
         "How far the surface's triangles move a boundary: the farthest that a place seen on one lies from where the surface at its full resolution has the same place. What hides what is left aside. The same for every technique of a view. Empty where the surface cannot say, and of rivals that draw a surface of their own.",
-    ),
+    ).or("the surface does not say where the ground truly is, or they were not compared"),
     Metric::error_px(
 "moved_px_true_p99",
         "The same, not exceeded by 99 of 100 boundary pixels.",
@@ -269,22 +277,22 @@ pub(crate) const METRICS: [Metric; 74] = [
 "texel_rms",
 "texels",
         "Root mean square error of the texture coordinates, texels, of the worse axis.",
-    ),
+    ).or(NO_TEXELS),
     Metric::error(
 "texel_max",
 "texels",
         "Largest error of the texture coordinates, texels, of the worse axis.",
-    ),
+    ).or(NO_TEXELS),
     Metric::error_px(
 "texel_non_finite",
         "Pixels with a texture coordinate or level of detail that is NaN or infinite; at most 0.",
-    ),
+    ).or(NO_TEXELS),
     Metric::neither(
         "texel_compared_px",
         "px",
         Kind::DriverCounter,
         "Pixels whose texture coordinates were compared.",
-    ),
+    ).or(NO_TEXELS),
     Metric::error(
 "colour_max",
 "",

@@ -59,15 +59,11 @@ pub fn save_baseline(run: &Run, folder: &Path, name: &str) -> Result<PathBuf, Ga
 /// Declarations have static texts: these live as long as the program, a few kilobytes once.
 fn declaration(row: &MetricRow) -> Metric {
     let keep = |text: &str| -> &'static str { Box::leak(text.to_owned().into_boxed_str()) };
+    // Exact figures cover no part of a frame's work.
+    let [name, unit, meaning] = [&row.name, &row.unit, &row.meaning].map(|text| keep(text));
     Metric {
-        name: keep(&row.name),
-        unit: keep(&row.unit),
-        kind: row.kind,
         better: row.better,
-        meaning: keep(&row.meaning),
-        // Exact figures cover no part of a frame's work.
-        scope: terrafill_results::Scope::NOTHING,
-        primary: row.primary,
+        ..Metric::neither(name, unit, row.kind, meaning).ranking(row.primary)
     }
 }
 

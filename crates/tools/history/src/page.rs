@@ -262,10 +262,7 @@ fn machine_blocks(blocks: &mut Vec<Block>, of: &Trends<'_>, number: i64, machine
         if some.is_empty() && is_better.is_none() {
             continue;
         }
-        blocks.push(Block::Heading {
-            level: 4,
-            text: title.to_owned(),
-        });
+        blocks.push(Block::part(title));
         if some.is_empty() {
             blocks.push(Block::Text("None.".to_owned()));
             continue;
@@ -296,10 +293,7 @@ fn machine_blocks(blocks: &mut Vec<Block>, of: &Trends<'_>, number: i64, machine
         first_rows(blocks, "", &headings, rows, (MAX_ROWS, more));
     }
     let absent: Vec<&Absent> = of.absent.iter().filter(|a| a.machine == number).collect();
-    blocks.push(Block::Heading {
-        level: 4,
-        text: "Missing at the newest commit".to_owned(),
-    });
+    blocks.push(Block::part("Missing at the newest commit"));
     if absent.is_empty() {
         blocks.push(Block::Text("None.".to_owned()));
     } else {
@@ -475,10 +469,7 @@ fn change_row(of: &Trends<'_>, change: &Change, series: &[&Series], changes: &[&
 
 /// Every case with its time over the commits.
 fn cases_table(blocks: &mut Vec<Block>, of: &Trends<'_>, series: &[&Series], changes: &[&Change]) {
-    blocks.push(Block::Heading {
-        level: 4,
-        text: "All times".to_owned(),
-    });
+    blocks.push(Block::part("All times"));
     let times: Vec<&&Series> = series
         .iter()
         .filter(|s| !s.metric.kind.is_exact())

@@ -5,37 +5,55 @@
 //! Everything is computed from the rows. A fill is a technique with its switches; it competes where its
 //! picture is right and its time was measured.
 
-use super::data::{Data, View, counter, distinct, has_role, is_approximate, is_baseline};
-use super::table::{figures, main_table, none_differs, or_dash, row};
+use super::data::{Data, View, distinct, grouped, has_role, is_approximate, is_baseline, label};
+use super::table::or_dash;
 use super::{fronts, memory, needs, textured};
 use crate::keys::*;
+use terrafill_lab::none_differs;
 use terrafill_plot::dotted;
-use terrafill_plot::number::{bytes, count, figure, significant, spread};
+use terrafill_plot::number::{count, digits, figure, measured_bytes, significant};
 use terrafill_results::{
-    Answers, Block, Case, Cell, ChapterError, Finding, Metric, Outcome, Spread, Table, TableLayout,
+    Answers, Block, Case, Cell, ChapterError, Finding, Metric, Outcome, Row, Table, TableLayout,
 };
 
-/// From so many regions in view on, their number decides.
-const MANY_REGIONS: u32 = 50;
-/// From so many stencil-tested fragments a vertex on, fill rate decides; a volume that covers the view
-/// from near has thousands.
-const MANY_FRAGMENTS: u32 = 1_000;
-/// Up to so many, vertices decide: a triangle of this many fragments is smaller than a block of 4 × 4
-/// pixels.
-const FEW_FRAGMENTS: u32 = 16;
-/// As many ties as a cell names.
+/// As many ties as are named.
 const MAX_TIES: usize = 3;
 
-/// Fills that compete in a view, each with its typical time, fastest first.
-struct Contest<'d, 'a> {
-    view: &'d View<'a>,
-    fills: Vec<(&'a Case, f64)>,
+/// A fill that competes in a view.
+struct Fill<'a> {
+    case: &'a Case,
+    name: String,
+    /// Its typical time over that of the view's fastest.
+    over_fastest: f64,
 }
 
-impl Contest<'_, '_> {
+/// Fills that compete in a view, fastest first.
+struct Contest<'d, 'a> {
+    view: &'d View<'a>,
+    fills: Vec<Fill<'a>>,
+}
+
+impl<'d, 'a> Contest<'d, 'a> {
+    fn new(data: &Data<'a>, view: &'d View<'a>) -> Self {
+        let timed = view.competing();
+        let timed = timed.filter_map(|case| Some((case, data.typical(case)?.middle)));
+        let mut timed: Vec<(&Case, f64)> = timed.collect();
+        timed.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let fastest_ms = timed.first().map_or(1.0, |(_, ms)| *ms);
+        let fills = timed.into_iter().map(|(case, ms)| Fill {
+            case,
+            name: label(case),
+            over_fastest: ms / fastest_ms,
+        });
+        Self {
+            view,
+            fills: fills.collect(),
+        }
+    }
+
     /// Every fill of a view draws the same regions; the first one that counted stands for all.
     fn counted(&self, metric: &Metric) -> Option<f64> {
-        self.fills.iter().find_map(|(case, _)| case.value(metric))
+        self.fills.iter().find_map(|fill| fill.case.value(metric))
     }
 
     fn fragments_a_vertex(&self) -> Option<f64> {
@@ -44,19 +62,61 @@ impl Contest<'_, '_> {
     }
 }
 
+/// A kind of view, and whether a view is one.
+type Kind = (&'static str, fn(&Contest<'_, '_>) -> bool);
+
+const KINDS: [Kind; 4] = [
+    ("Many regions in view (from 50 on)", |contest| {
+        contest.counted(REGIONS_DRAWN) >= Some(50.0)
+    }),
+    // A volume that covers the view from near has thousands.
+    (
+        "Eye near, fill rate is the limit (from 1,000 stencil-tested fragments a vertex on)",
+        |contest| contest.fragments_a_vertex() >= Some(1_000.0),
+    ),
+    // A triangle of so many is smaller than a block of 4 × 4 pixels.
+    (
+        "Eye far, vertices are the limit (at most 16 fragments a vertex)",
+        |contest| {
+            contest
+                .fragments_a_vertex()
+                .is_some_and(|each| each <= 16.0)
+        },
+    ),
+    ("Over all views", |_| true),
+];
+
 /// What the chapter offers for the first page.
 pub(super) fn answers(data: &Data<'_>) -> Result<Answers, ChapterError> {
-    let contests = data.views.iter().map(|view| {
-        let timed = view.competing();
-        let timed = timed.filter_map(|case| Some((case, data.typical(case)?.middle)));
-        let mut fills: Vec<(&Case, f64)> = timed.collect();
-        fills.sort_by(|a, b| a.1.total_cmp(&b.1));
-        Contest { view, fills }
-    });
+    let contests = data.views.iter().map(|view| Contest::new(data, view));
     let contests: Vec<Contest<'_, '_>> = contests.collect();
+    let rows = contests.iter().filter_map(|contest| row(data, contest));
+    let rows: Vec<Row> = rows.collect();
     let mut blocks = Vec::new();
-    if let Some(matrix) = matrix(data, &contests) {
-        blocks.push(matrix);
+    if !rows.is_empty() {
+        let headings = [
+            "scene, view",
+            "recommended",
+            "fastest",
+            "ties",
+            "smallest",
+            "most exact",
+        ];
+        let caption = format!(
+            "Every view with its best fills. Recommended: of the fastest fill and its ties, which differ from it by no \
+             more than identical work did, the one with the fewest bytes. Smallest: fewest bytes of geometry. Most \
+             exact: least boundary distance, then fewest mismatched pixels. Of several the fastest is named. A cell: \
+             technique, {} with its 95 % interval where there are processes enough, bytes, Hausdorff distance of the \
+             boundary from the reference's, by how much levels of detail moved it, and mismatched pixels. Point at a \
+             cell for the command that draws it.",
+            data.unit(),
+        );
+        blocks.push(Block::Table(Table {
+            caption,
+            is_main: true,
+            layout: TableLayout::Cards,
+            ..Table::of(headings, rows)
+        }));
         blocks.extend(fronts::block(data)?);
         blocks.extend(guide(data, &contests));
     }
@@ -67,6 +127,58 @@ pub(super) fn answers(data: &Data<'_>) -> Result<Answers, ChapterError> {
     })
 }
 
+/// The winners of a view.
+fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
+    let (view, fills) = (contest.view, &contest.fills);
+    let fastest = fills.first()?;
+    let is_tie = |fill: &&Fill<'_>| data.is_tie(fill.over_fastest);
+    let ties: Vec<&Fill<'_>> = fills[1..].iter().filter(is_tie).collect();
+    let bytes = |case: &Case| case.value(GEOMETRY_BYTES);
+    let recommended = least([fastest].into_iter().chain(ties.iter().copied()), bytes);
+    let cell = |fill: Option<&Fill<'_>>| match fill {
+        Some(fill) => winner(data, fill),
+        None => Cell::absent("no fill of this view has such a figure"),
+    };
+    let all = view.cases.iter();
+    let all = all.filter(|case| !has_role(case, "sweep") && !is_approximate(case));
+    let pictures = view.cases.iter().map(|case| case.note("reference_image"));
+    let name = Cell {
+        detail: format!("{} of {} fills right", fills.len(), all.count()),
+        picture: pictures.max().unwrap_or_default().to_owned(),
+        section: view.scene.to_owned(),
+        ..Cell::name(view.title())
+    };
+    let names: Vec<&str> = ties.iter().map(|fill| fill.name.as_str()).collect();
+    let ties = match (data.noise, names.as_slice()) {
+        (None, _) => Cell::absent("no identical work was measured twice"),
+        (_, []) => Cell::name("none"),
+        (_, names) => Cell {
+            title: names.join("; "),
+            ..Cell::name(some_of(names))
+        },
+    };
+    let cells = [
+        cell(recommended.or(Some(fastest))),
+        cell(Some(fastest)),
+        ties,
+        cell(least(fills, bytes)),
+        cell(least(fills, error)),
+    ];
+    Some(Row::named(name, cells))
+}
+
+/// The fill with the least figure, of several the first.
+fn least<'f, 'a, T: PartialOrd>(
+    fills: impl IntoIterator<Item = &'f Fill<'a>>,
+    of: impl Fn(&Case) -> Option<T>,
+) -> Option<&'f Fill<'a>> {
+    let rated = fills
+        .into_iter()
+        .filter_map(|fill| Some((fill, of(fill.case)?)));
+    let least = rated.reduce(|least, next| if next.1 < least.1 { next } else { least });
+    least.map(|(fill, _)| fill)
+}
+
 /// Distance of the drawn boundary from the reference's and mismatched pixels: less is more exact.
 fn error(case: &Case) -> Option<[f64; 2]> {
     let px = case.value(MISMATCHED_PX)?;
@@ -74,211 +186,89 @@ fn error(case: &Case) -> Option<[f64; 2]> {
     Some([case.value(HAUSDORFF_PX).unwrap_or(0.0), px])
 }
 
-/// The winners of a view, out of its candidates, fastest first.
-struct Winners<'a> {
-    fastest: &'a Case,
-    ties: Vec<&'a Case>,
-    smallest: Option<&'a Case>,
-    most_exact: Option<&'a Case>,
-    recommended: &'a Case,
+/// The first of several names, and how many more there are.
+fn some_of(names: &[&str]) -> String {
+    let shown = names[..names.len().min(MAX_TIES)].join("; ");
+    match names.len().saturating_sub(MAX_TIES) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
 }
 
-fn winners<'a>(data: &Data<'a>, contest: &Contest<'_, 'a>) -> Option<Winners<'a>> {
-    let cases = || contest.fills.iter().map(|(case, _)| *case);
-    let fastest = cases().next()?;
-    let ties = cases().skip(1).filter(|case| data.ties_with(case, fastest));
-    let ties: Vec<&Case> = ties.collect();
-    // The first of several is the fastest of them.
-    let sized = |case: &&'a Case| counter(case, GEOMETRY_BYTES).unwrap_or(u64::MAX);
-    let smallest = cases().filter(|case| counter(case, GEOMETRY_BYTES).is_some());
-    let exact = cases().filter_map(|case| Some((case, error(case)?)));
-    let by_error = |a: &[f64; 2], b: &[f64; 2]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]));
-    let most_exact = exact.min_by(|a, b| by_error(&a.1, &b.1));
-    let close = std::iter::once(fastest).chain(ties.iter().copied());
-    Some(Winners {
-        smallest: smallest.min_by_key(sized),
-        most_exact: most_exact.map(|(case, _)| case),
-        recommended: close.min_by_key(sized).unwrap_or(fastest),
-        fastest,
-        ties,
-    })
-}
-
-fn matrix(data: &Data<'_>, contests: &[Contest<'_, '_>]) -> Option<Block> {
-    let rows = contests.iter().filter_map(|contest| {
-        let (view, winners) = (contest.view, winners(data, contest)?);
-        let cell = |case: Option<&Case>| match case {
-            Some(case) => winner(data, case),
-            None => Cell::absent("no fill of this view has such a figure"),
-        };
-        let cases = || view.cases.iter();
-        let all = cases().filter(|case| !has_role(case, "sweep") && !is_approximate(case));
-        let picture = cases().map(|case| case.note("reference_image")).max();
-        let name = Cell {
-            detail: format!("{} of {} fills right", contest.fills.len(), all.count()),
-            picture: picture.unwrap_or_default().to_owned(),
-            section: view.scene.to_owned(),
-            ..Cell::name(view.title())
-        };
-        let cells = [
-            cell(Some(winners.recommended)),
-            cell(Some(winners.fastest)),
-            ties(data, &winners.ties),
-            cell(winners.smallest),
-            cell(winners.most_exact),
-        ];
-        Some(row(name, cells))
-    });
-    let headings = [
-        ("scene, view", ""),
-        (
-            "recommended",
-            "of the fastest fill and its ties, the one with the fewest bytes of geometry",
-        ),
-        ("fastest", ""),
-        (
-            "ties",
-            "fills that differ from the fastest by no more than identical work did",
-        ),
-        (
-            "smallest",
-            "fewest bytes of geometry; of several the fastest",
-        ),
-        (
-            "most exact",
-            "least boundary distance, then fewest mismatched pixels; of several the fastest",
-        ),
-    ];
-    let caption = format!(
-        "Every view with its best fills. A cell: technique, {} with its [95 % interval], or (5–95 % of samples) \
-         where there are too few processes, bytes of geometry, Hausdorff distance of the boundary from the \
-         reference's, by how much levels of detail moved it, and mismatched pixels. Point at a cell for the \
-         command that draws it.",
-        data.unit(),
-    );
-    main_table(Table {
-        caption,
-        layout: TableLayout::Cards,
-        ..figures(&headings, rows.collect())
-    })
-}
-
-fn winner(data: &Data<'_>, case: &Case) -> Cell {
-    let time = match data.typical(case) {
-        Some(time) if time.interval.is_some() => figure(&time),
-        // The figure that ranks it, among its samples.
-        time => {
-            let samples = data.time(case).zip(time).map(|(samples, time)| Spread {
-                median: time.middle,
-                ..samples
-            });
-            samples.map_or_else(String::new, spread)
-        }
-    };
-    let size = counter(case, GEOMETRY_BYTES).map_or_else(|| "bytes unknown".to_owned(), bytes);
-    let wrong = counter(case, MISMATCHED_PX).map(count);
-    let distance = case.value(HAUSDORFF_PX).map(significant);
+fn winner(data: &Data<'_>, fill: &Fill<'_>) -> Cell {
+    let case = fill.case;
+    let time = data.typical(case).map(|time| figure(&time));
+    let size = case.value(GEOMETRY_BYTES).map(measured_bytes);
     let moved = case.value(BOUNDARY_MOVED_PX);
     let moved = moved.map_or_else(String::new, |px| format!(" (moved {})", significant(px)));
     let cell = Cell {
         detail: format!(
-            "{time} ms · {size} · boundary {} px{moved}, {} px differ",
-            or_dash(distance),
-            or_dash(wrong),
+            "{} ms · {} · boundary {} px{moved}, {} px differ",
+            or_dash(time),
+            size.unwrap_or_else(|| "bytes unknown".to_owned()),
+            or_dash(case.value(HAUSDORFF_PX).map(significant)),
+            or_dash(case.value(MISMATCHED_PX).map(digits)),
         ),
-        ..data.name_cell(case, data.label(case))
+        ..data.name_cell(case, fill.name.clone())
     };
     dotted(cell, case, data.metric)
 }
 
-fn ties(data: &Data<'_>, ties: &[&Case]) -> Cell {
-    if data.noise.is_none() {
-        return Cell::absent("no identical work was measured twice");
-    }
-    let names: Vec<String> = ties.iter().map(|case| data.label(case)).collect();
-    let shown = names.iter().take(MAX_TIES).cloned().collect::<Vec<_>>();
-    match names.len() {
-        0 => Cell::name("none"),
-        all if all <= MAX_TIES => Cell::name(shown.join("; ")),
-        all => Cell {
-            detail: format!("and {} more", all - MAX_TIES),
-            title: names.join("; "),
-            ..Cell::name(shown.join("; "))
-        },
-    }
-}
-
 /// A fill that is right in all of some views: geometric mean and maximum of its time over each view's best.
-struct Ranked {
+struct Ranked<'a> {
     name: String,
+    cases: Vec<&'a Case>,
     mean: f64,
     most: f64,
 }
 
 /// By the mean of how much longer they take than the best.
-fn ranked(data: &Data<'_>, contests: &[&Contest<'_, '_>]) -> Vec<Ranked> {
-    let named = contests.iter().map(|contest| {
-        let fills = contest.fills.iter();
-        fills.map(|(case, _)| (data.label(case), *case)).collect()
-    });
-    let named: Vec<Vec<(String, &Case)>> = named.collect();
-    let names = distinct(named.iter().flatten().map(|(name, _)| name)).into_iter();
+fn ranked<'a>(contests: &[&Contest<'_, 'a>]) -> Vec<Ranked<'a>> {
+    let fills = contests.iter().flat_map(|contest| &contest.fills);
     let of = |name: &String| {
-        let ratios = named.iter().map(|fills| {
-            let (_, best) = fills.first()?;
-            let (_, own) = fills.iter().find(|(own, _)| own == name)?;
-            Some(data.over_fastest(own, best)?.middle)
+        let own = contests.iter().map(|contest| {
+            let mut fills = contest.fills.iter();
+            fills.find(|fill| fill.name == *name)
         });
-        let ratios: Vec<f64> = ratios.collect::<Option<_>>()?;
+        let own: Vec<&Fill<'_>> = own.collect::<Option<_>>()?;
+        let ratios = own.iter().map(|fill| fill.over_fastest);
         Some(Ranked {
             name: name.clone(),
-            mean: geometric_mean(&ratios),
-            most: ratios.iter().copied().fold(0.0, f64::max),
+            cases: own.iter().map(|fill| fill.case).collect(),
+            most: ratios.clone().fold(0.0, f64::max),
+            mean: geometric_mean(ratios)?,
         })
     };
-    let mut ranked: Vec<Ranked> = names.filter_map(of).collect();
+    let names = distinct(fills.map(|fill| &fill.name)).into_iter();
+    let mut ranked: Vec<Ranked<'_>> = names.filter_map(of).collect();
     ranked.sort_by(|a, b| a.mean.total_cmp(&b.mean));
     ranked
 }
 
-fn geometric_mean(values: &[f64]) -> f64 {
-    let logs = values.iter().map(|value| value.ln()).sum::<f64>();
-    (logs / values.len() as f64).exp()
+fn geometric_mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let logs: Vec<f64> = values.map(f64::ln).collect();
+    let mean = logs.iter().sum::<f64>() / logs.len() as f64;
+    (!logs.is_empty()).then(|| mean.exp())
 }
 
-/// What to take when, in words. Kinds of views are found by what their fills count.
+/// What to take when, in words.
 fn guide(data: &Data<'_>, contests: &[Contest<'_, '_>]) -> Vec<Block> {
-    let [regions, many, few] = [MANY_REGIONS, MANY_FRAGMENTS, FEW_FRAGMENTS];
-    let [regions_text, many_text, few_text] = [regions, many, few].map(|n| count(n.into()));
-    let advice = |kind: String, is_it: &dyn Fn(&Contest<'_, '_>) -> Option<bool>| {
-        let own = contests.iter().filter(|view| is_it(view) == Some(true));
-        let own: Vec<&Contest<'_, '_>> = own.collect();
-        advised(data, &kind, &own)
-    };
-    let by_time = [
-        advice(
-            format!("Many regions in view (from {regions_text} on)"),
-            &|view| Some(view.counted(REGIONS_DRAWN)? >= regions.into()),
-        ),
-        advice(
-            format!(
-                "Eye near, fill rate is the limit (from {many_text} stencil-tested fragments a vertex on)"
-            ),
-            &|view| Some(view.fragments_a_vertex()? >= many.into()),
-        ),
-        advice(
-            format!("Eye far, vertices are the limit (at most {few_text} fragments a vertex)"),
-            &|view| Some(view.fragments_a_vertex()? <= few.into()),
-        ),
-        advice("Over all views".to_owned(), &|_| Some(true)),
-    ];
     let all: Vec<&Contest<'_, '_>> = contests.iter().collect();
-    let ranked = ranked(data, &all);
-    let lines = by_time.into_iter().chain([
-        memory_advice(data, contests, &ranked),
-        exact_advice(data, &ranked),
-    ]);
-    let lines: Vec<String> = lines.flatten().collect();
+    let by_kind = KINDS.iter().map(|(kind, is_one)| {
+        let own = all.iter().copied().filter(|contest| is_one(contest));
+        let own: Vec<&Contest<'_, '_>> = own.collect();
+        advised(data, kind, &own, &ranked(&own))
+    });
+    let mut ranked = ranked(&all);
+    let memory = memory_advice(&ranked);
+    let moves = |fill: &Ranked<'_>| {
+        let mut cases = fill.cases.iter();
+        cases.any(|case| case.value(BOUNDARY_MOVED_PX).is_some())
+    };
+    let is_moved = ranked.first().is_some_and(moves);
+    ranked.retain(|fill| is_moved && !moves(fill));
+    let exact = advised(data, "Boundaries must not move at all", &all, &ranked);
+    let lines: Vec<String> = by_kind.chain([memory, exact]).flatten().collect();
     match lines.is_empty() {
         true => Vec::new(),
         false => vec![Block::section("What to take"), Block::List(lines)],
@@ -286,24 +276,23 @@ fn guide(data: &Data<'_>, contests: &[Contest<'_, '_>]) -> Vec<Block> {
 }
 
 /// `kind → fill`, with what it costs beside the best and what ties with it.
-fn advised(data: &Data<'_>, kind: &str, contests: &[&Contest<'_, '_>]) -> Option<String> {
-    let ranked = ranked(data, contests);
+fn advised(
+    data: &Data<'_>,
+    kind: &str,
+    contests: &[&Contest<'_, '_>],
+    ranked: &[Ranked<'_>],
+) -> Option<String> {
     let best = ranked.first()?;
-    let is_tie = |other: &&Ranked| {
-        let noise = data.noise;
-        noise.is_some_and(|noise| noise.is_tie(other.mean / best.mean))
-    };
-    let ties = ranked.iter().skip(1).take_while(is_tie);
+    let others = ranked[1..].iter();
+    let ties = others.take_while(|other| data.is_tie(other.mean / best.mean));
     let ties: Vec<&str> = ties.map(|fill| fill.name.as_str()).collect();
+    let ties = match ties.as_slice() {
+        [] => String::new(),
+        names => format!("; ties: {}", some_of(names)),
+    };
     let views = match contests {
         [only] => only.view.title(),
         several => format!("{} views", several.len()),
-    };
-    let shown = ties[..ties.len().min(MAX_TIES)].join(", ");
-    let ties = match ties.len() {
-        0 => String::new(),
-        some if some <= MAX_TIES => format!("; ties: {shown}"),
-        some => format!("; ties: {shown} and {} more", some - MAX_TIES),
     };
     Some(format!(
         "{kind} → {}: {views}, {} × the best of each on average, {} × at most{ties}.",
@@ -314,20 +303,16 @@ fn advised(data: &Data<'_>, kind: &str, contests: &[&Contest<'_, '_>]) -> Option
 }
 
 /// The fill that holds least on average over views, and what that costs in time.
-fn memory_advice(
-    data: &Data<'_>,
-    contests: &[Contest<'_, '_>],
-    ranked: &[Ranked],
-) -> Option<String> {
-    let held = |fill: &Ranked| -> Option<f64> {
-        let fills = contests.iter().flat_map(|contest| &contest.fills);
-        let own = fills.filter(|(case, _)| data.label(case) == fill.name);
-        let bytes = own.filter_map(|(case, _)| case.value(GEOMETRY_BYTES));
-        let bytes: Vec<f64> = bytes.filter(|bytes| *bytes > 0.0).collect();
-        (!bytes.is_empty()).then(|| geometric_mean(&bytes))
+fn memory_advice(ranked: &[Ranked<'_>]) -> Option<String> {
+    let held = |fill: &Ranked<'_>| {
+        let bytes = fill
+            .cases
+            .iter()
+            .filter_map(|case| case.value(GEOMETRY_BYTES));
+        geometric_mean(bytes.filter(|bytes| *bytes > 0.0))
     };
     let sized = ranked.iter().filter_map(|fill| Some((fill, held(fill)?)));
-    let sized: Vec<(&Ranked, f64)> = sized.collect();
+    let sized: Vec<(&Ranked<'_>, f64)> = sized.collect();
     // The first of several is the fastest.
     let (smallest, least) = sized.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let (_, fastest) = sized.first()?;
@@ -340,74 +325,41 @@ fn memory_advice(
     ))
 }
 
-/// The fastest fill that moves no boundary on purpose, where another one is faster.
-fn exact_advice(data: &Data<'_>, ranked: &[Ranked]) -> Option<String> {
-    let moves = |fill: &Ranked| {
-        let mut cases = data.views.iter().flat_map(|view| &view.cases);
-        cases.any(|case| case.value(BOUNDARY_MOVED_PX).is_some() && data.label(case) == fill.name)
-    };
-    let exact = ranked.iter().find(|fill| !moves(fill))?;
-    moves(ranked.first()?).then(|| {
-        format!(
-            "Boundaries must not move at all → {}: {} × the best of each view on average, {} × at most.",
-            exact.name,
-            significant(exact.mean),
-            significant(exact.most),
-        )
-    })
+/// Why a wrong picture of the case is no defect; empty where it is one.
+fn excuse(case: &Case) -> &'static str {
+    match case.outcome {
+        _ if is_approximate(case) => "approximate by nature",
+        _ if case.planned.may_be_wrong => "of sweeps, whose error is the question",
+        Outcome::DriverFault => "with a known driver fault",
+        _ => "",
+    }
 }
 
 /// Which pictures were compared, in exact numbers; `None` for a run that drew none.
-pub(super) fn scope(data: &Data<'_>) -> Option<String> {
+fn scope(data: &Data<'_>) -> Option<String> {
     let drawn = data.cases.iter().filter(|case| !is_baseline(case));
-    let counted = |is_it: fn(&Case) -> bool| {
-        let own = drawn.clone().filter(|case| is_it(case));
-        own.count() as u64
+    let drawn: Vec<(&Case, &str)> = drawn.map(|case| (*case, excuse(case))).collect();
+    let excused = drawn.iter().filter(|(_, excuse)| !excuse.is_empty());
+    let excused = grouped(excused, |(_, excuse)| *excuse).into_iter();
+    let excused = excused.map(|(excuse, cases)| format!("{} {excuse}", count(cases.len() as u64)));
+    let (excused, others) = match excused.collect::<Vec<_>>().join(", ").as_str() {
+        "" => (String::new(), ""),
+        some => (format!(" ({some})"), " of the others"),
     };
-    let exceptions = [
-        (
-            counted(|case| case.planned.may_be_wrong && !is_approximate(case)),
-            "of sweeps, whose error is the question",
-        ),
-        (counted(is_approximate), "approximate by nature"),
-        (
-            counted(|case| case.outcome == Outcome::DriverFault),
-            "with a known driver fault",
-        ),
-    ];
-    let some = exceptions.iter().filter(|(number, _)| *number > 0);
-    let some: Vec<String> = some
-        .map(|(number, what)| format!("{} {what}", count(*number)))
-        .collect();
-    let (exceptions, others) = match some.is_empty() {
-        true => (String::new(), ""),
-        false => (format!(" ({})", some.join(", ")), " of the others"),
-    };
-    let wrong = match wrong(data) {
-        0 => "none".to_owned(),
-        some => count(some as u64),
-    };
-    let all = counted(|_| true);
-    (all > 0).then(|| {
+    let outside = |case: &Case| case.value(MISMATCHED_PX_OUTSIDE_BAND);
+    let compared = drawn.iter().filter(|(case, _)| outside(case).is_some());
+    let wrong = compared.clone().filter(|(case, excuse)| {
+        excuse.is_empty() && (outside(case) > Some(0.0) || case.outcome == Outcome::Wrong)
+    });
+    let [all, compared, wrong] =
+        [drawn.len(), compared.count(), wrong.count()].map(|number| count(number as u64));
+    let wrong = if wrong == "0" { "none" } else { &wrong };
+    (!drawn.is_empty()).then(|| {
         format!(
-            "{} of {} pictures compared with the reference{exceptions}. Wrong outside the 1-pixel boundary \
-             band: {wrong}{others}.",
-            count(counted(|case| case.value(MISMATCHED_PX_OUTSIDE_BAND).is_some())),
-            count(all),
+            "{compared} of {all} pictures compared with the reference{excused}. Wrong outside the 1-pixel boundary \
+             band: {wrong}{others}."
         )
     })
-}
-
-/// Compared pictures that do not match, those aside whose error is the question or a known fault.
-pub(super) fn wrong(data: &Data<'_>) -> usize {
-    let differs = |case: &&&Case| {
-        let outside = case.value(MISMATCHED_PX_OUTSIDE_BAND);
-        !case.planned.may_be_wrong
-            && case.outcome != Outcome::DriverFault
-            && !is_baseline(case)
-            && outside.is_some_and(|px| px > 0.0 || case.outcome == Outcome::Wrong)
-    };
-    data.cases.iter().filter(differs).count()
 }
 
 fn requirements(data: &Data<'_>) -> Vec<Finding> {
@@ -426,8 +378,7 @@ fn pictures(data: &Data<'_>) -> Finding {
     let own = data.cases.iter();
     let own = own.filter(|case| !case.planned.may_be_wrong && !is_baseline(case));
     let outside = own.filter_map(|case| case.value(MISMATCHED_PX_OUTSIDE_BAND));
-    let outside: Vec<f64> = outside.collect();
-    let wrong = outside.iter().filter(|px| **px > 0.0).count();
+    let wrong = outside.clone().filter(|px| *px > 0.0).count();
     let claim = "No picture has a wrong pixel outside the 1-pixel boundary band.";
-    none_differs(claim, outside.len(), wrong, "pictures have none")
+    none_differs(claim, outside.count(), wrong, "pictures have none")
 }

@@ -7,6 +7,12 @@ use crate::keys::{HAUSDORFF_PX, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND};
 use terrafill_conformance::MAX_HAUSDORFF_PX;
 use terrafill_results::{Block, Case};
 
+const TEXT: &str = "What one would take instead of volumes: the region's triangles at one height (flat-mesh; the \
+    “original fill” of 2007), the region cut on the CPU along the surface's triangles as drawn (draped-mesh), and all \
+    regions drawn into a texture over longitude and latitude, by its size (mask-texture). Their pictures differ from \
+    the reference by nature: they never count as right, and compete with none. Time and error of each are in the \
+    tables and plots of its views.";
+
 /// The section; nothing where no approximate fill was drawn.
 pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     let cases = data.cases.iter().copied();
@@ -15,28 +21,20 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
         let distance = case.value(HAUSDORFF_PX).unwrap_or(0.0);
         case.value(MISMATCHED_PX_OUTSIDE_BAND) == Some(0.0) && distance <= MAX_HAUSDORFF_PX
     };
-    let sentence = |(fill, own): (String, Vec<&Case>)| {
+    let fills = grouped(drawn, |case| name(case)).into_iter();
+    let within = fills.map(|(fill, own)| {
         let (within, all) = (own.iter().filter(is_within).count(), own.len());
         format!(
             "{fill}: within the tolerances in {within} of {all} views, which it does not promise."
         )
-    };
-    let fills = grouped(drawn, |case| name(case)).into_iter();
-    let within: Vec<String> = fills.map(sentence).collect();
-    if within.is_empty() {
-        return Vec::new();
+    });
+    let within: Vec<String> = within.collect();
+    match within.is_empty() {
+        true => Vec::new(),
+        false => vec![
+            Block::section("Volumes against approximate fills"),
+            Block::Text(TEXT.to_owned()),
+            Block::List(within),
+        ],
     }
-    vec![
-        Block::section("Volumes against approximate fills"),
-        Block::Text(
-            "What one would take instead of volumes: the region's triangles at one height \
-             (flat-mesh; the “original fill” of 2007), the region cut on the CPU along the surface's \
-             triangles as drawn (draped-mesh), and all regions drawn into a texture over longitude and \
-             latitude, by its size (mask-texture). Their pictures differ from the reference by nature: \
-             they never count as right, and compete with none. Time and error of each are in the tables \
-             and plots of its views."
-                .to_owned(),
-        ),
-        Block::List(within),
-    ]
 }

@@ -5,13 +5,14 @@ use crate::keys::*;
 use crate::metrics::METRICS;
 use crate::request::STUDY;
 use std::cell::OnceCell;
-use std::collections::{BTreeMap, BTreeSet};
-use terrafill_lab::{Answer, Comparison, Follows};
+use std::cmp::Reverse;
+use terrafill_lab::{Answer, Cases, Comparison, Follows};
+pub(super) use terrafill_lab::{distinct, grouped};
 use terrafill_plot::Palette;
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
     Case, Cell, Claim, ConditionKey, Estimate, Metric, Noise, Outcome, REPEATS, Run, Scope, Spread,
-    Standing, over_typical, process_medians, ratio, sample_spread, typical,
+    Standing, Timer, over_typical, process_medians, ratio, sample_spread, typical,
 };
 
 /// Full-screen pass that reads depth in a shader and writes a constant.
@@ -19,20 +20,17 @@ pub(super) const DEPTH_PASS: &str = "depth-pass";
 /// Full-screen pass that clears the stencil and writes a constant where it passes.
 pub(super) const STENCIL_PASS: &str = "stencil-pass";
 
-/// The condition whose values are the knob of the error-against-time plots, metres.
-const KNOB: ConditionKey = TOLERANCE_M;
-
 /// Pixels of a picture that `render` draws unless it is given a size.
 const DEFAULT_SIZE: (u32, u32) = (1024, 1024);
-
-/// By how many pixels levels of detail may move a boundary.
-const LEVELS: ConditionKey = BOUNDARY_LOD_PX;
 
 /// Conditions that say what a case is for, or name the switches that it has anyway.
 const BOOKKEEPING: [ConditionKey; 7] = [ASIDE, NEEDS_RUNG, NEEDS_STEP, ROLE, RUNG, STEP, VARIANT];
 
 /// Conditions besides those that say which case it is and not how its technique is set.
 const NO_SWITCHES: [ConditionKey; 6] = [APPROXIMATE, SCENE, VIEW, TECHNIQUE, LAYOUT, REPEATS];
+
+/// Roles of cases that have a section of their own and no place in their scene's tables.
+const UNLISTED_ROLES: [&str; 5] = ["ladder", "matrix", "needs", "subdivision", "texture"];
 
 /// Two cases that differ in one condition; which of their figures is compared is chosen with the claim.
 pub(super) const fn one_change(changed: ConditionKey) -> Comparison<'static> {
@@ -75,23 +73,17 @@ impl Timed<'_> {
     }
 }
 
-/// Roles of cases that have a chapter of their own and no place in their scene's tables.
-const UNLISTED_ROLES: [&str; 5] = ["ladder", "matrix", "needs", "subdivision", "texture"];
-
 /// The study in a run.
 pub(super) struct Data<'a> {
     pub(super) run: &'a Run,
-    /// Every case that draws, A/A twins left out, in the plan's order.
+    pub(super) study: Cases<'a>,
+    /// Every case that draws, repeats left out, in the plan's order.
     pub(super) cases: Vec<&'a Case>,
-    /// The same by scene and view.
-    of_views: BTreeMap<[&'a str; 2], Vec<&'a Case>>,
-    /// The views of a scene follow each other. Cases that have a section of their own are in none.
+    /// The views of a scene follow each other.
     pub(super) views: Vec<View<'a>>,
     /// The fill's time by the run's clock.
     pub(super) metric: &'static Metric,
     pub(super) noise: Option<Noise>,
-    /// The shortest variant on each curve.
-    shortest: BTreeMap<String, &'a str>,
     palette: OnceCell<Palette>,
 }
 
@@ -99,6 +91,8 @@ pub(super) struct Data<'a> {
 pub(super) struct View<'a> {
     pub(super) scene: &'a str,
     pub(super) name: &'a str,
+    /// Every one, those that have a section of their own too. The others are in the lists below.
+    pub(super) all: Vec<&'a Case>,
     /// Full-screen passes.
     pub(super) baselines: Vec<&'a Case>,
     /// Techniques.
@@ -108,76 +102,77 @@ pub(super) struct View<'a> {
 }
 
 impl<'a> View<'a> {
+    fn new(scene: &'a str, name: &'a str, all: Vec<&'a Case>) -> Self {
+        let listed = all.iter().copied().filter(|case| is_listed(case));
+        let (baselines, others) = listed.partition(|case| is_baseline(case));
+        let others: Vec<&Case> = others;
+        let (rivals, cases) = others.into_iter().partition(|case| is_rival(case));
+        Self {
+            scene,
+            name,
+            all,
+            baselines,
+            cases,
+            rivals,
+        }
+    }
+
     pub(super) fn title(&self) -> String {
         format!("{}, {}", self.scene, self.name)
     }
 
-    /// Those that compete.
+    /// Those in its table: full-screen passes, techniques, rivals.
+    pub(super) fn listed(&self) -> impl Iterator<Item = &'a Case> + Clone + '_ {
+        let lists = [&self.baselines, &self.cases, &self.rivals];
+        lists.into_iter().flatten().copied()
+    }
+
+    /// Those that are there to be the best of the view: no points of sweeps, which draw coarser boundaries on
+    /// purpose, and no approximate fills.
     pub(super) fn competing(&self) -> impl Iterator<Item = &'a Case> + Clone + '_ {
         let cases = self.cases.iter().copied();
-        cases.filter(|case| competes(case))
+        cases.filter(|case| {
+            let is_point = has_role(case, "sweep") && !is_compared(case);
+            !is_point && !is_approximate(case)
+        })
     }
 }
 
 impl<'a> Data<'a> {
-    pub(super) fn new(run: &'a Run, metric: &'static Metric) -> Self {
-        let own = || run.cases.iter().filter(|case| case.id().study == STUDY);
-        let cases = own().filter(|case| !case.is_twin() && !has_role(case, "memory"));
+    pub(super) fn new(run: &'a Run) -> Self {
+        let metric = run.clock().pick(FILL_GPU_MS, FILL_CPU_MS);
+        let study = Cases::of_study(run, STUDY);
+        let cases = study.iter().filter(|case| !has_role(case, "memory"));
         let cases: Vec<&Case> = cases.collect();
-        let scene_of = |case: &&'a Case| case.condition(SCENE);
-        let view_of = |case: &&'a Case| [SCENE, VIEW].map(|key| case.condition(key));
-        let mut shortest: BTreeMap<String, &str> = BTreeMap::new();
-        for case in &cases {
-            let variant = case.condition(VARIANT);
-            let known = shortest.entry(curve(case)).or_insert(variant);
-            if (variant.len(), variant) < (known.len(), *known) {
-                *known = variant;
-            }
-        }
-        let listed = cases.iter().copied().filter(|case| is_listed(case));
-        let of_scenes = grouped(listed, scene_of).into_iter();
+        let of_scenes = grouped(cases.iter().copied(), |case| case.condition(SCENE)).into_iter();
         let views = of_scenes.flat_map(|(scene, cases)| {
-            let views = grouped(cases, view_of).into_iter();
-            views.map(move |([_, name], cases)| {
-                let (baselines, cases) = cases.into_iter().partition(|case| is_baseline(case));
-                let cases: Vec<&Case> = cases;
-                let (rivals, cases) = cases.into_iter().partition(|case| is_rival(case));
-                View {
-                    scene,
-                    name,
-                    baselines,
-                    cases,
-                    rivals,
-                }
-            })
+            let views = grouped(cases, |case| case.condition(VIEW)).into_iter();
+            views.map(move |(name, all)| View::new(scene, name, all))
         });
         Self {
             views: views.collect(),
-            of_views: grouped(cases.iter().copied(), view_of)
-                .into_iter()
-                .collect(),
-            shortest,
             run,
+            study,
             cases,
             metric,
-            noise: Noise::of(own(), metric),
+            noise: Noise::of(run.of_study(STUDY), metric),
             palette: OnceCell::new(),
         }
     }
 
-    /// Views of one scene after the other.
-    pub(super) fn scenes(&self) -> impl Iterator<Item = &[View<'a>]> {
-        self.views.chunk_by(|a, b| a.scene == b.scene)
-    }
-
-    /// Every case of a view that draws.
-    pub(super) fn of_view<'s>(&'s self, of: [&'s str; 2]) -> &'s [&'a Case] {
-        self.of_views.get(&of).map_or(&[], Vec::as_slice)
+    /// Views that list cases, those of one scene together.
+    pub(super) fn scenes(&self) -> Vec<(&'a str, Vec<&View<'a>>)> {
+        let listed = self.views.iter();
+        let listed = listed.filter(|view| view.listed().next().is_some());
+        grouped(listed, |view| view.scene)
     }
 
     /// Every case of the view of this one.
-    pub(super) fn beside<'s>(&'s self, case: &'s Case) -> &'s [&'a Case] {
-        self.of_view([SCENE, VIEW].map(|key| case.condition(key)))
+    pub(super) fn beside<'s>(&'s self, case: &Case) -> &'s [&'a Case] {
+        let of = [SCENE, VIEW].map(|key| case.condition(key));
+        let mut views = self.views.iter();
+        let view = views.find(|view| [view.scene, view.name] == of);
+        view.map_or(&[], |view| &view.all)
     }
 
     /// Colour and marker of each series.
@@ -190,7 +185,7 @@ impl<'a> Data<'a> {
         Cell {
             marker: match is_baseline(case) {
                 true => String::new(),
-                false => self.palette().marker(&self.marked(case)),
+                false => self.palette().marker(&marked(case)),
             },
             command: self.command(case),
             ..Cell::name(text)
@@ -228,7 +223,7 @@ impl<'a> Data<'a> {
 
     /// `process CPU ms`, for headings and axes.
     pub(super) fn unit(&self) -> &'static str {
-        self.run.clock().pick("GPU ms", "process CPU ms")
+        self.metric.timer().map_or("ms", Timer::unit_ms)
     }
 
     /// Times of a case over all its samples.
@@ -259,23 +254,15 @@ impl<'a> Data<'a> {
         over_typical(case, fastest, self.metric).filter(|_| is_right)
     }
 
-    /// Whether it differs from the fastest by no more than identical work did.
-    pub(super) fn ties_with(&self, case: &Case, fastest: &Case) -> bool {
-        let ratio = self.over_fastest(case, fastest).zip(self.noise);
-        ratio.is_some_and(|(ratio, noise)| noise.is_tie(ratio.middle))
+    /// Time of `case` over time of `other`, paired by process, both right.
+    pub(super) fn over(&self, case: &Case, other: &Case) -> Option<Estimate> {
+        let is_right = case.counts() && other.counts();
+        ratio(case, other, self.metric).filter(|_| is_right)
     }
 
     /// One number for each process.
     pub(super) fn replicates(&self, case: &Case) -> Vec<f64> {
         process_medians(case, self.metric).into_values().collect()
-    }
-
-    /// Time of `case` over time of `other`, both right.
-    pub(super) fn over(&self, case: &Case, other: &Case) -> Option<Estimate> {
-        if !case.counts() || !other.counts() {
-            return None;
-        }
-        ratio(case, other, self.metric)
     }
 
     /// The full-screen pass of the case's scene and view.
@@ -285,8 +272,11 @@ impl<'a> Data<'a> {
     }
 
     /// Time of `case` over that of a full-screen pass.
-    pub(super) fn over_baseline(&self, case: &Case, technique: &str) -> Option<Estimate> {
-        self.over(case, self.baseline(case, technique)?)
+    pub(super) fn over_pass_cell(&self, case: &Case, pass: &str) -> Cell {
+        let pass = self.baseline(case, pass);
+        let over = pass.and_then(|pass| self.over(case, pass));
+        let why = reason_or(case, "this pass was not measured in this run");
+        Cell::or_absent(over.map(|over| significant(over.middle)), why)
     }
 
     /// The case's times over the median of its depth-pass, for plots.
@@ -295,27 +285,37 @@ impl<'a> Data<'a> {
         Some(self.right_time(case)?.over(baseline.median))
     }
 
+    /// Whether two times of this ratio differ by no more than identical work did.
+    pub(super) fn is_tie(&self, ratio: f64) -> bool {
+        self.noise.is_some_and(|noise| noise.is_tie(ratio))
+    }
+
     /// A ratio with its interval, and whether it is a tie.
     pub(super) fn ratio_text(&self, ratio: &Estimate) -> String {
-        let is_tie = self.noise.is_some_and(|noise| noise.is_tie(ratio.middle));
-        format!("{}{}", times(ratio), if is_tie { " (tie)" } else { "" })
+        let tie = if self.is_tie(ratio.middle) {
+            " (tie)"
+        } else {
+            ""
+        };
+        format!("{}{tie}", times(ratio))
+    }
+
+    /// The same as a cell.
+    pub(super) fn ratio_cell(&self, ratio: Option<&Estimate>, why: &str) -> Cell {
+        Cell::or_absent(ratio.map(|ratio| self.ratio_text(ratio)), why)
     }
 
     /// By how much identical work differed on a scene's ladder; anywhere in the scene where none of the
     /// ladder was measured twice.
-    pub(super) fn ladder_noise(&self, scene: &str) -> Option<Noise> {
-        self.noise_on(scene, self.metric)
-    }
-
-    fn noise_on(&self, scene: &str, metric: &Metric) -> Option<Noise> {
-        let own = self
-            .run
-            .cases
-            .iter()
-            .filter(|case| case.id().study == STUDY);
+    pub(super) fn noise_on(&self, scene: &str, metric: &Metric) -> Option<Noise> {
+        let own = self.run.of_study(STUDY);
         let of_scene = own.filter(|case| case.condition(SCENE) == scene);
         let of_ladder = of_scene.clone().filter(|case| has_role(case, "ladder"));
         Noise::of(of_ladder, metric).or_else(|| Noise::of(of_scene, metric))
+    }
+
+    pub(super) fn ladder_noise(&self, scene: &str) -> Option<Noise> {
+        self.noise_on(scene, self.metric)
     }
 
     /// What is taken as no difference in a scene's ladder, in a sentence. A band narrower than the intervals of
@@ -324,61 +324,42 @@ impl<'a> Data<'a> {
         let Some(scene) = scene else {
             return String::new();
         };
-        let noise = self.ladder_noise(scene);
+        let noise = self.noise_on(scene, self.metric);
         let percent = significant(100.0 * (Noise::band(noise) - 1.0));
-        match noise {
-            Some(noise) => format!(
-                "Less than {percent} % either way is no difference: so far the intervals of identical work \
-                 reached in this run, measured twice under {} names.",
-                noise.pairs
-            ),
-            None => format!(
-                "Less than {percent} % either way is taken as no difference: this run measured no identical \
-                 work twice."
-            ),
-        }
+        let because = noise.map_or_else(
+            || "this run measured no identical work twice".to_owned(),
+            |noise| {
+                format!(
+                    "so far the intervals of identical work reached in this run, measured twice under {} names",
+                    noise.pairs
+                )
+            },
+        );
+        format!("Less than {percent} % either way is no difference: {because}.")
     }
 
-    /// Twins of the cases with these keys, and of what else stands on their ladder.
+    /// Repeats of the cases with these keys, and of what else stands on their ladder.
     pub(super) fn ladder_twins(&self, keys: &[String]) -> Vec<String> {
-        let own = self
-            .cases
-            .iter()
-            .filter(|case| keys.contains(&case.id().key()));
+        let own = self.cases.iter();
+        let own = own.filter(|case| keys.contains(&case.id().key()));
         let scenes = distinct(own.map(|case| case.condition(SCENE)));
-        let twins = self.run.cases.iter().filter(|case| {
+        let twins = self.run.of_study(STUDY).filter(|case| {
             case.is_twin() && has_role(case, "ladder") && scenes.contains(&case.condition(SCENE))
         });
         let both = twins.flat_map(|twin| [twin.id().key(), twin.condition(REPEATS).to_owned()]);
-        let new = both.filter(|key| !keys.contains(key));
-        distinct(new)
-    }
-
-    /// The same as a cell.
-    pub(super) fn ratio_cell(&self, ratio: Option<&Estimate>, why: &str) -> Cell {
-        Cell::or_absent(ratio.map(|ratio| self.ratio_text(ratio)), why)
+        distinct(both.filter(|key| !keys.contains(key)))
     }
 
     /// Names of all curves: a curve's place here is its colour and marker in every plot. Those that
     /// most views have come first, as the first ones differ most.
     fn all_series(&self) -> Vec<String> {
-        let mut views: BTreeMap<String, BTreeSet<usize>> = BTreeMap::new();
-        for (place, view) in self.views.iter().enumerate() {
-            for case in view.cases.iter().chain(&view.rivals) {
-                views.entry(self.marked(case)).or_default().insert(place);
-            }
-        }
-        let mut series: Vec<(String, BTreeSet<usize>)> = views.into_iter().collect();
-        series.sort_by_key(|(_, views)| std::cmp::Reverse(views.len()));
+        let of_view = |view: &View<'a>| {
+            let cases = view.cases.iter().chain(&view.rivals);
+            distinct(cases.map(|case| marked(case)))
+        };
+        let mut series = grouped(self.views.iter().flat_map(of_view), String::clone);
+        series.sort_by_key(|(name, views)| (Reverse(views.len()), name.clone()));
         series.into_iter().map(|(series, _)| series).collect()
-    }
-
-    /// The series whose colour and marker a case has on every page: a full plan those of its layout.
-    pub(super) fn marked(&self, case: &Case) -> String {
-        if is_full_plan(case) {
-            return layout_name(case);
-        }
-        self.series(case)
     }
 
     /// What a reader types to see a case; empty for what `render` does not draw.
@@ -396,58 +377,53 @@ impl<'a> Data<'a> {
             (width, height) => format!(" --size {width}x{height}"),
         };
         // Every switch by name and value: what a word sets changes from commit to commit.
-        let variant = case.condition(VARIANT);
+        let [scene, view, technique, variant] =
+            [SCENE, VIEW, TECHNIQUE, VARIANT].map(|key| case.condition(key));
         format!(
-            "terrafill render {} --view {} --technique {} --set {variant}{size} --out picture.png",
-            case.condition(SCENE),
-            case.condition(VIEW),
-            case.condition(TECHNIQUE),
+            "terrafill render {scene} --view {view} --technique {technique} --set {variant}{size} --out picture.png"
         )
-    }
-
-    /// What is one curve: technique and switches without the knob. Named by the shortest variant on it,
-    /// which is the one that leaves the knob alone where there is one.
-    pub(super) fn series(&self, case: &Case) -> String {
-        let shortest = self.shortest.get(&curve(case)).copied();
-        let variant = shortest.unwrap_or_else(|| case.condition(VARIANT));
-        format!("{}/{variant}", case.condition(TECHNIQUE))
-    }
-
-    /// A case's name as a plot has room for it: the knob, in short, after the rest.
-    pub(super) fn label(&self, case: &Case) -> String {
-        if is_full_plan(case) {
-            let levels = match case.condition(LEVELS) {
-                "" | "off" => String::new(),
-                px => format!(", boundary ≤ {px} px"),
-            };
-            return format!("{}, full plan{levels}", layout_name(case));
-        }
-        match knob_m(case).filter(|_| has_role(case, "sweep")) {
-            Some(knob) => format!("{} · {}", self.series(case), terrafill_plot::length(knob)),
-            None => name(case),
-        }
     }
 }
 
-/// Whether a case is the top of its technique's ladder.
-fn is_full_plan(case: &Case) -> bool {
-    has_role(case, "full-plan")
+/// A case's name as a plot has room for it: the knob, in short, after the rest.
+pub(super) fn label(case: &Case) -> String {
+    if has_role(case, "full-plan") {
+        let levels = match case.condition(BOUNDARY_LOD_PX) {
+            "" | "off" => String::new(),
+            px => format!(", boundary ≤ {px} px"),
+        };
+        return format!("{}, full plan{levels}", layout_name(case));
+    }
+    match knob_m(case).filter(|_| has_role(case, "sweep")) {
+        Some(knob) => format!("{} · {}", series(case), terrafill_plot::length(knob)),
+        None => name(case),
+    }
+}
+
+/// The series whose colour and marker a case has on every page: a full plan those of its layout.
+pub(super) fn marked(case: &Case) -> String {
+    match has_role(case, "full-plan") {
+        true => layout_name(case),
+        false => series(case),
+    }
+}
+
+/// What is one curve: technique and variant without the knob. Whatever is chosen of an approximate fill is one: it says
+/// how far it is off.
+pub(super) fn series(case: &Case) -> String {
+    if is_approximate(case) {
+        return layout_name(case);
+    }
+    let is_knob = |set: &&str| set.split('=').next() == Some(TOLERANCE_M.name());
+    let sets = case.condition(VARIANT).split(',');
+    let sets: Vec<&str> = sets.filter(|set| !is_knob(set)).collect();
+    format!("{}/{}", case.condition(TECHNIQUE), sets.join(","))
 }
 
 /// Technique and layout.
 pub(super) fn layout_name(case: &Case) -> String {
     let of = |key| case.condition(key);
     format!("{}/{}", of(TECHNIQUE), of(LAYOUT))
-}
-
-/// Technique, layout and switches without the knob. Whatever is chosen of an approximate fill is one: it says how
-/// far it is off.
-fn curve(case: &Case) -> String {
-    let set = switches(case).into_iter();
-    let set = set.filter(|(key, _)| *key != KNOB.name() && !is_approximate(case));
-    set.fold(layout_name(case), |curve, (key, value)| {
-        format!("{curve},{key}={value}")
-    })
 }
 
 /// Technique and variant.
@@ -474,23 +450,17 @@ pub(super) fn is_approximate(case: &Case) -> bool {
     case.condition(APPROXIMATE) == "yes"
 }
 
-/// Whether a case is there to be the best of its view: not a point of a sweep, which draws coarser
-/// boundaries on purpose, nor an approximate fill.
-pub(super) fn competes(case: &Case) -> bool {
-    let is_point = has_role(case, "sweep") && !is_compared(case);
-    !is_point && !is_approximate(case)
-}
-
 /// The value by which an approximate case differs from the others of its technique in a view.
 pub(super) fn setting<'a>(case: &'a Case, view: &View<'_>) -> Option<&'a str> {
-    let technique = case.condition(TECHNIQUE);
     let differs = |(key, value): &(&str, &str)| {
         let mut others = view.cases.iter();
         others.any(|other| {
-            other.condition(TECHNIQUE) == technique && other.condition_named(key) != *value
+            let is_same = other.condition(TECHNIQUE) == case.condition(TECHNIQUE);
+            is_same && other.condition_named(key) != *value
         })
     };
     let chosen = switches(case).into_iter().find(differs);
+    let chosen = chosen.filter(|_| is_approximate(case));
     chosen.map(|(_, value)| value)
 }
 
@@ -499,6 +469,14 @@ pub(super) fn standing(case: &Case) -> &'static str {
     match case.outcome {
         Outcome::Wrong if is_approximate(case) => "approximate",
         outcome => outcome.name(),
+    }
+}
+
+/// Why a case has no figure: its own reason where it has one.
+pub(super) fn reason_or<'c>(case: &'c Case, why: &'c str) -> &'c str {
+    match case.reason.as_str() {
+        "" => why,
+        reason => reason,
     }
 }
 
@@ -512,30 +490,26 @@ pub(super) fn is_rival(case: &Case) -> bool {
 }
 
 fn is_listed(case: &Case) -> bool {
-    let roles = case.condition(ROLE).split('+');
-    roles
-        .into_iter()
-        .any(|role| !UNLISTED_ROLES.contains(&role))
+    let mut roles = case.condition(ROLE).split('+');
+    roles.any(|role| !UNLISTED_ROLES.contains(&role))
 }
 
 /// Switches of technique and plan, each with its value, by name.
 pub(super) fn switches(case: &Case) -> Vec<(&str, &str)> {
     let conditions = case.id().conditions.iter();
-    conditions
-        .map(|(key, value)| (key.as_str(), value.as_str()))
-        .filter(|(key, value)| {
-            let mut others = NO_SWITCHES.iter().chain(&BOOKKEEPING);
-            others.all(|own| own.name() != *key) && !value.is_empty()
-        })
-        .collect()
+    let conditions = conditions.map(|(key, value)| (key.as_str(), value.as_str()));
+    let is_switch = |(key, value): &(&str, &str)| {
+        let mut others = NO_SWITCHES.iter().chain(&BOOKKEEPING);
+        others.all(|own| own.name() != *key) && !value.is_empty()
+    };
+    conditions.filter(is_switch).collect()
 }
 
-/// Value of the knob, metres: as the switch names it, else as the mesh was built.
+/// Value of the knob of the error-against-time plots, the boundary tolerance in metres: as the switch names it, else
+/// as the mesh was built.
 pub(super) fn knob_m(case: &Case) -> Option<f64> {
-    case.condition(KNOB)
-        .parse()
-        .ok()
-        .or(case.value(BOUNDARY_TOLERANCE_M))
+    let set = case.condition(TOLERANCE_M).parse().ok();
+    set.or(case.value(BOUNDARY_TOLERANCE_M))
 }
 
 /// The declaration of a metric that the study has.
@@ -563,28 +537,4 @@ pub(super) fn counter(case: &Case, metric: impl AsRef<str>) -> Option<u64> {
         .value(metric)
         .filter(|value| value.is_finite() && *value >= 0.0)?;
     Some(value.round() as u64)
-}
-
-/// Items without repetitions, in order of appearance.
-pub(super) fn distinct<T: Ord + Clone>(items: impl IntoIterator<Item = T>) -> Vec<T> {
-    let groups = grouped(items, T::clone).into_iter();
-    groups.map(|(item, _)| item).collect()
-}
-
-/// Items of the same key together, in order of appearance.
-pub(crate) fn grouped<T, K: Ord + Clone>(
-    items: impl IntoIterator<Item = T>,
-    key: impl Fn(&T) -> K,
-) -> Vec<(K, Vec<T>)> {
-    let mut places: BTreeMap<K, usize> = BTreeMap::new();
-    let mut groups: Vec<(K, Vec<T>)> = Vec::new();
-    for item in items {
-        let key = key(&item);
-        let place = *places.entry(key.clone()).or_insert(groups.len());
-        if place == groups.len() {
-            groups.push((key, Vec::new()));
-        }
-        groups[place].1.push(item);
-    }
-    groups
 }

@@ -17,7 +17,6 @@ mod ladder;
 mod matrix;
 mod memory;
 mod needs;
-mod published;
 mod rivals;
 mod rungs;
 mod scenes;
@@ -28,15 +27,13 @@ mod techniques;
 #[cfg(test)]
 mod tests;
 mod textured;
+mod thin;
 
 use crate::keys::{FILL_CPU_MS, FILL_GPU_MS, MISMATCHED_PX_OUTSIDE_BAND};
 use crate::request::STUDY;
-pub(crate) use data::grouped;
 use data::{Data, is_baseline};
 use rungs::FULL_PLAN;
-pub(crate) use scenes::picture;
-pub(crate) use table::{alarm, figures, row};
-use terrafill_lab::{with_command, with_commands};
+use terrafill_lab::{answers_with_commands, with_commands};
 use terrafill_results::{
     Answers, Block, Case, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run,
 };
@@ -44,12 +41,6 @@ use terrafill_results::{
 /// What filling regions costs and how right it is.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FillingChapter;
-
-impl FillingChapter {
-    fn data<'a>(&self, run: &'a Run) -> Data<'a> {
-        Data::new(run, run.clock().pick(FILL_GPU_MS, FILL_CPU_MS))
-    }
-}
 
 impl Chapter for FillingChapter {
     fn study(&self) -> &'static str {
@@ -65,11 +56,9 @@ impl Chapter for FillingChapter {
     }
 
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
-        let data = self.data(run);
+        let data = Data::new(run);
         let ladders = rungs::ladders(&data, FULL_PLAN);
         let sections = [
-            pictures_sentence(&data).into_iter().collect(),
-            fronts::section(&data)?,
             approximate::blocks(&data),
             claims::blocks(&data, &ladders),
             ladder::blocks(&data, &ladders)?,
@@ -90,11 +79,8 @@ impl Chapter for FillingChapter {
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
-        let mut answers = answers::answers(&self.data(run))?;
-        let requirements = answers.requirements.into_iter();
-        let requirements = requirements.map(|finding| with_command(finding, run, STUDY));
-        answers.requirements = requirements.collect();
-        Ok(answers)
+        let answers = answers::answers(&Data::new(run))?;
+        Ok(answers_with_commands(answers, run, STUDY))
     }
 
     fn has_long_sections(&self) -> bool {
@@ -102,15 +88,15 @@ impl Chapter for FillingChapter {
     }
 
     fn contradictions(&self, run: &Run) -> Vec<String> {
-        let data = self.data(run);
-        data.cases
-            .iter()
+        let data = Data::new(run);
+        let cases = data.cases.iter();
+        cases
             .filter_map(|case| contradiction(&data, case))
             .collect()
     }
 
     fn tables(&self, run: &Run) -> Result<Vec<DerivedTable>, ChapterError> {
-        let data = self.data(run);
+        let data = Data::new(run);
         if data.cases.is_empty() {
             return Ok(Vec::new());
         }
@@ -122,7 +108,7 @@ impl Chapter for FillingChapter {
     }
 
     fn undecided(&self, run: &Run) -> Vec<String> {
-        let data = self.data(run);
+        let data = Data::new(run);
         claims::undecided(&data, &rungs::ladders(&data, FULL_PLAN))
     }
 }
@@ -130,10 +116,9 @@ impl Chapter for FillingChapter {
 /// What in a case's figures contradicts its outcome.
 fn contradiction(data: &Data<'_>, case: &Case) -> Option<String> {
     let samples = case.samples(data.metric).into_iter().flatten();
-    let times = samples.flat_map(|(_, of_process)| of_process.values());
-    let (all, usable) = times.fold((0_usize, 0_usize), |(all, usable), ms| {
-        (all + 1, usable + usize::from(ms.is_finite() && *ms > 0.0))
-    });
+    let times: Vec<f64> = samples.flat_map(|(_, of)| of.values().copied()).collect();
+    let usable = times.iter().filter(|ms| ms.is_finite() && **ms > 0.0);
+    let (all, usable) = (times.len(), usable.count());
     if usable < all {
         let (name, lost) = (case.id(), all - usable);
         return Some(format!(
@@ -155,13 +140,4 @@ pub(crate) fn never_right(case: &Case) -> Option<String> {
         )),
         Some(_) => None,
     }
-}
-
-/// Which pictures were compared and whether they match, seen at once where some do not.
-fn pictures_sentence(data: &Data<'_>) -> Option<Block> {
-    let scope = answers::scope(data)?;
-    Some(match answers::wrong(data) {
-        0 => Block::Text(scope),
-        _ => Block::Alarm(scope),
-    })
 }

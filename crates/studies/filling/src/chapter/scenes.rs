@@ -2,18 +2,18 @@
 //! Every scene with its views: plots, tables of all cases, and pictures beside the reference's.
 
 use super::data::{
-    DEPTH_PASS, Data, STENCIL_PASS, View, counter, grouped, has_role, is_approximate, is_rival,
-    name, setting, standing,
+    DEPTH_PASS, Data, STENCIL_PASS, View, has_role, is_approximate, is_rival, label, marked, name,
+    reason_or, setting, standing,
 };
-use super::table::Show::{Count, Figure, OtherClock, Over, Own, Status, Times};
-use super::table::{Column, no_ratio, or_dash, part, plot, table};
-use super::{error_time, published};
+use super::error_time;
+use super::table::{STATUS, no_ratio, or_dash};
 use crate::keys::*;
-use terrafill_plot::number::{count, significant, times};
+use terrafill_lab::{Column, case_table};
+use terrafill_plot::number::{digits, significant, times};
 use terrafill_plot::{RatioAxis, RatioGroup, RatioPlot, RatioRow};
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Estimate, Outcome, Picture, PictureFigure, Pictures, Spread,
-    Table, over_typical,
+    Block, Case, Cell, ChapterError, Estimate, Heading, Outcome, Picture, PictureFigure, Pictures,
+    Spread, Table, over_typical,
 };
 
 /// Key of the pictures of differences, as `terrafill-conformance` draws them.
@@ -24,44 +24,53 @@ const DIFFERENCE_KEY: &str = "Pictures: the reference, and every picture, those 
     boundary, framed in white, with 24 × 24 pixels around it, from left to right the reference, the \
     picture and the difference. A picture that is chosen by Tab or click fills the window.";
 
-const COLUMNS: [Column; 26] = [
-    ("case", Own("")),
-    ("status", Status),
-    ("fill, {unit} (5–95 %)", Times),
+/// What is said of a case before its figures, with what it means.
+const SAID: [(&str, &str); 4] = [
+    ("case", ""),
     (
         "÷\u{a0}fastest right",
-        Own("medians over processes; no right fill is below 1, an approximate one may be"),
+        "medians over processes; only an approximate fill may be below 1",
     ),
-    ("÷\u{a0}depth-pass", Over(DEPTH_PASS)),
-    ("÷\u{a0}stencil-pass", Over(STENCIL_PASS)),
-    ("fill, {other}", OtherClock),
-    ("surface, GPU\u{a0}ms", Figure(SURFACE_GPU_MS)),
-    ("surface bytes", Count(SURFACE_BYTES)),
-    ("stencil, GPU\u{a0}ms", Figure(STENCIL_GPU_MS)),
-    ("colour, GPU\u{a0}ms", Figure(COLOUR_GPU_MS)),
-    ("geometry bytes", Count(GEOMETRY_BYTES)),
-    ("vertex bytes", Count(VERTEX_BYTES)),
-    ("index bytes", Count(INDEX_BYTES)),
-    ("constant bytes", Count(CONSTANT_BYTES)),
-    ("target bytes", Count(TARGET_BYTES)),
-    ("to prepare, CPU\u{a0}ms", Figure(PREPARE_CPU_MS)),
-    ("draws", Count(DRAWS)),
-    ("vertices", Count(VERTICES)),
-    ("regions left out", Count(REGIONS_LEFT_OUT)),
-    ("px that differ", Count(MISMATCHED_PX)),
-    ("outside band", Count(MISMATCHED_PX_OUTSIDE_BAND)),
-    ("Hausdorff, px", Figure(HAUSDORFF_PX)),
-    ("moved, px", Figure(BOUNDARY_MOVED_PX)),
-    ("by the surface, px", Figure(MOVED_PX_TRUE)),
-    ("boundary,\u{a0}m", Figure(BOUNDARY_DEVIATION_M)),
+    (
+        "÷\u{a0}depth-pass",
+        "over the full-screen pass that reads depth, paired by process",
+    ),
+    (
+        "÷\u{a0}stencil-pass",
+        "the same with the pass that clears and tests the stencil",
+    ),
+];
+
+const COLUMNS: [Column; 22] = [
+    STATUS,
+    Column::sampled("fill, {unit} (5–95 %)", FILL_GPU_MS, FILL_CPU_MS),
+    Column::sampled("fill, {unit} (5–95 %)", FILL_CPU_MS, FILL_GPU_MS),
+    Column::metric("surface, {unit}", SURFACE_GPU_MS),
+    Column::metric("surface bytes", SURFACE_BYTES).written(digits),
+    Column::metric("stencil, {unit}", STENCIL_GPU_MS),
+    Column::metric("colour, {unit}", COLOUR_GPU_MS),
+    Column::metric("geometry bytes", GEOMETRY_BYTES).written(digits),
+    Column::metric("vertex bytes", VERTEX_BYTES).written(digits),
+    Column::metric("index bytes", INDEX_BYTES).written(digits),
+    Column::metric("constant bytes", CONSTANT_BYTES).written(digits),
+    Column::metric("target bytes", TARGET_BYTES).written(digits),
+    Column::metric("to prepare, {unit}", PREPARE_CPU_MS),
+    Column::metric("draws", DRAWS),
+    Column::metric("vertices", VERTICES),
+    Column::metric("regions left out", REGIONS_LEFT_OUT),
+    Column::metric("px that differ", MISMATCHED_PX),
+    Column::metric("outside band", MISMATCHED_PX_OUTSIDE_BAND),
+    Column::metric("Hausdorff, px", HAUSDORFF_PX).written(significant),
+    Column::metric("moved, px", BOUNDARY_MOVED_PX).written(significant),
+    Column::metric("by the surface, px", MOVED_PX_TRUE).written(significant),
+    Column::metric("boundary,\u{a0}m", BOUNDARY_DEVIATION_M).written(significant),
 ];
 
 /// Every scene.
 pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
     let clock = data.run.clock().name();
     let mut blocks = Vec::new();
-    for views in data.scenes() {
-        let scene = views[0].scene;
+    for (scene, views) in data.scenes() {
         blocks.push(Block::section(scene));
         let caption = format!(
             "By {clock}: each right fill over its view's fastest, medians over processes. Points of sweeps and \
@@ -70,17 +79,15 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
              a full-screen pass that reads depth and writes a constant colour; a yardstick, not a bound. A cross \
              at the right edge has no time that counts."
         );
-        blocks.extend(plot(caption, ratio_plot(data, views)?));
-        blocks.extend(published::blocks(data, views));
-        let pictures: Vec<_> = views.iter().map(|view| pictures(data, view)).collect();
+        blocks.extend(Block::plot(caption, ratio_plot(data, scene, &views)?));
+        let pictures: Vec<_> = views.iter().map(|view| pictures(view)).collect();
         if pictures.iter().any(Option::is_some) {
             blocks.push(Block::Remark(DIFFERENCE_KEY.to_owned()));
         }
         for (view, pictures) in views.iter().zip(pictures) {
-            blocks.push(part(view.title()));
+            blocks.push(Block::part(view.title()));
             blocks.extend(pictures.map(Block::Pictures));
             blocks.push(Block::Table(cases(data, view)));
-            blocks.extend(left_out(view));
             blocks.extend(error_time::of_view(data, view)?);
         }
     }
@@ -88,7 +95,11 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
 }
 
 /// Each case that competes over the fastest right one of its view, fastest first.
-fn ratio_plot(data: &Data<'_>, views: &[View<'_>]) -> Result<Option<String>, ChapterError> {
+fn ratio_plot(
+    data: &Data<'_>,
+    scene: &str,
+    views: &[&View<'_>],
+) -> Result<Option<String>, ChapterError> {
     let groups = views.iter().map(|view| {
         let best = data.fastest(view.competing());
         let ratio = |case: &Case| data.over_fastest(case, best?);
@@ -114,7 +125,7 @@ fn ratio_plot(data: &Data<'_>, views: &[View<'_>]) -> Result<Option<String>, Cha
         data.run.clock().name()
     );
     let plot = RatioPlot {
-        title: format!("{}: fill time over the fastest", views[0].scene),
+        title: format!("{scene}: fill time over the fastest"),
         axis: RatioAxis {
             title: &title,
             one: "fastest = 1",
@@ -131,73 +142,62 @@ fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow 
         let median = ratio.middle;
         Spread { p5, median, p95 }
     });
-    let time = data.typical(case).map(|time| significant(time.middle));
+    let typical = data.typical(case);
     // The ratio is of medians, so a process stands as far from it as its time from the median.
-    let processes = ratio.zip(data.typical(case)).map(|(ratio, typical)| {
+    let processes = ratio.zip(typical).map(|(ratio, typical)| {
         let times = data.replicates(case).into_iter();
         times
             .map(|time| ratio.middle * time / typical.middle)
             .collect()
     });
     RatioRow {
-        label: data.label(case),
-        series: data.marked(case),
+        label: label(case),
+        series: marked(case),
         ratio: whisker.ok_or_else(|| no_ratio(data, case)),
         processes: processes.unwrap_or_default(),
-        value: time.map_or_else(String::new, |time| format!(" · {time} ms")),
+        value: typical.map_or_else(String::new, |time| {
+            format!(" · {} ms", significant(time.middle))
+        }),
         command: data.command(case),
     }
 }
 
 fn cases(data: &Data<'_>, view: &View<'_>) -> Table {
-    let all = view.baselines.iter().chain(&view.cases).chain(&view.rivals);
     let fastest = data.fastest(view.competing());
-    let rows = all.clone().map(|case| {
-        let (label, name) = (data.label(case), name(case));
-        // Of what is approximate, the value that tells it from others of its technique.
-        let detail = match setting(case, view).filter(|_| is_approximate(case)) {
-            Some(setting) => setting.to_owned(),
-            None if name == label => String::new(),
-            None => name,
-        };
+    let rows = view.listed().map(|case| {
+        let (label, name) = (label(case), name(case));
         let cell = Cell {
-            detail,
+            detail: match setting(case, view) {
+                Some(setting) => setting.to_owned(),
+                None if name == label => String::new(),
+                None => name,
+            },
             ..data.name_cell(case, label)
         };
         let counts = case.counts() || is_approximate(case) || is_rival(case);
         let over = fastest.filter(|_| counts);
         let over = over.and_then(|fastest| over_typical(case, fastest, data.metric));
-        let why = match case.reason.as_str() {
-            "" => "it is not right or was not timed, or no fill of this view is",
-            reason => reason,
-        };
-        (
-            *case,
-            vec![cell, Cell::or_absent(over.map(|over| times(&over)), why)],
-        )
+        let why = "it is not right or was not timed, or no fill of this view is";
+        let said = vec![
+            cell,
+            Cell::or_absent(over.as_ref().map(times), reason_or(case, why)),
+            data.over_pass_cell(case, DEPTH_PASS),
+            data.over_pass_cell(case, STENCIL_PASS),
+        ];
+        (case, said)
     });
-    let mut table = table(data, &COLUMNS, rows);
-    for (row, case) in table.rows.iter_mut().zip(all) {
-        row.remark.clone_from(&case.reason);
+    let mut table = case_table(&data.study, SAID.map(Heading::from).into(), &COLUMNS, rows);
+    for (row, case) in table.rows.iter_mut().zip(view.listed()) {
+        row.status = standing(case).to_owned();
     }
     table
 }
 
-/// One of a case's pictures, if it has it.
-pub(crate) fn picture(case: &Case, note: &str, caption: impl Into<String>) -> Option<Picture> {
-    let path = case.note(note);
-    (!path.is_empty()).then(|| Picture {
-        path: path.to_owned(),
-        caption: caption.into(),
-    })
-}
-
 /// The reference's picture, then each case's beside its difference and its worst pixel. Wrong cases
 /// of the ladder and the matrix are among them: their own tables have no room for pictures.
-fn pictures(data: &Data<'_>, view: &View<'_>) -> Option<Pictures> {
+fn pictures(view: &View<'_>) -> Option<Pictures> {
     let listed = || view.cases.iter().chain(&view.rivals).copied();
-    let all = data.of_view([view.scene, view.name]).iter().copied();
-    let wrong = all.filter(|case| {
+    let wrong = view.all.iter().copied().filter(|case| {
         // Textured fills have their pictures in their own section.
         case.outcome == Outcome::Wrong
             && !has_role(case, "texture")
@@ -205,20 +205,29 @@ fn pictures(data: &Data<'_>, view: &View<'_>) -> Option<Pictures> {
     });
     let cases: Vec<&Case> = listed().chain(wrong).collect();
     let mut references = cases.iter();
-    let reference = references.find_map(|case| picture(case, "reference_image", "reference"));
+    let reference = references.find_map(|case| Picture::of(case, "reference_image", "reference"));
     let own = cases.iter().filter_map(|case| {
         // Where nothing differs, a difference shows nothing.
-        let differs = counter(case, MISMATCHED_PX) != Some(0);
+        let differs = case.value(MISMATCHED_PX) != Some(0.0);
         let worst = format!("worst pixel ({})", case.note("worst_px"));
         let pictures = [
-            picture(case, "image", "picture"),
-            picture(case, "difference_image", "difference").filter(|_| differs),
-            picture(case, "worst_image", worst).filter(|_| differs),
+            Picture::of(case, "image", "picture"),
+            Picture::of(case, "difference_image", "difference").filter(|_| differs),
+            Picture::of(case, "worst_image", worst).filter(|_| differs),
         ];
         let pictures: Vec<Picture> = pictures.into_iter().flatten().collect();
+        let status = match case.outcome {
+            Outcome::Ok => String::new(),
+            _ => format!(" ({})", standing(case)),
+        };
+        let [differ, outside] = [MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND]
+            .map(|metric| or_dash(case.value(metric).map(digits)));
         (!pictures.is_empty()).then(|| PictureFigure {
             pictures,
-            notes: vec![caption(case)],
+            notes: vec![format!(
+                "{}{status}: {differ} px differ, {outside} of them outside the band",
+                name(case)
+            )],
         })
     });
     // A committed run leaves pictures out, and a worst pixel cannot be laid over the whole.
@@ -237,41 +246,6 @@ fn pictures(data: &Data<'_>, view: &View<'_>) -> Option<Pictures> {
     })
 }
 
-fn caption(case: &Case) -> String {
-    let counted = |metric| or_dash(counter(case, metric).map(count));
-    let mut text = format!(
-        "{}{}: {} px differ, {} of them outside the band, Hausdorff distance {} px",
-        name(case),
-        match case.outcome {
-            Outcome::Ok => String::new(),
-            _ => format!(" ({})", standing(case)),
-        },
-        counted(MISMATCHED_PX),
-        counted(MISMATCHED_PX_OUTSIDE_BAND),
-        or_dash(case.value(HAUSDORFF_PX).map(significant)),
-    );
-    if let Some(px) = case.value(BOUNDARY_MOVED_PX) {
-        text.push_str(&format!(", moved {} px", significant(px)));
-    }
-    if let Some(px) = counter(case, FOREIGN_PX).filter(|px| *px > 0) {
-        text.push_str(&format!(", {} foreign", count(px)));
-    }
-    text
-}
-
-/// Frame plans that left something out, equal ones together.
-fn left_out(view: &View<'_>) -> Option<Block> {
-    let cases = view.cases.iter().copied();
-    let cases = cases.filter(|case| !case.note("left_out").is_empty());
-    let groups = grouped(cases, |case| case.note("left_out")).into_iter();
-    let lines = groups.map(|(text, cases)| {
-        let cases: Vec<String> = cases.into_iter().map(name).collect();
-        format!("{}: {text}", cases.join("; "))
-    });
-    let lines: Vec<String> = lines.collect();
-    (!lines.is_empty()).then(|| Block::Folded {
-        summary: "What the frame plans left out, by reason".to_owned(),
-        is_open: false,
-        blocks: vec![Block::List(lines)],
-    })
+pub(super) fn picture(case: &Case, note: &str, caption: impl Into<String>) -> Option<Picture> {
+    Picture::of(case, note, caption)
 }

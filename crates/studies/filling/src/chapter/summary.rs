@@ -2,8 +2,9 @@
 //! `summary.csv`: a row for each case, with medians over processes. Its first columns are stable;
 //! `bound` and `floor` are the old names of the depth-pass and the stencil-pass and stay there.
 
-use super::data::{DEPTH_PASS, Data, STENCIL_PASS, declared};
+use super::data::{DEPTH_PASS, Data, STENCIL_PASS};
 use crate::keys::{FILL_CPU_MS, FILL_GPU_MS, ROLE, SCENE, TECHNIQUE, VARIANT, VIEW};
+use crate::metrics::METRICS;
 use terrafill_results::{Case, ChapterError, DerivedTable, Metric, Outcome, quantile};
 
 /// The columns, left to right; those up to `left_out` are stable.
@@ -19,17 +20,6 @@ const COLUMNS: &str = "\
     buffer_creations pipeline_creations cap_step_deg wall_height_m cap_triangles texture_route texel_rms \
     texel_max texel_non_finite texel_compared_px texture_bytes colour_max colour_mean boundary_moved_px \
     foreign_px";
-
-/// Columns that are notes of the case.
-const NOTES: [&str; 7] = [
-    "left_out",
-    "image",
-    "difference_image",
-    "reference_image",
-    "mask_hash",
-    "ids_hash",
-    "texture_route",
-];
 
 /// The table; a missing case has no row.
 pub(super) fn table(data: &Data<'_>) -> Result<DerivedTable, ChapterError> {
@@ -66,7 +56,8 @@ fn cell(data: &Data<'_>, case: &Case, column: &str) -> String {
         "status" => return case.outcome.name().to_owned(),
         "reason" => return case.reason.clone(),
         "samples" => return samples(case).len().to_string(),
-        note if NOTES.contains(&note) => return case.note(note).to_owned(),
+        "left_out" | "image" | "difference_image" | "reference_image" | "mask_hash"
+        | "ids_hash" | "texture_route" => return case.note(column).to_owned(),
         "bound_gpu_ms" => baseline(DEPTH_PASS, FILL_GPU_MS),
         "bound_cpu_ms" => baseline(DEPTH_PASS, FILL_CPU_MS),
         "floor_cpu_ms" => baseline(STENCIL_PASS, FILL_CPU_MS),
@@ -77,7 +68,7 @@ fn cell(data: &Data<'_>, case: &Case, column: &str) -> String {
             .map(|(bound_ms, ms)| ms / bound_ms),
         "fill_cpu_ms_p5" => quantile(&samples(case), 0.05),
         "fill_cpu_ms_p95" => quantile(&samples(case), 0.95),
-        metric => case.value(declared(metric)),
+        metric => case.value(Metric::of(&METRICS, metric)),
     };
     value.map_or_else(String::new, |value| value.to_string())
 }

@@ -5,9 +5,9 @@
 use super::keys::{EXPECTED, SCENE, SCENE_REASON, SUITE_CASE_S, VIEW};
 use super::plan::{EXTREME, WHOLE};
 use super::session::REFUSED;
-use crate::chapter::{alarm, figures, grouped, never_right, picture, row};
+use crate::chapter::never_right;
 use crate::keys::*;
-use terrafill_lab::finding;
+use terrafill_lab::{finding, grouped};
 use terrafill_plot::number::significant;
 use terrafill_results::{
     Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Metric, Outcome, Picture,
@@ -176,7 +176,10 @@ impl Chapter for ExtremeChapter {
         let views = views(run);
         let mut blocks = vec![Block::Text(sentence), Block::Remark(KEY.to_owned())];
         let failed: Vec<String> = views.iter().flat_map(failures).collect();
-        blocks.extend(alarm(format!("{} cases failed", failed.len()), failed));
+        blocks.extend(Block::alarm(
+            format!("{} cases failed", failed.len()),
+            failed,
+        ));
         blocks.push(Block::Table(summary(&views)));
         for scene in by_scene(&views) {
             blocks.push(Block::section(scene[0].scene));
@@ -229,7 +232,7 @@ fn summary(views: &[View<'_>]) -> Table {
         let worst = scene.iter().map(View::came).max();
         Row {
             status: worst.unwrap_or(Came::Missing).name().to_owned(),
-            ..row(name, before.into_iter().chain(counts).chain(after))
+            ..Row::named(name, before.into_iter().chain(counts).chain(after))
         }
     };
     let [passed, refused, failed] = ends.map(Came::name);
@@ -245,7 +248,7 @@ fn summary(views: &[View<'_>]) -> Table {
     ];
     Table {
         is_main: true,
-        ..figures(&headings, by_scene(views).map(of).collect())
+        ..Table::of(headings, by_scene(views).map(of).collect())
     }
 }
 
@@ -275,7 +278,7 @@ fn table(clock: Clock, scene: &[View<'_>]) -> Table {
     ];
     let metric = clock.pick(FILL_GPU_MS, FILL_CPU_MS);
     let rows = scene.iter().map(|view| row_of(view, metric));
-    figures(&headings, rows.collect())
+    Table::of(headings, rows.collect())
 }
 
 fn row_of(view: &View<'_>, metric: &Metric) -> Row {
@@ -333,7 +336,7 @@ fn row_of(view: &View<'_>, metric: &Metric) -> Row {
     Row {
         status: came.name().to_owned(),
         remark: failures(view).join("; "),
-        ..row(name, cells)
+        ..Row::named(name, cells)
     }
 }
 
@@ -341,12 +344,12 @@ fn row_of(view: &View<'_>, metric: &Metric) -> Row {
 fn pictures(scene: &[View<'_>]) -> Option<Block> {
     let figure = |view: &View<'_>| {
         let first = view.cases.first();
-        let first = first.and_then(|case| picture(case, "image", "picture"));
+        let first = first.and_then(|case| Picture::of(case, "image", "picture"));
         let failed = view.failed().flat_map(|case| {
             [
-                picture(case, "reference_image", "reference"),
-                picture(case, "difference_image", "difference"),
-                picture(case, "worst_image", "worst pixel"),
+                Picture::of(case, "reference_image", "reference"),
+                Picture::of(case, "difference_image", "difference"),
+                Picture::of(case, "worst_image", "worst pixel"),
             ]
         });
         let pictures: Vec<Picture> = first.into_iter().chain(failed.flatten()).collect();
