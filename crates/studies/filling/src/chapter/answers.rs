@@ -353,7 +353,7 @@ fn scope(data: &Data<'_>) -> Option<String> {
     });
     let [all, compared, wrong] =
         [drawn.len(), compared.count(), wrong.count()].map(|number| count(number as u64));
-    let wrong = if wrong == "0" { "none" } else { &wrong };
+    let wrong = if wrong == "0" { "none" } else { wrong.as_str() };
     (!drawn.is_empty()).then(|| {
         format!(
             "{compared} of {all} pictures compared with the reference{excused}. Wrong outside the 1-pixel boundary \

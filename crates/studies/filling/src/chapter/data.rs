@@ -172,7 +172,7 @@ impl<'a> Data<'a> {
         let of = [SCENE, VIEW].map(|key| case.condition(key));
         let mut views = self.views.iter();
         let view = views.find(|view| [view.scene, view.name] == of);
-        view.map_or(&[], |view| &view.all)
+        view.map_or(&[], |view| view.all.as_slice())
     }
 
     /// Colour and marker of each series.
