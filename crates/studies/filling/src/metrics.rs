@@ -297,12 +297,12 @@ pub(crate) const METRICS: [Metric; 74] = [
 "colour_max",
 "",
         "Largest difference of a colour channel from the reference's picture, of 255, over pixels that both fill with the same region, edges included.",
-    ),
+    ).or(NO_TEXELS),
     Metric::error(
 "colour_mean",
 "",
         "Mean of those differences over the three channels.",
-    ),
+    ).or(NO_TEXELS),
     Metric::quantity(
 "mesh_vertices",
         "Vertices of their meshes, each counted once.",

@@ -503,7 +503,7 @@ pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> 
     let Some(ladder) = evidence.ladders.first() else {
         return Vec::new();
     };
-    let noise = data.ladder_noise(ladder.scene);
+    let noise = data.noise_on(ladder.scene, data.metric);
     let is_noisy = noise.is_some_and(|noise| noise.reach_factor() > MAX_BAND);
     let mut keys = Vec::new();
     for claimed in &PAPER.claims {

@@ -4,10 +4,10 @@
 
 use super::data::{Data, View, counter, has_role, name};
 use super::rungs::Ladder;
-use super::table::{NOT_COMPARED, NOT_RECORDED, figures, plain_figures, row, section};
+use super::table::section;
 use crate::keys::*;
 use terrafill_plot::number::{count, figure, significant};
-use terrafill_results::{Block, Case, Cell, Estimate, Row, exponent};
+use terrafill_results::{Block, Case, Cell, Estimate, Row, Table, exponent};
 
 /// Techniques on one interface, one algorithm on two interfaces, and expansion against storage: heading, the
 /// case whose time is divided, and the one by whose.
@@ -47,14 +47,14 @@ pub(super) fn pairs(data: &Data<'_>) -> Vec<Block> {
         let ratios = PAIRS.map(|(_, case, control)| data.over(find(case)?, find(control)?));
         row_of_ratios(data, view.title(), &ratios)
     };
-    let headings = [&["view"][..], &PAIRS.map(|pair| pair.0)[..]].concat();
+    let headings = ["view"].into_iter().chain(PAIRS.map(|pair| pair.0));
     let text = format!(
         "Ratios of {}: the first over the second, paired by process, with the 95 % interval where there are \
          processes enough; below 1 the first is faster. Both as they should be used, with the full picture right.",
         data.run.clock().name()
     );
     let rows = data.views.iter().filter_map(of).collect();
-    section("One thing changed", text, plain_figures(&headings, rows))
+    section("One thing changed", text, Table::of(headings, rows))
 }
 
 /// Nothing where there is no ratio at all.
@@ -68,7 +68,7 @@ pub(super) fn row_of_ratios(
         .iter()
         .map(|ratio| data.ratio_cell(ratio.as_ref(), why));
     let has_any = ratios.iter().any(Option::is_some);
-    has_any.then(|| row(Cell::name(title), cells))
+    has_any.then(|| Row::named(Cell::name(title), cells))
 }
 
 /// How fill time grows with vertices: a row for each technique that is right in both scales.
@@ -88,7 +88,7 @@ pub(super) fn scales(data: &Data<'_>) -> Vec<Block> {
         let found = exponent(vertices, [&of_few, &of_many])?;
         let grown = [vertices, times].map(|[few, many]| format!("{} ×", significant(many / few)));
         let cells = grown.into_iter().chain([figure(&found)]);
-        Some(row(Cell::name(name(case)), cells.map(Cell::plain)))
+        Some(Row::named(Cell::name(name(case)), cells.map(Cell::plain)))
     };
     let own = few.cases.iter().filter(|case| !has_role(case, "sweep"));
     let rows = own.filter_map(fills).collect();
@@ -100,11 +100,8 @@ pub(super) fn scales(data: &Data<'_>) -> Vec<Block> {
         data.run.clock().name()
     );
     let headings = ["technique", "vertices", "time", "exponent"];
-    section(
-        "Fill time against vertices",
-        text,
-        plain_figures(&headings, rows),
-    )
+    let table = Table::of(headings, rows);
+    section("Fill time against vertices", text, table)
 }
 
 /// What the walls' height costs: a row for every ladder that has both. The two fills differ in nothing else, the
@@ -122,11 +119,11 @@ pub(super) fn walls(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Block> {
         let cells = [
             data.ratio_cell(data.over(region, global).as_ref(), why),
             of(&|case| counter(case, STENCIL_FRAGMENTS), uncounted),
-            of(&|case| counter(case, WALL_HEIGHT_M), NOT_RECORDED),
-            of(&wrong_in_band, NOT_COMPARED),
+            of(&|case| counter(case, WALL_HEIGHT_M), WALL_HEIGHT_M.absent),
+            of(&wrong_in_band, MISMATCHED_PX.absent),
         ];
         let is_right = region.counts() && global.counts();
-        Some(row(Cell::name(&ladder.title), cells).bad_if(!is_right))
+        Some(Row::named(Cell::name(&ladder.title), cells).bad_if(!is_right))
     };
     let headings = [
         ("scene, view: technique", ""),
@@ -134,8 +131,8 @@ pub(super) fn walls(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Block> {
             "time [95\u{a0}%]",
             "of the whole fill, paired by process; both pictures must be right",
         ),
-        ("fragments of volumes", STENCIL_FRAGMENTS.name),
-        ("tallest wall, m", WALL_HEIGHT_M.name),
+        ("fragments of volumes", STENCIL_FRAGMENTS.meaning),
+        ("tallest wall, m", WALL_HEIGHT_M.meaning),
         (
             "px that differ in the band",
             "mismatched_px − mismatched_px_outside_band",
@@ -147,7 +144,7 @@ pub(super) fn walls(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Block> {
          `terrafill bench hills --ladder hills --technique vertex` measures \
          both on terrain.";
     let rows = ladders.iter().filter_map(both).collect();
-    section("Lower walls", text, figures(&headings, rows))
+    section("Lower walls", text, Table::of(headings, rows))
 }
 
 /// Pixels that differ from the reference beside its boundaries.

@@ -53,20 +53,8 @@ pub(super) struct Timed<'a> {
 impl Timed<'_> {
     /// What the time of the first over that of the second says of a claim, by the noise of its scene.
     pub(super) fn answer(&self, data: &Data<'_>, claim: Claim) -> Answer {
-        self.answer_in(data, data.time_covering(Scope::DRAW), Scope::DRAW, claim)
-    }
-
-    /// The same of another figure.
-    pub(super) fn answer_in(
-        &self,
-        data: &Data<'_>,
-        metric: &'static Metric,
-        needs: Scope,
-        claim: Claim,
-    ) -> Answer {
         let comparison = Comparison {
-            metric,
-            needs,
+            metric: data.time_covering(self.pairing.needs),
             ..self.pairing
         };
         data.judge(comparison, self.cases, claim)
@@ -231,12 +219,7 @@ impl<'a> Data<'a> {
         sample_spread(case, self.metric)
     }
 
-    /// The same, only if the picture is right.
-    pub(super) fn right_time(&self, case: &Case) -> Option<Spread> {
-        self.time(case).filter(|_| case.counts())
-    }
-
-    /// Its typical time over processes, only if the picture is right: what ranks fills.
+    /// Typical time of a case over processes, only if its picture is right: what ranks fills.
     pub(super) fn typical(&self, case: &Case) -> Option<Estimate> {
         typical(case, self.metric).filter(|_| case.counts())
     }
@@ -281,8 +264,9 @@ impl<'a> Data<'a> {
 
     /// The case's times over the median of its depth-pass, for plots.
     pub(super) fn spread_over_depth_pass(&self, case: &Case) -> Option<Spread> {
-        let baseline = self.right_time(self.baseline(case, DEPTH_PASS)?)?;
-        Some(self.right_time(case)?.over(baseline.median))
+        let both = [case, self.baseline(case, DEPTH_PASS)?];
+        let [own, pass] = both.map(|case| self.time(case).filter(|_| case.counts()));
+        Some(own?.over(pass?.median))
     }
 
     /// Whether two times of this ratio differ by no more than identical work did.
@@ -312,10 +296,6 @@ impl<'a> Data<'a> {
         let of_scene = own.filter(|case| case.condition(SCENE) == scene);
         let of_ladder = of_scene.clone().filter(|case| has_role(case, "ladder"));
         Noise::of(of_ladder, metric).or_else(|| Noise::of(of_scene, metric))
-    }
-
-    pub(super) fn ladder_noise(&self, scene: &str) -> Option<Noise> {
-        self.noise_on(scene, self.metric)
     }
 
     /// What is taken as no difference in a scene's ladder, in a sentence. A band narrower than the intervals of

@@ -4,30 +4,20 @@
 
 use super::data::Data;
 use super::rungs::{Ladder, Rung, counters};
-use super::table::Show::{Bytes, Count, Own, Ratios, Status};
-use super::table::{Column, head, part, plain_figures, row, step_cells, steps_plot, table};
+use super::table::{STATUS, head, steps_plot, steps_table};
 use crate::keys::*;
-use terrafill_plot::number::significant;
-use terrafill_results::{Block, Cell, ChapterError, Outcome, Table};
+use terrafill_lab::Column;
+use terrafill_plot::number::{digits, significant};
+use terrafill_results::{Block, Case, Cell, ChapterError, Outcome, Row, Table};
 
-const COLUMNS: [Column; 11] = [
-    ("step", Own("")),
-    ("status", Status),
-    ("÷\u{a0}depth-pass (5\u{2060}–\u{2060}95\u{a0}%)", Ratios),
-    (
-        "gain over the last kept step [95\u{a0}%]",
-        Own("time of the last kept step before over this one's, paired by process"),
-    ),
-    ("geometry bytes", Bytes(GEOMETRY_BYTES)),
-    ("draws", Count(DRAWS)),
-    ("vertices", Count(VERTICES)),
-    ("stencil-tested fragments", Count(STENCIL_FRAGMENTS)),
-    ("px that differ", Count(MISMATCHED_PX)),
-    ("outside band", Count(MISMATCHED_PX_OUTSIDE_BAND)),
-    (
-        "because",
-        Own("what the step changed of the work that is done"),
-    ),
+const COLUMNS: [Column; 7] = [
+    STATUS,
+    Column::metric("geometry bytes", GEOMETRY_BYTES),
+    Column::metric("draws", DRAWS),
+    Column::metric("vertices", VERTICES),
+    Column::metric("stencil-tested fragments", STENCIL_FRAGMENTS).written(digits),
+    Column::metric("px that differ", MISMATCHED_PX),
+    Column::metric("outside band", MISMATCHED_PX_OUTSIDE_BAND),
 ];
 
 /// Every ladder of the run.
@@ -55,7 +45,7 @@ pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Bloc
 
 fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, ChapterError> {
     let rungs = &ladder.rungs;
-    let mut blocks = vec![part(ladder.title.clone())];
+    let mut blocks = vec![Block::part(&ladder.title)];
     let missing = missing(rungs);
     if !missing.is_empty() {
         blocks.push(Block::Alarm(format!(
@@ -71,15 +61,8 @@ fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, Cha
         gain.unwrap_or_default()
     };
     blocks.extend(steps_plot(data, title, rungs, gain)?);
-    let rows = rungs.iter().map(|rung| {
-        let because = match rung.before {
-            Some(before) => Cell::name(counters(before, rung.case)),
-            None => Cell::absent("nothing comes before it"),
-        };
-        let own = step_cells(data, rung).into_iter().chain([because]);
-        (rung.case, own.collect())
-    });
-    blocks.push(Block::Table(table(data, &COLUMNS, rows)));
+    let changed = |before: &Case, after: &Case| Cell::name(counters(before, after));
+    blocks.push(Block::Table(steps_table(data, rungs, &COLUMNS, changed)));
     Ok(blocks)
 }
 
@@ -96,7 +79,7 @@ fn overview(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Table {
             data.ratio_cell(total.as_ref(), "no two right steps with times"),
             Cell::or_absent(most, "no gain was measured"),
         ];
-        row(Cell::name(&ladder.title), cells)
+        Row::named(Cell::name(&ladder.title), cells)
     });
     let headings = [
         "scene, view: technique",
@@ -105,7 +88,7 @@ fn overview(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Table {
     ];
     Table {
         is_main: true,
-        ..plain_figures(&headings, rows.collect())
+        ..Table::of(headings, rows.collect())
     }
 }
 

@@ -6,10 +6,12 @@
 //! techniques agree. It is shown next to the reference's verdict and never replaces it.
 
 use super::data::{Data, counter, distinct, grouped, has_role, layout_name, name, switches};
-use super::table::{head, plain_figures, row};
+use super::table::head;
 use crate::keys::*;
 use std::collections::BTreeMap;
-use terrafill_results::{Block, Case, Cell, CellClass, ConditionKey, Outcome, Table, TableLayout};
+use terrafill_results::{
+    Block, Case, Cell, CellClass, ConditionKey, Outcome, Row, Table, TableLayout,
+};
 
 /// Cases that agree in these show the same picture: the others draw another boundary, other positions or other
 /// walls.
@@ -120,14 +122,14 @@ fn marks(found: &[Examined<'_>]) -> Table {
         "" => "as it should be used",
         set => set,
     });
-    let headings: Vec<&str> = ["layout"].into_iter().chain(headings).collect();
+    let headings = ["layout"].into_iter().chain(headings);
     let rows = rows.iter().map(|(title, by_set)| {
         let marked = |set| cell(by_set.get(set).map_or(&[], Vec::as_slice));
-        row(Cell::name(title), sets.iter().map(marked))
+        Row::named(Cell::name(title), sets.iter().map(marked))
     });
     Table {
         layout: TableLayout::UprightHeadings,
-        ..plain_figures(&headings, rows.collect())
+        ..Table::of(headings, rows.collect())
     }
 }
 

@@ -2,10 +2,9 @@
 //! Memory: bytes of every layout by formula and as allocated.
 
 use super::data::{Data, counter, has_role, layout_name};
-use super::table::{NOT_RECORDED, alarm, head, none_differs, part};
+use super::table::head;
 use crate::keys::*;
-use crate::request::STUDY;
-use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section};
+use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, none_differs};
 use terrafill_plot::number::digits;
 use terrafill_results::{Block, Case, ChapterError, Estimate, Finding, Metric};
 
@@ -26,13 +25,12 @@ const LAYOUTS: Section<'static> = Section {
         recorded("boundary loops", BOUNDARY_LOOPS),
         Column::of("bytes by formula", Figure::Computed(formula_bytes))
             .meaning("formula_vertex_bytes + formula_index_bytes")
-            .written(digits)
-            .or(NOT_RECORDED),
+            .written(digits),
         Column::of("bytes allocated", Figure::Computed(allocated_bytes))
             .meaning("allocated_vertex_bytes + allocated_index_bytes")
             .written(digits)
             .or("not allocated"),
-        Column::of("a region, mean", Figure::Computed(region_bytes)).or(NOT_RECORDED),
+        Column::of("a region, mean", Figure::Computed(region_bytes)),
         recorded("smallest", REGION_BYTES_SMALLEST),
         recorded("median", REGION_BYTES_MEDIAN),
         recorded("largest", REGION_BYTES_LARGEST),
@@ -42,8 +40,7 @@ const LAYOUTS: Section<'static> = Section {
 };
 
 const fn recorded(heading: &'static str, metric: &'static Metric) -> Column {
-    let column = Column::metric(heading, metric);
-    column.written(digits).or(NOT_RECORDED)
+    Column::metric(heading, metric).written(digits)
 }
 
 const GROWTH: Drawing<'static> = Drawing {
@@ -90,7 +87,7 @@ fn over_base(of_scene: &Cases<'_>, case: &Case) -> Option<Estimate> {
 
 /// Layouts of scenes, and of their regions repeated in turn.
 fn layouts<'a>(data: &Data<'a>) -> Cases<'a> {
-    Cases::of_study(data.run, STUDY).fitting(|case| has_role(case, "memory"))
+    data.study.fitting(|case| has_role(case, "memory"))
 }
 
 /// Those of scenes that some technique allocated.
@@ -116,9 +113,12 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         let (scene, layout) = (case.condition(SCENE), layout_name(case));
         Some(format!("{scene}/{layout}: {}", disagreement(case)?))
     });
-    blocks.extend(alarm("Formula and allocation differ:", red.collect()));
+    blocks.extend(Block::alarm(
+        "Formula and allocation differ:",
+        red.collect(),
+    ));
     for (scene, own) in allocated.by(SCENE) {
-        blocks.push(part(format!("Bytes of {scene}")));
+        blocks.push(Block::part(format!("Bytes of {scene}")));
         let of_scene = layouts.with(&[(SCENE, scene)]);
         blocks.extend(GROWTH.block(&format!("{scene}: bytes over regions"), &of_scene)?);
         let mut table = LAYOUTS.table("", &own);

@@ -27,7 +27,6 @@ mod techniques;
 #[cfg(test)]
 mod tests;
 mod textured;
-mod thin;
 
 use crate::keys::{FILL_CPU_MS, FILL_GPU_MS, MISMATCHED_PX_OUTSIDE_BAND};
 use crate::request::STUDY;

@@ -6,26 +6,17 @@
 
 use super::data::{Data, counter, distinct, grouped, has_role, name, title};
 use super::rungs::{Ladder, NEEDS, Rung, counters, ladders};
-use super::table::Show::{Count, Own, Ratios, Status};
-use super::table::{
-    Column, alarm, figures, head, none_differs, part, row, step_cells, steps_plot, table,
-};
+use super::table::{STATUS, head, steps_plot, steps_table};
 use crate::keys::*;
 use terrafill_contract::{Feature, Need};
-use terrafill_plot::number::{bytes, count, significant};
-use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Table};
+use terrafill_lab::{Column, none_differs};
+use terrafill_plot::number::{bytes, count, digits, significant};
+use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Row, Table};
 
-const STEPS: [Column; 7] = [
-    ("step", Own("")),
-    ("status", Status),
-    ("bytes held", Count(HELD_BYTES)),
-    ("pipelines", Count(HELD_PIPELINES)),
-    ("÷\u{a0}depth-pass (5\u{2060}–\u{2060}95\u{a0}%)", Ratios),
-    (
-        "gain over the step before [95\u{a0}%]",
-        Own("time of the step before over this one's, paired by process"),
-    ),
-    ("features", Own("what the step left out or brought in")),
+const STEPS: [Column; 3] = [
+    STATUS,
+    Column::metric("bytes held", HELD_BYTES).written(digits),
+    Column::metric("pipelines", HELD_PIPELINES),
 ];
 
 /// Title of the section.
@@ -99,10 +90,13 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
              bench SCENE --ladder SCENE` measures the way there from everything that a fill can hold.",
     );
     let red = all.iter().filter_map(disagreement).collect();
-    blocks.extend(alarm("What is declared and what was made differ:", red));
+    blocks.extend(Block::alarm(
+        "What is declared and what was made differ:",
+        red,
+    ));
     let ladders = ladders(data, NEEDS);
     for (scene, own) in grouped(&all, |told| told.case.condition(SCENE)) {
-        blocks.push(part(format!("Needs of {scene}")));
+        blocks.push(Block::part(format!("Needs of {scene}")));
         let needed = own.iter().copied();
         let needed = needed.filter(|told| is_needed(data, told.case));
         for (technique, own) in grouped(needed, |told| told.case.condition(TECHNIQUE)) {
@@ -171,7 +165,7 @@ fn features(technique: &str, needed: &[&Told<'_>]) -> Table {
             some(need.spared_bytes, "it is built in, or would take no bytes"),
             Cell::name(&need.reason),
         ];
-        row(Cell::name(shown(need.feature)), cells)
+        Row::named(Cell::name(shown(need.feature)), cells)
     });
     let variants = distinct(needed.iter().map(|told| told.case.condition(VARIANT)));
     let headings = [
@@ -191,7 +185,7 @@ fn features(technique: &str, needed: &[&Told<'_>]) -> Table {
             "Only what is needed, by {technique}: {}.",
             variants.join("; ")
         ),
-        ..figures(&headings, rows.collect())
+        ..Table::of(headings, rows.collect())
     }
 }
 
@@ -206,18 +200,14 @@ fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, Cha
         let held = counter(rung.case, HELD_BYTES);
         held.map_or_else(String::new, |held| format!(" · {}", bytes(held)))
     };
-    let rows = rungs.iter().map(|rung| {
-        let features = match rung.before.and_then(Told::of).zip(Told::of(rung.case)) {
-            None => Cell::absent("nothing comes before it"),
-            Some((before, told)) => Cell {
-                detail: counters(before.case, rung.case),
-                ..Cell::name(change(&before, &told))
-            },
-        };
-        let own = step_cells(data, rung).into_iter().chain([features]);
-        (rung.case, own.collect())
-    });
-    let heading = part(format!(
+    let changed = |before: &Case, after: &Case| match Told::of(before).zip(Told::of(after)) {
+        None => Cell::absent("one of both says nothing of its features"),
+        Some((told, now)) => Cell {
+            detail: counters(before, after),
+            ..Cell::name(change(&told, &now))
+        },
+    };
+    let heading = Block::part(format!(
         "From everything to what {} needs, by {}",
         ladder.view, ladder.technique
     ));
@@ -227,7 +217,7 @@ fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, Cha
         steps_plot(data, title, rungs, held)?,
         Some(Block::Table(Table {
             is_main: true,
-            ..table(data, &STEPS, rows)
+            ..steps_table(data, rungs, &STEPS, changed)
         })),
     ];
     Ok(blocks.into_iter().flatten().collect())

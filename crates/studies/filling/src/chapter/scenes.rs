@@ -245,7 +245,3 @@ fn pictures(view: &View<'_>) -> Option<Pictures> {
         ..Pictures::default()
     })
 }
-
-pub(super) fn picture(case: &Case, note: &str, caption: impl Into<String>) -> Option<Picture> {
-    Picture::of(case, note, caption)
-}

@@ -6,7 +6,6 @@
 
 use super::data::{Data, Timed, counter, grouped, has_role, layout_name, one_change, title};
 use crate::keys::*;
-use crate::request::STUDY;
 use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
 use terrafill_results::{Block, Case, ChapterError, ConditionKey, Finding};
@@ -41,7 +40,7 @@ const SECTION: Section<'static> = Section {
 
 /// Every mesh of the sweep; nothing for a run without it.
 pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
-    SECTION.blocks(&Cases::of_study(data.run, STUDY))
+    SECTION.blocks(&data.study)
 }
 
 fn is_swept(case: &Case) -> bool {

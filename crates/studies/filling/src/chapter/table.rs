@@ -3,14 +3,13 @@
 
 use super::data::{Data, name, standing};
 use super::rungs::Rung;
-pub(super) use super::thin::*;
-use terrafill_lab::Figure;
-use terrafill_plot::number::significant;
+use terrafill_lab::{Column, Figure, case_table};
+use terrafill_plot::number::{significant, spread};
 use terrafill_plot::{RatioAxis, Step, Steps};
-use terrafill_results::{Block, Case, Cell, ChapterError, Outcome, Table};
+use terrafill_results::{Block, Case, Cell, ChapterError, Heading, Outcome, Table};
 
 /// How a case ended.
-pub(super) const STATUS: terrafill_lab::Column = terrafill_lab::Column::of(
+pub(super) const STATUS: Column = Column::of(
     "status",
     Figure::Words(|case| Some(standing(case).to_owned())),
 );
@@ -24,11 +23,12 @@ pub(super) fn section(title: &str, text: impl Into<String>, table: Table) -> Vec
         is_main: true,
         ..table
     };
-    vec![
-        Block::section(title),
-        Block::Text(text.into()),
-        Block::Table(table),
-    ]
+    [head(title, text), vec![Block::Table(table)]].concat()
+}
+
+/// A section's heading and what is said below it.
+pub(super) fn head(title: &str, text: impl Into<String>) -> Vec<Block> {
+    vec![Block::section(title), Block::Text(text.into())]
 }
 
 /// Sentences after each other, without the empty ones.
@@ -80,18 +80,48 @@ pub(super) fn steps_plot(
     Ok(Block::plot("", steps.draw()?))
 }
 
-/// A step with its change in words, and what it gained; the latter two of a row of a ladder.
-pub(super) fn step_cells(data: &Data<'_>, rung: &Rung<'_>) -> [Cell; 2] {
-    let aside = if rung.is_aside { "aside, " } else { "" };
-    let step = Cell {
-        detail: name(rung.case),
-        ..Cell::name(format!(
-            "{} · {aside}{}: {}",
-            rung.number, rung.step, rung.change
-        ))
-    };
-    let why = "no kept step before it, or no times of both";
-    [step, data.ratio_cell(rung.gain.as_ref(), why)]
+/// The steps of a ladder, each with what it gained, its figures, and what it changed of the work.
+pub(super) fn steps_table(
+    data: &Data<'_>,
+    rungs: &[Rung<'_>],
+    columns: &[Column],
+    changed: impl Fn(&Case, &Case) -> Cell,
+) -> Table {
+    let rows = rungs.iter().map(|rung| {
+        let aside = if rung.is_aside { "aside, " } else { "" };
+        let step = Cell {
+            detail: name(rung.case),
+            ..Cell::name(format!(
+                "{} · {aside}{}: {}",
+                rung.number, rung.step, rung.change
+            ))
+        };
+        let why = "no kept step before it, or no times of both";
+        let over = data.spread_over_depth_pass(rung.case).map(spread);
+        let said = vec![
+            step,
+            data.ratio_cell(rung.gain.as_ref(), why),
+            Cell::or_absent(over, no_ratio(data, rung.case)),
+            match rung.before {
+                Some(before) => changed(before, rung.case),
+                None => Cell::absent("nothing comes before it"),
+            },
+        ];
+        (rung.case, said)
+    });
+    let said = [
+        ("step", ""),
+        (
+            "gain [95\u{a0}%]",
+            "time of the last kept step before over this one's, paired by process",
+        ),
+        (
+            "÷\u{a0}depth-pass (5\u{2060}–\u{2060}95\u{a0}%)",
+            "times over the median of the full-screen depth-pass of the same view",
+        ),
+        ("changed", "of the work that is done"),
+    ];
+    case_table(&data.study, said.map(Heading::from).into(), columns, rows)
 }
 
 /// Why a case has no ratio to another's time.

@@ -178,7 +178,7 @@ fn gains_are_paired_by_process_and_claims_follow_them() {
         ]
     );
     assert_eq!(
-        tables(&chapter)[1].rows[1].cells[3].text,
+        tables(&chapter)[1].rows[1].cells[1].text,
         "2.00 × [2.00–2.00]"
     );
     let verdicts = |run: &MadeUpRun| {
@@ -215,7 +215,7 @@ fn a_wrong_rung_has_no_gain_and_the_next_is_compared_with_the_last_right_one() {
     let mut run = climbed("globe", &steps);
     run.cases[2].ended(Status::Wrong, "9 pixels");
     let chapter = section(&run, LADDER);
-    let gains = |row: usize| tables(&chapter)[1].rows[row].cells[3].text.clone();
+    let gains = |row: usize| tables(&chapter)[1].rows[row].cells[1].text.clone();
     assert_eq!(
         [gains(1), gains(2)],
         ["–", "2.00 × [2.00–2.00]"],
@@ -290,7 +290,7 @@ fn drawn_bars(chapter: &[Block]) -> Vec<(f64, Option<f64>)> {
 fn false_bars(bars: &[(f64, Option<f64>)], chapter: &[Block]) -> Vec<usize> {
     let table = tables(chapter).into_iter().next_back().expect("a ladder");
     let gain = |row: usize| {
-        let text = &table.rows[row].cells[3].text;
+        let text = &table.rows[row].cells[1].text;
         text.split(' ')
             .next()
             .and_then(|gain| gain.parse::<f64>().ok())
@@ -347,7 +347,7 @@ fn what_stands_aside_is_measured_and_nothing_is_measured_against_it() {
             .next_back()
             .expect("a ladder")
             .clone();
-        [1, 2].map(|row: usize| table.rows[row].cells[3].text.clone())
+        [1, 2].map(|row: usize| table.rows[row].cells[1].text.clone())
     };
     assert_eq!(gains(&run)[1], "4.00 × [4.00–4.00]", "200 ÷ 50");
     let conditions = &mut run.cases[2].id.conditions;

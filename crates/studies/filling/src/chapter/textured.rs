@@ -7,14 +7,13 @@
 
 use super::comparisons::row_of_ratios;
 use super::data::{Data, Timed, grouped, layout_name, one_change, switches, title};
-use super::table::{head, main_table, part, plain_figures, sentences};
+use super::table::{head, sentences};
 use crate::claims::PAPER;
 use crate::keys::*;
-use crate::request::STUDY;
 use terrafill_fill::Switches;
 use terrafill_lab::{Cases, Column, Comparison, Figure, Follows, Names, Section, finding};
 use terrafill_results::{
-    Block, Case, Claim, ConditionKey, Estimate, Finding, Outcome, Table, ratio,
+    Block, Case, Claim, ConditionKey, Estimate, Finding, Outcome, Row, Table, ratio,
 };
 
 /// Switches that a plain fill of the same layout has not.
@@ -56,8 +55,6 @@ pub(super) const COMPARED: [[&str; 2]; 13] = [
     [ATAN_2007, "barycentric coordinates"],
 ];
 
-const NO_TEXELS: &str = "a plain fill has no texels";
-
 /// Fills of a view.
 const FILLS_OF_VIEW: Section<'static> = Section {
     named_by: Names::Of("fill", |case| {
@@ -66,13 +63,13 @@ const FILLS_OF_VIEW: Section<'static> = Section {
     columns: &[
         Column::clocked("fill, ms", FILL_GPU_MS, FILL_CPU_MS),
         Column::beside("÷\u{a0}plain", over_plain).or("one of the two is not right or not timed"),
-        Column::metric("texels, RMS", TEXEL_RMS).or(NO_TEXELS),
-        Column::metric("texels, largest", TEXEL_MAX).or(NO_TEXELS),
-        Column::metric("non-finite", TEXEL_NON_FINITE).or(NO_TEXELS),
-        Column::metric("px compared", TEXEL_COMPARED_PX).or(NO_TEXELS),
-        Column::metric("colours off, mean of 255", COLOUR_MEAN).or(NO_TEXELS),
-        Column::metric("at most", COLOUR_MAX).or(NO_TEXELS),
-        Column::metric("texture bytes", TEXTURE_BYTES).or(NO_TEXELS),
+        Column::metric("texels, RMS", TEXEL_RMS),
+        Column::metric("texels, largest", TEXEL_MAX),
+        Column::metric("non-finite", TEXEL_NON_FINITE),
+        Column::metric("px compared", TEXEL_COMPARED_PX),
+        Column::metric("colours off, mean of 255", COLOUR_MEAN),
+        Column::metric("at most", COLOUR_MAX),
+        Column::metric("texture bytes", TEXTURE_BYTES),
         Column::of("route", Figure::Words(route)).or("by its name"),
     ],
     pictures: &[
@@ -143,7 +140,7 @@ fn may_be_compared(case: &Case) -> bool {
 
 /// Each view's textured fills and the plain ones that they are compared with, by its title.
 fn views<'a>(data: &Data<'a>) -> Vec<(String, Cases<'a>)> {
-    let all = Cases::of_study(data.run, STUDY);
+    let all = &data.study;
     let textured = all.fitting(is_textured);
     let views = grouped(textured.iter(), |case| title(case)).into_iter();
     let views = views.map(|(view, mut own)| {
@@ -259,7 +256,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     );
     blocks.extend(ratios(data, &views));
     for (title, cases) in &views {
-        blocks.push(part(format!("Textured: {title}")));
+        blocks.push(Block::part(format!("Textured: {title}")));
         blocks.push(Block::Table(fills(cases)));
         // Those of the first that has some.
         let first = cases.iter().find(|case| case.value(COLOUR_MAX).is_some());
@@ -278,12 +275,16 @@ fn ratios(data: &Data<'_>, views: &[(String, Cases<'_>)]) -> Option<Block> {
         });
         row_of_ratios(data, title.clone(), &ratios)
     });
+    let rows: Vec<Row> = rows.collect();
     let compared = COMPARED.map(|names| names.join(" ÷ "));
-    let headings = ["view"]
-        .into_iter()
-        .chain(compared.iter().map(String::as_str));
-    let headings: Vec<&str> = headings.collect();
-    main_table(plain_figures(&headings, rows.collect()))
+    let headings = ["view"].into_iter();
+    let headings = headings.chain(compared.iter().map(String::as_str));
+    (!rows.is_empty()).then(|| {
+        Block::Table(Table {
+            is_main: true,
+            ..Table::of(headings, rows)
+        })
+    })
 }
 
 /// A row that is wrong though it should be right, or that nothing was compared of, is bad news.
