@@ -461,6 +461,22 @@ mod tests {
     }
 
     #[test]
+    fn items_are_grouped_in_order_of_appearance_and_one_that_differs_is_seen() {
+        let groups = grouped(["b1", "a1", "b2"], |item| item.chars().next());
+        assert_eq!(
+            groups,
+            [(Some('b'), vec!["b1", "b2"]), (Some('a'), vec!["a1"])]
+        );
+        assert_eq!(distinct([2, 1, 2]), [2, 1]);
+        let of = |all, differing| none_differs("All agree", all, differing, "cases do");
+        assert_eq!(of(3, 0).standing, Standing::Holds);
+        assert_eq!(of(3, 0).because, "3 of 3 cases do");
+        // Negative controls: one that differs, and nothing that was compared.
+        assert_eq!(of(3, 1).standing, Standing::DoesNotHold);
+        assert_eq!(of(0, 0).standing, Standing::NotMeasured);
+    }
+
+    #[test]
     fn exact_figures_that_were_not_measured_decide_nothing() {
         let of = |holds| finding("It is exact", holds, "").standing;
         assert_eq!(of(Some(true)), Standing::Holds);

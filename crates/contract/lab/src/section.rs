@@ -422,7 +422,7 @@ mod tests {
 
     const METRICS: [Metric; 2] = [
         Metric::less("draw_cpu_ms", "ms", Kind::Time, "Time.").covering(Scope::FRAME),
-        Metric::less("draw_bytes", "bytes", Kind::Bytes, "Bytes."),
+        Metric::bytes("draw_bytes", "Bytes.").or("the layout has no formula"),
     ];
     const TIME: &Metric = Metric::of(&METRICS, "draw_cpu_ms");
     const BYTES: &Metric = Metric::of(&METRICS, "draw_bytes");
@@ -602,7 +602,7 @@ mod tests {
             (cell(0, 2).class, cell(0, 2).title.as_str()),
             (CellClass::Absent, "no clock")
         );
-        assert_eq!(cell(0, 3).title, "not measured");
+        assert_eq!(cell(0, 3).title, "the layout has no formula", "as declared");
         // Times of a case that broke off are no measurement.
         assert_eq!(cell(1, 2).title, "out of memory");
         assert_eq!(table.rows[1].remark, "out of memory");
