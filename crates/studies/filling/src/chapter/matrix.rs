@@ -103,7 +103,14 @@ fn marks(found: &[Examined<'_>]) -> Table {
         let scene = of.case.condition(SCENE);
         format!("{scene}: {}", layout_name(of.case))
     };
-    let rows = grouped(found, title).into_iter().map(|(title, own)| {
+    // Layouts of a technique follow each other.
+    let techniques = grouped(found, |of| {
+        [SCENE, TECHNIQUE].map(|key| of.case.condition(key))
+    });
+    let rows = techniques
+        .into_iter()
+        .flat_map(|(_, own)| grouped(own, title));
+    let rows = rows.map(|(title, own)| {
         let variants = own.iter().map(|of| of.case);
         let plainest = variants.min_by_key(|case| case.condition(VARIANT).len());
         let plain = plainest.map_or_else(Vec::new, switches);
