@@ -78,7 +78,8 @@ fn walls_by_formula(swept: &Cases<'_>) -> Finding {
     let walls = swept.iter().filter_map(|case| {
         let (found, bound) = (case.value(WALL_HEIGHT_M)?, case.value(WALL_BOUND_M)?);
         let [of, most] = [found, bound].map(significant);
-        let text = format!("{}°: {of} of {most} m", case.condition(KNOB));
+        let [scene, view, step] = [SCENE, VIEW, KNOB].map(|key| case.condition(key));
+        let text = format!("{scene}, {view}, {step}°: {of} of {most} m");
         Some((text, found <= bound))
     });
     let (texts, are_within): (Vec<String>, Vec<bool>) = walls.unzip();
