@@ -166,6 +166,16 @@ impl Ellipsoid {
         self.equatorial_radius_m * self.equatorial_radius_m / self.polar_radius_m
     }
 
+    /// Radii of curvature of the surface at a latitude, metres: across the meridian, which is the distance along
+    /// the normal to the polar axis, and along it.
+    #[must_use]
+    pub fn curvature_radii_m(&self, latitude_rad: f64) -> [f64; 2] {
+        let (sin, e2) = (latitude_rad.sin(), self.eccentricity_squared());
+        let w2 = 1.0 - e2 * sin * sin;
+        let prime_vertical_m = self.equatorial_radius_m / w2.sqrt();
+        [prime_vertical_m, prime_vertical_m * (1.0 - e2) / w2]
+    }
+
     /// Unit outward normal of the surface, ECEF.
     #[must_use]
     pub fn geodetic_surface_normal(&self, longitude_rad: f64, latitude_rad: f64) -> DVec3 {

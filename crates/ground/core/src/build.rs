@@ -141,11 +141,7 @@ impl RegionMesh {
             return Err(no_area());
         }
         let Some(boundary_loops) = stitcher.boundary_loops() else {
-            return Err(vec![MeshError::Triangulation {
-                feature: region.index,
-                name: region.name.clone(),
-                message: "the boundary is not closed".to_owned(),
-            }]);
+            return Err(failed(region, "the boundary is not closed".to_owned()));
         };
         // Without a border there is only the whole body. Anything else is within micrometres of a
         // pole, where its border became a point.
@@ -163,11 +159,7 @@ impl RegionMesh {
             vertices_deg: stitcher.vertices_deg,
             triangles: stitcher.triangles,
             boundary_loops,
-            holes: region
-                .polygons
-                .iter()
-                .map(|polygon| polygon.holes.len())
-                .sum(),
+            holes: region.polygons.iter().map(|of| of.holes.len()).sum(),
             // Of what is narrower than rounding it may be a rounding below.
             area_m2: area_m2.max(0.0),
             extent,
@@ -183,13 +175,8 @@ impl RegionMesh {
         };
         // Rare enough to be looked at again: what was a rounding wide has been moved by as much.
         if !bent.is_empty() || matches!(crossings, Crossings::SnappedAway) {
-            mesh.check_invariants(body).map_err(|violation| {
-                vec![MeshError::Triangulation {
-                    feature: region.index,
-                    name: region.name.clone(),
-                    message: violation.to_string(),
-                }]
-            })?;
+            mesh.check_invariants(body)
+                .map_err(|violation| failed(region, violation.to_string()))?;
         }
         Ok(mesh)
     }
@@ -210,20 +197,21 @@ impl RegionMesh {
             .par_iter()
             .map(|region| Self::build_or_list(region, body, rule, options))
             .collect();
-        let mut meshes = Vec::with_capacity(results.len());
-        let mut errors = Vec::new();
-        for result in results {
-            match result {
-                Ok(mesh) => meshes.push(mesh),
-                Err(of_region) => errors.extend(of_region),
-            }
+        if results.iter().all(Result::is_ok) {
+            return results.into_iter().collect();
         }
-        if errors.is_empty() {
-            Ok(meshes)
-        } else {
-            Err(errors)
-        }
+        let errors = results.into_iter().filter_map(Result::err);
+        Err(errors.flatten().collect())
     }
+}
+
+/// A fault of this program.
+fn failed(region: &Region, message: String) -> Vec<MeshError> {
+    vec![MeshError::Triangulation {
+        feature: region.index,
+        name: region.name.clone(),
+        message,
+    }]
 }
 
 fn opposite_ends(region: &Region, opposite: Vec<OppositeEnds>) -> Vec<MeshError> {
@@ -296,9 +284,12 @@ impl Meshed {
                 (groups, Vec::new())
             }
         };
-        let arcs = |followed: &bool| match *followed {
-            true => Arcs::Settled,
-            false => Arcs::AsDrawn,
+        let arcs = |followed: &bool| {
+            if *followed {
+                Arcs::Settled
+            } else {
+                Arcs::AsDrawn
+            }
         };
         let groups: Vec<_> = groups.into_iter().zip(followed.iter().map(arcs)).collect();
         let groups = triangulate_groups(region, body, rule, options, groups, at_splits)?;
@@ -416,11 +407,8 @@ fn notes_on_parts(
         }
         if group.in_doubt {
             let found = find_overlaps(edges, rule, tolerance_deg).ok_or_else(|| {
-                vec![MeshError::Triangulation {
-                    feature: region.index,
-                    name: region.name.clone(),
-                    message: "parts that overlap could not be looked for".to_owned(),
-                }]
+                let message = "parts that overlap could not be looked for";
+                failed(region, message.to_owned())
             })?;
             overlaps.extend(found);
         }
@@ -568,11 +556,7 @@ fn triangulate_groups(
                 }]);
             }
             Err(TriangulateError::Refused(message)) => {
-                return Err(vec![MeshError::Triangulation {
-                    feature: region.index,
-                    name: region.name.clone(),
-                    message,
-                }]);
+                return Err(failed(region, message));
             }
         }
     }

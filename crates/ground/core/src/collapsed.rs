@@ -5,7 +5,7 @@
 //! exactly: whether a hole a rounding wide is one is for the triangulation to say.
 
 use crate::edge::Degrees;
-use crate::intersection::without_underflow;
+use crate::intersection::{orient, without_underflow};
 use crate::{EdgeRule, Polygon, Region, Ring};
 
 impl Region {
@@ -92,12 +92,8 @@ fn is_on_one_line(rule: EdgeRule, vertices: &[Degrees]) -> bool {
     };
     match rule {
         EdgeRule::Planar => {
-            let coord = |place: &Degrees| {
-                let [x, y] = place.map(without_underflow);
-                robust::Coord { x, y }
-            };
-            let side =
-                |third: &Degrees| robust::orient2d(coord(first), coord(second), coord(third));
+            let [first, second] = [first, second].map(|place| place.map(without_underflow));
+            let side = |third: &Degrees| orient(first, second, third.map(without_underflow));
             rest.iter().all(|third| side(third) == 0.0)
         }
         // Of other great circles no three places are known to lie on one.

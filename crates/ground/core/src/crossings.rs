@@ -29,20 +29,17 @@ const MIN_CHART_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// A box that holds the edge, in degrees or in unit normals.
 fn box_of(rule: EdgeRule, [start, end]: [Degrees; 2]) -> AxisBox {
-    let (a, b, bulge) = match rule {
-        EdgeRule::Planar => {
-            let point = |[x, y]: Degrees| DVec3::new(x, y, 0.0);
-            (point(start), point(end), 0.0)
-        }
+    match rule {
+        EdgeRule::Planar => AxisBox::of([start, end]),
         EdgeRule::GreatEllipse => {
             let (a, b) = (normal(start), normal(end));
             // An arc of chord c rises 1 − √(1 − c²/4) ≤ c²/4 above it.
-            (a, b, 0.25 * (b - a).length_squared())
+            let bulge = 0.25 * (b - a).length_squared();
+            AxisBox {
+                low: a.min(b) - bulge,
+                high: a.max(b) + bulge,
+            }
         }
-    };
-    AxisBox {
-        low: a.min(b) - bulge,
-        high: a.max(b) + bulge,
     }
 }
 

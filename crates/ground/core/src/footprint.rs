@@ -16,7 +16,7 @@ mod error;
 
 use crate::edge::area::{ZoneArea, compensated_sum};
 use crate::edge::{Degrees, edge_bounds_m};
-use crate::mesh::{index_u32, sagitta_m};
+use crate::mesh::{index_u32, sagitta_m, wrapped_deg};
 use crate::{EdgeRule, Ellipsoid, Extent, Inside, Polygon, Region, RegionMesh, Ring};
 use cone::ConeOverBody;
 pub use cone::SensorCone;
@@ -136,17 +136,7 @@ impl FootprintMesher {
             vertices_deg: vec![[0.0; 2]; self.steps.len()],
             triangles: self.triangles.clone(),
             boundary_loops: vec![(0..self.steps.len()).map(index_u32).collect()],
-            holes: 0,
-            area_m2: 0.0,
-            extent: Extent {
-                west_deg: -180.0,
-                south_deg: -90.0,
-                east_deg: 180.0,
-                north_deg: 90.0,
-            },
-            boundary_deviation_m: 0.0,
-            cap_sagitta_m: 0.0,
-            warnings: Vec::new(),
+            ..RegionMesh::without_geometry()
         }
     }
 
@@ -208,9 +198,8 @@ impl FootprintMesher {
         let under = edges().map(|(from, to)| zone.under_edge(rule, *from, *to));
         let area_m2 = -compensated_sum(under);
         let extent = extent(&vertices_deg);
-        let wrapped = |[longitude_deg, latitude_deg]: Degrees| {
-            [within_half_turn(longitude_deg), latitude_deg]
-        };
+        let wrapped =
+            |[longitude_deg, latitude_deg]: Degrees| [wrapped_deg(longitude_deg), latitude_deg];
         Ok(RegionMesh {
             region_index: index,
             name: name.into(),
@@ -218,12 +207,11 @@ impl FootprintMesher {
             boundary_loops: vec![(0..vertices_ecef.len()).map(index_u32).collect()],
             vertices_deg: vertices_deg.into_iter().map(wrapped).collect(),
             vertices_ecef,
-            holes: 0,
             area_m2,
             extent,
             boundary_deviation_m,
             cap_sagitta_m,
-            warnings: Vec::new(),
+            ..RegionMesh::without_geometry()
         })
     }
 }
@@ -252,13 +240,6 @@ fn on_surface_deg(body: &Ellipsoid, ecef: DVec3) -> Degrees {
     [longitude_rad.to_degrees(), latitude_rad.to_degrees()]
 }
 
-fn within_half_turn(longitude_deg: f64) -> f64 {
-    if (-180.0..=180.0).contains(&longitude_deg) {
-        return longitude_deg;
-    }
-    longitude_deg - 360.0 * (longitude_deg / 360.0).round()
-}
-
 fn extent(vertices_deg: &[Degrees]) -> Extent {
     let along = |axis: usize| {
         let values = vertices_deg.iter().map(move |vertex| vertex[axis]);
@@ -267,9 +248,9 @@ fn extent(vertices_deg: &[Degrees]) -> Extent {
     };
     let ((west, east), (south_deg, north_deg)) = (along(0), along(1));
     Extent {
-        west_deg: within_half_turn(west),
+        west_deg: wrapped_deg(west),
         south_deg,
-        east_deg: within_half_turn(east),
+        east_deg: wrapped_deg(east),
         north_deg,
     }
 }

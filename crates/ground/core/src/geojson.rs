@@ -250,11 +250,6 @@ impl Reader {
     fn read_root(&mut self, root: RawObject) -> Vec<Region> {
         self.foreign_crs.extend(root.foreign_crs());
         match root.kind.as_deref() {
-            None => {
-                let allowed = ROOT_TYPES;
-                self.problem(None, RegionProblemKind::MissingType { allowed });
-                Vec::new()
-            }
             Some("FeatureCollection") => {
                 let Some(features) = root.features else {
                     self.missing("features", "FeatureCollection");
@@ -280,10 +275,8 @@ impl Reader {
                 self.check_areas(&regions, Some(0));
                 regions
             }
-            Some(found) => {
-                let found = found.to_owned();
-                let allowed = ROOT_TYPES;
-                self.problem(None, RegionProblemKind::UnknownType { found, allowed });
+            found => {
+                self.wrong_type(found, ROOT_TYPES);
                 Vec::new()
             }
         }
@@ -302,6 +295,15 @@ impl Reader {
         }
     }
 
+    /// - `found`: the type, if there is one
+    fn wrong_type(&mut self, found: Option<&str>, allowed: &'static str) {
+        let problem = match found.map(str::to_owned) {
+            None => RegionProblemKind::MissingType { allowed },
+            Some(found) => RegionProblemKind::UnknownType { found, allowed },
+        };
+        self.problem(None, problem);
+    }
+
     fn missing(&mut self, member: &'static str, of: &str) {
         let of = of.to_owned();
         self.problem(None, RegionProblemKind::MissingMember { member, of });
@@ -314,19 +316,10 @@ impl Reader {
             name: Some(name.clone()),
             ..Place::default()
         };
-        match feature.kind.as_deref() {
-            Some("Feature") => {}
-            None => {
-                let allowed = "Feature";
-                self.problem(None, RegionProblemKind::MissingType { allowed });
-                return None;
-            }
-            Some(found) => {
-                let found = found.to_owned();
-                let allowed = "Feature";
-                self.problem(None, RegionProblemKind::UnknownType { found, allowed });
-                return None;
-            }
+        let kind = feature.kind.as_deref();
+        if kind != Some("Feature") {
+            self.wrong_type(kind, "Feature");
+            return None;
         }
         match feature.geometry {
             None => {
@@ -390,15 +383,11 @@ impl Reader {
         without_area: &mut BTreeSet<String>,
     ) {
         let Some(found) = geometry.kind else {
-            let allowed = GEOMETRY_TYPES;
-            self.problem(None, RegionProblemKind::MissingType { allowed });
+            self.wrong_type(None, GEOMETRY_TYPES);
             return;
         };
         match geometry_kind(&found) {
-            None => {
-                let allowed = GEOMETRY_TYPES;
-                self.problem(None, RegionProblemKind::UnknownType { found, allowed });
-            }
+            None => self.wrong_type(Some(&found), GEOMETRY_TYPES),
             Some(GeometryKind::WithoutArea) => {
                 self.normalised.members_without_area += 1;
                 without_area.insert(found);

@@ -26,16 +26,21 @@ pub(crate) fn without_underflow(coordinate: f64) -> f64 {
     }
 }
 
+/// Twice the area of a triangle, positive if it turns left; exact in its sign.
+pub(crate) fn orient(a: Degrees, b: Degrees, c: Degrees) -> f64 {
+    let coord = |[x, y]: Degrees| robust::Coord { x, y };
+    robust::orient2d(coord(a), coord(b), coord(c))
+}
+
 /// Where two straight edges cross, each strictly between its ends. The decision is exact.
 ///
 /// Rounded, but into the box of either edge: a repair makes a vertex of it, which must not lie
 /// beyond a pole.
 pub(crate) fn planar_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degrees> {
     let [a, b] = [a, b].map(|ends| ends.map(|end| end.map(without_underflow)));
-    let coord = |[x, y]: Degrees| robust::Coord { x, y };
     // Only the signs are exact. Their sizes, which say where, have the rounding of differences from the
     // third place: from an end of the edge itself they are as good as the edge is short.
-    let side = |[p, q]: [Degrees; 2], r| robust::orient2d(coord(q), coord(r), coord(p));
+    let side = |[p, q]: [Degrees; 2], r| orient(q, r, p);
     let (a0, a1) = (side(b, a[0]), side(b, a[1]));
     let (b0, b1) = (side(a, b[0]), side(a, b[1]));
     (opposite(a0, a1) && opposite(b0, b1)).then(|| {

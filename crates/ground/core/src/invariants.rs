@@ -7,6 +7,7 @@
 
 use crate::edge::area::ZoneArea;
 use crate::edge::{Degrees, normal, surface_point};
+use crate::intersection::orient;
 use crate::triangulate::WIDEST_INTERIOR_EDGE_DEG;
 use crate::{EdgeRule, Ellipsoid, RegionMesh};
 
@@ -228,8 +229,7 @@ impl RegionMesh {
         }
         // Longitudes taken over the antimeridian are rounded, and the question is about the last bit.
         let unrolled = (b[0] - a[0]).abs() > 180.0 || (c[0] - a[0]).abs() > 180.0;
-        let coord = |[x, y]: Degrees| robust::Coord { x, y };
-        !unrolled && robust::orient2d(coord(a), coord(b), coord(c)) == 0.0
+        !unrolled && orient(a, b, c) == 0.0
     }
 
     /// Largest distance between an edge that is straight in longitude and latitude and the plane

@@ -18,7 +18,7 @@ use crate::EdgeRule;
 use crate::box_tree::{AxisBox, BoxTree};
 use crate::crossings::{find_crossings, split_at};
 use crate::edge::{Degrees, ROUNDING, arc_rad, in_order, normal, point_on_edge};
-use crate::intersection::{Crossing, great_ellipse_crossing};
+use crate::intersection::{Crossing, great_ellipse_crossing, orient};
 use crate::pieces::OutlineEdge;
 use glam::DVec3;
 use std::cell::{Cell, RefCell};
@@ -362,9 +362,12 @@ fn merged(edges: Vec<OutlineEdge>) -> Vec<OutlineEdge> {
     let kept: BTreeSet<[u64; 2]> = polar
         .flat_map(|edge| [bits(edge.start), bits(edge.end)])
         .collect();
-    let merge = |place: Degrees| match kept.contains(&bits(place)) {
-        true => place,
-        false => middle_of_cell(place),
+    let merge = |place: Degrees| {
+        if kept.contains(&bits(place)) {
+            place
+        } else {
+            middle_of_cell(place)
+        }
     };
     let merge = |edge: OutlineEdge| OutlineEdge {
         start: merge(edge.start),
@@ -386,9 +389,10 @@ fn middle_of_cell(place: Degrees) -> Degrees {
     let cosine = place[1].to_radians().cos().max(NARROWEST);
     let sides = [CELL_DEG / cosine.log2().floor().exp2(), CELL_DEG];
     let middle = [0, 1].map(|k| (place[k] / sides[k]).round() * sides[k]);
-    match middle[0].abs() == 180.0 || middle[1].abs() == 90.0 {
-        true => place,
-        false => middle,
+    if middle[0].abs() == 180.0 || middle[1].abs() == 90.0 {
+        place
+    } else {
+        middle
     }
 }
 
@@ -485,9 +489,10 @@ impl Lens {
         // chord leads east.
         let [width, height] = [0, 1].map(|k| end[k] - start[k]);
         let twice_area = |x: f64, y: f64| width * (y - start[1]) - height * (x - start[0]);
-        let (left_x, right_x) = match height > 0.0 {
-            true => (low.x, high.x),
-            false => (high.x, low.x),
+        let (left_x, right_x) = if height > 0.0 {
+            (low.x, high.x)
+        } else {
+            (high.x, low.x)
         };
         let reach = self.height_deg * (width * width + height * height).sqrt() * SLACK;
         twice_area(left_x, high.y) >= -reach && twice_area(right_x, low.y) <= reach
@@ -533,9 +538,7 @@ impl Lens {
 
 /// See [`Lens::off_chord`].
 fn off_chord([start, end]: [Degrees; 2], place: Degrees) -> f64 {
-    let coord = |[x, y]: Degrees| robust::Coord { x, y };
-    let twice_area = robust::orient2d(coord(start), coord(end), coord(place));
-    twice_area / (end[0] - start[0]).hypot(end[1] - start[1])
+    orient(start, end, place) / (end[0] - start[0]).hypot(end[1] - start[1])
 }
 
 fn rounding_deg() -> f64 {

@@ -143,20 +143,6 @@ impl MeshError {
             Self::Option { .. } => None,
         }
     }
-
-    /// The edge to blame, where there is one.
-    #[must_use]
-    pub fn place(&self) -> Option<EdgePlace> {
-        match self {
-            Self::SelfCrossing { first, .. } | Self::Overlap { first, .. } => Some(*first),
-            Self::OppositeEnds { place, .. } => Some(*place),
-            Self::MoreCrossings { .. }
-            | Self::NoArea { .. }
-            | Self::CapStep { .. }
-            | Self::Triangulation { .. }
-            | Self::Option { .. } => None,
-        }
-    }
 }
 
 fn long_edges_label(count: usize) -> String {

@@ -19,7 +19,6 @@ use crate::inside::SideChoice;
 use crate::mesh::Extent;
 use crate::pieces::{OutlineEdge, Piece, is_uncut, ring_pieces};
 use crate::{EdgePlace, EdgeRule, Inside, Polygon, Region, Ring};
-use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// A region's edges, ready to triangulate.
@@ -434,7 +433,8 @@ fn group(mut parts: Vec<Part>) -> Vec<Vec<OutlineEdge>> {
     parts.retain(|part| !part.edges.is_empty());
     let mut from_west: Vec<usize> = (0..parts.len()).collect();
     from_west.sort_by(|&a, &b| parts[a].bounds.0[0].total_cmp(&parts[b].bounds.0[0]));
-    let mut open: BTreeMap<Latitude, OpenGroup> = BTreeMap::new();
+    // By their southern ends.
+    let mut open: BTreeMap<i64, OpenGroup> = BTreeMap::new();
     let mut done: Vec<Vec<usize>> = Vec::new();
     for index in from_west {
         // Adding zero turns −0 into 0, which sorts apart from it.
@@ -446,8 +446,8 @@ fn group(mut parts: Vec<Part>) -> Vec<Vec<OutlineEdge>> {
         };
         // Those apart from one another lie in order of both ends, and those that reach into the
         // interval are the last ones that start in it or south of it.
-        let mut lowest = south;
-        while let Some((&start, group)) = open.range(..=Latitude(joined.north)).next_back() {
+        let mut lowest = order_key(south);
+        while let Some((&start, group)) = open.range(..=order_key(joined.north)).next_back() {
             if group.north < south {
                 break;
             }
@@ -458,7 +458,7 @@ fn group(mut parts: Vec<Part>) -> Vec<Vec<OutlineEdge>> {
                 done.push(group.members);
                 continue;
             }
-            lowest = lowest.min(start.0);
+            lowest = lowest.min(start);
             joined.north = joined.north.max(group.north);
             joined.east = joined.east.max(group.east);
             if group.members.len() > joined.members.len() {
@@ -466,7 +466,7 @@ fn group(mut parts: Vec<Part>) -> Vec<Vec<OutlineEdge>> {
             }
             joined.members.append(&mut group.members);
         }
-        open.insert(Latitude(lowest), joined);
+        open.insert(lowest, joined);
     }
     done.extend(open.into_values().map(|group| group.members));
     for members in &mut done {
@@ -496,29 +496,16 @@ struct OpenGroup {
     members: Vec<usize>,
 }
 
-/// Degrees, in order.
-#[derive(Debug, Clone, Copy)]
-struct Latitude(f64);
-
-impl Ord for Latitude {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.0.total_cmp(&other.0)
-    }
+/// A number's bits as an integer in the same order ([`f64::total_cmp`]), for keys.
+#[allow(
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "bits are what is meant"
+)]
+fn order_key(number: f64) -> i64 {
+    let bits = number.to_bits() as i64;
+    bits ^ (((bits >> 63) as u64) >> 1) as i64
 }
-
-impl PartialOrd for Latitude {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Latitude {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Latitude {}
 
 /// The shortest interval of longitude that holds all of them, `[west, east]`; west of the
 /// antimeridian to east of it when west > east.

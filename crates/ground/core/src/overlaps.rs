@@ -12,10 +12,11 @@
 //! looked for where: in a triangulation of all edges, from triangle to triangle, counting in which
 //! rings each of them lies.
 
+use crate::edge::area::Sum;
 use crate::edge::{Degrees, along_pole};
-use crate::intersection::without_underflow;
+use crate::intersection::{orient, without_underflow};
 use crate::mesh::index_u32;
-use crate::pieces::OutlineEdge;
+use crate::pieces::{OutlineEdge, bounds};
 use crate::snap::snap_rounded;
 use crate::triangulate::GroupMesh;
 use crate::triangulate::delaunay::{Delaunay, FRAME_CORNERS};
@@ -91,32 +92,6 @@ fn pole_held(ring: &[OutlineEdge]) -> Option<f64> {
         .find_map(|edge| along_pole(edge.start, edge.end))
 }
 
-/// A sum that keeps what each addition rounds away (Neumaier 1974): its error does not grow with the
-/// number of terms, of which a region may have millions.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sum {
-    rounded: f64,
-    lost: f64,
-}
-
-impl std::ops::AddAssign<f64> for Sum {
-    fn add_assign(&mut self, term: f64) {
-        let next = self.rounded + term;
-        self.lost += if self.rounded.abs() >= term.abs() {
-            (self.rounded - next) + term
-        } else {
-            (term - next) + self.rounded
-        };
-        self.rounded = next;
-    }
-}
-
-impl Sum {
-    fn value(self) -> f64 {
-        self.rounded + self.lost
-    }
-}
-
 /// `−∮ (φ − φ₀) dλ` and the sum of its terms' sizes.
 fn signed_area(edges: impl Iterator<Item = [Degrees; 2]>, reference: f64) -> (f64, f64) {
     let (mut area, mut scale) = (Sum::default(), 0.0);
@@ -185,21 +160,7 @@ struct Cover {
 impl Cover {
     /// `None` where edges cross.
     fn new(edges: &[OutlineEdge]) -> Option<Self> {
-        let mut bounds = [
-            f64::INFINITY,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            f64::NEG_INFINITY,
-        ];
-        for [x, y] in edges.iter().flat_map(|edge| [edge.start, edge.end]) {
-            bounds = [
-                bounds[0].min(x),
-                bounds[1].min(y),
-                bounds[2].max(x),
-                bounds[3].max(y),
-            ];
-        }
-        let mut mesh = Delaunay::new(bounds, edges.len());
+        let mut mesh = Delaunay::new(bounds(edges), edges.len());
         let mut positions = vec![[0.0; 2]; FRAME_CORNERS];
         let mut ends = Vec::with_capacity(edges.len());
         for edge in edges {
@@ -253,7 +214,6 @@ impl Cover {
 
     fn next_on_line(&self, from: u32, to: u32) -> Option<u32> {
         let [a, b] = [from, to].map(|i| self.positions[i as usize]);
-        let coord = |[x, y]: Degrees| robust::Coord { x, y };
         let mut edges = self.mesh.edges_at(from);
         edges.find_map(|(triangle, i)| {
             let ends = self.mesh.ends(triangle, i);
@@ -263,7 +223,7 @@ impl Cover {
             }
             let c = self.positions[other as usize];
             let ahead = (c[0] - a[0]) * (b[0] - a[0]) + (c[1] - a[1]) * (b[1] - a[1]) > 0.0;
-            (ahead && robust::orient2d(coord(a), coord(b), coord(c)) == 0.0).then_some(other)
+            (ahead && orient(a, b, c) == 0.0).then_some(other)
         })
     }
 
@@ -403,7 +363,6 @@ fn toggled(mut rings: Vec<RingKey>, others: &[RingKey]) -> Vec<RingKey> {
 
 /// Rings that an odd number of edges lie north of the point of.
 fn rings_round(point: Degrees, edges: &[OutlineEdge]) -> Vec<RingKey> {
-    let coord = |[x, y]: Degrees| robust::Coord { x, y };
     let mut rings = Vec::new();
     for edge in edges {
         let (west, east) = if edge.start[0] < edge.end[0] {
@@ -412,7 +371,7 @@ fn rings_round(point: Degrees, edges: &[OutlineEdge]) -> Vec<RingKey> {
             (edge.end, edge.start)
         };
         let spans = west[0] <= point[0] && point[0] < east[0];
-        if spans && robust::orient2d(coord(west), coord(east), coord(point)) < 0.0 {
+        if spans && orient(west, east, point) < 0.0 {
             rings = toggled(rings, &[key(edge)]);
         }
     }

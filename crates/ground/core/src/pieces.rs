@@ -16,6 +16,18 @@ pub(crate) struct OutlineEdge {
     pub(crate) place: EdgePlace,
 }
 
+/// Longitudes and latitudes of edges, `[west, south, east, north]`; of none, west is east of east.
+pub(crate) fn bounds(edges: &[OutlineEdge]) -> [f64; 4] {
+    let mut bounds = [180.0_f64, 90.0_f64, -180.0_f64, -90.0_f64];
+    for [longitude, latitude] in edges.iter().flat_map(|edge| [edge.start, edge.end]) {
+        bounds[0] = bounds[0].min(longitude);
+        bounds[1] = bounds[1].min(latitude);
+        bounds[2] = bounds[2].max(longitude);
+        bounds[3] = bounds[3].max(latitude);
+    }
+    bounds
+}
+
 /// Part of a ring edge between two cuts.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Piece {
@@ -96,7 +108,7 @@ pub(crate) fn planar_pieces(ring: &Ring) -> Vec<Piece> {
 
 /// Longitudes closer than this to ±180 mean ±180, degrees (a micrometre on the Earth): Natural
 /// Earth's land at 1:110m has 180.00000000000014, and pieces that far apart are not stitched.
-const ANTIMERIDIAN_SNAP_DEG: f64 = 1e-11;
+pub(crate) const ANTIMERIDIAN_SNAP_DEG: f64 = 1e-11;
 
 fn is_off_antimeridian(longitude_deg: f64) -> bool {
     longitude_deg.abs() < 180.0 - ANTIMERIDIAN_SNAP_DEG

@@ -68,12 +68,13 @@ impl Region {
             };
             for &index in pair {
                 let RingPiece { ring, piece } = &pieces[index];
-                let start = piece_as_written(piece, piece.start);
-                let along = Along {
+                let [start, at] = [piece.start, at].map(|place| piece_as_written(piece, place));
+                inserted[*ring].push(Insertion {
+                    vertex: piece.vertex,
                     piece: index,
-                    distance: distance(rule, start, piece_as_written(piece, at)),
-                };
-                inserted[*ring].push((piece.vertex, along, piece_as_written(piece, at)));
+                    distance: distance(rule, start, at),
+                    at,
+                });
             }
         }
         for &(pair, [_, latitude]) in &at_cuts {
@@ -81,11 +82,12 @@ impl Region {
                 let RingPiece { ring, piece } = &pieces[index];
                 // The end of a piece that is cut there; a place on one that runs along it.
                 let at = [piece.end[0], latitude];
-                let along = Along {
+                inserted[*ring].push(Insertion {
+                    vertex: piece.vertex,
                     piece: index,
                     distance: distance(rule, piece.start, at),
-                };
-                inserted[*ring].push((piece.vertex, along, piece_as_written(piece, at)));
+                    at: piece_as_written(piece, at),
+                });
             }
         }
         keep_cuts(&pieces, &mut inserted);
@@ -95,7 +97,11 @@ impl Region {
             .flat_map(|polygon| std::iter::once(&mut polygon.shell).chain(&mut polygon.holes));
         for (ring, mut insertions) in rings.zip(inserted) {
             if !insertions.is_empty() {
-                insertions.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.cmp(&b.1)));
+                let key = |new: &Insertion| (new.vertex, new.piece);
+                insertions.sort_by(|a, b| {
+                    let by_piece = key(a).cmp(&key(b));
+                    by_piece.then(a.distance.total_cmp(&b.distance))
+                });
                 *ring = with_insertions(ring, &insertions);
             }
         }
@@ -223,7 +229,7 @@ fn keep_cuts(pieces: &[RingPiece], inserted: &mut [Vec<Insertion>]) {
     let mut split: Vec<(usize, usize)> = inserted
         .iter()
         .enumerate()
-        .flat_map(|(ring, new)| new.iter().map(move |insertion| (ring, insertion.0)))
+        .flat_map(|(ring, new)| new.iter().map(move |new| (ring, new.vertex)))
         .collect();
     split.sort_unstable();
     for (index, pair) in pieces.windows(2).enumerate() {
@@ -231,34 +237,26 @@ fn keep_cuts(pieces: &[RingPiece], inserted: &mut [Vec<Insertion>]) {
         let edge = (before.ring, before.piece.vertex);
         let is_cut = edge == (after.ring, after.piece.vertex);
         if is_cut && split.binary_search(&edge).is_ok() {
-            let along = Along {
+            inserted[edge.0].push(Insertion {
+                vertex: edge.1,
                 piece: index,
                 distance: f64::INFINITY,
-            };
-            let at = piece_as_written(&before.piece, before.piece.end);
-            inserted[edge.0].push((edge.1, along, at));
+                at: piece_as_written(&before.piece, before.piece.end),
+            });
         }
     }
 }
 
-/// How far along its edge a new vertex lies.
-#[derive(Debug, Clone, Copy)]
-struct Along {
+/// A new vertex.
+struct Insertion {
+    /// Vertex that its edge starts at.
+    vertex: usize,
     /// Pieces of an edge have growing numbers.
     piece: usize,
     /// From the piece's start.
     distance: f64,
+    at: Degrees,
 }
-
-impl Along {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        let by_piece = self.piece.cmp(&other.piece);
-        by_piece.then(self.distance.total_cmp(&other.distance))
-    }
-}
-
-/// Vertex that the edge starts at, how far along it, position.
-type Insertion = (usize, Along, Degrees);
 
 fn with_insertions(ring: &Ring, insertions: &[Insertion]) -> Ring {
     let mut waiting = insertions.iter().peekable();
@@ -267,7 +265,7 @@ fn with_insertions(ring: &Ring, insertions: &[Insertion]) -> Ring {
         Vec::with_capacity(ring.vertices_deg().len() + insertions.len());
     for (vertex, start) in ring.vertices_deg().iter().enumerate() {
         vertices.push((*start, ring.written_longitude_deg(vertex)));
-        while let Some((_, _, at)) = waiting.next_if(|insertion| insertion.0 == vertex) {
+        while let Some(Insertion { at, .. }) = waiting.next_if(|new| new.vertex == vertex) {
             vertices.push((*at, at[0]));
         }
     }
@@ -544,7 +542,11 @@ mod tests {
                 &MeshOptions::default(),
             )
             .expect_err("teeth cross");
-            let crossings: Vec<_> = errors.iter().filter_map(MeshError::place).collect();
+            let place = |error: &MeshError| match error {
+                MeshError::SelfCrossing { first, .. } => Some(*first),
+                _ => None,
+            };
+            let crossings: Vec<_> = errors.iter().filter_map(place).collect();
             assert_eq!(crossings.len(), listed, "{errors:?}");
             assert!(crossings.is_sorted());
             let found = errors.iter().find_map(|error| match error {

@@ -16,7 +16,7 @@
 use crate::EdgeRule;
 use crate::box_tree::{AxisBox, BoxTree};
 use crate::edge::Degrees;
-use crate::intersection::SMALLEST_COORDINATE_DEG;
+use crate::intersection::{SMALLEST_COORDINATE_DEG, orient};
 use crate::pieces::{OutlineEdge, or_at_pole};
 use glam::DVec3;
 use std::ops::ControlFlow;
@@ -142,16 +142,8 @@ fn routes(grid: &Grid, segments: &[[Cell; 2]]) -> Vec<Vec<Cell>> {
 /// Cells in which segments end or cross, sorted.
 fn hot_cells(grid: &Grid, segments: &[[Cell; 2]]) -> Vec<Cell> {
     let mut hot: Vec<Cell> = segments.iter().flatten().copied().collect();
-    let boxes: Vec<AxisBox> = segments
-        .iter()
-        .map(|[from, to]| {
-            let [a, b] = [from, to].map(|cell| point(grid.place(*cell)));
-            AxisBox {
-                low: a.min(b),
-                high: a.max(b),
-            }
-        })
-        .collect();
+    let own_box = |ends: &[Cell; 2]| AxisBox::of(ends.map(|cell| grid.place(cell)));
+    let boxes: Vec<AxisBox> = segments.iter().map(own_box).collect();
     let _ = BoxTree::new(&boxes).overlapping_pairs(&mut |a, b| {
         hot.extend(crossing_cell(segments[a], segments[b]));
         ControlFlow::Continue(())
@@ -179,7 +171,6 @@ fn may_meet([from, to]: [Degrees; 2], bounds: &AxisBox) -> bool {
     if a.max(b).cmplt(bounds.low).any() || a.min(b).cmpgt(bounds.high).any() {
         return false;
     }
-    let coord = |[x, y]: Degrees| robust::Coord { x, y };
     // A box's sides are rounded where they lie between two numbers: twice as far out they are not.
     let margin = 1e-15 * bounds.low.abs().max(bounds.high.abs());
     let (low, high) = (bounds.low - margin, bounds.high + margin);
@@ -189,7 +180,7 @@ fn may_meet([from, to]: [Degrees; 2], bounds: &AxisBox) -> bool {
         [high.x, high.y],
         [low.x, high.y],
     ];
-    let sides = corners.map(|corner| robust::orient2d(coord(from), coord(to), coord(corner)));
+    let sides = corners.map(|corner| orient(from, to, corner));
     !(sides.iter().all(|side| *side > 0.0) || sides.iter().all(|side| *side < 0.0))
 }
 
@@ -263,9 +254,10 @@ fn floor_of_share(length: i64, share: u128, whole: u128) -> i64 {
             quotient += 1;
         }
     }
-    match length < 0 {
-        true => -quotient - i64::from(rest > 0),
-        false => quotient,
+    if length < 0 {
+        -quotient - i64::from(rest > 0)
+    } else {
+        quotient
     }
 }
 

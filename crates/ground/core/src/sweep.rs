@@ -7,7 +7,7 @@
 //! Sides are decided exactly (`robust::orient2d`), so the order is right whatever touches.
 
 use crate::edge::{Degrees, in_order};
-use crate::intersection::{Crossing, planar_crossing, without_underflow};
+use crate::intersection::{Crossing, orient, planar_crossing, without_underflow};
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::ops::Bound::{Excluded, Unbounded};
@@ -104,12 +104,8 @@ impl<F: Fn(usize, usize) -> Option<Degrees>> Sweep<'_, F> {
     }
 
     fn start(&mut self, segment: Segment) {
-        let neighbours = self.neighbours(&segment);
-        if !neighbours
-            .into_iter()
-            .flatten()
-            .any(|other| self.crosses(segment, other))
-        {
+        let mut neighbours = self.neighbours(&segment).into_iter().flatten();
+        if !neighbours.any(|other| self.crosses(segment, other)) {
             self.order.insert(segment);
         }
     }
@@ -164,9 +160,8 @@ impl Segment {
 
     /// Whether another edge, which starts where the line meets this one, is north or south of it.
     fn side_of(&self, other: &Self) -> Ordering {
-        let coord = |[x, y]: Degrees| robust::Coord { x, y };
         let side = |place| {
-            let side = robust::orient2d(coord(self.west), coord(self.east), coord(place));
+            let side = orient(self.west, self.east, place);
             side.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
         };
         side(other.west).then_with(|| side(other.east))

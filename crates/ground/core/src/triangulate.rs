@@ -14,7 +14,7 @@ use crate::edge::{Degrees, arc_rad};
 use crate::intersection::{Crossing, great_ellipse_crossing, without_underflow};
 use crate::lens::{Sight, WithinRounding, any_in_lens, follow_arcs, sight_of};
 use crate::mesh::{LONGEST_INTERIOR_EDGE_STEPS, index_u32};
-use crate::pieces::OutlineEdge;
+use crate::pieces::{OutlineEdge, bounds};
 use crate::{EdgeRule, MeshOptions};
 use delaunay::{Blocked, Delaunay, FRAME_CORNERS, Place};
 use insertion_order::{Corners, in_order, odd_edges};
@@ -394,7 +394,6 @@ impl Group {
         [0, 1].map(|i| (1.0 - share) * a[i] + share * b[i])
     }
 
-    /// Points on parallels that are multiples of the step apart, about one step apart on each.
     /// About how many points [`Self::insert_lattice`] will add: the area inside, in steps.
     fn lattice_points(&self, step_deg: f64) -> f64 {
         let triangles = 0..index_u32(self.mesh.triangle_count());
@@ -411,6 +410,7 @@ impl Group {
         steps.sum()
     }
 
+    /// Points on parallels that are multiples of the step apart, about one step apart on each.
     fn insert_lattice(&mut self, step_deg: f64) -> Result<Vec<u32>, TriangulateError> {
         let [west, south, east, north] = self.bounds;
         let mut chosen = Vec::new();
@@ -519,18 +519,6 @@ impl Group {
             arcs_followed: self.arcs_followed,
         })
     }
-}
-
-/// `[west, south, east, north]`.
-fn bounds(edges: &[OutlineEdge]) -> [f64; 4] {
-    let mut bounds = [180.0_f64, 90.0_f64, -180.0_f64, -90.0_f64];
-    for [longitude, latitude] in edges.iter().flat_map(|edge| [edge.start, edge.end]) {
-        bounds[0] = bounds[0].min(longitude);
-        bounds[1] = bounds[1].min(latitude);
-        bounds[2] = bounds[2].max(longitude);
-        bounds[3] = bounds[3].max(latitude);
-    }
-    bounds
 }
 
 /// Of the origin.

@@ -241,7 +241,13 @@ fn refusals(case: &Case, stage: Stage) -> Vec<(String, Place, Option<[f64; 2]>)>
             .iter()
             .filter_map(|region| build(case, region).err())
             .map(|error| {
-                let edge = error.place();
+                let edge = match &error {
+                    MeshError::SelfCrossing { first, .. } | MeshError::Overlap { first, .. } => {
+                        Some(*first)
+                    }
+                    MeshError::OppositeEnds { place, .. } => Some(*place),
+                    _ => None,
+                };
                 let place = Place {
                     feature: error.feature(),
                     polygon: edge.map(|place| place.polygon),

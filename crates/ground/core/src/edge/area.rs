@@ -216,20 +216,37 @@ fn gauss(rule: &[(f64, f64)], f: impl Fn(f64) -> f64) -> f64 {
         .sum()
 }
 
-/// What lies under the two sides of a sliver is a million times the sliver, and a plain sum rounds
-/// at the size of the former (Neumaier 1974).
-pub(crate) fn compensated_sum(terms: impl Iterator<Item = f64>) -> f64 {
-    let (mut sum, mut lost) = (0.0_f64, 0.0_f64);
-    for term in terms {
-        let next = sum + term;
-        lost += if sum.abs() >= term.abs() {
-            (sum - next) + term
+/// A sum that keeps what each addition rounds away (Neumaier 1974). Its error does not grow with the number of
+/// terms, of which a region may have millions, and what lies under the two sides of a sliver is a million times the
+/// sliver.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Sum {
+    rounded: f64,
+    lost: f64,
+}
+
+impl std::ops::AddAssign<f64> for Sum {
+    fn add_assign(&mut self, term: f64) {
+        let next = self.rounded + term;
+        self.lost += if self.rounded.abs() >= term.abs() {
+            (self.rounded - next) + term
         } else {
-            (term - next) + sum
+            (term - next) + self.rounded
         };
-        sum = next;
+        self.rounded = next;
     }
-    sum + lost
+}
+
+impl Sum {
+    pub(crate) fn value(self) -> f64 {
+        self.rounded + self.lost
+    }
+}
+
+pub(crate) fn compensated_sum(terms: impl Iterator<Item = f64>) -> f64 {
+    let mut sum = Sum::default();
+    terms.for_each(|term| sum += term);
+    sum.value()
 }
 
 #[cfg(test)]

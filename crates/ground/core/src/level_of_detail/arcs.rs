@@ -10,6 +10,7 @@
 
 use crate::edge::{Degrees, normal};
 use crate::mesh::index_u32;
+use crate::pieces::ANTIMERIDIAN_SNAP_DEG;
 use crate::{EdgeRule, Ellipsoid, Region, Ring};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -20,8 +21,6 @@ use std::collections::{HashMap, HashSet};
 const WIDE_EDGE_DEG: f64 = 90.0;
 /// Great ellipses between normals whose cosine is less keep both ends: 60°.
 const WIDE_ARC_COSINE: f64 = 0.5;
-/// Longitudes closer to ±180 than this are that meridian, degrees: as for the outlines of meshes.
-const ANTIMERIDIAN_SNAP_DEG: f64 = 1e-11;
 /// A ring of fewer tolerances in size than this stays as it is, or is left out whole
 /// ([`super::small_rings`]). A lake or island of less than a pixel that moved could appear where there was nothing
 /// to be seen. No boundary would be near that a comparison could put it down to. A level is drawn where its
@@ -369,10 +368,7 @@ fn entries_of(
 
 /// Metres per degree of longitude (along the parallel) and of latitude (along the meridian).
 pub(super) fn metres_per_deg(body: &Ellipsoid, latitude_deg: f64) -> [f64; 2] {
-    let (sin, cos) = latitude_deg.to_radians().sin_cos();
-    let (a, e2) = (body.equatorial_radius_m(), body.eccentricity_squared());
-    let w2 = 1.0 - e2 * sin * sin;
-    let prime_vertical = a / w2.sqrt();
-    let meridian = prime_vertical * (1.0 - e2) / w2;
-    [prime_vertical * cos, meridian].map(f64::to_radians)
+    let latitude_rad = latitude_deg.to_radians();
+    let [prime_vertical, meridian] = body.curvature_radii_m(latitude_rad);
+    [prime_vertical * latitude_rad.cos(), meridian].map(f64::to_radians)
 }

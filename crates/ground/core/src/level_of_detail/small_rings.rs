@@ -43,9 +43,10 @@ pub(super) fn sizes_m(arcs: &Arcs, body: &Ellipsoid) -> Vec<f64> {
     }
     let size_m = |ring: &RingVertices| {
         let is_alone = |vertex: &u32| uses[*vertex as usize] == 1;
-        match ring.vertices.iter().all(is_alone) {
-            true => arcs.size_m(body, ring),
-            false => f64::INFINITY,
+        if ring.vertices.iter().all(is_alone) {
+            arcs.size_m(body, ring)
+        } else {
+            f64::INFINITY
         }
     };
     arcs.rings.iter().map(size_m).collect()
