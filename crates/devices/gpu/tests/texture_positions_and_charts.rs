@@ -275,7 +275,7 @@ fn a_wrong_text_is_noticed_on_the_device() {
     };
     let extent = MapExtent::from_degrees(179.0, 44.0, 181.0, 46.0);
     let region = MapRegion::new(Ellipsoid::WGS84, extent, (0.0, 0.0)).expect("a region");
-    let route = CoordinateRoute::Chart(Chart::parse("gnomonic-4").expect("a chart"));
+    let route = CoordinateRoute::parse("gnomonic-4").expect("a chart");
     let samples: Vec<Sample> = region.samples(200).collect();
     let inputs: Vec<[f32; 3]> = samples.iter().map(|s| s.offset_m).collect();
     let constants = route.constants(&region);

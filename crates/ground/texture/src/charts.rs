@@ -31,12 +31,6 @@ impl ChartDegree {
     /// Every degree, ascending.
     pub const ALL: [Self; 5] = [Self(1), Self(2), Self(3), Self(4), Self(5)];
 
-    /// `None` beyond 1 to 5.
-    #[must_use]
-    pub fn new(degree: u8) -> Option<Self> {
-        Self::ALL.into_iter().find(|d| d.0 == degree)
-    }
-
     /// 1 to 5.
     #[must_use]
     pub fn get(self) -> u8 {
@@ -92,12 +86,6 @@ impl CubeSize {
         Self(4096),
     ];
 
-    /// `None` for a size that is not offered.
-    #[must_use]
-    pub fn new(size: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|s| s.0 == size)
-    }
-
     /// Texels.
     #[must_use]
     pub fn get(self) -> u32 {
@@ -147,12 +135,6 @@ impl Chart {
             Self::Azimuthal(degree) => format!("azimuthal-{}", degree.get()),
             Self::Cube(size) => format!("cube-{}", size.get()),
         }
-    }
-
-    /// The chart called `name`.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::all().find(|chart| chart.name() == name)
     }
 
     /// The steps from offset to angles.
@@ -298,7 +280,9 @@ fn barycentric_steps(b: &mut ProgramBuilder, d: [Value; 3]) -> [Value; 2] {
 /// rectangle without area, as a whole parallel's in projection, has weights of 0.
 fn barycentric_constants(region: &MapRegion) -> Vec<f64> {
     let [_, north, up] = local_axes(region.anchor_latitude_rad());
-    let to_centre = prime_vertical_radius_m(region, region.anchor_latitude_rad());
+    let to_centre = region
+        .body()
+        .curvature_radii_m(region.anchor_latitude_rad())[0];
     let extent = region.extent();
     let corner = |longitude_rad: f64, latitude_rad: f64| {
         let offset = region.offset_m(Geodetic {
@@ -403,7 +387,9 @@ fn gnomonic_steps(b: &mut ProgramBuilder, d: [Value; 3], degree: ChartDegree) ->
 /// Frame and coefficients of a gnomonic chart, in the order that [`gnomonic_steps`] reads.
 fn gnomonic_constants(region: &MapRegion, degree: ChartDegree) -> Vec<f64> {
     let [_, north, up] = local_axes(region.anchor_latitude_rad());
-    let to_centre = prime_vertical_radius_m(region, region.anchor_latitude_rad());
+    let to_centre = region
+        .body()
+        .curvature_radii_m(region.anchor_latitude_rad())[0];
     let nodes = fit_nodes(region);
     // u and v are scaled to ±1 over the nodes, so that coefficients are angles.
     let project = |offset: DVec3| {
@@ -476,7 +462,7 @@ fn azimuthal_constants(region: &MapRegion, terms: ChartDegree) -> Vec<f64> {
     };
     // Where the normals of the pole's neighbourhood meet the axis.
     let below_equator =
-        region.body().eccentricity_squared() * prime_vertical_radius_m(region, FRAC_PI_2);
+        region.body().eccentricity_squared() * region.body().curvature_radii_m(FRAC_PI_2)[0];
     let height = sign * anchor.z + below_equator;
     let (low, high) = region.height_range_m();
     let mut samples = Vec::new();
@@ -534,13 +520,6 @@ fn power(k: usize) -> i32 {
     i32::try_from(k).unwrap_or(i32::MAX)
 }
 
-/// Radius of curvature across the meridian: the distance along the normal to the polar axis, metres.
-fn prime_vertical_radius_m(region: &MapRegion, latitude_rad: f64) -> f64 {
-    let body = region.body();
-    let sin = latitude_rad.sin();
-    body.equatorial_radius_m() / (1.0 - body.eccentricity_squared() * sin * sin).sqrt()
-}
-
 /// Offsets and angles at Chebyshev nodes over extent and heights.
 fn fit_nodes(region: &MapRegion) -> Vec<(DVec3, [f64; 2])> {
     let extent = region.extent();
@@ -569,8 +548,13 @@ fn fit_nodes(region: &MapRegion) -> Vec<(DVec3, [f64; 2])> {
 mod tests {
     use super::*;
     use crate::residual::{Residual, residual_of};
-    use crate::{MapExtent, MapRegionError};
+    use crate::{CoordinateRoute, MapExtent, MapRegionError};
     use terrafill_core::Ellipsoid;
+
+    fn chart(name: &str) -> Chart {
+        let found = Chart::all().find(|chart| chart.name() == name);
+        found.expect("a chart")
+    }
 
     /// A square of `size_deg` round a latitude, from the ocean's floor to the highest mountain.
     fn square(latitude_deg: f64, size_deg: f64) -> Result<MapRegion, MapRegionError> {
@@ -612,7 +596,7 @@ mod tests {
         for (latitude, size, published) in PUBLISHED_M {
             let region = square(latitude, size).expect("a region");
             for (name, want) in names.iter().zip(published) {
-                let found = residual(Chart::parse(name).expect("a chart"), &region);
+                let found = residual(chart(name), &region);
                 let ratio = found.approximation_max_rad * 6_378_137.0 / want;
                 // Close to the pole the fit for the smallest maximum is five times as good as least
                 // squares where five powers are available.
@@ -630,7 +614,7 @@ mod tests {
     fn the_bodys_centre_would_leave_the_foot_of_the_normal() {
         // A gnomonic chart that projects from the centre: e² taken away from its frame.
         let region = square(45.0, 0.01).expect("a region");
-        let chart = Chart::parse("gnomonic-3").expect("a chart");
+        let chart = chart("gnomonic-3");
         let program = chart.program();
         let right = chart.constants(&region);
         let mut mutant = right.clone();
@@ -705,13 +689,13 @@ mod tests {
             let extent = MapExtent::from_degrees(-180.0, south, 180.0, north);
             let region = MapRegion::with_anchor(Ellipsoid::WGS84, 0.0, pole, extent, (-11e3, 9e3))
                 .expect("a region");
-            let azimuthal = residual(Chart::parse("azimuthal-4").expect("a chart"), &region);
+            let azimuthal = residual(chart("azimuthal-4"), &region);
             assert_eq!(azimuthal.non_finite, 0);
             // Longitude has the floor of an f32 angle of π, latitude that of the cap.
             assert!(azimuthal.max_axis_rad[0] < 2e-6, "{azimuthal:?}");
             assert!(azimuthal.max_axis_rad[1] < 1e-6, "{azimuthal:?}");
             assert!(azimuthal.max_m < 5.0, "{azimuthal:?}");
-            let gnomonic = residual(Chart::parse("gnomonic-5").expect("a chart"), &region);
+            let gnomonic = residual(chart("gnomonic-5"), &region);
             assert!(gnomonic.max_rad > 1.0);
         }
     }
@@ -722,7 +706,7 @@ mod tests {
         let region = MapRegion::with_anchor(Ellipsoid::WGS84, 0.0, FRAC_PI_2, cap, (0.0, 0.0));
         let region = region.expect("a region");
         let beside = MapRegion::new(Ellipsoid::WGS84, cap, (0.0, 0.0)).expect("a region");
-        let chart = Chart::parse("azimuthal-4").expect("a chart");
+        let chart = chart("azimuthal-4");
         let error = |region: &MapRegion, metres: f64| {
             let constants = chart.constants(region);
             let program = chart.program();
@@ -757,7 +741,7 @@ mod tests {
 
     /// Largest error of a cube texture with exact weights over an extent, metres on the ground.
     fn cube_error_m(size: u32, [west, south, east, north]: [f64; 4]) -> f64 {
-        let chart = Chart::Cube(CubeSize::new(size).expect("a size"));
+        let chart = chart(&format!("cube-{size}"));
         let extent = MapExtent::from_degrees(west, south, east, north);
         let latitude = (0.5 * (south + north)).to_radians();
         let region = MapRegion::with_anchor(Ellipsoid::WGS84, 0.0, latitude, extent, (0.0, 0.0))
@@ -799,10 +783,11 @@ mod tests {
     #[test]
     fn names_return_and_others_do_not() {
         for chart in Chart::all() {
-            assert_eq!(Chart::parse(&chart.name()), Some(chart));
+            let route = CoordinateRoute::Chart(chart);
+            assert_eq!(CoordinateRoute::parse(&chart.name()), Some(route));
         }
         for name in ["gnomonic-0", "gnomonic-6", "cube-1000", "plane", ""] {
-            assert_eq!(Chart::parse(name), None, "{name}");
+            assert_eq!(CoordinateRoute::parse(name), None, "{name}");
         }
     }
 }

@@ -29,54 +29,23 @@ pub const MAX_TOLERANCE: f64 = 0.5;
 /// tolerance to be left out. That of few samples may lie on either side of that of all.
 const LOOKS: [(usize, f64); 3] = [(60, 4.0), (400, 1.5), (usize::MAX, 1.0)];
 
-/// What operations cost in units of one fused multiply-add.
-///
-/// Orders, not measurements of one device: reciprocal and square root run at a quarter of the rate
-/// on all current GPUs, and a division is a reciprocal and a product. The native arctangent is a
-/// polynomial of degree 11 with octants and special cases (Mesa, `nir_builtin_builder.c`), two
-/// dozen operations and a division. A texture fetch has a latency of hundreds of cycles, and was
-/// 1.6 to 4.4 times as slow as the native arctangent where it was measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CostTable {
-    /// Sum, product or fused both.
-    pub add_mul_fma: f64,
-    /// Division.
-    pub division: f64,
-    /// Comparison, select, minimum or maximum.
-    pub compare_select: f64,
-    /// Square root.
-    pub sqrt: f64,
-    /// The device's own arctangent.
-    pub transcendental: f64,
-    /// Texture fetch.
-    pub texture_fetch: f64,
-}
-
-impl Default for CostTable {
-    fn default() -> Self {
-        Self {
-            add_mul_fma: 1.0,
-            division: 5.0,
-            compare_select: 1.0,
-            sqrt: 4.0,
-            transcendental: 30.0,
-            texture_fetch: 100.0,
-        }
-    }
-}
-
-impl CostTable {
-    /// Cost of one evaluation, in fused multiply-adds. Changes of sign are free: they modify an
-    /// operand.
+impl Operations {
+    /// What one evaluation costs, in fused multiply-adds. Changes of sign are free: they modify an operand.
+    ///
+    /// Orders, not measurements of one device: reciprocal and square root run at a quarter of the rate
+    /// on all current GPUs, and a division is a reciprocal and a product. The native arctangent is a
+    /// polynomial of degree 11 with octants and special cases (Mesa, `nir_builtin_builder.c`), two
+    /// dozen operations and a division. A texture fetch has a latency of hundreds of cycles, and was
+    /// 1.6 to 4.4 times as slow as the native arctangent where it was measured.
     #[must_use]
-    pub fn cost(&self, operations: &Operations) -> f64 {
+    pub fn cost(&self) -> f64 {
         [
-            (operations.add_mul_fma, self.add_mul_fma),
-            (operations.divisions, self.division),
-            (operations.compares_selects, self.compare_select),
-            (operations.sqrt, self.sqrt),
-            (operations.transcendental, self.transcendental),
-            (operations.texture_fetches, self.texture_fetch),
+            (self.add_mul_fma, 1.0),
+            (self.divisions, 5.0),
+            (self.compares_selects, 1.0),
+            (self.sqrt, 4.0),
+            (self.transcendental, 30.0),
+            (self.texture_fetches, 100.0),
         ]
         .into_iter()
         .map(|(count, cost)| f64::from(count) * cost)
@@ -220,16 +189,12 @@ impl Chooser {
     ///
     /// - `findings`: what the suite found; a route without a finding is trusted to its bound
     #[must_use]
-    pub fn new(
-        candidates: &[CoordinateRoute],
-        costs: &CostTable,
-        findings: Vec<SuiteFinding>,
-    ) -> Self {
+    pub fn new(candidates: &[CoordinateRoute], findings: Vec<SuiteFinding>) -> Self {
         let mut candidates: Vec<_> = candidates
             .iter()
             .map(|route| {
                 let program = route.program();
-                (costs.cost(&program.operations()), *route, program)
+                (program.operations().cost(), *route, program)
             })
             .collect();
         candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -270,11 +235,7 @@ impl Chooser {
     /// What a frame plan asks: the default candidates, less what the suite has against them.
     #[must_use]
     pub fn of_plan() -> Self {
-        Self::new(
-            &Self::default_candidates(),
-            &CostTable::default(),
-            SuiteFinding::checked_in(),
-        )
+        Self::new(&Self::default_candidates(), SuiteFinding::checked_in())
     }
 
     /// Takes the cheapest candidate within the tolerances.

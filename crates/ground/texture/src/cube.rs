@@ -57,12 +57,6 @@ impl CubeTexture {
         self.size
     }
 
-    /// Bytes of the texture without mipmaps: two `f32` a texel.
-    #[must_use]
-    pub fn bytes(&self) -> u64 {
-        6 * u64::from(self.size).pow(2) * 8
-    }
-
     /// One face row by row, two `f32` a texel, as it is uploaded: +x, −x, +y, −y, +z, −z.
     #[must_use]
     pub fn face(&self, face: usize) -> Vec<[f32; 2]> {

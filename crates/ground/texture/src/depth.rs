@@ -43,12 +43,6 @@ impl DepthMapping {
             Self::Logarithmic => "logarithmic",
         }
     }
-
-    /// The mapping called `name`.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|mapping| mapping.name() == name)
-    }
 }
 
 impl DepthStorage {
@@ -62,12 +56,6 @@ impl DepthStorage {
             Self::Unorm24 => "unorm24",
             Self::Float32 => "float32",
         }
-    }
-
-    /// The storage called `name`.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|storage| storage.name() == name)
     }
 }
 

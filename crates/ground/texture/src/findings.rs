@@ -82,28 +82,6 @@ pub struct SuiteFinding {
     pub non_finite: u64,
 }
 
-/// Why a table of findings is none.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum FindingsError {
-    /// Another first line.
-    #[error("first line is “{found}”, must be “{HEADINGS}”")]
-    Headings {
-        /// The text found.
-        found: String,
-    },
-    /// A line that says nothing.
-    #[error("line {line}: {what} is “{found}”")]
-    Cell {
-        /// Counts from 1.
-        line: usize,
-        /// Which column.
-        what: &'static str,
-        /// The text found.
-        found: String,
-    },
-}
-
 impl SuiteFinding {
     /// Whether it speaks against the route: a ratio that is NaN does too.
     #[must_use]
@@ -133,32 +111,26 @@ impl SuiteFinding {
     /// Reads a table.
     ///
     /// # Errors
-    /// [`FindingsError`] for another table, and for a route that there is not: a finding that nothing is
+    /// What is wrong and where, for another table, and for a route that there is not: a finding that nothing is
     /// held against would be none.
-    pub fn parse(table: &str) -> Result<Vec<Self>, FindingsError> {
+    pub fn parse(table: &str) -> Result<Vec<Self>, String> {
         let mut lines = table.lines();
         let first = lines.next().unwrap_or_default();
         if first != HEADINGS {
-            let found = first.to_owned();
-            return Err(FindingsError::Headings { found });
+            return Err(format!("first line is “{first}”, must be “{HEADINGS}”"));
         }
-        let numbered = lines.enumerate();
-        numbered
-            .map(|(i, line)| Self::parse_line(i + 2, line))
-            .collect()
+        let row = |(line, text)| {
+            Self::parse_line(text).map_err(|problem| format!("line {line}: {problem}"))
+        };
+        (2..).zip(lines).map(row).collect()
     }
 
-    fn parse_line(line: usize, text: &str) -> Result<Self, FindingsError> {
+    fn parse_line(text: &str) -> Result<Self, String> {
         let mut cells = text.split(',');
         let mut next = || cells.next().unwrap_or_default();
-        let wrong = |what, found: &str| FindingsError::Cell {
-            line,
-            what,
-            found: found.to_owned(),
-        };
-        let number = |what, found: &str| -> Result<f64, FindingsError> {
-            found.parse().map_err(|_| wrong(what, found))
-        };
+        let wrong = |what: &str, found: &str| format!("{what} is “{found}”");
+        let number =
+            |what, found: &str| found.parse::<f64>().ok().ok_or_else(|| wrong(what, found));
         let name = next();
         let route = CoordinateRoute::parse(name).ok_or_else(|| wrong("route", name))?;
         let cell = SuiteCell {
@@ -175,7 +147,7 @@ impl SuiteFinding {
         }
         let worst_over_bound = number("ratio", next())?;
         let count = next();
-        let non_finite = count.parse().map_err(|_| wrong("count", count))?;
+        let non_finite = count.parse().ok().ok_or_else(|| wrong("count", count))?;
         Ok(Self {
             route,
             cell,
@@ -228,7 +200,7 @@ mod tests {
         ] {
             let broken = table.replace(right, wrong);
             assert_ne!(broken, table, "{right}");
-            let error = SuiteFinding::parse(&broken).expect_err(what).to_string();
+            let error = SuiteFinding::parse(&broken).expect_err(what);
             assert!(error.contains(what), "{error}");
         }
     }

@@ -33,14 +33,10 @@ mod seen;
 
 pub use angle_core::{AngleCore, Weight};
 pub use charts::{Chart, ChartDegree, CubeSize};
-pub use choose::{
-    Choice, Chooser, Considered, CostTable, Demand, MAX_TOLERANCE, RMS_TOLERANCE, Reason,
-};
+pub use choose::{Choice, Chooser, Considered, Demand, MAX_TOLERANCE, RMS_TOLERANCE, Reason};
 pub use cube::CubeTexture;
 pub use depth::{DepthFormat, DepthFormatError, DepthMapping, DepthStorage};
-pub use findings::{
-    FindingsError, SUITE_EXTENTS_DEG, SUITE_LATITUDES_DEG, SuiteCell, SuiteFinding,
-};
+pub use findings::{SUITE_EXTENTS_DEG, SUITE_LATITUDES_DEG, SuiteCell, SuiteFinding};
 pub use geodetic::ExactGeodetic;
 pub use latitude::LatitudeForm;
 pub use lookup::{Filter, LookupTable, Sampler, TexelFormat};

@@ -134,39 +134,17 @@ pub struct Program {
 
 impl Step {
     /// The values it takes.
-    fn operands(&self) -> impl Iterator<Item = Value> {
-        let list = match *self {
-            Self::Offset(_) | Self::Constant(_) | Self::Literal(_) => [None, None, None],
-            Self::Negate(a)
-            | Self::Absolute(a)
-            | Self::Floor(a)
-            | Self::SquareRoot(a)
-            | Self::InverseSquareRoot(a)
-            | Self::Arctangent(a)
-            | Self::PowerOfTwo(a)
-            | Self::LoadTexel(a)
-            | Self::SampleTable(a) => [Some(a), None, None],
-            Self::CubeTexel { direction, .. } => direction.map(Some),
-            Self::Add(a, b)
-            | Self::Subtract(a, b)
-            | Self::Multiply(a, b)
-            | Self::Divide(a, b)
-            | Self::Minimum(a, b)
-            | Self::Maximum(a, b)
-            | Self::Less(a, b)
-            | Self::Arctangent2 { y: a, x: b } => [Some(a), Some(b), None],
-            Self::Fma(a, b, c)
-            | Self::Select {
-                condition: a,
-                if_true: b,
-                if_false: c,
-            } => [Some(a), Some(b), Some(c)],
-        };
-        list.into_iter().flatten()
+    fn operands(&self) -> Vec<Value> {
+        let mut operands = Vec::new();
+        self.with_operands(|value| {
+            operands.push(value);
+            value
+        });
+        operands
     }
 
     /// The same step with other operands.
-    fn with_operands(&self, new: impl Fn(Value) -> Value) -> Self {
+    fn with_operands(&self, mut new: impl FnMut(Value) -> Value) -> Self {
         match *self {
             Self::Offset(_) | Self::Constant(_) | Self::Literal(_) => *self,
             Self::Negate(a) => Self::Negate(new(a)),

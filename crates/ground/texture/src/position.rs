@@ -101,8 +101,6 @@ pub struct PositionResidual {
     pub rms_m: f64,
     /// Largest error of the emulation, metres.
     pub measured_max_m: f64,
-    /// Root mean square error of the emulation, metres.
-    pub measured_rms_m: f64,
     /// Samples with a result that is not finite.
     pub non_finite: usize,
 }
@@ -159,7 +157,7 @@ impl PositionRoute {
         let mut constants = vec![screen, view.depth.constants()];
         let (columns, w, absolute) = match self {
             Self::InverseEcef => {
-                let (columns, w) = self.inverse_columns(view, region, axes);
+                let (columns, w) = Self::inverse_columns(view, region, axes);
                 (columns, Some(w), true)
             }
             Self::EyeEcef => {
@@ -185,12 +183,7 @@ impl PositionRoute {
     ///
     /// With `w = (α depth + β) / near`, position · w is eye · w plus the ray through the pixel.
     /// Logarithmic depth is no projection; it is made reversed depth without a far plane first.
-    fn inverse_columns(
-        &self,
-        view: &View,
-        region: &MapRegion,
-        axes: DMat3,
-    ) -> ([DVec3; 4], [f64; 4]) {
+    fn inverse_columns(view: &View, region: &MapRegion, axes: DMat3) -> ([DVec3; 4], [f64; 4]) {
         let near = view.depth.near_m();
         let ratio = view.depth.near_over_far();
         let (alpha, beta) = match view.depth.mapping() {
@@ -293,7 +286,6 @@ impl PositionRoute {
             max_m: 0.0,
             rms_m: 0.0,
             measured_max_m: 0.0,
-            measured_rms_m: 0.0,
             non_finite: 0,
         };
         let mut count = 0.0;
@@ -347,15 +339,12 @@ impl PositionRoute {
             residual.max_m = residual.max_m.max(bound.length());
             residual.rms_m += square;
             residual.measured_max_m = residual.measured_max_m.max(error);
-            residual.measured_rms_m += error * error;
         }
-        for rms in [&mut residual.rms_m, &mut residual.measured_rms_m] {
-            *rms = if residual.non_finite > 0 {
-                f64::INFINITY
-            } else {
-                (*rms / count).sqrt()
-            };
-        }
+        residual.rms_m = if residual.non_finite > 0 {
+            f64::INFINITY
+        } else {
+            (residual.rms_m / count).sqrt()
+        };
         residual
     }
 }
@@ -438,12 +427,6 @@ impl VertexFormat {
         }
     }
 
-    /// The format called `name`.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|format| format.name() == name)
-    }
-
     /// Bytes per vertex.
     #[must_use]
     pub fn bytes(&self) -> usize {
@@ -517,7 +500,7 @@ impl VertexFormat {
     #[must_use]
     pub fn residual_m(&self, radius_m: f64, extent_m: f64, distance_m: f64) -> f64 {
         let roundings = self.roundings(radius_m, extent_m, distance_m);
-        roundings.map(|(times, half)| times * half).sum()
+        roundings.iter().map(|(times, half)| times * half).sum()
     }
 
     /// Root mean square of the same, were all roundings even and independent, metres.
@@ -527,58 +510,48 @@ impl VertexFormat {
     #[must_use]
     pub fn residual_rms_m(&self, radius_m: f64, extent_m: f64, distance_m: f64) -> f64 {
         let roundings = self.roundings(radius_m, extent_m, distance_m);
-        let variance = roundings.map(|(times, half)| 0.75 * times * half * half / 3.0);
+        let variance = roundings
+            .iter()
+            .map(|(times, half)| 0.75 * times * half * half / 3.0);
         variance.sum::<f64>().sqrt()
     }
 
     /// What is rounded, how often, and by how much at most.
-    fn roundings(
-        self,
-        radius_m: f64,
-        extent_m: f64,
-        distance_m: f64,
-    ) -> impl Iterator<Item = (f64, f64)> {
+    fn roundings(self, radius_m: f64, extent_m: f64, distance_m: f64) -> Vec<(f64, f64)> {
         // Every difference is rounded once in the end.
         let difference = half_ulp(distance_m);
-        let of = match self {
-            Self::EcefF32 | Self::TwoFloatReassociated => [
-                (2.0, half_ulp(radius_m)),
-                (1.0, difference),
-                (0.0, 0.0),
-                (0.0, 0.0),
-            ],
+        match self {
+            Self::EcefF32 | Self::TwoFloatReassociated => {
+                vec![(2.0, half_ulp(radius_m)), (1.0, difference)]
+            }
             // Low parts reach 65536 m, and so does their difference, either way.
-            Self::SplitAt65536 => [
+            Self::SplitAt65536 => vec![
                 (2.0, half_ulp(65535.0)),
                 (1.0, half_ulp(2.0 * 65535.0)),
                 (1.0, difference),
-                (0.0, 0.0),
             ],
             // Half an ULP of the radius: the largest low part; twice that, their difference.
-            Self::TwoFloat => [
+            Self::TwoFloat => vec![
                 (2.0, half_ulp(half_ulp(radius_m))),
                 (1.0, half_ulp(2.0 * half_ulp(radius_m))),
                 (2.0, difference),
-                (0.0, 0.0),
             ],
-            Self::RegionLocalF32 => [
+            Self::RegionLocalF32 => vec![
                 (1.0, half_ulp(extent_m)),
                 (1.0, half_ulp(extent_m + distance_m)),
                 (1.0, difference),
-                (0.0, 0.0),
             ],
             // Storing; the remainder in f32; the integer difference to f32; the last sum.
             Self::RegionFixedPoint => {
                 let unit_m = fixed_point_unit_m(extent_m);
-                [
+                vec![
                     (1.0, 0.5 * unit_m),
                     (1.0, half_ulp(unit_m)),
                     (1.0, half_ulp(distance_m + unit_m)),
                     (1.0, difference),
                 ]
             }
-        };
-        of.into_iter()
+        }
     }
 }
 

@@ -359,10 +359,7 @@ impl MapRegion {
 
     /// Radius of the parallel and of the meridian's curvature on the surface, metres.
     fn metres_per_radian(&self, latitude_rad: f64) -> [f64; 2] {
-        let e2 = self.body.eccentricity_squared();
-        let (sin, cos) = latitude_rad.sin_cos();
-        let w2 = 1.0 - e2 * sin * sin;
-        let prime_vertical = self.body.equatorial_radius_m() / w2.sqrt();
-        [prime_vertical * cos, prime_vertical * (1.0 - e2) / w2]
+        let [prime_vertical, meridian] = self.body.curvature_radii_m(latitude_rad);
+        [prime_vertical * latitude_rad.cos(), meridian]
     }
 }

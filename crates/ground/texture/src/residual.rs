@@ -44,8 +44,6 @@ pub struct Residual {
     pub rms_axis_rad: [f64; 2],
     /// The part of `max_rad` that exact arithmetic would leave, radians.
     pub approximation_max_rad: f64,
-    /// The largest bound of what `f32` adds, radians.
-    pub arithmetic_max_rad: f64,
     /// Samples at which the route has no finite answer or no finite bound.
     pub non_finite: u32,
     /// Samples in all.
@@ -90,7 +88,6 @@ impl ResidualSum {
             let deviations = EXPECTED_DEVIATIONS * found.variance.sqrt();
             let expected = difference + deviations.min(found.bound);
             r.expected_max_rad = r.expected_max_rad.max(expected);
-            r.arithmetic_max_rad = r.arithmetic_max_rad.max(found.bound);
             let square = difference * difference + found.variance;
             self.squares[axis] += square;
             self.squares_m += square * sample.metres_per_radian[axis].powi(2);

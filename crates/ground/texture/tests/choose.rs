@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_texture::{
-    Arithmetic, Chooser, CoordinateRoute, CostTable, Demand, MAX_TOLERANCE, MapExtent, MapRegion,
-    Operations, RMS_TOLERANCE, Reason, SAMPLING_SLACK, Step, SuiteCell, SuiteFinding,
+    Arithmetic, Chooser, CoordinateRoute, Demand, MAX_TOLERANCE, MapExtent, MapRegion, Operations,
+    RMS_TOLERANCE, Reason, SAMPLING_SLACK, Step, SuiteCell, SuiteFinding,
 };
 
 const EXTENTS_DEG: [f64; 9] = [1e-3, 1e-2, 0.1, 1.0, 5.0, 10.0, 40.0, 90.0, 360.0];
@@ -30,11 +30,7 @@ fn region(extent_deg: f64, latitude_deg: f64, heights_m: (f64, f64)) -> MapRegio
 }
 
 fn chooser() -> Chooser {
-    Chooser::new(
-        &Chooser::default_candidates(),
-        &CostTable::default(),
-        Vec::new(),
-    )
+    Chooser::new(&Chooser::default_candidates(), Vec::new())
 }
 
 /// A texture of 4096² and a view from so far that only the texture decides.
@@ -233,7 +229,6 @@ fn pixels_bind_where_texels_do_not() {
 fn what_the_suite_contradicts_is_not_taken() {
     let demand = textured(region(1.0, 45.0, (0.0, 1e4)));
     let candidates = Chooser::default_candidates();
-    let costs = CostTable::default();
     let first = chooser().choose(&demand).chosen.expect("a route");
     let with = |extent_deg, worst_over_bound, non_finite| {
         let finding = SuiteFinding {
@@ -245,7 +240,7 @@ fn what_the_suite_contradicts_is_not_taken() {
             worst_over_bound,
             non_finite,
         };
-        Chooser::new(&candidates, &costs, vec![finding]).choose(&demand)
+        Chooser::new(&candidates, vec![finding]).choose(&demand)
     };
     for (ratio, non_finite) in [(1.03, 0), (f64::NAN, 0), (f64::INFINITY, 0), (0.5, 1)] {
         let choice = with(1.0, ratio, non_finite);
@@ -269,11 +264,10 @@ fn what_the_suite_contradicts_is_not_taken() {
 
 #[test]
 fn texture_fetches_are_dearest_and_changes_of_sign_free() {
-    let costs = CostTable::default();
     let one = |change: fn(&mut Operations)| {
         let mut operations = Operations::default();
         change(&mut operations);
-        costs.cost(&operations)
+        operations.cost()
     };
     let fetch = one(|o| o.texture_fetches = 1);
     for other in [

@@ -6,8 +6,8 @@
 use glam::DVec3;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_texture::{
-    Arithmetic, Chooser, CoordinateRoute, CostTable, Demand, DepthFormat, MAX_TOLERANCE, MapExtent,
-    MapRegion, PositionRoute, RMS_TOLERANCE, View,
+    Arithmetic, Chooser, CoordinateRoute, Demand, DepthFormat, MAX_TOLERANCE, MapExtent, MapRegion,
+    PositionRoute, RMS_TOLERANCE, View,
 };
 
 const SIZE: [u32; 2] = [1920, 1080];
@@ -67,7 +67,7 @@ fn texel_errors(region: &MapRegion, distance_m: f64, position: PositionRoute) ->
         pixel_m: view.pixel_size_m(distance_m),
     };
     let candidates = Chooser::default_candidates();
-    let chooser = Chooser::new(&candidates, &CostTable::default(), Vec::new());
+    let chooser = Chooser::new(&candidates, Vec::new());
     let choice = chooser.choose(&demand);
     let chosen = choice.chosen.expect("a route");
     let texel = demand.texel_rad();

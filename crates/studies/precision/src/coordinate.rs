@@ -12,7 +12,7 @@ use std::f64::consts::FRAC_PI_2;
 use terrafill_results::Status;
 use terrafill_study::StudyError;
 use terrafill_texture::{
-    Arithmetic, CoordinateRoute, CostTable, Operations, Program, Residual, ResidualSum, Sample,
+    Arithmetic, CoordinateRoute, Operations, Program, Residual, ResidualSum, Sample,
 };
 
 /// Places at which residuals are computed: as many as `CoordinateRoute::residual` takes, found once for
@@ -102,7 +102,7 @@ pub(crate) fn put_operations(row: &mut PrecisionRow, operations: &Operations) {
     ] {
         row.put(metric, f64::from(count));
     }
-    row.put(OPERATIONS_COST, CostTable::default().cost(operations));
+    row.put(OPERATIONS_COST, operations.cost());
 }
 
 fn input(sample: &Sample) -> [f32; 4] {

@@ -154,7 +154,7 @@ mod tests {
     use crate::suite_findings;
     use terrafill_gpu::open_for_test;
     use terrafill_results::Status;
-    use terrafill_texture::{Chooser, CoordinateRoute, CostTable, SuiteFinding};
+    use terrafill_texture::{Chooser, CoordinateRoute, SuiteFinding};
 
     /// A few routes in two regions, seen from two distances.
     fn small() -> Suite {
@@ -388,7 +388,7 @@ mod tests {
         let demand = place.demand();
         let chosen = |findings: Vec<SuiteFinding>| {
             let candidates = Chooser::default_candidates();
-            let chooser = Chooser::new(&candidates, &CostTable::default(), findings);
+            let chooser = Chooser::new(&candidates, findings);
             chooser.choose(&demand).chosen.expect("a route").route
         };
         let first = chosen(Vec::new());
