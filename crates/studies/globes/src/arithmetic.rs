@@ -4,8 +4,12 @@
 mod controllers;
 mod grid;
 mod printed;
+mod probe;
+mod quadtree;
+mod radius;
 mod segments;
 mod spiral;
+mod zones;
 
 use terrafill_fixtures::page::{assert_page, markdown_table as table};
 use terrafill_plot::number::significant;
@@ -17,9 +21,12 @@ this page with what the code computes; with `TERRAFILL_WRITE_DOCS=1` it writes t
 ";
 
 fn numbers(values: impl IntoIterator<Item = f64>) -> Vec<String> {
-    let text = |value: f64| match value.fract() == 0.0 {
-        true => value.to_string(),
-        false => significant(value),
+    let text = |value: f64| {
+        if value.fract() == 0.0 {
+            value.to_string()
+        } else {
+            significant(value)
+        }
     };
     values.into_iter().map(text).collect()
 }

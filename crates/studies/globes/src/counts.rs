@@ -4,6 +4,7 @@
 
 pub(crate) mod course;
 pub(crate) mod device;
+pub(crate) mod quadtree;
 pub(crate) mod scene;
 mod section;
 
@@ -15,10 +16,10 @@ use crate::keys::{API, COUNTED_BY, DELAY, HYSTERESIS, PATH, SIZE_PX, TRANSFERS};
 use crate::list::{Eye, List};
 use course::Course;
 use device::{Counters, NODE_TEXELS, SIDE_PX, Way};
+use quadtree::{Node, Quadtree, Thresholds};
 use scene::{Drawn, Picture};
 use std::collections::BTreeMap;
 use terrafill_contract::CpuStopwatch;
-use terrafill_control::{Node, Quadtree, Thresholds};
 use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
 

@@ -4,6 +4,7 @@
 //! alone, so that they have fewer pixels the finer they are.
 
 mod field;
+pub(crate) mod rule;
 mod section;
 
 pub(crate) use section::SECTION;
@@ -16,8 +17,8 @@ use crate::keys;
 use crate::keys::{API, COUNTED_BY, HYSTERESIS, SIZE_PX, SPIKE_M};
 use crate::list::{Eye, ViewRow};
 use field::{COARSE_TRIANGLES, FINEST, Field, Levels, ZONES, node, number};
+use rule::ZoneRule;
 use std::collections::BTreeMap;
-use terrafill_control::ZoneRule;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What controllers of level of detail do that count pixels some frames late.
 
+use super::probe::OuterProbe;
+use super::quadtree::{QuadtreeView, settle};
+use super::radius::{constant_step, cycle, gain_without_overshoot, logarithmic, stable_gain};
+use super::zones::cycling_zones;
 use super::{numbers, table};
-use terrafill_control::{
-    OuterProbe, QuadtreeView, constant_step, cycle, cycling_zones, gain_without_overshoot,
-    logarithmic, settle, stable_gain,
-};
 
 /// Frames from drawing to using a count; 1 is the paper's, 2 or 3 are what mapping a buffer back takes.
 const DELAYS: [usize; 4] = [0, 1, 2, 3];
@@ -152,7 +152,7 @@ fn outer_radius() -> Vec<Vec<String>> {
 fn ends(hysteresis: f64) -> Vec<Option<usize>> {
     let views = (0..VIEWS).map(QuadtreeView::numbered);
     views
-        .map(|view| settle(&view, TEXELS, hysteresis, 64).frames)
+        .map(|view| settle(&view, TEXELS, hysteresis, 64))
         .collect()
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a loop of level of detail by counted pixels did, frame by frame.
 
+use super::quadtree::Node;
 use super::scene::{ByRays, Drawn};
 use crate::list::Eye;
 use std::collections::BTreeMap;
-use terrafill_control::Node;
 use terrafill_lab::Cases;
 use terrafill_plot::Courses;
 use terrafill_results::{Block, Case, ChapterError, Plot};

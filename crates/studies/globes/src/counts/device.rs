@@ -2,6 +2,7 @@
 //! Pixels of nodes, counted by devices: on Vulkan by precise occlusion queries, on wgpu by a target of node numbers
 //! and a histogram. WebGPU's queries say no more than zero or not.
 
+use super::quadtree::Node;
 use super::scene::Drawn;
 use crate::canvas::{Canvas, Stages, texture, vertices, view_constants, write_layers, written};
 use crate::list::Eye;
@@ -10,7 +11,6 @@ use std::collections::btree_map::Entry;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError, Devices, ViewConstants};
-use terrafill_control::Node;
 use terrafill_gpu::read_buffer;
 use terrafill_scene::ImageSize;
 use terrafill_study::Figures;

@@ -3,13 +3,13 @@
 //!
 //! A node draws its whole area as 10 × 10 sub-quads, as Gebbie and Bailey's decals do.
 
+use super::quadtree::Node;
 use crate::error::around;
 use crate::list::Eye;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
-use terrafill_control::Node;
 use terrafill_core::Geodetic;
 use terrafill_reference::SurfaceTriangles;
 use terrafill_surface::{HeightRange, SurfaceFrame};

@@ -4,11 +4,11 @@
 //!
 //! Zones share the vertices of their edges: those that the coarser of two zones does not have lie on its edges.
 
+use crate::counts::quadtree::Node;
 use crate::counts::scene::Drawn;
 use crate::list::Eye;
 use glam::DVec3;
 use std::sync::Arc;
-use terrafill_control::Node;
 use terrafill_core::{Ellipsoid, Geodetic};
 
 /// Zones along a side of the field.
