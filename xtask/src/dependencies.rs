@@ -22,7 +22,10 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("techniques", &["ground", "contract", "volumes", "devices"]),
     ("surfaces", &["ground", "contract", "devices"]),
     ("judges", &["ground", "contract"]),
-    ("studies", &["ground", "contract", "volumes", "devices", "judges"]),
+    (
+        "studies",
+        &["ground", "contract", "volumes", "devices", "judges"],
+    ),
     (
         "tools",
         &[
@@ -63,7 +66,10 @@ const LESS: &[(&str, &[&str])] = &[
     ("core", &[]),
     ("results", &[]),
     ("scene", &["core", "texture"]),
-    ("reference", &["core", "scene", "surface", "plan", "contract"]),
+    (
+        "reference",
+        &["core", "scene", "surface", "plan", "contract"],
+    ),
     ("report", &["results", "plot"]),
     ("data", &["scene"]),
     ("gate", &["results"]),

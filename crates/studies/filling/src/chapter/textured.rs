@@ -10,11 +10,11 @@ use super::data::{Data, Timed, grouped, layout_name, one_change, switches, title
 use super::table::{head, sentences};
 use crate::claims::PAPER;
 use crate::keys::*;
-use terrafill_fill::Switches;
 use terrafill_lab::{Cases, Column, Comparison, Figure, Follows, Names, Section, finding};
 use terrafill_results::{
     Block, Case, Claim, ConditionKey, Estimate, Finding, Outcome, Row, Table, ratio,
 };
+use terrafill_variant::Switches;
 
 /// Switches that a plain fill of the same layout has not.
 const TEXTURE_KEYS: [ConditionKey; 4] = [NORMALIZE, PICTURE, POSITION, TEXTURE];
