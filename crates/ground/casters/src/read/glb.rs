@@ -37,6 +37,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, Wrong> {
     let mut json = document.into_json();
     let mut contents = Contents::default();
     let is_quantized = extensions::check(&json, &mut contents.warnings)?;
+    check_attributes(&json)?;
     // `gltf` would refuse any that it does not read itself.
     json.extensions_required.clear();
     let document = Document::from_json(json).map_err(refused)?;
@@ -133,6 +134,22 @@ fn check_header(bytes: &[u8]) -> Result<(), Wrong> {
             bytes.len(),
             format!("{length}, as its header says"),
         ));
+    }
+    Ok(())
+}
+
+/// `gltf-json` 1.4.1 checks the bounds of positions before it knows that there is such an accessor, and panics.
+fn check_attributes(json: &gltf::json::Root) -> Result<(), Wrong> {
+    let count = json.accessors.len();
+    for (mesh, own) in json.meshes.iter().enumerate() {
+        for (at, primitive) in own.primitives.iter().enumerate() {
+            let mut indices = primitive.attributes.values().map(|index| index.value());
+            if let Some(found) = indices.find(|index| *index >= count) {
+                let element = format!("meshes[{mesh}].primitives[{at}].attributes");
+                let allowed = format!("below {count}, the accessors");
+                return Err(wrong(element, format!("accessor {found}"), allowed));
+            }
+        }
     }
     Ok(())
 }
@@ -413,6 +430,11 @@ mod tests {
     #[test]
     fn each_broken_element_is_named_with_what_is_allowed() {
         for (from, to, message) in [
+            (
+                r#""POSITION":0"#,
+                r#""POSITION":7"#,
+                "meshes[0].primitives[0].attributes: found accessor 7, allowed: below 2, the accessors",
+            ),
             (
                 r#""indices":1"#,
                 r#""indices":7"#,

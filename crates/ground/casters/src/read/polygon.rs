@@ -192,7 +192,7 @@ mod tests {
         let star = |corners: usize| {
             let corner = |at: usize| {
                 let turn = std::f64::consts::TAU * at as f64 / corners as f64;
-                let radius = if at % 2 == 0 { 10.0 } else { 3.0 };
+                let radius = if at.is_multiple_of(2) { 10.0 } else { 3.0 };
                 [radius * turn.cos(), radius * turn.sin()]
             };
             let flat: Vec<[f64; 2]> = (0..corners).map(corner).collect();
