@@ -129,6 +129,20 @@ pub enum MeshError {
 }
 
 impl MeshError {
+    /// The edge to blame, where there is one.
+    #[must_use]
+    pub fn place(&self) -> Option<EdgePlace> {
+        match self {
+            Self::SelfCrossing { first, .. } | Self::Overlap { first, .. } => Some(*first),
+            Self::OppositeEnds { place, .. } => Some(*place),
+            Self::MoreCrossings { .. }
+            | Self::NoArea { .. }
+            | Self::CapStep { .. }
+            | Self::Triangulation { .. }
+            | Self::Option { .. } => None,
+        }
+    }
+
     /// Index of the feature, where one is to blame.
     #[must_use]
     pub fn feature(&self) -> Option<usize> {
