@@ -44,7 +44,12 @@ struct Link<'a> {
 
 pub(crate) fn check(root: &Path) -> Result<String> {
     let pages = pages(root)?;
-    let arguments = std::fs::read_to_string(root.join(ARGUMENTS)).context(ARGUMENTS)?;
+    let mut arguments = std::fs::read_to_string(root.join(ARGUMENTS)).context(ARGUMENTS)?;
+    // Verbs with many options have files of their own beside it.
+    let parts = std::fs::read_dir(root.join(ARGUMENTS).with_extension(""));
+    for part in parts.into_iter().flatten().flatten() {
+        arguments += &std::fs::read_to_string(part.path()).context(ARGUMENTS)?;
+    }
     let (mut wrong, mut links, mut quotations, mut commands) = (Vec::new(), 0, 0, 0);
     for page in &pages {
         let found = links_of(&page.text);

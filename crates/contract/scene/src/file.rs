@@ -9,25 +9,19 @@ mod check;
 mod generators;
 mod picture;
 mod raw;
+mod sources;
 
-use crate::data::{Folders, Verified};
+use crate::data::Folders;
 use crate::error::syntax_error;
-use crate::scene::{Overlap, Scene, SurfaceChoice, SurfaceFile};
+use crate::scene::{Overlap, Scene, SurfaceChoice};
 use crate::shipped;
-use crate::{DataFile, DataNeed, RegionLoadError, SceneError};
+use crate::{DataFile, DataNeed, SceneError};
 use check::Check;
-use raw::{RawImage, RawScene};
+use raw::RawScene;
+use sources::load_surface_file;
 use std::path::Path;
 use std::sync::Arc;
-use terrafill_core::{EdgeRule, Inside, Reading, Region, Unwrap, parse_regions_as};
-
-/// Vertical field of view where a view names none, degrees.
-const DEFAULT_FOV_DEG: f64 = 60.0;
-/// Distance of the near plane where a view names none, share of the eye's height: far below
-/// anything a camera above the surface can see, and reversed depth keeps its precision.
-const DEFAULT_NEAR_SHARE: f64 = 1e-3;
-/// Largest edge of a cap triangle, degrees: beyond 30° a facet sags by hundreds of kilometres.
-const CAP_STEP_LIMIT_DEG: f64 = 30.0;
+use terrafill_core::{EdgeRule, Inside, Reading, Unwrap};
 
 impl Scene {
     /// Reads a scene file.
@@ -231,92 +225,5 @@ impl Overlap {
             Self::Disjoint => "disjoint",
             Self::Ordered => "ordered",
         }
-    }
-}
-
-/// A file that a surface is made from, checked.
-enum SurfaceSource {
-    Data(RawImage),
-    Shipped(SurfaceFile),
-}
-
-/// Where a scene's regions come from.
-enum RegionSource {
-    File {
-        need: DataNeed,
-        how: String,
-    },
-    Embedded {
-        name: String,
-        text: &'static str,
-    },
-    Inline(String),
-    /// GeoJSON that the program makes.
-    Generated(Box<dyn Fn() -> String>),
-}
-
-impl RegionSource {
-    fn regions(
-        self,
-        scene: &str,
-        folders: Folders<'_>,
-        reading: Reading,
-    ) -> Result<Vec<Region>, SceneError> {
-        let parse = |bytes: &[u8], file: &str| {
-            parse_regions_as(bytes, file, reading)
-                .map_err(|error| SceneError::Regions(RegionLoadError::Invalid(error)))
-        };
-        match self {
-            Self::Embedded { name, text } => {
-                parse(text.as_bytes(), &format!("bench-scenes/{name}"))
-            }
-            Self::Inline(text) => parse(text.as_bytes(), &format!("{scene} (inline)")),
-            Self::Generated(geojson) => {
-                parse(geojson().as_bytes(), &format!("{scene} (procedural)"))
-            }
-            Self::File { need, how } => {
-                let mut reasons = Vec::new();
-                for candidate in std::iter::once(&need.file).chain(&need.source) {
-                    match folders.read(&candidate.path, &candidate.sha256)? {
-                        Verified::Bytes(bytes) => return parse(&bytes, &candidate.path),
-                        Verified::Absent(why) => reasons.push(why),
-                    }
-                }
-                // That there is no folder is said once.
-                reasons.dedup();
-                Err(SceneError::DataMissing {
-                    scene: scene.to_owned(),
-                    file: need.file.path,
-                    sha256: need.file.sha256,
-                    why: reasons.join(", and "),
-                    how,
-                })
-            }
-        }
-    }
-}
-
-/// The bytes of a file that a surface is made from.
-fn load_surface_file(
-    source: SurfaceSource,
-    scene: &str,
-    folders: Folders<'_>,
-) -> Result<SurfaceFile, SceneError> {
-    let raw = match source {
-        SurfaceSource::Shipped(file) => return Ok(file),
-        SurfaceSource::Data(raw) => raw,
-    };
-    match folders.read(&raw.path, &raw.sha256)? {
-        Verified::Bytes(bytes) => Ok(SurfaceFile {
-            path: raw.path,
-            bytes: bytes.into(),
-        }),
-        Verified::Absent(why) => Err(SceneError::DataMissing {
-            scene: scene.to_owned(),
-            how: (raw.how).unwrap_or_else(|| format!("put {} into the data folder", raw.path)),
-            file: raw.path,
-            sha256: raw.sha256,
-            why,
-        }),
     }
 }

@@ -24,6 +24,7 @@
 mod arcs;
 mod deviation;
 mod grid;
+mod shared;
 mod small_rings;
 mod thinning;
 
@@ -38,6 +39,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use thinning::Thinning;
 
+pub use shared::SharedBoundaries;
 pub use small_rings::LeftOutRings;
 
 /// Why regions cannot be simplified.
@@ -96,20 +98,6 @@ pub struct ThinnedLevel {
     kept: Vec<bool>,
     /// Of each ring, whether it is too small.
     is_left_out: Vec<bool>,
-}
-
-/// The boundaries of a set of regions, each shared border once.
-#[derive(Debug)]
-pub struct SharedBoundaries {
-    regions: Arc<[Region]>,
-    rule: EdgeRule,
-    body: Ellipsoid,
-    judge: Judge,
-    arcs: Arcs,
-    /// Of each ring, which poles it holds.
-    holds_poles: Vec<[bool; 2]>,
-    /// Of each ring, its size where it may be left out.
-    ring_sizes_m: Vec<f64>,
 }
 
 impl SharedBoundaries {

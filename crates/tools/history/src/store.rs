@@ -9,9 +9,12 @@ mod reading;
 mod writing;
 
 use crate::device::CONTROL;
-use crate::record::{Machine, Record, clean, is_dirty};
+use crate::record::{Machine, Record, clean};
 use crate::series::{Point, Series};
 use crate::{HistoryError, Position, Primary};
+pub use reading::Entry;
+pub use writing::{Added, STORE_SCHEMA};
+
 use reading::{declared, entries, names, outcomes, ranks, record};
 use rusqlite::{Connection, OpenFlags, OptionalExtension as _};
 use serde::Serialize;
@@ -21,13 +24,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use terrafill_results::condition::TECHNIQUE;
 use terrafill_results::{MetricRow, Outcome, median};
-use writing::{add_one, begin, make_tables};
-
-/// Version of the store's tables.
-pub const STORE_SCHEMA: i64 = 1;
-
-/// `tfhi` in ASCII: what `file` and SQLite know the store by.
-const APPLICATION_ID: i64 = 0x7466_6869;
+use writing::{APPLICATION_ID, add_one, begin, make_tables};
 
 /// How long another process that is writing is waited for.
 const MAX_WAIT: Duration = Duration::from_secs(20);
@@ -37,54 +34,6 @@ const MAX_WAIT: Duration = Duration::from_secs(20);
 pub struct Store {
     connection: Connection,
     path: PathBuf,
-}
-
-/// What became of a run that was added.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Added {
-    /// It is stored.
-    New,
-    /// It is stored, and counts instead of an earlier state of the same run.
-    Continued,
-    /// It was there already: nothing was done.
-    Known,
-}
-
-/// A run of the store, without its figures.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Entry {
-    /// Number in the store.
-    pub id: i64,
-    /// Hash over everything in it.
-    pub digest: String,
-    /// Its commit.
-    pub commit: String,
-    /// See [`Position::ordinal`]; absent where no repository knew the commit.
-    pub ordinal: Option<i64>,
-    /// See [`Position::unix_s`].
-    pub committed_unix_s: Option<i64>,
-    /// Seconds since 1970 at its start.
-    pub started_unix_s: i64,
-    /// Number of its machine.
-    pub machine: i64,
-    /// Cases.
-    pub cases: i64,
-    /// Of these, without a result for want of time.
-    pub missing: i64,
-    /// Of these, wrong or broken off.
-    pub wrong: i64,
-    /// Whether a later state of the same run counts instead.
-    pub is_superseded: bool,
-    #[serde(skip)]
-    identity: String,
-}
-
-impl Entry {
-    /// Whether it takes part in trends: its commit tells what was measured.
-    #[must_use]
-    pub fn counts(&self) -> bool {
-        !self.is_superseded && !is_dirty(&self.commit)
-    }
 }
 
 /// Runs, machines and the order of commits.

@@ -4,13 +4,14 @@
 mod gate;
 mod history;
 mod own;
+mod values;
 
 pub(crate) use gate::{BlessArguments, GateArguments, SelfTestKind};
 pub(crate) use history::{
     BackfillArguments, BisectArguments, HistoryArguments, HistoryVerb, StoreArguments,
 };
-
 pub(crate) use own::{InitArguments, OwnArguments, SceneArguments, SceneVerb};
+pub(crate) use values::{Edges, ReadingArguments, Repair};
 
 use crate::registry;
 use clap::builder::PossibleValuesParser;
@@ -18,10 +19,11 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use gate::{BLESS_EXAMPLE, GATE_EXAMPLE};
 use history::HISTORY_EXAMPLE;
 use std::path::PathBuf;
-use terrafill_core::{EdgeRule, Ellipsoid, Inside, Reading, Unwrap};
+use terrafill_core::Ellipsoid;
 use terrafill_data::{Mirror, WrongMirror};
 use terrafill_filling::EXTREME;
 use terrafill_results::Shard;
+use values::{parse_body, parse_number, parse_processes, parse_samples, parse_shard, parse_size};
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done · 1 a picture is wrong · 2 bad input or usage · 3 inconclusive ·
@@ -372,79 +374,6 @@ fn picture_backends() -> PossibleValuesParser {
     PossibleValuesParser::new(registry::names().into_iter().chain(["reference"]))
 }
 
-/// Edge rule by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Edges {
-    // Straight in longitude and latitude (RFC 7946).
-    Planar,
-    // In the plane through the body's centre.
-    GreatEllipse,
-}
-
-impl From<Edges> for EdgeRule {
-    fn from(edges: Edges) -> Self {
-        match edges {
-            Edges::Planar => Self::Planar,
-            Edges::GreatEllipse => Self::GreatEllipse,
-        }
-    }
-}
-
-/// Which way edges over more than 180° of longitude go, by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum LongEdges {
-    Literal,
-    Shortest,
-}
-
-/// Which side of a ring round a pole is inside, by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PoleSide {
-    Smaller,
-    Left,
-}
-
-/// How a file is read where it can be read in several ways.
-#[derive(Debug, Clone, Copy, Args)]
-pub(crate) struct ReadingArguments {
-    #[arg(long, default_value = "literal", hide_possible_values = true, help = UNWRAP_HELP)]
-    pub(crate) unwrap: LongEdges,
-    #[arg(long, default_value = "smaller", hide_possible_values = true, help = INSIDE_HELP)]
-    pub(crate) inside: PoleSide,
-}
-
-impl From<ReadingArguments> for Reading {
-    fn from(arguments: ReadingArguments) -> Self {
-        Self {
-            unwrap: match arguments.unwrap {
-                LongEdges::Literal => Unwrap::Literal,
-                LongEdges::Shortest => Unwrap::Shortest,
-            },
-            inside: match arguments.inside {
-                PoleSide::Smaller => Inside::Smaller,
-                PoleSide::Left => Inside::Left,
-            },
-        }
-    }
-}
-
-const UNWRAP_HELP: &str = "\
-Edges over more than 180° of longitude: literal (as the
-numbers stand, RFC 7946) or shortest (the shorter way,
-over the antimeridian)";
-
-const INSIDE_HELP: &str = "\
-Inside of a ring round a pole: smaller (the side with less
-area; of halves the left) or left (RFC 7946 orientation; of
-a hole the right)";
-
-/// What to do about rings that cross themselves or one another.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Repair {
-    // Inside is what an odd number of edges separates from the outside.
-    EvenOdd,
-}
-
 const EDGES_HELP: &str = "\
 What an edge between two vertices is: planar (straight in
 longitude and latitude, RFC 7946) or great-ellipse (in the
@@ -574,30 +503,6 @@ pub(crate) struct ScenesArguments {
 
 // The error of each parser is what is allowed; the message around it is made in `usage`.
 
-/// `1024` or `1920x1080`.
-fn parse_size(text: &str) -> Result<(u32, u32), &'static str> {
-    let (width, height) = text.split_once('x').unwrap_or((text, text));
-    let parse = |side: &str| match side.parse::<u32>() {
-        Ok(pixels @ 1..=16_384) => Ok(pixels),
-        _ => Err("1 … 16384 pixels a side, such as 1024 or 1920x1080"),
-    };
-    Ok((parse(width)?, parse(height)?))
-}
-
-fn parse_samples(text: &str) -> Result<u32, &'static str> {
-    match text.parse() {
-        Ok(samples @ 1..=100_000) => Ok(samples),
-        _ => Err("1 … 100000"),
-    }
-}
-
-fn parse_processes(text: &str) -> Result<u32, &'static str> {
-    match text.parse() {
-        Ok(processes @ 1..=1_000) => Ok(processes),
-        _ => Err("1 … 1000"),
-    }
-}
-
 fn parse_sharing(text: &str) -> Result<Sharing, &'static str> {
     match (text, text.split_once(':')) {
         ("turns", _) => Ok(Sharing::Turns),
@@ -605,18 +510,6 @@ fn parse_sharing(text: &str) -> Result<Sharing, &'static str> {
         (_, Some(("duration", run))) if !run.is_empty() => Ok(Sharing::Duration(run.into())),
         _ => Err("turns, hash or duration:RUN, a run folder"),
     }
-}
-
-fn parse_shard(text: &str) -> Result<Shard, &'static str> {
-    text.parse().map_err(|_| "M/N with 1 ≤ M ≤ N")
-}
-
-fn parse_number(text: &str) -> Result<f64, &'static str> {
-    text.parse().map_err(|_| "a number")
-}
-
-fn parse_body(text: &str) -> Result<Ellipsoid, String> {
-    Ellipsoid::by_name(text).ok_or_else(|| Ellipsoid::ALL.map(|body| body.name()).join(", "))
 }
 
 #[cfg(test)]

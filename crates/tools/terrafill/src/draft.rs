@@ -261,7 +261,7 @@ pub(crate) fn scene_text(
     let subject = Subject::of(&meshes);
     let poses = [
         ("all", ground.above(overview)),
-        subject.from_above(&ground, size),
+        subject.looking_down(&ground, size),
         ("horizon", subject.horizon(&ground)),
     ];
     if own.terrain.is_empty() {
@@ -313,7 +313,7 @@ fn overlap(
     let locator = Locator::new(regions, edge_rule, body).map_err(Failure::bad_input)?;
     let all: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
     let step = all.div_ceil(OVERLAP_PROBES).max(1);
-    let facets = meshes.iter().flat_map(|mesh| {
+    let mut facets = meshes.iter().flat_map(|mesh| {
         let middles = mesh.triangles.iter().map(|triangle| middle(mesh, triangle));
         middles.step_by(step)
     });
@@ -325,9 +325,10 @@ fn overlap(
         );
         at.regions.len() > 1 && at.disagree.is_empty()
     };
-    Ok(match facets.map(is_in_two).any(|is_in_two| is_in_two) {
-        true => Overlap::Ordered,
-        false => Overlap::Disjoint,
+    Ok(if facets.any(is_in_two) {
+        Overlap::Ordered
+    } else {
+        Overlap::Disjoint
     })
 }
 
@@ -444,7 +445,7 @@ impl<'a> Subject<'a> {
     }
 
     /// From straight above: the picture filled by the region, or where many are dense, some of them.
-    fn from_above(&self, ground: &Ground<'_>, size: ImageSize) -> (&'static str, CameraPose) {
+    fn looking_down(&self, ground: &Ground<'_>, size: ImageSize) -> (&'static str, CameraPose) {
         let half_fov = (0.5 * FOV_RAD).tan();
         let down = [0.0, -std::f64::consts::FRAC_PI_2];
         let (name, height_m) = match self.neighbours_m {
@@ -629,7 +630,7 @@ mod tests {
     }
 
     #[test]
-    fn among_many_regions_the_view_from_above_is_where_they_are_dense() {
+    fn among_many_regions_the_view_looking_down_is_where_they_are_dense() {
         let sparse = (0..6).map(|i| [f64::from(i) * 5.0, 0.0, 0.5]);
         let dense = (0..9).map(|i| [40.0 + f64::from(i % 3), 20.0 + f64::from(i / 3), 0.5]);
         let squares: Vec<[f64; 3]> = sparse.chain(dense).collect();

@@ -2,13 +2,21 @@
 //! Values of a scene file checked, and the complaints worded.
 
 use super::raw::{RawImage, RawLevels, RawMesh, RawRegions, RawSurfaceFile, RawView};
-use super::{CAP_STEP_LIMIT_DEG, DEFAULT_FOV_DEG, DEFAULT_NEAR_SHARE, RegionSource, SurfaceSource};
+use super::sources::{RegionSource, SurfaceSource};
 use crate::scene::{SurfaceFile, View};
 use crate::shipped;
 use crate::suite::Expectation;
 use crate::{CameraPose, DataFile, DataNeed, LevelChoice, SceneError};
 use std::ops::RangeInclusive;
 use terrafill_core::{Ellipsoid, Geodetic, MeshOptions};
+
+/// Vertical field of view where a view names none, degrees.
+const DEFAULT_FOV_DEG: f64 = 60.0;
+/// Distance of the near plane where a view names none, share of the eye's height: far below
+/// anything a camera above the surface can see, and reversed depth keeps its precision.
+const DEFAULT_NEAR_SHARE: f64 = 1e-3;
+/// Largest edge of a cap triangle, degrees: beyond 30° a facet sags by hundreds of kilometres.
+const CAP_STEP_LIMIT_DEG: f64 = 30.0;
 
 /// Checks values and words the complaints.
 pub(super) struct Check<'a> {

@@ -4,10 +4,10 @@
 //! Degrees and metres. What stands in the way of a vertex's loss is decided exactly for planar edges; of arcs, what
 //! rounding could change counts as in the way.
 
-use super::SharedBoundaries;
 use super::arcs::{Arcs, BorderArc, Entry, in_order};
 use super::deviation::LONGEST_EDGE_DEG;
 use super::grid::VertexGrid;
+use super::shared::SharedBoundaries;
 use crate::EdgeRule;
 use crate::edge::Degrees;
 use crate::intersection::orient;

@@ -34,9 +34,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
         Some(Row::named(view, cells))
     };
     let rows = data.views.iter().filter_map(row).collect();
-    let headings = ["scene, view"]
-        .into_iter()
-        .chain(techniques.iter().copied());
+    let headings = std::iter::once("scene, view").chain(techniques.iter().copied());
     let text = "Each technique's fastest right fill of each view, and its time over that of the view's fastest fill \
                 by any technique, paired by process.";
     section("Techniques", text, Table::of(headings, rows))

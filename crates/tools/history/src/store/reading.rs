@@ -1,13 +1,50 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What is read from the tables of a store.
 
-use super::Entry;
 use crate::HistoryError;
-use crate::record::{CaseRecord, Record};
+use crate::record::{CaseRecord, Record, is_dirty};
 use rusqlite::Connection;
+use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use terrafill_results::MetricRow;
+
+/// A run of the store, without its figures.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Entry {
+    /// Number in the store.
+    pub id: i64,
+    /// Hash over everything in it.
+    pub digest: String,
+    /// Its commit.
+    pub commit: String,
+    /// See [`Position::ordinal`]; absent where no repository knew the commit.
+    pub ordinal: Option<i64>,
+    /// See [`Position::unix_s`].
+    pub committed_unix_s: Option<i64>,
+    /// Seconds since 1970 at its start.
+    pub started_unix_s: i64,
+    /// Number of its machine.
+    pub machine: i64,
+    /// Cases.
+    pub cases: i64,
+    /// Of these, without a result for want of time.
+    pub missing: i64,
+    /// Of these, wrong or broken off.
+    pub wrong: i64,
+    /// Whether a later state of the same run counts instead.
+    pub is_superseded: bool,
+    #[serde(skip)]
+    pub(super) identity: String,
+}
+
+impl Entry {
+    /// Whether it takes part in trends: its commit tells what was measured.
+    #[must_use]
+    pub fn counts(&self) -> bool {
+        !self.is_superseded && !is_dirty(&self.commit)
+    }
+}
 
 /// By run and study the metric that the run marks as ranking it; nothing of stores of older programs.
 pub(super) fn ranks(connection: &Connection) -> rusqlite::Result<BTreeMap<(i64, String), String>> {

@@ -2,13 +2,29 @@
 //! The tables of a store, and what is written into them.
 
 use super::reading::{self, declared};
-use super::{APPLICATION_ID, Added, STORE_SCHEMA};
 use crate::record::Record;
 use crate::{HistoryError, Position};
 use rusqlite::{Connection, OptionalExtension as _, Transaction, params};
 use std::collections::BTreeMap;
 use std::path::Path;
 use terrafill_results::MetricRow;
+
+/// Version of the store's tables.
+pub const STORE_SCHEMA: i64 = 1;
+
+/// `tfhi` in ASCII: what `file` and SQLite know the store by.
+pub(super) const APPLICATION_ID: i64 = 0x7466_6869;
+
+/// What became of a run that was added.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Added {
+    /// It is stored.
+    New,
+    /// It is stored, and counts instead of an earlier state of the same run.
+    Continued,
+    /// It was there already: nothing was done.
+    Known,
+}
 
 /// All of them again where a store has some already: those of older programs lack `ranks`.
 const TABLES: &str = "

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Arguments of the gate and of blessings.
 
-use super::{parse_processes, parse_shard, parse_size};
+use super::values::{parse_processes, parse_shard, parse_size};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use terrafill_gate::threshold;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Arguments of files of regions that become scenes.
 
-use super::{Edges, LongEdges, PoleSide, ReadingArguments, parse_size};
+use super::values::{Edges, LongEdges, PoleSide, ReadingArguments, parse_size};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 use terrafill_core::Reading;
