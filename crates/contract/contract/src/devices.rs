@@ -47,6 +47,18 @@ impl DeviceLoss {
     }
 }
 
+/// How to choose a device.
+#[derive(Debug, Clone, Default)]
+pub struct DeviceOptions {
+    /// Part of the adapter's name, case ignored; the first that fits is taken. `None`: a discrete
+    /// GPU before an integrated one before a software one.
+    pub adapter: Option<String>,
+    /// Turn validation layers on; also on with `TERRAFILL_VALIDATION=1`.
+    pub validation: bool,
+    /// Where a loss of the device is reported.
+    pub loss: DeviceLoss,
+}
+
 /// Devices on one adapter.
 #[derive(Debug, Default)]
 pub struct Devices {
@@ -77,6 +89,23 @@ impl Devices {
     #[must_use]
     pub fn adapter(&self) -> Option<&str> {
         self.adapter.as_deref()
+    }
+
+    /// As [`Devices::get`]; `open` gets what to open.
+    ///
+    /// # Errors
+    /// As [`Devices::get`].
+    pub fn open<T: Clone + 'static, E: Clone + 'static>(
+        &self,
+        open: impl FnOnce(&DeviceOptions) -> Result<T, E>,
+    ) -> Result<T, E> {
+        self.get(|adapter| {
+            open(&DeviceOptions {
+                adapter: adapter.map(str::to_owned),
+                loss: self.loss.clone(),
+                ..DeviceOptions::default()
+            })
+        })
     }
 
     /// The device of type `T`; `open` gets the adapter's name and is called once, whatever comes of

@@ -80,4 +80,24 @@ impl DeviceError {
             adapter: adapter.to_owned(),
         }
     }
+
+    /// Refuses more of `what` than is allowed.
+    ///
+    /// # Errors
+    /// [`DeviceError::OverCapacity`].
+    pub fn check_capacity(
+        what: &str,
+        found: impl Into<u64>,
+        allowed: impl Into<u64>,
+    ) -> Result<(), Self> {
+        let (found, allowed) = (found.into(), allowed.into());
+        if found <= allowed {
+            return Ok(());
+        }
+        Err(Self::OverCapacity {
+            what: what.to_owned(),
+            found,
+            allowed,
+        })
+    }
 }

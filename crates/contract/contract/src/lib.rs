@@ -21,10 +21,12 @@ mod input;
 mod needs;
 mod palette;
 mod picture;
+mod surface_renderer;
 mod surface_view;
 mod targets;
 mod technique;
 mod texture;
+mod validation;
 mod work;
 
 pub use adapter::{
@@ -33,7 +35,7 @@ pub use adapter::{
 };
 pub use backend::{Capabilities, FillBackend, Uploaded};
 pub use clock::CpuStopwatch;
-pub use devices::{DeviceLoss, Devices};
+pub use devices::{DeviceLoss, DeviceOptions, Devices};
 pub use error::DeviceError;
 pub use fingerprint::{ids_hash, mask_hash};
 pub use frame::{Counters, Frame, FrameTimes, GeometryBytes, MemoryUse};
@@ -42,8 +44,10 @@ pub use input::{FillInput, PreparedScene};
 pub use needs::{Feature, Need, Needs};
 pub use palette::{Colours, paint, region_colour};
 pub use picture::{MAX_REGIONS, NO_REGION, Picture, ids_of};
+pub use surface_renderer::{SurfaceDevice, SurfaceDraw, SurfaceTriangles};
 pub use surface_view::{SurfaceLook, SurfaceView, ViewConstants};
 pub use targets::{Api, SurfaceInterface, SurfaceTargets, Targets};
 pub use technique::{Role, Rung, Technique, layouts};
 pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
+pub use validation::{POSITIVE_CONTROL, ValidationLog, ValidationMessage};
 pub use work::{WorkCounters, WorkDone};

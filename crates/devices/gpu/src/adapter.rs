@@ -4,20 +4,9 @@
 use crate::validation;
 use std::sync::Arc;
 use terrafill_contract::{
-    DeviceError, DeviceLoss, DeviceType, WorkCounters, choose_adapter, device_for_test,
+    DeviceError, DeviceLoss, DeviceOptions, DeviceType, ValidationLog, WorkCounters,
+    choose_adapter, device_for_test,
 };
-
-/// How to choose a device.
-#[derive(Debug, Clone, Default)]
-pub struct GpuOptions {
-    /// Part of the adapter's name, case ignored; the first that fits is taken. `None`: a discrete
-    /// GPU before an integrated one before a software one.
-    pub adapter: Option<String>,
-    /// Turn validation layers on; also on with `TERRAFILL_VALIDATION=1`.
-    pub validation: bool,
-    /// Where a loss of the device is reported.
-    pub loss: DeviceLoss,
-}
 
 /// What an adapter can do that not every one can.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -126,8 +115,11 @@ impl Gpu {
     /// # Errors
     /// [`DeviceError::Unsupported`] when there is no adapter, none by that name, or it lacks
     /// something.
-    pub fn open(options: &GpuOptions) -> Result<Arc<Self>, DeviceError> {
-        let validation = options.validation || validation::is_requested();
+    pub fn open(options: &DeviceOptions) -> Result<Arc<Self>, DeviceError> {
+        let validation = options.validation || ValidationLog::is_requested();
+        if validation {
+            validation::LOG.open()?;
+        }
         let instance = instance(validation);
         let all = adapters(&instance);
         let infos: Vec<_> = all.iter().map(wgpu::Adapter::get_info).collect();
@@ -182,15 +174,33 @@ impl Gpu {
             name: path.to_owned(),
             message: error.to_string(),
         })?;
-        let source = match bends_footprints {
-            true => terrafill_shaders::with_footprints(&source),
-            false => source,
+        let source = if bends_footprints {
+            terrafill_shaders::with_footprints(&source)
+        } else {
+            source
         };
         let descriptor = wgpu::ShaderModuleDescriptor {
             label: Some(path),
             source: wgpu::ShaderSource::Wgsl(source.into()),
         };
         Ok(self.device.create_shader_module(descriptor))
+    }
+
+    /// That it lacks something.
+    #[must_use]
+    pub fn lacks(&self, capability: &str) -> DeviceError {
+        DeviceError::unsupported(capability, &self.facts.name)
+    }
+
+    /// Whether the device was opened with features.
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`], which names the capability.
+    pub fn require(&self, needed: wgpu::Features, capability: &str) -> Result<(), DeviceError> {
+        if self.device.features().contains(needed) {
+            return Ok(());
+        }
+        Err(self.lacks(capability))
     }
 
     /// Waits until the device has nothing left to do.
@@ -210,6 +220,6 @@ impl Gpu {
 /// # Panics
 /// As [`device_for_test`].
 #[must_use]
-pub fn open_for_test(options: &GpuOptions) -> Option<Arc<Gpu>> {
+pub fn open_for_test(options: &DeviceOptions) -> Option<Arc<Gpu>> {
     device_for_test(Gpu::open(options))
 }

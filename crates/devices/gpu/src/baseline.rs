@@ -114,12 +114,10 @@ impl Baseline {
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
         let (fill_cpu_ms, fill_wall_ms) = (watch.cpu_ms(), watch.wall_ms());
-        let fill_gpu_ms = match targets.timer() {
-            Some(timer) => timer
-                .read(gpu, TimedPass::Baseline, TimedPass::Baseline)?
-                .pass_ms(TimedPass::Baseline),
-            None => None,
-        };
+        let timed = targets
+            .timer()
+            .map(|of| of.pass_ms(gpu, TimedPass::Baseline));
+        let fill_gpu_ms = timed.transpose()?.flatten();
         Ok(FrameTimes {
             fill_gpu_ms,
             fill_cpu_ms,

@@ -3,6 +3,7 @@
 //! accumulated numbers. The one place where they are made and bound.
 
 use crate::attachments::target;
+use crate::render_pipeline::described;
 use crate::volume_pipeline::{NUMBER_FORMAT, colour_state, colour_target, unchanged};
 use crate::{Gpu, VolumePass};
 use std::collections::HashMap;
@@ -63,9 +64,10 @@ impl Covers {
         };
         let (state, target) = (Some(colour_state(test)), colour_target(blends));
         let layout = &self.cover_layout;
-        let made = match self.are_merged {
-            true => rectangles(gpu, layout, &shader, state, target),
-            false => full_screen(gpu, "cover", layout, &shader, state, target),
+        let made = if self.are_merged {
+            rectangles(gpu, layout, &shader, state, target)
+        } else {
+            full_screen(gpu, "cover", layout, &shader, state, target)
         };
         self.covers.insert(key, made);
         self.cover_shader = Some(shader);
@@ -99,11 +101,7 @@ impl Covers {
         scissor: bool,
         volumes: &[usize],
     ) {
-        if let Some(pipeline) = self.covers.get(&cover_key(test, blends)) {
-            pass.raw.set_pipeline(pipeline);
-        }
-        pass.raw.set_stencil_reference(u32::from(test.reference));
-        pass.at_sky(test.skips_sky);
+        self.begin(pass, test, blends);
         for &volume in volumes {
             pass.cut(volume, scissor);
             pass.draw(0..3, volume);
@@ -118,13 +116,17 @@ impl Covers {
         blends: bool,
         range: Range<u32>,
     ) {
+        self.begin(pass, test, blends);
+        pass.cut(0, false);
+        pass.draw_covers(4, range);
+    }
+
+    fn begin(&self, pass: &mut VolumePass<'_>, test: StencilTest, blends: bool) {
         if let Some(pipeline) = self.covers.get(&cover_key(test, blends)) {
             pass.raw.set_pipeline(pipeline);
         }
         pass.raw.set_stencil_reference(u32::from(test.reference));
         pass.at_sky(test.skips_sky);
-        pass.cut(0, false);
-        pass.draw_covers(4, range);
     }
 
     /// Looks up the colours of accumulated numbers.
@@ -227,21 +229,11 @@ pub(crate) fn full_screen(
     depth_stencil: Option<wgpu::DepthStencilState>,
     target: wgpu::ColorTargetState,
 ) -> wgpu::RenderPipeline {
-    let vertex = wgpu::VertexState {
-        module: shader,
-        entry_point: Some("vertex_main"),
-        compilation_options: Default::default(),
-        buffers: &[],
-    };
-    let primitive = wgpu::PrimitiveState::default();
-    coloured(
-        gpu,
-        label,
-        layout,
-        (vertex, primitive),
+    let targets = [Some(target)];
+    gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         depth_stencil,
-        target,
-    )
+        ..described(label, layout, shader, &targets)
+    })
 }
 
 /// A pipeline for rectangles of [`CoverInstance`].
@@ -252,56 +244,21 @@ fn rectangles(
     depth_stencil: Option<wgpu::DepthStencilState>,
     target: wgpu::ColorTargetState,
 ) -> wgpu::RenderPipeline {
-    let attributes = wgpu::vertex_attr_array![0 => Float32x4, 1 => Uint32];
-    let instances = wgpu::VertexBufferLayout {
-        array_stride: CoverInstance::STRIDE,
-        step_mode: wgpu::VertexStepMode::Instance,
-        attributes: &attributes,
-    };
-    let vertex = wgpu::VertexState {
-        module: shader,
-        entry_point: Some("rectangle_main"),
-        compilation_options: Default::default(),
-        buffers: &[None, None, None, Some(instances)],
-    };
-    let primitive = wgpu::PrimitiveState {
-        topology: wgpu::PrimitiveTopology::TriangleStrip,
-        ..Default::default()
-    };
-    coloured(
-        gpu,
-        "covers",
-        layout,
-        (vertex, primitive),
-        depth_stencil,
-        target,
-    )
-}
-
-/// A pipeline whose fragments write colours by the entry point `fragment_main` of the same shader.
-fn coloured(
-    gpu: &Gpu,
-    label: &str,
-    layout: &wgpu::PipelineLayout,
-    (vertex, primitive): (wgpu::VertexState<'_>, wgpu::PrimitiveState),
-    depth_stencil: Option<wgpu::DepthStencilState>,
-    target: wgpu::ColorTargetState,
-) -> wgpu::RenderPipeline {
-    let shader = vertex.module;
-    gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(label),
-        layout: Some(layout),
-        vertex,
-        primitive,
-        depth_stencil,
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: shader,
-            entry_point: Some("fragment_main"),
-            compilation_options: Default::default(),
-            targets: &[Some(target)],
+    let instances = [
+        None,
+        None,
+        None,
+        Some(wgpu::VertexBufferLayout {
+            array_stride: CoverInstance::STRIDE,
+            step_mode: wgpu::VertexStepMode::Instance,
+            attributes: &wgpu::vertex_attr_array![0 => Float32x4, 1 => Uint32],
         }),
-        multiview_mask: None,
-        cache: None,
-    })
+    ];
+    let targets = [Some(target)];
+    let mut described = described("covers", layout, shader, &targets);
+    described.vertex.entry_point = Some("rectangle_main");
+    described.vertex.buffers = &instances;
+    described.primitive.topology = wgpu::PrimitiveTopology::TriangleStrip;
+    described.depth_stencil = depth_stencil;
+    gpu.create_render_pipeline(&described)
 }

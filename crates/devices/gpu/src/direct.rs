@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A pipeline of the caller's own that draws over cleared targets: nearest depth wins, both faces kept.
 
-use crate::attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, attached};
+use crate::attachments::{COLOUR_FORMAT, attached};
+use crate::render_pipeline::{described, nearest};
 use crate::{Gpu, RenderTargets, TimedPass};
 use terrafill_contract::{DeviceError, SKY};
 
@@ -29,7 +30,6 @@ impl Gpu {
         &self,
         direct: &DirectPipeline<'_>,
     ) -> Result<wgpu::RenderPipeline, DeviceError> {
-        let label = Some(direct.path);
         let module = self.shader(direct.path)?;
         let layout = self.pipeline_layout(direct.path, &[Some(direct.layout)]);
         let attributes = direct.format.map(|format| {
@@ -49,38 +49,13 @@ impl Gpu {
                 })
             })
             .collect();
-        Ok(
-            self.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label,
-                layout: Some(&layout),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some(direct.entry_point),
-                    compilation_options: Default::default(),
-                    buffers: &buffers,
-                },
-                primitive: wgpu::PrimitiveState {
-                    topology: direct.topology,
-                    ..Default::default()
-                },
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: DEPTH_STENCIL_FORMAT,
-                    depth_write_enabled: Some(true),
-                    depth_compare: Some(wgpu::CompareFunction::Greater),
-                    stencil: Default::default(),
-                    bias: Default::default(),
-                }),
-                multisample: Default::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some("fragment_main"),
-                    compilation_options: Default::default(),
-                    targets: &[Some(COLOUR_FORMAT.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            }),
-        )
+        let targets = [Some(COLOUR_FORMAT.into())];
+        let mut described = described(direct.path, &layout, &module, &targets);
+        described.vertex.entry_point = Some(direct.entry_point);
+        described.vertex.buffers = &buffers;
+        described.primitive.topology = direct.topology;
+        described.depth_stencil = Some(nearest());
+        Ok(self.create_render_pipeline(&described))
     }
 }
 
@@ -107,31 +82,40 @@ impl RenderTargets {
 
     /// A pass over cleared targets, which ends the frame's time.
     pub fn cleared_pass<'a>(&self, frame: &'a mut DirectFrame) -> wgpu::RenderPass<'a> {
+        let ends = self
+            .timer()
+            .map(|of| of.writes(None, Some(TimedPass::Surface)));
+        self.begin_cleared(&mut frame.encoder, "direct", ends)
+    }
+
+    /// A pass that clears the targets and draws into all of them.
+    pub(crate) fn begin_cleared<'a>(
+        &self,
+        encoder: &'a mut wgpu::CommandEncoder,
+        label: &str,
+        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> wgpu::RenderPass<'a> {
         let (colour, depth_stencil) = (self.colour_view(), self.depth_stencil_view());
         let [r, g, b, a] = SKY.map(f64::from);
-        let sky = wgpu::Color { r, g, b, a };
+        let sky = wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a });
         let store = wgpu::StoreOp::Store;
-        frame
-            .encoder
-            .begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("direct"),
-                color_attachments: &[Some(attached(&colour, wgpu::LoadOp::Clear(sky)))],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &depth_stencil,
-                    depth_ops: Some(wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(0.0),
-                        store,
-                    }),
-                    stencil_ops: Some(wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(0),
-                        store,
-                    }),
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(label),
+            color_attachments: &[Some(attached(&colour, sky))],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &depth_stencil,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store,
                 }),
-                timestamp_writes: self
-                    .timer()
-                    .map(|timer| timer.writes(None, Some(TimedPass::Surface))),
-                ..Default::default()
-            })
+                stencil_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0),
+                    store,
+                }),
+            }),
+            timestamp_writes,
+            ..Default::default()
+        })
     }
 
     /// GPU time of the last such frame that was waited for, milliseconds, where the device keeps time: its copies,
@@ -140,12 +124,9 @@ impl RenderTargets {
     /// # Errors
     /// [`DeviceError::DeviceLost`].
     pub fn direct_ms(&self) -> Result<Option<f64>, DeviceError> {
-        match self.timer() {
-            Some(timer) => {
-                let stamps = timer.read(self.gpu(), TimedPass::Surface, TimedPass::Surface)?;
-                Ok(stamps.pass_ms(TimedPass::Surface))
-            }
-            None => Ok(None),
-        }
+        let timed = self
+            .timer()
+            .map(|of| of.pass_ms(self.gpu(), TimedPass::Surface));
+        Ok(timed.transpose()?.flatten())
     }
 }

@@ -12,10 +12,15 @@
 //! input ([`Kernel::BASELINE`]) costs what is not the function; it is timed in the same rounds.
 
 use crate::readback::read_buffer_start;
-use crate::{CpuStopwatch, Gpu, read_buffer};
+use crate::route_table::RouteTable;
+use crate::{CpuStopwatch, Gpu, PassTimer, TimedPass};
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 use terrafill_contract::DeviceError;
+use terrafill_stencil::RouteTexels;
+
+/// Of its stamps.
+const SLOT: TimedPass = TimedPass::Surface;
 
 /// Inputs of one dispatch; more are taken in several.
 pub const EVALUATIONS_PER_DISPATCH: usize = 16_384;
@@ -26,86 +31,6 @@ const WORKGROUP_SIZE: usize = 64;
 /// Evaluations written out in a turn of the timed loop, so that counting turns, and the bound that
 /// naga puts on every loop, weigh little.
 const EVALUATIONS_PER_TURN: u32 = 4;
-
-/// Format of a table's texels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum TableFormat {
-    /// One 8-bit normalised channel.
-    R8Unorm,
-    /// One 16-bit normalised channel.
-    R16Unorm,
-    /// One half float.
-    R16Float,
-    /// One float.
-    R32Float,
-    /// Two floats.
-    Rg32Float,
-}
-
-impl TableFormat {
-    fn wgpu(self) -> wgpu::TextureFormat {
-        match self {
-            Self::R8Unorm => wgpu::TextureFormat::R8Unorm,
-            Self::R16Unorm => wgpu::TextureFormat::R16Unorm,
-            Self::R16Float => wgpu::TextureFormat::R16Float,
-            Self::R32Float => wgpu::TextureFormat::R32Float,
-            Self::Rg32Float => wgpu::TextureFormat::Rg32Float,
-        }
-    }
-
-    fn bytes_per_texel(self) -> u32 {
-        match self {
-            Self::R8Unorm => 1,
-            Self::R16Unorm | Self::R16Float => 2,
-            Self::R32Float => 4,
-            Self::Rg32Float => 8,
-        }
-    }
-
-    /// What a device must be opened with.
-    fn features(self, linear: bool) -> wgpu::Features {
-        let filtered = matches!(self, Self::R32Float | Self::Rg32Float) && linear;
-        let mut features = wgpu::Features::empty();
-        features.set(wgpu::Features::FLOAT32_FILTERABLE, filtered);
-        features.set(
-            wgpu::Features::TEXTURE_FORMAT_16BIT_NORM,
-            self == Self::R16Unorm,
-        );
-        features
-    }
-}
-
-/// A table that a kernel reads: the texture at binding 0 of group 1 and its sampler at binding 1,
-/// which the kernel's text declares.
-#[derive(Debug, Clone, Copy)]
-pub struct KernelTable<'a> {
-    /// Of its texels.
-    pub format: TableFormat,
-    /// Texels in a row.
-    pub width: u32,
-    /// Rows; 1 for a line.
-    pub height: u32,
-    /// Six faces, each of `width` by `height`, one after the other, as a cube; else one plane.
-    pub cube: bool,
-    /// Whether the sampler is linear.
-    pub linear: bool,
-    /// Texels, row by row, without padding.
-    pub texels: &'a [u8],
-}
-
-impl KernelTable<'_> {
-    fn layers(&self) -> u32 {
-        if self.cube { 6 } else { 1 }
-    }
-
-    fn view_dimension(&self) -> wgpu::TextureViewDimension {
-        if self.cube {
-            wgpu::TextureViewDimension::Cube
-        } else {
-            wgpu::TextureViewDimension::D2
-        }
-    }
-}
 
 /// A function to be evaluated.
 #[derive(Debug, Clone, Copy)]
@@ -118,8 +43,8 @@ pub struct Kernel<'a> {
     pub constants: Option<&'a str>,
     /// Expression of type `vec4f` of the input `x: vec4f` and of `constants`.
     pub call: &'a str,
-    /// Table of group 1.
-    pub table: Option<KernelTable<'a>>,
+    /// Table of group 1, which the text declares: the texture at binding 0, its sampler at 1.
+    pub table: Option<&'a RouteTexels>,
 }
 
 impl Kernel<'static> {
@@ -171,15 +96,6 @@ pub struct Evaluation {
     pub dispatches: usize,
 }
 
-impl Evaluation {
-    /// Answers of which one of the first `components` is NaN or infinite.
-    #[must_use]
-    pub fn non_finite(&self, components: usize) -> usize {
-        let is_bad = |value: &&[f32; 4]| value.iter().take(components).any(|v| !v.is_finite());
-        self.values.iter().filter(is_bad).count()
-    }
-}
-
 /// What a pass of evaluations took.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EvaluationTime {
@@ -215,17 +131,10 @@ pub struct Evaluator {
     constants: wgpu::Buffer,
     run: wgpu::Buffer,
     bind_group: wgpu::BindGroup,
-    table: Option<wgpu::BindGroup>,
-    stamps: Option<Stamps>,
+    table: Option<RouteTable>,
+    timer: Option<PassTimer>,
     constant_vectors: usize,
     input_count: usize,
-}
-
-/// A pair of timestamps around a compute pass.
-#[derive(Debug)]
-struct Stamps {
-    queries: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
 }
 
 /// WGSL of a kernel's two entry points.
@@ -286,19 +195,15 @@ impl Evaluator {
         constant_vectors: usize,
     ) -> Result<Self, EvaluateError> {
         let module = compile(gpu, kernel)?;
-        let table_layout = table_layout(gpu, kernel)?;
-        let layout = group_layout(gpu, kernel);
-        let layouts: Vec<Option<&wgpu::BindGroupLayout>> = std::iter::once(&layout)
-            .chain(table_layout.as_ref())
-            .map(Some)
-            .collect();
-        let pipeline_layout = gpu
-            .device
-            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(kernel.name),
-                bind_group_layouts: &layouts,
-                immediate_size: 0,
-            });
+        let table = table(gpu, kernel)?;
+        let layout = gpu.buffer_layout(
+            kernel.name,
+            wgpu::ShaderStages::COMPUTE,
+            &BINDINGS[..binding_count(kernel)],
+        );
+        let own = table.as_ref().map(|table| &table.layout);
+        let layouts: Vec<_> = std::iter::once(&layout).chain(own).map(Some).collect();
+        let pipeline_layout = gpu.pipeline_layout(kernel.name, &layouts);
         let pipeline = |entry_point| {
             gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(kernel.name),
@@ -331,22 +236,8 @@ impl Evaluator {
         let constants = buffer(constant_vectors.max(1) * vectors, uniform);
         let run = buffer(size_of::<Run>(), uniform);
         let bound = [&inputs, &outputs, &run, &constants];
-        let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
-            .zip(&bound[..binding_count(kernel)])
-            .map(|(binding, buffer)| wgpu::BindGroupEntry {
-                binding,
-                resource: buffer.as_entire_binding(),
-            })
-            .collect();
-        let bind_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(kernel.name),
-            layout: &layout,
-            entries: &entries,
-        });
-        let table = match (&kernel.table, &table_layout) {
-            (Some(table), Some(layout)) => Some(table_group(gpu, kernel.name, table, layout)?),
-            _ => None,
-        };
+        let bound = &bound[..binding_count(kernel)];
+        let bind_group = gpu.bind_buffers(kernel.name, &layout, bound);
         Ok(Self {
             gpu: Arc::clone(gpu),
             name: kernel.name.to_owned(),
@@ -358,7 +249,7 @@ impl Evaluator {
             run,
             bind_group,
             table,
-            stamps: Stamps::new(gpu),
+            timer: PassTimer::new(gpu),
             constant_vectors,
             input_count: 0,
         })
@@ -425,10 +316,9 @@ impl Evaluator {
         self.dispatch(&self.time, self.input_count, true);
         self.gpu.wait()?;
         let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
-        let gpu_ms = match &self.stamps {
-            Some(stamps) => stamps.read_ms(&self.gpu)?,
-            None => None,
-        };
+        let timed = self.timer.as_ref().map(|of| of.pass_ms(&self.gpu, SLOT));
+        // Two equal stamps are no time of so many evaluations.
+        let gpu_ms = timed.transpose()?.flatten().filter(|ms| *ms > 0.0);
         Ok(EvaluationTime {
             cpu_ms,
             wall_ms,
@@ -454,60 +344,20 @@ impl Evaluator {
 
     fn dispatch(&self, pipeline: &wgpu::ComputePipeline, count: usize, timed: bool) {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let stamps = self.stamps.as_ref().filter(|_| timed);
+        let timer = self.timer.as_ref().filter(|_| timed);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(&self.name),
-            timestamp_writes: stamps.map(|stamps| wgpu::ComputePassTimestampWrites {
-                query_set: &stamps.queries,
-                beginning_of_pass_write_index: Some(0),
-                end_of_pass_write_index: Some(1),
-            }),
+            timestamp_writes: timer.map(|timer| timer.around_compute(SLOT)),
         });
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.bind_group, &[]);
         if let Some(table) = &self.table {
-            pass.set_bind_group(1, table, &[]);
+            pass.set_bind_group(1, &table.group, &[]);
         }
         let groups = count.div_ceil(WORKGROUP_SIZE);
         pass.dispatch_workgroups(u32::try_from(groups).unwrap_or(u32::MAX), 1, 1);
         drop(pass);
         self.gpu.queue.submit([encoder.finish()]);
-    }
-}
-
-impl Stamps {
-    fn new(gpu: &Gpu) -> Option<Self> {
-        if !gpu.facts.features.timestamps {
-            return None;
-        }
-        Some(Self {
-            queries: gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: Some("evaluation timestamps"),
-                ty: wgpu::QueryType::Timestamp,
-                count: 2,
-            }),
-            resolved: gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("evaluation timestamps"),
-                size: 16,
-                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            }),
-        })
-    }
-
-    /// `None` for stamps of zero or that run backwards; see `timing`.
-    fn read_ms(&self, gpu: &Gpu) -> Result<Option<f64>, DeviceError> {
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        encoder.resolve_query_set(&self.queries, 0..2, &self.resolved, 0);
-        gpu.queue.submit([encoder.finish()]);
-        let bytes = read_buffer(gpu, &self.resolved)?;
-        let ticks: &[u64] = bytemuck::cast_slice(&bytes);
-        Ok(match *ticks {
-            [begin, end] if begin != 0 && end > begin => {
-                Some((end - begin) as f64 * f64::from(gpu.timestamp_period_ns) * 1e-6)
-            }
-            _ => None,
-        })
     }
 }
 
@@ -533,145 +383,30 @@ fn binding_count(kernel: &Kernel<'_>) -> usize {
     3 + usize::from(kernel.constants.is_some())
 }
 
-fn group_layout(gpu: &Gpu, kernel: &Kernel<'_>) -> wgpu::BindGroupLayout {
-    use wgpu::BufferBindingType::{Storage, Uniform};
-    let types = [
-        Storage { read_only: true },
-        Storage { read_only: false },
-        Uniform,
-        Uniform,
-    ];
-    let entries: Vec<wgpu::BindGroupLayoutEntry> = (0..)
-        .zip(&types[..binding_count(kernel)])
-        .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: *ty,
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        })
-        .collect();
-    gpu.device
-        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some(kernel.name),
-            entries: &entries,
-        })
-}
+/// Inputs, outputs, [`Run`], and the kernel's own constants.
+const BINDINGS: [wgpu::BufferBindingType; 4] = [
+    wgpu::BufferBindingType::Storage { read_only: true },
+    wgpu::BufferBindingType::Storage { read_only: false },
+    wgpu::BufferBindingType::Uniform,
+    wgpu::BufferBindingType::Uniform,
+];
 
-/// Layout of group 1, where the kernel has a table.
-fn table_layout(
-    gpu: &Gpu,
-    kernel: &Kernel<'_>,
-) -> Result<Option<wgpu::BindGroupLayout>, DeviceError> {
-    let Some(table) = &kernel.table else {
+/// What the kernel reads, if it reads any.
+fn table(gpu: &Gpu, kernel: &Kernel<'_>) -> Result<Option<RouteTable>, EvaluateError> {
+    let Some(texels) = kernel.table else {
         return Ok(None);
     };
-    let missing = table.format.features(table.linear) - gpu.device.features();
-    if !missing.is_empty() {
-        return Err(DeviceError::Unsupported {
-            capability: format!("{:?}, {missing}", table.format),
-            adapter: gpu.facts.name.clone(),
-        });
-    }
-    let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty,
-        count: None,
-    };
-    let sampler = if table.linear {
-        wgpu::SamplerBindingType::Filtering
-    } else {
-        wgpu::SamplerBindingType::NonFiltering
-    };
-    let texture = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float {
-            filterable: table.linear,
-        },
-        view_dimension: table.view_dimension(),
-        multisampled: false,
-    };
-    let descriptor = wgpu::BindGroupLayoutDescriptor {
-        label: Some(kernel.name),
-        entries: &[
-            entry(0, texture),
-            entry(1, wgpu::BindingType::Sampler(sampler)),
-        ],
-    };
-    Ok(Some(gpu.device.create_bind_group_layout(&descriptor)))
-}
-
-fn table_group(
-    gpu: &Gpu,
-    name: &str,
-    table: &KernelTable<'_>,
-    layout: &wgpu::BindGroupLayout,
-) -> Result<wgpu::BindGroup, EvaluateError> {
-    let row_bytes = table.width * table.format.bytes_per_texel();
-    let required = row_bytes as usize * table.height as usize * table.layers() as usize;
-    if table.texels.len() != required {
+    let (found, required) = (texels.bytes.len(), texels.byte_count());
+    if found != required {
         return Err(EvaluateError::Table {
-            kernel: name.to_owned(),
-            found: table.texels.len(),
+            kernel: kernel.name.to_owned(),
+            found,
             required,
         });
     }
-    let size = wgpu::Extent3d {
-        width: table.width,
-        height: table.height,
-        depth_or_array_layers: table.layers(),
-    };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(name),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: table.format.wgpu(),
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    let layout_of_texels = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(row_bytes),
-        rows_per_image: Some(table.height),
-    };
-    gpu.queue.write_texture(
-        texture.as_image_copy(),
-        table.texels,
-        layout_of_texels,
-        size,
-    );
-    let filter = if table.linear {
-        wgpu::FilterMode::Linear
-    } else {
-        wgpu::FilterMode::Nearest
-    };
-    let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-        label: Some(name),
-        mag_filter: filter,
-        min_filter: filter,
-        ..Default::default()
-    });
-    let view = texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(table.view_dimension()),
-        ..Default::default()
-    });
-    Ok(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some(name),
-        layout,
-        entries: &[
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::TextureView(&view),
-            },
-            wgpu::BindGroupEntry {
-                binding: 1,
-                resource: wgpu::BindingResource::Sampler(&sampler),
-            },
-        ],
-    }))
+    Ok(Some(RouteTable::new(
+        gpu,
+        texels,
+        wgpu::ShaderStages::COMPUTE,
+    )?))
 }

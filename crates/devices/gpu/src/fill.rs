@@ -6,8 +6,9 @@
 //! surface left it: it is attached read-only throughout. Covers of a textured fill read it there, and
 //! stand in passes that leave the stencil alone as well.
 
-use crate::attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, attached, read_only_depth, target};
-use crate::covers::{CoverList, Covers, Numbers};
+use crate::attachments::{attached, read_only_depth};
+use crate::covers::Covers;
+use crate::loaded::Loaded;
 use crate::statistics::{Statistics, whole_image};
 use crate::textured::{BoundCover, Probe, TexturedFill};
 use crate::volume_pipeline::check_blendable;
@@ -16,14 +17,12 @@ use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FrameTimes, SurfaceTargets, ViewId,
-    WorkDone,
+    Capabilities, Counters, CpuStopwatch, DeviceError, FrameTimes, SurfaceTargets, ViewId, WorkDone,
 };
 use terrafill_scene::{ImageSize, MipChain};
 use terrafill_stencil::{
-    COLOUR_BYTES, CoverPurpose, DEPTH_STENCIL_BYTES, FillPass, FillProgram, FillStep, Holding,
-    Probed, StencilExecutor, StencilTest, StencilWork, TexturedPlan, VolumeDraw, VolumeList,
-    VolumeState,
+    CoverPurpose, FillProgram, FillStep, Holding, Probed, StencilExecutor, StencilTest,
+    StencilWork, TexturedPlan, VolumeDraw, VolumeList, VolumeState,
 };
 use terrafill_variant::{FirstPass, Switches};
 
@@ -87,42 +86,20 @@ pub trait WgpuVolumes {
 /// Runs stencil programs on the targets.
 #[derive(Debug)]
 pub struct VolumeFill {
-    targets: SharedTargets,
+    pub(crate) targets: SharedTargets,
     /// Shaders bend discs into footprints.
     bends_footprints: bool,
     /// Covers show the picture, if one is held.
     draws_texture: bool,
     /// Every frame copies depth.
-    copies_depth: bool,
+    pub(crate) copies_depth: bool,
     /// Plain covers of one step are one draw.
-    merges_covers: bool,
-    frame_layout: wgpu::BindGroupLayout,
-    covers: Covers,
+    pub(crate) merges_covers: bool,
+    pub(crate) frame_layout: wgpu::BindGroupLayout,
+    pub(crate) covers: Covers,
     /// Covers of a textured fill, which stand where the plain ones would.
     textured: Option<TexturedFill>,
     loaded: Option<Loaded>,
-}
-
-/// A program, and what the device holds for it.
-#[derive(Debug)]
-struct Loaded {
-    work: StencilWork,
-    constants: wgpu::Buffer,
-    bind_group: wgpu::BindGroup,
-    /// Plain covers, if they are merged.
-    covers: Option<CoverList>,
-    /// Where the program accumulates numbers, if it does.
-    numbers: Option<Numbers>,
-    /// Where colours of the first pass go, which nobody reads, if it has fragments.
-    unread: Option<wgpu::TextureView>,
-    /// Where depth is copied to, if it is; volumes may read it.
-    depth_copy: Option<wgpu::Texture>,
-}
-
-impl Loaded {
-    fn steps(&self) -> impl Iterator<Item = FillStep<'_>> {
-        self.work.program.passes.iter().flat_map(FillPass::steps)
-    }
 }
 
 /// How a program is recorded.
@@ -185,77 +162,8 @@ impl<V: WgpuVolumes> StencilExecutor<V> for VolumeFill {
     }
 
     fn load(&mut self, work: StencilWork) -> Result<(), DeviceError> {
-        let targets = self.targets.borrow();
-        let gpu = targets.gpu();
-        let (held, numbers, depth_copy, covers) = match self.loaded.take() {
-            Some(loaded) => {
-                let written = loaded.work.constants;
-                let held = (loaded.constants, written, loaded.bind_group);
-                (Some(held), loaded.numbers, loaded.depth_copy, loaded.covers)
-            }
-            None => (None, None, None, None),
-        };
-        let instances = self
-            .merges_covers
-            .then(|| work.program.cover_instances(&work.list));
-        let covers = match instances.filter(|instances| !instances.is_empty()) {
-            Some(instances) => Some(CoverList::new(gpu, &instances, covers)?),
-            None => None,
-        };
-        let size = work.list.size;
-        let numbers = work.program.accumulates().then(|| {
-            numbers
-                .filter(|numbers| numbers.size == size)
-                .unwrap_or_else(|| Numbers::new(gpu, &self.covers, size))
-        });
-        let has_room = |buffer: &wgpu::Buffer| buffer.size() >= work.constants.len() as u64;
-        let (constants, bind_group) = match held.filter(|(buffer, ..)| has_room(buffer)) {
-            Some((buffer, written, bind_group)) => {
-                gpu.write_changed(&buffer, &written, &work.constants);
-                (buffer, bind_group)
-            }
-            None => {
-                let usage = wgpu::BufferUsages::STORAGE;
-                let buffer = gpu.upload("volume constants", &work.constants, usage)?;
-                // Footprints lie behind the volumes' constants.
-                let buffers = [targets.view_constants(), &buffer, &buffer];
-                let label = "view and volumes";
-                let bind_group = gpu.bind_buffers(label, &self.frame_layout, &buffers);
-                (buffer, bind_group)
-            }
-        };
-        let mut passes = work.program.passes.iter();
-        let has_fragments = passes.any(|pass| pass.first_pass != FirstPass::Stencil);
-        let unread = has_fragments.then(|| {
-            let unused = wgpu::TextureUsages::empty();
-            gpu.work.count_texture(unread_bytes(size));
-            let unread = target(
-                gpu,
-                size,
-                "colours of the first pass",
-                COLOUR_FORMAT,
-                unused,
-            );
-            unread.create_view(&Default::default())
-        });
-        let is_of_size =
-            |copy: &wgpu::Texture| copy.width() == size.width && copy.height() == size.height;
-        let depth_copy = self.copies_depth.then(|| {
-            depth_copy.filter(is_of_size).unwrap_or_else(|| {
-                gpu.work.count_texture(depth_copy_bytes(size));
-                let copied = wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING;
-                target(gpu, size, "copy of depth", DEPTH_STENCIL_FORMAT, copied)
-            })
-        });
-        self.loaded = Some(Loaded {
-            work,
-            constants,
-            bind_group,
-            covers,
-            numbers,
-            unread,
-            depth_copy,
-        });
+        let before = self.loaded.take();
+        self.loaded = Some(Loaded::new(self, work, before)?);
         Ok(())
     }
 
@@ -419,22 +327,7 @@ impl<V: WgpuVolumes> StencilExecutor<V> for VolumeFill {
     fn holdings(&self) -> Vec<Holding> {
         let mut all: Vec<Holding> = self.covers.holdings().collect();
         all.extend(self.textured.iter().flat_map(TexturedFill::holdings));
-        if let Some(loaded) = &self.loaded {
-            let size = loaded.work.list.size;
-            let numbers = loaded.numbers.as_ref().map_or(0, Numbers::bytes);
-            let unread = loaded.unread.as_ref().map_or(0, |_| unread_bytes(size));
-            let copy = loaded
-                .depth_copy
-                .as_ref()
-                .map_or(0, |_| depth_copy_bytes(size));
-            all.push(loaded.work.constants_held(loaded.constants.size()));
-            all.extend(loaded.covers.iter().map(CoverList::holding));
-            all.extend([
-                Holding::target(Feature::NumberTarget, numbers),
-                Holding::target(Feature::FirstPassColours, unread),
-                Holding::target(Feature::DepthCopy, copy),
-            ]);
-        }
+        all.extend(self.loaded.iter().flat_map(Loaded::holdings));
         all
     }
 }
@@ -510,8 +403,13 @@ impl VolumeFill {
         }
         let (colour, depth_stencil) = (targets.colour_view(), targets.depth_stencil_view());
         let probe_views = recording.probe.map(Probe::views);
+        let purpose = match recording.probe {
+            Some(_) => CoverPurpose::Probe,
+            None => CoverPurpose::Colour,
+        };
         let mut zero = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-        let mut merged_covers = MergedCovers::default();
+        // Merged covers lie in the order of the steps.
+        let mut merged_covers = 0..0;
         for (index, steps) in passes.iter().enumerate() {
             let is_textured = steps.has_colour && self.draws_texture && self.textured.is_some();
             let attachments = match (&loaded.numbers, &probe_views) {
@@ -565,15 +463,24 @@ impl VolumeFill {
             let mut pass = VolumePass::new(raw, list, &mut counters);
             let mut bound = BoundCover::default();
             for step in steps.steps() {
-                match (&step, &self.textured) {
-                    (FillStep::Cover { .. }, Some(textured)) if is_textured => {
-                        let purpose = match recording.probe {
-                            Some(_) => CoverPurpose::Probe,
-                            None => CoverPurpose::Colour,
-                        };
-                        draw_textured(&mut pass, textured, &step, purpose, &mut bound);
+                match (step, &self.textured) {
+                    (
+                        FillStep::Cover {
+                            test,
+                            scissor,
+                            volumes,
+                        },
+                        Some(textured),
+                    ) if is_textured => {
+                        pass.raw.set_stencil_reference(u32::from(test.reference));
+                        for &volume in volumes {
+                            if textured.bind(&mut pass.raw, test, purpose, volume, &mut bound) {
+                                pass.cut(volume, scissor);
+                                pass.draw(0..3, volume);
+                            }
+                        }
                     }
-                    _ => self.step(&mut pass, volumes, loaded, &step, &mut merged_covers),
+                    (step, _) => self.step(&mut pass, volumes, loaded, &step, &mut merged_covers),
                 }
             }
             if recording.statistics.is_some() {
@@ -598,7 +505,7 @@ impl VolumeFill {
         volumes: &mut impl WgpuVolumes,
         loaded: &Loaded,
         step: &FillStep<'_>,
-        merged_covers: &mut MergedCovers,
+        merged_covers: &mut Range<u32>,
     ) {
         let blends = loaded.work.blends;
         match step {
@@ -615,7 +522,9 @@ impl VolumeFill {
                 volumes,
             } if loaded.covers.is_some() => {
                 let rectangles = loaded.work.list.cover_count(volumes, *scissor);
-                let range = merged_covers.next(rectangles);
+                let first = merged_covers.end;
+                *merged_covers = first..first.saturating_add(rectangles);
+                let range = merged_covers.clone();
                 self.covers.draw_merged(pass, *test, blends, range);
             }
             FillStep::Cover {
@@ -643,55 +552,6 @@ fn counted_fragments(of: &[u64]) -> Option<u64> {
         [volumes, whole_image] if whole_image > 0 => Some(volumes),
         _ => None,
     }
-}
-
-/// How many instances of covers are drawn so far: they lie in the order of the steps.
-#[derive(Debug, Default)]
-struct MergedCovers {
-    drawn: u32,
-}
-
-impl MergedCovers {
-    /// The instances of the next step.
-    fn next(&mut self, count: u32) -> Range<u32> {
-        let first = self.drawn;
-        self.drawn = first.saturating_add(count);
-        first..self.drawn
-    }
-}
-
-fn draw_textured(
-    pass: &mut VolumePass<'_>,
-    textured: &TexturedFill,
-    step: &FillStep<'_>,
-    purpose: CoverPurpose,
-    bound: &mut BoundCover,
-) {
-    let FillStep::Cover {
-        test,
-        scissor,
-        volumes,
-    } = *step
-    else {
-        return;
-    };
-    pass.raw.set_stencil_reference(u32::from(test.reference));
-    for &volume in volumes {
-        if textured.bind(&mut pass.raw, test, purpose, volume, bound) {
-            pass.cut(volume, scissor);
-            pass.draw(0..3, volume);
-        }
-    }
-}
-
-/// Of the target for colours that nobody reads.
-fn unread_bytes(size: ImageSize) -> u64 {
-    COLOUR_BYTES * size.pixel_count() as u64
-}
-
-/// Of a copy of depth, which takes the stencil with it.
-fn depth_copy_bytes(size: ImageSize) -> u64 {
-    DEPTH_STENCIL_BYTES * size.pixel_count() as u64
 }
 
 fn is_coloured(draw: &VolumeDraw<'_>) -> bool {

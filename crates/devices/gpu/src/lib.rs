@@ -14,9 +14,12 @@ mod deliberate_error;
 mod direct;
 mod evaluate;
 mod fill;
+mod loaded;
 mod picture;
+mod queries;
 mod ray_cast;
 mod readback;
+mod render_pipeline;
 mod route_table;
 mod shared;
 mod statistics;
@@ -29,17 +32,19 @@ mod volume_pass;
 mod volume_pipeline;
 mod work;
 
-pub use terrafill_contract::{CpuStopwatch, WorkDone};
+pub use terrafill_contract::{
+    CpuStopwatch, DeviceOptions as GpuOptions, POSITIVE_CONTROL, ValidationMessage, WorkDone,
+};
 pub use terrafill_shaders::source_hash as shader_source_hash;
+pub use terrafill_stencil::{RouteTexelFormat, RouteTexels};
 
-pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, list_adapters, open_for_test};
+pub use adapter::{DeviceFacts, Features, Gpu, list_adapters, open_for_test};
 pub use attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT};
 pub use baseline::{Baseline, BaselineKind};
 pub use deliberate_error::make_deliberate_error;
 pub use direct::{DirectFrame, DirectPipeline};
 pub use evaluate::{
     EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, EvaluationTime, Evaluator, Kernel,
-    KernelTable, TableFormat,
 };
 pub use fill::{VolumeFill, WgpuVolumes};
 pub use ray_cast::RayCast;
@@ -48,6 +53,6 @@ pub use shared::{API, SURFACES, shared_gpu, shared_targets};
 pub use targets::{RenderTargets, SharedTargets};
 pub use textured::{BoundCover, Probe, TexturedFill};
 pub use timing::{PassTimer, Stamps, TimedPass};
-pub use validation::{POSITIVE_CONTROL, ValidationMessage, messages};
+pub use validation::messages;
 pub use volume_pass::VolumePass;
 pub use volume_pipeline::{HandedOn, VolumeShader};

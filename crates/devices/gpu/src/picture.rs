@@ -12,30 +12,19 @@ use terrafill_scene::{MipChain, MipLevel};
 pub(crate) fn upload_picture(gpu: &Gpu, image: &MipChain) -> Result<wgpu::Texture, DeviceError> {
     let allowed = gpu.device.limits().max_texture_dimension_2d;
     let [width, height] = image.size_px();
-    if width.max(height) > allowed {
-        return Err(DeviceError::OverCapacity {
-            what: "texels along a side of the picture".to_owned(),
-            found: u64::from(width.max(height)),
-            allowed: u64::from(allowed),
-        });
-    }
+    let what = "texels along a side of the picture";
+    DeviceError::check_capacity(what, width.max(height), allowed)?;
     let levels = image.levels();
     let extent = |level: &MipLevel| wgpu::Extent3d {
         width: level.width,
         height: level.height,
         depth_or_array_layers: 1,
     };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("picture"),
-        size: extent(&levels[0]),
-        mip_level_count: u32::try_from(levels.len()).unwrap_or(1),
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        // The sampler filters in linear light, as the levels were made.
-        format: wgpu::TextureFormat::Rgba8UnormSrgb,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
+    let count = u32::try_from(levels.len()).unwrap_or(1);
+    // The sampler filters in linear light, as the levels were made.
+    let format = wgpu::TextureFormat::Rgba8UnormSrgb;
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let texture = gpu.texture("picture", [width, height, 1], count, format, usage);
     gpu.work.count_texture(bytes_of(&texture));
     for (mip_level, level) in (0..).zip(levels) {
         gpu.work.count_upload(level.rgba.len() as u64);
@@ -99,20 +88,11 @@ pub(crate) fn bind_picture(
         ..Default::default()
     });
     let view = image.create_view(&Default::default());
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("picture"),
-        layout,
-        entries: &[
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::TextureView(&view),
-            },
-            wgpu::BindGroupEntry {
-                binding: 1,
-                resource: wgpu::BindingResource::Sampler(&sampler),
-            },
-        ],
-    })
+    let resources = [
+        wgpu::BindingResource::TextureView(&view),
+        wgpu::BindingResource::Sampler(&sampler),
+    ];
+    gpu.bind("picture", layout, resources)
 }
 
 fn sampled(mode: AddressMode) -> wgpu::AddressMode {

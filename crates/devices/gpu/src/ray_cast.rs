@@ -2,12 +2,13 @@
 //! The bare body without triangles: a pass over the screen that meets each pixel's ray with the body and
 //! writes the depth of the hit.
 
-use crate::attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, attached};
+use crate::attachments::COLOUR_FORMAT;
 use crate::covers::full_screen;
+use crate::render_pipeline::nearest;
 use crate::{RenderTargets, TimedPass};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-use terrafill_contract::{DeviceError, SKY};
+use terrafill_contract::DeviceError;
 use terrafill_core::Ellipsoid;
 use terrafill_scene::{Camera, ImageSize};
 
@@ -89,15 +90,8 @@ impl RayCast {
         });
         let shader = gpu.shader("surface/ray_cast.wgsl")?;
         let pipeline_layout = gpu.pipeline_layout("ray cast", &[Some(&layout)]);
-        let depth = wgpu::DepthStencilState {
-            format: DEPTH_STENCIL_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Greater),
-            stencil: Default::default(),
-            bias: Default::default(),
-        };
         let target = COLOUR_FORMAT.into();
-        let (label, state) = ("ray cast", Some(depth));
+        let (label, state) = ("ray cast", Some(nearest()));
         Ok(Self {
             pipeline: full_screen(gpu, label, &pipeline_layout, &shader, state, target),
             bind_group: gpu.bind_buffers(label, &layout, &[&constants]),
@@ -118,37 +112,15 @@ impl RayCast {
     /// [`DeviceError::DeviceLost`].
     pub fn draw(&self, targets: &RenderTargets) -> Result<Option<f64>, DeviceError> {
         let gpu = targets.gpu();
-        let (colour, depth_stencil) = (targets.colour_view(), targets.depth_stencil_view());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let [r, g, b, a] = SKY.map(f64::from);
-        let sky = wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a });
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("ray cast"),
-            color_attachments: &[Some(attached(&colour, sky))],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &depth_stencil,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Store,
-                }),
-                stencil_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0),
-                    store: wgpu::StoreOp::Store,
-                }),
-            }),
-            timestamp_writes: targets.timer().map(|t| t.around(TimedPass::Surface)),
-            ..Default::default()
-        });
+        let around = targets.timer().map(|t| t.around(TimedPass::Surface));
+        let mut pass = targets.begin_cleared(&mut encoder, "ray cast", around);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.bind_group, &[]);
         pass.draw(0..3, 0..1);
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
-        let Some(timer) = targets.timer() else {
-            return Ok(None);
-        };
-        let stamps = timer.read(gpu, TimedPass::Surface, TimedPass::Surface)?;
-        Ok(stamps.pass_ms(TimedPass::Surface))
+        targets.direct_ms()
     }
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What some coordinate routes read besides constants: a table of the arctangent, or a cube texture
-//! of longitude and latitude. Group 3 of a textured cover.
+//! of longitude and latitude. Group 3 of a textured cover, and 1 of a kernel.
 
 use crate::Gpu;
 use terrafill_contract::DeviceError;
-use terrafill_stencil::{RouteTexelFormat, RouteTexels, TexturedCover};
+use terrafill_stencil::{RouteTexelFormat, RouteTexels};
 
-/// A route's texture, bound.
+/// A route's texture, bound: the texture at binding 0, its sampler at 1.
 #[derive(Debug)]
 pub(crate) struct RouteTable {
     pub(crate) layout: wgpu::BindGroupLayout,
@@ -16,139 +16,88 @@ pub(crate) struct RouteTable {
 }
 
 impl RouteTable {
-    /// The table that a cover's route reads; `None` if it reads none.
+    /// - `stage`: which reads it
     ///
     /// # Errors
     /// [`DeviceError::Unsupported`] when the device lacks the format or its filtering.
-    pub(crate) fn new(gpu: &Gpu, cover: &TexturedCover) -> Result<Option<Self>, DeviceError> {
-        let table = |texels| Self::upload(gpu, &texels);
-        cover.route_texels().map(table).transpose()
-    }
-
-    fn upload(gpu: &Gpu, texels: &RouteTexels) -> Result<Self, DeviceError> {
-        let format = match texels.format {
-            RouteTexelFormat::R8Unorm => wgpu::TextureFormat::R8Unorm,
-            RouteTexelFormat::R16Unorm => wgpu::TextureFormat::R16Unorm,
-            RouteTexelFormat::R16Float => wgpu::TextureFormat::R16Float,
-            RouteTexelFormat::R32Float => wgpu::TextureFormat::R32Float,
-            RouteTexelFormat::Rg32Float => wgpu::TextureFormat::Rg32Float,
+    pub(crate) fn new(
+        gpu: &Gpu,
+        texels: &RouteTexels,
+        stage: wgpu::ShaderStages,
+    ) -> Result<Self, DeviceError> {
+        let label = "route";
+        let is_filtered = texels.is_filtered;
+        let (format, is_wide) = match texels.format {
+            RouteTexelFormat::R8Unorm => (wgpu::TextureFormat::R8Unorm, false),
+            RouteTexelFormat::R16Unorm => (wgpu::TextureFormat::R16Unorm, false),
+            RouteTexelFormat::R16Float => (wgpu::TextureFormat::R16Float, false),
+            RouteTexelFormat::R32Float => (wgpu::TextureFormat::R32Float, true),
+            RouteTexelFormat::Rg32Float => (wgpu::TextureFormat::Rg32Float, true),
         };
         if format == wgpu::TextureFormat::R16Unorm {
             let needed = wgpu::Features::TEXTURE_FORMAT_16BIT_NORM;
-            require(gpu, needed, "textures of 16-bit fractions")?;
+            gpu.require(needed, "textures of 16-bit fractions")?;
         }
-        let is_wide = [RouteTexelFormat::R32Float, RouteTexelFormat::Rg32Float];
-        if texels.is_filtered && is_wide.contains(&texels.format) {
+        if is_filtered && is_wide {
             let needed = wgpu::Features::FLOAT32_FILTERABLE;
-            require(gpu, needed, "filtering of 32-bit floats")?;
+            gpu.require(needed, "filtering of 32-bit floats")?;
         }
         let (faces, dimension) = if texels.is_cube {
             (6, wgpu::TextureViewDimension::Cube)
         } else {
             (1, wgpu::TextureViewDimension::D2)
         };
-        let size = wgpu::Extent3d {
-            width: texels.size[0],
-            height: texels.size[1],
-            depth_or_array_layers: faces,
+        let (filter, sampler) = if is_filtered {
+            (
+                wgpu::FilterMode::Linear,
+                wgpu::SamplerBindingType::Filtering,
+            )
+        } else {
+            let sampler = wgpu::SamplerBindingType::NonFiltering;
+            (wgpu::FilterMode::Nearest, sampler)
         };
-        let texture = upload(gpu, format, size, &texels.bytes);
+        let [width, height] = texels.size;
+        let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+        let texture = gpu.texture(label, [width, height, faces], 1, format, usage);
+        let bytes = texels.bytes.len() as u64;
+        gpu.work.count_texture(bytes);
+        gpu.work.count_upload(bytes);
+        let rows = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: format.block_copy_size(None).map(|texel| texel * width),
+            rows_per_image: Some(height),
+        };
+        let (whole, size) = (texture.as_image_copy(), texture.size());
+        gpu.queue.write_texture(whole, &texels.bytes, rows, size);
         let view = texture.create_view(&wgpu::TextureViewDescriptor {
             dimension: Some(dimension),
             ..Default::default()
         });
-        let bytes = texels.bytes.len() as u64;
-        Ok(Self::bound(
-            gpu,
-            &view,
-            bytes,
-            dimension,
-            texels.is_filtered,
-        ))
-    }
-
-    fn bound(
-        gpu: &Gpu,
-        view: &wgpu::TextureView,
-        bytes: u64,
-        view_dimension: wgpu::TextureViewDimension,
-        is_sampled: bool,
-    ) -> Self {
-        let texture = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float {
-                filterable: is_sampled,
+        let types = [
+            wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Float {
+                    filterable: is_filtered,
+                },
+                view_dimension: dimension,
+                multisampled: false,
             },
-            view_dimension,
-            multisampled: false,
-        };
-        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
-        let types = [texture, sampler];
-        let layout = gpu.fragment_layout("route", &types[..1 + usize::from(is_sampled)]);
-        let linear = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("route"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
+            wgpu::BindingType::Sampler(sampler),
+        ];
+        let layout = gpu.mixed_layout(label, types.map(|ty| (stage, ty)));
+        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some(label),
+            mag_filter: filter,
+            min_filter: filter,
             ..Default::default()
         });
-        let entries = [
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::TextureView(view),
-            },
-            wgpu::BindGroupEntry {
-                binding: 1,
-                resource: wgpu::BindingResource::Sampler(&linear),
-            },
+        let resources = [
+            wgpu::BindingResource::TextureView(&view),
+            wgpu::BindingResource::Sampler(&sampler),
         ];
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("route"),
-            layout: &layout,
-            entries: &entries[..1 + usize::from(is_sampled)],
-        });
-        Self {
+        Ok(Self {
+            group: gpu.bind(label, &layout, resources),
             layout,
-            group,
             bytes,
-        }
+        })
     }
-}
-
-fn require(gpu: &Gpu, needed: wgpu::Features, capability: &str) -> Result<(), DeviceError> {
-    if gpu.device.features().contains(needed) {
-        return Ok(());
-    }
-    Err(DeviceError::unsupported(capability, &gpu.facts.name))
-}
-
-fn upload(
-    gpu: &Gpu,
-    format: wgpu::TextureFormat,
-    size: wgpu::Extent3d,
-    bytes: &[u8],
-) -> wgpu::Texture {
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("route"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    gpu.work.count_texture(bytes.len() as u64);
-    gpu.work.count_upload(bytes.len() as u64);
-    gpu.queue.write_texture(
-        texture.as_image_copy(),
-        bytes,
-        wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: format
-                .block_copy_size(None)
-                .map(|texel_bytes| texel_bytes * size.width),
-            rows_per_image: Some(size.height),
-        },
-        size,
-    );
-    texture
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The device and the render targets that all techniques on wgpu share.
 
-use crate::{Gpu, GpuOptions, RenderTargets, SharedTargets};
+use crate::{Gpu, RenderTargets, SharedTargets};
 use std::sync::Arc;
 use terrafill_contract::{
     Api, DeviceError, Devices, Picture, SurfaceInterface, SurfaceTargets, SurfaceView, Targets,
@@ -35,13 +35,7 @@ impl SurfaceTargets for RenderTargets {
 /// # Errors
 /// As [`Gpu::open`].
 pub fn shared_gpu(devices: &Devices) -> Result<Arc<Gpu>, DeviceError> {
-    devices.get(|adapter| {
-        Gpu::open(&GpuOptions {
-            adapter: adapter.map(str::to_owned),
-            loss: devices.loss().clone(),
-            ..GpuOptions::default()
-        })
-    })
+    devices.open(Gpu::open)
 }
 
 /// The targets on it, made when they are first asked for.

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pipeline statistics: exact counts of the work that a frame's passes gave the device.
 
+use crate::Gpu;
+use crate::queries::Queries;
+use crate::render_pipeline::described;
 use crate::volume_pipeline::{unchanged, unwritten_target};
-use crate::{Gpu, read_buffer};
 use terrafill_contract::{Counters, DeviceError};
 
 /// Pipeline statistics of a frame's passes.
 #[derive(Debug)]
 pub(crate) struct Statistics {
-    queries: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
+    queries: Queries,
     passes: u32,
 }
 
@@ -26,49 +27,27 @@ impl Statistics {
             | wgpu::PipelineStatisticsTypes::CLIPPER_INVOCATIONS
             | wgpu::PipelineStatisticsTypes::CLIPPER_PRIMITIVES_OUT
             | wgpu::PipelineStatisticsTypes::FRAGMENT_SHADER_INVOCATIONS;
-        let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
-            label: Some("pipeline statistics"),
-            ty: wgpu::QueryType::PipelineStatistics(types),
-            count: passes,
-        });
-        // Made on the device itself, not counted as the fill's: only measuring needs it.
-        let resolved = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("pipeline statistics"),
-            size: u64::from(passes) * STATISTICS as u64 * 8,
-            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        Some(Self {
-            queries,
-            resolved,
-            passes,
-        })
+        let ty = wgpu::QueryType::PipelineStatistics(types);
+        let queries = Queries::new(gpu, "pipeline statistics", ty, passes, STATISTICS as u64);
+        Some(Self { queries, passes })
     }
 
     /// Begins the query of a pass.
     pub(crate) fn begin(&self, pass: &mut wgpu::RenderPass<'_>, index: usize) {
         let index = u32::try_from(index).unwrap_or(u32::MAX);
-        pass.begin_pipeline_statistics_query(&self.queries, index);
+        pass.begin_pipeline_statistics_query(&self.queries.set, index);
     }
 
     /// Fragments of each query.
     pub(crate) fn fragments(&self, gpu: &Gpu) -> Result<Vec<u64>, DeviceError> {
-        let values = self.read(gpu)?;
+        let values = self.queries.read(gpu, 0..self.passes)?;
         Ok(values.into_iter().skip(3).step_by(STATISTICS).collect())
-    }
-
-    fn read(&self, gpu: &Gpu) -> Result<Vec<u64>, DeviceError> {
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        encoder.resolve_query_set(&self.queries, 0..self.passes, &self.resolved, 0);
-        gpu.queue.submit([encoder.finish()]);
-        let bytes = read_buffer(gpu, &self.resolved)?;
-        Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 
     /// Sums the passes: geometry counts of the volumes, fragments of the covers (volumes have no
     /// fragment shader).
     pub(crate) fn read_into(&self, gpu: &Gpu, counters: &mut Counters) -> Result<(), DeviceError> {
-        let values = self.read(gpu)?;
+        let values = self.queries.read(gpu, 0..self.passes)?;
         let sum = |which: usize| values.iter().skip(which).step_by(STATISTICS).sum();
         counters.vertex_shader_invocations = Some(sum(0));
         counters.clipper_invocations = Some(sum(1));
@@ -82,29 +61,14 @@ impl Statistics {
 /// needs it, so that it is made uncounted.
 pub(crate) fn whole_image(gpu: &Gpu) -> Result<wgpu::RenderPipeline, DeviceError> {
     let label = "whole image";
-    let shader = gpu.shader("baseline/floor.wgsl")?;
-    let target = [Some(unwritten_target())];
-    Ok(gpu
-        .device
-        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(label),
-            layout: Some(&gpu.pipeline_layout(label, &[])),
-            vertex: wgpu::VertexState {
-                module: &shader,
-                entry_point: Some("vertex_main"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            fragment: Some(wgpu::FragmentState {
-                module: &shader,
-                entry_point: Some("fragment_main"),
-                compilation_options: Default::default(),
-                targets: &target,
-            }),
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(unchanged(wgpu::CompareFunction::Always)),
-            multisample: wgpu::MultisampleState::default(),
-            multiview_mask: None,
-            cache: None,
-        }))
+    let (shader, layout) = (
+        gpu.shader("baseline/floor.wgsl")?,
+        gpu.pipeline_layout(label, &[]),
+    );
+    let targets = [Some(unwritten_target())];
+    let descriptor = wgpu::RenderPipelineDescriptor {
+        depth_stencil: Some(unchanged(wgpu::CompareFunction::Always)),
+        ..described(label, &layout, &shader, &targets)
+    };
+    Ok(gpu.device.create_render_pipeline(&descriptor))
 }

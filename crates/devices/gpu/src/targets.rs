@@ -5,15 +5,15 @@
 //! construction. A fill reads depth and never writes it, so one surface pass serves any number of
 //! fills of the same view.
 
-use crate::attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, attached, target};
+use crate::attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, target};
 use crate::readback::read_texture;
-use crate::surface::TriangleRenderer;
+use crate::surface::{WgpuSurface, draw};
 use crate::{Gpu, PassTimer, TimedPass};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_contract::{
-    DeviceError, Picture, SKY, SurfaceView, ViewConstants, ViewId, check_target_size,
+    DeviceError, Picture, SurfaceTriangles, SurfaceView, ViewConstants, ViewId, check_target_size,
 };
 use terrafill_scene::ImageSize;
 
@@ -30,7 +30,7 @@ pub struct RenderTargets {
     timer: Option<PassTimer>,
     view_constants: wgpu::Buffer,
     bind_group: wgpu::BindGroup,
-    surface: TriangleRenderer,
+    surface: SurfaceTriangles<WgpuSurface>,
     /// The view whose surface is uploaded.
     prepared: Option<ViewId>,
     /// That surface is in the targets.
@@ -45,34 +45,15 @@ impl RenderTargets {
     pub fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, DeviceError> {
         let limit = gpu.device.limits().max_texture_dimension_2d;
         check_target_size(size, limit, &gpu.facts.name)?;
-        let device = &gpu.device;
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("surface"),
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Uniform,
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            }],
-        });
+        let uniform = wgpu::BufferBindingType::Uniform;
+        let layout = gpu.buffer_layout("surface", wgpu::ShaderStages::VERTEX_FRAGMENT, &[uniform]);
         let view_constants = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("view constants"),
             size: size_of::<ViewConstants>() as u64,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("surface"),
-            layout: &layout,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: view_constants.as_entire_binding(),
-            }],
-        });
+        let bind_group = gpu.bind_buffers("surface", &layout, &[&view_constants]);
         let copied = wgpu::TextureUsages::COPY_SRC;
         Ok(Self {
             gpu: Arc::clone(gpu),
@@ -88,7 +69,10 @@ impl RenderTargets {
             timer: PassTimer::new(gpu),
             view_constants,
             bind_group,
-            surface: TriangleRenderer::new(gpu, &layout),
+            surface: SurfaceTriangles::new(WgpuSurface {
+                gpu: Arc::clone(gpu),
+                view_layout: layout,
+            }),
             prepared: None,
             is_drawn: false,
         })
@@ -163,8 +147,7 @@ impl RenderTargets {
         let constants = ViewConstants::new(&view);
         self.gpu
             .write_buffer(&self.view_constants, 0, bytemuck::bytes_of(&constants));
-        self.surface.set_faces(view.draws_back_faces);
-        self.surface.prepare(view.surface, view.picture)?;
+        self.surface.prepare(&view)?;
         self.prepared = Some(view.id);
         Ok(())
     }
@@ -193,39 +176,17 @@ impl RenderTargets {
             return Err(DeviceError::Missing("view of a surface"));
         }
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let (colour, depth_stencil) = (self.colour_view(), self.depth_stencil_view());
-        let [r, g, b, a] = SKY.map(f64::from);
-        let sky = wgpu::Color { r, g, b, a };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("surface"),
-            color_attachments: &[Some(attached(&colour, wgpu::LoadOp::Clear(sky)))],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &depth_stencil,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Store,
-                }),
-                stencil_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0),
-                    store: wgpu::StoreOp::Store,
-                }),
-            }),
-            timestamp_writes: self.timer.as_ref().map(|t| t.around(TimedPass::Surface)),
-            ..Default::default()
-        });
+        let around = self.timer.as_ref().map(|t| t.around(TimedPass::Surface));
+        let mut pass = self.begin_cleared(&mut encoder, "surface", around);
         pass.set_bind_group(0, &self.bind_group, &[]);
-        self.surface.draw(&mut pass);
+        if let Some(surface) = self.surface.draws() {
+            draw(&mut pass, &surface);
+        }
         drop(pass);
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait()?;
         self.is_drawn = true;
-        match &self.timer {
-            Some(timer) => {
-                let stamps = timer.read(&self.gpu, TimedPass::Surface, TimedPass::Surface)?;
-                Ok(stamps.pass_ms(TimedPass::Surface))
-            }
-            None => Ok(None),
-        }
+        self.direct_ms()
     }
 
     /// Reads the targets back.

@@ -9,6 +9,7 @@
 
 use crate::picture::{bind_picture, bytes_of, picture_layout, upload_picture};
 use crate::readback::read_texture;
+use crate::render_pipeline::described;
 use crate::route_table::RouteTable;
 use crate::volume_pipeline::{colour_state, colour_target};
 use crate::{Gpu, RenderTargets};
@@ -280,7 +281,10 @@ impl TexturedFill {
                 label: Some(TEXTURED_COVER),
                 source: wgpu::ShaderSource::Wgsl(composed.into()),
             });
-        let table = RouteTable::new(gpu, cover)?;
+        let texels = cover.route_texels();
+        let stage = wgpu::ShaderStages::FRAGMENT;
+        let table = texels.map(|texels| RouteTable::new(gpu, &texels, stage));
+        let table = table.transpose()?;
         let groups: Vec<_> = self
             .bindings
             .iter()
@@ -314,25 +318,17 @@ impl TexturedFill {
         constants: &wgpu::Buffer,
         stride: u32,
     ) -> wgpu::BindGroup {
-        let device = &targets.gpu().device;
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("depth and textured regions"),
-            layout: &self.bindings[1],
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(&targets.depth_view()),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                        buffer: constants,
-                        offset: 0,
-                        size: std::num::NonZeroU64::new(u64::from(stride)),
-                    }),
-                },
-            ],
-        })
+        let depth = targets.depth_view();
+        let resources = [
+            wgpu::BindingResource::TextureView(&depth),
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: constants,
+                offset: 0,
+                size: std::num::NonZeroU64::new(u64::from(stride)),
+            }),
+        ];
+        let label = "depth and textured regions";
+        targets.gpu().bind(label, &self.bindings[1], resources)
     }
 
     fn pipeline(&self, gpu: &Gpu, key: CoverKey) -> wgpu::RenderPipeline {
@@ -342,30 +338,13 @@ impl TexturedFill {
             CoverPurpose::Probe => vec![Some(PROBE_FORMAT.into()); 2],
         };
         let constants = key.look.overrides.constants();
-        gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("textured cover"),
-            layout: Some(layout),
-            vertex: wgpu::VertexState {
-                module,
-                entry_point: Some("vertex_main"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: Some(colour_state(key.test)),
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module,
-                entry_point: Some(key.look.entry_point()),
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &constants,
-                    ..Default::default()
-                },
-                targets: &targets,
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+        let mut described = described("textured cover", layout, module, &targets);
+        described.depth_stencil = Some(colour_state(key.test));
+        if let Some(fragment) = &mut described.fragment {
+            fragment.entry_point = Some(key.look.entry_point());
+            fragment.compilation_options.constants = &constants;
+        }
+        gpu.create_render_pipeline(&described)
     }
 }
 

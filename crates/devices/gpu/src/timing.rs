@@ -4,14 +4,14 @@
 //! A pair of stamps that is zero, or runs backwards, was not measured: drivers produce such values
 //! (wgpu #6406, #9414), and a difference of them is no time.
 
-use crate::{Gpu, read_buffer};
+use crate::Gpu;
+use crate::queries::Queries;
 use terrafill_contract::DeviceError;
 
 /// Stamps of up to `PASSES` passes a frame.
 #[derive(Debug)]
 pub struct PassTimer {
-    queries: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
+    queries: Queries,
     period_ns: f64,
 }
 
@@ -72,20 +72,10 @@ impl PassTimer {
         if !gpu.facts.features.timestamps {
             return None;
         }
-        let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
-            label: Some("pass timestamps"),
-            ty: wgpu::QueryType::Timestamp,
-            count: 2 * PASSES,
-        });
-        let resolved = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("pass timestamps"),
-            size: u64::from(2 * PASSES) * 8,
-            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
+        let ty = wgpu::QueryType::Timestamp;
+        let queries = Queries::new(gpu, "pass timestamps", ty, 2 * PASSES, 1);
         Some(Self {
             queries,
-            resolved,
             period_ns: f64::from(gpu.timestamp_period_ns),
         })
     }
@@ -97,7 +87,7 @@ impl PassTimer {
         drop(encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("begin of a frame"),
             timestamp_writes: Some(wgpu::ComputePassTimestampWrites {
-                query_set: &self.queries,
+                query_set: &self.queries.set,
                 beginning_of_pass_write_index: Some(pass.first_query()),
                 end_of_pass_write_index: None,
             }),
@@ -118,10 +108,28 @@ impl PassTimer {
         end: Option<TimedPass>,
     ) -> wgpu::RenderPassTimestampWrites<'_> {
         wgpu::RenderPassTimestampWrites {
-            query_set: &self.queries,
+            query_set: &self.queries.set,
             beginning_of_pass_write_index: begin.map(TimedPass::first_query),
             end_of_pass_write_index: end.map(|pass| pass.first_query() + 1),
         }
+    }
+
+    /// As [`PassTimer::around`], of a pass of compute.
+    #[must_use]
+    pub fn around_compute(&self, pass: TimedPass) -> wgpu::ComputePassTimestampWrites<'_> {
+        wgpu::ComputePassTimestampWrites {
+            query_set: &self.queries.set,
+            beginning_of_pass_write_index: Some(pass.first_query()),
+            end_of_pass_write_index: Some(pass.first_query() + 1),
+        }
+    }
+
+    /// Duration of one pass, which has been drawn, milliseconds.
+    ///
+    /// # Errors
+    /// [`DeviceError::DeviceLost`].
+    pub fn pass_ms(&self, gpu: &Gpu, pass: TimedPass) -> Result<Option<f64>, DeviceError> {
+        Ok(self.read(gpu, pass, pass)?.pass_ms(pass))
     }
 
     /// Reads the stamps of the passes in `first..=last`, which must all have been drawn; other
@@ -136,14 +144,9 @@ impl PassTimer {
         last: TimedPass,
     ) -> Result<Stamps, DeviceError> {
         let range = first.first_query()..last.first_query() + 2;
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        encoder.resolve_query_set(&self.queries, range.clone(), &self.resolved, 0);
-        gpu.queue.submit([encoder.finish()]);
-        let bytes = read_buffer(gpu, &self.resolved)?;
         let mut ticks = [0; 2 * PASSES as usize];
-        let values: &[u64] = bytemuck::cast_slice(&bytes);
-        let count = range.len();
-        ticks[range.start as usize..range.end as usize].copy_from_slice(&values[..count]);
+        let values = self.queries.read(gpu, range.clone())?;
+        ticks[range.start as usize..range.end as usize].copy_from_slice(&values);
         Ok(Stamps {
             ticks,
             period_ns: self.period_ns,

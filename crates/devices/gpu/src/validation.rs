@@ -1,31 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Vulkan validation messages: caught, kept, and proved to be on.
 //!
-//! wgpu hands the layer's messages to the `log` crate. With `TERRAFILL_VALIDATION=1` a logger is
-//! installed that keeps every message of severity warning or error that comes from Vulkan. Each is
-//! appended to the file named by `TERRAFILL_VALIDATION_LOG` as one line: process id, severity, message
-//! id and text, separated by tabs. Silence alone proves nothing, so [`crate::make_deliberate_error`]
-//! commits an error that a working layer must report.
+//! wgpu hands the layer's messages to the `log` crate. With `TERRAFILL_VALIDATION=1` a logger is installed that
+//! keeps every message of severity warning or error that comes from Vulkan, as [`ValidationLog`] says.
 
-use std::fs::OpenOptions;
-use std::io::Write as _;
-use std::sync::{Mutex, Once, PoisonError};
+use std::sync::Once;
+use terrafill_contract::{ValidationLog, ValidationMessage};
 
-/// One message of the validation layer.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ValidationMessage {
-    /// `ERROR` or `WARN`.
-    pub severity: String,
-    /// `VUID-…` or another message id.
-    pub id: String,
-    /// What it says, on one line.
-    pub text: String,
-}
-
-static MESSAGES: Mutex<Vec<ValidationMessage>> = Mutex::new(Vec::new());
-
-/// Message id that [`crate::make_deliberate_error`] must bring about.
-pub const POSITIVE_CONTROL: &str = "VUID-VkBufferCreateInfo-size-00912";
+pub(crate) static LOG: ValidationLog = ValidationLog::new();
 
 /// Id given to synchronisation messages about depth that a pass attaches read-only and its fragment
 /// shaders read as well. wgpu-hal 30 ends every such pass with the store operation `STORE`. That counts
@@ -44,15 +26,7 @@ const STORE_AFTER_READ: [&str; 3] = [
 /// Messages so far in this process.
 #[must_use]
 pub fn messages() -> Vec<ValidationMessage> {
-    MESSAGES
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .clone()
-}
-
-/// Whether the environment asks for validation.
-pub(crate) fn is_requested() -> bool {
-    std::env::var("TERRAFILL_VALIDATION").is_ok_and(|value| value != "0")
+    LOG.messages()
 }
 
 /// Installs the logger once. A logger that is there already stays, and keeps nothing.
@@ -76,16 +50,10 @@ impl log::Log for VulkanLogger {
         if !self.enabled(record.metadata()) {
             return;
         }
-        let Some(message) = parse(&record.args().to_string(), record.level()) else {
-            return;
-        };
-        if let Ok(path) = std::env::var("TERRAFILL_VALIDATION_LOG") {
-            append(&path, &message);
+        let text = record.args().to_string();
+        if let Some((id, body)) = parse(&text) {
+            LOG.keep(record.level().as_str(), id, body);
         }
-        MESSAGES
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .push(message);
     }
 
     fn flush(&self) {}
@@ -94,70 +62,42 @@ impl log::Log for VulkanLogger {
 /// Reads `TYPE [id (0x…)]\n\ttext`. Lines about queues and objects that follow a message have no
 /// bracketed id and are dropped. A layer that was asked for and is not there says so without an
 /// id; that must not pass for silence.
-fn parse(text: &str, level: log::Level) -> Option<ValidationMessage> {
-    let one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
-    let message = |id: &str, text: &str| {
-        Some(ValidationMessage {
-            severity: level.to_string(),
-            id: id.to_owned(),
-            text: one_line(text),
-        })
-    };
+fn parse(text: &str) -> Option<(&str, &str)> {
     if text.contains("unable to find layer") {
-        return message("validation-layer-missing", text);
+        return Some(("validation-layer-missing", text));
     }
     let (head, body) = text.split_once('\n')?;
     let id = head.split_once('[')?.1.split_once(" (0x")?.0;
     let is_store = STORE_AFTER_READ.iter().all(|part| body.contains(part));
     if id == "SYNC-HAZARD-WRITE-AFTER-READ" && is_store {
-        return message(STORES_READ_ONLY_DEPTH, body);
+        return Some((STORES_READ_ONLY_DEPTH, body));
     }
-    message(id, body)
-}
-
-fn append(path: &str, message: &ValidationMessage) {
-    let line = format!(
-        "{}\t{}\t{}\t{}\n",
-        std::process::id(),
-        message.severity,
-        message.id,
-        message.text
-    );
-    // A log that cannot be written would hide every message.
-    let written = OpenOptions::new()
-        .create(true)
-        .append(true)
-        .open(path)
-        .and_then(|mut file| file.write_all(line.as_bytes()));
-    assert!(
-        written.is_ok(),
-        "TERRAFILL_VALIDATION_LOG={path}: {written:?}"
-    );
+    Some((id, body))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrafill_contract::POSITIVE_CONTROL;
 
     #[test]
     fn a_message_is_taken_apart() {
         let text =
             "VALIDATION [VUID-VkBufferCreateInfo-size-00912 (0x3d9)]\n\tValidation Error:\n bad";
-        let message = parse(text, log::Level::Error).expect("has an id");
-        assert_eq!(message.id, POSITIVE_CONTROL);
-        assert_eq!(message.severity, "ERROR");
-        assert_eq!(message.text, "Validation Error: bad");
+        let (id, body) = parse(text).expect("has an id");
+        assert_eq!(id, POSITIVE_CONTROL);
+        assert_eq!(body.trim(), "Validation Error:\n bad");
     }
 
     #[test]
     fn stores_of_read_only_depth_are_told_from_other_hazards() {
         let hazard = |body: &str| {
             let text = format!("VALIDATION [SYNC-HAZARD-WRITE-AFTER-READ (0x376bc9df)]\n\t{body}");
-            parse(&text, log::Level::Error).expect("has an id").id
+            parse(&text).expect("has an id").0.to_owned()
         };
         let body = STORE_AFTER_READ.join(" ");
         assert_eq!(hazard(&body), STORES_READ_ONLY_DEPTH);
-        // Twins: a store that clears, a write of another stage, a copy that read.
+        // Negative controls: a store that clears, a write of another stage, a copy that read.
         for part in STORE_AFTER_READ {
             let other = hazard(&body.replace(part, "something else"));
             assert_eq!(other, "SYNC-HAZARD-WRITE-AFTER-READ");
@@ -166,9 +106,9 @@ mod tests {
 
     #[test]
     fn trailing_lines_are_no_messages_but_a_missing_layer_is_one() {
-        assert_eq!(parse("\tobjects: (type: BUFFER)", log::Level::Error), None);
+        assert_eq!(parse("\tobjects: (type: BUFFER)"), None);
         let missing = "InstanceFlags::VALIDATION requested, but unable to find layer: X";
-        let message = parse(missing, log::Level::Warn).expect("kept");
-        assert_eq!(message.id, "validation-layer-missing");
+        let (id, _) = parse(missing).expect("kept");
+        assert_eq!(id, "validation-layer-missing");
     }
 }

@@ -3,7 +3,8 @@
 //!
 //! Reversed depth: what is nearer is greater. No pipeline here writes depth.
 
-use crate::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, Gpu};
+use crate::render_pipeline::{described, tested};
+use crate::{COLOUR_FORMAT, Gpu};
 use terrafill_contract::DeviceError;
 use terrafill_stencil::{DepthRule, FaceEffect, FaceSet, StencilRule, StencilTest, VolumeState};
 use terrafill_variant::FirstPass;
@@ -93,9 +94,10 @@ impl VolumeShader<'_> {
                 "region_colour",
                 Some(colour_target(blends)),
                 wgpu::DepthStencilState {
-                    depth_compare: Some(match is_before_surface {
-                        true => wgpu::CompareFunction::Greater,
-                        false => wgpu::CompareFunction::Always,
+                    depth_compare: Some(if is_before_surface {
+                        wgpu::CompareFunction::Greater
+                    } else {
+                        wgpu::CompareFunction::Always
                     }),
                     ..colour_state(test)
                 },
@@ -110,44 +112,29 @@ impl VolumeShader<'_> {
             }
         };
         let targets = [target.clone()];
-        gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("volume"),
-            layout: Some(self.layout),
-            vertex: wgpu::VertexState {
-                module: self.module,
-                entry_point: Some(self.vertex_entry),
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: self.constants,
-                    ..Default::default()
-                },
-                buffers: self.buffers,
-            },
-            primitive: wgpu::PrimitiveState {
-                topology: if self.strip_index_format.is_some() {
-                    wgpu::PrimitiveTopology::TriangleStrip
-                } else {
-                    wgpu::PrimitiveTopology::TriangleList
-                },
-                strip_index_format: self.strip_index_format,
-                front_face: self.front_face,
-                cull_mode: match state.faces() {
-                    FaceSet::Both => None,
-                    FaceSet::Front => Some(wgpu::Face::Back),
-                    FaceSet::Back => Some(wgpu::Face::Front),
-                },
-                ..Default::default()
-            },
-            depth_stencil: Some(depth_stencil),
-            multisample: Default::default(),
-            fragment: (target.is_some() || self.discards).then_some(wgpu::FragmentState {
-                module: self.module,
-                entry_point: Some(fragment_entry),
-                compilation_options: Default::default(),
-                targets: if target.is_some() { &targets } else { &[] },
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+        let targets = if target.is_some() { &targets[..] } else { &[] };
+        let mut described = described("volume", self.layout, self.module, targets);
+        described.vertex.entry_point = Some(self.vertex_entry);
+        described.vertex.compilation_options.constants = self.constants;
+        described.vertex.buffers = self.buffers;
+        if self.strip_index_format.is_some() {
+            described.primitive.topology = wgpu::PrimitiveTopology::TriangleStrip;
+        }
+        described.primitive.strip_index_format = self.strip_index_format;
+        described.primitive.front_face = self.front_face;
+        described.primitive.cull_mode = match state.faces() {
+            FaceSet::Both => None,
+            FaceSet::Front => Some(wgpu::Face::Back),
+            FaceSet::Back => Some(wgpu::Face::Front),
+        };
+        described.depth_stencil = Some(depth_stencil);
+        match &mut described.fragment {
+            Some(fragment) if target.is_some() || self.discards => {
+                fragment.entry_point = Some(fragment_entry);
+            }
+            fragment => *fragment = None,
+        }
+        gpu.create_render_pipeline(&described)
     }
 }
 
@@ -157,13 +144,7 @@ impl VolumeShader<'_> {
 /// [`DeviceError::Unsupported`].
 pub(crate) fn check_blendable(gpu: &Gpu) -> Result<(), DeviceError> {
     let needed = wgpu::Features::FLOAT32_BLENDABLE;
-    if gpu.device.features().contains(needed) {
-        return Ok(());
-    }
-    Err(DeviceError::unsupported(
-        "blending into 32-bit floats",
-        &gpu.facts.name,
-    ))
+    gpu.require(needed, "blending into 32-bit floats")
 }
 
 /// The colour target, written or blended into.
@@ -205,16 +186,6 @@ const ADDED: wgpu::BlendState = {
 /// Depth tested, and the stencil not; both left as they are.
 pub(crate) fn unchanged(compare: wgpu::CompareFunction) -> wgpu::DepthStencilState {
     tested(compare, wgpu::StencilState::default())
-}
-
-fn tested(compare: wgpu::CompareFunction, stencil: wgpu::StencilState) -> wgpu::DepthStencilState {
-    wgpu::DepthStencilState {
-        format: DEPTH_STENCIL_FORMAT,
-        depth_write_enabled: Some(false),
-        depth_compare: Some(compare),
-        stencil,
-        bias: Default::default(),
-    }
 }
 
 /// Fragments behind the surface are those that the depth test, `Greater`, fails: exactly the others,
@@ -284,9 +255,10 @@ pub(crate) fn colour_state(test: StencilTest) -> wgpu::DepthStencilState {
         write_mask: if test.zeroes { 0xff } else { 0 },
     };
     // At depth 0 a cover is as far as the sky.
-    let depth = match test.skips_sky {
-        true => wgpu::CompareFunction::Less,
-        false => wgpu::CompareFunction::Always,
+    let depth = if test.skips_sky {
+        wgpu::CompareFunction::Less
+    } else {
+        wgpu::CompareFunction::Always
     };
     tested(depth, stencil)
 }

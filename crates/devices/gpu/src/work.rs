@@ -22,6 +22,32 @@ impl Gpu {
         self.device.create_buffer(descriptor)
     }
 
+    /// Makes a flat texture of so many layers and levels. Whoever makes it counts what a fill needs of it.
+    #[must_use]
+    pub fn texture(
+        &self,
+        label: &str,
+        [width, height, depth_or_array_layers]: [u32; 3],
+        mip_level_count: u32,
+        format: wgpu::TextureFormat,
+        usage: wgpu::TextureUsages,
+    ) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers,
+            },
+            mip_level_count,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage,
+            view_formats: &[],
+        })
+    }
+
     /// A new buffer with these bytes, padded with zeros to a multiple of 4.
     ///
     /// # Errors
@@ -41,13 +67,7 @@ impl Gpu {
         } else {
             limits.max_buffer_size
         };
-        if size > allowed {
-            return Err(DeviceError::OverCapacity {
-                what: format!("bytes of {label}"),
-                found: size,
-                allowed,
-            });
-        }
+        DeviceError::check_capacity(&format!("bytes of {label}"), size, allowed)?;
         let buffer = self.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             // A buffer of 0 bytes is not allowed; an empty scene still draws its surface.
@@ -73,9 +93,10 @@ impl Gpu {
 
     /// Writes what a buffer has to hold over what it holds from its first byte on, where that differs.
     pub fn write_changed(&self, buffer: &wgpu::Buffer, before: &[u8], after: &[u8]) {
-        let changed = match before.len() == after.len() {
-            true => changed_words(before, after),
-            false => Some(0..after.len()),
+        let changed = if before.len() == after.len() {
+            changed_words(before, after)
+        } else {
+            Some(0..after.len())
         };
         if let Some(changed) = changed.filter(|changed| !changed.is_empty()) {
             self.write_buffer(buffer, changed.start as u64, &after[changed]);

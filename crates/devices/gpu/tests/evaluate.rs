@@ -5,9 +5,26 @@
 use std::sync::Arc;
 use terrafill_contract::DeviceError;
 use terrafill_gpu::{
-    EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluator, Gpu, GpuOptions, Kernel, KernelTable,
-    TableFormat, open_for_test,
+    EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, Evaluator, Gpu, GpuOptions, Kernel,
+    RouteTexelFormat, RouteTexels, open_for_test,
 };
+
+/// Answers of which one of the first `components` is NaN or infinite.
+fn non_finite(answer: &Evaluation, components: usize) -> usize {
+    let is_bad = |value: &&[f32; 4]| value.iter().take(components).any(|v| !v.is_finite());
+    answer.values.iter().filter(is_bad).count()
+}
+
+/// Single floats in one row.
+fn row(width: u32, is_filtered: bool, bytes: Vec<u8>) -> RouteTexels {
+    RouteTexels {
+        format: RouteTexelFormat::R32Float,
+        is_filtered,
+        size: [width, 1],
+        is_cube: false,
+        bytes,
+    }
+}
 
 /// A polynomial of the input's first component, with its coefficients as constants.
 const CUBIC: &str = "
@@ -65,7 +82,7 @@ fn more_inputs_than_a_dispatch_takes_are_taken_in_several() {
     let inputs = inputs(2 * EVALUATIONS_PER_DISPATCH + 5);
     let answer = evaluator.evaluate(&inputs).expect("runs");
     assert_eq!(answer.dispatches, 3);
-    assert_eq!(answer.non_finite(4), 0);
+    assert_eq!(non_finite(&answer, 4), 0);
     // Four roundings of numbers below 8.
     let bound = 4.0 * 8.0 * f64::from(f32::EPSILON);
     assert!(largest_error(&answer.values, &inputs) < bound);
@@ -106,12 +123,12 @@ fn what_is_not_finite_is_counted() {
         [1.0, f32::INFINITY, 0.0, 0.0],
     ];
     let answer = evaluator.evaluate(&inputs).expect("runs");
-    assert_eq!(answer.non_finite(2), 3, "{:?}", answer.values);
-    assert_eq!(answer.non_finite(1), 2, "1 / ∞ is 0");
-    assert_eq!(answer.non_finite(3), 4);
+    assert_eq!(non_finite(&answer, 2), 3, "{:?}", answer.values);
+    assert_eq!(non_finite(&answer, 1), 2, "1 / ∞ is 0");
+    assert_eq!(non_finite(&answer, 3), 4);
     // Twin: numbers only.
     let numbers = evaluator.evaluate(&inputs[..1]).expect("runs");
-    assert_eq!(numbers.non_finite(4), 0);
+    assert_eq!(non_finite(&numbers, 4), 0);
 }
 
 #[test]
@@ -132,15 +149,9 @@ fn what_it_cannot_take_is_said() {
         }
         other => panic!("{other:?}"),
     }
+    let texels = row(3, false, vec![0; 8]);
     let short = Kernel {
-        table: Some(KernelTable {
-            format: TableFormat::R32Float,
-            width: 3,
-            height: 1,
-            cube: false,
-            linear: false,
-            texels: &[0; 8],
-        }),
+        table: Some(&texels),
         ..Kernel::BASELINE
     };
     let message = Evaluator::new(&gpu, &short, 0).err().map(|e| e.to_string());
@@ -157,25 +168,19 @@ fn tables_are_read_by_texel_and_by_sampler() {
         .iter()
         .flat_map(|texel| texel.to_le_bytes())
         .collect();
-    let kernel = |linear| Kernel {
-        name: "table",
-        wgsl: "@group(1) @binding(0) var route_table: texture_2d<f32>;
-            @group(1) @binding(1) var route_sampler: sampler;",
-        constants: None,
-        call: "vec4f(textureLoad(route_table, vec2i(i32(x.x), 0), 0).x,
-            textureSampleLevel(route_table, route_sampler, vec2f((x.x + 1.0) * 0.25, 0.5), 0.0).x,
-            0.0, 0.0)",
-        table: Some(KernelTable {
-            format: TableFormat::R32Float,
-            width: 4,
-            height: 1,
-            cube: false,
-            linear,
-            texels: &texels,
-        }),
-    };
-    let first = |linear| {
-        let evaluator = Evaluator::new(&gpu, &kernel(linear), 0).expect("compiles");
+    let first = |is_filtered| {
+        let table = row(4, is_filtered, texels.clone());
+        let kernel = Kernel {
+            name: "table",
+            wgsl: "@group(1) @binding(0) var route_table: texture_2d<f32>;
+                @group(1) @binding(1) var route_sampler: sampler;",
+            constants: None,
+            call: "vec4f(textureLoad(route_table, vec2i(i32(x.x), 0), 0).x,
+                textureSampleLevel(route_table, route_sampler, vec2f((x.x + 1.0) * 0.25, 0.5), 0.0).x,
+                0.0, 0.0)",
+            table: Some(&table),
+        };
+        let evaluator = Evaluator::new(&gpu, &kernel, 0).expect("compiles");
         evaluator.evaluate(&[[0.0; 4]]).expect("runs").values[0]
     };
     // The sampler is read half way between the first two texels.
@@ -198,20 +203,20 @@ fn a_cube_is_read_by_direction() {
         .flatten()
         .flat_map(f32::to_le_bytes)
         .collect();
+    let faces = RouteTexels {
+        format: RouteTexelFormat::Rg32Float,
+        is_filtered: true,
+        size: [2; 2],
+        is_cube: true,
+        bytes: texels,
+    };
     let kernel = Kernel {
         name: "cube",
         wgsl: "@group(1) @binding(0) var route_cube: texture_cube<f32>;
             @group(1) @binding(1) var route_sampler: sampler;",
         constants: None,
         call: "vec4f(textureSampleLevel(route_cube, route_sampler, x.xyz, 0.0).xy, 0.0, 0.0)",
-        table: Some(KernelTable {
-            format: TableFormat::Rg32Float,
-            width: 2,
-            height: 2,
-            cube: true,
-            linear: true,
-            texels: &texels,
-        }),
+        table: Some(&faces),
     };
     let evaluator = Evaluator::new(&gpu, &kernel, 0).expect("compiles");
     let directions = [

@@ -2,9 +2,12 @@
 //! The vertex stage's footprint of a cone is the one that is followed in f64, within the bound. Skipped
 //! without a device; see `device.rs`.
 
+mod common;
+
+use common::evaluated;
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, FootprintMesher, Geodetic, MovingFootprint, SensorCone};
-use terrafill_gpu::{Evaluator, Gpu, GpuOptions, Kernel, open_for_test};
+use terrafill_gpu::{Gpu, GpuOptions, Kernel, open_for_test};
 use terrafill_shaders::shared_text;
 use terrafill_stencil::{FixedPoint, FootprintConstants};
 
@@ -33,18 +36,16 @@ fn worst_m(gpu: &Arc<Gpu>, wgsl: &str, mesher: &FootprintMesher, of: &MovingFoot
         call: "vec4f(footprint_from_apex_m(x.xy, constants), 0.0)",
         table: None,
     };
-    let evaluator = Evaluator::new(gpu, &kernel, 4).expect("compiles");
     let constants =
         FootprintConstants::new(&of.edge, &FixedPoint::for_mesh(&mesher.disc("disc", 0)));
     let vectors: [[f32; 4]; 4] = bytemuck::cast(constants);
-    evaluator.set_constants(&vectors).expect("room");
     let steps = mesher.steps().iter();
-    let inputs: Vec<[f32; 4]> = steps
-        .map(|&[cos, sin]| [cos as f32, sin as f32, 0.0, 0.0])
+    let inputs: Vec<[f32; 3]> = steps
+        .map(|&[cos, sin]| [cos as f32, sin as f32, 0.0])
         .collect();
-    let answer = evaluator.evaluate(&inputs).expect("runs");
-    assert_eq!(answer.values.len(), mesher.steps().len());
-    let off = answer.values.iter().zip(mesher.steps());
+    let values = evaluated(gpu, &kernel, &vectors, &inputs);
+    assert_eq!(values.len(), mesher.steps().len());
+    let off = values.iter().zip(mesher.steps());
     let off = off.map(|(value, &[cos, sin])| {
         let exact = of.edge.hit(cos, sin) - of.edge.apex_ecef;
         let found = [0, 1, 2].map(|axis| f64::from(value[axis]) - exact[axis]);
@@ -66,7 +67,7 @@ fn the_device_bends_a_disc_within_the_bound() {
         let found_m = worst_m(&gpu, wgsl, &mesher, &moving);
         eprintln!("{found_m:.3} m, at most {bound_m:.3} m");
         assert!(found_m <= bound_m, "{found_m} > {bound_m}");
-        // Twin: a formula of which one term is a ten-thousandth off is beyond it.
+        // Negative control: a formula of which one term is a ten-thousandth off is beyond it.
         let wrong = wgsl.replace("along * along -", "0.9999 * along * along -");
         assert_ne!(wrong, wgsl);
         let found_m = worst_m(&gpu, &wrong, &mesher, &moving);

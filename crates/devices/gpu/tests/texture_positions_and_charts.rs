@@ -2,105 +2,36 @@
 //! Position routes and charts on the device: their printed text as a compute shader, against the
 //! exact offsets and angles, the bounds and the emulation.
 
+mod common;
+
+use common::evaluated;
 use terrafill_core::{Ellipsoid, Geodetic};
-use terrafill_gpu::{Gpu, GpuOptions, open_for_test, read_buffer};
+use terrafill_gpu::{GpuOptions, Kernel, open_for_test};
 use terrafill_texture::{
     Arithmetic, Chart, CoordinateRoute, DepthFormat, DepthMapping, DepthStorage, MapExtent,
     MapRegion, PositionRoute, Program, Sample, View,
 };
 
-/// Invocations of a workgroup: whatever every device can do.
-const WORKGROUP: u32 = 64;
-
-/// A module that computes `call` for every input `p`.
-fn module_text(function: &str, constants_type: &str, call: &str) -> String {
-    format!(
-        "@group(0) @binding(0) var<uniform> constants: {constants_type};\n\
-         @group(0) @binding(1) var<storage, read> inputs: array<vec4f>;\n\
-         @group(0) @binding(2) var<storage, read_write> results: array<vec4f>;\n\
-         {function}\n\
-         @compute @workgroup_size({WORKGROUP})\n\
-         fn main(@builtin(global_invocation_id) id: vec3u) {{\n    \
-         if id.x < arrayLength(&inputs) {{\n        \
-         let p = inputs[id.x];\n        results[id.x] = {call};\n    }}\n}}\n"
-    )
-}
-
-fn position_text(route: PositionRoute, depth: &DepthFormat) -> String {
-    let call = "vec4f(fragment_offset(p.xy, p.z, constants), 0.0)";
-    module_text(&route.wgsl(depth), "PositionConstants", call)
-}
-
-fn chart_text(route: &CoordinateRoute) -> String {
-    let call = "vec4f(route_angles(p.xyz, constants), 0.0, 0.0)";
-    module_text(&route.wgsl(), "RouteConstants", call)
-}
-
-fn filled(gpu: &Gpu, usage: wgpu::BufferUsages, bytes: &[u8]) -> wgpu::Buffer {
-    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("texture"),
-        size: bytes.len() as u64,
-        usage: usage | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    gpu.queue.write_buffer(&buffer, 0, bytes);
-    buffer
-}
-
-/// What the device makes of `text` for these inputs.
-fn run(gpu: &Gpu, text: &str, constants: &[[f32; 4]], inputs: &[[f32; 3]]) -> Vec<[f32; 4]> {
-    let uniform = wgpu::BufferUsages::UNIFORM;
-    let constants = filled(gpu, uniform, bytemuck::cast_slice(constants));
-    let padded: Vec<[f32; 4]> = inputs.iter().map(|d| [d[0], d[1], d[2], 0.0]).collect();
-    let storage = wgpu::BufferUsages::STORAGE;
-    let input = filled(gpu, storage, bytemuck::cast_slice(&padded));
-    // NaN, so that a result that is never written shows.
-    let nothing = vec![[f32::NAN; 4]; inputs.len()];
-    let readable = storage | wgpu::BufferUsages::COPY_SRC;
-    let output = filled(gpu, readable, bytemuck::cast_slice(&nothing));
-    let module = gpu
-        .device
-        .create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("texture"),
-            source: wgpu::ShaderSource::Wgsl(text.into()),
-        });
-    let pipeline = gpu
-        .device
-        .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("texture"),
-            layout: None,
-            module: &module,
-            entry_point: Some("main"),
-            compilation_options: Default::default(),
-            cache: None,
-        });
-    let entries: Vec<_> = [&constants, &input, &output]
-        .into_iter()
-        .zip(0..)
-        .map(|(buffer, binding)| wgpu::BindGroupEntry {
-            binding,
-            resource: buffer.as_entire_binding(),
-        })
-        .collect();
-    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("texture"),
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &entries,
-    });
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    {
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        let count = u32::try_from(inputs.len()).expect("some thousands");
-        pass.dispatch_workgroups(count.div_ceil(WORKGROUP), 1, 1);
+/// Evaluates positions by a text of a route.
+fn position_kernel(wgsl: &str) -> Kernel<'_> {
+    Kernel {
+        name: "position",
+        wgsl,
+        constants: Some("PositionConstants"),
+        call: "vec4f(fragment_offset(x.xy, x.z, constants), 0.0)",
+        table: None,
     }
-    gpu.queue.submit([encoder.finish()]);
-    let bytes = read_buffer(gpu, &output).expect("readable");
-    bytemuck::cast_slice::<u8, f32>(&bytes)
-        .chunks_exact(4)
-        .map(|four| [four[0], four[1], four[2], four[3]])
-        .collect()
+}
+
+/// Evaluates angles by a text of a chart.
+fn chart_kernel(wgsl: &str) -> Kernel<'_> {
+    Kernel {
+        name: "chart",
+        wgsl,
+        constants: Some("RouteConstants"),
+        call: "vec4f(route_angles(x.xyz, constants), 0.0, 0.0)",
+        table: None,
+    }
 }
 
 /// How many results equal the emulation with `fma` rounded once or twice bit by bit.
@@ -178,8 +109,8 @@ fn positions_on_the_device_are_within_their_bound() {
             let inputs: Vec<[f32; 3]> = pixels().map(|[x, y]| [x, y, depth]).collect();
             for route in PositionRoute::ALL {
                 let constants = route.constants(&view, &region);
-                let text = position_text(route, &format);
-                let results = run(&gpu, &text, &constants, &inputs);
+                let text = route.wgsl(&format);
+                let results = evaluated(&gpu, &position_kernel(&text), &constants, &inputs);
                 let error = |result: &[f32; 4], input: &[f32; 3]| {
                     let pixel = [f64::from(input[0]), f64::from(input[1])];
                     let exact = view.exact_offset_m(&region, pixel, distance_m);
@@ -234,7 +165,8 @@ fn charts_on_the_device_are_within_their_residual() {
             let samples: Vec<Sample> = region.samples(2000).collect();
             let inputs: Vec<[f32; 3]> = samples.iter().map(|s| s.offset_m).collect();
             let constants = route.constants(&region);
-            let results = run(&gpu, &chart_text(&route), &constants, &inputs);
+            let text = route.wgsl();
+            let results = evaluated(&gpu, &chart_kernel(&text), &constants, &inputs);
             let worst = worst_angle(&samples, &results);
             let residual = route.residual(&region);
             let equal = equal_to_emulation(&route.program(), &constants, &inputs, &results);
@@ -279,18 +211,23 @@ fn a_wrong_text_is_noticed_on_the_device() {
     let samples: Vec<Sample> = region.samples(200).collect();
     let inputs: Vec<[f32; 3]> = samples.iter().map(|s| s.offset_m).collect();
     let constants = route.constants(&region);
-    let text = chart_text(&route);
+    let text = route.wgsl();
     let bound = route.residual(&region).max_rad;
-    let worst = |text: &str| worst_angle(&samples, &run(&gpu, text, &constants, &inputs));
-    assert!(worst(&text) <= 1.02 * bound);
+    let worst =
+        |kernel: &Kernel<'_>| worst_angle(&samples, &evaluated(&gpu, kernel, &constants, &inputs));
+    assert!(worst(&chart_kernel(&text)) <= 1.02 * bound);
     for (from, to) in [
         ("constants.c1.x", "constants.c1.y"),
         ("constants.c2.x", "constants.c2.z"),
         ("d.y", "d.z"),
-        ("p.xyz", "p.yxz"),
-        ("results[id.x] =", "results[id.x / 2u] ="),
     ] {
         assert!(text.contains(from), "{from}");
-        assert!(worst(&text.replace(from, to)) > 1.02 * bound, "{from}");
+        let wrong = text.replace(from, to);
+        assert!(worst(&chart_kernel(&wrong)) > 1.02 * bound, "{from}");
     }
+    let swapped = Kernel {
+        call: "vec4f(route_angles(x.yxz, constants), 0.0, 0.0)",
+        ..chart_kernel(&text)
+    };
+    assert!(worst(&swapped) > 1.02 * bound);
 }

@@ -4,14 +4,13 @@
 //!
 //! Here a driver's own `atan2` shows, which no emulation on the CPU can know.
 
-use terrafill_core::Ellipsoid;
-use terrafill_gpu::{Gpu, GpuOptions, open_for_test, read_buffer};
-use terrafill_texture::{
-    Arithmetic, CoordinateRoute, LookupTable, MapExtent, MapRegion, Sample, TexelFormat,
-};
+mod common;
 
-/// Invocations of a workgroup: whatever every device can do.
-const WORKGROUP: u32 = 64;
+use common::evaluated;
+use std::sync::Arc;
+use terrafill_core::Ellipsoid;
+use terrafill_gpu::{Gpu, GpuOptions, Kernel, RouteTexels, open_for_test};
+use terrafill_texture::{Arithmetic, CoordinateRoute, MapExtent, MapRegion, Sample};
 
 fn route(name: &str) -> CoordinateRoute {
     CoordinateRoute::parse(name).unwrap_or_else(|| panic!("{name}: no such route"))
@@ -23,159 +22,30 @@ fn region(latitude: f64, size: f64) -> MapRegion {
     MapRegion::new(Ellipsoid::WGS84, extent, (-11e3, 9e3)).expect("a region")
 }
 
-/// A module that runs `route_angles` over a buffer of offsets.
+/// The text of a route, its table declared.
 fn shader_text(route: &CoordinateRoute) -> String {
     let program = route.program();
-    let table = program
-        .table()
-        .map_or(String::new(), |table| table.declarations(0, 3));
-    format!(
-        "@group(0) @binding(0) var<uniform> constants: RouteConstants;\n\
-         @group(0) @binding(1) var<storage, read> offsets: array<vec4f>;\n\
-         @group(0) @binding(2) var<storage, read_write> angles: array<vec2f>;\n\
-         {table}{}\n\
-         @compute @workgroup_size({WORKGROUP})\n\
-         fn main(@builtin(global_invocation_id) id: vec3u) {{\n    \
-         if id.x < arrayLength(&offsets) {{\n        \
-         angles[id.x] = route_angles(offsets[id.x].xyz, constants);\n    }}\n}}\n",
-        route.wgsl()
-    )
-}
-
-fn filled(gpu: &Gpu, usage: wgpu::BufferUsages, bytes: &[u8]) -> wgpu::Buffer {
-    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("route"),
-        size: bytes.len() as u64,
-        usage: usage | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    gpu.queue.write_buffer(&buffer, 0, bytes);
-    buffer
-}
-
-fn uploaded(gpu: &Gpu, table: &LookupTable) -> wgpu::TextureView {
-    let format = match table.format() {
-        TexelFormat::R8Unorm => wgpu::TextureFormat::R8Unorm,
-        TexelFormat::R16Unorm => wgpu::TextureFormat::R16Unorm,
-        TexelFormat::R16Float => wgpu::TextureFormat::R16Float,
-        TexelFormat::R32Float => wgpu::TextureFormat::R32Float,
-    };
-    let width = u32::try_from(table.texels()).expect("a table's length");
-    let size = wgpu::Extent3d {
-        width,
-        height: 1,
-        depth_or_array_layers: 1,
-    };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("route's table"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    let layout = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: None,
-        rows_per_image: None,
-    };
-    gpu.queue
-        .write_texture(texture.as_image_copy(), &table.bytes(), layout, size);
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+    RouteTexels::declarations(&program, 1) + &program.wgsl()
 }
 
 /// What the device makes of `text` for these offsets.
 fn run(
-    gpu: &Gpu,
+    gpu: &Arc<Gpu>,
     route: &CoordinateRoute,
     text: &str,
     constants: &[[f32; 4]],
     offsets: &[[f32; 3]],
 ) -> Vec<[f32; 2]> {
-    let constants = filled(
-        gpu,
-        wgpu::BufferUsages::UNIFORM,
-        bytemuck::cast_slice(constants),
-    );
-    let padded: Vec<[f32; 4]> = offsets.iter().map(|d| [d[0], d[1], d[2], 0.0]).collect();
-    let input = filled(
-        gpu,
-        wgpu::BufferUsages::STORAGE,
-        bytemuck::cast_slice(&padded),
-    );
-    let empty = vec![0_u8; offsets.len() * 8];
-    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-    let output = filled(gpu, usage, &empty);
-    let module = gpu
-        .device
-        .create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("route"),
-            source: wgpu::ShaderSource::Wgsl(text.into()),
-        });
-    let pipeline = gpu
-        .device
-        .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("route"),
-            layout: None,
-            module: &module,
-            entry_point: Some("main"),
-            compilation_options: Default::default(),
-            cache: None,
-        });
-    let program = route.program();
-    let view = program.table().map(|table| uploaded(gpu, table));
-    let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        ..Default::default()
-    });
-    let mut entries = vec![
-        wgpu::BindGroupEntry {
-            binding: 0,
-            resource: constants.as_entire_binding(),
-        },
-        wgpu::BindGroupEntry {
-            binding: 1,
-            resource: input.as_entire_binding(),
-        },
-        wgpu::BindGroupEntry {
-            binding: 2,
-            resource: output.as_entire_binding(),
-        },
-    ];
-    if let Some(view) = &view {
-        entries.push(wgpu::BindGroupEntry {
-            binding: 3,
-            resource: wgpu::BindingResource::TextureView(view),
-        });
-    }
-    if text.contains("route_sampler") {
-        entries.push(wgpu::BindGroupEntry {
-            binding: 4,
-            resource: wgpu::BindingResource::Sampler(&sampler),
-        });
-    }
-    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("route"),
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &entries,
-    });
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    {
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        let count = u32::try_from(offsets.len()).expect("some thousands");
-        pass.dispatch_workgroups(count.div_ceil(WORKGROUP), 1, 1);
-    }
-    gpu.queue.submit([encoder.finish()]);
-    let bytes = read_buffer(gpu, &output).expect("readable");
-    bytemuck::cast_slice::<u8, f32>(&bytes)
-        .chunks_exact(2)
-        .map(|pair| [pair[0], pair[1]])
-        .collect()
+    let table = RouteTexels::of(&route.program());
+    let kernel = Kernel {
+        name: "route",
+        wgsl: text,
+        constants: Some("RouteConstants"),
+        call: "vec4f(route_angles(x.xyz, constants), 0.0, 0.0)",
+        table: table.as_ref(),
+    };
+    let answers = evaluated(gpu, &kernel, constants, offsets).into_iter();
+    answers.map(|[x, y, ..]| [x, y]).collect()
 }
 
 /// Largest differences of angles, longitude the short way round: from the exact ones, and from the
@@ -309,7 +179,7 @@ fn every_kind_of_route_is_within_its_residual_on_the_device() {
 
 #[test]
 fn a_wrong_shader_leaves_its_residual_on_the_device() {
-    // The twin: the same comparison of texts that are not the route's.
+    // Negative control: the same comparison of texts that are not the route's.
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };

@@ -208,20 +208,8 @@ struct Drawn {
 }
 
 fn frame_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
-    gpu.device
-        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: None,
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Uniform,
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            }],
-        })
+    let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+    gpu.buffer_layout("view", stages, &[wgpu::BufferBindingType::Uniform])
 }
 
 fn draw(gpu: &Arc<Gpu>, input: &FillInput, plan: &TexturedPlan) -> Result<Drawn, DeviceError> {
@@ -229,14 +217,7 @@ fn draw(gpu: &Arc<Gpu>, input: &FillInput, plan: &TexturedPlan) -> Result<Drawn,
     targets.prepare(input).expect("fits");
     targets.draw_surface().expect("draws");
     let layout = frame_layout(gpu);
-    let frame_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &layout,
-        entries: &[wgpu::BindGroupEntry {
-            binding: 0,
-            resource: targets.view_constants().as_entire_binding(),
-        }],
-    });
+    let frame_group = gpu.bind_buffers("view", &layout, &[targets.view_constants()]);
     let mut fill = TexturedFill::new(gpu, &layout);
     let texture = input.scene.texture.as_ref().expect("a picture");
     fill.upload_image(gpu, &texture.image, 1)?;
@@ -696,7 +677,7 @@ fn a_magnified_region_looks_the_same_without_looking_for_levels() {
             assert!(largest < 1.0, "{told}");
             assert_eq!(said.rgba, other.rgba, "{told}");
         } else if largest > 2.0 {
-            // Twin: level 0 where a pixel spans more than its texels shows.
+            // Negative control: level 0 where a pixel spans more than its texels shows.
             assert_ne!(said.rgba, other.rgba, "{told}");
         }
         // The bound says so of what is looked at from straight above, well before it is so.
@@ -744,7 +725,7 @@ fn a_superfluous_normalize_moves_texels_by_rounding_alone() {
         compared += 1;
         moved += usize::from(apart > 0.0);
     }
-    // Twin: were it not drawn at all, nothing would move.
+    // Negative control: were it not drawn at all, nothing would move.
     assert!(compared > 50 && moved > 0, "{moved} of {compared}");
 }
 
@@ -784,7 +765,7 @@ fn a_floor_reads_its_depth_and_samples_once_where_another_fill_would() {
         assert!(off.iter().all(|&off| off < 1e-6), "{found:?} {expected:?}");
         elsewhere += usize::from((found[0] - other.place.uv[0]).abs() > 1e-3);
     }
-    // Twin: where it samples is not where the map would.
+    // Negative control: where it samples is not where the map would.
     assert!(elsewhere > 1000, "{elsewhere}");
     assert_ne!(drawn.rgba, mapped.rgba);
 }
@@ -806,7 +787,7 @@ fn cleared_depth_never_reaches_the_map() {
         assert_eq!(*depth > 0.0, pixel[3] == 255);
     }
     assert_eq!(Errors::of(&sight, &drawn).non_finite, 0);
-    // Twin: let in, the cleared depth is no number any more.
+    // Negative control: let in, the cleared depth is no number any more.
     let cover = &plan.covers[0];
     let offset = plan
         .position
@@ -918,7 +899,7 @@ fn a_second_view_of_as_many_regions_makes_nothing_and_writes_what_changed() {
     };
     fill.ensure(&gpu, another, CoverPurpose::Colour, &[0]);
     assert_eq!((gpu.work_done() - before).pipeline_creations, 1);
-    // Twin: what the pipeline has to be told makes another one.
+    // Negative control: what the pipeline has to be told makes another one.
     let masked = StencilTest {
         read_mask: EVERYWHERE.read_mask ^ 1,
         ..EVERYWHERE

@@ -5,7 +5,8 @@
 //! needed: viewports of negative height, SPIR-V 1.3.
 
 use crate::failure::failure;
-use crate::fixtures::{DEPTH_STENCIL_FORMAT, Fixtures, NUMBER_FORMAT};
+use crate::features::{Chained, Features, Physical};
+use crate::fixtures::{DEPTH_STENCIL_FORMAT, Fixtures};
 use crate::shader_modules::ShaderModules;
 use crate::validation;
 use ash::{ext, khr, vk};
@@ -13,58 +14,9 @@ use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use terrafill_contract::{
-    DeviceError, DeviceLoss, DeviceType, THIS_MACHINE, WorkCounters, WorkDone, choose_adapter,
-    device_for_test,
+    DeviceError, DeviceLoss, DeviceOptions, DeviceType, THIS_MACHINE, ValidationLog, WorkCounters,
+    WorkDone, choose_adapter, device_for_test,
 };
-
-/// How to choose a device.
-#[derive(Debug, Clone, Default)]
-pub struct GpuOptions {
-    /// Part of the adapter's name, case ignored; the first that fits is taken. `None`: a discrete
-    /// GPU before an integrated one before a software one.
-    pub adapter: Option<String>,
-    /// Turn validation layers on; also on with `TERRAFILL_VALIDATION=1`.
-    pub validation: bool,
-    /// Where a loss of the device is reported.
-    pub loss: DeviceLoss,
-}
-
-/// What an adapter can do that not every one can.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Features {
-    /// Geometry shaders.
-    pub geometry_shader: bool,
-    /// Pipeline statistics queries.
-    pub pipeline_statistics: bool,
-    /// Occlusion queries that count samples.
-    pub occlusion_query_precise: bool,
-    /// The depth bounds test.
-    pub depth_bounds: bool,
-    /// Depth clamping; with an infinite far plane nothing here needs it.
-    pub depth_clamp: bool,
-    /// Timestamps on the graphics queue.
-    pub timestamps: bool,
-    /// Blending into `R32_SFLOAT`.
-    pub blends_float: bool,
-    /// Shaders can read the depth that the surface left.
-    pub samples_depth: bool,
-    /// Mesh shaders.
-    pub mesh_shader: bool,
-    /// Task shaders, which start them.
-    pub task_shader: bool,
-    /// What vertices become can be kept in a buffer.
-    pub transform_feedback: bool,
-    /// Views that one draw goes to, at most; 0 without multiview.
-    pub max_views: u32,
-    /// Vertex shaders can choose the layer that they draw into.
-    pub vertex_layer: bool,
-    /// Shaders can ask what a ray meets.
-    pub ray_query: bool,
-    /// One call draws by many commands in a buffer, each with an instance number of its own.
-    pub draws_listed: bool,
-    /// Shaders can index arrays of sampled images by any number.
-    pub image_arrays: bool,
-}
 
 /// What a device is, for reports.
 pub type DeviceFacts = terrafill_contract::DeviceFacts<Features>;
@@ -128,14 +80,14 @@ impl Api {
         let mut layers = Vec::new();
         let mut extensions = Vec::new();
         if validation {
-            validation::open_log()?;
+            validation::LOG.open()?;
             if has_layer(&entry, validation::LAYER)? {
                 layers.push(validation::LAYER.as_ptr());
                 extensions.push(ext::debug_utils::NAME.as_ptr());
             } else {
                 // Must not pass for silence.
                 let words = "validation is asked for and the layer is not installed";
-                validation::keep("WARN", "validation-layer-missing", words);
+                validation::LOG.keep("WARN", "validation-layer-missing", words);
             }
         }
         let application = vk::ApplicationInfo::default()
@@ -214,7 +166,6 @@ struct Adapter {
     raw: vk::PhysicalDevice,
     device_type: DeviceType,
     limits: vk::PhysicalDeviceLimits,
-    features: vk::PhysicalDeviceFeatures,
     queue_family: Option<u32>,
     /// Attachments need not be stored.
     has_no_store: bool,
@@ -238,15 +189,21 @@ impl Adapter {
     fn new(instance: &ash::Instance, raw: vk::PhysicalDevice) -> Self {
         // SAFETY: the device is the instance's, and this is of Vulkan 1.0.
         let plain = unsafe { instance.get_physical_device_properties(raw) };
-        let mut driver = vk::PhysicalDeviceDriverProperties::default();
-        let mut ids = vk::PhysicalDeviceIDProperties::default();
-        if plain.api_version >= vk::API_VERSION_1_2 {
-            let mut properties = vk::PhysicalDeviceProperties2::default()
-                .push_next(&mut driver)
-                .push_next(&mut ids);
-            // SAFETY: the structures are of Vulkan 1.1 and 1.2, which both sides have.
-            unsafe { instance.get_physical_device_properties2(raw, &mut properties) };
-        }
+        let physical = Physical {
+            instance,
+            raw,
+            version: plain.api_version,
+        };
+        let is_new = plain.api_version >= vk::API_VERSION_1_2;
+        let (driver, ids): (
+            vk::PhysicalDeviceDriverProperties<'_>,
+            vk::PhysicalDeviceIDProperties<'_>,
+        ) = if is_new {
+            // SAFETY: of Vulkan 1.2, and of 1.1.
+            unsafe { (physical.properties(), physical.properties()) }
+        } else {
+            Default::default()
+        };
         // SAFETY: as above.
         let features = unsafe { instance.get_physical_device_features(raw) };
         // SAFETY: as above.
@@ -254,16 +211,12 @@ impl Adapter {
         let family = (0..)
             .zip(&families)
             .find(|(_, family)| family.queue_flags.contains(vk::QueueFlags::GRAPHICS));
-        // SAFETY: as above.
-        let format =
-            unsafe { instance.get_physical_device_format_properties(raw, DEPTH_STENCIL_FORMAT) };
-        // SAFETY: as above.
-        let numbers = unsafe { instance.get_physical_device_format_properties(raw, NUMBER_FORMAT) };
-        let blends_and_reads =
-            vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND | vk::FormatFeatureFlags::SAMPLED_IMAGE;
-        let attachable = format
-            .optimal_tiling_features
-            .contains(vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT);
+        let format = physical.tiling_features(DEPTH_STENCIL_FORMAT);
+        let attachable = format.contains(vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT);
+        let own = Features {
+            timestamps: family.is_some_and(|(_, family)| family.timestamp_valid_bits > 0),
+            ..physical.asked(&features)
+        };
         let mut lacks = Vec::new();
         if plain.api_version < vk::API_VERSION_1_1 {
             lacks.push("Vulkan 1.1".to_owned());
@@ -281,17 +234,13 @@ impl Adapter {
             vk::PhysicalDeviceType::CPU => DeviceType::Cpu,
             _ => DeviceType::Other,
         };
-        let is = |feature: vk::Bool32| feature == vk::TRUE;
-        let mesh = mesh_shaders(instance, raw, plain.api_version);
-        let has_rays = has_ray_query(instance, raw, plain.api_version);
         Self {
             raw,
             device_type,
             limits: plain.limits,
-            features,
             queue_family: family.map(|(index, _)| index),
             has_no_store: plain.api_version >= vk::API_VERSION_1_3,
-            scratch_alignment: scratch_alignment(instance, raw, has_rays),
+            scratch_alignment: physical.scratch_alignment(own.ray_query),
             facts: DeviceFacts {
                 name: text(plain.device_name_as_c_str()),
                 device_type: device_type.name(),
@@ -300,150 +249,11 @@ impl Adapter {
                 driver: text(driver.driver_name_as_c_str()),
                 driver_info: text(driver.driver_info_as_c_str()),
                 driver_uuid: hexadecimal(&ids.driver_uuid),
-                features: Features {
-                    geometry_shader: is(features.geometry_shader),
-                    pipeline_statistics: is(features.pipeline_statistics_query),
-                    occlusion_query_precise: is(features.occlusion_query_precise),
-                    depth_bounds: is(features.depth_bounds),
-                    depth_clamp: is(features.depth_clamp),
-                    mesh_shader: mesh.is_some(),
-                    task_shader: mesh.is_some_and(|has_task| has_task),
-                    transform_feedback: has_feedback(instance, raw, plain.api_version),
-                    max_views: max_views(instance, raw, plain.api_version),
-                    vertex_layer: has_extension(
-                        instance,
-                        raw,
-                        ext::shader_viewport_index_layer::NAME,
-                    ),
-                    ray_query: has_rays,
-                    draws_listed: is(features.multi_draw_indirect)
-                        && is(features.draw_indirect_first_instance),
-                    image_arrays: has_image_arrays(instance, raw, plain.api_version),
-                    blends_float: numbers.optimal_tiling_features.contains(blends_and_reads),
-                    samples_depth: format
-                        .optimal_tiling_features
-                        .contains(vk::FormatFeatureFlags::SAMPLED_IMAGE),
-                    timestamps: family.is_some_and(|(_, family)| family.timestamp_valid_bits > 0),
-                },
+                features: own,
                 lacks,
             },
         }
     }
-}
-
-fn has_extension(instance: &ash::Instance, raw: vk::PhysicalDevice, name: &CStr) -> bool {
-    // SAFETY: the device is the instance's.
-    let extensions = unsafe { instance.enumerate_device_extension_properties(raw) };
-    extensions
-        .unwrap_or_default()
-        .iter()
-        .any(|extension| extension.extension_name_as_c_str() == Ok(name))
-}
-
-fn has_feedback(instance: &ash::Instance, raw: vk::PhysicalDevice, api_version: u32) -> bool {
-    if api_version < vk::API_VERSION_1_1
-        || !has_extension(instance, raw, ext::transform_feedback::NAME)
-    {
-        return false;
-    }
-    let mut feedback = vk::PhysicalDeviceTransformFeedbackFeaturesEXT::default();
-    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut feedback);
-    // SAFETY: of Vulkan 1.1, and what is chained is of an extension that is there.
-    unsafe { instance.get_physical_device_features2(raw, &mut features) };
-    feedback.transform_feedback == vk::TRUE
-}
-
-/// Whether arrays of sampled images are of any length and freely indexed.
-fn has_image_arrays(instance: &ash::Instance, raw: vk::PhysicalDevice, api_version: u32) -> bool {
-    if api_version < vk::API_VERSION_1_2 {
-        return false;
-    }
-    let mut indexing = vk::PhysicalDeviceDescriptorIndexingFeatures::default();
-    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut indexing);
-    // SAFETY: of Vulkan 1.2.
-    unsafe { instance.get_physical_device_features2(raw, &mut features) };
-    indexing.runtime_descriptor_array == vk::TRUE
-        && indexing.shader_sampled_image_array_non_uniform_indexing == vk::TRUE
-}
-
-/// Views of a multiview pass; 0 without the feature.
-fn max_views(instance: &ash::Instance, raw: vk::PhysicalDevice, api_version: u32) -> u32 {
-    if api_version < vk::API_VERSION_1_1 {
-        return 0;
-    }
-    let mut multiview = vk::PhysicalDeviceMultiviewFeatures::default();
-    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut multiview);
-    let mut limits = vk::PhysicalDeviceMultiviewProperties::default();
-    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut limits);
-    // SAFETY: both are of Vulkan 1.1.
-    unsafe {
-        instance.get_physical_device_features2(raw, &mut features);
-        instance.get_physical_device_properties2(raw, &mut properties);
-    }
-    match multiview.multiview == vk::TRUE {
-        true => limits.max_multiview_view_count,
-        false => 0,
-    }
-}
-
-/// Whether there are task shaders where there are mesh shaders; these need SPIR-V 1.4, which Vulkan 1.2 has.
-fn mesh_shaders(
-    instance: &ash::Instance,
-    raw: vk::PhysicalDevice,
-    api_version: u32,
-) -> Option<bool> {
-    if api_version < vk::API_VERSION_1_2 {
-        return None;
-    }
-    let is_there = has_extension(instance, raw, ext::mesh_shader::NAME);
-    let mut mesh = vk::PhysicalDeviceMeshShaderFeaturesEXT::default();
-    let mut features = vk::PhysicalDeviceFeatures2::default();
-    if is_there {
-        features = features.push_next(&mut mesh);
-    }
-    // SAFETY: of Vulkan 1.1, and what is chained is of an extension that is there.
-    unsafe { instance.get_physical_device_features2(raw, &mut features) };
-    (mesh.mesh_shader == vk::TRUE).then_some(mesh.task_shader == vk::TRUE)
-}
-
-/// What rays in shaders need besides Vulkan 1.2, which has SPIR-V 1.4 and the extensions that these lean on.
-const RAY_EXTENSIONS: [&CStr; 3] = [
-    khr::acceleration_structure::NAME,
-    khr::deferred_host_operations::NAME,
-    khr::ray_query::NAME,
-];
-
-fn has_ray_query(instance: &ash::Instance, raw: vk::PhysicalDevice, api_version: u32) -> bool {
-    let is_there = |name| has_extension(instance, raw, name);
-    if api_version < vk::API_VERSION_1_2 || !RAY_EXTENSIONS.into_iter().all(is_there) {
-        return false;
-    }
-    let mut addresses = vk::PhysicalDeviceBufferDeviceAddressFeatures::default();
-    let mut trees = vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default();
-    let mut rays = vk::PhysicalDeviceRayQueryFeaturesKHR::default();
-    let mut features = vk::PhysicalDeviceFeatures2::default()
-        .push_next(&mut addresses)
-        .push_next(&mut trees)
-        .push_next(&mut rays);
-    // SAFETY: of Vulkan 1.1, and what is chained is of Vulkan 1.2 or of extensions that are there.
-    unsafe { instance.get_physical_device_features2(raw, &mut features) };
-    let all = [
-        addresses.buffer_device_address,
-        trees.acceleration_structure,
-        rays.ray_query,
-    ];
-    all == [vk::TRUE; 3]
-}
-
-fn scratch_alignment(instance: &ash::Instance, raw: vk::PhysicalDevice, has_rays: bool) -> u64 {
-    if !has_rays {
-        return 1;
-    }
-    let mut trees = vk::PhysicalDeviceAccelerationStructurePropertiesKHR::default();
-    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut trees);
-    // SAFETY: of Vulkan 1.1, and what is chained is of an extension that is there.
-    unsafe { instance.get_physical_device_properties2(raw, &mut properties) };
-    u64::from(trees.min_acceleration_structure_scratch_offset_alignment).max(1)
 }
 
 /// Every Vulkan adapter of this machine, in the order in which [`Gpu::open`] prefers them.
@@ -461,8 +271,8 @@ impl Gpu {
     /// # Errors
     /// [`DeviceError::Unsupported`] when there is no loader, no adapter, none by that name, or it
     /// lacks something.
-    pub fn open(options: &GpuOptions) -> Result<Arc<Self>, DeviceError> {
-        let api = Api::load(options.validation || validation::is_requested())?;
+    pub fn open(options: &DeviceOptions) -> Result<Arc<Self>, DeviceError> {
+        let api = Api::load(options.validation || ValidationLog::is_requested())?;
         let all = api.adapters()?;
         let names: Vec<&str> = all.iter().map(|a| a.facts.name.as_str()).collect();
         let adapter = &all[choose_adapter(&names, options.adapter.as_deref())?];
@@ -484,70 +294,24 @@ impl Gpu {
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(family)
             .queue_priorities(&priorities)];
-        let has = adapter.features;
+        let own = adapter.facts.features;
         let features = vk::PhysicalDeviceFeatures::default()
             // Every driver has it, and wgpu asks for it too.
             .robust_buffer_access(true)
-            .geometry_shader(has.geometry_shader == vk::TRUE)
-            .pipeline_statistics_query(has.pipeline_statistics_query == vk::TRUE)
-            .occlusion_query_precise(has.occlusion_query_precise == vk::TRUE)
-            .depth_bounds(has.depth_bounds == vk::TRUE)
-            .depth_clamp(has.depth_clamp == vk::TRUE)
-            .multi_draw_indirect(has.multi_draw_indirect == vk::TRUE)
-            .draw_indirect_first_instance(has.draw_indirect_first_instance == vk::TRUE);
-        let has_mesh = adapter.facts.features.mesh_shader;
-        let mut mesh_features = vk::PhysicalDeviceMeshShaderFeaturesEXT::default()
-            .mesh_shader(true)
-            .task_shader(adapter.facts.features.task_shader);
-        let has_feedback = adapter.facts.features.transform_feedback;
-        let mut feedback_features =
-            vk::PhysicalDeviceTransformFeedbackFeaturesEXT::default().transform_feedback(true);
-        let has_rays = adapter.facts.features.ray_query;
-        let mut address_features =
-            vk::PhysicalDeviceBufferDeviceAddressFeatures::default().buffer_device_address(true);
-        let mut tree_features = vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default()
-            .acceleration_structure(true);
-        let mut ray_features = vk::PhysicalDeviceRayQueryFeaturesKHR::default().ray_query(true);
-        let of_rays = RAY_EXTENSIONS.map(|name| (has_rays, name));
-        let extensions: Vec<_> = [
-            (has_mesh, ext::mesh_shader::NAME),
-            (has_feedback, ext::transform_feedback::NAME),
-            (
-                adapter.facts.features.vertex_layer,
-                ext::shader_viewport_index_layer::NAME,
-            ),
-        ]
-        .into_iter()
-        .chain(of_rays)
-        .filter(|(has, _)| *has)
-        .map(|(_, name)| name.as_ptr())
-        .collect();
-        let mut info = vk::DeviceCreateInfo::default()
+            .geometry_shader(own.geometry_shader)
+            .pipeline_statistics_query(own.pipeline_statistics)
+            .occlusion_query_precise(own.occlusion_query_precise)
+            .depth_bounds(own.depth_bounds)
+            .depth_clamp(own.depth_clamp)
+            .multi_draw_indirect(own.draws_listed)
+            .draw_indirect_first_instance(own.draws_listed);
+        let extensions = own.extensions();
+        let mut chained = Chained::new(&own);
+        let info = vk::DeviceCreateInfo::default()
             .queue_create_infos(&queues)
             .enabled_features(&features)
             .enabled_extension_names(&extensions);
-        if has_mesh {
-            info = info.push_next(&mut mesh_features);
-        }
-        let mut multiview_features = vk::PhysicalDeviceMultiviewFeatures::default().multiview(true);
-        if adapter.facts.features.max_views > 0 {
-            info = info.push_next(&mut multiview_features);
-        }
-        let mut indexing_features = vk::PhysicalDeviceDescriptorIndexingFeatures::default()
-            .runtime_descriptor_array(true)
-            .shader_sampled_image_array_non_uniform_indexing(true);
-        if adapter.facts.features.image_arrays {
-            info = info.push_next(&mut indexing_features);
-        }
-        if has_feedback {
-            info = info.push_next(&mut feedback_features);
-        }
-        if has_rays {
-            info = info
-                .push_next(&mut address_features)
-                .push_next(&mut tree_features)
-                .push_next(&mut ray_features);
-        }
+        let info = chained.onto(info, &own);
         // SAFETY: the family, the features and the extensions are the adapter's.
         let device = unsafe { api.instance.create_device(adapter.raw, &info, None) }
             .map_err(|error| failure(error, "device", 0))?;
@@ -569,14 +333,18 @@ impl Gpu {
             api.instance
                 .get_physical_device_memory_properties(adapter.raw)
         };
-        let mesh = has_mesh.then(|| ext::mesh_shader::Device::new(&api.instance, &device));
-        let trees =
-            has_rays.then(|| khr::acceleration_structure::Device::new(&api.instance, &device));
+        let mesh = own
+            .mesh_shader
+            .then(|| ext::mesh_shader::Device::new(&api.instance, &device));
+        let trees = own
+            .ray_query
+            .then(|| khr::acceleration_structure::Device::new(&api.instance, &device));
         Ok(Arc::new(Self {
             mesh,
             trees,
             scratch_alignment: adapter.scratch_alignment,
-            feedback: has_feedback
+            feedback: own
+                .transform_feedback
                 .then(|| ext::transform_feedback::Device::new(&api.instance, &device)),
             device,
             memory,
@@ -614,6 +382,12 @@ impl Gpu {
                 .get_physical_device_format_properties(self.physical, format)
         };
         properties.optimal_tiling_features
+    }
+
+    /// That it lacks something.
+    #[must_use]
+    pub fn lacks(&self, capability: &str) -> DeviceError {
+        DeviceError::unsupported(capability, &self.facts.name)
     }
 
     /// Nanoseconds per timestamp tick.
@@ -721,7 +495,7 @@ impl Queue {
 /// # Panics
 /// As [`device_for_test`].
 #[must_use]
-pub fn open_for_test(options: &GpuOptions) -> Option<Arc<Gpu>> {
+pub fn open_for_test(options: &DeviceOptions) -> Option<Arc<Gpu>> {
     device_for_test(Gpu::open(options))
 }
 

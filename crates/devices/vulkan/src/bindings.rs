@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Constants of a view and its regions, bound for shaders.
+//! Descriptor sets, and that of a view's and its regions' constants.
 
 use crate::failure::failure;
+use crate::owned::Owned;
 use crate::{Buffer, BufferUse, Gpu};
 use ash::vk;
 use std::sync::Arc;
@@ -11,9 +12,8 @@ use terrafill_contract::DeviceError;
 /// behind them at binding 2.
 #[derive(Debug)]
 pub struct BindGroup {
-    gpu: Arc<Gpu>,
-    pool: SetPool,
-    has_regions: bool,
+    pub(crate) set: Set,
+    pub(crate) has_regions: bool,
     /// The set points at them.
     _view: Arc<Buffer>,
     _regions: Option<Arc<Buffer>>,
@@ -30,118 +30,176 @@ impl BindGroup {
         view: &Arc<Buffer>,
         regions: Option<&Arc<Buffer>>,
     ) -> Result<Self, DeviceError> {
-        let fits =
-            |buffer: &Buffer, use_for| buffer.is_on(gpu) && buffer.use_for() == Some(use_for);
-        let all_fit = fits(view, BufferUse::Uniform)
-            && regions.is_none_or(|regions| fits(regions, BufferUse::Storage));
-        if !all_fit {
-            return Err(DeviceError::unsupported(
-                "binding a buffer of another device or made for another use",
-                &gpu.facts.name,
-            ));
+        if !view.is_for(gpu, BufferUse::Uniform)
+            || !regions.is_none_or(|regions| regions.is_for(gpu, BufferUse::Storage))
+        {
+            return Err(gpu.lacks("binding a buffer of another device or made for another use"));
         }
-        let kinds = [
+        let (uniform, storage) = (
             vk::DescriptorType::UNIFORM_BUFFER,
             vk::DescriptorType::STORAGE_BUFFER,
-            vk::DescriptorType::STORAGE_BUFFER,
-        ];
-        let group = Self {
-            gpu: Arc::clone(gpu),
-            pool: SetPool::new(gpu, gpu.fixtures.set_layout, &kinds)?,
+        );
+        let set = Set::unwritten(gpu, gpu.fixtures.set_layout, &[uniform, storage, storage])?;
+        // SAFETY: the buffers are of the kinds that the layout has there and live as long as the group.
+        unsafe {
+            set.write(0, 0, &Bound::Buffer(uniform, view));
+            if let Some(regions) = regions {
+                set.write(1, 0, &Bound::Buffer(storage, regions));
+                set.write(2, 0, &Bound::Buffer(storage, regions));
+            }
+        }
+        Ok(Self {
+            set,
             has_regions: regions.is_some(),
             _view: Arc::clone(view),
             _regions: regions.cloned(),
-        };
-        let view_info = [whole(view)];
-        let region_info = [regions.map(|regions| whole(regions)).unwrap_or_default()];
-        let write = |binding, kind, info| {
-            vk::WriteDescriptorSet::default()
-                .dst_set(group.pool.set)
-                .dst_binding(binding)
-                .descriptor_type(kind)
-                .buffer_info(info)
-        };
-        let writes = [
-            write(0, kinds[0], &view_info),
-            write(1, kinds[1], &region_info),
-            write(2, kinds[2], &region_info),
-        ];
-        let used = if group.has_regions { 3 } else { 1 };
-        // SAFETY: the buffers are of the kinds written and live as long as the group.
-        unsafe { gpu.device.update_descriptor_sets(&writes[..used], &[]) };
-        Ok(group)
+        })
+    }
+}
+
+/// What lies at a binding.
+#[derive(Debug)]
+pub(crate) enum Bound<'a> {
+    /// All of a buffer.
+    Buffer(vk::DescriptorType, &'a Buffer),
+    /// So many bytes of a buffer from wherever a draw says.
+    Part(&'a Buffer, u64),
+    /// An image in this layout.
+    Image(vk::ImageView, vk::ImageLayout),
+    Sampler(vk::Sampler),
+    Triangles(vk::AccelerationStructureKHR),
+}
+
+impl Bound<'_> {
+    /// An image that was made to be read.
+    pub(crate) fn readable(view: vk::ImageView) -> Self {
+        Self::Image(view, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)
     }
 
-    pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
-        Arc::ptr_eq(&self.gpu, gpu)
-    }
-
-    pub(crate) fn set(&self) -> vk::DescriptorSet {
-        self.pool.set
-    }
-
-    pub(crate) fn has_regions(&self) -> bool {
-        self.has_regions
+    pub(crate) fn kind(&self) -> vk::DescriptorType {
+        match self {
+            Self::Buffer(kind, _) => *kind,
+            Self::Part(..) => vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC,
+            Self::Image(..) => vk::DescriptorType::SAMPLED_IMAGE,
+            Self::Sampler(_) => vk::DescriptorType::SAMPLER,
+            Self::Triangles(_) => vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
+        }
     }
 }
 
 /// A descriptor set with a pool of its own.
 #[derive(Debug)]
-pub(crate) struct SetPool {
-    gpu: Arc<Gpu>,
-    pool: vk::DescriptorPool,
-    pub(crate) set: vk::DescriptorSet,
+pub(crate) struct Set {
+    pool: Owned<vk::DescriptorPool>,
+    pub(crate) raw: vk::DescriptorSet,
 }
 
-impl SetPool {
+impl Set {
+    /// A set that holds these at the bindings 0, 1 …
+    ///
+    /// # Safety
+    /// The layout is the device's and has these kinds; what is bound lives as long as the set.
+    pub(crate) unsafe fn new(
+        gpu: &Arc<Gpu>,
+        layout: vk::DescriptorSetLayout,
+        bound: &[Bound<'_>],
+    ) -> Result<Self, DeviceError> {
+        let kinds: Vec<_> = bound.iter().map(Bound::kind).collect();
+        let set = Self::unwritten(gpu, layout, &kinds)?;
+        for (binding, bound) in (0..).zip(bound) {
+            // SAFETY: the caller's promise.
+            unsafe { set.write(binding, 0, bound) };
+        }
+        Ok(set)
+    }
+
     /// A set of `layout`, which has one descriptor of each of `kinds`.
-    pub(crate) fn new(
+    pub(crate) fn unwritten(
         gpu: &Arc<Gpu>,
         layout: vk::DescriptorSetLayout,
         kinds: &[vk::DescriptorType],
     ) -> Result<Self, DeviceError> {
-        let sizes: Vec<_> = kinds.iter().map(|&kind| pool_size(kind)).collect();
-        let pool_info = vk::DescriptorPoolCreateInfo::default()
+        let size = |&ty: &_| vk::DescriptorPoolSize {
+            ty,
+            descriptor_count: 1,
+        };
+        let sizes: Vec<_> = kinds.iter().map(size).collect();
+        let info = vk::DescriptorPoolCreateInfo::default()
             .max_sets(1)
             .pool_sizes(&sizes);
         // SAFETY: the structures live through the call.
-        let pool = unsafe { gpu.device.create_descriptor_pool(&pool_info, None) }
-            .map_err(|error| failure(error, "descriptor pool", 0))?;
-        let mut made = Self {
-            gpu: Arc::clone(gpu),
-            pool,
-            set: vk::DescriptorSet::null(),
-        };
+        let pool = unsafe {
+            let made = gpu.device.create_descriptor_pool(&info, None);
+            Owned::new(gpu, "descriptor pool", made)
+        }?;
         let layouts = [layout];
-        let set_info = vk::DescriptorSetAllocateInfo::default()
-            .descriptor_pool(pool)
+        let info = vk::DescriptorSetAllocateInfo::default()
+            .descriptor_pool(pool.raw)
             .set_layouts(&layouts);
-        // SAFETY: the pool has room for one set of this layout.
-        let sets = unsafe { gpu.device.allocate_descriptor_sets(&set_info) }
+        // SAFETY: the pool has room for one set of this layout; the set goes with it.
+        let sets = unsafe { gpu.device.allocate_descriptor_sets(&info) }
             .map_err(|error| failure(error, "descriptor set", 0))?;
-        made.set = sets.first().copied().unwrap_or_default();
-        Ok(made)
+        Ok(Self {
+            pool,
+            raw: sets.first().copied().unwrap_or_default(),
+        })
     }
-}
 
-impl Drop for SetPool {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for; the set goes with its pool.
-        unsafe { self.gpu.device.destroy_descriptor_pool(self.pool, None) };
+    /// Writes an element of a binding.
+    ///
+    /// # Safety
+    /// The layout has this kind there; what is bound lives as long as the set.
+    pub(crate) unsafe fn write(&self, binding: u32, element: u32, bound: &Bound<'_>) {
+        let write = vk::WriteDescriptorSet::default()
+            .dst_set(self.raw)
+            .dst_binding(binding)
+            .dst_array_element(element)
+            .descriptor_type(bound.kind());
+        let buffer = |buffer: &Buffer, range| {
+            [vk::DescriptorBufferInfo {
+                buffer: buffer.raw,
+                offset: 0,
+                range,
+            }]
+        };
+        let image = |sampler, image_view, image_layout| {
+            [vk::DescriptorImageInfo {
+                sampler,
+                image_view,
+                image_layout,
+            }]
+        };
+        let (buffers, images, trees);
+        let mut of_trees;
+        let write = match *bound {
+            Bound::Buffer(_, whole) => {
+                buffers = buffer(whole, vk::WHOLE_SIZE);
+                write.buffer_info(&buffers)
+            }
+            Bound::Part(of, bytes) => {
+                buffers = buffer(of, bytes);
+                write.buffer_info(&buffers)
+            }
+            Bound::Image(view, layout) => {
+                images = image(vk::Sampler::null(), view, layout);
+                write.image_info(&images)
+            }
+            Bound::Sampler(sampler) => {
+                images = image(sampler, vk::ImageView::null(), vk::ImageLayout::UNDEFINED);
+                write.image_info(&images)
+            }
+            Bound::Triangles(tree) => {
+                trees = [tree];
+                of_trees = vk::WriteDescriptorSetAccelerationStructureKHR::default()
+                    .acceleration_structures(&trees);
+                write.descriptor_count(1).push_next(&mut of_trees)
+            }
+        };
+        // SAFETY: the caller's promise.
+        unsafe { self.pool.gpu().device.update_descriptor_sets(&[write], &[]) };
     }
-}
 
-fn pool_size(kind: vk::DescriptorType) -> vk::DescriptorPoolSize {
-    vk::DescriptorPoolSize {
-        ty: kind,
-        descriptor_count: 1,
-    }
-}
-
-fn whole(buffer: &Buffer) -> vk::DescriptorBufferInfo {
-    vk::DescriptorBufferInfo {
-        buffer: buffer.raw,
-        offset: 0,
-        range: vk::WHOLE_SIZE,
+    pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
+        self.pool.is_on(gpu)
     }
 }

@@ -3,24 +3,30 @@
 //! transform feedback keeps, the rest of the pipeline discarded.
 
 use crate::direct::record_dispatch;
-use crate::failure::failure;
-use crate::pipeline::{OwnedPipeline, ShaderStage};
+use crate::owned::Owned;
+use crate::pipeline::{OwnedPipeline, ShaderStage, graphics};
 use crate::queries::{Queries, QueryKind, Span};
 use crate::readback::let_host_read;
 use crate::shader_modules::ModuleKey;
-use crate::targets::Framebuffer;
+use crate::targets::framebuffer;
 use crate::{Buffer, BufferUse, Dispatch, Gpu, Resources};
 use ash::vk;
 use std::sync::Arc;
 use terrafill_contract::DeviceError;
 
+/// What is not drawn into.
+const ONE_PIXEL: vk::Extent2D = vk::Extent2D {
+    width: 1,
+    height: 1,
+};
+
 /// A compiled vertex shader whose outputs are kept.
 #[derive(Debug)]
 pub struct CapturePipeline {
     pipeline: OwnedPipeline,
-    framebuffer: Framebuffer,
+    framebuffer: Owned<vk::Framebuffer>,
     /// Without attachments: feedback takes place inside a pass.
-    pass: OwnedPass,
+    pass: Owned<vk::RenderPass>,
     resources: Arc<Resources>,
 }
 
@@ -37,30 +43,23 @@ impl CapturePipeline {
         resources: &Arc<Resources>,
         vertex: &'static str,
     ) -> Result<Self, DeviceError> {
-        let lacks = |what: &str| DeviceError::unsupported(what, &gpu.facts.name);
         if gpu.feedback.is_none() {
-            return Err(lacks("VK_EXT_transform_feedback"));
+            return Err(gpu.lacks("VK_EXT_transform_feedback"));
         }
         if !resources.is_on(gpu) {
-            return Err(lacks("resources of another device"));
+            return Err(gpu.lacks("resources of another device"));
         }
-        let broken = |error| failure(error, "transform feedback", 0);
         let subpasses =
             [vk::SubpassDescription::default()
                 .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)];
         let info = vk::RenderPassCreateInfo::default().subpasses(&subpasses);
         // SAFETY: the structures live through the call.
-        let raw = unsafe { gpu.device.create_render_pass(&info, None) }.map_err(broken)?;
-        let pass = OwnedPass {
-            gpu: Arc::clone(gpu),
-            raw,
-        };
-        let extent = vk::Extent2D {
-            width: 1,
-            height: 1,
-        };
+        let pass = unsafe {
+            let made = gpu.device.create_render_pass(&info, None);
+            Owned::new(gpu, "transform feedback", made)
+        }?;
         // SAFETY: the pass has no attachments.
-        let framebuffer = unsafe { Framebuffer::new(gpu, pass.raw, &[], extent, 1) }?;
+        let framebuffer = unsafe { framebuffer(gpu, pass.raw, &[], ONE_PIXEL, 1) }?;
         let key = ModuleKey::Compiled(vertex);
         let stage = ShaderStage::new(gpu, vk::ShaderStageFlags::VERTEX, key, "main")?;
         let stages = [stage.info()];
@@ -75,29 +74,15 @@ impl CapturePipeline {
             .vertex_input_state(&input)
             .input_assembly_state(&assembly)
             .rasterization_state(&rasterization)
-            .layout(resources.layout)
+            .layout(resources.layout())
             .render_pass(pass.raw);
         Ok(Self {
             // SAFETY: the structures live through the call; spirv-val has judged the shader.
-            pipeline: unsafe { OwnedPipeline::graphics(gpu, &info) }?,
+            pipeline: unsafe { graphics(gpu, &info) }?,
             framebuffer,
             pass,
             resources: Arc::clone(resources),
         })
-    }
-}
-
-/// A pass of a device, destroyed with it.
-#[derive(Debug)]
-struct OwnedPass {
-    gpu: Arc<Gpu>,
-    raw: vk::RenderPass,
-}
-
-impl Drop for OwnedPass {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for.
-        unsafe { self.gpu.device.destroy_render_pass(self.raw, None) };
     }
 }
 
@@ -131,16 +116,14 @@ pub struct StepReport {
 /// [`DeviceError::DeviceLost`].
 pub fn advance(gpu: &Arc<Gpu>, steps: &[StateStep<'_>]) -> Result<StepReport, DeviceError> {
     let fits = |step: &StateStep<'_>| match step {
-        StateStep::Dispatch(dispatch) => dispatch.pipeline.is_on(gpu),
+        StateStep::Dispatch(dispatch) => dispatch.pipeline.owned.is_on(gpu),
         StateStep::Capture { pipeline, into, .. } => {
-            pipeline.pipeline.is_on(gpu)
-                && into.is_on(gpu)
-                && into.use_for() == Some(BufferUse::State)
+            pipeline.pipeline.is_on(gpu) && into.is_for(gpu, BufferUse::State)
         }
     };
     if !steps.iter().all(fits) {
         let what = "stepping what is of another device or made for another use";
-        return Err(DeviceError::unsupported(what, &gpu.facts.name));
+        return Err(gpu.lacks(what));
     }
     let stamps = Queries::new(gpu, QueryKind::Timestamps, 2)?;
     let span = Span::new(stamps.as_ref(), 0);
@@ -172,11 +155,9 @@ impl Buffer {
     /// [`DeviceError::Unsupported`] for another use, [`DeviceError::OutOfMemory`],
     /// [`DeviceError::DeviceLost`].
     pub fn contents(&self, gpu: &Arc<Gpu>) -> Result<Vec<u8>, DeviceError> {
-        let readable = [BufferUse::State, BufferUse::Arguments];
-        let is_readable = self.use_for().is_some_and(|of| readable.contains(&of));
-        if !self.is_on(gpu) || !is_readable {
-            let what = "reading back a buffer that is neither state nor arguments";
-            return Err(DeviceError::unsupported(what, &gpu.facts.name));
+        let mut readable = [BufferUse::State, BufferUse::Arguments].into_iter();
+        if !readable.any(|of| self.is_for(gpu, of)) {
+            return Err(gpu.lacks("reading back a buffer that is neither state nor arguments"));
         }
         let copy = Self::for_reading(gpu, "state read-back", self.size())?;
         let region = [vk::BufferCopy::default().size(self.size())];
@@ -206,23 +187,15 @@ unsafe fn record_capture(
     };
     let device = &gpu.device;
     let graphics = vk::PipelineBindPoint::GRAPHICS;
-    let resources = &pipeline.resources;
     let begin = vk::RenderPassBeginInfo::default()
         .render_pass(pipeline.pass.raw)
         .framebuffer(pipeline.framebuffer.raw)
-        .render_area(vk::Rect2D {
-            offset: vk::Offset2D::default(),
-            extent: vk::Extent2D {
-                width: 1,
-                height: 1,
-            },
-        });
+        .render_area(ONE_PIXEL.into());
     // SAFETY: the caller's promise.
     unsafe {
         device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
         device.cmd_bind_pipeline(commands, graphics, pipeline.pipeline.raw);
-        let sets = [resources.set()];
-        device.cmd_bind_descriptor_sets(commands, graphics, resources.layout, 0, &sets, &[]);
+        pipeline.resources.bind(commands, graphics);
         let (buffers, offsets, sizes) = ([into.raw], [0], [into.size()]);
         let bind = feedback.fp().cmd_bind_transform_feedback_buffers_ext;
         bind(

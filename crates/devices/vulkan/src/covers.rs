@@ -11,7 +11,7 @@ use std::collections::hash_map::Entry;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, Feature};
-use terrafill_stencil::{CoverInstance, FaceSet, Holding, StencilTest};
+use terrafill_stencil::{CoverInstance, FaceSet, Holding, StencilTest, VolumeState};
 
 /// Corners of a rectangle, in a strip.
 const CORNERS: u32 = 4;
@@ -41,9 +41,10 @@ impl Covers {
     ) -> Result<(), DeviceError> {
         let state = cover(test);
         let path = "vertex/cover.wgsl";
-        let descriptor = match self.are_merged {
-            true => rectangles(path, state),
-            false => full_screen(path, state),
+        let descriptor = if self.are_merged {
+            rectangles(path, state)
+        } else {
+            full_screen(path, state)
         };
         self.ensure(gpu, descriptor)
     }
@@ -152,11 +153,11 @@ impl CoverList {
 }
 
 fn cover(test: StencilTest) -> PipelineState {
-    PipelineState::Colour {
+    PipelineState::Volumes(VolumeState::Colour {
         is_before_surface: false,
         test,
         faces: FaceSet::Both,
-    }
+    })
 }
 
 /// The pipeline of one triangle over the screen.

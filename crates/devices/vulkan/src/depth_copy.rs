@@ -4,8 +4,7 @@
 
 use crate::Gpu;
 use crate::fixtures::{DEPTH_READ_ONLY, DEPTH_STENCIL_FORMAT};
-use crate::memory::Image;
-use crate::readback::{DEPTH_AND_STENCIL, change_layout};
+use crate::image::Image;
 use crate::targets::Targets;
 use ash::vk;
 use std::sync::Arc;
@@ -17,26 +16,22 @@ use terrafill_stencil::DEPTH_STENCIL_BYTES;
 pub struct DepthCopy {
     gpu: Arc<Gpu>,
     image: Image,
-    extent: vk::Extent2D,
-    depth: Arc<Image>,
+    pub(crate) depth: Arc<Image>,
 }
 
 impl DepthCopy {
     pub(crate) fn new(gpu: &Arc<Gpu>, targets: &Targets) -> Result<Self, DeviceError> {
-        let extent = targets.area().extent;
         let image = Image::target(
             gpu,
             "copy of depth",
-            extent,
+            targets.area().extent,
             DEPTH_STENCIL_FORMAT,
-            vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST,
-            DEPTH_AND_STENCIL,
+            vk::ImageUsageFlags::TRANSFER_DST,
         )?;
         let copy = Self {
             gpu: Arc::clone(gpu),
             image,
-            extent,
-            depth: Arc::clone(targets.depth_stencil()),
+            depth: Arc::clone(&targets.depth_stencil),
         };
         gpu.work.count_texture(copy.bytes());
         Ok(copy)
@@ -44,12 +39,7 @@ impl DepthCopy {
 
     /// Bytes of its texels; the stencil comes with the depth.
     pub(crate) fn bytes(&self) -> u64 {
-        DEPTH_STENCIL_BYTES * u64::from(self.extent.width) * u64::from(self.extent.height)
-    }
-
-    /// Whether it is for the depth of these targets.
-    pub(crate) fn is_of(&self, targets: &Targets) -> bool {
-        Arc::ptr_eq(&self.depth, targets.depth_stencil())
+        self.image.bytes(DEPTH_STENCIL_BYTES)
     }
 
     /// Records the copy.
@@ -59,26 +49,23 @@ impl DepthCopy {
     /// images live until the submission is done.
     pub(crate) unsafe fn record(&self, commands: vk::CommandBuffer) {
         let device = &self.gpu.device;
-        let (from, to) = (self.depth.raw, self.image.raw);
         let source = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
         let target = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
         let all = vk::ImageSubresourceLayers::default()
-            .aspect_mask(DEPTH_AND_STENCIL)
+            .aspect_mask(self.image.kind.aspects)
             .layer_count(1);
         let region = vk::ImageCopy::default()
             .src_subresource(all)
             .dst_subresource(all)
-            .extent(self.extent.into());
+            .extent(self.image.kind.extent.into());
         let unknown = vk::ImageLayout::UNDEFINED;
+        let (from, to) = (&self.depth, &self.image);
         // SAFETY: the caller's promise; what the copy held before is not needed.
         unsafe {
-            let change = |image, from, to| {
-                change_layout(device, commands, image, DEPTH_AND_STENCIL, from, to);
-            };
-            change(from, DEPTH_READ_ONLY, source);
-            change(to, unknown, target);
-            device.cmd_copy_image(commands, from, source, to, target, &[region]);
-            change(from, source, DEPTH_READ_ONLY);
+            from.change_layout(device, commands, DEPTH_READ_ONLY, source);
+            to.change_layout(device, commands, unknown, target);
+            device.cmd_copy_image(commands, from.raw, source, to.raw, target, &[region]);
+            from.change_layout(device, commands, source, DEPTH_READ_ONLY);
         }
     }
 }

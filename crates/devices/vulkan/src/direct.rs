@@ -83,9 +83,10 @@ impl RenderTargets {
         self.check(dispatch, draw)?;
         let gpu = self.gpu();
         let counts = measured == Measured::Statistics && !draw.pipeline.is_mesh();
-        let queries = match counts {
-            true => Queries::new(gpu, QueryKind::Statistics, 1)?,
-            false => None,
+        let queries = if counts {
+            Queries::new(gpu, QueryKind::Statistics, 1)?
+        } else {
+            None
         };
         let ranges = match draw.call {
             DrawCall::Vertices(ranges) if measured == Measured::Samples => ranges.len(),
@@ -100,23 +101,19 @@ impl RenderTargets {
         unsafe {
             gpu.submit(|device, commands| {
                 span.begin(commands);
-                if let Some(queries) = &queries {
-                    device.cmd_reset_query_pool(commands, queries.raw, 0, 1);
-                }
-                if let Some(samples) = &samples {
-                    device.cmd_reset_query_pool(commands, samples.raw, 0, ranges);
+                for queries in queries.iter().chain(&samples) {
+                    queries.reset(commands);
                 }
                 if let Some(dispatch) = dispatch {
                     record_dispatch(device, commands, dispatch);
                 }
                 self.begin_surface(commands);
                 if let Some(queries) = &queries {
-                    let flags = vk::QueryControlFlags::empty();
-                    device.cmd_begin_query(commands, queries.raw, 0, flags);
+                    queries.begin(commands, 0);
                 }
                 record_draw(device, gpu.mesh.as_ref(), commands, draw, samples.as_ref());
                 if let Some(queries) = &queries {
-                    device.cmd_end_query(commands, queries.raw, 0);
+                    queries.end(commands, 0);
                 }
                 device.cmd_end_render_pass(commands);
                 span.end(commands);
@@ -145,7 +142,7 @@ impl RenderTargets {
         draw: &DirectDraw<'_>,
     ) -> Result<(), DeviceError> {
         let gpu = self.gpu();
-        let is = |buffer: &Buffer, use_for| buffer.is_on(gpu) && buffer.use_for() == Some(use_for);
+        let is = |buffer: &Buffer, use_for| buffer.is_for(gpu, use_for);
         let vertices_fit = match draw.vertices {
             Some(vertices) => is(vertices, BufferUse::Vertex),
             None => !draw.pipeline.needs_vertices(),
@@ -166,15 +163,12 @@ impl RenderTargets {
                 is(arguments, BufferUse::Arguments) && arguments.size() >= 16
             }
         };
-        let devices_fit = draw.pipeline.is_on(gpu)
-            && dispatch.is_none_or(|dispatch| dispatch.pipeline.is_on(gpu));
+        let devices_fit = draw.pipeline.owned.is_on(gpu)
+            && dispatch.is_none_or(|dispatch| dispatch.pipeline.owned.is_on(gpu));
         if vertices_fit && call_fits && devices_fit && is_mesh == draw.pipeline.is_mesh() {
             return Ok(());
         }
-        Err(DeviceError::unsupported(
-            "drawing what does not fit its pipeline",
-            &gpu.facts.name,
-        ))
+        Err(gpu.lacks("drawing what does not fit its pipeline"))
     }
 }
 
@@ -186,16 +180,14 @@ pub(crate) unsafe fn record_dispatch(
     Dispatch { pipeline, groups }: Dispatch<'_>,
 ) {
     let compute = vk::PipelineBindPoint::COMPUTE;
-    let resources = &pipeline.resources;
     let barrier = [vk::MemoryBarrier::default()
         .src_access_mask(vk::AccessFlags::SHADER_WRITE)
         .dst_access_mask(vk::AccessFlags::SHADER_READ | vk::AccessFlags::INDIRECT_COMMAND_READ)];
     let readers = vk::PipelineStageFlags::ALL_GRAPHICS | vk::PipelineStageFlags::DRAW_INDIRECT;
     // SAFETY: the caller's promise.
     unsafe {
-        device.cmd_bind_pipeline(commands, compute, pipeline.raw());
-        let sets = resources.sets();
-        device.cmd_bind_descriptor_sets(commands, compute, resources.layout, 0, &sets, &[]);
+        device.cmd_bind_pipeline(commands, compute, pipeline.owned.raw);
+        pipeline.resources.bind(commands, compute);
         let [x, y, z] = groups;
         device.cmd_dispatch(commands, x, y, z);
         device.cmd_pipeline_barrier(
@@ -221,12 +213,10 @@ unsafe fn record_draw(
     samples: Option<&Queries>,
 ) {
     let graphics = vk::PipelineBindPoint::GRAPHICS;
-    let resources = &draw.pipeline.resources;
     // SAFETY: the caller's promise.
     unsafe {
-        device.cmd_bind_pipeline(commands, graphics, draw.pipeline.raw());
-        let sets = [resources.set()];
-        device.cmd_bind_descriptor_sets(commands, graphics, resources.layout, 0, &sets, &[]);
+        device.cmd_bind_pipeline(commands, graphics, draw.pipeline.owned.raw);
+        draw.pipeline.resources.bind(commands, graphics);
         if let Some(vertices) = draw.vertices {
             device.cmd_bind_vertex_buffers(commands, 0, &[vertices.raw], &[0]);
         }
@@ -234,13 +224,12 @@ unsafe fn record_draw(
             DrawCall::Vertices(ranges) => {
                 for (query, range) in (0..).zip(ranges) {
                     if let Some(samples) = samples {
-                        let exactly = vk::QueryControlFlags::PRECISE;
-                        device.cmd_begin_query(commands, samples.raw, query, exactly);
+                        samples.begin(commands, query);
                     }
                     let count = range.end - range.start;
                     device.cmd_draw(commands, count, 1, range.start, 0);
                     if let Some(samples) = samples {
-                        device.cmd_end_query(commands, samples.raw, query);
+                        samples.end(commands, query);
                     }
                 }
             }

@@ -2,7 +2,9 @@
 //! Pipelines of any stages that draw into the colour and depth targets as the surface does, both faces
 //! kept, and compute pipelines beside them.
 
-use crate::pipeline::{Assembly, OwnedPipeline, PipelineState, ShaderStage, depth_stencil};
+use crate::pipeline::{
+    Assembly, OwnedPipeline, PipelineState, ShaderStage, compute, depth_stencil,
+};
 use crate::shader_modules::ModuleKey;
 use crate::{Gpu, Resources, Topology, VertexFormat};
 use ash::vk;
@@ -77,7 +79,7 @@ pub enum PrimitiveStages {
 /// A pipeline with the resources that its shaders find.
 #[derive(Debug)]
 pub struct DrawPipeline {
-    owned: OwnedPipeline,
+    pub(crate) owned: OwnedPipeline,
     pub(crate) resources: Arc<Resources>,
     stages: PrimitiveStages,
 }
@@ -95,9 +97,8 @@ impl DrawPipeline {
         stages: PrimitiveStages,
         fragment: Shader,
     ) -> Result<Self, DeviceError> {
-        let lacks = |capability: &str| DeviceError::unsupported(capability, &gpu.facts.name);
         if !resources.is_on(gpu) {
-            return Err(lacks("resources of another device"));
+            return Err(gpu.lacks("resources of another device"));
         }
         let mut shaders = Vec::new();
         let (format, topology) = match stages {
@@ -114,7 +115,7 @@ impl DrawPipeline {
                 shaders.push((vk::ShaderStageFlags::VERTEX, vertex, stage));
                 if let Some(output) = geometry {
                     if !gpu.facts.features.geometry_shader {
-                        return Err(lacks("geometryShader"));
+                        return Err(gpu.lacks("geometryShader"));
                     }
                     check_output(gpu, output)?;
                     let shader = Shader::Compiled(output.name);
@@ -124,11 +125,11 @@ impl DrawPipeline {
             }
             PrimitiveStages::Mesh { task, mesh } => {
                 if gpu.mesh.is_none() {
-                    return Err(lacks("VK_EXT_mesh_shader"));
+                    return Err(gpu.lacks("VK_EXT_mesh_shader"));
                 }
                 if let Some(task) = task {
                     if !gpu.facts.features.task_shader {
-                        return Err(lacks("taskShader"));
+                        return Err(gpu.lacks("taskShader"));
                     }
                     let shader = Shader::Compiled(task);
                     shaders.push((vk::ShaderStageFlags::TASK_EXT, shader, SpirvStage::Vertex));
@@ -151,30 +152,19 @@ impl DrawPipeline {
             .collect::<Result<_, _>>()?;
         let blends = [vk::PipelineColorBlendAttachmentState::default()
             .color_write_mask(vk::ColorComponentFlags::RGBA)];
-        let depth = depth_stencil(PipelineState::Surface(SurfaceLook {
-            has_picture: false,
-            draws_back_faces: true,
-        }));
+        let depth = depth_stencil(PipelineState::Surface(SurfaceLook::default()));
         let assembly = Assembly {
             stages: &stages_made,
             format,
             topology,
             blends: &blends,
-            ..Assembly::new(resources.layout, gpu.fixtures.surface, depth)
+            ..Assembly::new(resources.layout(), gpu.fixtures.surface, depth)
         };
         Ok(Self {
             owned: assembly.create(gpu)?,
             resources: Arc::clone(resources),
             stages,
         })
-    }
-
-    pub(crate) fn raw(&self) -> vk::Pipeline {
-        self.owned.raw
-    }
-
-    pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
-        self.owned.is_on(gpu)
     }
 
     pub(crate) fn is_mesh(&self) -> bool {
@@ -203,23 +193,15 @@ pub(crate) fn check_output(gpu: &Gpu, output: GeometryOutput) -> Result<(), Devi
             limits.max_geometry_total_output_components,
         ),
     ];
-    for (what, found, allowed) in all {
-        if found > allowed {
-            return Err(DeviceError::OverCapacity {
-                what: what.to_owned(),
-                found: u64::from(found),
-                allowed: u64::from(allowed),
-            });
-        }
-    }
-    Ok(())
+    let mut all = all.into_iter();
+    all.try_for_each(|(what, found, allowed)| DeviceError::check_capacity(what, found, allowed))
 }
 
 /// A compute pipeline with the resources that its shader finds.
 #[derive(Debug)]
 pub struct ComputePipeline {
     /// Others may have the same with other resources.
-    owned: Arc<OwnedPipeline>,
+    pub(crate) owned: Arc<OwnedPipeline>,
     pub(crate) resources: Arc<Resources>,
 }
 
@@ -235,18 +217,17 @@ impl ComputePipeline {
         shader: Shader,
     ) -> Result<Self, DeviceError> {
         if !resources.is_on(gpu) {
-            let what = "resources of another device";
-            return Err(DeviceError::unsupported(what, &gpu.facts.name));
+            return Err(gpu.lacks("resources of another device"));
         }
         let key = shader.key(SpirvStage::Compute);
         let flag = vk::ShaderStageFlags::COMPUTE;
         let stage = ShaderStage::new(gpu, flag, key, shader.entry_point())?;
         let info = vk::ComputePipelineCreateInfo::default()
             .stage(stage.info())
-            .layout(resources.layout);
+            .layout(resources.layout());
         Ok(Self {
             // SAFETY: the structures live through the call; the shader was validated.
-            owned: Arc::new(unsafe { OwnedPipeline::compute(gpu, &info) }?),
+            owned: Arc::new(unsafe { compute(gpu, &info) }?),
             resources: Arc::clone(resources),
         })
     }
@@ -257,20 +238,11 @@ impl ComputePipeline {
     /// [`DeviceError::Unsupported`] for resources of other kinds or of another device.
     pub fn rebound(&self, resources: &Arc<Resources>) -> Result<Self, DeviceError> {
         if !self.resources.is_like(resources) {
-            let what = "binding resources of other kinds";
-            return Err(DeviceError::unsupported(what, self.owned.device_name()));
+            return Err(self.owned.gpu().lacks("binding resources of other kinds"));
         }
         Ok(Self {
             owned: Arc::clone(&self.owned),
             resources: Arc::clone(resources),
         })
-    }
-
-    pub(crate) fn raw(&self) -> vk::Pipeline {
-        self.owned.raw
-    }
-
-    pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
-        self.owned.is_on(gpu)
     }
 }

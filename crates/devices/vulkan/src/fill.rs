@@ -94,13 +94,13 @@ impl<V: VulkanVolumes> StencilExecutor<V> for VolumeFill {
 
     fn new(targets: &SharedTargets, switches: &Switches) -> Result<Self, DeviceError> {
         let gpu = Arc::clone(targets.borrow().gpu());
-        let facts = &gpu.facts;
-        let lacks = |capability: &str| DeviceError::unsupported(capability, &facts.name);
-        if (switches.texture.is_some() || switches.loads_texture) && !facts.features.samples_depth {
-            return Err(lacks("reading depth in shaders"));
+        if (switches.texture.is_some() || switches.loads_texture)
+            && !gpu.facts.features.samples_depth
+        {
+            return Err(gpu.lacks("reading depth in shaders"));
         }
         if switches.first_pass != FirstPass::Stencil {
-            return Err(lacks("fragment programs in the first pass"));
+            return Err(gpu.lacks("fragment programs in the first pass"));
         }
         Ok(Self {
             targets: SharedTargets::clone(targets),
@@ -146,12 +146,13 @@ impl<V: VulkanVolumes> StencilExecutor<V> for VolumeFill {
         if self.copies_depth && self.depth_copy.is_none() {
             self.depth_copy = Some(targets.depth_copy()?);
         }
-        let numbers = match work.program.accumulates() {
-            false => None,
-            true => match before.as_mut().and_then(|held| held.numbers.take()) {
+        let numbers = if work.program.accumulates() {
+            match before.as_mut().and_then(|held| held.numbers.take()) {
                 None => Some(targets.numbers()?),
                 held => held,
-            },
+            }
+        } else {
+            None
         };
         let gpu = targets.gpu();
         let instances = self

@@ -5,6 +5,7 @@
 //! depth operations.
 
 use crate::failure::failure;
+use crate::owned::Handle as _;
 use ash::vk;
 use terrafill_contract::DeviceError;
 
@@ -21,16 +22,12 @@ pub(crate) const NUMBER_FORMAT: vk::Format = vk::Format::R32_SFLOAT;
 /// into it.
 pub(crate) const PROBE_FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// How a textured region's constants are bound: one after the other in a buffer, and each draw says
-/// where its region's begin.
-pub(crate) const REGION_KIND: vk::DescriptorType = vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC;
-
 /// Depth after the surface pass. Its depth may be read by shaders while it is attached.
 pub(crate) const DEPTH_READ_ONLY: vk::ImageLayout =
     vk::ImageLayout::DEPTH_READ_ONLY_STENCIL_ATTACHMENT_OPTIMAL;
 
 /// Kinds of passes and bindings.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Fixtures {
     /// Clears everything and writes depth.
     pub(crate) surface: vk::RenderPass,
@@ -44,14 +41,13 @@ pub(crate) struct Fixtures {
     probes: [vk::RenderPass; 2],
     /// Set 0: binding 0 is view constants, 1 region constants, 2 footprints.
     pub(crate) set_layout: vk::DescriptorSetLayout,
-    /// Set 1: binding 0 is the image of accumulated numbers.
-    pub(crate) number_set_layout: vk::DescriptorSetLayout,
+    /// Of fills, whose set 1 is the image of accumulated numbers.
     pub(crate) pipeline_layout: vk::PipelineLayout,
     /// Of surfaces with a picture, which set 1 holds with its sampler.
     pub(crate) picture_layout: vk::PipelineLayout,
     /// Set 1 of textured covers: binding 0 is the surface's depth, 1 a region's constants.
     pub(crate) depth_set_layout: vk::DescriptorSetLayout,
-    /// Sets 2 and 3 of textured covers, by [`image_index`]: binding 0 is an image, 1 its sampler.
+    /// Set 1 of fills, sets 2 and 3 of textured covers, by [`image_index`]: binding 0 is an image, 1 its sampler.
     image_set_layouts: [vk::DescriptorSetLayout; 2],
     /// Of textured covers, by what set 3 is: nothing, an image, an image and its sampler.
     textured_layouts: [vk::PipelineLayout; 3],
@@ -69,20 +65,7 @@ impl Fixtures {
     /// - `has_no_store`: the device knows `VK_ATTACHMENT_STORE_OP_NONE` (Vulkan 1.3)
     pub(crate) fn new(device: &ash::Device, has_no_store: bool) -> Result<Self, DeviceError> {
         // Null handles may be destroyed, so that whatever was made until an error goes again.
-        let mut fixtures = Self {
-            surface: vk::RenderPass::null(),
-            fills: [vk::RenderPass::null(); 4],
-            numbers: vk::RenderPass::null(),
-            textured: vk::RenderPass::null(),
-            probes: [vk::RenderPass::null(); 2],
-            set_layout: vk::DescriptorSetLayout::null(),
-            number_set_layout: vk::DescriptorSetLayout::null(),
-            pipeline_layout: vk::PipelineLayout::null(),
-            picture_layout: vk::PipelineLayout::null(),
-            depth_set_layout: vk::DescriptorSetLayout::null(),
-            image_set_layouts: [vk::DescriptorSetLayout::null(); 2],
-            textured_layouts: [vk::PipelineLayout::null(); 3],
-        };
+        let mut fixtures = Self::default();
         match fixtures.fill_in(device, has_no_store) {
             Ok(()) => Ok(fixtures),
             Err(error) => {
@@ -93,82 +76,55 @@ impl Fixtures {
     }
 
     fn fill_in(&mut self, device: &ash::Device, has_no_store: bool) -> Result<(), vk::Result> {
-        self.surface = surface_pass(device)?;
-        self.numbers = number_pass(device)?;
+        let undefined = vk::ImageLayout::UNDEFINED;
+        let clear = vk::AttachmentLoadOp::CLEAR;
+        let cleared = |of: vk::AttachmentDescription| of.load_op(clear).initial_layout(undefined);
+        let (colour, depth) = (colour_attachment(), depth_attachment());
+        let all = [cleared(colour), cleared(depth).stencil_load_op(clear)];
+        let written = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+        self.surface = render_pass(device, &all, written, false)?;
+        let readable = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
+        let numbers = cleared(colour.format(NUMBER_FORMAT)).final_layout(readable);
+        self.numbers = render_pass(device, &[numbers, depth], DEPTH_READ_ONLY, false)?;
         for clears in [false, true] {
             for has_colour in [false, true] {
-                self.fills[fill_index(clears, has_colour)] = fill_pass(device, clears, has_colour)?;
+                let depth = if clears {
+                    depth.stencil_load_op(clear)
+                } else {
+                    depth
+                };
+                let all = &[colour, depth][usize::from(!has_colour)..];
+                self.fills[fill_index(clears, has_colour)] =
+                    render_pass(device, all, DEPTH_READ_ONLY, false)?;
             }
         }
         let read = read_depth_attachment(has_no_store);
-        self.textured = textured_pass(device, read)?;
-        for clears in [false, true] {
-            self.probes[usize::from(clears)] = probe_pass(device, read, clears)?;
+        self.textured = render_pass(device, &[colour, read], DEPTH_READ_ONLY, true)?;
+        let probed = colour.format(PROBE_FORMAT);
+        for (pass, probed) in self.probes.iter_mut().zip([probed, cleared(probed)]) {
+            *pass = render_pass(device, &[probed, probed, read], DEPTH_READ_ONLY, true)?;
         }
-        let both = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        let entry = |binding, kind, stages| {
-            vk::DescriptorSetLayoutBinding::default()
-                .binding(binding)
-                .descriptor_type(kind)
-                .descriptor_count(1)
-                .stage_flags(stages)
-        };
-        let bindings = [
-            entry(0, vk::DescriptorType::UNIFORM_BUFFER, both),
-            entry(1, vk::DescriptorType::STORAGE_BUFFER, both),
-            entry(2, vk::DescriptorType::STORAGE_BUFFER, both),
-        ];
-        let number_bindings = [entry(
-            0,
-            vk::DescriptorType::SAMPLED_IMAGE,
-            vk::ShaderStageFlags::FRAGMENT,
-        )];
-        let number_info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&number_bindings);
-        let set_info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-        // SAFETY: the structures live through the calls.
-        unsafe {
-            self.set_layout = device.create_descriptor_set_layout(&set_info, None)?;
-            self.number_set_layout = device.create_descriptor_set_layout(&number_info, None)?;
-            let sets = [self.set_layout, self.number_set_layout];
-            let layout_info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
-            self.pipeline_layout = device.create_pipeline_layout(&layout_info, None)?;
-        }
-        self.fill_in_textured(device)
-    }
-
-    fn fill_in_textured(&mut self, device: &ash::Device) -> Result<(), vk::Result> {
-        let entry = |binding, kind| {
-            vk::DescriptorSetLayoutBinding::default()
-                .binding(binding)
-                .descriptor_type(kind)
-                .descriptor_count(1)
-                .stage_flags(vk::ShaderStageFlags::FRAGMENT)
-        };
-        let image = entry(0, vk::DescriptorType::SAMPLED_IMAGE);
-        let set_layout = |bindings: &[vk::DescriptorSetLayoutBinding<'_>]| {
-            let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(bindings);
-            // SAFETY: the structures live through the call.
-            unsafe { device.create_descriptor_set_layout(&info, None) }
-        };
-        self.depth_set_layout = set_layout(&[image, entry(1, REGION_KIND)])?;
-        self.image_set_layouts[image_index(false)] = set_layout(&[image])?;
-        self.image_set_layouts[image_index(true)] =
-            set_layout(&[image, entry(1, vk::DescriptorType::SAMPLER)])?;
+        let fragment = vk::ShaderStageFlags::FRAGMENT;
+        let both = vk::ShaderStageFlags::VERTEX | fragment;
+        let uniform = (vk::DescriptorType::UNIFORM_BUFFER, both);
+        let storage = (vk::DescriptorType::STORAGE_BUFFER, both);
+        let image = (vk::DescriptorType::SAMPLED_IMAGE, fragment);
+        let sampler = (vk::DescriptorType::SAMPLER, fragment);
+        // A textured region's constants lie one after the other in a buffer, and each draw says where its
+        // region's begin.
+        let region = (vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, fragment);
+        self.set_layout = set_layout(device, &[uniform, storage, storage])?;
+        self.depth_set_layout = set_layout(device, &[image, region])?;
+        self.image_set_layouts[image_index(false)] = set_layout(device, &[image])?;
+        self.image_set_layouts[image_index(true)] = set_layout(device, &[image, sampler])?;
         let [plain, sampled] = self.image_set_layouts;
-        let coloured = [self.set_layout, sampled];
-        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&coloured);
-        // SAFETY: the structures live through the call.
-        self.picture_layout = unsafe { device.create_pipeline_layout(&info, None) }?;
+        self.pipeline_layout = pipeline_layout(device, &[self.set_layout, plain])?;
+        self.picture_layout = pipeline_layout(device, &[self.set_layout, sampled])?;
         let shared = [self.set_layout, self.depth_set_layout, sampled];
-        for (layout, table) in
-            self.textured_layouts
-                .iter_mut()
-                .zip([None, Some(plain), Some(sampled)])
-        {
+        let tables = [None, Some(plain), Some(sampled)];
+        for (layout, table) in self.textured_layouts.iter_mut().zip(tables) {
             let sets: Vec<_> = shared.into_iter().chain(table).collect();
-            let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
-            // SAFETY: the structures live through the call.
-            *layout = unsafe { device.create_pipeline_layout(&info, None) }?;
+            *layout = pipeline_layout(device, &sets)?;
         }
         Ok(())
     }
@@ -193,30 +149,49 @@ impl Fixtures {
     }
 
     pub(crate) fn destroy(&self, device: &ash::Device) {
+        let pipeline_layouts = [self.picture_layout, self.pipeline_layout];
+        let set_layouts = [self.depth_set_layout, self.set_layout];
+        let passes = [self.surface, self.numbers, self.textured];
         // SAFETY: called once, when nothing uses them any more; null handles are ignored.
         unsafe {
-            for layout in self.textured_layouts {
-                device.destroy_pipeline_layout(layout, None);
+            for layout in pipeline_layouts.into_iter().chain(self.textured_layouts) {
+                layout.destroy(device);
             }
-            for layout in self.image_set_layouts {
-                device.destroy_descriptor_set_layout(layout, None);
+            for layout in set_layouts.into_iter().chain(self.image_set_layouts) {
+                layout.destroy(device);
             }
-            device.destroy_descriptor_set_layout(self.depth_set_layout, None);
-            device.destroy_pipeline_layout(self.picture_layout, None);
-            device.destroy_pipeline_layout(self.pipeline_layout, None);
-            device.destroy_descriptor_set_layout(self.number_set_layout, None);
-            device.destroy_descriptor_set_layout(self.set_layout, None);
-            device.destroy_render_pass(self.textured, None);
-            for pass in self.probes {
-                device.destroy_render_pass(pass, None);
+            for pass in passes.into_iter().chain(self.fills).chain(self.probes) {
+                pass.destroy(device);
             }
-            device.destroy_render_pass(self.numbers, None);
-            for pass in self.fills {
-                device.destroy_render_pass(pass, None);
-            }
-            device.destroy_render_pass(self.surface, None);
         }
     }
+}
+
+/// A layout of one descriptor of each kind at the bindings 0, 1 …, for these stages.
+fn set_layout(
+    device: &ash::Device,
+    kinds: &[(vk::DescriptorType, vk::ShaderStageFlags)],
+) -> Result<vk::DescriptorSetLayout, vk::Result> {
+    let entry = |(binding, &(kind, stages))| {
+        vk::DescriptorSetLayoutBinding::default()
+            .binding(binding)
+            .descriptor_type(kind)
+            .descriptor_count(1)
+            .stage_flags(stages)
+    };
+    let bindings: Vec<_> = (0..).zip(kinds).map(entry).collect();
+    let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+    // SAFETY: the structures live through the call.
+    unsafe { device.create_descriptor_set_layout(&info, None) }
+}
+
+fn pipeline_layout(
+    device: &ash::Device,
+    sets: &[vk::DescriptorSetLayout],
+) -> Result<vk::PipelineLayout, vk::Result> {
+    let info = vk::PipelineLayoutCreateInfo::default().set_layouts(sets);
+    // SAFETY: the structures live through the call.
+    unsafe { device.create_pipeline_layout(&info, None) }
 }
 
 /// Loaded, kept, and in the same layout before and after.
@@ -249,73 +224,6 @@ fn read_depth_attachment(has_no_store: bool) -> vk::AttachmentDescription {
             .stencil_store_op(vk::AttachmentStoreOp::NONE)
     } else {
         kept
-    }
-}
-
-fn surface_pass(device: &ash::Device) -> Result<vk::RenderPass, vk::Result> {
-    let attachments = [
-        colour_attachment()
-            .load_op(vk::AttachmentLoadOp::CLEAR)
-            .initial_layout(vk::ImageLayout::UNDEFINED),
-        depth_attachment()
-            .load_op(vk::AttachmentLoadOp::CLEAR)
-            .stencil_load_op(vk::AttachmentLoadOp::CLEAR)
-            .initial_layout(vk::ImageLayout::UNDEFINED),
-    ];
-    let layout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
-    render_pass(device, &attachments, layout, false)
-}
-
-/// Neither depth nor stencil is written, and shaders read depth.
-fn textured_pass(
-    device: &ash::Device,
-    depth: vk::AttachmentDescription,
-) -> Result<vk::RenderPass, vk::Result> {
-    let attachments = [colour_attachment(), depth];
-    render_pass(device, &attachments, DEPTH_READ_ONLY, true)
-}
-
-fn probe_pass(
-    device: &ash::Device,
-    depth: vk::AttachmentDescription,
-    clears: bool,
-) -> Result<vk::RenderPass, vk::Result> {
-    let kept = colour_attachment().format(PROBE_FORMAT);
-    let probed = if clears {
-        kept.load_op(vk::AttachmentLoadOp::CLEAR)
-            .initial_layout(vk::ImageLayout::UNDEFINED)
-    } else {
-        kept
-    };
-    let attachments = [probed, probed, depth];
-    render_pass(device, &attachments, DEPTH_READ_ONLY, true)
-}
-
-fn number_pass(device: &ash::Device) -> Result<vk::RenderPass, vk::Result> {
-    let numbers = colour_attachment()
-        .format(NUMBER_FORMAT)
-        .load_op(vk::AttachmentLoadOp::CLEAR)
-        .initial_layout(vk::ImageLayout::UNDEFINED)
-        .final_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
-    let attachments = [numbers, depth_attachment()];
-    render_pass(device, &attachments, DEPTH_READ_ONLY, false)
-}
-
-fn fill_pass(
-    device: &ash::Device,
-    clears_stencil: bool,
-    has_colour: bool,
-) -> Result<vk::RenderPass, vk::Result> {
-    let depth = if clears_stencil {
-        depth_attachment().stencil_load_op(vk::AttachmentLoadOp::CLEAR)
-    } else {
-        depth_attachment()
-    };
-    if has_colour {
-        let attachments = [colour_attachment(), depth];
-        render_pass(device, &attachments, DEPTH_READ_ONLY, false)
-    } else {
-        render_pass(device, &[depth], DEPTH_READ_ONLY, false)
     }
 }
 

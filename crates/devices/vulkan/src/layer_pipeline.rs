@@ -3,13 +3,13 @@
 
 use crate::draw_pipeline::check_output;
 use crate::layered::LayerPass;
-use crate::pipeline::{Assembly, OwnedPipeline, ShaderStage};
+use crate::pipeline::{Assembly, OwnedPipeline, PipelineState, ShaderStage, depth_stencil};
 use crate::queries::{Queries, QueryKind, Span};
 use crate::shader_modules::ModuleKey;
 use crate::{DirectReport, GeometryOutput, Gpu, LayeredDepth, LayersBy, Measured, Resources};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_contract::DeviceError;
+use terrafill_contract::{DeviceError, SurfaceLook};
 
 /// Compiled shaders that draw depth alone.
 #[derive(Debug)]
@@ -39,30 +39,26 @@ impl LayerPipeline {
         chooses_layer: bool,
     ) -> Result<Self, DeviceError> {
         let features = gpu.facts.features;
-        let lacks = |what: &str| Err(DeviceError::unsupported(what, &gpu.facts.name));
-        if !resources.is_on(gpu) || !maps.is_on(gpu) {
-            return lacks("resources of another device");
+        if !resources.is_on(gpu) || !maps.image.is_on(gpu) {
+            return Err(gpu.lacks("resources of another device"));
         }
         if chooses_layer && !features.vertex_layer {
-            return lacks("VK_EXT_shader_viewport_index_layer");
+            return Err(gpu.lacks("VK_EXT_shader_viewport_index_layer"));
         }
         let stage = |flag, name| ShaderStage::new(gpu, flag, ModuleKey::Compiled(name), "main");
         let mut stages = vec![stage(vk::ShaderStageFlags::VERTEX, vertex)?];
         if let Some(output) = geometry {
             if !features.geometry_shader {
-                return lacks("geometryShader");
+                return Err(gpu.lacks("geometryShader"));
             }
             check_output(gpu, output)?;
             stages.push(stage(vk::ShaderStageFlags::GEOMETRY, output.name)?);
         }
-        let depth = vk::PipelineDepthStencilStateCreateInfo::default()
-            .depth_test_enable(true)
-            .depth_write_enable(true)
-            .depth_compare_op(vk::CompareOp::GREATER);
+        let depth = depth_stencil(PipelineState::Surface(SurfaceLook::default()));
         Ok(Self {
             pipeline: Assembly {
                 stages: &stages,
-                ..Assembly::new(resources.layout, maps.render_pass, depth)
+                ..Assembly::new(resources.layout(), maps.render_pass.raw, depth)
             }
             .create(gpu)?,
             resources: Arc::clone(resources),
@@ -89,11 +85,14 @@ impl LayeredDepth {
         let gpu = &self.gpu;
         if !pipeline.pipeline.is_on(gpu) || (pipeline.by, pipeline.views) != (self.by, self.views) {
             let what = "drawing depth maps by a pipeline of another kind";
-            return Err(DeviceError::unsupported(what, &gpu.facts.name));
+            return Err(gpu.lacks(what));
         }
-        let queries = |kind, count, wanted| match measured == wanted {
-            true => Queries::new(gpu, kind, count),
-            false => Ok(None),
+        let queries = |kind, count, wanted| {
+            if measured == wanted {
+                Queries::new(gpu, kind, count)
+            } else {
+                Ok(None)
+            }
         };
         // A pass of several views takes as many queries.
         let passes = u32::try_from(self.passes.len()).unwrap_or(u32::MAX);
@@ -104,20 +103,21 @@ impl LayeredDepth {
         )?;
         // llvmpipe 25.0.7 crashes in a pass of several views after a timestamp.
         let is_timed = self.views == 1 || gpu.facts.driver != "llvmpipe";
-        let stamps = match is_timed {
-            true => queries(QueryKind::Timestamps, 2, Measured::Times)?,
-            false => None,
+        let stamps = if is_timed {
+            queries(QueryKind::Timestamps, 2, Measured::Times)?
+        } else {
+            None
         };
         let span = Span::new(stamps.as_ref(), 0);
         // SAFETY: everything is of this device and lives until the submission is done.
         unsafe {
-            gpu.submit(|device, commands| {
+            gpu.submit(|_, commands| {
                 span.begin(commands);
                 if let Some(counted) = &counted {
-                    device.cmd_reset_query_pool(commands, counted.raw, 0, counted.count);
+                    counted.reset(commands);
                 }
                 for (number, pass) in (0..).zip(&self.passes) {
-                    let query = counted.as_ref().map(|of| (of.raw, number * self.views));
+                    let query = counted.as_ref().map(|of| (of, number * self.views));
                     self.record(commands, pass, pipeline, [vertices, instances], query);
                 }
                 span.end(commands);
@@ -142,21 +142,15 @@ impl LayeredDepth {
         pass: &LayerPass,
         pipeline: &LayerPipeline,
         [vertices, instances]: [u32; 2],
-        query: Option<(vk::QueryPool, u32)>,
+        query: Option<(&Queries, u32)>,
     ) {
         let device = &self.gpu.device;
-        let area = vk::Rect2D {
-            offset: vk::Offset2D::default(),
-            extent: vk::Extent2D {
-                width: self.side,
-                height: self.side,
-            },
-        };
+        let area = self.extent().into();
         #[allow(
             clippy::cast_precision_loss,
             reason = "sides are far below 2^24 texels"
         )]
-        let side = self.side as f32;
+        let side = self.extent().width as f32;
         // Texels' rows grow with y, unlike pictures'.
         let viewport = vk::Viewport {
             x: 0.0,
@@ -170,26 +164,24 @@ impl LayeredDepth {
             depth_stencil: vk::ClearDepthStencilValue::default(),
         }];
         let begin = vk::RenderPassBeginInfo::default()
-            .render_pass(self.render_pass)
+            .render_pass(self.render_pass.raw)
             .framebuffer(pass.framebuffer.raw)
             .render_area(area)
             .clear_values(&clears);
         let graphics = vk::PipelineBindPoint::GRAPHICS;
-        let resources = &pipeline.resources;
         // SAFETY: the caller's promise.
         unsafe {
             device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
             device.cmd_set_viewport(commands, 0, &[viewport]);
             device.cmd_set_scissor(commands, 0, &[area]);
             device.cmd_bind_pipeline(commands, graphics, pipeline.pipeline.raw);
-            let sets = [resources.set()];
-            device.cmd_bind_descriptor_sets(commands, graphics, resources.layout, 0, &sets, &[]);
-            if let Some((pool, at)) = query {
-                device.cmd_begin_query(commands, pool, at, vk::QueryControlFlags::empty());
+            pipeline.resources.bind(commands, graphics);
+            if let Some((counted, at)) = query {
+                counted.begin(commands, at);
             }
             device.cmd_draw(commands, vertices, instances, 0, pass.first);
-            if let Some((pool, at)) = query {
-                device.cmd_end_query(commands, pool, at);
+            if let Some((counted, at)) = query {
+                counted.end(commands, at);
             }
             device.cmd_end_render_pass(commands);
         }

@@ -2,17 +2,18 @@
 //! Depth maps in the layers of one image. They are drawn one after the other, all at once by a stage that chooses
 //! the layer, or some at once as views of one draw.
 
-use crate::failure::failure;
-use crate::memory::{Image, ImageKind, ImageShape};
-use crate::readback::let_host_read;
-use crate::targets::Framebuffer;
-use crate::{Buffer, Gpu};
+use crate::Gpu;
+use crate::image::{Image, ImageKind, ImageShape};
+use crate::memory::check_some;
+use crate::owned::Owned;
+use crate::readback::{Readable, read_images};
+use crate::targets::framebuffer;
 use ash::vk;
 use std::sync::Arc;
 use terrafill_contract::DeviceError;
 
 const FORMAT: vk::Format = vk::Format::D32_SFLOAT;
-const ASPECT: vk::ImageAspectFlags = vk::ImageAspectFlags::DEPTH;
+const TEXEL_BYTES: u64 = 4;
 /// In which maps are left, for shaders.
 const READABLE: vk::ImageLayout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
 
@@ -30,22 +31,21 @@ pub enum LayersBy {
 /// A pass over some layers.
 #[derive(Debug)]
 pub(crate) struct LayerPass {
-    view: vk::ImageView,
-    pub(crate) framebuffer: Framebuffer,
+    pub(crate) framebuffer: Owned<vk::Framebuffer>,
     pub(crate) first: u32,
+    /// The framebuffer is of it.
+    _view: Owned<vk::ImageView>,
 }
 
 /// Square depth maps, cleared to 0 before each draw, of which the greatest depth stays.
 #[derive(Debug)]
 pub struct LayeredDepth {
     pub(crate) gpu: Arc<Gpu>,
-    image: Image,
-    pub(crate) side: u32,
-    layers: u32,
+    pub(crate) image: Image,
     pub(crate) by: LayersBy,
     /// Layers that a pass draws into as views.
     pub(crate) views: u32,
-    pub(crate) render_pass: vk::RenderPass,
+    pub(crate) render_pass: Owned<vk::RenderPass>,
     pub(crate) passes: Vec<LayerPass>,
 }
 
@@ -74,90 +74,70 @@ impl LayeredDepth {
             ("texels along a side of a map", side, largest),
             ("layers of a map", layers, most),
         ] {
-            if found > allowed || found == 0 {
-                return Err(DeviceError::OverCapacity {
-                    what: what.to_owned(),
-                    found: found.into(),
-                    allowed: allowed.into(),
-                });
-            }
+            check_some(what, found, allowed)?;
         }
         let most_views = gpu.facts.features.max_views;
         if by == LayersBy::Views && most_views == 0 {
-            return Err(DeviceError::unsupported("multiview", &gpu.facts.name));
+            return Err(gpu.lacks("multiview"));
         }
         let views = match by {
             LayersBy::Views => largest_divisor(layers, most_views),
             LayersBy::Passes | LayersBy::Stage => 1,
         };
+        let extent = vk::Extent2D {
+            width: side,
+            height: side,
+        };
+        let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT
+            | vk::ImageUsageFlags::SAMPLED
+            | vk::ImageUsageFlags::TRANSFER_SRC;
         let kind = ImageKind {
-            extent: vk::Extent2D {
-                width: side,
-                height: side,
-            },
-            format: FORMAT,
-            usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT
-                | vk::ImageUsageFlags::SAMPLED
-                | vk::ImageUsageFlags::TRANSFER_SRC,
-            aspects: ASPECT,
-            levels: 1,
+            aspects: vk::ImageAspectFlags::DEPTH,
             shape: ImageShape::Array(layers),
+            ..ImageKind::flat(extent, FORMAT, usage)
         };
-        let mut made = Self {
-            gpu: Arc::clone(gpu),
-            image: Image::new(gpu, "depth maps", &kind)?,
-            side,
-            layers,
-            by,
-            views,
-            render_pass: vk::RenderPass::null(),
-            passes: Vec::new(),
-        };
-        gpu.work.count_texture(made.bytes());
-        let broken = |error| failure(error, "passes of depth maps", 0);
-        made.render_pass = render_pass(&gpu.device, by, views).map_err(broken)?;
+        let image = Image::new(gpu, "depth maps", &kind)?;
+        gpu.work.count_texture(image.bytes(TEXEL_BYTES));
+        let render_pass = render_pass(gpu, by, views)?;
         let (step, framebuffer_layers) = match by {
             LayersBy::Passes | LayersBy::Views => (views, 1),
             LayersBy::Stage => (layers, layers),
         };
-        for first in (0..layers).step_by(step as usize) {
-            made.push_pass(first, step, framebuffer_layers)?;
-        }
-        Ok(Arc::new(made))
-    }
-
-    fn push_pass(&mut self, first: u32, count: u32, layers: u32) -> Result<(), DeviceError> {
-        let range = vk::ImageSubresourceRange::default()
-            .aspect_mask(ASPECT)
-            .level_count(1)
-            .base_array_layer(first)
-            .layer_count(count);
-        let view = vk::ImageViewCreateInfo::default()
-            .image(self.image.raw)
-            .view_type(vk::ImageViewType::TYPE_2D_ARRAY)
-            .format(FORMAT)
-            .subresource_range(range);
-        // SAFETY: the structure lives through the call, and the layers are the image's.
-        let view = unsafe { self.gpu.device.create_image_view(&view, None) }
-            .map_err(|error| failure(error, "view of depth maps", 0))?;
-        let extent = vk::Extent2D {
-            width: self.side,
-            height: self.side,
+        let pass = |first: u32| -> Result<LayerPass, DeviceError> {
+            let range = vk::ImageSubresourceRange {
+                base_array_layer: first,
+                layer_count: step,
+                ..kind.whole()
+            };
+            let info = vk::ImageViewCreateInfo::default()
+                .image(image.raw)
+                .view_type(vk::ImageViewType::TYPE_2D_ARRAY)
+                .format(FORMAT)
+                .subresource_range(range);
+            // SAFETY: the structure lives through the call, and the layers are the image's, which lives as long.
+            let view = unsafe {
+                let made = gpu.device.create_image_view(&info, None);
+                Owned::new(gpu, "view of depth maps", made)
+            }?;
+            let views = [view.raw];
+            // SAFETY: the view has these layers and this size, in the pass's format.
+            let framebuffer =
+                unsafe { framebuffer(gpu, render_pass.raw, &views, extent, framebuffer_layers) }?;
+            Ok(LayerPass {
+                framebuffer,
+                first,
+                _view: view,
+            })
         };
-        // SAFETY: the view has these layers and this size, in the pass's format.
-        let framebuffer =
-            unsafe { Framebuffer::new(&self.gpu, self.render_pass, &[view], extent, layers) };
-        // A view without a framebuffer is destroyed here, another one with the maps.
-        let framebuffer = framebuffer.inspect_err(|_| {
-            // SAFETY: nothing uses it.
-            unsafe { self.gpu.device.destroy_image_view(view, None) };
-        })?;
-        self.passes.push(LayerPass {
-            view,
-            framebuffer,
-            first,
-        });
-        Ok(())
+        let passes = (0..layers).step_by(step as usize).map(pass);
+        Ok(Arc::new(Self {
+            passes: passes.collect::<Result<_, _>>()?,
+            gpu: Arc::clone(gpu),
+            image,
+            by,
+            views,
+            render_pass,
+        }))
     }
 
     /// Passes of a frame.
@@ -169,15 +149,11 @@ impl LayeredDepth {
     /// Bytes of all maps.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        4 * u64::from(self.side).pow(2) * u64::from(self.layers)
+        self.image.bytes(TEXEL_BYTES)
     }
 
-    pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
-        Arc::ptr_eq(&self.gpu, gpu)
-    }
-
-    pub(crate) fn view(&self) -> vk::ImageView {
-        self.image.view
+    pub(crate) fn extent(&self) -> vk::Extent2D {
+        self.image.kind.extent
     }
 
     /// Depths of all layers, one after the other, row by row.
@@ -185,63 +161,15 @@ impl LayeredDepth {
     /// # Errors
     /// [`DeviceError::OutOfMemory`], [`DeviceError::DeviceLost`].
     pub fn read(&self) -> Result<Vec<f32>, DeviceError> {
-        let copy = Buffer::for_reading(&self.gpu, "depth maps", self.bytes())?;
-        let from = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
-        let range = vk::ImageSubresourceRange::default()
-            .aspect_mask(ASPECT)
-            .level_count(1)
-            .layer_count(self.layers);
-        let barrier = |old_layout, new_layout| {
-            [vk::ImageMemoryBarrier::default()
-                .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
-                .dst_access_mask(vk::AccessFlags::MEMORY_READ)
-                .old_layout(old_layout)
-                .new_layout(new_layout)
-                .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                .image(self.image.raw)
-                .subresource_range(range)]
+        let maps = Readable {
+            image: &self.image,
+            aspect: vk::ImageAspectFlags::DEPTH,
+            texel_bytes: TEXEL_BYTES,
+            layout: READABLE,
         };
-        let region = [vk::BufferImageCopy::default()
-            .image_subresource(vk::ImageSubresourceLayers {
-                aspect_mask: ASPECT,
-                mip_level: 0,
-                base_array_layer: 0,
-                layer_count: self.layers,
-            })
-            .image_extent(vk::Extent3D {
-                width: self.side,
-                height: self.side,
-                depth: 1,
-            })];
-        let all = vk::PipelineStageFlags::ALL_COMMANDS;
-        let none = vk::DependencyFlags::empty();
-        let (before, after) = (barrier(READABLE, from), barrier(from, READABLE));
-        // SAFETY: the buffer has room for all layers, and both live until the submission is done.
-        unsafe {
-            self.gpu.submit(|device, commands| {
-                device.cmd_pipeline_barrier(commands, all, all, none, &[], &[], &before);
-                device.cmd_copy_image_to_buffer(commands, self.image.raw, from, copy.raw, &region);
-                device.cmd_pipeline_barrier(commands, all, all, none, &[], &[], &after);
-                let_host_read(device, commands);
-            })?;
-        }
-        let bytes = copy.read()?;
-        let (depths, _) = bytes.as_chunks::<4>();
-        Ok(depths.iter().map(|of| f32::from_ne_bytes(*of)).collect())
-    }
-}
-
-impl Drop for LayeredDepth {
-    fn drop(&mut self) {
-        let device = &self.gpu.device;
-        // SAFETY: every submission that used them has been waited for; null is ignored.
-        unsafe {
-            for pass in &self.passes {
-                device.destroy_image_view(pass.view, None);
-            }
-            device.destroy_render_pass(self.render_pass, None);
-        }
+        // SAFETY: the maps were drawn, which leaves them in this layout, with as many bytes a texel.
+        let [bytes] = unsafe { read_images(&self.gpu, [maps]) }?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 }
 
@@ -253,10 +181,10 @@ fn largest_divisor(number: u32, most: u32) -> u32 {
 }
 
 fn render_pass(
-    device: &ash::Device,
+    gpu: &Arc<Gpu>,
     by: LayersBy,
     views: u32,
-) -> Result<vk::RenderPass, vk::Result> {
+) -> Result<Owned<vk::RenderPass>, DeviceError> {
     let attachments = [vk::AttachmentDescription::default()
         .format(FORMAT)
         .samples(vk::SampleCountFlags::TYPE_1)
@@ -302,8 +230,11 @@ fn render_pass(
     if by == LayersBy::Views {
         info = info.push_next(&mut multiview);
     }
-    // SAFETY: the structures live through the call.
-    unsafe { device.create_render_pass(&info, None) }
+    // SAFETY: the structures live through the call; framebuffers and pipelines are done with before it.
+    unsafe {
+        let made = gpu.device.create_render_pass(&info, None);
+        Owned::new(gpu, "passes of depth maps", made)
+    }
 }
 
 #[cfg(test)]

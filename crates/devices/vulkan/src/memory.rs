@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Buffers and images, each with memory of its own: a scene has a handful of them, and what each
-//! takes can be read off.
+//! Buffers, each with memory of its own as images have theirs: a scene has a handful of them, and what
+//! each takes can be read off.
 
 use crate::Gpu;
 use crate::failure::failure;
+use crate::owned::Owned;
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -53,6 +54,8 @@ impl BufferUse {
 pub struct Buffer {
     gpu: Arc<Gpu>,
     pub(crate) raw: vk::Buffer,
+    /// What `raw` is, which goes before its memory.
+    _owned: Owned<vk::Buffer>,
     memory: Memory,
     size: u64,
     use_for: Option<BufferUse>,
@@ -62,14 +65,14 @@ pub struct Buffer {
 
 /// One allocation.
 #[derive(Debug)]
-struct Memory {
-    raw: vk::DeviceMemory,
+pub(crate) struct Memory {
+    pub(crate) owned: Owned<vk::DeviceMemory>,
     bytes: u64,
 }
 
 impl Memory {
-    fn new(
-        gpu: &Gpu,
+    pub(crate) fn new(
+        gpu: &Arc<Gpu>,
         label: &str,
         needs: vk::MemoryRequirements,
         wanted: &[vk::MemoryPropertyFlags],
@@ -97,28 +100,28 @@ impl Memory {
         if has_address {
             info = info.push_next(&mut flags);
         }
-        // SAFETY: size and type are what the driver asked for.
-        let raw = unsafe { gpu.device.allocate_memory(&info, None) }
-            .map_err(|error| failure(error, label, needs.size))?;
+        // SAFETY: size and type are what the driver asked for; what lies in it holds it.
+        let owned = unsafe {
+            let made = gpu.device.allocate_memory(&info, None);
+            Owned::sized(gpu, label, needs.size, made)
+        }?;
         let counted = &gpu.allocated_bytes;
         counted.fetch_add(needs.size, Ordering::Relaxed);
         Ok(Self {
-            raw,
+            owned,
             bytes: needs.size,
         })
     }
+}
 
-    /// # Safety
-    /// Nothing that lies in the memory may be used any more.
-    unsafe fn free(&self, gpu: &Gpu) {
-        // SAFETY: as promised; the memory is the device's.
-        unsafe { gpu.device.free_memory(self.raw, None) };
-        let counted = &gpu.allocated_bytes;
+impl Drop for Memory {
+    fn drop(&mut self) {
+        let counted = &self.owned.gpu().allocated_bytes;
         counted.fetch_sub(self.bytes, Ordering::Relaxed);
     }
 }
 
-const DEVICE: &[vk::MemoryPropertyFlags] = &[
+pub(crate) const DEVICE: &[vk::MemoryPropertyFlags] = &[
     vk::MemoryPropertyFlags::DEVICE_LOCAL,
     vk::MemoryPropertyFlags::empty(),
 ];
@@ -233,16 +236,11 @@ impl Buffer {
     pub fn stream(&self, bytes: &[u8]) -> Result<(), DeviceError> {
         if !self.is_streamed {
             let what = "mapping a buffer in device memory";
-            return Err(DeviceError::unsupported(what, &self.gpu.facts.name));
+            return Err(self.gpu.lacks(what));
         }
         let found = bytes.len() as u64;
-        if found > self.size {
-            return Err(DeviceError::OverCapacity {
-                what: "bytes written into a streamed buffer".to_owned(),
-                found,
-                allowed: self.size,
-            });
-        }
+        let what = "bytes written into a streamed buffer";
+        DeviceError::check_capacity(what, found, self.size)?;
         self.gpu.work.count_upload(found);
         self.write(bytes)
     }
@@ -254,7 +252,7 @@ impl Buffer {
         use_for: BufferUse,
         wanted: &[vk::MemoryPropertyFlags],
     ) -> Result<Self, DeviceError> {
-        let allowed = match use_for {
+        let allowed: u64 = match use_for {
             BufferUse::Uniform => u64::from(gpu.limits.max_uniform_buffer_range),
             BufferUse::Storage | BufferUse::Arguments | BufferUse::State => {
                 u64::from(gpu.limits.max_storage_buffer_range)
@@ -262,13 +260,7 @@ impl Buffer {
             // What is bound of constants at a time is checked when it is.
             BufferUse::Vertex | BufferUse::Index | BufferUse::Constants => u64::MAX,
         };
-        if size > allowed {
-            return Err(DeviceError::OverCapacity {
-                what: format!("bytes of {label}"),
-                found: size,
-                allowed,
-            });
-        }
+        DeviceError::check_capacity(&format!("bytes of {label}"), size, allowed)?;
         let mut usage = use_for.flags() | vk::BufferUsageFlags::TRANSFER_DST;
         if use_for == BufferUse::State && gpu.feedback.is_some() {
             usage |= vk::BufferUsageFlags::TRANSFORM_FEEDBACK_BUFFER_EXT;
@@ -286,9 +278,10 @@ impl Buffer {
     /// # Errors
     /// As [`Buffer::rewrite`].
     pub fn rewrite_changed(&self, before: &[u8], after: &[u8]) -> Result<(), DeviceError> {
-        let changed = match before.len() == after.len() {
-            true => changed_words(before, after),
-            false => Some(0..after.len()),
+        let changed = if before.len() == after.len() {
+            changed_words(before, after)
+        } else {
+            Some(0..after.len())
         };
         match changed.filter(|changed| !changed.is_empty()) {
             Some(changed) => self.rewrite(changed.start as u64, &after[changed]),
@@ -417,38 +410,28 @@ impl Buffer {
             .size(size)
             .usage(usage)
             .sharing_mode(vk::SharingMode::EXCLUSIVE);
-        // SAFETY: the size is not 0 and the device outlives the buffer, which holds it.
-        let raw = unsafe { gpu.device.create_buffer(&info, None) }
-            .map_err(|error| failure(error, label, size))?;
+        // SAFETY: the size is not 0; every submission that uses the buffer is waited for.
+        let owned = unsafe {
+            let made = gpu.device.create_buffer(&info, None);
+            Owned::sized(gpu, label, size, made)
+        }?;
+        let raw = owned.raw;
         // SAFETY: the buffer is the device's.
         let needs = unsafe { gpu.device.get_buffer_memory_requirements(raw) };
         let has_address = usage.contains(vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS);
-        let memory = Memory::new(gpu, label, needs, wanted, has_address).and_then(|memory| {
-            // SAFETY: fresh memory of the type and size that the buffer asked for.
-            match unsafe { gpu.device.bind_buffer_memory(raw, memory.raw, 0) } {
-                Ok(()) => Ok(memory),
-                Err(error) => {
-                    // SAFETY: nothing lies in it.
-                    unsafe { memory.free(gpu) };
-                    Err(failure(error, label, size))
-                }
-            }
-        });
-        match memory {
-            Ok(memory) => Ok(Self {
-                gpu: Arc::clone(gpu),
-                raw,
-                memory,
-                size,
-                use_for: None,
-                is_streamed: false,
-            }),
-            Err(error) => {
-                // SAFETY: never used.
-                unsafe { gpu.device.destroy_buffer(raw, None) };
-                Err(error)
-            }
-        }
+        let memory = Memory::new(gpu, label, needs, wanted, has_address)?;
+        // SAFETY: fresh memory of the type and size that the buffer asked for.
+        unsafe { gpu.device.bind_buffer_memory(raw, memory.owned.raw, 0) }
+            .map_err(|error| failure(error, label, size))?;
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            raw,
+            _owned: owned,
+            memory,
+            size,
+            use_for: None,
+            is_streamed: false,
+        })
     }
 
     /// Bytes as asked for.
@@ -463,10 +446,9 @@ impl Buffer {
         self.memory.bytes
     }
 
-    /// What it is for; none for one that only carries bytes to or from the host.
-    #[must_use]
-    pub fn use_for(&self) -> Option<BufferUse> {
-        self.use_for
+    /// Whether it is this device's and made for a use.
+    pub(crate) fn is_for(&self, gpu: &Arc<Gpu>, use_for: BufferUse) -> bool {
+        self.is_on(gpu) && self.use_for == Some(use_for)
     }
 
     pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
@@ -493,190 +475,26 @@ impl Buffer {
     }
 
     fn mapped<T>(&self, use_it: impl FnOnce(*mut u8) -> T) -> Result<T, DeviceError> {
-        let device = &self.gpu.device;
+        let (device, memory) = (&self.gpu.device, self.memory.owned.raw);
         // SAFETY: the memory is host-visible, coherent and not mapped: this crate maps only here,
         // and unmaps before it returns.
-        let start = unsafe {
-            device.map_memory(self.memory.raw, 0, self.size, vk::MemoryMapFlags::empty())
-        }
-        .map_err(|error| failure(error, "mapping", self.size))?;
+        let start = unsafe { device.map_memory(memory, 0, self.size, vk::MemoryMapFlags::empty()) }
+            .map_err(|error| failure(error, "mapping", self.size))?;
         let result = use_it(start.cast());
         // SAFETY: mapped above.
-        unsafe { device.unmap_memory(self.memory.raw) };
+        unsafe { device.unmap_memory(memory) };
         Ok(result)
     }
 }
 
-impl Drop for Buffer {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for.
-        unsafe {
-            self.gpu.device.destroy_buffer(self.raw, None);
-            self.memory.free(&self.gpu);
-        }
+/// Refuses none of `what`, and more than is allowed.
+pub(crate) fn check_some(what: &str, found: u32, allowed: u32) -> Result<(), DeviceError> {
+    if (1..=allowed).contains(&found) {
+        return Ok(());
     }
-}
-
-/// An image with a view of all of it.
-#[derive(Debug)]
-pub(crate) struct Image {
-    gpu: Arc<Gpu>,
-    pub(crate) raw: vk::Image,
-    pub(crate) view: vk::ImageView,
-    memory: Memory,
-}
-
-/// What an image is made of.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ImageKind {
-    pub(crate) extent: vk::Extent2D,
-    pub(crate) format: vk::Format,
-    pub(crate) usage: vk::ImageUsageFlags,
-    pub(crate) aspects: vk::ImageAspectFlags,
-    pub(crate) levels: u32,
-    pub(crate) shape: ImageShape,
-}
-
-/// What the layers of an image are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum ImageShape {
-    /// One flat picture.
-    Flat,
-    /// Six faces.
-    Cube,
-    /// Pictures, numbered.
-    Array(u32),
-    /// Slices of one volume.
-    Volume(u32),
-}
-
-impl ImageKind {
-    pub(crate) fn layers(&self) -> u32 {
-        match self.shape {
-            ImageShape::Flat | ImageShape::Volume(_) => 1,
-            ImageShape::Cube => 6,
-            ImageShape::Array(layers) => layers,
-        }
-    }
-
-    fn depth(&self) -> u32 {
-        match self.shape {
-            ImageShape::Volume(slices) => slices,
-            ImageShape::Flat | ImageShape::Cube | ImageShape::Array(_) => 1,
-        }
-    }
-
-    /// All levels and layers.
-    pub(crate) fn whole(&self) -> vk::ImageSubresourceRange {
-        vk::ImageSubresourceRange::default()
-            .aspect_mask(self.aspects)
-            .level_count(self.levels)
-            .layer_count(self.layers())
-    }
-}
-
-impl Image {
-    /// A target, which can be read back.
-    pub(crate) fn target(
-        gpu: &Arc<Gpu>,
-        label: &str,
-        extent: vk::Extent2D,
-        format: vk::Format,
-        usage: vk::ImageUsageFlags,
-        aspects: vk::ImageAspectFlags,
-    ) -> Result<Self, DeviceError> {
-        let kind = ImageKind {
-            extent,
-            format,
-            usage: usage | vk::ImageUsageFlags::TRANSFER_SRC,
-            aspects,
-            levels: 1,
-            shape: ImageShape::Flat,
-        };
-        Self::new(gpu, label, &kind)
-    }
-
-    /// The extent is within the device's limits, and the format can be used so.
-    pub(crate) fn new(gpu: &Arc<Gpu>, label: &str, kind: &ImageKind) -> Result<Self, DeviceError> {
-        let info = vk::ImageCreateInfo::default()
-            .flags(if kind.shape == ImageShape::Cube {
-                vk::ImageCreateFlags::CUBE_COMPATIBLE
-            } else {
-                vk::ImageCreateFlags::empty()
-            })
-            .image_type(match kind.shape {
-                ImageShape::Volume(_) => vk::ImageType::TYPE_3D,
-                _ => vk::ImageType::TYPE_2D,
-            })
-            .format(kind.format)
-            .extent(vk::Extent3D {
-                width: kind.extent.width,
-                height: kind.extent.height,
-                depth: kind.depth(),
-            })
-            .mip_levels(kind.levels)
-            .array_layers(kind.layers())
-            .samples(vk::SampleCountFlags::TYPE_1)
-            .tiling(vk::ImageTiling::OPTIMAL)
-            .usage(kind.usage)
-            .sharing_mode(vk::SharingMode::EXCLUSIVE)
-            .initial_layout(vk::ImageLayout::UNDEFINED);
-        // SAFETY: extent, format and usage are the device's (checked by whoever makes the image, or
-        // when the device was chosen, or guaranteed).
-        let raw = unsafe { gpu.device.create_image(&info, None) }
-            .map_err(|error| failure(error, label, 0))?;
-        // SAFETY: the image is the device's.
-        let needs = unsafe { gpu.device.get_image_memory_requirements(raw) };
-        let bound = Memory::new(gpu, label, needs, DEVICE, false).and_then(|memory| {
-            let view_info = vk::ImageViewCreateInfo::default()
-                .image(raw)
-                .view_type(match kind.shape {
-                    ImageShape::Flat => vk::ImageViewType::TYPE_2D,
-                    ImageShape::Cube => vk::ImageViewType::CUBE,
-                    ImageShape::Array(_) => vk::ImageViewType::TYPE_2D_ARRAY,
-                    ImageShape::Volume(_) => vk::ImageViewType::TYPE_3D,
-                })
-                .format(kind.format)
-                .subresource_range(kind.whole());
-            // SAFETY: fresh memory of the type and size that the image asked for; the view is of
-            // all of the image, in its own format.
-            let view = unsafe {
-                gpu.device
-                    .bind_image_memory(raw, memory.raw, 0)
-                    .and_then(|()| gpu.device.create_image_view(&view_info, None))
-            };
-            match view {
-                Ok(view) => Ok((memory, view)),
-                Err(error) => {
-                    // SAFETY: never used.
-                    unsafe { memory.free(gpu) };
-                    Err(failure(error, label, needs.size))
-                }
-            }
-        });
-        match bound {
-            Ok((memory, view)) => Ok(Self {
-                gpu: Arc::clone(gpu),
-                raw,
-                view,
-                memory,
-            }),
-            Err(error) => {
-                // SAFETY: never used.
-                unsafe { gpu.device.destroy_image(raw, None) };
-                Err(error)
-            }
-        }
-    }
-}
-
-impl Drop for Image {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for.
-        unsafe {
-            self.gpu.device.destroy_image_view(self.view, None);
-            self.gpu.device.destroy_image(self.raw, None);
-            self.memory.free(&self.gpu);
-        }
-    }
+    Err(DeviceError::OverCapacity {
+        what: what.to_owned(),
+        found: found.into(),
+        allowed: allowed.into(),
+    })
 }

@@ -5,11 +5,11 @@
 //! fit is not recorded, and the fill fails with the reason of the first such draw.
 
 use crate::pipeline::PassTarget;
-use crate::queries::{Queries, QueryKind};
+use crate::queries::Queries;
 use crate::targets::{Numbers, Targets};
 use crate::{
-    BindGroup, Buffer, BufferUse, DepthBindings, DepthCopy, Gpu, ImageBindings, Pipeline, Probe,
-    TexturedPipeline, VertexFormat,
+    BindGroup, Buffer, BufferUse, DepthBindings, DepthCopy, Gpu, ImageBindings, Pipeline,
+    PipelineState, Probe, TexturedPipeline, VertexFormat,
 };
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
@@ -157,14 +157,8 @@ impl<'a> FillRecorder<'a> {
             gpu,
             targets,
             commands: vk::CommandBuffer::null(),
-            counted: counted.map(|queries| {
-                let flags = match queries.kind {
-                    QueryKind::Samples => vk::QueryControlFlags::PRECISE,
-                    _ => vk::QueryControlFlags::empty(),
-                };
-                (queries.raw, flags, queries.count)
-            }),
-            stamps: stamps.map(|queries| queries.raw),
+            counted: counted.map(|queries| (queries.pool.raw, queries.flags(), queries.count)),
+            stamps: stamps.map(|queries| queries.pool.raw),
             numbers: None,
             probed: vk::Framebuffer::null(),
             passes: 0,
@@ -228,7 +222,7 @@ impl<'a> FillRecorder<'a> {
 
     /// Copies depth as the surface left it, before the first pass.
     pub fn copy_depth(&mut self, copy: &'a DepthCopy) {
-        if !copy.is_of(self.targets) {
+        if !self.targets.has(&copy.depth) {
             self.refuse("drawing: a copy of other targets' depth");
             return;
         }
@@ -238,8 +232,7 @@ impl<'a> FillRecorder<'a> {
     }
 
     fn refuse(&mut self, what: &str) {
-        let refused = DeviceError::unsupported(what, &self.gpu.facts.name);
-        self.refused.get_or_insert(refused);
+        self.refused.get_or_insert(self.gpu.lacks(what));
     }
 
     /// One pass over accumulated numbers, which it clears, depth read-only.
@@ -248,7 +241,7 @@ impl<'a> FillRecorder<'a> {
         numbers: &'a Numbers,
         record: impl FnOnce(&mut PassRecorder<'a, '_>),
     ) {
-        if !numbers.is_beside(self.targets) {
+        if !self.targets.has(&numbers.depth) {
             self.refuse("drawing: numbers beside other targets");
             return;
         }
@@ -256,7 +249,7 @@ impl<'a> FillRecorder<'a> {
         self.run(
             PassTarget::Numbers,
             render_pass,
-            numbers.framebuffer(),
+            numbers.framebuffer.raw,
             record,
         );
         self.numbers = Some(numbers);
@@ -271,13 +264,21 @@ impl<'a> FillRecorder<'a> {
 
     /// One pass over the probe's targets in place of one over the targets'; the first clears them.
     pub fn probe(&mut self, probe: &'a Probe, record: impl FnOnce(&mut PassRecorder<'a, '_>)) {
-        if !probe.is_beside(self.targets) {
+        if !self.targets.has(&probe.depth) {
             self.refuse("drawing: a probe of other targets");
             return;
         }
-        let render_pass = self.gpu.fixtures.probe(self.probed != probe.framebuffer());
-        self.run(PassTarget::Probe, render_pass, probe.framebuffer(), record);
-        self.probed = probe.framebuffer();
+        let render_pass = self
+            .gpu
+            .fixtures
+            .probe(self.probed != probe.framebuffer.raw);
+        self.run(
+            PassTarget::Probe,
+            render_pass,
+            probe.framebuffer.raw,
+            record,
+        );
+        self.probed = probe.framebuffer.raw;
         probe.is_drawn.set(true);
     }
 
@@ -400,7 +401,7 @@ impl<'a> PassRecorder<'a, '_> {
         instances: Range<u32>,
     ) {
         let end = u64::from(instances.end) * CoverInstance::STRIDE;
-        if state.pipeline.format() != VertexFormat::Cover || end > buffer.size() {
+        if state.pipeline.descriptor.format != VertexFormat::Cover || end > buffer.size() {
             self.refuse("instances that are not there, or a pipeline that reads none");
             return;
         }
@@ -427,15 +428,8 @@ impl<'a> PassRecorder<'a, '_> {
             return;
         };
         let end = (u64::from(first) + u64::from(count)) * geometry.width.bytes();
-        if end > geometry.indices.size() {
-            self.fill.refused.get_or_insert(DeviceError::OverCapacity {
-                what: "bytes of indices that a draw reads".to_owned(),
-                found: end,
-                allowed: geometry.indices.size(),
-            });
-            return;
-        }
-        if self.bind(state) {
+        let holds = self.holds("bytes of indices that a draw reads", end, geometry.indices);
+        if holds && self.bind(state) {
             let device = &self.fill.gpu.device;
             // SAFETY: all state is bound and fits, and the indices are there; what they point at is
             // checked by the device (`robustBufferAccess`).
@@ -453,15 +447,7 @@ impl<'a> PassRecorder<'a, '_> {
             return;
         }
         let end = u64::from(numbers.end) * u64::from(DrawCommand::STRIDE);
-        if end > list.size() {
-            self.fill.refused.get_or_insert(DeviceError::OverCapacity {
-                what: "bytes of commands that a draw reads".to_owned(),
-                found: end,
-                allowed: list.size(),
-            });
-            return;
-        }
-        if !self.bind(state) {
+        if !self.holds("bytes of commands that a draw reads", end, list) || !self.bind(state) {
             return;
         }
         let gpu = self.fill.gpu;
@@ -496,21 +482,21 @@ impl<'a> PassRecorder<'a, '_> {
 
     fn bind_cover(&mut self, state: &CoverState<'a>, planned: usize) -> bool {
         let pipeline = state.pipeline;
-        let wanted = if pipeline.is_probe() {
+        let wanted = if pipeline.is_probe {
             PassTarget::Probe
         } else {
             PassTarget::Textured
         };
         let gpu = self.fill.gpu;
-        if !pipeline.is_on(gpu) || wanted != self.target {
+        if !pipeline.owned.is_on(gpu) || wanted != self.target {
             self.refuse("a textured cover of another device or made for another kind of pass");
             return false;
         }
-        let images_fit = state.picture.is_on(gpu)
+        let images_fit = state.picture.set.is_on(gpu)
             && state.picture.is_sampled()
-            && state.table.is_none_or(|table| table.is_on(gpu))
+            && state.table.is_none_or(|table| table.set.is_on(gpu))
             && pipeline.takes_table(state.table);
-        if !images_fit || !state.depth.reads(self.fill.targets) {
+        if !images_fit || !self.fill.targets.has(&state.depth.depth) {
             self.refuse("a picture, table or depth that a textured cover cannot read");
             return false;
         }
@@ -521,34 +507,34 @@ impl<'a> PassRecorder<'a, '_> {
         self.ensure_scissor();
         let point = vk::PipelineBindPoint::GRAPHICS;
         let (device, commands) = (&gpu.device, self.fill.commands);
-        if pipeline.raw() != self.bound.pipeline {
+        if pipeline.owned.raw != self.bound.pipeline {
             // SAFETY: made on this device for a compatible pass.
-            unsafe { device.cmd_bind_pipeline(commands, point, pipeline.raw()) };
-            self.bound.pipeline = pipeline.raw();
+            unsafe { device.cmd_bind_pipeline(commands, point, pipeline.owned.raw) };
+            self.bound.pipeline = pipeline.owned.raw;
         }
-        if state.bindings.set() != self.bound.set && !self.bind_constants(state.bindings) {
+        if state.bindings.set.raw != self.bound.set && !self.bind_constants(state.bindings) {
             return false;
         }
-        let layout = pipeline.layout();
-        let region = Some((state.depth.set(), offset));
+        let layout = pipeline.layout;
+        let region = Some((state.depth.set.raw, offset));
         if self.bound.region != region {
             // SAFETY: of this device and of the layout that every textured cover has there; the
             // offset is one of a region inside the buffer.
             unsafe {
-                let sets = [state.depth.set()];
+                let sets = [state.depth.set.raw];
                 device.cmd_bind_descriptor_sets(commands, point, layout, 1, &sets, &[offset]);
             }
             self.bound.region = region;
         }
         let images = [Some(state.picture), state.table];
         for (number, (image, bound)) in (2..).zip(images.iter().zip(&mut self.bound.images)) {
-            if let Some(image) = image.filter(|image| image.set() != *bound) {
-                let sets = [image.set()];
+            if let Some(image) = image.filter(|image| image.set.raw != *bound) {
+                let sets = [image.set.raw];
                 // SAFETY: of this device and of the layout that the pipeline has there.
                 unsafe {
                     device.cmd_bind_descriptor_sets(commands, point, layout, number, &sets, &[]);
                 }
-                *bound = image.set();
+                *bound = image.set.raw;
             }
         }
         true
@@ -558,6 +544,14 @@ impl<'a> PassRecorder<'a, '_> {
         self.fill.refuse(&format!("drawing: {what}"));
     }
 
+    /// Whether a buffer has as many bytes as a draw reads of it.
+    fn holds(&mut self, what: &str, end: u64, buffer: &Buffer) -> bool {
+        let checked = DeviceError::check_capacity(what, end, buffer.size());
+        let is_ok = checked.is_ok();
+        self.fill.refused = self.fill.refused.take().or(checked.err());
+        is_ok
+    }
+
     /// Binds what is not bound yet; false when something does not fit.
     fn bind(&mut self, state: &DrawState<'a>) -> bool {
         if !self.bind_state(state) {
@@ -565,7 +559,7 @@ impl<'a> PassRecorder<'a, '_> {
         }
         match &state.geometry {
             Some(geometry) => self.bind_geometry(geometry),
-            None if state.pipeline.format() != VertexFormat::Number => {
+            None if state.pipeline.descriptor.format != VertexFormat::Number => {
                 self.refuse("a pipeline that reads vertices without any");
                 false
             }
@@ -575,15 +569,15 @@ impl<'a> PassRecorder<'a, '_> {
 
     /// The same of pipeline and constants.
     fn bind_state(&mut self, state: &DrawState<'a>) -> bool {
-        if state.pipeline.raw() != self.bound.pipeline && !self.bind_pipeline(state.pipeline) {
+        if state.pipeline.owned.raw != self.bound.pipeline && !self.bind_pipeline(state.pipeline) {
             return false;
         }
-        if state.pipeline.tests_depth_bounds() && !self.bounds_set {
+        if state.pipeline.descriptor.depth_bounds && !self.bounds_set {
             self.refuse("depth bounds are tested and not set");
             return false;
         }
         self.ensure_scissor();
-        state.bindings.set() == self.bound.set || self.bind_constants(state.bindings)
+        state.bindings.set.raw == self.bound.set || self.bind_constants(state.bindings)
     }
 
     /// The whole image, unless draws were cut to something.
@@ -600,9 +594,9 @@ impl<'a> PassRecorder<'a, '_> {
     }
 
     fn bind_pipeline(&mut self, pipeline: &Pipeline) -> bool {
-        let fits = pipeline.is_on(self.fill.gpu)
-            && !pipeline.is_surface()
-            && pipeline.target() == self.target
+        let fits = pipeline.owned.is_on(self.fill.gpu)
+            && !matches!(pipeline.descriptor.state, PipelineState::Surface(_))
+            && pipeline.descriptor.state.target() == self.target
             && (self.fill.numbers.is_some() || !pipeline.reads_numbers());
         if !fits {
             self.refuse("a pipeline of another device or made for another kind of pass");
@@ -611,24 +605,24 @@ impl<'a> PassRecorder<'a, '_> {
         if let (true, Some(numbers)) = (pipeline.reads_numbers(), self.fill.numbers) {
             // SAFETY: of the layout that every pipeline has; a pass of this fill has left the image
             // to be read.
-            unsafe { self.bind_set(1, numbers.set()) };
+            unsafe { self.bind_set(1, numbers.set.raw) };
         }
         let device = &self.fill.gpu.device;
         let point = vk::PipelineBindPoint::GRAPHICS;
         // SAFETY: made on this device for a compatible pass.
-        unsafe { device.cmd_bind_pipeline(self.fill.commands, point, pipeline.raw()) };
-        self.bound.pipeline = pipeline.raw();
+        unsafe { device.cmd_bind_pipeline(self.fill.commands, point, pipeline.owned.raw) };
+        self.bound.pipeline = pipeline.owned.raw;
         true
     }
 
     fn bind_constants(&mut self, bindings: &BindGroup) -> bool {
-        if !bindings.is_on(self.fill.gpu) || !bindings.has_regions() {
+        if !bindings.set.is_on(self.fill.gpu) || !bindings.has_regions {
             self.refuse("constants of another device or without regions");
             return false;
         }
         // SAFETY: of this device and of the layout that every pipeline here has.
-        unsafe { self.bind_set(0, bindings.set()) };
-        self.bound.set = bindings.set();
+        unsafe { self.bind_set(0, bindings.set.raw) };
+        self.bound.set = bindings.set.raw;
         true
     }
 
@@ -653,7 +647,7 @@ impl<'a> PassRecorder<'a, '_> {
 
     /// Whether a buffer is this device's and made for a use.
     fn is_for(&self, buffer: &Buffer, use_for: BufferUse) -> bool {
-        buffer.is_on(self.fill.gpu) && buffer.use_for() == Some(use_for)
+        buffer.is_for(self.fill.gpu, use_for)
     }
 
     fn bind_vertices(&mut self, vertices: &'a Buffer) -> bool {

@@ -4,15 +4,15 @@
 //! Depth and stencil states are those of the frame's program, so a rule means here what it means in
 //! the wgpu backends; viewport and scissor are dynamic, and depth bounds where they are tested.
 
-use crate::failure::failure;
 use crate::fixtures::Fixtures;
+use crate::owned::Owned;
 use crate::shader_modules::ModuleKey;
 use crate::{Gpu, VertexStage};
 use ash::vk;
 use std::ffi::CString;
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, SurfaceLook};
-use terrafill_shaders::HandsOn;
+use terrafill_shaders::{HandsOn, SpirvStage};
 use terrafill_stencil::{
     CoverInstance, DepthRule, FaceEffect, FaceSet, StencilRule, StencilTest, VolumeState,
 };
@@ -81,14 +81,17 @@ pub enum Topology {
 }
 
 impl Topology {
-    /// Whether the largest index ends a primitive and begins another.
-    fn restarts(self) -> bool {
+    /// As Vulkan names it, and whether the largest index ends a primitive and begins another.
+    fn vulkan(self) -> (vk::PrimitiveTopology, bool) {
+        use vk::PrimitiveTopology as Named;
         match self {
-            Self::Points
-            | Self::Triangles
-            | Self::TrianglesWithAdjacency
-            | Self::LinesWithAdjacency => false,
-            Self::Strips | Self::LineStrips | Self::StripsWithAdjacency => true,
+            Self::Points => (Named::POINT_LIST, false),
+            Self::Triangles => (Named::TRIANGLE_LIST, false),
+            Self::Strips => (Named::TRIANGLE_STRIP, true),
+            Self::LineStrips => (Named::LINE_STRIP, true),
+            Self::TrianglesWithAdjacency => (Named::TRIANGLE_LIST_WITH_ADJACENCY, false),
+            Self::StripsWithAdjacency => (Named::TRIANGLE_STRIP_WITH_ADJACENCY, true),
+            Self::LinesWithAdjacency => (Named::LINE_LIST_WITH_ADJACENCY, false),
         }
     }
 }
@@ -98,56 +101,15 @@ impl Topology {
 pub enum PipelineState {
     /// The surface: nearest depth wins. With a picture, set 1 is that picture with its sampler.
     Surface(SurfaceLook),
-    /// Into the stencil, in a pass with or without a colour target that is left alone.
-    Mark {
-        /// Which fragments do what.
-        rule: StencilRule,
-        /// The pass has a colour target.
-        has_colour: bool,
-    },
-    /// Nowhere and without any test, in a pass without colour, for queries to count.
-    Count {
-        /// Faces drawn.
-        faces: FaceSet,
-    },
-    /// Into the colour target where the stencil says so.
-    Colour {
-        /// What the stencil must say.
-        test: StencilTest,
-        /// Only what is nearer than the surface.
-        is_before_surface: bool,
-        /// Faces drawn.
-        faces: FaceSet,
-    },
-    /// Adds to the accumulated numbers.
-    Accumulate {
-        /// Which fragments count.
-        depth: DepthRule,
-        /// Faces drawn.
-        faces: FaceSet,
-    },
+    /// Volumes, or a triangle over the screen in their stead.
+    Volumes(VolumeState),
     /// Into the colour target, by a shader that reads the accumulated numbers.
     Resolve,
 }
 
 impl From<VolumeState> for PipelineState {
     fn from(state: VolumeState) -> Self {
-        match state {
-            VolumeState::Mark {
-                rule, has_colour, ..
-            } => Self::Mark { rule, has_colour },
-            VolumeState::Count { faces } => Self::Count { faces },
-            VolumeState::Colour {
-                test,
-                is_before_surface,
-                faces,
-            } => Self::Colour {
-                test,
-                is_before_surface,
-                faces,
-            },
-            VolumeState::Accumulate { depth, faces } => Self::Accumulate { depth, faces },
-        }
+        Self::Volumes(state)
     }
 }
 
@@ -165,24 +127,21 @@ pub(crate) enum PassTarget {
 impl PipelineState {
     pub(crate) fn target(self) -> PassTarget {
         match self {
-            Self::Mark {
-                has_colour: false, ..
-            }
-            | Self::Count { .. } => PassTarget::Stencil,
-            Self::Mark { .. } | Self::Surface(_) | Self::Colour { .. } | Self::Resolve => {
-                PassTarget::Colour
-            }
-            Self::Accumulate { .. } => PassTarget::Numbers,
+            Self::Volumes(
+                VolumeState::Mark {
+                    has_colour: false, ..
+                }
+                | VolumeState::Count { .. },
+            ) => PassTarget::Stencil,
+            Self::Volumes(VolumeState::Accumulate { .. }) => PassTarget::Numbers,
+            Self::Volumes(_) | Self::Surface(_) | Self::Resolve => PassTarget::Colour,
         }
     }
 
     fn faces(self) -> FaceSet {
         match self {
             Self::Surface(look) if !look.draws_back_faces => FaceSet::Front,
-            Self::Mark { rule, .. } => rule.faces,
-            Self::Count { faces } | Self::Colour { faces, .. } | Self::Accumulate { faces, .. } => {
-                faces
-            }
+            Self::Volumes(state) => state.faces(),
             Self::Resolve | Self::Surface(_) => FaceSet::Both,
         }
     }
@@ -210,8 +169,8 @@ pub struct PipelineDescriptor {
 /// A pipeline.
 #[derive(Debug)]
 pub struct Pipeline {
-    owned: OwnedPipeline,
-    descriptor: PipelineDescriptor,
+    pub(crate) owned: OwnedPipeline,
+    pub(crate) descriptor: PipelineDescriptor,
 }
 
 impl Pipeline {
@@ -221,16 +180,15 @@ impl Pipeline {
     /// [`DeviceError::Unsupported`] when the device lacks geometry shaders or depth bounds and the
     /// pipeline needs them, [`DeviceError::Shader`], [`DeviceError::OutOfMemory`].
     pub fn new(gpu: &Arc<Gpu>, descriptor: PipelineDescriptor) -> Result<Self, DeviceError> {
-        let lacks = |capability: &str| DeviceError::unsupported(capability, &gpu.facts.name);
         if descriptor.geometry.is_some() && !gpu.facts.features.geometry_shader {
-            return Err(lacks("geometryShader"));
+            return Err(gpu.lacks("geometryShader"));
         }
         if descriptor.depth_bounds && !gpu.facts.features.depth_bounds {
-            return Err(lacks("depthBounds"));
+            return Err(gpu.lacks("depthBounds"));
         }
         let accumulates = descriptor.state.target() == PassTarget::Numbers;
         if accumulates && !gpu.facts.features.blends_float {
-            return Err(lacks("blending into R32_SFLOAT"));
+            return Err(gpu.lacks("blending into R32_SFLOAT"));
         }
         Ok(Self {
             owned: create(gpu, &descriptor)?,
@@ -238,93 +196,49 @@ impl Pipeline {
         })
     }
 
-    pub(crate) fn raw(&self) -> vk::Pipeline {
-        self.owned.raw
-    }
-
-    pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
-        self.owned.is_on(gpu)
-    }
-
-    pub(crate) fn target(&self) -> PassTarget {
-        self.descriptor.state.target()
-    }
-
     pub(crate) fn reads_numbers(&self) -> bool {
         self.descriptor.state == PipelineState::Resolve
     }
-
-    pub(crate) fn is_surface(&self) -> bool {
-        matches!(self.descriptor.state, PipelineState::Surface(_))
-    }
-
-    pub(crate) fn format(&self) -> VertexFormat {
-        self.descriptor.format
-    }
-
-    pub(crate) fn tests_depth_bounds(&self) -> bool {
-        self.descriptor.depth_bounds
-    }
 }
 
-/// A pipeline of a device, destroyed with it.
-#[derive(Debug)]
-pub(crate) struct OwnedPipeline {
-    gpu: Arc<Gpu>,
-    pub(crate) raw: vk::Pipeline,
+/// A pipeline of a device.
+pub(crate) type OwnedPipeline = Owned<vk::Pipeline>;
+
+/// What a call made; one pipeline was asked for.
+///
+/// # Safety
+/// It was made on this device, and nobody else has it.
+unsafe fn counted(
+    gpu: &Arc<Gpu>,
+    made: Result<Vec<vk::Pipeline>, (Vec<vk::Pipeline>, vk::Result)>,
+) -> Result<OwnedPipeline, DeviceError> {
+    let first = made.map(|pipelines| pipelines.first().copied().unwrap_or_default());
+    // SAFETY: the caller's promise; submissions are waited for.
+    let owned = unsafe { Owned::new(gpu, "pipeline", first.map_err(|(_, error)| error)) }?;
+    gpu.work.count_pipeline();
+    Ok(owned)
 }
 
-impl OwnedPipeline {
-    /// # Safety
-    /// What the structure points at is of this device, and the stages' interfaces fit each other.
-    pub(crate) unsafe fn graphics(
-        gpu: &Arc<Gpu>,
-        info: &vk::GraphicsPipelineCreateInfo<'_>,
-    ) -> Result<Self, DeviceError> {
-        let (none, infos) = (vk::PipelineCache::null(), std::slice::from_ref(info));
-        // SAFETY: the caller's promise.
-        let made = unsafe { gpu.device.create_graphics_pipelines(none, infos, None) };
-        Self::new(gpu, made)
-    }
-
-    /// # Safety
-    /// What the structure points at is of this device, and the shader finds what it reads.
-    pub(crate) unsafe fn compute(
-        gpu: &Arc<Gpu>,
-        info: &vk::ComputePipelineCreateInfo<'_>,
-    ) -> Result<Self, DeviceError> {
-        let (none, infos) = (vk::PipelineCache::null(), std::slice::from_ref(info));
-        // SAFETY: the caller's promise.
-        let made = unsafe { gpu.device.create_compute_pipelines(none, infos, None) };
-        Self::new(gpu, made)
-    }
-
-    fn new(
-        gpu: &Arc<Gpu>,
-        made: Result<Vec<vk::Pipeline>, (Vec<vk::Pipeline>, vk::Result)>,
-    ) -> Result<Self, DeviceError> {
-        let pipelines = made.map_err(|(_, error)| failure(error, "pipeline", 0))?;
-        gpu.work.count_pipeline();
-        Ok(Self {
-            gpu: Arc::clone(gpu),
-            raw: pipelines.first().copied().unwrap_or_default(),
-        })
-    }
-
-    pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
-        Arc::ptr_eq(&self.gpu, gpu)
-    }
-
-    pub(crate) fn device_name(&self) -> &str {
-        &self.gpu.facts.name
-    }
+/// # Safety
+/// What the structure points at is of this device, and the stages' interfaces fit each other.
+pub(crate) unsafe fn graphics(
+    gpu: &Arc<Gpu>,
+    info: &vk::GraphicsPipelineCreateInfo<'_>,
+) -> Result<OwnedPipeline, DeviceError> {
+    let (none, infos) = (vk::PipelineCache::null(), std::slice::from_ref(info));
+    // SAFETY: the caller's promise.
+    unsafe { counted(gpu, gpu.device.create_graphics_pipelines(none, infos, None)) }
 }
 
-impl Drop for OwnedPipeline {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for.
-        unsafe { self.gpu.device.destroy_pipeline(self.raw, None) };
-    }
+/// # Safety
+/// What the structure points at is of this device, and the shader finds what it reads.
+pub(crate) unsafe fn compute(
+    gpu: &Arc<Gpu>,
+    info: &vk::ComputePipelineCreateInfo<'_>,
+) -> Result<OwnedPipeline, DeviceError> {
+    let (none, infos) = (vk::PipelineCache::null(), std::slice::from_ref(info));
+    // SAFETY: the caller's promise.
+    unsafe { counted(gpu, gpu.device.create_compute_pipelines(none, infos, None)) }
 }
 
 /// A shader of a pipeline.
@@ -384,7 +298,7 @@ fn create(gpu: &Arc<Gpu>, descriptor: &PipelineDescriptor) -> Result<OwnedPipeli
         stages.push(ShaderStage::new(gpu, flag, key, "main")?);
     }
     if let Fragments::Shader { path, entry_point } = descriptor.fragments {
-        let key = ModuleKey::Fragment(path, entry_point);
+        let key = ModuleKey::Wgsl(SpirvStage::Fragment, path, entry_point);
         let flag = vk::ShaderStageFlags::FRAGMENT;
         stages.push(ShaderStage::new(gpu, flag, key, entry_point)?);
     }
@@ -392,7 +306,7 @@ fn create(gpu: &Arc<Gpu>, descriptor: &PipelineDescriptor) -> Result<OwnedPipeli
     // `DRAWS_BOTTOM` and `TURNED`; a `bool` constant takes 4 bytes in SPIR-V.
     let draws_bottom = descriptor.geometry.is_none_or(|stage| stage.draws_bottom);
     let write_mask = match descriptor.state {
-        PipelineState::Mark { .. } | PipelineState::Count { .. } => {
+        PipelineState::Volumes(VolumeState::Mark { .. } | VolumeState::Count { .. }) => {
             vk::ColorComponentFlags::empty()
         }
         _ => vk::ColorComponentFlags::RGBA,
@@ -485,21 +399,10 @@ impl Assembly<'_> {
         let input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_binding_descriptions(&bindings)
             .vertex_attribute_descriptions(&attributes);
+        let (topology, restarts) = self.topology.vulkan();
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
-            .topology(match self.topology {
-                Topology::Points => vk::PrimitiveTopology::POINT_LIST,
-                Topology::Triangles => vk::PrimitiveTopology::TRIANGLE_LIST,
-                Topology::Strips => vk::PrimitiveTopology::TRIANGLE_STRIP,
-                Topology::LineStrips => vk::PrimitiveTopology::LINE_STRIP,
-                Topology::TrianglesWithAdjacency => {
-                    vk::PrimitiveTopology::TRIANGLE_LIST_WITH_ADJACENCY
-                }
-                Topology::StripsWithAdjacency => {
-                    vk::PrimitiveTopology::TRIANGLE_STRIP_WITH_ADJACENCY
-                }
-                Topology::LinesWithAdjacency => vk::PrimitiveTopology::LINE_LIST_WITH_ADJACENCY,
-            })
-            .primitive_restart_enable(self.topology.restarts());
+            .topology(topology)
+            .primitive_restart_enable(restarts);
         let viewport = vk::PipelineViewportStateCreateInfo::default()
             .viewport_count(1)
             .scissor_count(1);
@@ -546,7 +449,7 @@ impl Assembly<'_> {
             .subpass(0);
         // SAFETY: the structures live through the call; the stages' interfaces fit each other, which
         // the tests with the validation layer on hold down.
-        unsafe { OwnedPipeline::graphics(gpu, &info) }
+        unsafe { graphics(gpu, &info) }
     }
 }
 
@@ -554,7 +457,7 @@ impl Assembly<'_> {
 fn render_pass(fixtures: &Fixtures, state: PipelineState) -> vk::RenderPass {
     match state {
         PipelineState::Surface(_) => fixtures.surface,
-        PipelineState::Accumulate { .. } => fixtures.numbers,
+        PipelineState::Volumes(VolumeState::Accumulate { .. }) => fixtures.numbers,
         _ => fixtures.fill(false, state.target() == PassTarget::Colour),
     }
 }
@@ -614,38 +517,38 @@ pub(crate) fn depth_stencil(
     state: PipelineState,
 ) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
     let base = vk::PipelineDepthStencilStateCreateInfo::default();
+    let tested = base.depth_test_enable(true);
+    let nearer = tested.depth_compare_op(vk::CompareOp::GREATER);
     match state {
-        PipelineState::Surface(_) => base
-            .depth_test_enable(true)
-            .depth_write_enable(true)
-            .depth_compare_op(vk::CompareOp::GREATER),
-        PipelineState::Mark { rule, .. } => {
+        PipelineState::Surface(_) => nearer.depth_write_enable(true),
+        PipelineState::Volumes(VolumeState::Mark { rule, .. }) => {
             let (front, back, mask) = rule.effects();
-            base.depth_test_enable(true)
-                .depth_compare_op(vk::CompareOp::GREATER)
+            nearer
                 .stencil_test_enable(true)
                 .front(mark_face(rule, front, mask))
                 .back(mark_face(rule, back, mask))
         }
-        PipelineState::Count { .. } | PipelineState::Resolve => base,
-        PipelineState::Accumulate { depth, .. } => {
-            base.depth_test_enable(true).depth_compare_op(match depth {
+        PipelineState::Volumes(VolumeState::Count { .. }) | PipelineState::Resolve => base,
+        PipelineState::Volumes(VolumeState::Accumulate { depth, .. }) => {
+            tested.depth_compare_op(match depth {
                 // The complement of `Greater`.
                 DepthRule::Fail => vk::CompareOp::LESS_OR_EQUAL,
                 DepthRule::Pass => vk::CompareOp::GREATER,
                 DepthRule::Always => vk::CompareOp::ALWAYS,
             })
         }
-        PipelineState::Colour {
+        PipelineState::Volumes(VolumeState::Colour {
             test,
             is_before_surface,
             ..
-        } => match is_before_surface {
-            true => stencil_test(test)
-                .depth_test_enable(true)
-                .depth_compare_op(vk::CompareOp::GREATER),
-            false => stencil_test(test),
-        },
+        }) => {
+            let coloured = stencil_test(test);
+            if is_before_surface {
+                let nearer = coloured.depth_compare_op(vk::CompareOp::GREATER);
+                return nearer.depth_test_enable(true);
+            }
+            coloured
+        }
     }
 }
 
@@ -669,9 +572,10 @@ pub(crate) fn stencil_test(test: StencilTest) -> vk::PipelineDepthStencilStateCr
         reference: u32::from(test.reference),
     };
     // At depth 0 a cover is as far as the sky.
-    let depth = match test.skips_sky {
-        true => vk::CompareOp::LESS,
-        false => vk::CompareOp::ALWAYS,
+    let depth = if test.skips_sky {
+        vk::CompareOp::LESS
+    } else {
+        vk::CompareOp::ALWAYS
     };
     vk::PipelineDepthStencilStateCreateInfo::default()
         .depth_test_enable(test.skips_sky)

@@ -6,6 +6,7 @@
 
 use crate::Gpu;
 use crate::failure::failure;
+use crate::owned::Owned;
 use ash::vk;
 use std::sync::Arc;
 use terrafill_contract::DeviceError;
@@ -49,8 +50,7 @@ pub(crate) enum QueryKind {
 /// A pool of queries.
 #[derive(Debug)]
 pub(crate) struct Queries {
-    gpu: Arc<Gpu>,
-    pub(crate) raw: vk::QueryPool,
+    pub(crate) pool: Owned<vk::QueryPool>,
     pub(crate) kind: QueryKind,
     pub(crate) count: u32,
 }
@@ -98,14 +98,43 @@ impl Queries {
             return Ok(None);
         }
         // SAFETY: the count is not 0, and the kinds that need a feature were asked for it above.
-        let raw = unsafe { gpu.device.create_query_pool(&info, None) }
-            .map_err(|error| failure(error, "queries", u64::from(count)))?;
-        Ok(Some(Self {
-            gpu: Arc::clone(gpu),
-            raw,
-            kind,
-            count,
-        }))
+        let pool = unsafe {
+            let made = gpu.device.create_query_pool(&info, None);
+            Owned::new(gpu, "queries", made)
+        }?;
+        Ok(Some(Self { pool, kind, count }))
+    }
+
+    /// How one is begun.
+    pub(crate) fn flags(&self) -> vk::QueryControlFlags {
+        match self.kind {
+            QueryKind::Samples => vk::QueryControlFlags::PRECISE,
+            QueryKind::Statistics | QueryKind::Timestamps => vk::QueryControlFlags::empty(),
+        }
+    }
+
+    /// # Safety
+    /// Recording is under way on their device, outside of a pass, and no other submission uses them.
+    pub(crate) unsafe fn reset(&self, commands: vk::CommandBuffer) {
+        let device = &self.pool.gpu().device;
+        // SAFETY: the caller's promise; the pool has so many.
+        unsafe { device.cmd_reset_query_pool(commands, self.pool.raw, 0, self.count) };
+    }
+
+    /// # Safety
+    /// Recording is under way on their device; the query was reset, and none of its kind is open.
+    pub(crate) unsafe fn begin(&self, commands: vk::CommandBuffer, query: u32) {
+        let device = &self.pool.gpu().device;
+        // SAFETY: the caller's promise.
+        unsafe { device.cmd_begin_query(commands, self.pool.raw, query, self.flags()) };
+    }
+
+    /// # Safety
+    /// As [`Queries::begin`], after it.
+    pub(crate) unsafe fn end(&self, commands: vk::CommandBuffer, query: u32) {
+        let device = &self.pool.gpu().device;
+        // SAFETY: the caller's promise.
+        unsafe { device.cmd_end_query(commands, self.pool.raw, query) };
     }
 
     /// Results of queries `first..first + count`, which have been written and waited for.
@@ -114,12 +143,12 @@ impl Queries {
             return Ok(Vec::new());
         }
         let words_per_query = match self.kind {
-            QueryKind::Statistics => statistics(&self.gpu).as_raw().count_ones() as usize,
+            QueryKind::Statistics => statistics(self.pool.gpu()).as_raw().count_ones() as usize,
             QueryKind::Timestamps | QueryKind::Samples => 1,
         };
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
-        let raw = self.raw;
-        let device = &self.gpu.device;
+        let raw = self.pool.raw;
+        let device = &self.pool.gpu().device;
         // The stride is taken from the size of an element.
         let read = match words_per_query {
             1 => read_as::<1>(device, raw, first, count, flags),
@@ -132,7 +161,7 @@ impl Queries {
     /// Statistics of the first `passes` queries added up.
     pub(crate) fn read_statistics(&self, passes: u32) -> Result<PassStatistics, DeviceError> {
         let values = self.read(0, passes)?;
-        let has_geometry = self.gpu.facts.features.geometry_shader;
+        let has_geometry = self.pool.gpu().facts.features.geometry_shader;
         Ok(sum_statistics(&values, has_geometry))
     }
 }
@@ -164,13 +193,6 @@ fn sum_statistics(values: &[u64], has_geometry: bool) -> PassStatistics {
     }
 }
 
-impl Drop for Queries {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for.
-        unsafe { self.gpu.device.destroy_query_pool(self.raw, None) };
-    }
-}
-
 /// GPU time of what is recorded between its begin and its end; nothing without stamps.
 #[derive(Clone, Copy)]
 pub(crate) struct Span<'a> {
@@ -189,12 +211,12 @@ impl<'a> Span<'a> {
     /// Recording is under way on the stamps' device, outside of a pass, and no other submission uses them.
     pub(crate) unsafe fn begin(self, commands: vk::CommandBuffer) {
         if let Some(stamps) = self.stamps {
-            let device = &stamps.gpu.device;
+            let device = &stamps.pool.gpu().device;
             let start = vk::PipelineStageFlags::TOP_OF_PIPE;
             // SAFETY: the caller's promise.
             unsafe {
-                device.cmd_reset_query_pool(commands, stamps.raw, self.first, 2);
-                device.cmd_write_timestamp(commands, start, stamps.raw, self.first);
+                device.cmd_reset_query_pool(commands, stamps.pool.raw, self.first, 2);
+                device.cmd_write_timestamp(commands, start, stamps.pool.raw, self.first);
             }
         }
     }
@@ -204,9 +226,9 @@ impl<'a> Span<'a> {
     pub(crate) unsafe fn end(self, commands: vk::CommandBuffer) {
         if let Some(stamps) = self.stamps {
             let end = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
-            let device = &stamps.gpu.device;
+            let device = &stamps.pool.gpu().device;
             // SAFETY: the caller's promise.
-            unsafe { device.cmd_write_timestamp(commands, end, stamps.raw, self.first + 1) };
+            unsafe { device.cmd_write_timestamp(commands, end, stamps.pool.raw, self.first + 1) };
         }
     }
 
@@ -219,7 +241,7 @@ impl<'a> Span<'a> {
         Ok(span_ms(
             ticks[0],
             ticks[1],
-            stamps.gpu.timestamp_period_ns(),
+            stamps.pool.gpu().timestamp_period_ns(),
         ))
     }
 }

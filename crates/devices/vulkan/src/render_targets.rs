@@ -5,9 +5,10 @@
 //! A fill reads depth and never writes it, so one surface pass serves any number of fills of the
 //! same view.
 
+use crate::fixtures::DEPTH_READ_ONLY;
 use crate::queries::{Queries, QueryKind, Span, span_ms};
-use crate::readback::read_targets;
-use crate::surface::{SurfacePass, TriangleRenderer};
+use crate::readback::{Readable, read_images};
+use crate::surface::{VulkanSurface, draw};
 use crate::targets::{Numbers, Targets};
 use crate::{
     BindGroup, Buffer, BufferUse, DepthBindings, DepthCopy, FillRecorder, FillTimes, Gpu,
@@ -18,7 +19,8 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_contract::{
-    DeviceError, Picture, SKY, SurfaceView, ViewConstants, ViewId, check_target_size,
+    DeviceError, Picture, SKY, SurfaceTriangles, SurfaceView, ViewConstants, ViewId,
+    check_target_size,
 };
 use terrafill_scene::ImageSize;
 
@@ -56,7 +58,7 @@ pub struct RenderTargets {
     size: ImageSize,
     pub(crate) targets: Targets,
     pub(crate) stamps: Option<Queries>,
-    surface: TriangleRenderer,
+    surface: SurfaceTriangles<VulkanSurface>,
     prepared: Option<PreparedView>,
     /// The surface of what is prepared is in the targets, and these are in their layouts.
     is_drawn: bool,
@@ -94,7 +96,7 @@ impl RenderTargets {
             size,
             targets: Targets::new(gpu, size)?,
             stamps: Queries::new(gpu, QueryKind::Timestamps, STAMPS)?,
-            surface: TriangleRenderer::new(gpu),
+            surface: SurfaceTriangles::new(VulkanSurface(Arc::clone(gpu))),
             prepared: None,
             is_drawn: false,
         })
@@ -133,10 +135,7 @@ impl RenderTargets {
     /// [`DeviceError::OutOfMemory`].
     pub fn numbers(&self) -> Result<Numbers, DeviceError> {
         if !self.gpu.facts.features.blends_float {
-            return Err(DeviceError::unsupported(
-                "blending into R32_SFLOAT",
-                &self.gpu.facts.name,
-            ));
+            return Err(self.gpu.lacks("blending into R32_SFLOAT"));
         }
         Numbers::new(&self.targets)
     }
@@ -191,8 +190,7 @@ impl RenderTargets {
             bytemuck::bytes_of(&ViewConstants::new(&view)),
             BufferUse::Uniform,
         )?);
-        self.surface.set_faces(view.draws_back_faces);
-        self.surface.prepare(view.surface, view.picture)?;
+        self.surface.prepare(&view)?;
         self.prepared = Some(PreparedView {
             id: view.id,
             bindings: BindGroup::new(&self.gpu, &constants, None)?,
@@ -234,10 +232,12 @@ impl RenderTargets {
                     graphics,
                     self.gpu.fixtures.pipeline_layout,
                     0,
-                    &[prepared.bindings.set()],
+                    &[prepared.bindings.set.raw],
                     &[],
                 );
-                self.surface.draw(&mut SurfacePass::new(device, commands));
+                if let Some(surface) = self.surface.draws() {
+                    draw(&self.gpu, commands, &surface);
+                }
                 device.cmd_end_render_pass(commands);
                 span.end(commands);
             })?;
@@ -348,15 +348,24 @@ impl RenderTargets {
         if !self.is_drawn {
             return Err(DeviceError::Missing("surface in the render targets"));
         }
-        let (rgba, depth) = read_targets(&self.gpu, &self.targets)?;
-        let (depths, _) = depth.as_chunks::<4>();
+        let colour = Readable {
+            image: &self.targets.colour,
+            aspect: vk::ImageAspectFlags::COLOR,
+            texel_bytes: 4,
+            layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+        };
+        let depth = Readable {
+            image: &self.targets.depth_stencil,
+            aspect: vk::ImageAspectFlags::DEPTH,
+            layout: DEPTH_READ_ONLY,
+            ..colour
+        };
+        // SAFETY: a pass has left both in these layouts, with as many bytes a texel.
+        let [rgba, depth] = unsafe { read_images(&self.gpu, [colour, depth]) }?;
         Ok(Picture {
             size: self.size,
             rgba,
-            depth: depths
-                .iter()
-                .map(|&bytes| f32::from_ne_bytes(bytes))
-                .collect(),
+            depth: bytemuck::pod_collect_to_vec(&depth),
         })
     }
 }

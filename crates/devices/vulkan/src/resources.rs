@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Buffers and images at the bindings of one set, for pipelines that are no fills.
 
-use crate::bindings::SetPool;
-use crate::failure::failure;
+use crate::bindings::{Bound, Set};
 use crate::image_array::ImageArray;
+use crate::owned::Owned;
 use crate::{BlockImage, Buffer, BufferUse, Gpu, LayeredDepth, SampledImage, TriangleTree};
 use ash::vk;
 use std::sync::Arc;
@@ -27,38 +27,29 @@ pub enum Resource {
 }
 
 impl Resource {
-    fn kind(&self) -> vk::DescriptorType {
+    fn bound(&self) -> Bound<'_> {
         match self {
-            Self::Uniform(_) => vk::DescriptorType::UNIFORM_BUFFER,
-            Self::Storage(_) => vk::DescriptorType::STORAGE_BUFFER,
-            Self::Image(_) | Self::Depths(_) | Self::Blocks(_) => vk::DescriptorType::SAMPLED_IMAGE,
-            Self::Triangles(_) => vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
-        }
-    }
-
-    /// Null for what is no image.
-    fn view(&self) -> vk::ImageView {
-        match self {
-            Self::Uniform(_) | Self::Storage(_) | Self::Triangles(_) => vk::ImageView::null(),
-            Self::Image(image) => image.view(),
-            Self::Depths(depths) => depths.view(),
-            Self::Blocks(blocks) => blocks.view(),
+            Self::Uniform(buffer) => Bound::Buffer(vk::DescriptorType::UNIFORM_BUFFER, buffer),
+            Self::Storage(buffer) => Bound::Buffer(vk::DescriptorType::STORAGE_BUFFER, buffer),
+            Self::Image(image) => Bound::readable(image.image.view),
+            Self::Depths(depths) => Bound::readable(depths.image.view),
+            Self::Blocks(blocks) => Bound::readable(blocks.image.view),
+            Self::Triangles(tree) => Bound::Triangles(tree.raw()),
         }
     }
 
     fn fits(&self, gpu: &Arc<Gpu>) -> bool {
         match self {
-            Self::Uniform(buffer) => {
-                buffer.is_on(gpu) && buffer.use_for() == Some(BufferUse::Uniform)
-            }
+            Self::Uniform(buffer) => buffer.is_for(gpu, BufferUse::Uniform),
             Self::Storage(buffer) => {
-                let uses = [BufferUse::Storage, BufferUse::Arguments, BufferUse::State];
-                buffer.is_on(gpu) && buffer.use_for().is_some_and(|of| uses.contains(&of))
+                let mut uses =
+                    [BufferUse::Storage, BufferUse::Arguments, BufferUse::State].into_iter();
+                uses.any(|of| buffer.is_for(gpu, of))
             }
-            Self::Image(image) => image.is_on(gpu),
-            Self::Depths(depths) => depths.is_on(gpu),
+            Self::Image(image) => image.image.is_on(gpu),
+            Self::Depths(depths) => depths.image.is_on(gpu),
             Self::Triangles(tree) => tree.is_on(gpu),
-            Self::Blocks(blocks) => blocks.is_on(gpu),
+            Self::Blocks(blocks) => blocks.image.is_on(gpu),
         }
     }
 }
@@ -66,12 +57,11 @@ impl Resource {
 /// Resources at the bindings 0, 1 … of set 0, visible to every stage, and an array of images where there is one.
 #[derive(Debug)]
 pub struct Resources {
-    gpu: Arc<Gpu>,
-    set_layout: vk::DescriptorSetLayout,
-    pub(crate) layout: vk::PipelineLayout,
-    pool: Option<SetPool>,
+    layout: Owned<vk::PipelineLayout>,
+    set: Set,
     kinds: Vec<vk::DescriptorType>,
     array: Option<ImageArray>,
+    _set_layout: Owned<vk::DescriptorSetLayout>,
     /// The set points at them.
     _held: Vec<Resource>,
 }
@@ -106,116 +96,78 @@ impl Resources {
         array: Option<ImageArray>,
     ) -> Result<Arc<Self>, DeviceError> {
         if !resources.iter().all(|resource| resource.fits(gpu)) {
-            return Err(DeviceError::unsupported(
-                "binding a resource of another device or made for another use",
-                &gpu.facts.name,
-            ));
+            return Err(gpu.lacks("binding a resource of another device or made for another use"));
         }
-        let kinds: Vec<_> = resources.iter().map(Resource::kind).collect();
-        let bindings: Vec<_> = (0..)
-            .zip(&kinds)
-            .map(|(binding, &kind)| {
-                vk::DescriptorSetLayoutBinding::default()
-                    .binding(binding)
-                    .descriptor_type(kind)
-                    .descriptor_count(1)
-                    .stage_flags(vk::ShaderStageFlags::ALL)
-            })
-            .collect();
-        let mut made = Self {
-            gpu: Arc::clone(gpu),
-            set_layout: vk::DescriptorSetLayout::null(),
-            layout: vk::PipelineLayout::null(),
-            pool: None,
+        let bound: Vec<_> = resources.iter().map(Resource::bound).collect();
+        let kinds: Vec<_> = bound.iter().map(Bound::kind).collect();
+        let set_layout = set_layout(gpu, kinds.iter().map(|&kind| (kind, 1)))?;
+        let mut set_layouts = vec![set_layout.raw];
+        set_layouts.extend(array.as_ref().map(ImageArray::layout));
+        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts);
+        // SAFETY: the structure lives through the call; pipelines hold what they are made with.
+        let layout = unsafe {
+            let made = gpu.device.create_pipeline_layout(&info, None);
+            Owned::new(gpu, "resources", made)
+        }?;
+        // SAFETY: the layout was made of these kinds; what is bound is held beside the set.
+        let set = unsafe { Set::new(gpu, set_layout.raw, &bound) }?;
+        Ok(Arc::new(Self {
+            layout,
+            set,
             kinds,
             array,
-            _held: resources.clone(),
-        };
-        let broken = |error| failure(error, "resources", 0);
-        let set_info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-        // SAFETY: the structures live through the calls.
-        unsafe {
-            let device = &gpu.device;
-            made.set_layout = device
-                .create_descriptor_set_layout(&set_info, None)
-                .map_err(broken)?;
-            let mut set_layouts = vec![made.set_layout];
-            set_layouts.extend(made.array.as_ref().map(ImageArray::layout));
-            let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts);
-            made.layout = device.create_pipeline_layout(&info, None).map_err(broken)?;
-        }
-        let pool = SetPool::new(gpu, made.set_layout, &made.kinds)?;
-        for (binding, resource) in (0..).zip(&resources) {
-            let write = vk::WriteDescriptorSet::default()
-                .dst_set(pool.set)
-                .dst_binding(binding)
-                .descriptor_type(resource.kind());
-            match resource {
-                Resource::Uniform(buffer) | Resource::Storage(buffer) => {
-                    let whole = [vk::DescriptorBufferInfo {
-                        buffer: buffer.raw,
-                        offset: 0,
-                        range: vk::WHOLE_SIZE,
-                    }];
-                    let writes = [write.buffer_info(&whole)];
-                    // SAFETY: of the kind that the layout has there; it lives as long as the set.
-                    unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };
-                }
-                Resource::Image(_) | Resource::Depths(_) | Resource::Blocks(_) => {
-                    let images = [vk::DescriptorImageInfo {
-                        sampler: vk::Sampler::null(),
-                        image_view: resource.view(),
-                        image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
-                    }];
-                    let writes = [write.image_info(&images)];
-                    // SAFETY: as above.
-                    unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };
-                }
-                Resource::Triangles(tree) => {
-                    let trees = [tree.raw()];
-                    let mut own = vk::WriteDescriptorSetAccelerationStructureKHR::default()
-                        .acceleration_structures(&trees);
-                    let writes = [write.descriptor_count(1).push_next(&mut own)];
-                    // SAFETY: as above.
-                    unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };
-                }
-            }
-        }
-        made.pool = Some(pool);
-        Ok(Arc::new(made))
+            _set_layout: set_layout,
+            _held: resources,
+        }))
+    }
+
+    /// For pipelines.
+    pub(crate) fn layout(&self) -> vk::PipelineLayout {
+        self.layout.raw
     }
 
     pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
-        Arc::ptr_eq(&self.gpu, gpu)
+        self.layout.is_on(gpu)
     }
 
     /// Whether pipelines made for one find the other's just as well.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         let counts = [self, other].map(|of| of.array.as_ref().map(ImageArray::count));
-        Arc::ptr_eq(&self.gpu, &other.gpu) && self.kinds == other.kinds && counts[0] == counts[1]
+        self.is_on(other.layout.gpu()) && self.kinds == other.kinds && counts[0] == counts[1]
     }
 
-    /// All sets, from 0.
-    pub(crate) fn sets(&self) -> Vec<vk::DescriptorSet> {
-        let array = self.array.as_ref().map(ImageArray::set);
-        [self.set()].into_iter().chain(array).collect()
-    }
-
-    pub(crate) fn set(&self) -> vk::DescriptorSet {
-        self.pool
-            .as_ref()
-            .map_or(vk::DescriptorSet::null(), |pool| pool.set)
+    /// Binds all sets, from 0 on.
+    ///
+    /// # Safety
+    /// Recording is under way on their device.
+    pub(crate) unsafe fn bind(&self, commands: vk::CommandBuffer, point: vk::PipelineBindPoint) {
+        let array = self.array.as_ref().map(|array| array.set.raw);
+        let sets: Vec<_> = std::iter::once(self.set.raw).chain(array).collect();
+        let device = &self.layout.gpu().device;
+        // SAFETY: the caller's promise; the sets are those of the layout.
+        unsafe {
+            device.cmd_bind_descriptor_sets(commands, point, self.layout.raw, 0, &sets, &[]);
+        }
     }
 }
 
-impl Drop for Resources {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used them has been waited for; null is ignored.
-        unsafe {
-            self.gpu.device.destroy_pipeline_layout(self.layout, None);
-            self.gpu
-                .device
-                .destroy_descriptor_set_layout(self.set_layout, None);
-        }
+/// A layout of so many of each kind at the bindings 0, 1 …, for every stage.
+pub(crate) fn set_layout(
+    gpu: &Arc<Gpu>,
+    kinds: impl Iterator<Item = (vk::DescriptorType, u32)>,
+) -> Result<Owned<vk::DescriptorSetLayout>, DeviceError> {
+    let entry = |(binding, (kind, count))| {
+        vk::DescriptorSetLayoutBinding::default()
+            .binding(binding)
+            .descriptor_type(kind)
+            .descriptor_count(count)
+            .stage_flags(vk::ShaderStageFlags::ALL)
+    };
+    let bindings: Vec<_> = (0..).zip(kinds).map(entry).collect();
+    let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+    // SAFETY: the structure lives through the call; sets hold what they are made with.
+    unsafe {
+        let made = gpu.device.create_descriptor_set_layout(&info, None);
+        Owned::new(gpu, "layout of resources", made)
     }
 }

@@ -2,6 +2,7 @@
 //! Shader modules, compiled once a device.
 
 use crate::failure::failure;
+use ash::prelude::VkResult;
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
@@ -25,17 +26,13 @@ pub struct VertexStage {
 impl VertexStage {
     fn spirv(&self) -> Result<Vec<u32>, ShaderError> {
         let source = compose(self.path)?;
-        let source = match self.bends_footprints {
-            true => with_footprints(&source),
-            false => source,
+        let source = if self.bends_footprints {
+            with_footprints(&source)
+        } else {
+            source
         };
-        composed_to_spirv(
-            self.path,
-            &source,
-            SpirvStage::Vertex,
-            self.entry_point,
-            &[],
-        )
+        let (stage, name) = (SpirvStage::Vertex, self.entry_point);
+        composed_to_spirv(self.path, &source, stage, name, &[])
     }
 }
 
@@ -44,7 +41,6 @@ impl VertexStage {
 pub(crate) enum ModuleKey {
     Vertex(VertexStage),
     Geometry(&'static str, HandsOn),
-    Fragment(&'static str, &'static str),
     /// Path and entry point of a WGSL module.
     Wgsl(SpirvStage, &'static str, &'static str),
     /// Name of SPIR-V that was compiled beforehand.
@@ -53,15 +49,10 @@ pub(crate) enum ModuleKey {
 
 /// # Safety
 /// The SPIR-V is valid.
-pub(crate) unsafe fn new_module(
-    device: &ash::Device,
-    name: &str,
-    spirv: &[u32],
-) -> Result<vk::ShaderModule, DeviceError> {
+pub(crate) unsafe fn new_module(device: &ash::Device, spirv: &[u32]) -> VkResult<vk::ShaderModule> {
     let info = vk::ShaderModuleCreateInfo::default().code(spirv);
     // SAFETY: the caller's promise.
     unsafe { device.create_shader_module(&info, None) }
-        .map_err(|error| failure(error, name, size_of_val(spirv) as u64))
 }
 
 /// Shader modules, made once.
@@ -81,10 +72,6 @@ impl ShaderModules {
         let (path, spirv) = match key {
             ModuleKey::Vertex(stage) => (stage.path, stage.spirv()),
             ModuleKey::Geometry(path, hands_on) => (path, geometry_spirv(path, hands_on)),
-            ModuleKey::Fragment(path, entry_point) => (
-                path,
-                wgsl_to_spirv(path, SpirvStage::Fragment, entry_point, &[]),
-            ),
             ModuleKey::Wgsl(stage, path, entry_point) => {
                 (path, wgsl_to_spirv(path, stage, entry_point, &[]))
             }
@@ -95,7 +82,8 @@ impl ShaderModules {
             message: error.to_string(),
         })?;
         // SAFETY: naga validated the source, or spirv-val what was compiled before.
-        let module = unsafe { new_module(device, path, &spirv) }?;
+        let module = unsafe { new_module(device, &spirv) }
+            .map_err(|error| failure(error, path, size_of_val(&*spirv) as u64))?;
         modules.insert(key, module);
         Ok(module)
     }

@@ -2,10 +2,10 @@
 //! Colour, depth, stencil and numbers as attachments, in the formats of the wgpu targets'.
 
 use crate::Gpu;
-use crate::bindings::SetPool;
-use crate::failure::failure;
+use crate::bindings::{Bound, Set};
 use crate::fixtures::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, NUMBER_FORMAT};
-use crate::memory::Image;
+use crate::image::Image;
+use crate::owned::Owned;
 use ash::vk;
 use std::sync::Arc;
 use terrafill_contract::DeviceError;
@@ -17,61 +17,44 @@ use terrafill_stencil::NUMBER_BYTES;
 pub(crate) struct Targets {
     gpu: Arc<Gpu>,
     extent: vk::Extent2D,
-    colour: Image,
+    pub(crate) colour: Image,
     /// Shared with whoever reads its depth in shaders.
-    depth_stencil: Arc<Image>,
+    pub(crate) depth_stencil: Arc<Image>,
     /// Depth and stencil only, with colour, and with colour for textured covers.
-    framebuffers: [Framebuffer; 3],
+    framebuffers: [Owned<vk::Framebuffer>; 3],
 }
 
-/// Views that a pass draws into, destroyed with it.
-#[derive(Debug)]
-pub(crate) struct Framebuffer {
-    gpu: Arc<Gpu>,
-    pub(crate) raw: vk::Framebuffer,
-}
-
-impl Framebuffer {
-    /// # Safety
-    /// The views are of the pass's formats, of this device, and have this size and as many layers.
-    pub(crate) unsafe fn new(
-        gpu: &Arc<Gpu>,
-        render_pass: vk::RenderPass,
-        views: &[vk::ImageView],
-        extent: vk::Extent2D,
-        layers: u32,
-    ) -> Result<Self, DeviceError> {
-        let info = vk::FramebufferCreateInfo::default()
-            .render_pass(render_pass)
-            .attachments(views)
-            .width(extent.width)
-            .height(extent.height)
-            .layers(layers);
-        // SAFETY: the caller's promise.
-        let raw = unsafe { gpu.device.create_framebuffer(&info, None) }
-            .map_err(|error| failure(error, "framebuffer", 0))?;
-        Ok(Self {
-            gpu: Arc::clone(gpu),
-            raw,
-        })
-    }
-}
-
-impl Drop for Framebuffer {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for.
-        unsafe { self.gpu.device.destroy_framebuffer(self.raw, None) };
+/// Views that a pass draws into.
+///
+/// # Safety
+/// The views are of the pass's formats, of this device, have this size and as many layers, and live as long.
+pub(crate) unsafe fn framebuffer(
+    gpu: &Arc<Gpu>,
+    render_pass: vk::RenderPass,
+    views: &[vk::ImageView],
+    extent: vk::Extent2D,
+    layers: u32,
+) -> Result<Owned<vk::Framebuffer>, DeviceError> {
+    let info = vk::FramebufferCreateInfo::default()
+        .render_pass(render_pass)
+        .attachments(views)
+        .width(extent.width)
+        .height(extent.height)
+        .layers(layers);
+    // SAFETY: the caller's promise.
+    unsafe {
+        let made = gpu.device.create_framebuffer(&info, None);
+        Owned::new(gpu, "framebuffer", made)
     }
 }
 
 /// Target of accumulated numbers, and how shaders read it. Each fill that accumulates has its own.
 #[derive(Debug)]
 pub struct Numbers {
-    framebuffer: Framebuffer,
-    pool: SetPool,
-    _image: Image,
-    depth: Arc<Image>,
-    bytes: u64,
+    pub(crate) framebuffer: Owned<vk::Framebuffer>,
+    pub(crate) set: Set,
+    image: Image,
+    pub(crate) depth: Arc<Image>,
 }
 
 impl Numbers {
@@ -83,54 +66,26 @@ impl Numbers {
             "accumulated numbers",
             extent,
             NUMBER_FORMAT,
-            vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
-            vk::ImageAspectFlags::COLOR,
+            vk::ImageUsageFlags::SAMPLED,
         )?;
-        let kind = vk::DescriptorType::SAMPLED_IMAGE;
-        let pool = SetPool::new(gpu, gpu.fixtures.number_set_layout, &[kind])?;
-        let images = [vk::DescriptorImageInfo {
-            sampler: vk::Sampler::null(),
-            image_view: image.view,
-            image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
-        }];
-        let write = vk::WriteDescriptorSet::default()
-            .dst_set(pool.set)
-            .dst_binding(0)
-            .descriptor_type(kind)
-            .image_info(&images);
+        let bound = [Bound::readable(image.view)];
         // SAFETY: of the kind that the layout has; the image lives as long as the set.
-        unsafe { gpu.device.update_descriptor_sets(&[write], &[]) };
+        let set = unsafe { Set::new(gpu, gpu.fixtures.image_set_layout(false), &bound) }?;
         let views = [image.view, targets.depth_stencil.view];
         // SAFETY: the views are of the pass's formats and of this size.
-        let framebuffer =
-            unsafe { Framebuffer::new(gpu, gpu.fixtures.numbers, &views, extent, 1) }?;
-        let bytes = NUMBER_BYTES * u64::from(extent.width) * u64::from(extent.height);
-        gpu.work.count_texture(bytes);
+        let framebuffer = unsafe { framebuffer(gpu, gpu.fixtures.numbers, &views, extent, 1) }?;
+        gpu.work.count_texture(image.bytes(NUMBER_BYTES));
         Ok(Self {
             framebuffer,
-            pool,
-            _image: image,
+            set,
+            image,
             depth: Arc::clone(&targets.depth_stencil),
-            bytes,
         })
-    }
-
-    pub(crate) fn framebuffer(&self) -> vk::Framebuffer {
-        self.framebuffer.raw
-    }
-
-    pub(crate) fn set(&self) -> vk::DescriptorSet {
-        self.pool.set
     }
 
     /// Bytes of its texels.
     pub(crate) fn bytes(&self) -> u64 {
-        self.bytes
-    }
-
-    /// Whether it stands beside the depth of these targets.
-    pub(crate) fn is_beside(&self, targets: &Targets) -> bool {
-        Arc::ptr_eq(&self.depth, targets.depth_stencil())
+        self.image.bytes(NUMBER_BYTES)
     }
 }
 
@@ -140,40 +95,29 @@ impl Targets {
             width: size.width,
             height: size.height,
         };
-        let colour = Image::target(
-            gpu,
-            "colour",
-            extent,
-            COLOUR_FORMAT,
-            vk::ImageUsageFlags::COLOR_ATTACHMENT,
-            vk::ImageAspectFlags::COLOR,
-        )?;
-        let depth_stencil = Image::target(
-            gpu,
-            "depth and stencil",
-            extent,
-            DEPTH_STENCIL_FORMAT,
-            // As on wgpu, whether or not a fill reads depth: one surface serves all fills.
-            if gpu.facts.features.samples_depth {
-                vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED
-            } else {
-                vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT
-            },
-            vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL,
-        )?;
+        let unused = vk::ImageUsageFlags::empty();
+        let colour = Image::target(gpu, "colour", extent, COLOUR_FORMAT, unused)?;
+        // As on wgpu, whether or not a fill reads depth: one surface serves all fills.
+        let read = if gpu.facts.features.samples_depth {
+            vk::ImageUsageFlags::SAMPLED
+        } else {
+            unused
+        };
+        let label = "depth and stencil";
+        let depth_stencil = Image::target(gpu, label, extent, DEPTH_STENCIL_FORMAT, read)?;
         let views = [colour.view, depth_stencil.view];
-        let framebuffer = |render_pass, views: &[vk::ImageView]| {
+        let attached = |render_pass, views: &[vk::ImageView]| {
             // SAFETY: the views are of the pass's formats and of this size.
-            unsafe { Framebuffer::new(gpu, render_pass, views, extent, 1) }
+            unsafe { framebuffer(gpu, render_pass, views, extent, 1) }
         };
         let fixtures = &gpu.fixtures;
         Ok(Self {
             gpu: Arc::clone(gpu),
             extent,
             framebuffers: [
-                framebuffer(fixtures.fill(false, false), &views[1..])?,
-                framebuffer(fixtures.fill(false, true), &views)?,
-                framebuffer(fixtures.textured, &views)?,
+                attached(fixtures.fill(false, false), &views[1..])?,
+                attached(fixtures.fill(false, true), &views)?,
+                attached(fixtures.textured, &views)?,
             ],
             colour,
             depth_stencil: Arc::new(depth_stencil),
@@ -192,12 +136,9 @@ impl Targets {
         self.extent.into()
     }
 
-    pub(crate) fn colour(&self) -> vk::Image {
-        self.colour.raw
-    }
-
-    pub(crate) fn depth_stencil(&self) -> &Arc<Image> {
-        &self.depth_stencil
+    /// Whether it is their depth that something stands beside.
+    pub(crate) fn has(&self, depth: &Arc<Image>) -> bool {
+        Arc::ptr_eq(&self.depth_stencil, depth)
     }
 
     /// Of negative height: WGSL has y up, Vulkan down.

@@ -56,18 +56,15 @@ impl TriangleTree {
     ) -> Result<Self, DeviceError> {
         if gpu.trees.is_none() {
             let what = "rays in shaders (VK_KHR_ray_query)";
-            return Err(DeviceError::unsupported(what, &gpu.facts.name));
+            return Err(gpu.lacks(what));
         }
         let corners = triangles.as_flattened();
         let last = corners.iter().copied().max();
         let last = last.ok_or(DeviceError::Missing("triangles for rays"))?;
-        if last as usize >= places.len() {
-            return Err(DeviceError::OverCapacity {
-                what: "index of a place of a triangle for rays".to_owned(),
-                found: u64::from(last),
-                allowed: (places.len() as u64).saturating_sub(1),
-            });
-        }
+        let what = "index of a place of a triangle for rays";
+        let largest = (places.len() as u64).checked_sub(1);
+        let largest = largest.ok_or(DeviceError::Missing("places for rays"))?;
+        DeviceError::check_capacity(what, last, largest)?;
         let read = vk::BufferUsageFlags::ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR;
         let hand_over = |label, bytes: &[u8]| {
             gpu.work.count_upload(bytes.len() as u64);

@@ -16,9 +16,10 @@
 use glam::DVec3;
 use std::sync::Arc;
 use terrafill_core::VolumeHeights;
-use terrafill_fixtures::BoxOverGround;
-use terrafill_fixtures::globe::SIZE;
-use terrafill_stencil::{FaceSet, FixedPoint, PositionFormat, VolumeConstants, VolumePlace};
+use terrafill_fixtures::{BoxOverGround, globe::SIZE};
+use terrafill_stencil::{
+    FaceSet, FixedPoint, PositionFormat, VolumeConstants, VolumePlace, VolumeState,
+};
 use terrafill_vulkan::{
     BindGroup, Buffer, BufferUse, DrawState, Fragments, Geometry, Gpu, IndexWidth, Measured,
     Pipeline, PipelineDescriptor, PipelineState, RenderTargets, Topology, VertexFormat,
@@ -103,7 +104,7 @@ fn samples(gpu: &Arc<Gpu>, targets: &RenderTargets) -> [u64; 3] {
             fragments: Fragments::None,
             format: VertexFormat::FixedAndFlag,
             topology: Topology::Triangles,
-            state: PipelineState::Count { faces },
+            state: PipelineState::Volumes(VolumeState::Count { faces }),
             depth_bounds: false,
         };
         let pipeline = Pipeline::new(gpu, descriptor).expect("valid");

@@ -9,8 +9,9 @@ use terrafill_plan::PixelRect;
 use terrafill_scene::{ImageSize, MipChain};
 use terrafill_stencil::{
     CoverLook, CoverOverrides, CoverPurpose, DepthRule, FaceSet, RouteTexelFormat, RouteTexels,
-    StencilOperation, StencilRule, StencilTest, TexturedRegion, VolumeConstants,
+    StencilOperation, StencilRule, StencilTest, TexturedRegion, VolumeConstants, VolumeState,
 };
+use terrafill_variant::FirstPass;
 use terrafill_vulkan::{
     BindGroup, Buffer, BufferUse, CoverState, DepthBindings, DrawState, Fragments, Geometry, Gpu,
     GpuOptions, ImageBindings, IndexWidth, Measured, POSITIVE_CONTROL, Pipeline,
@@ -168,11 +169,11 @@ fn cover_descriptor(test: StencilTest) -> PipelineDescriptor {
         },
         format: VertexFormat::Number,
         topology: Topology::Triangles,
-        state: PipelineState::Colour {
+        state: PipelineState::Volumes(VolumeState::Colour {
             is_before_surface: false,
             test,
             faces: FaceSet::Both,
-        },
+        }),
         depth_bounds: false,
     }
 }
@@ -275,10 +276,11 @@ fn a_draw_that_does_not_fit_is_refused_and_nothing_is_drawn() {
         },
         fragments: Fragments::None,
         format: VertexFormat::FixedAndFlag,
-        state: PipelineState::Mark {
+        state: PipelineState::Volumes(VolumeState::Mark {
             rule: mark,
             has_colour: false,
-        },
+            first_pass: FirstPass::Stencil,
+        }),
         ..cover_descriptor(EVERYWHERE)
     };
     let volumes = Pipeline::new(&gpu, volumes).expect("valid");

@@ -12,4 +12,5 @@ mod queries;
 mod study;
 
 pub(crate) use keep::Keep;
+pub(crate) use queries::scatter;
 pub(crate) use study::group;

@@ -87,8 +87,8 @@ pub(crate) fn of_lights(numbers: &[u32], lights: usize) -> impl Iterator<Item = 
 
 /// Colours of shares of light; what is no number is red.
 pub(crate) fn of_shares(shares: &[f32]) -> impl Iterator<Item = [u8; 3]> {
-    shares.iter().map(|share| match share.is_finite() {
-        true => {
+    shares.iter().map(|share| {
+        if share.is_finite() {
             #[allow(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
@@ -96,8 +96,9 @@ pub(crate) fn of_shares(shares: &[f32]) -> impl Iterator<Item = [u8; 3]> {
             )]
             let grey = (255.0 * share.clamp(0.0, 1.0)) as u8;
             [grey; 3]
+        } else {
+            WRONG
         }
-        false => WRONG,
     })
 }
 
@@ -112,14 +113,6 @@ pub(crate) fn write(
     let stem = file_stem(&format!("{STUDY}-{name}"));
     let path = write_rgb(folder, &stem, [size.width, size.height], &pixels)?;
     Ok(vec![("picture", path)])
-}
-
-/// A folder of a run for a test.
-#[cfg(test)]
-pub(crate) fn run_folder() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    std::fs::create_dir(folder.path().join("images")).expect("writable");
-    folder
 }
 
 #[cfg(test)]

@@ -28,6 +28,8 @@ mod on_wgpu;
 mod open;
 mod rays;
 mod study;
+#[cfg(test)]
+mod tested;
 mod variance;
 mod way;
 

@@ -61,12 +61,9 @@ fn stages(way: Way, gpu: &Gpu) -> Result<Stages, DeviceError> {
         Way::FetchedPoints => Ok(grid("fetched_point", points, word)),
         Way::NoBuffer => Ok(grid("no_buffer", triangles, None)),
         Way::ComputeIndirect => Ok(grid("placed_before", triangles, None)),
-        Way::IndexedPatch
-            if gpu
-                .device
-                .features()
-                .contains(wgpu::Features::PRIMITIVE_INDEX) =>
-        {
+        Way::IndexedPatch => {
+            let what = "the number of a primitive in fragment shaders";
+            gpu.require(wgpu::Features::PRIMITIVE_INDEX, what)?;
             Ok(Stages {
                 path: "pipelines/patch.wgsl",
                 entry_point: "vertex_main",
@@ -74,25 +71,8 @@ fn stages(way: Way, gpu: &Gpu) -> Result<Stages, DeviceError> {
                 format: None,
             })
         }
-        Way::IndexedPatch => {
-            let what = "the number of a primitive in fragment shaders";
-            Err(DeviceError::unsupported(what, &gpu.facts.name))
-        }
         Way::Geometry { .. } => lacks("geometry shaders"),
         Way::Mesh => lacks("mesh shaders in WGSL"),
-    }
-}
-
-pub(crate) fn entry(
-    binding: u32,
-    visibility: wgpu::ShaderStages,
-    ty: wgpu::BindingType,
-) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility,
-        ty,
-        count: None,
     }
 }
 
@@ -148,20 +128,17 @@ impl OnWgpu {
         // Fragments number triangles by the grid's cells.
         let all = stage | wgpu::ShaderStages::FRAGMENT;
         let base = [
-            entry(0, all, uniform_type()),
-            entry(1, stage, texture_type(wgpu::TextureViewDimension::D2)),
+            (all, uniform_type()),
+            (stage, texture_type(wgpu::TextureViewDimension::D2)),
         ];
-        let mut entries = base.to_vec();
-        let basic = vec![
+        let basic = [
             constants.as_entire_binding(),
             wgpu::BindingResource::TextureView(&heights),
         ];
-        let mut resources = basic.clone();
-        if let Some(kept) = &kept {
-            entries.push(entry(2, wgpu::ShaderStages::VERTEX, storage_type(true)));
-            resources.push(kept.as_entire_binding());
-        }
-        let (layout, bound) = bind(gpu, &entries, &numbered(resources));
+        let own = (wgpu::ShaderStages::VERTEX, storage_type(true));
+        let types = base.into_iter().chain(kept.as_ref().map(|_| own));
+        let own = kept.as_ref().map(wgpu::Buffer::as_entire_binding);
+        let (layout, bound) = bind(gpu, types, basic.clone().into_iter().chain(own));
         let pipeline = gpu.direct_pipeline(&DirectPipeline {
             path: stages.path,
             entry_point: stages.entry_point,
@@ -201,11 +178,9 @@ impl OnWgpu {
                     .as_ref()
                     .ok_or(DeviceError::Missing("buffer of vertices"))?;
                 let stage = wgpu::ShaderStages::COMPUTE;
-                let mut entries = base.to_vec();
-                entries.extend([2, 3].map(|binding| entry(binding, stage, storage_type(false))));
-                let mut resources = basic;
-                resources.extend([kept, &arguments].map(wgpu::Buffer::as_entire_binding));
-                let (layout, bound) = bind(gpu, &entries, &numbered(resources));
+                let types = base.into_iter().chain([(stage, storage_type(false)); 2]);
+                let own = [kept, &arguments].map(wgpu::Buffer::as_entire_binding);
+                let (layout, bound) = bind(gpu, types, basic.into_iter().chain(own));
                 let path = "pipelines/expand.wgsl";
                 let compute = compute_pipeline(gpu, path, "compute_main", &[Some(&layout)])?;
                 Call::Indirect {
@@ -276,28 +251,10 @@ fn whole(vertices: u32) -> Call {
 pub(crate) fn heights(gpu: &Gpu, grid: &Grid) -> Result<wgpu::TextureView, DeviceError> {
     let side = grid.cells + 1;
     let allowed = gpu.device.limits().max_texture_dimension_2d;
-    if side > allowed {
-        return Err(DeviceError::OverCapacity {
-            what: "texels along a side of the heights".to_owned(),
-            found: u64::from(side),
-            allowed: u64::from(allowed),
-        });
-    }
-    let size = wgpu::Extent3d {
-        width: side,
-        height: side,
-        depth_or_array_layers: 1,
-    };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("heights"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::R32Float,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
+    DeviceError::check_capacity("texels along a side of the heights", side, allowed)?;
+    let format = wgpu::TextureFormat::R32Float;
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let texture = gpu.texture("heights", [side, side, 1], 1, format, usage);
     let layout = wgpu::TexelCopyBufferLayout {
         offset: 0,
         bytes_per_row: Some(4 * side),
@@ -305,48 +262,18 @@ pub(crate) fn heights(gpu: &Gpu, grid: &Grid) -> Result<wgpu::TextureView, Devic
     };
     let texels = bytemuck::cast_slice(&grid.heights);
     gpu.queue
-        .write_texture(texture.as_image_copy(), texels, layout, size);
+        .write_texture(texture.as_image_copy(), texels, layout, texture.size());
     Ok(texture.create_view(&Default::default()))
 }
 
-/// Resources at bindings from 0 on.
-pub(crate) fn numbered<'a>(
+/// A layout of what stages read, and what they read of it, numbered in this order.
+pub(crate) fn bind<'a>(
+    gpu: &Gpu,
+    types: impl IntoIterator<Item = (wgpu::ShaderStages, wgpu::BindingType)>,
     resources: impl IntoIterator<Item = wgpu::BindingResource<'a>>,
-) -> Vec<wgpu::BindGroupEntry<'a>> {
-    let resources = (0..).zip(resources);
-    resources
-        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
-        .collect()
-}
-
-pub(crate) fn layout_of(
-    gpu: &Gpu,
-    entries: &[wgpu::BindGroupLayoutEntry],
-) -> wgpu::BindGroupLayout {
-    let label = Some("pipelines");
-    gpu.device
-        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries })
-}
-
-pub(crate) fn bind_to(
-    gpu: &Gpu,
-    layout: &wgpu::BindGroupLayout,
-    entries: &[wgpu::BindGroupEntry<'_>],
-) -> wgpu::BindGroup {
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("pipelines"),
-        layout,
-        entries,
-    })
-}
-
-pub(crate) fn bind(
-    gpu: &Gpu,
-    entries: &[wgpu::BindGroupLayoutEntry],
-    resources: &[wgpu::BindGroupEntry<'_>],
 ) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
-    let layout = layout_of(gpu, entries);
-    let bound = bind_to(gpu, &layout, resources);
+    let layout = gpu.mixed_layout("pipelines", types);
+    let bound = gpu.bind("pipelines", &layout, resources);
     (layout, bound)
 }
 

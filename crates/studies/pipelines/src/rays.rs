@@ -184,9 +184,10 @@ impl<'a> Rays<'a> {
             if next_x.min(next_y) > to {
                 return None;
             }
-            let (cell, slope) = match next_x < next_y {
-                true => (&mut column, along.x),
-                false => (&mut row, along.y),
+            let (cell, slope) = if next_x < next_y {
+                (&mut column, along.x)
+            } else {
+                (&mut row, along.y)
             };
             match slope > 0.0 {
                 true if *cell < last => *cell += 1,

@@ -55,9 +55,10 @@ impl Study for PipelinesStudy {
         let is_quick = request.depth == Depth::Quick;
         let samples = request.samples.unwrap_or(SAMPLES);
         let pictures = (size_of(request), samples);
-        let (mut sizes, amplified): (Vec<u32>, &[u32]) = match is_quick {
-            true => (GRID_CELLS[..QUICK_GRIDS].to_vec(), &QUICK_AMPLIFIED_CELLS),
-            false => (GRID_CELLS.to_vec(), &AMPLIFIED_CELLS),
+        let (mut sizes, amplified): (Vec<u32>, &[u32]) = if is_quick {
+            (GRID_CELLS[..QUICK_GRIDS].to_vec(), &QUICK_AMPLIFIED_CELLS)
+        } else {
+            (GRID_CELLS.to_vec(), &AMPLIFIED_CELLS)
         };
         sizes.sort_unstable();
         let mut groups: Vec<Box<dyn Group>> = Vec::new();
@@ -226,23 +227,23 @@ impl Measures for GridSession<'_> {
         let (picture, counted) = opened.draw()?;
         let numbers = ids_of(&picture);
         let rays = rays(&self.grid, size);
-        let judged = match way.draws_points() {
-            true => rays.judge_points(&numbers),
-            false => rays.judge_triangles(&numbers, &self.truth),
+        let judged = if way.draws_points() {
+            rays.judge_points(&numbers)
+        } else {
+            rays.judge_triangles(&numbers, &self.truth)
         };
         let first = self.first.entry((interface, way.draws_points()));
         let differing = differing(&numbers, first.or_insert_with(|| numbers.clone()));
         self.opened.insert(case, opened);
         // Kept are those of the one size whose cells can be seen, and what is wrong.
         let is_shown = experiment == "grid" && self.grid.cells == PICTURED_CELLS;
-        let notes = match is_shown || judged.mismatched > 0 {
-            true => {
-                let cells = (!way.draws_points()).then_some(self.grid.cells);
-                let pixels = of_numbers(&numbers, cells, &judged.wrong);
-                let name = &self.group.cases[case].id.name;
-                write(self.context.folder, name, size, pixels)?
-            }
-            false => Vec::new(),
+        let notes = if is_shown || judged.mismatched > 0 {
+            let cells = (!way.draws_points()).then_some(self.grid.cells);
+            let pixels = of_numbers(&numbers, cells, &judged.wrong);
+            let name = &self.group.cases[case].id.name;
+            write(self.context.folder, name, size, pixels)?
+        } else {
+            Vec::new()
         };
         let expected = way.primitives(&self.grid);
         let counts_fit = counted.primitives.is_none_or(|found| found == expected);
@@ -283,53 +284,21 @@ impl Measures for GridSession<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::images::{PICTURE, run_folder};
-    use std::rc::Rc;
-    use terrafill_contract::Devices;
+    use crate::images::PICTURE;
+    use crate::tested::{Tested, figure};
     use terrafill_results::Status;
 
-    fn figure(verdict: &Verdict, name: &str) -> f64 {
-        let figure = verdict.figures.iter().find(|figure| figure.0 == name);
-        figure.unwrap_or_else(|| panic!("{name} in {verdict:?}")).1
-    }
-
-    fn has_device(interface: Interface) -> bool {
-        let devices = Devices::default();
-        let opened = match interface {
-            Interface::Wgpu => terrafill_gpu::shared_gpu(&devices).map(drop),
-            Interface::Vulkan => terrafill_vulkan::shared_gpu(&devices).map(drop),
-        };
-        terrafill_contract::device_for_test(opened).is_some()
-    }
-
     fn check(group: &CaseGroup<Grids>, expected: usize) {
-        if !Interface::ALL.into_iter().all(has_device) {
+        let Some(tested) = Tested::open() else {
             return;
-        }
-        let devices = Rc::new(Devices::default());
-        let folder = run_folder();
-        let context = Context {
-            devices: &devices,
-            folder: folder.path(),
         };
-        let mut session = group.open(context).expect("opens");
-        let mut right = Vec::new();
-        for (at, case) in group.cases.iter().enumerate() {
-            let verdict = session.verify(at).expect("a verdict");
-            let name = &case.id.name;
-            if verdict.status == Status::Skipped {
-                eprintln!("{name}: {}", verdict.reason);
-                assert!(!verdict.reason.is_empty(), "{name}");
-                continue;
-            }
+        let verdicts = tested.verdicts(group);
+        for (at, verdict) in &verdicts {
+            let name = &group.cases[*at].id.name;
             assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
-            assert!(figure(&verdict, "pipeline_shown_px") > 2_500.0, "{name}");
-            eprintln!("{name}: {:?}", verdict.figures);
-            right.push(at);
+            assert!(figure(verdict, "pipeline_shown_px") > 2_500.0, "{name}");
         }
-        assert!(right.len() >= expected, "{right:?}");
-        let times = session.sample(right[right.len() - 1]).expect("a time");
-        assert!(times.iter().all(|(_, ms)| *ms > 0.0), "{times:?}");
+        assert!(verdicts.len() >= expected, "{}", verdicts.len());
     }
 
     #[test]
@@ -347,22 +316,22 @@ mod tests {
 
     #[test]
     fn a_changed_height_is_noticed_on_the_device() {
-        let devices = Devices::default();
+        let Some(tested) = Tested::open() else {
+            return;
+        };
         let grid = Grid::new(64);
         let truth = rays(&grid, PICTURE).picture();
-        for interface in Interface::ALL
-            .into_iter()
-            .filter(|interface| has_device(*interface))
-        {
+        for interface in Interface::ALL {
             for way in [Way::SentStrips, Way::NoBuffer, Way::SentPoints] {
                 let judge = |drawn: &Grid| {
                     let view = View::new();
-                    let opened = open(&devices, interface, way, drawn, &view, PICTURE);
+                    let opened = open(&tested.devices, interface, way, drawn, &view, PICTURE);
                     let (picture, _) = opened.expect("opens").draw().expect("draws");
                     let numbers = ids_of(&picture);
-                    match way.draws_points() {
-                        true => rays(&grid, PICTURE).judge_points(&numbers),
-                        false => rays(&grid, PICTURE).judge_triangles(&numbers, &truth),
+                    if way.draws_points() {
+                        rays(&grid, PICTURE).judge_points(&numbers)
+                    } else {
+                        rays(&grid, PICTURE).judge_triangles(&numbers, &truth)
                     }
                 };
                 assert_eq!(judge(&grid).mismatched, 0, "{interface:?} {way:?}");

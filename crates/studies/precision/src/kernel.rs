@@ -8,8 +8,7 @@ use crate::sight::{self, MAPPINGS};
 use crate::timing::LoopTime;
 use std::sync::Arc;
 use terrafill_gpu::{
-    EVALUATIONS_PER_DISPATCH, Evaluation, EvaluationTime, Evaluator, Gpu, Kernel, KernelTable,
-    TableFormat,
+    EVALUATIONS_PER_DISPATCH, Evaluation, EvaluationTime, Evaluator, Gpu, Kernel, RouteTexels,
 };
 use terrafill_study::StudyError;
 use terrafill_texture::{
@@ -92,19 +91,13 @@ fn sampled(gpu: &Arc<Gpu>, table: &LookupTable) -> Option<Vec<(f32, f32)>> {
         "fn probe(x: vec4f) -> vec4f {\n    \
          return textureSampleLevel(route_table, route_sampler, vec2f(x.x, 0.5), 0.0);\n}\n",
     );
+    let texels = RouteTexels::of_table(table);
     let kernel = Kernel {
         name: "sampler",
         wgsl: &text,
         constants: None,
         call: "probe(x)",
-        table: Some(KernelTable {
-            format: table_format(table.format()),
-            width: u32::from(PROBE_TEXELS),
-            height: 1,
-            cube: false,
-            linear: true,
-            texels: &table.bytes(),
-        }),
+        table: Some(&texels),
     };
     let device = Evaluator::new(gpu, &kernel, 0).ok()?;
     let places: Vec<f32> = (0..PROBES)
@@ -134,15 +127,6 @@ fn sampler_of(table: &LookupTable, answers: &[(f32, f32)]) -> Sampler {
     };
     let ((common, by_steps), (exact, exactly)) = (model(false), model(true));
     if exact < common { exactly } else { by_steps }
-}
-
-fn table_format(format: TexelFormat) -> TableFormat {
-    match format {
-        TexelFormat::R8Unorm => TableFormat::R8Unorm,
-        TexelFormat::R16Unorm => TableFormat::R16Unorm,
-        TexelFormat::R16Float => TableFormat::R16Float,
-        TexelFormat::R32Float => TableFormat::R32Float,
-    }
 }
 
 impl Kernels {
@@ -290,40 +274,15 @@ pub(crate) fn coordinate_evaluator(
     program: &Program,
     wgsl: &str,
 ) -> Result<Evaluator, String> {
-    let mut text = String::new();
-    let mut texels = Vec::new();
-    let mut shape = None;
-    if let Some(table) = program.table() {
-        text = table.declarations(1, 0);
-        texels = table.bytes();
-        let format = table_format(table.format());
-        let linear = table.filter() == Filter::Linear;
-        let width = u32::try_from(table.texels()).map_err(|error| error.to_string())?;
-        shape = Some((format, width, 1, false, linear));
-    } else if let Some(cube) = program.cube() {
-        text = cube.declarations(1, 0);
-        texels = (0..6)
-            .flat_map(|face| cube.face(face))
-            .flatten()
-            .flat_map(f32::to_le_bytes)
-            .collect();
-        let size = cube.size();
-        shape = Some((TableFormat::Rg32Float, size, size, true, true));
-    }
+    let mut text = RouteTexels::declarations(program, 1);
     text.push_str(wgsl);
+    let texels = RouteTexels::of(program);
     let kernel = Kernel {
         name,
         wgsl: &text,
         constants: Some("RouteConstants"),
         call: "vec4f(route_angles(x.xyz, constants), 0.0, 0.0)",
-        table: shape.map(|(format, width, height, cube, linear)| KernelTable {
-            format,
-            width,
-            height,
-            cube,
-            linear,
-            texels: &texels,
-        }),
+        table: texels.as_ref(),
     };
     Evaluator::new(gpu, &kernel, program.constant_vectors()).map_err(|error| error.to_string())
 }

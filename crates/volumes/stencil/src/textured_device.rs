@@ -3,7 +3,7 @@
 
 use crate::{CoverLook, CoverPurpose, Holding, TexturedCover, TexturedPlan, TexturedRegion};
 use terrafill_contract::{Feature, FillInput, Frame, NO_REGION, TexturePixel};
-use terrafill_texture::{Filter, PositionRoute, TexelFormat};
+use terrafill_texture::{Filter, LookupTable, PositionRoute, Program, TexelFormat};
 use terrafill_variant::{RouteChoice, SwitchError, Switches};
 
 /// Group that a route's table is bound in, its texture at binding 0 and its sampler at 1.
@@ -40,43 +40,84 @@ pub enum RouteTexelFormat {
     Rg32Float,
 }
 
-impl TexturedCover {
-    /// WGSL of its coordinate route, tables declared.
+impl RouteTexelFormat {
+    /// Of a texel.
     #[must_use]
-    pub fn route_wgsl(&self) -> String {
-        let program = self.route.program();
-        let table = program.table().map(|t| t.declarations(TABLE_GROUP, 0));
-        let cube = program.cube().map(|c| c.declarations(TABLE_GROUP, 0));
-        table.or(cube).unwrap_or_default() + &program.wgsl()
+    pub fn bytes(self) -> usize {
+        match self {
+            Self::R8Unorm => 1,
+            Self::R16Unorm | Self::R16Float => 2,
+            Self::R32Float => 4,
+            Self::Rg32Float => 8,
+        }
     }
+}
 
-    /// The table that its route reads; `None` if it reads none.
+impl RouteTexels {
+    /// The table that a route's program reads; `None` if it reads none.
     #[must_use]
-    pub fn route_texels(&self) -> Option<RouteTexels> {
-        let program = self.route.program();
+    pub fn of(program: &Program) -> Option<Self> {
         if let Some(table) = program.table() {
-            return Some(RouteTexels {
-                format: match table.format() {
-                    TexelFormat::R8Unorm => RouteTexelFormat::R8Unorm,
-                    TexelFormat::R16Unorm => RouteTexelFormat::R16Unorm,
-                    TexelFormat::R16Float => RouteTexelFormat::R16Float,
-                    TexelFormat::R32Float => RouteTexelFormat::R32Float,
-                },
-                is_filtered: table.filter() == Filter::Linear,
-                size: [u32::try_from(table.texels()).unwrap_or(u32::MAX), 1],
-                is_cube: false,
-                bytes: table.bytes(),
-            });
+            return Some(Self::of_table(table));
         }
         let cube = program.cube()?;
         let faces: Vec<[f32; 2]> = (0..6).flat_map(|face| cube.face(face)).collect();
-        Some(RouteTexels {
+        Some(Self {
             format: RouteTexelFormat::Rg32Float,
             is_filtered: true,
             size: [cube.size(); 2],
             is_cube: true,
             bytes: bytemuck::cast_slice(&faces).to_vec(),
         })
+    }
+
+    /// A table in one row.
+    #[must_use]
+    pub fn of_table(table: &LookupTable) -> Self {
+        Self {
+            format: match table.format() {
+                TexelFormat::R8Unorm => RouteTexelFormat::R8Unorm,
+                TexelFormat::R16Unorm => RouteTexelFormat::R16Unorm,
+                TexelFormat::R16Float => RouteTexelFormat::R16Float,
+                TexelFormat::R32Float => RouteTexelFormat::R32Float,
+            },
+            is_filtered: table.filter() == Filter::Linear,
+            size: [u32::try_from(table.texels()).unwrap_or(u32::MAX), 1],
+            is_cube: false,
+            bytes: table.bytes(),
+        }
+    }
+
+    /// WGSL that declares it in a group, its texture at binding 0 and its sampler at 1; empty for a program
+    /// that reads none.
+    #[must_use]
+    pub fn declarations(program: &Program, group: u32) -> String {
+        let table = program.table().map(|t| t.declarations(group, 0));
+        let cube = program.cube().map(|c| c.declarations(group, 0));
+        table.or(cube).unwrap_or_default()
+    }
+
+    /// Bytes of so many texels as its size says.
+    #[must_use]
+    pub fn byte_count(&self) -> usize {
+        let [width, height] = self.size.map(|side| side as usize);
+        let faces = if self.is_cube { 6 } else { 1 };
+        width * height * faces * self.format.bytes()
+    }
+}
+
+impl TexturedCover {
+    /// WGSL of its coordinate route, tables declared.
+    #[must_use]
+    pub fn route_wgsl(&self) -> String {
+        let program = self.route.program();
+        RouteTexels::declarations(&program, TABLE_GROUP) + &program.wgsl()
+    }
+
+    /// The table that its route reads; `None` if it reads none.
+    #[must_use]
+    pub fn route_texels(&self) -> Option<RouteTexels> {
+        RouteTexels::of(&self.route.program())
     }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What may keep the blocks, and how a texel of them is found.
 
+use super::queries::{Blocks, SIDE};
+
 /// What keeps blocks, and how it is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Keep {
@@ -40,35 +42,39 @@ impl Keep {
         Self::Buffer,
     ];
 
-    pub(crate) fn name(self) -> &'static str {
+    /// Its name, its WGSL with the entry point, and where the blocks lie.
+    fn row(self) -> (&'static str, [&'static str; 2], Store) {
+        const ARRAY: &str = "pipelines/cache_array.wgsl";
+        const ATLAS: &str = "pipelines/cache_atlas.wgsl";
+        const BLOCK: &str = "pipelines/cache_block.wgsl";
+        const VOLUME: &str = "pipelines/cache_volume.wgsl";
+        const BINDLESS: &str = "pipelines/cache_bindless.wgsl";
+        const BUFFER: &str = "pipelines/cache_buffer.wgsl";
         match self {
-            Self::Array => "array",
-            Self::ArraySampled => "array-sampled",
-            Self::ArrayByWorld => "array-by-world",
-            Self::Atlas => "atlas",
-            Self::AtlasSampled => "atlas-sampled",
-            Self::Rebound => "rebound",
-            Self::Volume => "volume",
-            Self::VolumeSampled => "volume-sampled",
-            Self::Bindless => "bindless",
-            Self::Buffer => "buffer",
+            Self::Array => ("array", [ARRAY, "loaded"], Store::Layers),
+            Self::ArraySampled => ("array-sampled", [ARRAY, "sampled"], Store::Layers),
+            Self::ArrayByWorld => ("array-by-world", [ARRAY, "by_world"], Store::Layers),
+            Self::Atlas => ("atlas", [ATLAS, "loaded"], Store::SideBySide),
+            Self::AtlasSampled => ("atlas-sampled", [ATLAS, "sampled"], Store::SideBySide),
+            Self::Rebound => ("rebound", [BLOCK, "loaded"], Store::Each),
+            Self::Volume => ("volume", [VOLUME, "loaded"], Store::Slices),
+            Self::VolumeSampled => ("volume-sampled", [VOLUME, "sampled"], Store::Slices),
+            Self::Bindless => ("bindless", [BINDLESS, "loaded"], Store::Each),
+            Self::Buffer => ("buffer", [BUFFER, "loaded"], Store::Buffer),
         }
     }
 
+    pub(crate) fn name(self) -> &'static str {
+        self.row().0
+    }
+
     /// WGSL and its entry point.
-    pub(crate) fn shader(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Array => ("pipelines/cache_array.wgsl", "loaded"),
-            Self::ArraySampled => ("pipelines/cache_array.wgsl", "sampled"),
-            Self::ArrayByWorld => ("pipelines/cache_array.wgsl", "by_world"),
-            Self::Atlas => ("pipelines/cache_atlas.wgsl", "loaded"),
-            Self::AtlasSampled => ("pipelines/cache_atlas.wgsl", "sampled"),
-            Self::Rebound => ("pipelines/cache_block.wgsl", "loaded"),
-            Self::Volume => ("pipelines/cache_volume.wgsl", "loaded"),
-            Self::VolumeSampled => ("pipelines/cache_volume.wgsl", "sampled"),
-            Self::Bindless => ("pipelines/cache_bindless.wgsl", "loaded"),
-            Self::Buffer => ("pipelines/cache_buffer.wgsl", "loaded"),
-        }
+    pub(crate) fn shader(self) -> [&'static str; 2] {
+        self.row().1
+    }
+
+    pub(crate) fn store(self) -> Store {
+        self.row().2
     }
 
     /// Whether places pass through a rounding that may choose another texel, which is what is asked of them.
@@ -77,5 +83,34 @@ impl Keep {
             self,
             Self::ArraySampled | Self::ArrayByWorld | Self::AtlasSampled | Self::VolumeSampled
         )
+    }
+}
+
+/// Where blocks lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Store {
+    /// In the layers of one texture.
+    Layers,
+    /// In one texture beside each other.
+    SideBySide,
+    /// In the slices of a volume texture.
+    Slices,
+    /// In a texture each.
+    Each,
+    /// In one buffer.
+    Buffer,
+}
+
+impl Store {
+    /// Where a block begins in the texture that holds it.
+    pub(crate) fn first_texel(self, block: u32, blocks: Blocks) -> [u32; 3] {
+        match self {
+            Self::SideBySide => {
+                let [x, y] = [block % blocks.across, block / blocks.across];
+                [SIDE * x, SIDE * y, 0]
+            }
+            Self::Layers | Self::Slices => [0, 0, block],
+            Self::Each | Self::Buffer => [0; 3],
+        }
     }
 }

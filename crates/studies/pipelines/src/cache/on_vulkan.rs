@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Blocks on Vulkan itself: texels loaded from all that may keep them, bindless by descriptor indexing.
 
-use super::keep::Keep;
+use super::keep::{Keep, Store};
 use super::keeps::Keeps;
 use super::queries::{Blocks, CacheConstants, SIDE, TexelQuery};
 use crate::draws::Times;
@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_vulkan::{
-    BlockImage, BlockShape, Buffer, BufferUse, ComputePipeline, Dispatch, Gpu, Resource, Resources,
+    BlockImage, Buffer, BufferUse, ComputePipeline, Dispatch, Gpu, ImageShape, Resource, Resources,
     Shader, StateStep, advance,
 };
 
@@ -40,32 +40,30 @@ pub(super) struct Cache {
 fn texels(gpu: &Arc<Gpu>, keep: Keep, blocks: Blocks) -> Result<Texels, DeviceError> {
     let count = blocks.count();
     let image = |size, shape| BlockImage::new(gpu, size, shape).map(Arc::new);
-    Ok(match keep {
-        Keep::Array => Texels::One(image([SIDE; 2], BlockShape::Array(count))?),
-        Keep::Volume => Texels::One(image([SIDE; 2], BlockShape::Volume(count))?),
-        Keep::Atlas => {
+    if keep.rounds() {
+        return Err(gpu.lacks("a way that rounds, which is asked about on wgpu"));
+    }
+    Ok(match keep.store() {
+        Store::Layers => Texels::One(image([SIDE; 2], ImageShape::Array(count))?),
+        Store::Slices => Texels::One(image([SIDE; 2], ImageShape::Volume(count))?),
+        Store::SideBySide => {
             let size = [SIDE * blocks.across, SIDE * blocks.down];
-            Texels::One(image(size, BlockShape::Flat)?)
+            Texels::One(image(size, ImageShape::Flat)?)
         }
-        Keep::Rebound | Keep::Bindless => {
-            let each = (0..count).map(|_| image([SIDE; 2], BlockShape::Flat));
+        Store::Each => {
+            let each = (0..count).map(|_| image([SIDE; 2], ImageShape::Flat));
             Texels::Each(each.collect::<Result<_, _>>()?)
         }
-        Keep::Buffer => {
+        Store::Buffer => {
             let size = u64::from(count) * BLOCK_BYTES;
             let buffer = Buffer::unwritten(gpu, "blocks", size, BufferUse::Storage)?;
             Texels::Buffer(Arc::new(buffer))
-        }
-        Keep::ArraySampled | Keep::ArrayByWorld | Keep::AtlasSampled | Keep::VolumeSampled => {
-            let what = "a way that rounds, which is asked about on wgpu";
-            return Err(DeviceError::unsupported(what, &gpu.facts.name));
         }
     })
 }
 
 impl Cache {
-    /// - `queries`: sorted by block where blocks are bound in turn
-    /// - `ranges`: of each block its queries
+    /// - `ranges`: the queries of each block, where blocks are bound in turn; else all of them
     pub(super) fn new(
         gpu: &Arc<Gpu>,
         keep: Keep,
@@ -79,15 +77,8 @@ impl Cache {
         let asked = Resource::Storage(Arc::new(asked));
         let size = 4 * queries.len() as u64;
         let answers = Arc::new(Buffer::unwritten(gpu, "answers", size, BufferUse::State)?);
-        let (path, entry_point) = keep.shader();
+        let [path, entry_point] = keep.shader();
         let shader = Shader::Wgsl { path, entry_point };
-        let all = u32::try_from(queries.len()).unwrap_or(u32::MAX);
-        let whole: Vec<Range<u32>> = std::iter::once(0..all).collect();
-        let ranges = if keep == Keep::Rebound {
-            ranges
-        } else {
-            &whole
-        };
         let mut bound: Vec<(ComputePipeline, u32)> = Vec::new();
         for (block, range) in ranges.iter().enumerate() {
             if range.is_empty() {
@@ -136,11 +127,7 @@ impl Cache {
         match &self.texels {
             Texels::Each(images) => images[block as usize].write([0; 3], [SIDE; 2], texels),
             Texels::One(image) => {
-                let [x, y] = [block % self.blocks.across, block / self.blocks.across];
-                let first = match self.keep {
-                    Keep::Atlas => [SIDE * x, SIDE * y, 0],
-                    _ => [0, 0, block],
-                };
+                let first = self.keep.store().first_texel(block, self.blocks);
                 image.write(first, [SIDE; 2], texels)
             }
             Texels::Buffer(buffer) => {

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Blocks on wgpu, which has all that may keep them; bindless arrays where the device indexes them freely.
 
-use super::keep::Keep;
+use super::keep::{Keep, Store};
 use super::keeps::Keeps;
 use super::queries::{Blocks, CacheConstants, SIDE, TexelQuery};
 use crate::draws::Times;
-use crate::on_wgpu::{
-    bind_to, compute_pipeline, entry, layout_of, numbered, storage_type, texture_type, uniform_type,
-};
+use crate::on_wgpu::{compute_pipeline, storage_type, texture_type, uniform_type};
 use std::num::NonZeroU32;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError};
@@ -40,54 +38,41 @@ pub(super) struct Cache {
     timer: Option<PassTimer>,
 }
 
-fn over(what: &str, found: u64, allowed: u64) -> Result<(), DeviceError> {
-    if found <= allowed {
-        return Ok(());
-    }
-    Err(DeviceError::OverCapacity {
-        what: what.to_owned(),
-        found,
-        allowed,
-    })
-}
-
 /// Refuses what the device has no room for.
 fn check(gpu: &Gpu, keep: Keep, blocks: Blocks) -> Result<(), DeviceError> {
     let limits = gpu.device.limits();
-    let count = u64::from(blocks.count());
-    match keep {
-        Keep::Array | Keep::ArraySampled | Keep::ArrayByWorld => {
-            let allowed = limits.max_texture_array_layers;
-            over("layers of an array texture", count, allowed.into())
-        }
-        Keep::Atlas | Keep::AtlasSampled => {
-            let found = u64::from(SIDE * blocks.across.max(blocks.down));
-            let allowed = limits.max_texture_dimension_2d;
-            over("texels along a side of an atlas", found, allowed.into())
-        }
-        Keep::Volume | Keep::VolumeSampled => {
-            let allowed = limits.max_texture_dimension_3d;
-            over("slices of a volume texture", count, allowed.into())
-        }
-        Keep::Bindless => {
+    let (what, found, allowed) = match keep.store() {
+        Store::Layers => (
+            "layers of an array texture",
+            blocks.count(),
+            limits.max_texture_array_layers,
+        ),
+        Store::SideBySide => (
+            "texels along a side of an atlas",
+            SIDE * blocks.across.max(blocks.down),
+            limits.max_texture_dimension_2d,
+        ),
+        Store::Slices => (
+            "slices of a volume texture",
+            blocks.count(),
+            limits.max_texture_dimension_3d,
+        ),
+        Store::Each if keep == Keep::Bindless => {
             let needed = wgpu::Features::TEXTURE_BINDING_ARRAY
                 | wgpu::Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING;
-            if !gpu.device.features().contains(needed) {
-                let what = "freely indexed arrays of textures";
-                return Err(DeviceError::unsupported(what, &gpu.facts.name));
-            }
+            gpu.require(needed, "freely indexed arrays of textures")?;
             let allowed = limits
                 .max_binding_array_elements_per_shader_stage
                 .min(limits.max_sampled_textures_per_shader_stage);
-            over("textures of a bindless array", count, allowed.into())
+            ("textures of a bindless array", blocks.count(), allowed)
         }
-        Keep::Rebound | Keep::Buffer => Ok(()),
-    }
+        Store::Each | Store::Buffer => return Ok(()),
+    };
+    DeviceError::check_capacity(what, found, allowed)
 }
 
 impl Cache {
-    /// - `queries`: sorted by block where blocks are bound in turn
-    /// - `ranges`: of each block its queries
+    /// - `ranges`: the queries of each block, where blocks are bound in turn; else all of them
     pub(super) fn new(
         gpu: &Arc<Gpu>,
         keep: Keep,
@@ -107,14 +92,13 @@ impl Cache {
         let texels = texels(gpu, keep, blocks)?;
         let layout = layout(gpu, keep);
         let of_array = (keep == Keep::Bindless).then(|| array_layout(gpu, blocks));
-        let (path, entry_point) = keep.shader();
+        let [path, entry_point] = keep.shader();
         let mut layouts = vec![Some(&layout)];
         layouts.extend(of_array.as_ref().map(Some));
         let pipeline = compute_pipeline(gpu, path, entry_point, &layouts)?;
         let views: Vec<wgpu::TextureView> = match &texels {
             Texels::One(texture) => {
-                let is_array =
-                    matches!(keep, Keep::Array | Keep::ArraySampled | Keep::ArrayByWorld);
+                let is_array = keep.store() == Store::Layers;
                 // A single layer is an array too.
                 let dimension = is_array.then_some(wgpu::TextureViewDimension::D2Array);
                 vec![texture.create_view(&wgpu::TextureViewDescriptor {
@@ -131,19 +115,12 @@ impl Cache {
         let references: Vec<&wgpu::TextureView> = views.iter().collect();
         let bindless = of_array.as_ref().map(|layout| {
             let textures = [wgpu::BindingResource::TextureViewArray(&references)];
-            bind_to(gpu, layout, &numbered(textures))
+            gpu.bind("pipelines", layout, textures)
         });
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("nearest texel, clamped to the edge"),
             ..Default::default()
         });
-        #[allow(clippy::cast_possible_truncation, reason = "made of a u32")]
-        let all = std::iter::once(0..queries.len() as u32).collect::<Vec<_>>();
-        let ranges = if keep == Keep::Rebound {
-            ranges
-        } else {
-            &all[..]
-        };
         let mut bound = Vec::new();
         for (block, range) in ranges.iter().enumerate() {
             if range.is_empty() {
@@ -166,7 +143,7 @@ impl Cache {
             if has_sampler(keep) {
                 resources.push(wgpu::BindingResource::Sampler(&sampler));
             }
-            let group = bind_to(gpu, &layout, &numbered(resources));
+            let group = gpu.bind("pipelines", &layout, resources);
             bound.push((group, (range.end - range.start).div_ceil(GROUP)));
         }
         let cache = Self {
@@ -197,20 +174,8 @@ impl Cache {
             }
             Texels::Each(textures) => (&textures[block as usize], wgpu::Origin3d::ZERO),
             Texels::One(texture) => {
-                let [x, y] = [block % self.blocks.across, block / self.blocks.across];
-                let is_atlas = matches!(self.keep, Keep::Atlas | Keep::AtlasSampled);
-                let origin = match is_atlas {
-                    true => wgpu::Origin3d {
-                        x: SIDE * x,
-                        y: SIDE * y,
-                        z: 0,
-                    },
-                    false => wgpu::Origin3d {
-                        x: 0,
-                        y: 0,
-                        z: block,
-                    },
-                };
+                let [x, y, z] = self.keep.store().first_texel(block, self.blocks);
+                let origin = wgpu::Origin3d { x, y, z };
                 (texture, origin)
             }
         };
@@ -238,14 +203,8 @@ impl Keeps for Cache {
     fn look_up(&self) -> Result<Times, DeviceError> {
         let watch = CpuStopwatch::start();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let writes = self.timer.as_ref().map(|timer| {
-            let around = timer.around(TimedPass::Surface);
-            wgpu::ComputePassTimestampWrites {
-                query_set: around.query_set,
-                beginning_of_pass_write_index: around.beginning_of_pass_write_index,
-                end_of_pass_write_index: around.end_of_pass_write_index,
-            }
-        });
+        let timer = self.timer.as_ref();
+        let writes = timer.map(|timer| timer.around_compute(TimedPass::Surface));
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("look up"),
             timestamp_writes: writes,
@@ -262,13 +221,8 @@ impl Keeps for Cache {
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait()?;
         let times = Times::since(&watch, None);
-        let gpu_ms = match &self.timer {
-            Some(timer) => {
-                let stamps = timer.read(&self.gpu, TimedPass::Surface, TimedPass::Surface)?;
-                stamps.pass_ms(TimedPass::Surface)
-            }
-            None => None,
-        };
+        let timed = timer.map(|timer| timer.pass_ms(&self.gpu, TimedPass::Surface));
+        let gpu_ms = timed.transpose()?.flatten();
         Ok(Times { gpu_ms, ..times })
     }
 
@@ -295,35 +249,36 @@ fn has_sampler(keep: Keep) -> bool {
 }
 
 fn array_layout(gpu: &Gpu, blocks: Blocks) -> wgpu::BindGroupLayout {
-    let textures = texture_type(wgpu::TextureViewDimension::D2);
-    let mut textures = entry(0, wgpu::ShaderStages::COMPUTE, textures);
-    textures.count = NonZeroU32::new(blocks.count());
-    layout_of(gpu, &[textures])
+    let textures = wgpu::BindGroupLayoutEntry {
+        binding: 0,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: texture_type(wgpu::TextureViewDimension::D2),
+        count: NonZeroU32::new(blocks.count()),
+    };
+    gpu.device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("pipelines"),
+            entries: &[textures],
+        })
 }
 
 fn layout(gpu: &Gpu, keep: Keep) -> wgpu::BindGroupLayout {
     let stage = wgpu::ShaderStages::COMPUTE;
-    let of_blocks = match keep {
-        Keep::Array | Keep::ArraySampled | Keep::ArrayByWorld => {
-            texture_type(wgpu::TextureViewDimension::D2Array)
-        }
-        Keep::Volume | Keep::VolumeSampled => texture_type(wgpu::TextureViewDimension::D3),
-        Keep::Buffer => storage_type(true),
-        _ => texture_type(wgpu::TextureViewDimension::D2),
+    let of_blocks = match keep.store() {
+        Store::Layers => texture_type(wgpu::TextureViewDimension::D2Array),
+        Store::Slices => texture_type(wgpu::TextureViewDimension::D3),
+        Store::Buffer => storage_type(true),
+        Store::SideBySide | Store::Each => texture_type(wgpu::TextureViewDimension::D2),
     };
-    let mut entries = vec![
-        entry(0, stage, uniform_type()),
-        entry(1, stage, storage_type(true)),
-        entry(2, stage, storage_type(false)),
-    ];
+    let mut types = vec![uniform_type(), storage_type(true), storage_type(false)];
     if keep != Keep::Bindless {
-        entries.push(entry(3, stage, of_blocks));
+        types.push(of_blocks);
     }
     if has_sampler(keep) {
-        let nearest = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::NonFiltering);
-        entries.push(entry(4, stage, nearest));
+        let nearest = wgpu::SamplerBindingType::NonFiltering;
+        types.push(wgpu::BindingType::Sampler(nearest));
     }
-    layout_of(gpu, &entries)
+    gpu.mixed_layout("pipelines", types.into_iter().map(|ty| (stage, ty)))
 }
 
 fn texels(gpu: &Gpu, keep: Keep, blocks: Blocks) -> Result<Texels, DeviceError> {
@@ -345,24 +300,20 @@ fn texels(gpu: &Gpu, keep: Keep, blocks: Blocks) -> Result<Texels, DeviceError> 
     };
     let flat = wgpu::TextureDimension::D2;
     let count = blocks.count();
-    Ok(match keep {
-        Keep::Array | Keep::ArraySampled | Keep::ArrayByWorld => {
-            Texels::One(texture([SIDE, SIDE, count], flat))
-        }
-        Keep::Atlas | Keep::AtlasSampled => {
+    Ok(match keep.store() {
+        Store::Layers => Texels::One(texture([SIDE, SIDE, count], flat)),
+        Store::SideBySide => {
             Texels::One(texture([SIDE * blocks.across, SIDE * blocks.down, 1], flat))
         }
-        Keep::Volume | Keep::VolumeSampled => {
-            Texels::One(texture([SIDE, SIDE, count], wgpu::TextureDimension::D3))
-        }
-        Keep::Rebound | Keep::Bindless => {
+        Store::Slices => Texels::One(texture([SIDE, SIDE, count], wgpu::TextureDimension::D3)),
+        Store::Each => {
             let each = (0..count).map(|_| texture([SIDE, SIDE, 1], flat));
             Texels::Each(each.collect())
         }
-        Keep::Buffer => {
+        Store::Buffer => {
             let size = u64::from(count * SIDE * SIDE * TEXEL_BYTES);
             let allowed = gpu.device.limits().max_storage_buffer_binding_size;
-            over("bytes of blocks", size, allowed)?;
+            DeviceError::check_capacity("bytes of blocks", size, allowed)?;
             Texels::Buffer(gpu.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("blocks"),
                 size,

@@ -267,9 +267,10 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
             .iter()
             .filter(|(other, views)| other != place && views.ms <= band * best.ms);
         let ties: Vec<&str> = ties.map(|(other, _)| *other).collect();
-        let ties = match ties.is_empty() {
-            true => String::new(),
-            false => format!(", tied with {}", ties.join(" and ")),
+        let ties = if ties.is_empty() {
+            String::new()
+        } else {
+            format!(", tied with {}", ties.join(" and "))
         };
         let shaded = best.shaded.map_or_else(String::new, |shaded| {
             format!(" and {} vertex shader invocations", significant(shaded))

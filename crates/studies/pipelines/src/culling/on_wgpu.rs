@@ -7,8 +7,7 @@ use super::way::{CullWay, Place};
 use crate::draws::{Counted, Times};
 use crate::grid::View;
 use crate::on_wgpu::{
-    bind, compute_pipeline, draw_pipeline, entry, heights, numbered, storage_type, texture_type,
-    uniform_type,
+    bind, compute_pipeline, draw_pipeline, heights, storage_type, texture_type, uniform_type,
 };
 use std::rc::Rc;
 use std::sync::Arc;
@@ -84,32 +83,32 @@ impl OnWgpu {
         let arguments = storage | wgpu::BufferUsages::INDIRECT;
         let arguments = buffer("draw arguments", 4, arguments);
         let base = |stage| {
-            vec![
-                entry(0, stage | wgpu::ShaderStages::FRAGMENT, uniform_type()),
-                entry(1, stage, texture_type(wgpu::TextureViewDimension::D2)),
-                entry(2, stage, storage_type(true)),
-                entry(3, stage, storage_type(true)),
+            [
+                (stage | wgpu::ShaderStages::FRAGMENT, uniform_type()),
+                (stage, texture_type(wgpu::TextureViewDimension::D2)),
+                (stage, storage_type(true)),
+                (stage, storage_type(true)),
             ]
         };
-        let resources = numbered([
+        let resources = [
             constants.as_entire_binding(),
             wgpu::BindingResource::TextureView(&shared.heights),
             shared.boxes.as_entire_binding(),
             tiles.as_entire_binding(),
             kept.as_entire_binding(),
             arguments.as_entire_binding(),
-        ]);
+        ];
         let vertex = wgpu::ShaderStages::VERTEX;
-        let mut entries = base(vertex);
-        entries.push(entry(4, vertex, storage_type(true)));
-        let (layout, bound) = bind(gpu, &entries, &resources[..5]);
+        let types = base(vertex)
+            .into_iter()
+            .chain([(vertex, storage_type(true))]);
+        let (layout, bound) = bind(gpu, types, resources[..5].iter().cloned());
         let pipeline = draw_pipeline(gpu, "pipelines/culled.wgsl", entry_point, &layout)?;
         let compute = match way.place {
             Place::Compute => {
                 let stage = wgpu::ShaderStages::COMPUTE;
-                let mut entries = base(stage);
-                entries.extend([4, 5].map(|binding| entry(binding, stage, storage_type(false))));
-                let (layout, bound) = bind(gpu, &entries, &resources);
+                let own = [(stage, storage_type(false)); 2];
+                let (layout, bound) = bind(gpu, base(stage).into_iter().chain(own), resources);
                 let path = "pipelines/cull.wgsl";
                 let compute = compute_pipeline(gpu, path, "compute_main", &[Some(&layout)])?;
                 Some((compute, bound))

@@ -11,6 +11,7 @@ use crate::blur::{
     BAR_PX, BlurError, Filter, MOTION_PX, Moments, PHASES, PIXELS, Resolve, error_of, fading,
     moment_of, starts,
 };
+use crate::cache::scatter;
 use crate::draws::{LooksUp, bits, differing};
 use crate::keys::{self, API, EXPERIMENT, FILTER, LAYERS_BY, MOMENTS, RESOLVE, SIZE_PX};
 use crate::lights::{LightColumns, LightWay};
@@ -324,20 +325,12 @@ impl BlurCase {
     }
 }
 
-/// Bits of a number, scattered (the finaliser of MurmurHash3).
-fn scattered(number: u32) -> u32 {
-    let mut mixed = number;
-    mixed = (mixed ^ (mixed >> 16)).wrapping_mul(0x85eb_ca6b);
-    mixed = (mixed ^ (mixed >> 13)).wrapping_mul(0xc2b2_ae35);
-    mixed ^ (mixed >> 16)
-}
-
 /// A pixel of moments of its own.
 fn own(filter: Filter, row: u32, pixel: u32, start: f64, count: u32) -> f64 {
     let column = pixel + FIRST;
     let moment = |sample: u32| {
         let number = (row * SIDE + column) * count + sample;
-        f64::from(scattered(number) >> 8) / f64::from(1 << 24)
+        f64::from(scatter(number, 0) >> 8) / f64::from(1 << 24)
     };
     let shown = (0..count).map(|sample| {
         // The device's place is rounded to f32, which decides of edges.

@@ -3,7 +3,7 @@
 
 use super::listed::Listed;
 use crate::draws::{Counted, FrameTimes, Looked, LooksUp, Times};
-use crate::on_wgpu::{bind, draw_pipeline, entry, storage_type, texture_type, uniform_type};
+use crate::on_wgpu::{bind, draw_pipeline, storage_type, texture_type, uniform_type};
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_gpu::{Gpu, RenderTargets, read_texture};
@@ -87,22 +87,11 @@ impl OnWgpu {
         let constants = gpu.upload("layers", &listed.layer_bytes(), uniform)?;
         let of_picture = gpu.upload("picture", &listed.constants, uniform)?;
         let values = gpu.upload("values", bytemuck::cast_slice(&listed.values), storage)?;
-        let layers = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("layers"),
-            size: wgpu::Extent3d {
-                width: listed.side,
-                height: listed.side,
-                depth_or_array_layers: kept,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                | wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let size = [listed.side, listed.side, kept];
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC;
+        let layers = gpu.texture("layers", size, 1, format, usage);
         let view = |first: u32, count: u32, dimension| {
             layers.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(dimension),
@@ -112,32 +101,27 @@ impl OnWgpu {
             })
         };
         let all = view(0, kept, wgpu::TextureViewDimension::D2Array);
-        let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let (read, block) = (storage_type(true), uniform_type());
-        let entries = [
-            entry(1, wgpu::ShaderStages::VERTEX, read),
-            entry(2, both, block),
-        ];
-        let (layout, bound) = bind(gpu, &entries, &[at(1, &places), at(2, &constants)]);
-        let pipeline = layer_pipeline(gpu, &layout, into)?;
         let fragment = wgpu::ShaderStages::FRAGMENT;
         let texels = texture_type(wgpu::TextureViewDimension::D2Array);
-        let entries = [
-            entry(0, fragment, block),
-            entry(2, fragment, block),
-            entry(3, fragment, texels),
-            entry(4, fragment, read),
+        let types = [
+            (fragment, uniform_type()),
+            (wgpu::ShaderStages::VERTEX, storage_type(true)),
+            (wgpu::ShaderStages::VERTEX_FRAGMENT, uniform_type()),
+            (fragment, texels),
+            (fragment, storage_type(true)),
         ];
         let resources = [
-            at(0, &of_picture),
-            at(2, &constants),
-            wgpu::BindGroupEntry {
-                binding: 3,
-                resource: wgpu::BindingResource::TextureView(&all),
-            },
-            at(4, &values),
+            of_picture.as_entire_binding(),
+            places.as_entire_binding(),
+            constants.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&all),
+            values.as_entire_binding(),
         ];
-        let (layout, looked_up) = bind(gpu, &entries, &resources);
+        // What is drawn into is not looked up by the same pass.
+        let own = resources[..3].iter().cloned();
+        let (layout, bound) = bind(gpu, types.into_iter().take(3), own);
+        let pipeline = layer_pipeline(gpu, &layout, into)?;
+        let (layout, looked_up) = bind(gpu, types, resources);
         let texel_bytes = format.block_copy_size(None).unwrap_or(4);
         let views = (0..kept).map(|layer| view(layer, 1, wgpu::TextureViewDimension::D2));
         let views = views.collect();
@@ -209,26 +193,15 @@ impl OnWgpu {
     }
 }
 
-fn at(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
-    let resource = buffer.as_entire_binding();
-    wgpu::BindGroupEntry { binding, resource }
-}
-
 /// Refuses what the device cannot hold or add up.
 fn check(gpu: &Gpu, format: wgpu::TextureFormat, layers: u32) -> Result<(), DeviceError> {
     let allowed = gpu.device.limits().max_texture_array_layers;
-    if layers > allowed {
-        return Err(DeviceError::OverCapacity {
-            what: "layers of an array texture".to_owned(),
-            found: layers.into(),
-            allowed: allowed.into(),
-        });
-    }
-    let features = gpu.device.features();
-    let needed = wgpu::Features::FLOAT32_BLENDABLE;
-    if format == wgpu::TextureFormat::R32Float && !features.contains(needed) {
-        let what = "blending of 32-bit floats";
-        return Err(DeviceError::unsupported(what, &gpu.facts.name));
+    DeviceError::check_capacity("layers of an array texture", layers, allowed)?;
+    if format == wgpu::TextureFormat::R32Float {
+        gpu.require(
+            wgpu::Features::FLOAT32_BLENDABLE,
+            "blending of 32-bit floats",
+        )?;
     }
     Ok(())
 }
@@ -292,12 +265,11 @@ impl LooksUp for OnWgpu {
     fn draw(&mut self) -> Result<Looked, DeviceError> {
         self.draw_layers()?;
         self.draw_picture()?;
-        let depths = match self.is_sum {
-            true => Vec::new(),
-            false => {
-                let aspect = wgpu::TextureAspect::DepthOnly;
-                bytemuck::pod_collect_to_vec(&read_texture(&self.gpu, &self.layers, aspect)?)
-            }
+        let depths = if self.is_sum {
+            Vec::new()
+        } else {
+            let aspect = wgpu::TextureAspect::DepthOnly;
+            bytemuck::pod_collect_to_vec(&read_texture(&self.gpu, &self.layers, aspect)?)
         };
         Ok(Looked {
             picture: self.targets.read()?,

@@ -35,9 +35,10 @@ struct ShadeCase {
 
 fn shades(is_quick: bool) -> Vec<Shade> {
     let floors = [None, Some(LEAST)];
-    let formats: &[DepthFormat] = match is_quick {
-        true => &[DepthFormat::Bits(24), DepthFormat::F32],
-        false => &DepthFormat::ALL,
+    let formats: &[DepthFormat] = if is_quick {
+        &[DepthFormat::Bits(24), DepthFormat::F32]
+    } else {
+        &DepthFormat::ALL
     };
     let both = [Moments::Published, Moments::FromReceiver];
     let mut all = Vec::new();

@@ -37,9 +37,10 @@ struct Lights {
 }
 
 pub(crate) fn groups(is_quick: bool, pictures: (ImageSize, u32)) -> Vec<impl Group> {
-    let (counts, sizes): (&[u32], _) = match is_quick {
-        true => (&QUICK_LIGHTS, QUICK_SIZES),
-        false => (&LIGHTS, SIZES),
+    let (counts, sizes): (&[u32], _) = if is_quick {
+        (&QUICK_LIGHTS, QUICK_SIZES)
+    } else {
+        (&LIGHTS, SIZES)
     };
     let of = |count: &u32| group(*count, sizes, pictures);
     counts.iter().map(of).collect()
@@ -146,13 +147,12 @@ impl Measures for LightSession<'_> {
         ];
         figures.extend(shown.counted.figures());
         self.opened.insert(case, opened);
-        let notes = match is_first || !reason.is_empty() {
-            true => {
-                let name = &self.group.cases[case].id.name;
-                let pixels = of_lights(&numbers, lights.len());
-                write(self.context.folder, name, size, pixels)?
-            }
-            false => Vec::new(),
+        let notes = if is_first || !reason.is_empty() {
+            let name = &self.group.cases[case].id.name;
+            let pixels = of_lights(&numbers, lights.len());
+            write(self.context.folder, name, size, pixels)?
+        } else {
+            Vec::new()
         };
         Ok(judged(reason, figures, notes))
     }
@@ -165,43 +165,24 @@ impl Measures for LightSession<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::images::{PICTURE, run_folder};
-    use std::rc::Rc;
-    use terrafill_contract::Devices;
+    use crate::images::PICTURE;
+    use crate::tested::Tested;
     use terrafill_results::Status;
 
     #[test]
     fn every_way_has_the_same_depths_and_a_turned_light_is_noticed() {
-        let devices = Rc::new(Devices::default());
-        let opened = terrafill_vulkan::shared_gpu(&devices).map(drop);
-        if terrafill_contract::device_for_test(opened).is_none() {
+        let Some(tested) = Tested::open() else {
             return;
-        }
-        let group = group(4, QUICK_SIZES, (PICTURE, 1));
-        let folder = run_folder();
-        let context = Context {
-            devices: &devices,
-            folder: folder.path(),
         };
-        let mut session = group.open(context).expect("opens");
-        let mut right = 0;
-        for (at, planned) in group.cases.iter().enumerate() {
-            let verdict = session.verify(at).expect("a verdict");
-            let name = &planned.id.name;
-            eprintln!(
-                "{name}: {:?} {} {:?}",
-                verdict.status, verdict.reason, verdict.figures
-            );
-            if verdict.status != Status::Skipped {
-                assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
-                right += 1;
-            }
+        let group = group(4, QUICK_SIZES, (PICTURE, 1));
+        let verdicts = tested.verdicts(&group);
+        for (at, verdict) in &verdicts {
+            let name = &group.cases[*at].id.name;
+            assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
         }
-        assert!(right >= 3, "{right}");
-        let times = session.sample(0).expect("a time");
-        assert!(times.iter().all(|(_, ms)| *ms > 0.0), "{times:?}");
-        // Twins: a light turned by 3°, and two layers exchanged.
-        let gpu = terrafill_vulkan::shared_gpu(&devices).expect("a device");
+        assert!(verdicts.len() >= 3, "{}", verdicts.len());
+        // Negative controls: a light turned by 3°, and two layers exchanged.
+        let gpu = terrafill_vulkan::shared_gpu(&tested.devices).expect("a device");
         let grid = Grid::new(QUICK_SIZES[0]);
         let drawn = |lights: &[DistantLight]| {
             let way = LightWay::Passes;

@@ -120,12 +120,11 @@ fn normal(place: DVec3) -> DVec3 {
 /// Direction at a place of the square, both from −1 to 1.
 fn direction(at: DVec2) -> DVec3 {
     let z = 1.0 - at.x.abs() - at.y.abs();
-    let folded = match z < 0.0 {
-        true => {
-            let away = |a: f64, b: f64| (1.0 - b.abs()) * if a < 0.0 { -1.0 } else { 1.0 };
-            DVec2::new(away(at.x, at.y), away(at.y, at.x))
-        }
-        false => at,
+    let folded = if z < 0.0 {
+        let away = |a: f64, b: f64| (1.0 - b.abs()) * if a < 0.0 { -1.0 } else { 1.0 };
+        DVec2::new(away(at.x, at.y), away(at.y, at.x))
+    } else {
+        at
     };
     folded.extend(z).normalize()
 }
@@ -223,15 +222,12 @@ pub(super) fn image_error(texels_a_side: u32, cut: CellCut, stored: Texels) -> I
             let [near, right, below, far] = corners;
             // Folds run from (x + 1, y) to (x, y + 1) where both halves of the square are the same.
             let is_published = cut == CellCut::Published || (x < middle) == (y < middle);
-            match is_published {
-                true => {
-                    judge([near, right, below]);
-                    judge([far, below, right]);
-                }
-                false => {
-                    judge([near, right, far]);
-                    judge([near, far, below]);
-                }
+            if is_published {
+                judge([near, right, below]);
+                judge([far, below, right]);
+            } else {
+                judge([near, right, far]);
+                judge([near, far, below]);
             }
         }
     }

@@ -2,7 +2,7 @@
 //! Blur on devices against its definition, and what must be noticed.
 
 use super::*;
-use std::rc::Rc;
+use crate::tested::Tested;
 use terrafill_results::Status;
 use terrafill_shaders::struct_layout;
 
@@ -23,36 +23,20 @@ fn constants_lie_as_the_shader_reads_them() {
 
 #[test]
 fn devices_blur_as_defined_and_another_exposure_is_noticed() {
-    let devices = Rc::new(Devices::default());
-    let wgpu = terrafill_gpu::shared_gpu(&devices).map(drop);
-    let vulkan = terrafill_vulkan::shared_gpu(&devices).map(drop);
-    if terrafill_contract::device_for_test(wgpu).is_none()
-        || terrafill_contract::device_for_test(vulkan).is_none()
-    {
+    let Some(tested) = Tested::open() else {
         return;
-    }
-    let group = group_of(cases(true), 1);
-    let folder = tempfile::tempdir().expect("a folder");
-    let context = Context {
-        devices: &devices,
-        folder: folder.path(),
     };
-    let mut session = group.open(context).expect("opens");
-    let (mut right, mut rms): (_, BTreeMap<String, f64>) = (0, BTreeMap::new());
-    for (at, (planned, case)) in group.cases.iter().zip(&group.work).enumerate() {
-        let verdict = session.verify(at).expect("a verdict");
-        let name = &planned.id.name;
-        eprintln!("{name}: {} {:?}", verdict.reason, verdict.figures);
-        if verdict.status == Status::Skipped {
-            continue;
-        }
+    let group = group_of(cases(true), 1);
+    let verdicts = tested.verdicts(&group);
+    assert!(verdicts.len() >= 60, "{}", verdicts.len());
+    let mut rms: BTreeMap<String, f64> = BTreeMap::new();
+    for (at, verdict) in verdicts {
+        let (name, case) = (&group.cases[at].id.name, &group.work[at]);
         assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
-        right += 1;
         if case.way == BlurWay::Layers(Interface::Vulkan, LightWay::Passes) {
             rms.insert(case.layers_name(), verdict.figures[0].1);
         }
     }
-    assert!(right >= 60, "{right}");
     let slope = |filter| {
         let made = Made::Mean(MeanOf {
             filter,
@@ -69,7 +53,7 @@ fn devices_blur_as_defined_and_another_exposure_is_noticed() {
         (point + 1.0).abs() < 0.15 && (boxes + 2.0).abs() < 0.15,
         "{point} {boxes}"
     );
-    // Twins: ends instead of middles, a layer left out, and the published resolve for the right one.
+    // Negative controls: ends instead of middles, a layer left out, and the published resolve for the right one.
     let at = |moments, layers| BlurCase {
         way: BlurWay::Layers(Interface::Vulkan, LightWay::Passes),
         made: Made::Mean(MeanOf {
@@ -79,7 +63,7 @@ fn devices_blur_as_defined_and_another_exposure_is_noticed() {
         layers,
     };
     let drawn = |scene: Listed| {
-        let opened = scene.open(&devices, Interface::Vulkan, LightWay::Passes);
+        let opened = scene.open(&tested.devices, Interface::Vulkan, LightWay::Passes);
         let looked = opened.expect("opens").draw().expect("draws");
         numbers_of(&looked.picture.rgba)
     };

@@ -3,47 +3,21 @@
 
 use super::*;
 use crate::draws::Looked;
-use crate::images::run_folder;
-use std::rc::Rc;
-use terrafill_contract::Devices;
+use crate::tested::{Tested, figure};
 use terrafill_results::Status;
-
-fn figure(verdict: &Verdict, name: &str) -> f64 {
-    let figure = verdict.figures.iter().find(|figure| figure.0 == name);
-    figure.unwrap_or_else(|| panic!("{name} in {verdict:?}")).1
-}
-
-fn has_devices(devices: &Devices) -> bool {
-    let wgpu = terrafill_gpu::shared_gpu(devices).map(drop);
-    let vulkan = terrafill_vulkan::shared_gpu(devices).map(drop);
-    terrafill_contract::device_for_test(wgpu).is_some()
-        && terrafill_contract::device_for_test(vulkan).is_some()
-}
 
 #[test]
 fn devices_show_what_the_formulas_allow() {
-    let devices = Rc::new(Devices::default());
-    if !has_devices(&devices) {
+    let Some(tested) = Tested::open() else {
         return;
-    }
-    let group = group_of(cases(true), 1);
-    let folder = run_folder();
-    let context = Context {
-        devices: &devices,
-        folder: folder.path(),
     };
-    let mut session = group.open(context).expect("opens");
-    let mut right = 0;
-    for (at, (planned, case)) in group.cases.iter().zip(&group.work).enumerate() {
-        let verdict = session.verify(at).expect("a verdict");
-        let name = &planned.id.name;
-        eprintln!("{name}: {} {:?}", verdict.reason, verdict.figures);
-        if verdict.status == Status::Skipped {
-            continue;
-        }
+    let group = group_of(cases(true), 1);
+    let verdicts = tested.verdicts(&group);
+    assert!(verdicts.len() >= 30, "{}", verdicts.len());
+    for (at, verdict) in verdicts {
+        let name = &group.cases[at].id.name;
         assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
-        right += 1;
-        match case.shade {
+        match group.work[at].shade {
             Shade::Rough {
                 moments: Moments::FromReceiver,
                 ..
@@ -63,17 +37,15 @@ fn devices_show_what_the_formulas_allow() {
             _ => {}
         }
     }
-    assert!(right >= 30, "{right}");
 }
 
 #[test]
 fn other_moments_other_maps_and_a_light_that_is_aside_are_noticed() {
-    let devices = Devices::default();
-    if !has_devices(&devices) {
+    let Some(tested) = Tested::open() else {
         return;
-    }
+    };
     let draw = |scene: &super::super::listed::Listed| -> Looked {
-        let opened = scene.open(&devices, Interface::Vulkan, LightWay::Passes);
+        let opened = scene.open(&tested.devices, Interface::Vulkan, LightWay::Passes);
         opened.expect("opens").draw().expect("draws")
     };
     let rough = |moments| Shade::Rough {
