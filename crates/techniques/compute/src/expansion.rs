@@ -35,27 +35,16 @@ impl Capacity {
 
     /// Refuses a buffer that is too large.
     pub(crate) fn check_bytes(self, what: &str, found: u64) -> Result<(), DeviceError> {
-        check(&format!("bytes of {what}"), found, self.storage_bytes)
+        DeviceError::check_capacity(&format!("bytes of {what}"), found, self.storage_bytes)
     }
 
     /// Columns and rows of workgroups that hold `workgroups` of them.
     pub(crate) fn dispatch_size(self, workgroups: usize) -> Result<[u32; 2], DeviceError> {
         let (found, columns) = (workgroups as u64, u64::from(self.workgroups_per_dimension));
-        check("workgroups that expand volumes", found, columns * columns)?;
+        DeviceError::check_capacity("workgroups that expand volumes", found, columns * columns)?;
         let size = [found.min(columns), found.div_ceil(columns.max(1))];
         Ok(size.map(|count| u32::try_from(count).unwrap_or(u32::MAX)))
     }
-}
-
-fn check(what: &str, found: u64, allowed: u64) -> Result<(), DeviceError> {
-    if found <= allowed {
-        return Ok(());
-    }
-    Err(DeviceError::OverCapacity {
-        what: what.to_owned(),
-        found,
-        allowed,
-    })
 }
 
 /// Twin of `WorkGroup` in `compute/expand.wgsl`.
@@ -97,9 +86,10 @@ impl OutputSlice {
     ) -> Vec<Range<u32>> {
         let first_top = self.first_index + self.bottom_count;
         let Some(parts) = parts else {
-            let first = match without_bottom {
-                true => first_top,
-                false => self.first_index,
+            let first = if without_bottom {
+                first_top
+            } else {
+                self.first_index
             };
             return std::iter::once(first..first_top + self.upper_count).collect();
         };
@@ -152,7 +142,7 @@ impl ExpansionPlan {
         has_bottom: bool,
     ) -> Result<(), DeviceError> {
         let end = self.index_count + slice.output_indices(has_bottom);
-        check("indices of expanded volumes", end, u64::from(u32::MAX))?;
+        DeviceError::check_capacity("indices of expanded volumes", end, u64::from(u32::MAX))?;
         let region = self.outputs.len() as u32;
         let first_index = self.index_count as u32;
         let top_count = 3 * slice.place.triangle_count;
@@ -233,7 +223,7 @@ impl PlacingPlan {
         let mut plan = Self::default();
         for (region, mesh) in meshes.enumerate() {
             let end = plan.corner_count + 2 * mesh.vertices_ecef.len() as u64;
-            check("corners in clip space", end, i32::MAX as u64)?;
+            DeviceError::check_capacity("corners in clip space", end, i32::MAX as u64)?;
             let (first_corner, vertices) = (plan.corner_count as u32, mesh.vertices_ecef.len());
             for first in (0..vertices as u32).step_by(WORKGROUP_SIZE) {
                 plan.work.push(WorkGroup {

@@ -6,8 +6,8 @@
 
 use std::borrow::Borrow;
 use terrafill_core::RegionMesh;
-use terrafill_plan::{PartOrder, RegionSet};
-use terrafill_stencil::{FixedPoint, LaidOut, VolumePlace};
+use terrafill_plan::PartOrder;
+use terrafill_stencil::{FixedPoint, VolumePlace};
 
 /// Bytes of one or more regions, what is stored and what is made from it apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -150,26 +150,12 @@ impl SceneGeometry {
         geometry
     }
 
-    /// As [`SceneGeometry::in_parts`], of meshes of which a view brings some; those of the view before are not laid
-    /// out again.
-    pub(crate) fn of_held(
-        meshes: &RegionSet,
-        by_part: bool,
-        laid_out: &mut LaidOut<bool, Self>,
-    ) -> Self {
-        let mut geometry = Self::default();
-        let lay_out = |place: usize| Self::in_parts(&meshes[place..=place], by_part);
-        let append = |part: &Self| geometry.append(part);
-        laid_out.append_all(meshes, |_| by_part, lay_out, append);
-        geometry
-    }
-
     /// Puts what `other` has behind its own.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "buffers are refused by the device long before 2^32 elements"
     )]
-    fn append(&mut self, other: &Self) {
+    pub(crate) fn append(&mut self, other: &Self) {
         let first_vertex = (self.positions.len() / 3) as u32;
         let first_word = self.indices.len() as u32;
         self.positions.extend(&other.positions);
@@ -245,7 +231,7 @@ mod tests {
         check_held_layouts(
             [5, 65_536, 7, 4].map(disc).to_vec(),
             |meshes, by_part| SceneGeometry::in_parts(meshes, by_part),
-            SceneGeometry::of_held,
+            SceneGeometry::append,
             SceneGeometry::build(&[disc(9)]),
         );
     }

@@ -311,10 +311,12 @@ impl RegionVolumes for ComputeVolumes {
     ) -> Result<(), DeviceError> {
         let gpu = fill.gpu();
         let (meshes, by_part) = (&input.scene.meshes, self.variant.parts);
-        let geometry = match meshes.is_whole() {
-            true => SceneGeometry::in_parts(meshes, by_part),
-            false => SceneGeometry::of_held(meshes, by_part, &mut self.laid_out),
-        };
+        let geometry = self.laid_out.all(
+            meshes,
+            |_| by_part,
+            |places| SceneGeometry::in_parts(&meshes[places], by_part),
+            SceneGeometry::append,
+        );
         let bytes = geometry.bytes();
         let capacity = self.capacity;
         capacity.check_bytes("positions", bytes.input_vertex_bytes)?;
@@ -370,9 +372,10 @@ impl RegionVolumes for ComputeVolumes {
         self.view = ViewBuffers::default();
         // Of a view that draws nothing, no compute pass would clear them.
         self.decided_draws.clear();
-        self.drawn_parts = match self.variant.parts {
-            true => DrawnParts::of_view(input, WallIndices::LIST),
-            false => DrawnOfMeshes::new(),
+        self.drawn_parts = if self.variant.parts {
+            DrawnParts::of_view(input, WallIndices::LIST)
+        } else {
+            DrawnOfMeshes::new()
         };
         let Some(scene) = &self.scene else {
             return Ok(());

@@ -78,9 +78,12 @@ fn draw(gpu: &Arc<Gpu>, input: &FillInput, switches: Switches) -> Frame {
 }
 
 fn is_right(reference: &Frame, frame: &Frame, switches: Switches) -> bool {
-    let told_apart = |frame: &Frame| match switches.colour.tells_regions_apart() {
-        true => frame.clone(),
-        false => filled_only(frame),
+    let told_apart = |frame: &Frame| {
+        if switches.colour.tells_regions_apart() {
+            frame.clone()
+        } else {
+            filled_only(frame)
+        }
     };
     let figures = compare(&told_apart(reference), &told_apart(frame)).expect("of one size");
     let verdict = verdict(&figures);

@@ -7,8 +7,8 @@ use std::borrow::Borrow;
 use std::ops::Range;
 use terrafill_contract::GeometryBytes;
 use terrafill_core::RegionMesh;
-use terrafill_plan::{PartOrder, RegionSet};
-use terrafill_stencil::{FixedPoint, IndexLists, LaidOut, VolumePlace};
+use terrafill_plan::PartOrder;
+use terrafill_stencil::{FixedPoint, IndexLists, VolumePlace};
 
 /// A position in its region's units.
 pub(crate) type Position = [i32; 3];
@@ -50,8 +50,6 @@ pub(crate) struct SceneGeometry {
     /// Start and end of every boundary edge, inside on the left.
     pub(crate) walls: Vec<[Position; 2]>,
     pub(crate) regions: Vec<RegionSlice>,
-    /// Triangles of large meshes lie part by part.
-    pub(crate) by_part: bool,
 }
 
 impl SceneGeometry {
@@ -63,30 +61,12 @@ impl SceneGeometry {
 
     /// Lays out every mesh, the triangles of large ones part by part where that is asked for.
     pub(crate) fn in_parts(meshes: &[impl Borrow<RegionMesh>], by_part: bool) -> Self {
-        let mut geometry = Self {
-            by_part,
-            ..Self::default()
-        };
-        for mesh in meshes {
-            geometry.push(mesh.borrow());
+        let mut geometry = Self::default();
+        for mesh in meshes.iter().map(Borrow::borrow) {
+            let order = PartOrder::of(mesh).filter(|_| by_part);
+            let ordered = order.map(|order| order.ordered(mesh));
+            geometry.push(mesh, ordered.as_deref().unwrap_or(&mesh.triangles));
         }
-        geometry
-    }
-
-    /// As [`SceneGeometry::in_parts`], of meshes of which a view brings some; those of the view before are not laid
-    /// out again.
-    pub(crate) fn of_held(
-        meshes: &RegionSet,
-        by_part: bool,
-        laid_out: &mut LaidOut<bool, Self>,
-    ) -> Self {
-        let mut geometry = Self {
-            by_part,
-            ..Self::default()
-        };
-        let lay_out = |place: usize| Self::in_parts(&meshes[place..=place], by_part);
-        let append = |part: &Self| geometry.append(part);
-        laid_out.append_all(meshes, |_| by_part, lay_out, append);
         geometry
     }
 
@@ -95,7 +75,7 @@ impl SceneGeometry {
         clippy::cast_possible_truncation,
         reason = "buffers are refused by the device long before 2^32 elements"
     )]
-    fn append(&mut self, other: &Self) {
+    pub(crate) fn append(&mut self, other: &Self) {
         let first_vertex = self.vertices.len() as u32;
         let first_wall = self.walls.len() as u32;
         let [long, short] = [false, true].map(|is_short| self.indices.count(is_short));
@@ -103,9 +83,10 @@ impl SceneGeometry {
         self.walls.extend(&other.walls);
         self.indices.append(&other.indices);
         let moved = other.regions.iter().map(|slice| {
-            let by = match slice.place.has_short_indices {
-                true => short,
-                false => long,
+            let by = if slice.place.has_short_indices {
+                short
+            } else {
+                long
             };
             RegionSlice {
                 place: slice.place.moved(first_vertex, by, first_wall),
@@ -119,7 +100,7 @@ impl SceneGeometry {
         clippy::cast_possible_truncation,
         reason = "buffers are refused by the device long before 2^32 elements"
     )]
-    fn push(&mut self, mesh: &RegionMesh) {
+    fn push(&mut self, mesh: &RegionMesh, triangles: &[[u32; 3]]) {
         let fixed = FixedPoint::for_mesh(mesh);
         let stored = |ecef| fixed.quantize(ecef).to_array();
         let positions: Vec<Position> = mesh.vertices_ecef.iter().copied().map(stored).collect();
@@ -139,9 +120,6 @@ impl SceneGeometry {
             walls: first_wall..self.walls.len() as u32,
         });
         self.vertices.extend(positions);
-        let order = PartOrder::of(mesh).filter(|_| self.by_part);
-        let ordered = order.map(|order| order.ordered(mesh));
-        let triangles = ordered.as_deref().unwrap_or(&mesh.triangles);
         for &corner in triangles.as_flattened() {
             self.indices.push(is_short, corner);
         }
@@ -168,7 +146,7 @@ mod tests {
         check_held_layouts(
             [5, 65_536, 7, 4].map(disc).to_vec(),
             |meshes, by_part| SceneGeometry::in_parts(meshes, by_part),
-            SceneGeometry::of_held,
+            SceneGeometry::append,
             SceneGeometry::build(&[disc(9)]),
         );
     }
@@ -184,7 +162,7 @@ mod tests {
             let is_short = geometry.regions[0].place.has_short_indices;
             assert_eq!(is_short, count <= 65_535, "{count}");
         }
-        // Twin: a wall less is 24 bytes less.
+        // Negative control: a wall less is 24 bytes less.
         let mut geometry = SceneGeometry::build(&[disc(7)]);
         geometry.walls.pop();
         let missing = instanced_bytes(&disc(7)).total() - geometry.bytes().total();
@@ -202,7 +180,7 @@ mod tests {
             for ([start, end], found) in mesh.boundary_edges().zip(walls) {
                 let at = |vertex: u32| geometry.vertices[first + vertex as usize];
                 assert_eq!(*found, [at(start), at(end)]);
-                // Twin: the other way round it is another wall.
+                // Negative control: the other way round it is another wall.
                 assert_ne!(*found, [at(end), at(start)]);
             }
         }

@@ -26,6 +26,8 @@ pub struct InstancedVolumes {
     scene: Option<SceneBuffers>,
     /// Meshes as they were laid out, part by part or not, where views bring them.
     laid_out: LaidOut<bool, SceneGeometry>,
+    /// Triangles of large meshes lie part by part.
+    by_part: bool,
     /// What the view sees of meshes of which it leaves parts out.
     seen: SeenOfMeshes,
 }
@@ -39,8 +41,6 @@ struct SceneBuffers {
     short_indices: Option<wgpu::Buffer>,
     long_indices: Option<wgpu::Buffer>,
     walls: wgpu::Buffer,
-    /// Triangles of large meshes lie part by part.
-    by_part: bool,
     /// Of positions without walls.
     position_bytes: u64,
     bytes: GeometryBytes,
@@ -62,6 +62,7 @@ impl RegionVolumes for InstancedVolumes {
             pipelines: Pipelines::new(fill)?,
             scene: None,
             laid_out: LaidOut::default(),
+            by_part: false,
             seen: BTreeMap::new(),
         })
     }
@@ -84,10 +85,13 @@ impl RegionVolumes for InstancedVolumes {
     ) -> Result<(), DeviceError> {
         let by_part = input.plan.options.part_culling != PartCulling::Off;
         let meshes = &input.scene.meshes;
-        let geometry = match meshes.is_whole() {
-            true => SceneGeometry::in_parts(meshes, by_part),
-            false => SceneGeometry::of_held(meshes, by_part, &mut self.laid_out),
-        };
+        let geometry = self.laid_out.all(
+            meshes,
+            |_| by_part,
+            |places| SceneGeometry::in_parts(&meshes[places], by_part),
+            SceneGeometry::append,
+        );
+        self.by_part = by_part;
         self.upload_geometry(&fill.gpu(), geometry)
     }
 
@@ -97,9 +101,8 @@ impl RegionVolumes for InstancedVolumes {
         input: &FillInput,
         _bottoms: &BottomCaps,
     ) -> Result<(), DeviceError> {
-        let by_part = self.scene.as_ref().is_some_and(|scene| scene.by_part);
         let seen = input.plan.seen_parts.iter();
-        let some = seen.filter(|(_, seen)| by_part && seen.facets_left_out > 0);
+        let some = seen.filter(|(_, seen)| self.by_part && seen.facets_left_out > 0);
         self.seen = some.map(|(&mesh, seen)| (mesh, seen.clone())).collect();
         Ok(())
     }
@@ -128,7 +131,6 @@ impl InstancedVolumes {
             position_bytes: vertices.len() as u64,
             walls: upload("walls", walls, vertex)?,
             bytes: geometry.bytes(),
-            by_part: geometry.by_part,
             regions: geometry.regions,
         });
         Ok(())
@@ -174,9 +176,10 @@ impl SceneBuffers {
     }
 
     fn bind_indices(&self, pass: &mut wgpu::RenderPass<'_>, is_short: bool) {
-        let (indices, format) = match is_short {
-            true => (&self.short_indices, wgpu::IndexFormat::Uint16),
-            false => (&self.long_indices, wgpu::IndexFormat::Uint32),
+        let (indices, format) = if is_short {
+            (&self.short_indices, wgpu::IndexFormat::Uint16)
+        } else {
+            (&self.long_indices, wgpu::IndexFormat::Uint32)
         };
         if let Some(indices) = indices {
             pass.set_index_buffer(indices.slice(..), format);

@@ -108,10 +108,12 @@ impl RegionVolumes for NativeVolumes {
     ) -> Result<(), DeviceError> {
         let has_bottom = |mesh| bottoms.has(mesh);
         let (variant, meshes) = (&self.variant, &input.scene.meshes);
-        let geometry = match meshes.is_whole() {
-            true => SceneGeometry::build(variant, meshes, has_bottom),
-            false => SceneGeometry::of_held(variant, meshes, has_bottom, &mut self.laid_out),
+        let lay_out = |places: Range<usize>| {
+            let first = places.start;
+            SceneGeometry::build(variant, &meshes[places], |place| has_bottom(first + place))
         };
+        let append = |all: &mut SceneGeometry, part: &_| all.append(variant.technique, part);
+        let geometry = self.laid_out.all(meshes, has_bottom, lay_out, append);
         self.upload_geometry(&fill.gpu(), geometry)
     }
 
@@ -433,14 +435,11 @@ fn replace<T: Copy + PartialEq>(list: &mut [T], first: usize, part: &[T]) -> boo
 
 /// Whether every vertex has a number of its own in the geometry shader.
 fn check_numbers(technique: Extrusion, vertices: usize) -> Result<(), DeviceError> {
-    if vertices <= MAX_VERTICES || !technique.needs_geometry_shader() {
+    if !technique.needs_geometry_shader() {
         return Ok(());
     }
-    Err(DeviceError::OverCapacity {
-        what: "vertices that geometry shaders tell apart".to_owned(),
-        found: vertices as u64,
-        allowed: MAX_VERTICES as u64,
-    })
+    let what = "vertices that geometry shaders tell apart";
+    DeviceError::check_capacity(what, vertices as u64, MAX_VERTICES as u64)
 }
 
 #[cfg(test)]
@@ -597,7 +596,7 @@ mod tests {
             let made = 2 * (triangles + edges) as u64;
             assert_eq!(given.geometry_shader_primitives, Some(made), "{what:?}");
         }
-        // Twin: some corners are said again, and some edges are not the first of their loop.
+        // Negative control: some corners are said again, and some edges are not the first of their loop.
         assert!(in_strips > triangles && between > 0);
     }
 }

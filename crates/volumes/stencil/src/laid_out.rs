@@ -4,6 +4,7 @@
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::ops::Range;
 use terrafill_plan::RegionSet;
 
 /// Parts of a scene's geometry as they were laid out last.
@@ -48,6 +49,30 @@ impl<K: PartialEq, G> LaidOut<K, G> {
             }
             Entry::Vacant(free) => &free.insert((by, lay_out())).1,
         }
+    }
+
+    /// All meshes of a set as laid out. Of those of which a view brings some, those that a set before held are not laid
+    /// out again.
+    ///
+    /// - `by`: what a mesh is laid out by
+    /// - `lay_out`: those at these places
+    pub fn all(
+        &mut self,
+        meshes: &RegionSet,
+        by: impl Fn(usize) -> K,
+        lay_out: impl Fn(Range<usize>) -> G,
+        append: impl Fn(&mut G, &G),
+    ) -> G
+    where
+        G: Default,
+    {
+        if meshes.is_whole() {
+            return lay_out(0..meshes.len());
+        }
+        let mut all = G::default();
+        let one = |place| lay_out(place..place + 1);
+        self.append_all(meshes, by, one, |part| append(&mut all, part));
+        all
     }
 
     /// Hands every mesh of a set as laid out to `append`, in order. Those that a set before held are not laid out
