@@ -53,12 +53,12 @@ edit("shaders/instanced/fill.wgsl",
 edit("shaders/vertex/cover.wgsl", "    return in.colour;\n",
      loop.format(start="in.colour.x", mark="1000002", zero="bitcast<u32>(in.clip.x)")
      + "    return in.colour + vec4<f32>(select(0.0, 1.0, waste > 1e30));\n")
-edit("crates/devices/gpu/src/fill.rs", "        let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;\n        let list",
+edit("crates/devices/gpu/src/fill.rs", "        let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;\n        let StencilWork",
      """        for round in 0..hidden_rounds() {
             std::hint::black_box(round.wrapping_mul(6_364_136_223_846_793_005));
         }
         let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
-        let list""")
+        let StencilWork""")
 with (tree / "crates/devices/gpu/src/fill.rs").open("a") as file:
     file.write("""
 #[used]

@@ -8,7 +8,7 @@
 
 use crate::attachments::{attached, read_only_depth};
 use crate::covers::Covers;
-use crate::loaded::Loaded;
+use crate::loaded::{Held, Loaded};
 use crate::statistics::{Statistics, whole_image};
 use crate::textured::{BoundCover, Probe, TexturedFill};
 use crate::volume_pipeline::check_blendable;
@@ -92,11 +92,11 @@ pub struct VolumeFill {
     /// Covers show the picture, if one is held.
     draws_texture: bool,
     /// Every frame copies depth.
-    pub(crate) copies_depth: bool,
+    copies_depth: bool,
     /// Plain covers of one step are one draw.
-    pub(crate) merges_covers: bool,
-    pub(crate) frame_layout: wgpu::BindGroupLayout,
-    pub(crate) covers: Covers,
+    merges_covers: bool,
+    frame_layout: wgpu::BindGroupLayout,
+    covers: Covers,
     /// Covers of a textured fill, which stand where the plain ones would.
     textured: Option<TexturedFill>,
     loaded: Option<Loaded>,
@@ -163,7 +163,17 @@ impl<V: WgpuVolumes> StencilExecutor<V> for VolumeFill {
 
     fn load(&mut self, work: StencilWork) -> Result<(), DeviceError> {
         let before = self.loaded.take();
-        self.loaded = Some(Loaded::new(self, work, before)?);
+        let targets = self.targets.borrow();
+        let on = Held {
+            targets: &targets,
+            frame_layout: &self.frame_layout,
+            covers: &self.covers,
+            merges_covers: self.merges_covers,
+            copies_depth: self.copies_depth,
+        };
+        let loaded = Loaded::new(&on, work, before)?;
+        drop(targets);
+        self.loaded = Some(loaded);
         Ok(())
     }
 

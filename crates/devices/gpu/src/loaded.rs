@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A stencil program as it is held on the device: its constants, covers, and the textures its passes need.
 
-use crate::VolumeFill;
+use crate::RenderTargets;
 use crate::attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, target};
-use crate::covers::{CoverList, Numbers};
+use crate::covers::{CoverList, Covers, Numbers};
 use terrafill_contract::{DeviceError, Feature};
 use terrafill_stencil::{
     COLOUR_BYTES, DEPTH_STENCIL_BYTES, FillPass, FillStep, Holding, StencilWork,
@@ -27,17 +27,29 @@ pub(crate) struct Loaded {
     pub(crate) depth_copy: Option<wgpu::Texture>,
 }
 
+/// What a program finds on the device.
+#[derive(Debug)]
+pub(crate) struct Held<'a> {
+    pub(crate) targets: &'a RenderTargets,
+    pub(crate) frame_layout: &'a wgpu::BindGroupLayout,
+    pub(crate) covers: &'a Covers,
+    /// Plain covers of one step are one draw.
+    pub(crate) merges_covers: bool,
+    /// Every frame copies depth.
+    pub(crate) copies_depth: bool,
+}
+
 impl Loaded {
     /// Keeps what `before` held and this program needs as well: all is of the targets' size.
     ///
     /// # Errors
     /// [`DeviceError::OverCapacity`].
     pub(crate) fn new(
-        fill: &VolumeFill,
+        on: &Held<'_>,
         work: StencilWork,
         before: Option<Self>,
     ) -> Result<Self, DeviceError> {
-        let targets = fill.targets.borrow();
+        let targets = on.targets;
         let (gpu, size) = (targets.gpu(), targets.size());
         let (held, numbers, depth_copy, covers) = match before {
             Some(loaded) => {
@@ -47,14 +59,14 @@ impl Loaded {
             }
             None => (None, None, None, None),
         };
-        let instances = fill
+        let instances = on
             .merges_covers
             .then(|| work.program.cover_instances(&work.list));
         let covers = match instances.filter(|instances| !instances.is_empty()) {
             Some(instances) => Some(CoverList::new(gpu, &instances, covers)?),
             None => None,
         };
-        let new_numbers = || Numbers::new(gpu, &fill.covers, size);
+        let new_numbers = || Numbers::new(gpu, on.covers, size);
         let accumulates = work.program.accumulates();
         let numbers = accumulates.then(|| numbers.unwrap_or_else(new_numbers));
         let has_room = |buffer: &wgpu::Buffer| buffer.size() >= work.constants.len() as u64;
@@ -69,7 +81,7 @@ impl Loaded {
                 // Footprints lie behind the volumes' constants.
                 let buffers = [targets.view_constants(), &buffer, &buffer];
                 let label = "view and volumes";
-                let bind_group = gpu.bind_buffers(label, &fill.frame_layout, &buffers);
+                let bind_group = gpu.bind_buffers(label, on.frame_layout, &buffers);
                 (buffer, bind_group)
             }
         };
@@ -88,9 +100,7 @@ impl Loaded {
         let copied = wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING;
         let (format, bytes) = (DEPTH_STENCIL_FORMAT, DEPTH_STENCIL_BYTES);
         let new_copy = || texture("copy of depth", format, bytes, copied);
-        let depth_copy = fill
-            .copies_depth
-            .then(|| depth_copy.unwrap_or_else(new_copy));
+        let depth_copy = on.copies_depth.then(|| depth_copy.unwrap_or_else(new_copy));
         Ok(Self {
             work,
             constants,

@@ -203,3 +203,24 @@ impl Set {
         self.pool.is_on(gpu)
     }
 }
+
+/// A layout of so many of each kind at the bindings 0, 1 …, for every stage.
+pub(crate) fn set_layout(
+    gpu: &Arc<Gpu>,
+    kinds: impl Iterator<Item = (vk::DescriptorType, u32)>,
+) -> Result<Owned<vk::DescriptorSetLayout>, DeviceError> {
+    let entry = |(binding, (kind, count))| {
+        vk::DescriptorSetLayoutBinding::default()
+            .binding(binding)
+            .descriptor_type(kind)
+            .descriptor_count(count)
+            .stage_flags(vk::ShaderStageFlags::ALL)
+    };
+    let bindings: Vec<_> = (0..).zip(kinds).map(entry).collect();
+    let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+    // SAFETY: the structure lives through the call; sets hold what they are made with.
+    unsafe {
+        let made = gpu.device.create_descriptor_set_layout(&info, None);
+        Owned::new(gpu, "layout of resources", made)
+    }
+}

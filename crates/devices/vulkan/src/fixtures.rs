@@ -5,7 +5,7 @@
 //! depth operations.
 
 use crate::failure::failure;
-use crate::owned::Handle as _;
+use crate::handle::Handle as _;
 use ash::vk;
 use terrafill_contract::DeviceError;
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! An array of images as a set of its own, of which a shader chooses one by any number.
 
-use crate::bindings::{Bound, Set};
+use crate::bindings::{Bound, Set, set_layout};
 use crate::memory::check_some;
 use crate::owned::Owned;
-use crate::resources::set_layout;
 use crate::{BlockImage, Gpu};
 use ash::vk;
 use std::sync::Arc;

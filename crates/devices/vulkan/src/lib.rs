@@ -31,6 +31,7 @@ mod failure;
 mod features;
 mod fill;
 mod fixtures;
+mod handle;
 mod image;
 mod image_array;
 mod layer_pipeline;

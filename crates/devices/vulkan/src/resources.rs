@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Buffers and images at the bindings of one set, for pipelines that are no fills.
 
-use crate::bindings::{Bound, Set};
+use crate::bindings::{Bound, Set, set_layout};
 use crate::image_array::ImageArray;
 use crate::owned::Owned;
 use crate::{BlockImage, Buffer, BufferUse, Gpu, LayeredDepth, SampledImage, TriangleTree};
@@ -148,26 +148,5 @@ impl Resources {
         unsafe {
             device.cmd_bind_descriptor_sets(commands, point, self.layout.raw, 0, &sets, &[]);
         }
-    }
-}
-
-/// A layout of so many of each kind at the bindings 0, 1 …, for every stage.
-pub(crate) fn set_layout(
-    gpu: &Arc<Gpu>,
-    kinds: impl Iterator<Item = (vk::DescriptorType, u32)>,
-) -> Result<Owned<vk::DescriptorSetLayout>, DeviceError> {
-    let entry = |(binding, (kind, count))| {
-        vk::DescriptorSetLayoutBinding::default()
-            .binding(binding)
-            .descriptor_type(kind)
-            .descriptor_count(count)
-            .stage_flags(vk::ShaderStageFlags::ALL)
-    };
-    let bindings: Vec<_> = (0..).zip(kinds).map(entry).collect();
-    let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-    // SAFETY: the structure lives through the call; sets hold what they are made with.
-    unsafe {
-        let made = gpu.device.create_descriptor_set_layout(&info, None);
-        Owned::new(gpu, "layout of resources", made)
     }
 }
