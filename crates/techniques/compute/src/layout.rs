@@ -230,7 +230,7 @@ mod tests {
     fn what_a_view_before_held_is_not_laid_out_again_and_lies_as_if_it_were() {
         check_held_layouts(
             [5, 65_536, 7, 4].map(disc).to_vec(),
-            |meshes, by_part| SceneGeometry::in_parts(meshes, by_part),
+            SceneGeometry::in_parts,
             SceneGeometry::append,
             SceneGeometry::build(&[disc(9)]),
         );
