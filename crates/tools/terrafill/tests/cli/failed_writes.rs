@@ -14,7 +14,7 @@ const FULL: &str = "/dev/full";
 
 /// Command lines of every verb, each of which prints something. `OUT` is a folder that is new each
 /// time. `GPU`: only where there is a device.
-const COMMANDS: [&str; 34] = [
+const COMMANDS: [&str; 35] = [
     "--help",
     "--version",
     "help",
@@ -43,6 +43,7 @@ const COMMANDS: [&str; 34] = [
     "data list --json",
     // What it takes is said before the transfer, which fails: there is no such port.
     "data get blue-marble --to OUT --from http://127.0.0.1:65536",
+    "scene init r.geojson",
     "scenes",
     "scenes --json",
     "studies",
