@@ -46,8 +46,8 @@ const MUTATIONS: [Mutation; 11] = [
     Mutation {
         name: "walls-too-tall",
         file: "crates/contract/plan/src/plan.rs",
-        from: "clearance_m: cap_clearance_m(body, camera, size, terrain),",
-        to: "clearance_m: 100.0 * cap_clearance_m(body, camera, size, terrain),",
+        from: "clearance_m: cap_clearance_m(view),",
+        to: "clearance_m: 100.0 * cap_clearance_m(view),",
         counter: "wall_height_m",
     },
     Mutation {

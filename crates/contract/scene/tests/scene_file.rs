@@ -662,10 +662,7 @@ fn files_of_a_surface_are_read_by_their_hash_in_their_order() {
             file("a.tif", "0"),
             "t.toml: surface.files[0].sha256: found \"0\"",
         ),
-        (
-            file("", ""),
-            "t.toml: surface.files[0].path: found nothing",
-        ),
+        (file("", ""), "t.toml: surface.files[0].path: found nothing"),
     ] {
         let error = load(&files).expect_err("wrong").to_string();
         assert!(error.starts_with(expected), "{error}");

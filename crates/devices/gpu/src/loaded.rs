@@ -14,7 +14,7 @@ use terrafill_variant::FirstPass;
 #[derive(Debug)]
 pub(crate) struct Loaded {
     pub(crate) work: StencilWork,
-    constants: wgpu::Buffer,
+    pub(crate) constants: wgpu::Buffer,
     /// Group 0, view and volumes' constants.
     pub(crate) bind_group: wgpu::BindGroup,
     /// Plain covers, if they are merged.

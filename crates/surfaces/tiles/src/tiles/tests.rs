@@ -397,7 +397,7 @@ fn a_scene_names_its_tiles_and_what_is_wrong_is_named() {
         ),
         (
             file,
-            "t.toml: surface.files[0].path: found \"../a.tif\", allowed: a path inside the data folder",
+            "t.toml: surface.files[0].sha256: found \"0\", allowed: 64 lower-case hexadecimal digits",
         ),
     ] {
         let error = opened(text).expect_err(text);
