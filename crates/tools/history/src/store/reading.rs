@@ -18,9 +18,9 @@ pub struct Entry {
     pub digest: String,
     /// Its commit.
     pub commit: String,
-    /// See [`Position::ordinal`]; absent where no repository knew the commit.
+    /// See [`crate::Position::ordinal`]; absent where no repository knew the commit.
     pub ordinal: Option<i64>,
-    /// See [`Position::unix_s`].
+    /// See [`crate::Position::unix_s`].
     pub committed_unix_s: Option<i64>,
     /// Seconds since 1970 at its start.
     pub started_unix_s: i64,
