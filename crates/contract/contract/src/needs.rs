@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What one view of one scene holds under one variant, and what it leaves out, each with its reason: as a backend says
-//! it and a study writes it down.
+//! What a fill of one view holds and what it leaves out, each with its reason. A backend says it, a study writes it
+//! down.
 
 use crate::WorkDone;
 

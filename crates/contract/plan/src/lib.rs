@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a frame of a scene draws and what it leaves out, by name and reason.
 //!
-//! A [`FramePlan`] looks at bounds of meshes, at the eye and at the heights of the surface as drawn: culling,
-//! the near plane, levels of detail, parts of large meshes, and whose the ground in view is. It knows
+//! A [`FramePlan`] looks at bounds of meshes, at the eye and at the heights of the surface as drawn. It decides
+//! culling, the near plane, levels of detail, parts of large meshes, and whose the ground in view is. It knows
 //! neither techniques nor devices.
 
 mod boundary_pieces;

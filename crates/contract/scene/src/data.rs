@@ -4,8 +4,9 @@
 //! A scene names its data by a path, absolute or from the scene file or the data folder, and may give the
 //! hash of the bytes. A file that is not there, or has other bytes, is no wrong input then: the scene is
 //! skipped, with a line on how to get the file. A measurement on other data would carry the same name and
-//! mean something else. Without a hash any bytes will do, and a file that is not there is an error. A scene may name the published file beside a trimmed one: either will do, as
-//! both hold the same regions.
+//! mean something else. Without a hash any bytes will do, and a file that is not there is an error.
+//!
+//! A scene may name the published file beside a trimmed one: either will do, as both hold the same regions.
 
 use sha2::{Digest, Sha256};
 use std::io;

@@ -3,8 +3,8 @@
 //! accumulated numbers. The one place where they are made and bound.
 
 use crate::{
-    Buffer, BufferUse, Fragments, Gpu, Pipeline, PipelineDescriptor, PipelineState, Topology,
-    VertexFormat, VertexStage, VolumePass,
+    Buffer, BufferUse, Gpu, Pipeline, PipelineDescriptor, PipelineState, Topology, VertexFormat,
+    VertexStage, VolumePass,
 };
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -162,22 +162,7 @@ fn cover(test: StencilTest) -> PipelineState {
 
 /// The pipeline of one triangle over the screen.
 fn full_screen(path: &'static str, state: PipelineState) -> PipelineDescriptor {
-    PipelineDescriptor {
-        vertex: VertexStage {
-            path,
-            entry_point: "vertex_main",
-            bends_footprints: false,
-        },
-        geometry: None,
-        fragments: Fragments::Shader {
-            path,
-            entry_point: "fragment_main",
-        },
-        format: VertexFormat::Number,
-        topology: Topology::Triangles,
-        state,
-        depth_bounds: false,
-    }
+    PipelineDescriptor::of_shader(path, VertexFormat::Number, state)
 }
 
 /// The pipeline of rectangles, one for each [`CoverInstance`].

@@ -166,6 +166,29 @@ pub struct PipelineDescriptor {
     pub depth_bounds: bool,
 }
 
+impl PipelineDescriptor {
+    /// Triangles by `vertex_main` and `fragment_main` of one WGSL file.
+    #[must_use]
+    pub fn of_shader(path: &'static str, format: VertexFormat, state: PipelineState) -> Self {
+        Self {
+            vertex: VertexStage {
+                path,
+                entry_point: "vertex_main",
+                bends_footprints: false,
+            },
+            geometry: None,
+            fragments: Fragments::Shader {
+                path,
+                entry_point: "fragment_main",
+            },
+            format,
+            topology: Topology::Triangles,
+            state,
+            depth_bounds: false,
+        }
+    }
+}
+
 /// A pipeline.
 #[derive(Debug)]
 pub struct Pipeline {

@@ -2,8 +2,8 @@
 //! Surfaces that are triangles, drawn through Vulkan by the same shader as through wgpu.
 
 use crate::{
-    Buffer, BufferUse, Fragments, Gpu, ImageBindings, Pipeline, PipelineDescriptor, PipelineState,
-    SampledImage, Topology, VertexFormat, VertexStage,
+    Buffer, BufferUse, Gpu, ImageBindings, Pipeline, PipelineDescriptor, PipelineState,
+    SampledImage, VertexFormat,
 };
 use ash::vk;
 use std::sync::Arc;
@@ -20,23 +20,8 @@ impl SurfaceDevice for VulkanSurface {
     type Picture = ImageBindings;
 
     fn pipeline(&self, look: SurfaceLook) -> Result<Pipeline, DeviceError> {
-        let path = look.shader();
-        let descriptor = PipelineDescriptor {
-            vertex: VertexStage {
-                path,
-                entry_point: "vertex_main",
-                bends_footprints: false,
-            },
-            geometry: None,
-            fragments: Fragments::Shader {
-                path,
-                entry_point: "fragment_main",
-            },
-            format: VertexFormat::Metres,
-            topology: Topology::Triangles,
-            state: PipelineState::Surface(look),
-            depth_bounds: false,
-        };
+        let state = PipelineState::Surface(look);
+        let descriptor = PipelineDescriptor::of_shader(look.shader(), VertexFormat::Metres, state);
         Pipeline::new(&self.0, descriptor)
     }
 
@@ -62,8 +47,8 @@ impl SurfaceDevice for VulkanSurface {
 /// Records the draws of a surface.
 ///
 /// # Safety
-/// The surface's render pass is being recorded on the device of `gpu`, with viewport, scissor and the view's
-/// constants set; what is drawn is of this device and lives until the submission is done.
+/// The surface's render pass is being recorded on the device of `gpu`. Viewport, scissor and the view's constants
+/// are set. What is drawn is of this device and lives until the submission is done.
 pub(crate) unsafe fn draw(
     gpu: &Gpu,
     commands: vk::CommandBuffer,

@@ -136,7 +136,7 @@ impl Targets {
         self.extent.into()
     }
 
-    /// Whether it is their depth that something stands beside.
+    /// Whether `depth` is the depth of these targets.
     pub(crate) fn has(&self, depth: &Arc<Image>) -> bool {
         Arc::ptr_eq(&self.depth_stencil, depth)
     }

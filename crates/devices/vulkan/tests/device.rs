@@ -16,8 +16,8 @@ use terrafill_vulkan::{
     BindGroup, Buffer, BufferUse, CoverState, DepthBindings, DrawState, Fragments, Geometry, Gpu,
     GpuOptions, ImageBindings, IndexWidth, Measured, POSITIVE_CONTROL, Pipeline,
     PipelineDescriptor, PipelineState, RenderTargets, RouteText, SampledImage, TexturedDescriptor,
-    TexturedParts, TexturedPipeline, TexturedPlacement, Topology, VertexFormat, VertexStage,
-    list_adapters, make_deliberate_error, messages, open_for_test,
+    TexturedParts, TexturedPipeline, TexturedPlacement, VertexFormat, VertexStage, list_adapters,
+    make_deliberate_error, messages, open_for_test,
 };
 
 /// A targets with the globe drawn on it.
@@ -156,26 +156,12 @@ const EVERYWHERE: StencilTest = StencilTest {
 };
 
 fn cover_descriptor(test: StencilTest) -> PipelineDescriptor {
-    PipelineDescriptor {
-        vertex: VertexStage {
-            path: "vertex/cover.wgsl",
-            entry_point: "vertex_main",
-            bends_footprints: false,
-        },
-        geometry: None,
-        fragments: Fragments::Shader {
-            path: "vertex/cover.wgsl",
-            entry_point: "fragment_main",
-        },
-        format: VertexFormat::Number,
-        topology: Topology::Triangles,
-        state: PipelineState::Volumes(VolumeState::Colour {
-            is_before_surface: false,
-            test,
-            faces: FaceSet::Both,
-        }),
-        depth_bounds: false,
-    }
+    let state = PipelineState::Volumes(VolumeState::Colour {
+        is_before_surface: false,
+        test,
+        faces: FaceSet::Both,
+    });
+    PipelineDescriptor::of_shader("vertex/cover.wgsl", VertexFormat::Number, state)
 }
 
 fn cover(gpu: &Arc<Gpu>, targets: &RenderTargets) -> Cover {

@@ -126,10 +126,18 @@ pub struct RunFolder {
 }
 
 impl RunFolder {
-    /// Whether a folder holds a run, ended or not.
-    #[must_use]
-    pub fn is_begun(path: &Path) -> bool {
-        path.join(PLAN).exists()
+    /// Refuses a folder that holds a run, ended or not.
+    ///
+    /// # Errors
+    /// [`RunError::Occupied`].
+    pub fn refuse_occupied(path: &Path) -> Result<(), RunError> {
+        if !path.join(PLAN).exists() {
+            return Ok(());
+        }
+        Err(RunError::Occupied {
+            path: path.to_owned(),
+            message: "give another --out, or --resume to go on with it".to_owned(),
+        })
     }
 
     /// Starts a run in a new or empty folder: writes plan, environment, schema and empty tables.
@@ -142,12 +150,7 @@ impl RunFolder {
         plan: RunPlan,
         metrics: &[Metric],
     ) -> Result<Self, RunError> {
-        if Self::is_begun(path) {
-            return Err(RunError::Occupied {
-                path: path.to_owned(),
-                message: "give another --out, or --resume to go on with it".to_owned(),
-            });
-        }
+        Self::refuse_occupied(path)?;
         let folder = Self {
             path: path.to_owned(),
             conditions: plan.conditions(),

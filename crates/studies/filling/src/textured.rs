@@ -364,6 +364,15 @@ mod tests {
     use crate::tests::TECHNIQUES;
     use terrafill_scene::Overlap;
 
+    #[test]
+    fn scenes_that_are_about_pictures_say_so_themselves() {
+        for name in terrafill_scene::shipped_scene_names() {
+            let text = terrafill_scene::shipped_scene_text(name).expect("it ships");
+            let is_alone = text.lines().any(|line| line == "alone = true");
+            assert_eq!(PICTURE_SCENES.contains(&name), is_alone, "{name}");
+        }
+    }
+
     fn plain() -> Variant {
         TECHNIQUES[0].main(Overlap::Disjoint)
     }

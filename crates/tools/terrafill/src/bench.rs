@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         &arguments.own,
         ImageSize { width, height },
         &arguments.out,
-        is_first && !RunFolder::is_begun(&arguments.out),
+        is_first,
     )?;
     let arguments = &BenchArguments {
         scenes,

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A file of regions as a scene file: what it lies on, whether its regions overlap, and cameras made from it.
 
-use crate::arguments::{Edges, InitArguments, OwnArguments, Repair, SceneArguments, SceneVerb};
-use crate::fit::{FOV_RAD, fitted, surface_rows};
+use crate::arguments::{Edges, InitArguments, OwnArguments, SceneArguments, SceneVerb};
+use crate::fit::{FOV_RAD, Fitted, fit, surface_rows};
 use crate::input::is_standard;
 use crate::outcome::{Failure, Outcome, print};
 use crate::output::write_all;
-use crate::regions::{Leniency, Meshed, read_and_mesh, report_repairs, report_warnings};
 use crate::registry::SURFACES;
 use glam::DVec3;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use terrafill_core::{EdgeRule, Ellipsoid, Extent, MeshOptions, Reading, Region, RegionMesh};
+use terrafill_core::{EdgeRule, Ellipsoid, Extent, Reading, Region, RegionMesh};
 use terrafill_reference::Locator;
+use terrafill_results::RunFolder;
 use terrafill_scene::{CameraPose, ImageSize, Overlap, Scene};
 use terrafill_surface::{Surface, open_surface};
 
@@ -155,13 +155,13 @@ pub(crate) fn refuse_for_scenes(own: &OwnArguments) -> Result<(), Failure> {
 /// processes find there.
 ///
 /// - `out`: the run's folder
-/// - `is_new`: nothing has been measured in it
+/// - `is_first`: this process begins the run, in a folder without one
 pub(crate) fn written(
     scenes: &[String],
     own: &OwnArguments,
     size: ImageSize,
     out: &Path,
-    is_new: bool,
+    is_first: bool,
 ) -> Result<Vec<String>, Failure> {
     if !scenes.iter().any(|scene| is_region_file(scene)) {
         refuse_for_scenes(own)?;
@@ -173,7 +173,8 @@ pub(crate) fn written(
         let file = Path::new(scene);
         let name = own.name.clone().unwrap_or_else(|| name_of(file));
         let path = out.join("scenes").join(format!("{name}.toml"));
-        if is_new {
+        if is_first {
+            RunFolder::refuse_occupied(out).map_err(Failure::bad_input)?;
             let text = scene_text(file, own, size)?;
             std::fs::create_dir_all(out.join("scenes")).map_err(Failure::bad_input)?;
             std::fs::write(&path, text).map_err(Failure::bad_input)?;
@@ -195,28 +196,11 @@ pub(crate) fn scene_text(
     let body = Ellipsoid::WGS84;
     let edge_rule: EdgeRule = own.edges.into();
     let reading = own.reading();
-    let leniency = Leniency {
-        repair: Some(Repair::EvenOdd),
-        skip_invalid: false,
-    };
-    let mesh = MeshOptions::default();
-    let Meshed {
-        mut regions,
+    let Fitted {
+        regions,
         meshes,
-        warnings,
-        ..
-    } = read_and_mesh(file, reading, leniency, &body, edge_rule, &mesh)?;
-    report_warnings(file, &warnings);
-    report_repairs(&meshes);
-    for region in &mut regions {
-        region.split_at_crossings(edge_rule);
-    }
-    let Some(overview) = fitted(&body, &meshes, size) else {
-        let shown = crate::input::shown(file);
-        return Err(Failure::bad_input(format!(
-            "{shown}: found no regions, allowed: at least one"
-        )));
-    };
+        pose: overview,
+    } = fit(file, own, size)?;
     let absolute = |path: &Path| std::path::absolute(path).map_err(Failure::bad_input);
     let files = own.terrain.iter().map(|path| height_files(path));
     let files: Vec<PathBuf> = files.collect::<Result<Vec<_>, _>>()?.concat();

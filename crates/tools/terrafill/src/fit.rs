@@ -8,7 +8,7 @@ use crate::regions::{Leniency, Meshed, read_and_mesh, report_repairs, report_war
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
-use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh};
+use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, Region, RegionMesh};
 use terrafill_scene::{
     Camera, CameraPose, ImageSize, LevelChoice, Overlap, Scene, SurfaceChoice, TexturedFills, View,
 };
@@ -41,11 +41,18 @@ const MAX_ROWS: f64 = 1024.0;
 /// Halvings of the range of heights: beyond these the picture moves by less than a pixel.
 const BISECTIONS: u32 = 40;
 
-/// The scene of a file's regions; whatever lies on the far side of the body is not shown.
+/// A file's regions on WGS 84, crossings filled by the even-odd rule, and the eye that sees them all.
+pub(crate) struct Fitted {
+    pub(crate) regions: Vec<Region>,
+    pub(crate) meshes: Vec<RegionMesh>,
+    pub(crate) pose: CameraPose,
+}
+
+/// Reads a file's regions and finds that eye; says what is remarkable and what was repaired.
 ///
 /// # Errors
 /// As `mesh`, by whose rules the file is read, and where nothing is there to be fitted.
-pub(crate) fn scene_of(path: &Path, own: &OwnArguments, size: ImageSize) -> Result<Scene, Failure> {
+pub(crate) fn fit(path: &Path, own: &OwnArguments, size: ImageSize) -> Result<Fitted, Failure> {
     let body = Ellipsoid::WGS84;
     let (edge_rule, mesh): (EdgeRule, _) = (own.edges.into(), MeshOptions::default());
     let leniency = Leniency {
@@ -66,19 +73,33 @@ pub(crate) fn scene_of(path: &Path, own: &OwnArguments, size: ImageSize) -> Resu
             "{shown}: found no regions, allowed: at least one"
         )));
     };
-    let rows = surface_rows(&body, pose.eye.height_m);
     for region in &mut regions {
         region.split_at_crossings(edge_rule);
     }
+    Ok(Fitted {
+        regions,
+        meshes,
+        pose,
+    })
+}
+
+/// The scene of a file's regions; whatever lies on the far side of the body is not shown.
+///
+/// # Errors
+/// As [`fit`].
+pub(crate) fn scene_of(path: &Path, own: &OwnArguments, size: ImageSize) -> Result<Scene, Failure> {
+    let body = Ellipsoid::WGS84;
+    let Fitted { regions, pose, .. } = fit(path, own, size)?;
+    let rows = surface_rows(&body, pose.eye.height_m);
     Ok(Scene {
         name: path.display().to_string(),
         description: "regions of a file".to_owned(),
         body,
-        edge_rule,
+        edge_rule: own.edges.into(),
         regions: regions.into(),
         // Whether a file's regions overlap is not known; this draws both right.
         overlap: Overlap::Ordered,
-        mesh,
+        mesh: MeshOptions::default(),
         levels: LevelChoice::default(),
         surface: SurfaceChoice {
             file: path.display().to_string(),
@@ -102,11 +123,7 @@ pub(crate) fn scene_of(path: &Path, own: &OwnArguments, size: ImageSize) -> Resu
 
 /// The lowest eye above the middle of all regions that sees each of their vertices within the
 /// picture; one that sees the whole disc of the body where none does.
-pub(crate) fn fitted(
-    body: &Ellipsoid,
-    meshes: &[RegionMesh],
-    size: ImageSize,
-) -> Option<CameraPose> {
+fn fitted(body: &Ellipsoid, meshes: &[RegionMesh], size: ImageSize) -> Option<CameraPose> {
     let vertices = || {
         meshes
             .iter()

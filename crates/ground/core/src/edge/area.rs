@@ -217,7 +217,7 @@ fn gauss(rule: &[(f64, f64)], f: impl Fn(f64) -> f64) -> f64 {
 }
 
 /// A sum that keeps what each addition rounds away (Neumaier 1974). Its error does not grow with the number of
-/// terms, of which a region may have millions, and what lies under the two sides of a sliver is a million times the
+/// terms, of which a region may have millions. What lies under the two sides of a sliver is a million times the
 /// sliver.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Sum {

@@ -52,6 +52,9 @@ fn regions_and_heights_become_a_report_with_every_alternative() {
     for view in ["all", "filled", "horizon"] {
         assert!(of("view").contains(&view), "{view}: {:?}", of("view"));
     }
+    // Again into the same folder: nothing measured is lost, and the way on is named.
+    let again = desk.run(&line);
+    again.refused(&[&["run", "--resume"]]);
     // The scene that was measured is there to be edited, and is that of `scene init`.
     let kept = desk.read_text("run/scenes/hoods.toml");
     let made = desk.run(&[

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Edges that must stay: lines between two vertices, put in by flipping what they cross out of the way (Sloan 1993,
-//! "A fast algorithm for generating constrained Delaunay triangulations").
+//! Edges that must stay: lines between two vertices. They are put in by flipping what they cross out of the way (Sloan
+//! 1993, "A fast algorithm for generating constrained Delaunay triangulations").
 
 use super::{Blocked, CONSTRAINT, Delaunay, NONE, ODD, Point, orient};
 use std::collections::VecDeque;
