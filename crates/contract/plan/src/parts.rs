@@ -115,13 +115,13 @@ pub(crate) fn index_u32(index: usize) -> u32 {
 
 /// Some facets or walls and where they are.
 #[derive(Debug, Clone, PartialEq)]
-struct Part {
+struct FacetGroup {
     range: Range<u32>,
     /// Holds their vertices on the ellipsoid.
     on_body: OrientedBox,
 }
 
-impl Part {
+impl FacetGroup {
     /// Holds its vertices between these heights.
     fn around(&self, heights: VolumeHeights) -> OrientedBox {
         // No vertex moves farther from the ellipsoid than that.
@@ -138,8 +138,8 @@ impl Part {
 pub struct MeshParts {
     /// As in [`PartOrder::triangles`].
     triangles: Vec<u32>,
-    caps: Vec<Part>,
-    walls: Vec<Part>,
+    caps: Vec<FacetGroup>,
+    walls: Vec<FacetGroup>,
 }
 
 impl MeshParts {
@@ -154,7 +154,7 @@ impl MeshParts {
         let part = |range: &Range<u32>, mut vertices: Vec<u32>| {
             vertices.sort_unstable();
             vertices.dedup();
-            Part {
+            FacetGroup {
                 range: range.clone(),
                 on_body: mesh.box_of_some(body, &vertices, on_body),
             }
@@ -210,7 +210,7 @@ impl MeshParts {
         heights: VolumeHeights,
         look: impl Fn(&[DVec3; 8]) -> Result<PixelRect, LeftOutReason>,
     ) -> (SeenParts, Option<PixelRect>) {
-        let look = |part: &Part| look(&part.around(heights).corners_ecef());
+        let look = |part: &FacetGroup| look(&part.around(heights).corners_ecef());
         let mut seen = SeenParts::default();
         let mut rect: Option<PixelRect> = None;
         for (parts, is_cap) in [(&self.caps, true), (&self.walls, false)] {
@@ -381,7 +381,7 @@ pub(crate) mod tests {
             body.geodetic_to_ecef(place)
         };
         let triangles = order.ordered(&mesh);
-        let is_within = |part: &Part, vertex: u32, reach_m: f64| {
+        let is_within = |part: &FacetGroup, vertex: u32, reach_m: f64| {
             let local = part.on_body.axes.transpose() * (top(vertex) - part.on_body.center_ecef);
             let room = part.on_body.half_extents_m + DVec3::splat(reach_m + 1e-3);
             local.abs().cmple(room).all()

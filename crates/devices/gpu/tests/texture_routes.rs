@@ -50,7 +50,7 @@ fn run(
 
 /// Largest differences of angles, longitude the short way round: from the exact ones, and from the
 /// nearer of the two emulations; and how many places equal an emulation bit by bit.
-struct Found {
+struct RouteErrors {
     from_exact_rad: f64,
     from_emulation_rad: f64,
     equal: usize,
@@ -63,9 +63,9 @@ fn compare(
     constants: &[[f32; 4]],
     samples: &[Sample],
     angles: &[[f32; 2]],
-) -> Found {
+) -> RouteErrors {
     let program = route.program();
-    let mut found = Found {
+    let mut found = RouteErrors {
         from_exact_rad: 0.0,
         from_emulation_rad: 0.0,
         equal: 0,

@@ -201,7 +201,7 @@ const EVERYWHERE: StencilTest = StencilTest {
     skips_sky: false,
 };
 
-struct Drawn {
+struct TexturedPicture {
     rgba: Vec<u8>,
     depth: Vec<f32>,
     probed: Vec<Option<Probed>>,
@@ -212,7 +212,11 @@ fn frame_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     gpu.buffer_layout("view", stages, &[wgpu::BufferBindingType::Uniform])
 }
 
-fn draw(gpu: &Arc<Gpu>, input: &FillInput, plan: &TexturedPlan) -> Result<Drawn, DeviceError> {
+fn draw(
+    gpu: &Arc<Gpu>,
+    input: &FillInput,
+    plan: &TexturedPlan,
+) -> Result<TexturedPicture, DeviceError> {
     let mut targets = RenderTargets::new(gpu, SIZE).expect("small targets");
     targets.prepare(input).expect("fits");
     targets.draw_surface().expect("draws");
@@ -264,7 +268,7 @@ fn draw(gpu: &Arc<Gpu>, input: &FillInput, plan: &TexturedPlan) -> Result<Drawn,
         gpu.wait()?;
     }
     let picture = targets.read()?;
-    Ok(Drawn {
+    Ok(TexturedPicture {
         rgba: picture.rgba,
         depth: picture.depth,
         probed: probe.read(gpu)?,
@@ -273,13 +277,13 @@ fn draw(gpu: &Arc<Gpu>, input: &FillInput, plan: &TexturedPlan) -> Result<Drawn,
 
 /// What the judge knows of a sight.
 #[derive(Debug, Clone)]
-struct Sight {
+struct JudgedView {
     name: &'static str,
     bounds: Bounds,
     input: FillInput,
 }
 
-impl Sight {
+impl JudgedView {
     fn new(name: &'static str, eye: Eye, bounds: Bounds, placement: TexturePlacement) -> Self {
         Self {
             name,
@@ -367,7 +371,7 @@ struct Errors {
 }
 
 impl Errors {
-    fn of(sight: &Sight, drawn: &Drawn) -> Self {
+    fn of(sight: &JudgedView, drawn: &TexturedPicture) -> Self {
         let mut errors = Self::default();
         let address = terrafill_contract::PlannedTexture::of_scene(&sight.input.scene)[0].address;
         for row in 0..SIZE.height {
@@ -436,59 +440,59 @@ fn anchor(longitude_deg: f64, latitude_deg: f64, rotation_deg: f64) -> TextureAn
 }
 
 /// Places to look at: a region under the eye, from straight above and aslant.
-fn sights() -> Vec<Sight> {
+fn sights() -> Vec<JudgedView> {
     use TexturePlacement::Extents;
     let down = -90.0;
     vec![
-        Sight::new(
+        JudgedView::new(
             "equator",
             eye(10.0, 0.0, 3e5, down),
             bounds(8.0, -2.0, 12.0, 2.0),
             Extents,
         ),
-        Sight::new(
+        JudgedView::new(
             "45°",
             eye(10.0, 45.0, 3e5, down),
             bounds(8.0, 43.0, 12.0, 47.0),
             Extents,
         ),
-        Sight::new(
+        JudgedView::new(
             "aslant",
             eye(10.0, 45.0, 3e5, -60.0),
             bounds(8.0, 43.0, 12.0, 47.0),
             Extents,
         ),
-        Sight::new(
+        JudgedView::new(
             "70°",
             eye(10.0, 70.0, 3e5, down),
             bounds(6.0, 68.0, 14.0, 72.0),
             Extents,
         ),
-        Sight::new(
+        JudgedView::new(
             "85°",
             eye(10.0, 85.0, 3e5, down),
             bounds(-10.0, 83.0, 30.0, 87.0),
             Extents,
         ),
-        Sight::new(
+        JudgedView::new(
             "±180°",
             eye(180.0, -17.0, 3e5, down),
             bounds(177.0, -19.0, 183.0, -15.0),
             Extents,
         ),
-        Sight::new(
+        JudgedView::new(
             "beyond",
             eye(-179.9, -17.0, 3e5, down),
             bounds(177.0, -19.0, 183.0, -15.0),
             Extents,
         ),
-        Sight::new(
+        JudgedView::new(
             "pole",
             eye(0.0, 89.95, 3e5, down),
             bounds(-180.0, 70.0, 180.0, 90.0),
             Extents,
         ),
-        Sight::new(
+        JudgedView::new(
             "turned",
             eye(10.0, 45.0, 3e5, down),
             bounds(8.0, 43.0, 12.0, 47.0),
@@ -499,7 +503,7 @@ fn sights() -> Vec<Sight> {
                 outside: Outside::Repeat,
             },
         ),
-        Sight::new(
+        JudgedView::new(
             "over the edge",
             eye(180.0, 10.0, 3e5, -70.0),
             bounds(177.0, 8.0, 183.0, 12.0),
@@ -510,7 +514,7 @@ fn sights() -> Vec<Sight> {
                 outside: Outside::Transparent,
             },
         ),
-        Sight::new(
+        JudgedView::new(
             "pattern",
             eye(10.0, 45.0, 2e3, -35.0),
             bounds(8.0, 43.0, 12.0, 47.0),
@@ -522,7 +526,7 @@ fn sights() -> Vec<Sight> {
     ]
 }
 
-fn sight(name: &str) -> Sight {
+fn sight(name: &str) -> JudgedView {
     let found = sights().into_iter().find(|sight| sight.name == name);
     found.expect("there")
 }
@@ -655,7 +659,7 @@ fn a_magnified_region_looks_the_same_without_looking_for_levels() {
         (5e5, -90.0),
         (1e6, -90.0),
     ] {
-        let sight = Sight::new(
+        let sight = JudgedView::new(
             "closer",
             eye(10.0, 45.0, height_m, pitch_deg),
             bounds(8.0, 43.0, 12.0, 47.0),
@@ -692,7 +696,7 @@ fn a_superfluous_normalize_moves_texels_by_rounding_alone() {
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
-    let sight = Sight::new(
+    let sight = JudgedView::new(
         "far",
         eye(10.0, 45.0, 2e6, -90.0),
         bounds(8.0, 43.0, 12.0, 47.0),
@@ -730,8 +734,8 @@ fn a_superfluous_normalize_moves_texels_by_rounding_alone() {
 }
 
 /// A region that goes on beyond the horizon, and sky above it.
-fn over_the_horizon() -> Sight {
-    Sight::new(
+fn over_the_horizon() -> JudgedView {
+    JudgedView::new(
         "horizon",
         eye(10.0, 45.0, 3e6, -50.0),
         bounds(-50.0, 0.0, 70.0, 89.0),
@@ -839,7 +843,7 @@ fn edges_and_fades_leave_nothing_where_they_should() {
     assert!(error.to_string().contains("without a picture"), "{error}");
 }
 
-fn faded(sight: &Sight, fade_m: [f64; 2]) -> FillInput {
+fn faded(sight: &JudgedView, fade_m: [f64; 2]) -> FillInput {
     let mut input = sight.input.clone();
     let texture = SceneTexture::clone(input.scene.texture.as_ref().expect("a picture"));
     input.scene.texture = Some(Arc::new(SceneTexture {

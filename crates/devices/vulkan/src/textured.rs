@@ -33,7 +33,7 @@ pub(crate) struct TexturedFill {
     /// Whether something shows of what lies under the pictures.
     images_are_translucent: bool,
     image_bindings: HashMap<ImageKey, ImageBindings>,
-    view: Option<View>,
+    view: Option<CoverView>,
 }
 
 /// A composed shader, and the table that its route reads.
@@ -51,7 +51,7 @@ struct Table {
 
 /// The covers of a view, and their constants.
 #[derive(Debug)]
-struct View {
+struct CoverView {
     /// By volume, with the place of its shader in `TexturedFill::shaders`.
     covers: Vec<(TexturedCover, usize)>,
     constants: Arc<Buffer>,
@@ -103,7 +103,7 @@ impl TexturedFill {
                 (constants, bindings)
             }
         };
-        self.view = Some(View {
+        self.view = Some(CoverView {
             covers,
             constants,
             written,

@@ -15,7 +15,7 @@ mod verdict;
 mod volume;
 mod waterline;
 
-pub use mesh::{Caster, Mesh, MeshError, Part};
+pub use mesh::{Caster, ConvexPart, Mesh, MeshError};
 pub use policy::{Policy, Prepared};
 pub use port::{PortSize, hull, port, row};
 pub use read::{ModelFile, ReadError, Reading, Up};

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 /// A convex part: contiguous vertices and triangles.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Part {
+pub struct ConvexPart {
     /// Of [`Mesh::vertices`].
     pub vertices: Range<usize>,
     /// Of [`Mesh::triangles`].
@@ -74,7 +74,7 @@ pub struct Mesh {
     /// Outward normal of each plane, of any length.
     pub normals: Vec<DVec3>,
     /// Convex parts.
-    pub parts: Vec<Part>,
+    pub parts: Vec<ConvexPart>,
     /// Models.
     pub casters: Vec<Caster>,
 }
@@ -139,7 +139,7 @@ impl Mesh {
         self.vertices.extend(vertices);
         self.triangles.reserve(expected);
         faces(self, index(first));
-        self.parts.push(Part {
+        self.parts.push(ConvexPart {
             vertices: first..self.vertices.len(),
             triangles: triangles..self.triangles.len(),
         });
@@ -197,7 +197,7 @@ impl Mesh {
         self.planes
             .extend(other.planes.iter().map(|own| own + plane));
         self.normals.extend(&other.normals);
-        self.parts.extend(other.parts.iter().map(|own| Part {
+        self.parts.extend(other.parts.iter().map(|own| ConvexPart {
             vertices: own.vertices.start + vertex..own.vertices.end + vertex,
             triangles: own.triangles.start + triangle..own.triangles.end + triangle,
         }));

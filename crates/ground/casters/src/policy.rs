@@ -3,7 +3,7 @@
 
 use crate::mesh::{fan_normal, index};
 use crate::verdict::{part_edges, welded};
-use crate::{Mesh, MeshError, Part, verdict};
+use crate::{ConvexPart, Mesh, MeshError, verdict};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -73,7 +73,7 @@ impl Policy {
 
 /// Closes the planar border loops of every part whose vertices are its own.
 fn cap(mesh: &mut Mesh) {
-    let parts: Vec<Part> = mesh.parts.clone();
+    let parts: Vec<ConvexPart> = mesh.parts.clone();
     let mut triangles = Vec::new();
     let mut planes = Vec::new();
     for part in parts {
@@ -126,7 +126,7 @@ fn normal(mesh: &Mesh, ring: &[u32]) -> DVec3 {
 }
 
 /// Simple planar loops along a part's border, wound against it.
-fn planar_loops(mesh: &Mesh, part: &Part) -> Vec<Vec<u32>> {
+fn planar_loops(mesh: &Mesh, part: &ConvexPart) -> Vec<Vec<u32>> {
     let mut next = BTreeMap::new();
     for ([low, high], met) in part_edges(mesh, part) {
         let [from, to] = match met {

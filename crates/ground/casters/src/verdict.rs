@@ -6,7 +6,7 @@
 //! negative volume is inside out, unless it lies in another part's box and may be a cavity.
 
 use crate::mesh::index;
-use crate::{Mesh, Part};
+use crate::{ConvexPart, Mesh};
 use glam::DVec3;
 use std::collections::{BTreeMap, HashMap};
 
@@ -90,7 +90,7 @@ pub(crate) fn edges(
 #[must_use]
 pub fn verdict(mesh: &Mesh) -> Verdict {
     let mut verdict = Verdict::default();
-    let mut inwards: Vec<&Part> = Vec::new();
+    let mut inwards: Vec<&ConvexPart> = Vec::new();
     for part in &mesh.parts {
         let found = verdict;
         for triangle in part.triangles.clone() {
@@ -117,7 +117,7 @@ pub fn verdict(mesh: &Mesh) -> Verdict {
     }
     for part in inwards {
         let [low, high] = extent(mesh, part);
-        let holds = |other: &Part| {
+        let holds = |other: &ConvexPart| {
             let [lowest, highest] = extent(mesh, other);
             lowest.cmple(low).all() && high.cmple(highest).all() && [low, high] != [lowest, highest]
         };
@@ -131,7 +131,7 @@ pub fn verdict(mesh: &Mesh) -> Verdict {
 }
 
 /// Volume inside a closed part, m³; negative where its faces look inwards.
-fn volume_m3(mesh: &Mesh, part: &Part) -> f64 {
+fn volume_m3(mesh: &Mesh, part: &ConvexPart) -> f64 {
     let from = mesh.vertices[part.vertices.start];
     let triangles = part.triangles.clone().map(|triangle| {
         let [a, b, c] = mesh.corners(triangle).map(|place| place - from);
@@ -140,7 +140,7 @@ fn volume_m3(mesh: &Mesh, part: &Part) -> f64 {
     triangles.sum()
 }
 
-fn extent(mesh: &Mesh, part: &Part) -> [DVec3; 2] {
+fn extent(mesh: &Mesh, part: &ConvexPart) -> [DVec3; 2] {
     let places = mesh.vertices[part.vertices.clone()].iter().copied();
     [
         places.clone().fold(DVec3::INFINITY, DVec3::min),
@@ -149,7 +149,7 @@ fn extent(mesh: &Mesh, part: &Part) -> [DVec3; 2] {
 }
 
 /// Edges of a part, whose vertices of equal bits are one.
-pub(crate) fn part_edges(mesh: &Mesh, part: &Part) -> BTreeMap<[u32; 2], [usize; 2]> {
+pub(crate) fn part_edges(mesh: &Mesh, part: &ConvexPart) -> BTreeMap<[u32; 2], [usize; 2]> {
     let start = index(part.vertices.start);
     let twins = welded(&mesh.vertices[part.vertices.clone()]);
     let triangles = mesh.triangles[part.triangles.clone()].iter();

@@ -5,7 +5,7 @@
 //! have the same bits along their edge. Triangles are wound counter-clockwise seen from outside.
 
 use crate::mesh::index;
-use crate::{Facing, Mesh, Part, Prepared, Side};
+use crate::{ConvexPart, Facing, Mesh, Prepared, Side};
 use glam::{DVec3, DVec4};
 use std::collections::BTreeMap;
 
@@ -201,7 +201,7 @@ pub fn sea_level_below(
 ) -> Result<Vec<f64>, LightError> {
     check_above(to_light)?;
     let tan = to_light.z / to_light.truncate().length();
-    let level = |part: &Part| {
+    let level = |part: &ConvexPart| {
         let places = &mesh.vertices[part.vertices.clone()];
         let top = places.iter().map(|place| place.z).fold(0.0, f64::max);
         let away = places.iter().map(|place| place.truncate().length());

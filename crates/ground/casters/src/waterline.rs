@@ -3,7 +3,7 @@
 
 use crate::mesh::index;
 use crate::volume::SEA_RADIUS_M;
-use crate::{Mesh, MeshError, Part, Policy, Prepared, verdict};
+use crate::{ConvexPart, Mesh, MeshError, Policy, Prepared, verdict};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
@@ -14,7 +14,7 @@ use std::collections::HashMap;
 /// - `margin_m`: below that, for waves and rounding
 #[must_use]
 pub fn feet_below_sea(mesh: &Mesh, margin_m: f64) -> Vec<f64> {
-    let level = |part: &Part| {
+    let level = |part: &ConvexPart| {
         let places = mesh.vertices[part.vertices.clone()].iter();
         let away = places.map(|place| place.truncate().length_squared());
         -(away.fold(0.0, f64::max) / (2.0 * SEA_RADIUS_M) + margin_m)
@@ -97,7 +97,7 @@ impl Prepared {
 ///
 /// Walls stay in their planes, and no triangle is added. `None` where a vertex has no such edge or several, or where a
 /// face wholly below is not level: then triangles must be cut.
-fn moved_up(mesh: &Mesh, part: &Part, level: f64) -> Option<Vec<DVec3>> {
+fn moved_up(mesh: &Mesh, part: &ConvexPart, level: f64) -> Option<Vec<DVec3>> {
     let first = part.vertices.start;
     let mut places = mesh.vertices[part.vertices.clone()].to_vec();
     let mut is_used = vec![false; places.len()];
@@ -143,7 +143,7 @@ fn moved_up(mesh: &Mesh, part: &Part, level: f64) -> Option<Vec<DVec3>> {
 }
 
 /// What is left of a part, open where triangles are cut.
-fn push_cut(mesh: &mut Mesh, whole: &Mesh, part: &Part, level: f64) {
+fn push_cut(mesh: &mut Mesh, whole: &Mesh, part: &ConvexPart, level: f64) {
     let mut places = whole.vertices[part.vertices.clone()].iter();
     if places.any(|place| place.z > level)
         && let Some(places) = moved_up(whole, part, level)

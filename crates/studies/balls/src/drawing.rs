@@ -15,7 +15,7 @@ use terrafill_vulkan::{
 const POINTS: &str = "balls/points.wgsl";
 /// How balls are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Drawn {
+pub(crate) enum DrawCalls {
     /// Not at all.
     Nothing,
     /// All by one draw.
@@ -24,7 +24,7 @@ pub(crate) enum Drawn {
     Each,
 }
 
-impl Drawn {
+impl DrawCalls {
     pub(crate) const ALL: [Self; 3] = [Self::Nothing, Self::All, Self::Each];
 
     pub(crate) fn name(self) -> &'static str {

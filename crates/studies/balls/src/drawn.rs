@@ -2,10 +2,10 @@
 //! Balls over terrain, stepped on devices and drawn from where the step left them.
 
 use crate::STUDY;
-use crate::drawing::{Drawn, DrawsBalls};
+use crate::drawing::{DrawCalls, DrawsBalls};
 use crate::keys::{BALLS, DRAWN, GROUND, INTERFACE, PART, SIZE_PX, WAY};
 use crate::on_devices::{TIMED, constants, counts, take_all};
-use crate::stepping::{Steps, Way};
+use crate::stepping::{Stepping, Steps};
 use crate::terrain::{BallView, JudgedBalls, State, Terrain, judge};
 use crate::walk::{Walk, walk};
 use std::collections::BTreeMap;
@@ -38,7 +38,7 @@ pub(crate) fn size_of(request: &Request) -> ImageSize {
 
 /// Balls over terrain, drawn or not.
 struct DrawnBalls {
-    cases: Vec<(Way, Drawn, u32)>,
+    cases: Vec<(Stepping, DrawCalls, u32)>,
     size: ImageSize,
 }
 
@@ -48,14 +48,14 @@ pub(crate) fn group(is_quick: bool, pictures: (ImageSize, u32)) -> impl Group {
 
 fn group_of(counts: &[u32], (size, samples): (ImageSize, u32)) -> CaseGroup<DrawnBalls> {
     let mut cases = Vec::new();
-    for way in Way::ALL {
+    for way in Stepping::ALL {
         for &balls in counts {
-            let drawn = Drawn::ALL.into_iter();
-            let drawn = drawn.filter(|drawn| *drawn != Drawn::Each || balls <= MOST_EACH);
+            let drawn = DrawCalls::ALL.into_iter();
+            let drawn = drawn.filter(|drawn| *drawn != DrawCalls::Each || balls <= MOST_EACH);
             cases.extend(drawn.map(|drawn| (way, drawn, balls)));
         }
     }
-    let case = |&(way, drawn, balls): &(Way, Drawn, u32)| {
+    let case = |&(way, drawn, balls): &(Stepping, DrawCalls, u32)| {
         let (interface, name) = way.names();
         let conditions = vec![
             (PART, "drawn".to_owned()),
@@ -101,16 +101,16 @@ struct DrawnSession<'a> {
     context: Context<'a>,
     terrain: Terrain,
     /// By way and number of balls: how they went, and where they ended.
-    walked: BTreeMap<(Way, u32), (Walk, Vec<State>)>,
+    walked: BTreeMap<(Stepping, u32), (Walk, Vec<State>)>,
     /// Of the first picture of a way and number of balls, by which others are held.
-    first: BTreeMap<(Way, u32), Vec<u32>>,
+    first: BTreeMap<(Stepping, u32), Vec<u32>>,
     /// By case.
     opened: BTreeMap<usize, Opened>,
 }
 
 /// What a case showed.
 #[derive(Debug, Default)]
-struct Found {
+struct BallErrors {
     walk: Walk,
     /// Balls that ended elsewhere than when they were followed.
     strayed: usize,
@@ -123,7 +123,7 @@ struct Found {
 }
 
 impl DrawnSession<'_> {
-    fn run(&mut self, case: usize) -> Result<Found, DeviceError> {
+    fn run(&mut self, case: usize) -> Result<BallErrors, DeviceError> {
         let DrawnBalls { ref cases, size } = self.group.work;
         let (way, drawn, count) = cases[case];
         let balls = self.terrain.balls(count);
@@ -148,11 +148,11 @@ impl DrawnSession<'_> {
             }
         };
         let ranges = drawn.ranges(count);
-        let mut found = Found {
+        let mut found = BallErrors {
             walk,
             strayed,
             draws: ranges.len(),
-            ..Found::default()
+            ..BallErrors::default()
         };
         if !ranges.is_empty() {
             let before = steps.uploaded();
@@ -182,11 +182,11 @@ impl DrawnSession<'_> {
     fn picture(
         &self,
         case: usize,
-        found: &Found,
+        found: &BallErrors,
     ) -> Result<Vec<(&'static str, String)>, StudyError> {
         let DrawnBalls { ref cases, size } = self.group.work;
         let (_, drawn, balls) = cases[case];
-        if drawn != Drawn::All || balls != PICTURED_BALLS {
+        if drawn != DrawCalls::All || balls != PICTURED_BALLS {
             return Ok(Vec::new());
         }
         let grey = |number: &u32| if *number == 0 { [230; 3] } else { [40; 3] };
@@ -198,7 +198,7 @@ impl DrawnSession<'_> {
     }
 }
 
-impl Found {
+impl BallErrors {
     fn reason(&self) -> String {
         let Self {
             walk,
@@ -311,7 +311,7 @@ mod tests {
         // Twins: other ground, and a picture of balls that moved on.
         let terrain = Terrain::new();
         let first = terrain.balls(500);
-        for way in Way::ALL {
+        for way in Stepping::ALL {
             let open = || way.open(&devices, &constants(500), &first, Some(&terrain));
             let (Ok(mut steps), Ok(mut other)) = (open(), open()) else {
                 continue;
@@ -322,7 +322,7 @@ mod tests {
             assert!(wrong.reason().contains("from f64"), "{way:?}: {wrong:?}");
             let last = steps.read().expect("reads");
             let mut points = steps.points(SIZE).expect("points");
-            let drawn = points.draw(steps.current(), &Drawn::All.ranges(500));
+            let drawn = points.draw(steps.current(), &DrawCalls::All.ranges(500));
             drawn.expect("draws");
             let numbers = ids_of(&points.read().expect("a picture"));
             let size = [SIZE.width, SIZE.height];
@@ -334,37 +334,37 @@ mod tests {
 
     #[test]
     fn whatever_is_wrong_is_said() {
-        let right = Found {
+        let right = BallErrors {
             judged: JudgedBalls {
                 mismatched: 0,
                 shown: 9,
             },
             draws: 1,
-            ..Found::default()
+            ..BallErrors::default()
         };
         assert_eq!(right.reason(), "");
-        let far = Found {
+        let far = BallErrors {
             walk: Walk {
                 step_m: 1.0,
                 ..Walk::default()
             },
-            ..Found::default()
+            ..BallErrors::default()
         };
         assert!(far.reason().contains("from f64"));
-        let strayed = Found {
+        let strayed = BallErrors {
             strayed: 2,
-            ..Found::default()
+            ..BallErrors::default()
         };
         assert!(strayed.reason().contains("2 balls end elsewhere"));
-        let sent = Found {
+        let sent = BallErrors {
             uploaded: 4,
-            ..Found::default()
+            ..BallErrors::default()
         };
         assert!(sent.reason().contains("4 bytes"));
-        let other = Found {
+        let other = BallErrors {
             differing: 1,
             draws: 2,
-            ..Found::default()
+            ..BallErrors::default()
         };
         assert!(other.reason().contains("1 pixels differ"));
     }

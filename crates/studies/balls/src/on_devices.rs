@@ -5,7 +5,7 @@ use crate::STUDY;
 use crate::closed_form::GRAVITY;
 use crate::integrator::{Ball, Forces, Integrator, step};
 use crate::keys::{BALLS, INTERFACE, PART, WAY};
-use crate::stepping::{BallConstants, Steps, Way};
+use crate::stepping::{BallConstants, Stepping, Steps};
 use crate::terrain::{CELL_M, CELLS, State};
 use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_results::{ConditionKey, Verdict};
@@ -35,7 +35,7 @@ pub(crate) fn counts(is_quick: bool) -> &'static [u32] {
 
 /// Balls on devices.
 pub(crate) fn group(is_quick: bool, samples: u32) -> impl Group {
-    let stepped = Way::ALL.into_iter().flat_map(|way| {
+    let stepped = Stepping::ALL.into_iter().flat_map(|way| {
         let of = move |&balls: &u32| Stepped { way, balls };
         counts(is_quick).iter().map(of)
     });
@@ -44,7 +44,7 @@ pub(crate) fn group(is_quick: bool, samples: u32) -> impl Group {
 
 /// So many balls, stepped in a way.
 struct Stepped {
-    way: Way,
+    way: Stepping,
     balls: u32,
 }
 
@@ -199,7 +199,7 @@ mod tests {
     /// Twin: writes the state anew before it steps.
     struct Rewriting<'a> {
         steps: Box<dyn Steps>,
-        way: Way,
+        way: Stepping,
         devices: &'a Devices,
     }
 
@@ -207,7 +207,7 @@ mod tests {
         fn step(&mut self, count: u32) -> Result<(), DeviceError> {
             let state = self.steps.read()?;
             let bytes: &[u8] = bytemuck::cast_slice(&state);
-            if self.way == Way::WgpuCompute {
+            if self.way == Stepping::WgpuCompute {
                 let gpu = terrafill_gpu::shared_gpu(self.devices)?;
                 gpu.upload("balls", bytes, wgpu::BufferUsages::STORAGE)?;
             } else {
@@ -241,8 +241,8 @@ mod tests {
     #[test]
     fn every_way_follows_f64_and_another_integrator_does_not() {
         let devices = Devices::default();
-        let mut ends: Vec<(Way, Vec<State>)> = Vec::new();
-        for way in Way::ALL {
+        let mut ends: Vec<(Stepping, Vec<State>)> = Vec::new();
+        for way in Stepping::ALL {
             let first = balls(1_000);
             let mut steps = match way.open(&devices, &constants(1_000), &first, None) {
                 Ok(steps) => steps,

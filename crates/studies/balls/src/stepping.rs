@@ -35,13 +35,13 @@ pub(crate) struct BallConstants {
 
 /// A way to step on a device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Way {
+pub(crate) enum Stepping {
     WgpuCompute,
     VulkanCompute,
     VulkanFeedback,
 }
 
-impl Way {
+impl Stepping {
     pub(crate) const ALL: [Self; 3] =
         [Self::WgpuCompute, Self::VulkanCompute, Self::VulkanFeedback];
 
@@ -234,7 +234,7 @@ fn count(balls: &[State]) -> u32 {
 
 impl OnVulkan {
     fn new(
-        way: Way,
+        way: Stepping,
         devices: &Devices,
         constants: &BallConstants,
         balls: &[State],
@@ -266,7 +266,7 @@ impl OnVulkan {
             Resources::new(&gpu, all)
         };
         let bound = [bind(0)?, bind(1)?];
-        let stepper = if way == Way::VulkanFeedback {
+        let stepper = if way == Stepping::VulkanFeedback {
             let shader = terrain.map_or("native/balls.spv", |_| "native/balls.terrain.spv");
             let make = |from: usize| CapturePipeline::new(&gpu, &bound[from], shader);
             Stepper::Feedback([make(0)?, make(1)?])

@@ -15,9 +15,9 @@ use crate::keys;
 use crate::keys::{API, COUNTED_BY, DELAY, HYSTERESIS, PATH, SIZE_PX, TRANSFERS};
 use crate::list::{Eye, List};
 use course::Course;
-use device::{Counters, NODE_TEXELS, SIDE_PX, Way};
+use device::{Counters, NODE_TEXELS, PixelCount, SIDE_PX};
 use quadtree::{Node, Quadtree, Thresholds};
-use scene::{Drawn, Picture};
+use scene::{NodeVertices, Picture};
 use std::collections::BTreeMap;
 use terrafill_contract::CpuStopwatch;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
@@ -52,7 +52,7 @@ enum Path {
 #[derive(Debug, Clone)]
 struct Work {
     path: Path,
-    way: Way,
+    way: PixelCount,
     hysteresis: f64,
     delay: usize,
     /// Splits and merges of a frame at most.
@@ -70,7 +70,7 @@ impl Counts {
         let mut work = Vec::new();
         let views = VIEWS.iter().take(if is_quick { 2 } else { VIEWS.len() });
         for view in views {
-            for way in Way::ALL {
+            for way in PixelCount::ALL {
                 for hysteresis in HYSTERESES {
                     work.extend(DELAYS.map(|delay| Work {
                         path: Path::Still((*view).to_owned()),
@@ -82,7 +82,7 @@ impl Counts {
                 }
             }
         }
-        for way in Way::ALL {
+        for way in PixelCount::ALL {
             work.extend([usize::MAX, 1].map(|transfers| Work {
                 path: Path::Zoom,
                 way,
@@ -152,7 +152,7 @@ struct CountPart<'a> {
     group: &'a Counts,
     counters: Counters<'a>,
     /// The last frame of each case.
-    last: BTreeMap<usize, (Eye, Drawn)>,
+    last: BTreeMap<usize, (Eye, NodeVertices)>,
 }
 
 /// A loop, and what its paging cost.
@@ -287,7 +287,7 @@ mod tests {
         };
         let mut session = CountPart::new(&counts.work, context);
         let mut ends = Vec::new();
-        for way in Way::ALL {
+        for way in PixelCount::ALL {
             let is_it = |work: &Work| {
                 work.way == way
                     && work.hysteresis == 6.0

@@ -101,14 +101,14 @@ pub(crate) fn height_fields(
 }
 
 /// All of it.
-pub(crate) struct Made {
+pub(crate) struct GlobeParts {
     work: Vec<Work>,
     list: List,
     side_px: u32,
     fields: Vec<Arc<HeightCube>>,
 }
 
-impl Made {
+impl GlobeParts {
     /// - `fields`: [`height_fields`]
     pub(crate) fn planned(
         list: &List,
@@ -224,7 +224,7 @@ impl Made {
 }
 
 struct MadePart<'a> {
-    group: &'a Made,
+    group: &'a GlobeParts,
     context: Context<'a>,
     targets: Option<MadeTargets>,
     ready: BTreeMap<usize, MadeScene>,

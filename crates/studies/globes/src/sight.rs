@@ -101,13 +101,13 @@ pub(crate) fn works(rows: &[SurfaceRow], depth: Depth) -> Vec<Work> {
 }
 
 /// All surfaces in one view.
-pub(crate) struct Sight {
+pub(crate) struct SurfacesView {
     eye: Eye,
     works: Vec<Work>,
     opened: Rc<Opened>,
 }
 
-impl Sight {
+impl SurfacesView {
     pub(crate) fn planned(
         view: &ViewRow,
         works: &[Work],
@@ -182,7 +182,7 @@ struct Ready {
 }
 
 struct SightPart<'a> {
-    sight: &'a Sight,
+    sight: &'a SurfacesView,
     context: Context<'a>,
     /// By interface, [`RAY_CAST`] one of them.
     targets: BTreeMap<&'static str, Box<dyn SurfaceTargets>>,

@@ -3,11 +3,11 @@
 
 use crate::counts::Counts;
 use crate::list::{List, ViewRow};
-use crate::made::{Made, height_fields};
+use crate::made::{GlobeParts, height_fields};
 use crate::metrics::METRICS;
 use crate::opened::Opened;
 use crate::shading::{self, Shadings};
-use crate::sight::{Sight, works};
+use crate::sight::{SurfacesView, works};
 use crate::tiled::options::Options;
 use crate::tiled::picture::{self, Pictured};
 use crate::tiled::stage::Stages;
@@ -67,7 +67,9 @@ impl Study for GlobesStudy {
         let sizes = sizes(request);
         let mut groups: Vec<Box<dyn Group>> = Vec::new();
         for view in &planned(&list.view) {
-            groups.push(Box::new(Sight::planned(view, &works, &opened, sizes)));
+            groups.push(Box::new(SurfacesView::planned(
+                view, &works, &opened, sizes,
+            )));
         }
         if opened.has(tiled::KIND) {
             for view in &planned(&list.tiled_view) {
@@ -102,7 +104,7 @@ impl Study for GlobesStudy {
         }
         let (fields, without) = height_fields(&opened, request.data_dir.as_deref());
         skipped.extend(without);
-        groups.push(Box::new(Made::planned(&list, sizes, fields)));
+        groups.push(Box::new(GlobeParts::planned(&list, sizes, fields)));
         groups.push(Box::new(Counts::planned(&list, is_quick, sizes.1)));
         groups.push(Box::new(Zones::planned(is_quick, sizes.1)));
         Ok(Planned { groups, skipped })

@@ -116,7 +116,7 @@ struct TiledPart<'a> {
 
 /// What pixels of a picture are.
 #[derive(Debug, Clone, PartialEq, Default)]
-struct Found {
+struct PixelKinds {
     /// How far outside the texel shown each pixel's place is, by the triangles as drawn; those that hold a pole left
     /// out.
     drawn: Vec<f64>,
@@ -133,8 +133,8 @@ struct Found {
 /// Texels by which a pixel beside the seam may be off.
 const ALLOWED_TEXELS: f64 = 0.5;
 
-fn judge(truths: &[Option<Truth>], shown: &[Shown], by_fragment: bool) -> Found {
-    let mut found = Found::default();
+fn judge(truths: &[Option<Truth>], shown: &[Shown], by_fragment: bool) -> PixelKinds {
+    let mut found = PixelKinds::default();
     for (truth, shown) in truths.iter().zip(shown) {
         let Some(truth) = truth else { continue };
         let off = match shown {
@@ -239,7 +239,7 @@ fn grid(opened: &Opened, n: u32) -> Result<Arc<dyn Surface>, String> {
     opened.get(KIND, &parameters)
 }
 
-fn verdict(found: &Found, mesh: &MapMesh, scene: &MapScene, sent: u64) -> Verdict {
+fn verdict(found: &PixelKinds, mesh: &MapMesh, scene: &MapScene, sent: u64) -> Verdict {
     let tiles = scene.set.tiles.len();
     let mut figures = vec![
         ("globe_tile_px", found.drawn.len() as f64),

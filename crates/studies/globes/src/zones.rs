@@ -11,8 +11,8 @@ pub(crate) use section::SECTION;
 
 use crate::STUDY;
 use crate::counts::course::Course;
-use crate::counts::device::{Counters, SIDE_PX, Way};
-use crate::counts::scene::Drawn;
+use crate::counts::device::{Counters, PixelCount, SIDE_PX};
+use crate::counts::scene::NodeVertices;
 use crate::keys;
 use crate::keys::{API, COUNTED_BY, HYSTERESIS, SIZE_PX, SPIKE_M};
 use crate::list::{Eye, ViewRow};
@@ -41,7 +41,7 @@ const MIN_PX: u64 = 20;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Work {
-    way: Way,
+    way: PixelCount,
     spike_m: f64,
     hysteresis: f64,
     wanted: f64,
@@ -62,7 +62,7 @@ pub(crate) struct Zones {
 
 impl Zones {
     pub(crate) fn planned(is_quick: bool, samples: u32) -> CaseGroup<Self> {
-        let ways = &Way::ALL[..if is_quick { 1 } else { 2 }];
+        let ways = &PixelCount::ALL[..if is_quick { 1 } else { 2 }];
         let all = &WANTED[..if is_quick { 1 } else { WANTED.len() }];
         let mut work = Vec::new();
         for &way in ways {
@@ -129,7 +129,7 @@ struct ZonePart<'a> {
     /// By way and height of the spikes: what they hide.
     hides: BTreeMap<(&'static str, u64), f64>,
     /// The last frame of each case.
-    last: BTreeMap<usize, Drawn>,
+    last: BTreeMap<usize, NodeVertices>,
 }
 
 impl<'a> ZonePart<'a> {

@@ -15,4 +15,4 @@ mod study;
 mod way;
 
 pub(crate) use study::groups;
-pub(crate) use way::{Place, VIEWS};
+pub(crate) use way::{CullStage, VIEWS};

@@ -69,7 +69,7 @@ impl Grid {
 
 /// From where the grid is seen: an eye and the axes of the screen.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct View {
+pub(crate) struct GridCamera {
     pub(crate) eye: DVec3,
     pub(crate) right: DVec3,
     pub(crate) up: DVec3,
@@ -78,7 +78,7 @@ pub(crate) struct View {
     pub(crate) tan_half: f64,
 }
 
-impl View {
+impl GridCamera {
     pub(crate) fn new() -> Self {
         let forward = (TARGET - EYE).normalize();
         let right = forward.cross(DVec3::Z).normalize();
@@ -120,7 +120,7 @@ pub(crate) struct GridConstants {
 }
 
 impl GridConstants {
-    pub(crate) fn new(grid: &Grid, view: &View) -> Self {
+    pub(crate) fn new(grid: &Grid, view: &GridCamera) -> Self {
         let clip = view.clip_from_world();
         let step_m = grid.step_m();
         let column = |of: DVec4| of.as_vec4().to_array();
@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn every_corner_of_the_ground_is_on_screen_and_before_the_near_plane() {
-        let view = View::new();
+        let view = GridCamera::new();
         for x in [0.0, SIDE_M] {
             for y in [0.0, SIDE_M] {
                 for z in [-110.0, 110.0] {

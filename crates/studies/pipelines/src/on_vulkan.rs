@@ -2,9 +2,9 @@
 //! Grids on Vulkan itself, which has every stage.
 
 use crate::draws::{Counted, Draws, Times};
-use crate::grid::{Grid, GridConstants, View};
+use crate::grid::{Grid, GridCamera, GridConstants};
 use crate::way::{
-    ARGUMENT_BYTES, MESH_CELLS, PATCH_CELLS, Source, Way, emitted_by_point, geometry_shader,
+    ARGUMENT_BYTES, MESH_CELLS, PATCH_CELLS, Source, Submission, emitted_by_point, geometry_shader,
     patch_indices, points, strip_ranges, strips,
 };
 use std::ops::Range;
@@ -74,9 +74,9 @@ pub(crate) struct OnVulkan {
 impl OnVulkan {
     pub(crate) fn new(
         gpu: &Arc<Gpu>,
-        way: Way,
+        way: Submission,
         grid: &Grid,
-        view: &View,
+        view: &GridCamera,
         size: ImageSize,
     ) -> Result<Self, DeviceError> {
         let constants = GridConstants::new(grid, view);
@@ -86,7 +86,7 @@ impl OnVulkan {
             Resource::Image(heights(gpu, grid)?),
         ];
         let mut arguments = None;
-        if way == Way::ComputeIndirect {
+        if way == Submission::ComputeIndirect {
             let bytes = u64::from(side).pow(2) * 16;
             let kept = Buffer::unwritten(gpu, "clip positions", bytes, BufferUse::Storage)?;
             let written = BufferUse::Arguments;
@@ -101,31 +101,31 @@ impl OnVulkan {
         let pipeline = DrawPipeline::new(gpu, &resources, stages, fragment)?;
         let all = grid.cells * grid.cells;
         let (feed, call) = match way {
-            Way::SentPoints => (sent(gpu, bytemuck::cast_slice(&points(grid)))?, whole(all)),
-            Way::SentStrips => (
+            Submission::SentPoints => (sent(gpu, bytemuck::cast_slice(&points(grid)))?, whole(all)),
+            Submission::SentStrips => (
                 sent(gpu, bytemuck::cast_slice(&strips(grid)))?,
                 Call::Ranges(strip_ranges(grid)),
             ),
-            Way::FetchedPoints => (numbers(gpu, all, Source::Stored)?, whole(all)),
-            Way::Geometry { cells, source, .. } => {
+            Submission::FetchedPoints => (numbers(gpu, all, Source::Stored)?, whole(all)),
+            Submission::Geometry { cells, source, .. } => {
                 let points = all / (cells * cells);
                 (numbers(gpu, points, source)?, whole(points))
             }
-            Way::NoBuffer => (Feed::Nothing, whole(6 * all)),
-            Way::IndexedPatch => {
+            Submission::NoBuffer => (Feed::Nothing, whole(6 * all)),
+            Submission::IndexedPatch => {
                 let indices = patch_indices();
                 let bytes = bytemuck::cast_slice(&indices);
                 let indices = Buffer::upload(gpu, "patch", bytes, BufferUse::Index)?;
                 let patches = all / (PATCH_CELLS * PATCH_CELLS);
                 (Feed::Nothing, Call::Patches(indices, patches))
             }
-            Way::ComputeIndirect => {
+            Submission::ComputeIndirect => {
                 let compute = ComputePipeline::new(gpu, &resources, wgsl(EXPAND, "compute_main"))?;
                 let arguments = arguments.ok_or(DeviceError::Missing("buffer of arguments"))?;
                 let groups = side.div_ceil(8);
                 (Feed::Nothing, Call::Indirect(arguments, compute, groups))
             }
-            Way::Mesh => (Feed::Nothing, Call::Groups(grid.cells / MESH_CELLS)),
+            Submission::Mesh => (Feed::Nothing, Call::Groups(grid.cells / MESH_CELLS)),
         };
         Ok(Self {
             targets: RenderTargets::new(gpu, size)?,
@@ -195,7 +195,7 @@ fn numbers(gpu: &Arc<Gpu>, points: u32, source: Source) -> Result<Feed, DeviceEr
 }
 
 /// Shaders of a way.
-fn stages(way: Way, adapter: &str) -> Result<(PrimitiveStages, Shader), DeviceError> {
+fn stages(way: Submission, adapter: &str) -> Result<(PrimitiveStages, Shader), DeviceError> {
     let vertices = |entry_point, format, topology| PrimitiveStages::Vertices {
         vertex: wgsl(GRID, entry_point),
         geometry: None,
@@ -209,15 +209,15 @@ fn stages(way: Way, adapter: &str) -> Result<(PrimitiveStages, Shader), DeviceEr
     );
     let fragment = wgsl(GRID, "fragment_main");
     Ok(match way {
-        Way::SentPoints => (vertices("sent_point", metres, Topology::Points), fragment),
-        Way::SentStrips => (vertices("sent_strip", metres, Topology::Strips), fragment),
-        Way::FetchedPoints => (vertices("fetched_point", word, Topology::Points), fragment),
-        Way::NoBuffer => (vertices("no_buffer", none, Topology::Triangles), fragment),
-        Way::ComputeIndirect => (
+        Submission::SentPoints => (vertices("sent_point", metres, Topology::Points), fragment),
+        Submission::SentStrips => (vertices("sent_strip", metres, Topology::Strips), fragment),
+        Submission::FetchedPoints => (vertices("fetched_point", word, Topology::Points), fragment),
+        Submission::NoBuffer => (vertices("no_buffer", none, Topology::Triangles), fragment),
+        Submission::ComputeIndirect => (
             vertices("placed_before", none, Topology::Triangles),
             fragment,
         ),
-        Way::Geometry { cells, strips, .. } => {
+        Submission::Geometry { cells, strips, .. } => {
             let name = geometry_shader(cells, strips).ok_or_else(|| {
                 let what = format!("a geometry shader of {cells} × {cells} cells");
                 DeviceError::unsupported(&what, adapter)
@@ -234,7 +234,7 @@ fn stages(way: Way, adapter: &str) -> Result<(PrimitiveStages, Shader), DeviceEr
             };
             (stages, fragment)
         }
-        Way::IndexedPatch => {
+        Submission::IndexedPatch => {
             let stages = PrimitiveStages::Vertices {
                 vertex: wgsl(PATCH, "vertex_main"),
                 geometry: None,
@@ -243,7 +243,7 @@ fn stages(way: Way, adapter: &str) -> Result<(PrimitiveStages, Shader), DeviceEr
             };
             (stages, wgsl(PATCH, "fragment_main"))
         }
-        Way::Mesh => (
+        Submission::Mesh => (
             PrimitiveStages::Mesh {
                 task: None,
                 mesh: "native/grid.mesh.spv",

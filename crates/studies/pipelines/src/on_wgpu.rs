@@ -2,8 +2,10 @@
 //! Grids on wgpu, which has no geometry shaders and, in WGSL, no mesh shaders.
 
 use crate::draws::{Counted, Draws, Times};
-use crate::grid::{Grid, GridConstants, View};
-use crate::way::{ARGUMENT_BYTES, PATCH_CELLS, Way, patch_indices, points, strip_ranges, strips};
+use crate::grid::{Grid, GridCamera, GridConstants};
+use crate::way::{
+    ARGUMENT_BYTES, PATCH_CELLS, Submission, patch_indices, points, strip_ranges, strips,
+};
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError, Picture};
@@ -42,7 +44,7 @@ struct Stages {
     format: Option<wgpu::VertexFormat>,
 }
 
-fn stages(way: Way, gpu: &Gpu) -> Result<Stages, DeviceError> {
+fn stages(way: Submission, gpu: &Gpu) -> Result<Stages, DeviceError> {
     let grid = |entry_point, topology, format| Stages {
         path: "pipelines/grid.wgsl",
         entry_point,
@@ -56,12 +58,12 @@ fn stages(way: Way, gpu: &Gpu) -> Result<Stages, DeviceError> {
     let word = Some(wgpu::VertexFormat::Uint32);
     let lacks = |what| Err(DeviceError::unsupported(what, "WebGPU"));
     match way {
-        Way::SentPoints => Ok(grid("sent_point", points, metres)),
-        Way::SentStrips => Ok(grid("sent_strip", strip, metres)),
-        Way::FetchedPoints => Ok(grid("fetched_point", points, word)),
-        Way::NoBuffer => Ok(grid("no_buffer", triangles, None)),
-        Way::ComputeIndirect => Ok(grid("placed_before", triangles, None)),
-        Way::IndexedPatch => {
+        Submission::SentPoints => Ok(grid("sent_point", points, metres)),
+        Submission::SentStrips => Ok(grid("sent_strip", strip, metres)),
+        Submission::FetchedPoints => Ok(grid("fetched_point", points, word)),
+        Submission::NoBuffer => Ok(grid("no_buffer", triangles, None)),
+        Submission::ComputeIndirect => Ok(grid("placed_before", triangles, None)),
+        Submission::IndexedPatch => {
             let what = "the number of a primitive in fragment shaders";
             gpu.require(wgpu::Features::PRIMITIVE_INDEX, what)?;
             Ok(Stages {
@@ -71,8 +73,8 @@ fn stages(way: Way, gpu: &Gpu) -> Result<Stages, DeviceError> {
                 format: None,
             })
         }
-        Way::Geometry { .. } => lacks("geometry shaders"),
-        Way::Mesh => lacks("mesh shaders in WGSL"),
+        Submission::Geometry { .. } => lacks("geometry shaders"),
+        Submission::Mesh => lacks("mesh shaders in WGSL"),
     }
 }
 
@@ -104,9 +106,9 @@ pub(crate) fn texture_type(view_dimension: wgpu::TextureViewDimension) -> wgpu::
 impl OnWgpu {
     pub(crate) fn new(
         gpu: &Arc<Gpu>,
-        way: Way,
+        way: Submission,
         grid: &Grid,
-        view: &View,
+        view: &GridCamera,
         size: ImageSize,
     ) -> Result<Self, DeviceError> {
         let stages = stages(way, gpu)?;
@@ -115,7 +117,7 @@ impl OnWgpu {
         let constants = gpu.upload("grid constants", bytes, wgpu::BufferUsages::UNIFORM)?;
         let heights = heights(gpu, grid)?;
         let side = grid.cells + 1;
-        let is_placed = way == Way::ComputeIndirect;
+        let is_placed = way == Submission::ComputeIndirect;
         let kept = is_placed.then(|| {
             gpu.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("clip positions"),
@@ -149,9 +151,9 @@ impl OnWgpu {
         let cells = grid.cells * grid.cells;
         let numbers: Vec<u32> = (0..cells).collect();
         let source: Option<Vec<u8>> = match way {
-            Way::SentPoints => Some(bytemuck::cast_slice(&points(grid)).to_vec()),
-            Way::SentStrips => Some(bytemuck::cast_slice(&strips(grid)).to_vec()),
-            Way::FetchedPoints => Some(bytemuck::cast_slice(&numbers).to_vec()),
+            Submission::SentPoints => Some(bytemuck::cast_slice(&points(grid)).to_vec()),
+            Submission::SentStrips => Some(bytemuck::cast_slice(&strips(grid)).to_vec()),
+            Submission::FetchedPoints => Some(bytemuck::cast_slice(&numbers).to_vec()),
             _ => None,
         };
         let vertices = match &source {
@@ -159,15 +161,15 @@ impl OnWgpu {
             None => None,
         };
         let call = match way {
-            Way::SentStrips => Call::Ranges(strip_ranges(grid)),
-            Way::NoBuffer => whole(6 * cells),
-            Way::IndexedPatch => {
+            Submission::SentStrips => Call::Ranges(strip_ranges(grid)),
+            Submission::NoBuffer => whole(6 * cells),
+            Submission::IndexedPatch => {
                 let indices = patch_indices();
                 let bytes = bytemuck::cast_slice(&indices);
                 let indices = gpu.upload("patch", bytes, wgpu::BufferUsages::INDEX)?;
                 Call::Patches(indices, cells / (PATCH_CELLS * PATCH_CELLS))
             }
-            Way::ComputeIndirect => {
+            Submission::ComputeIndirect => {
                 let arguments = gpu.create_buffer(&wgpu::BufferDescriptor {
                     label: Some("draw arguments"),
                     size: ARGUMENT_BYTES,

@@ -2,10 +2,10 @@
 //! Opening a way on an interface.
 
 use crate::draws::Draws;
-use crate::grid::{Grid, View};
+use crate::grid::{Grid, GridCamera};
 use crate::on_vulkan::OnVulkan;
 use crate::on_wgpu::OnWgpu;
-use crate::way::{Interface, Way};
+use crate::way::{Interface, Submission};
 use terrafill_contract::{DeviceError, Devices};
 use terrafill_scene::ImageSize;
 
@@ -13,9 +13,9 @@ use terrafill_scene::ImageSize;
 pub(crate) fn open(
     devices: &Devices,
     interface: Interface,
-    way: Way,
+    way: Submission,
     grid: &Grid,
-    view: &View,
+    view: &GridCamera,
     size: ImageSize,
 ) -> Result<Box<dyn Draws>, DeviceError> {
     Ok(match interface {

@@ -6,7 +6,7 @@
 //! 1/16 pixel or finer (the standard asks for four bits), so a pixel whose centre lies within [`BAND_PX`] of
 //! a border may show either side; every other difference is an error.
 
-use crate::grid::{Grid, View};
+use crate::grid::{Grid, GridCamera};
 use glam::{DVec2, DVec3};
 
 /// Half a step of the coarsest grid that vertices may be snapped to.
@@ -55,7 +55,7 @@ impl Judged {
 /// A grid and its view, for rays.
 pub(crate) struct Rays<'a> {
     grid: &'a Grid,
-    view: View,
+    view: GridCamera,
     /// Pixels, across and down.
     size: [u32; 2],
     cut: Cut,
@@ -73,7 +73,7 @@ struct Hit {
 }
 
 impl<'a> Rays<'a> {
-    pub(crate) fn new(grid: &'a Grid, view: View, size: [u32; 2], cut: Cut) -> Self {
+    pub(crate) fn new(grid: &'a Grid, view: GridCamera, size: [u32; 2], cut: Cut) -> Self {
         let heights = grid.heights.iter().copied().map(f64::from);
         Self {
             grid,

@@ -3,13 +3,13 @@
 
 use crate::chapter::CHAPTER;
 use crate::draws::{Draws, differing};
-use crate::grid::{Grid, View};
+use crate::grid::{Grid, GridCamera};
 use crate::images::{of_numbers, size_of, size_px, write};
 use crate::keys::{self, API, EXPERIMENT, SOURCE, STRIP, WAY};
 use crate::metrics::METRICS;
 use crate::open::open;
 use crate::rays::{Cut, Rays};
-use crate::way::{GRID_WAYS, Interface, Source, Strips, Way};
+use crate::way::{GRID_WAYS, Interface, Source, Strips, Submission};
 use crate::{STUDY, cache, culling, layered, lights};
 use std::collections::BTreeMap;
 use terrafill_contract::ids_of;
@@ -90,13 +90,13 @@ impl Study for PipelinesStudy {
 }
 
 /// Every way on every interface.
-fn grid_ways() -> Vec<(Interface, Way)> {
+fn grid_ways() -> Vec<(Interface, Submission)> {
     let on = |interface| GRID_WAYS.map(|way| (interface, way));
     Interface::ALL.into_iter().flat_map(on).collect()
 }
 
 /// Every form in which a geometry shader makes cells of points.
-fn amplified_ways() -> Vec<(Interface, Way)> {
+fn amplified_ways() -> Vec<(Interface, Submission)> {
     let mut ways = Vec::new();
     for cells in CELLS_PER_POINT {
         for strips in [Strips::Cell, Strips::Row] {
@@ -105,7 +105,7 @@ fn amplified_ways() -> Vec<(Interface, Way)> {
                 continue;
             }
             for source in [Source::Sent, Source::Stored] {
-                let way = Way::Geometry {
+                let way = Submission::Geometry {
                     cells,
                     strips,
                     source,
@@ -121,7 +121,7 @@ fn amplified_ways() -> Vec<(Interface, Way)> {
 fn conditions(
     experiment: &str,
     interface: Interface,
-    way: Way,
+    way: Submission,
     cells: u32,
 ) -> Vec<(ConditionKey, String)> {
     let mut conditions = vec![
@@ -131,7 +131,7 @@ fn conditions(
     ];
     if let (
         "amplify",
-        Way::Geometry {
+        Submission::Geometry {
             cells,
             strips,
             source,
@@ -159,16 +159,16 @@ struct Grids {
     experiment: &'static str,
     cells: u32,
     size: ImageSize,
-    ways: Vec<(Interface, Way)>,
+    ways: Vec<(Interface, Submission)>,
 }
 
 fn grids(
     experiment: &'static str,
     cells: u32,
-    ways: Vec<(Interface, Way)>,
+    ways: Vec<(Interface, Submission)>,
     (size, samples): (ImageSize, u32),
 ) -> CaseGroup<Grids> {
-    let case = |&(interface, way): &(Interface, Way)| {
+    let case = |&(interface, way): &(Interface, Submission)| {
         let conditions = conditions(experiment, interface, way, cells);
         planned_case(STUDY, samples, conditions, Some(size_px(size)))
     };
@@ -198,7 +198,7 @@ fn grids(
 
 fn rays(grid: &Grid, size: ImageSize) -> Rays<'_> {
     let size = [size.width, size.height];
-    Rays::new(grid, View::new(), size, Cut::Published)
+    Rays::new(grid, GridCamera::new(), size, Cut::Published)
 }
 
 struct GridSession<'a> {
@@ -223,7 +223,14 @@ impl Measures for GridSession<'_> {
         } = self.group.work;
         let (interface, way) = ways[case];
         let devices = self.context.devices;
-        let mut opened = open(devices, interface, way, &self.grid, &View::new(), size)?;
+        let mut opened = open(
+            devices,
+            interface,
+            way,
+            &self.grid,
+            &GridCamera::new(),
+            size,
+        )?;
         let (picture, counted) = opened.draw()?;
         let numbers = ids_of(&picture);
         let rays = rays(&self.grid, size);
@@ -322,9 +329,13 @@ mod tests {
         let grid = Grid::new(64);
         let truth = rays(&grid, PICTURE).picture();
         for interface in Interface::ALL {
-            for way in [Way::SentStrips, Way::NoBuffer, Way::SentPoints] {
+            for way in [
+                Submission::SentStrips,
+                Submission::NoBuffer,
+                Submission::SentPoints,
+            ] {
                 let judge = |drawn: &Grid| {
-                    let view = View::new();
+                    let view = GridCamera::new();
                     let opened = open(&tested.devices, interface, way, drawn, &view, PICTURE);
                     let (picture, _) = opened.expect("opens").draw().expect("draws");
                     let numbers = ids_of(&picture);

@@ -55,7 +55,7 @@ pub(crate) enum Source {
 
 /// A way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Way {
+pub(crate) enum Submission {
     /// Points with their heights, from the CPU each frame.
     SentPoints,
     /// Strips of triangles with their heights, from the CPU each frame.
@@ -80,22 +80,22 @@ pub(crate) enum Way {
 }
 
 /// The four published ways and what does the same today.
-pub(crate) const GRID_WAYS: [Way; 8] = [
-    Way::SentPoints,
-    Way::SentStrips,
-    Way::FetchedPoints,
-    Way::Geometry {
+pub(crate) const GRID_WAYS: [Submission; 8] = [
+    Submission::SentPoints,
+    Submission::SentStrips,
+    Submission::FetchedPoints,
+    Submission::Geometry {
         cells: 1,
         strips: Strips::Cell,
         source: Source::Stored,
     },
-    Way::NoBuffer,
-    Way::IndexedPatch,
-    Way::ComputeIndirect,
-    Way::Mesh,
+    Submission::NoBuffer,
+    Submission::IndexedPatch,
+    Submission::ComputeIndirect,
+    Submission::Mesh,
 ];
 
-impl Way {
+impl Submission {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::SentPoints => "sent-points",
@@ -268,12 +268,12 @@ mod tests {
     #[test]
     fn bytes_and_vertices_are_those_of_the_published_set_up() {
         let grid = Grid::new(64);
-        let of = |way: Way| [way.sent_bytes(&grid), way.emitted_vertices(&grid)];
-        assert_eq!(of(Way::SentPoints), [12 * 64 * 64, 64 * 64]);
-        assert_eq!(of(Way::SentStrips), [12 * 2 * 65 * 64, 2 * 65 * 64]);
-        assert_eq!(of(Way::FetchedPoints), [0, 64 * 64]);
+        let of = |way: Submission| [way.sent_bytes(&grid), way.emitted_vertices(&grid)];
+        assert_eq!(of(Submission::SentPoints), [12 * 64 * 64, 64 * 64]);
+        assert_eq!(of(Submission::SentStrips), [12 * 2 * 65 * 64, 2 * 65 * 64]);
+        assert_eq!(of(Submission::FetchedPoints), [0, 64 * 64]);
         let geometry = |cells, strips| {
-            of(Way::Geometry {
+            of(Submission::Geometry {
                 cells,
                 strips,
                 source: Source::Sent,
@@ -293,11 +293,11 @@ mod tests {
         let grid = Grid::new(64);
         assert_eq!(
             size_of_val(&*points(&grid)) as u64,
-            Way::SentPoints.sent_bytes(&grid)
+            Submission::SentPoints.sent_bytes(&grid)
         );
         assert_eq!(
             size_of_val(&*strips(&grid)) as u64,
-            Way::SentStrips.sent_bytes(&grid)
+            Submission::SentStrips.sent_bytes(&grid)
         );
         assert_eq!(strip_ranges(&grid).last(), Some(&(63 * 130..64 * 130)));
         let indices = patch_indices();

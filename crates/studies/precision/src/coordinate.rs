@@ -4,7 +4,7 @@
 use crate::error::{AngleErrors, judge};
 use crate::kernel::{CoordinateKernel, Kernels, ask};
 use crate::keys::*;
-use crate::place::Place;
+use crate::place::RegionPicture;
 use crate::routes::family;
 use crate::row::{PrecisionPart, PrecisionRow};
 use rayon::prelude::*;
@@ -28,7 +28,7 @@ struct OnCpu {
 
 /// Rows of every route in a region; `chosen` is the one that a frame plan takes there.
 pub(crate) fn rows(
-    place: &Place,
+    place: &RegionPicture,
     chosen: Option<CoordinateRoute>,
     points: u32,
     kernels: &Kernels,
@@ -67,7 +67,7 @@ pub(crate) fn rows(
 }
 
 /// A route's row in a region before anything is measured.
-pub(crate) fn identity(place: &Place, route: &CoordinateRoute) -> PrecisionRow {
+pub(crate) fn identity(place: &RegionPicture, route: &CoordinateRoute) -> PrecisionRow {
     PrecisionRow {
         extent_deg: Some(place.extent_deg),
         latitude_deg: Some(place.latitude_deg),
@@ -112,7 +112,7 @@ fn input(sample: &Sample) -> [f32; 4] {
 
 fn on_cpu(
     kernel: &CoordinateKernel,
-    place: &Place,
+    place: &RegionPicture,
     samples: &[Sample],
     residual_samples: &[Sample],
 ) -> OnCpu {
@@ -149,7 +149,7 @@ fn on_cpu(
 }
 
 fn errors_of(
-    place: &Place,
+    place: &RegionPicture,
     samples: &[Sample],
     answers: impl Iterator<Item = [f32; 2]>,
 ) -> AngleErrors {
@@ -175,7 +175,12 @@ fn put_cpu(row: &mut PrecisionRow, cpu: &OnCpu) {
     row.put(EXPECTED_MAX_RAD, cpu.residual.expected_max_rad);
 }
 
-fn put_device(row: &mut PrecisionRow, place: &Place, samples: &[Sample], values: &[[f32; 4]]) {
+fn put_device(
+    row: &mut PrecisionRow,
+    place: &RegionPicture,
+    samples: &[Sample],
+    values: &[[f32; 4]],
+) {
     let answers = values.iter().map(|value| [value[0], value[1]]);
     let errors = errors_of(place, samples, answers);
     row.put(NON_FINITE_DEVICE, errors.non_finite as f64);

@@ -2,7 +2,7 @@
 //! Routes on the device: the text of each, compiled once and asked for every region.
 
 use crate::failure::broken;
-use crate::place::{Place, radical_inverse};
+use crate::place::{RegionPicture, radical_inverse};
 use crate::row::PrecisionPart;
 use crate::sight::{self, MAPPINGS};
 use crate::timing::LoopTime;
@@ -164,7 +164,7 @@ impl Kernels {
         if let Ok(empty) = &mut self.empty {
             empty.prepare_timing(&offsets, of_offset, TURNS);
         }
-        let region = Place::new(TIMED_EXTENT_DEG, TIMED_LATITUDE_DEG, ("0", 0.0, 0.0));
+        let region = RegionPicture::new(TIMED_EXTENT_DEG, TIMED_LATITUDE_DEG, ("0", 0.0, 0.0));
         for kernel in &mut self.coordinate {
             if let (Ok(device), Some(place)) = (&mut kernel.device, &region) {
                 let constants = kernel.route.constants(&place.region);

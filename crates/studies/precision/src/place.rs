@@ -33,7 +33,7 @@ const VIEW_ROWS: f64 = 1080.0;
 
 /// A region, its picture and its view.
 #[derive(Debug, Clone)]
-pub(crate) struct Place {
+pub(crate) struct RegionPicture {
     pub(crate) extent_deg: f64,
     pub(crate) latitude_deg: f64,
     pub(crate) heights: (&'static str, f64, f64),
@@ -41,7 +41,7 @@ pub(crate) struct Place {
 }
 
 /// Every region once: those that would reach over a pole are moved to end there, and fall together.
-pub(crate) fn places(quick: bool) -> Vec<Place> {
+pub(crate) fn places(quick: bool) -> Vec<RegionPicture> {
     let (extents, latitudes, heights) = if quick {
         (
             &QUICK_EXTENTS_DEG[..],
@@ -55,14 +55,14 @@ pub(crate) fn places(quick: bool) -> Vec<Place> {
             &HEIGHTS_M[..],
         )
     };
-    let mut places: Vec<Place> = Vec::new();
+    let mut places: Vec<RegionPicture> = Vec::new();
     for &extent_deg in extents {
         for &latitude_deg in latitudes {
             for &heights in heights {
-                let Some(place) = Place::new(extent_deg, latitude_deg, heights) else {
+                let Some(place) = RegionPicture::new(extent_deg, latitude_deg, heights) else {
                     continue;
                 };
-                let same = |other: &Place| {
+                let same = |other: &RegionPicture| {
                     other.heights == place.heights && other.region.extent() == place.region.extent()
                 };
                 if !places.iter().any(same) {
@@ -74,7 +74,7 @@ pub(crate) fn places(quick: bool) -> Vec<Place> {
     places
 }
 
-impl Place {
+impl RegionPicture {
     /// `None` for bounds that are none, and for a cap that is the globe.
     pub(crate) fn new(
         extent_deg: f64,
@@ -181,7 +181,7 @@ mod tests {
     #[test]
     fn every_condition_of_the_grid_is_there_once() {
         let places = places(false);
-        let names: BTreeSet<String> = places.iter().map(Place::name).collect();
+        let names: BTreeSet<String> = places.iter().map(RegionPicture::name).collect();
         assert_eq!(names.len(), places.len());
         // Five extents on five latitudes; of 90° three distinct ones; the globe; four heights each.
         assert_eq!(places.len(), (5 * 5 + 3 + 1) * 4);
@@ -191,7 +191,7 @@ mod tests {
 
     #[test]
     fn points_lie_within_and_reach_the_corners() {
-        let place = Place::new(10.0, 45.0, HEIGHTS_M[3]).expect("bounds");
+        let place = RegionPicture::new(10.0, 45.0, HEIGHTS_M[3]).expect("bounds");
         let half = 5.0_f64.to_radians();
         let points = place.points(500);
         assert_eq!(points.len(), 508);
@@ -208,7 +208,7 @@ mod tests {
         let at_corner = |point: &&Sample| point.angles_rad.iter().all(|a| a.abs() > half - slack);
         assert_eq!(points.iter().filter(at_corner).count(), 8);
         // Twin: places of a wider region do not.
-        let wide = Place::new(11.0, 45.0, HEIGHTS_M[3]).expect("bounds");
+        let wide = RegionPicture::new(11.0, 45.0, HEIGHTS_M[3]).expect("bounds");
         let beyond = |point: &Sample| point.angles_rad.iter().any(|a| a.abs() > half + slack);
         assert!(wide.points(500).iter().any(beyond));
     }

@@ -7,7 +7,7 @@ use crate::kernel::{Kernels, ask};
 use crate::keys::*;
 use crate::place::radical_inverse;
 use crate::row::{PrecisionPart, PrecisionRow};
-use crate::sight::{CLEARED_PIXEL, DISTANCE_SPREAD, IMAGE, Sight, TIMED_DISTANCE_M};
+use crate::sight::{CLEARED_PIXEL, DISTANCE_SPREAD, IMAGE, ProbeView, TIMED_DISTANCE_M};
 use glam::DVec3;
 use terrafill_results::Status;
 use terrafill_study::StudyError;
@@ -52,7 +52,7 @@ fn errors_of(seen: &[Seen], answers: impl Iterator<Item = [f32; 3]>) -> LengthEr
 
 /// Rows of every route for what is seen.
 pub(crate) fn rows(
-    sight: &Sight,
+    sight: &ProbeView,
     points: u32,
     kernels: &Kernels,
 ) -> Result<Vec<PrecisionRow>, StudyError> {
@@ -70,7 +70,7 @@ pub(crate) fn rows(
 }
 
 /// A route's row before anything is measured.
-pub(crate) fn identity(sight: &Sight, route: PositionRoute) -> PrecisionRow {
+pub(crate) fn identity(sight: &ProbeView, route: PositionRoute) -> PrecisionRow {
     PrecisionRow {
         extent_deg: Some(sight.extent_deg),
         latitude_deg: Some(sight.latitude_deg),
@@ -84,7 +84,7 @@ pub(crate) fn identity(sight: &Sight, route: PositionRoute) -> PrecisionRow {
 /// What the routes make of a pixel in which nothing was drawn. No fragment is there, so nothing is
 /// wrong: the rows say what would come of asking.
 fn cleared_rows(
-    sight: &Sight,
+    sight: &ProbeView,
     view: &View,
     region: &MapRegion,
     kernels: &Kernels,
@@ -122,7 +122,7 @@ fn cleared_rows(
 /// Whether the device's error is that of `fma` rounded after the product and after the sum.
 fn rounds_products(
     route: PositionRoute,
-    sight: &Sight,
+    sight: &ProbeView,
     constants: &[[f32; 4]],
     seen: &[Seen],
     device_rms_m: Option<f64>,
@@ -139,7 +139,7 @@ fn rounds_products(
 }
 
 fn drawn_rows(
-    sight: &Sight,
+    sight: &ProbeView,
     view: &View,
     region: &MapRegion,
     points: u32,

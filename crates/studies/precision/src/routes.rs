@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which coordinate routes are measured, and which of them are one curve.
 
-use crate::place::Place;
+use crate::place::RegionPicture;
 use rayon::prelude::*;
 use terrafill_texture::{
     AngleCore, AngleForm, Chart, Chooser, CoordinateRoute, Filter, LatitudeForm, TexelFormat,
@@ -36,7 +36,7 @@ pub(crate) fn coordinate_routes(quick: bool) -> Vec<CoordinateRoute> {
 }
 
 /// What a frame plan takes in each region.
-pub(crate) fn chosen(places: &[Place]) -> Vec<Option<CoordinateRoute>> {
+pub(crate) fn chosen(places: &[RegionPicture]) -> Vec<Option<CoordinateRoute>> {
     let chooser = Chooser::of_plan();
     places
         .par_iter()

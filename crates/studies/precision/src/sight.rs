@@ -2,7 +2,7 @@
 //! What position routes are measured on: distance, depth format and distance of the anchor; and what
 //! they are timed on.
 
-use crate::place::{Place, radical_inverse};
+use crate::place::{RegionPicture, radical_inverse};
 use glam::DVec3;
 use terrafill_core::Geodetic;
 use terrafill_gpu::EVALUATIONS_PER_DISPATCH;
@@ -78,7 +78,7 @@ impl Anchor {
 
 /// What is seen, how its depth is kept, and from where offsets are counted.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Sight {
+pub(crate) struct ProbeView {
     /// `None`: nothing was drawn, and the depth is as it was cleared.
     pub(crate) distance_m: Option<f64>,
     pub(crate) extent_deg: f64,
@@ -92,7 +92,7 @@ const CLEARED_NEAR_M: f64 = 1.0;
 
 /// Distance × depth format × extent × anchor, with the default format more extents × latitudes, then
 /// cleared depth in every format.
-pub(crate) fn sights(quick: bool) -> Vec<Sight> {
+pub(crate) fn sights(quick: bool) -> Vec<ProbeView> {
     let mut sights = Vec::new();
     for (distance_m, near_m) in DISTANCES_M {
         for format in formats(near_m) {
@@ -101,7 +101,7 @@ pub(crate) fn sights(quick: bool) -> Vec<Sight> {
                 continue;
             }
             for (extent_deg, latitude_deg) in regions(is_default, quick) {
-                sights.extend(Anchor::ALL.map(|anchor| Sight {
+                sights.extend(Anchor::ALL.map(|anchor| ProbeView {
                     distance_m: Some(distance_m),
                     extent_deg,
                     latitude_deg,
@@ -111,7 +111,7 @@ pub(crate) fn sights(quick: bool) -> Vec<Sight> {
             }
         }
     }
-    let cleared = formats(CLEARED_NEAR_M).into_iter().map(|format| Sight {
+    let cleared = formats(CLEARED_NEAR_M).into_iter().map(|format| ProbeView {
         distance_m: None,
         extent_deg: EXTENTS_DEG[0],
         latitude_deg: LATITUDE_DEG,
@@ -132,7 +132,7 @@ fn regions(is_default: bool, quick: bool) -> Vec<(f64, f64)> {
     }
     let mut extents = Vec::new();
     found.retain(|(extent_deg, latitude_deg)| {
-        let place = Place::new(*extent_deg, *latitude_deg, ON_THE_SURFACE);
+        let place = RegionPicture::new(*extent_deg, *latitude_deg, ON_THE_SURFACE);
         let extent = place.map(|place| *place.region.extent());
         let is_new = extent.is_some_and(|extent| !extents.contains(&extent));
         extents.extend(extent);
@@ -157,7 +157,7 @@ fn formats(near_m: f64) -> Vec<DepthFormat> {
     formats
 }
 
-impl Sight {
+impl ProbeView {
     /// As in the `condition` column.
     pub(crate) fn name(&self) -> String {
         let (depth, anchor) = (self.format.name(), self.anchor.name());
@@ -207,12 +207,12 @@ impl Sight {
             && DepthFormat::reversed(self.format.near_m()) == Ok(self.format)
     }
 
-    pub(crate) fn place(&self) -> Option<Place> {
-        Place::new(self.extent_deg, self.latitude_deg, ON_THE_SURFACE)
+    pub(crate) fn place(&self) -> Option<RegionPicture> {
+        RegionPicture::new(self.extent_deg, self.latitude_deg, ON_THE_SURFACE)
     }
 
     /// The region with its anchor; a plan's stands where the very function puts it that a plan calls.
-    pub(crate) fn region(&self, place: &Place, view: &View) -> Option<MapRegion> {
+    pub(crate) fn region(&self, place: &RegionPicture, view: &View) -> Option<MapRegion> {
         if self.anchor == Anchor::Middle {
             return Some(place.region);
         }
@@ -234,7 +234,7 @@ impl Sight {
     }
 
     /// Looks at a point of the region half way from its middle to its corner.
-    pub(crate) fn view(&self, place: &Place) -> View {
+    pub(crate) fn view(&self, place: &RegionPicture) -> View {
         view_of(
             place,
             self.distance_m.unwrap_or(TIMED_DISTANCE_M),
@@ -243,7 +243,7 @@ impl Sight {
     }
 }
 
-fn view_of(place: &Place, distance_m: f64, depth: DepthFormat) -> View {
+fn view_of(place: &RegionPicture, distance_m: f64, depth: DepthFormat) -> View {
     let extent = place.region.extent();
     let [width, height] = extent.size_rad();
     let target = Geodetic {
@@ -294,8 +294,8 @@ pub(crate) fn timed_format(mapping: DepthMapping) -> DepthFormat {
 
 /// Constants under which it is timed.
 pub(crate) fn timed_constants(route: PositionRoute, mapping: DepthMapping) -> Vec<[f32; 4]> {
-    let place = Place::new(1.0, LATITUDE_DEG, ON_THE_SURFACE);
-    let of = |place: &Place| {
+    let place = RegionPicture::new(1.0, LATITUDE_DEG, ON_THE_SURFACE);
+    let of = |place: &RegionPicture| {
         let view = view_of(place, TIMED_DISTANCE_M, timed_format(mapping));
         route.constants(&view, &place.region)
     };

@@ -5,7 +5,7 @@
 use crate::coordinate::{of_route, put_operations};
 use crate::kernel::{CoordinateKernel, Kernels, ask};
 use crate::keys::{NON_FINITE_DEVICE, NON_FINITE_EMULATED, POINTS};
-use crate::place::Place;
+use crate::place::RegionPicture;
 use crate::row::{PrecisionPart, PrecisionRow};
 use terrafill_results::Status;
 use terrafill_study::StudyError;
@@ -140,7 +140,7 @@ pub(crate) fn identity(input: &Special, route: &CoordinateRoute) -> PrecisionRow
 /// Rows of every route at an input.
 pub(crate) fn rows(input: &Special, kernels: &Kernels) -> Result<Vec<PrecisionRow>, StudyError> {
     let (extent_deg, latitude_deg) = input.region_deg();
-    let Some(place) = Place::new(extent_deg, latitude_deg, ("0", 0.0, 0.0)) else {
+    let Some(place) = RegionPicture::new(extent_deg, latitude_deg, ("0", 0.0, 0.0)) else {
         return Ok(Vec::new());
     };
     let kernels = kernels.coordinate.iter();
@@ -149,7 +149,7 @@ pub(crate) fn rows(input: &Special, kernels: &Kernels) -> Result<Vec<PrecisionRo
 
 fn row(
     special: &Special,
-    place: &Place,
+    place: &RegionPicture,
     kernel: &CoordinateKernel,
 ) -> Result<PrecisionRow, StudyError> {
     let mut row = identity(special, &kernel.route);

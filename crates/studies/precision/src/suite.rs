@@ -17,10 +17,10 @@ const QUICK_POINTS: u32 = 200;
 #[derive(Debug)]
 pub(crate) struct Suite {
     pub(crate) routes: Vec<CoordinateRoute>,
-    pub(crate) places: Vec<place::Place>,
+    pub(crate) places: Vec<place::RegionPicture>,
     /// What a frame plan takes in each of them.
     pub(crate) chosen: Vec<Option<CoordinateRoute>>,
-    pub(crate) sights: Vec<sight::Sight>,
+    pub(crate) sights: Vec<sight::ProbeView>,
     pub(crate) points: u32,
 }
 
@@ -28,11 +28,11 @@ pub(crate) struct Suite {
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Condition {
     /// A region, by its place in [`Suite::places`].
-    Place(usize),
+    RegionPicture(usize),
     /// An input where formulas break.
     Special(&'static special::Special),
     /// A view, by its place in [`Suite::sights`].
-    Sight(usize),
+    ProbeView(usize),
     /// Vertices of a region, from a distance.
     Vertex(vertex::Seen),
 }
@@ -59,9 +59,9 @@ impl Suite {
 
     /// Every condition.
     pub(crate) fn conditions(&self) -> Vec<Condition> {
-        let places = (0..self.places.len()).map(Condition::Place);
+        let places = (0..self.places.len()).map(Condition::RegionPicture);
         let specials = special::INPUTS.iter().map(Condition::Special);
-        let sights = (0..self.sights.len()).map(Condition::Sight);
+        let sights = (0..self.sights.len()).map(Condition::ProbeView);
         let vertices = vertex::conditions().map(Condition::Vertex);
         places
             .chain(specials)
@@ -76,11 +76,11 @@ impl Suite {
             self.routes.iter().map(identity).collect()
         };
         match condition {
-            Condition::Place(index) => {
+            Condition::RegionPicture(index) => {
                 of_routes(&|route| coordinate::identity(&self.places[*index], route))
             }
             Condition::Special(input) => of_routes(&|route| special::identity(input, route)),
-            Condition::Sight(index) => {
+            Condition::ProbeView(index) => {
                 let sight = &self.sights[*index];
                 let routes = PositionRoute::ALL.into_iter();
                 routes
@@ -105,12 +105,14 @@ impl Suite {
         kernels: &Kernels,
     ) -> Result<Vec<PrecisionRow>, StudyError> {
         match condition {
-            Condition::Place(index) => {
+            Condition::RegionPicture(index) => {
                 let (place, chosen) = (&self.places[*index], self.chosen[*index]);
                 coordinate::rows(place, chosen, self.points, kernels)
             }
             Condition::Special(input) => special::rows(input, kernels),
-            Condition::Sight(index) => position::rows(&self.sights[*index], self.points, kernels),
+            Condition::ProbeView(index) => {
+                position::rows(&self.sights[*index], self.points, kernels)
+            }
             Condition::Vertex(seen) => Ok(vertex::rows(*seen)),
         }
     }
@@ -166,9 +168,9 @@ mod tests {
             "gnomonic-3",
         ];
         let places = [("0", 0.0, 0.0), ("+9km", 0.0, 9_000.0)];
-        let places: Vec<place::Place> = places
+        let places: Vec<place::RegionPicture> = places
             .iter()
-            .filter_map(|heights| place::Place::new(1.0, 45.0, *heights))
+            .filter_map(|heights| place::RegionPicture::new(1.0, 45.0, *heights))
             .collect();
         let gnomonic = CoordinateRoute::parse("gnomonic-3");
         Suite {
@@ -384,7 +386,7 @@ mod tests {
 
     #[test]
     fn a_route_that_the_device_gets_wrong_is_listed_and_the_next_one_is_taken() {
-        let place = place::Place::new(1.0, 45.0, ("+9km", 0.0, 9_000.0)).expect("bounds");
+        let place = place::RegionPicture::new(1.0, 45.0, ("+9km", 0.0, 9_000.0)).expect("bounds");
         let demand = place.demand();
         let chosen = |findings: Vec<SuiteFinding>| {
             let candidates = Chooser::default_candidates();

@@ -4,7 +4,7 @@
 
 use crate::error::{AGREEMENT, LengthErrors};
 use crate::keys::*;
-use crate::place::{Place, radical_inverse};
+use crate::place::{RegionPicture, radical_inverse};
 use crate::row::{PrecisionPart, PrecisionRow};
 use terrafill_core::Geodetic;
 use terrafill_results::Status;
@@ -57,8 +57,8 @@ pub(crate) fn identity(format: VertexFormat, seen: Seen) -> PrecisionRow {
 
 /// Rows of every format.
 pub(crate) fn rows(seen: Seen) -> Vec<PrecisionRow> {
-    let place = Place::new(seen.extent_deg, LATITUDE_DEG, ("0", 0.0, 0.0));
-    let of = |place: Place| {
+    let place = RegionPicture::new(seen.extent_deg, LATITUDE_DEG, ("0", 0.0, 0.0));
+    let of = |place: RegionPicture| {
         let rows = VertexFormat::ALL
             .iter()
             .map(|format| row(*format, seen, &place));
@@ -67,7 +67,7 @@ pub(crate) fn rows(seen: Seen) -> Vec<PrecisionRow> {
     place.map_or_else(Vec::new, of)
 }
 
-fn row(format: VertexFormat, seen: Seen, place: &Place) -> PrecisionRow {
+fn row(format: VertexFormat, seen: Seen, place: &RegionPicture) -> PrecisionRow {
     let distance_m = seen.distance_m;
     let body = place.region.body();
     let extent = place.region.extent();

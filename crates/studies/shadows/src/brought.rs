@@ -4,7 +4,7 @@
 //! The middle of the model is laid at the origin, over the same sea as the port; heights stay. Eyes look
 //! from four sides, above everything that casts: under a sun above the horizon no eye is in shadow.
 
-use crate::view::View;
+use crate::view::DeckCamera;
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -142,7 +142,7 @@ impl Brought {
     }
 
     /// The model from its sides, so far away that it fills less than the width of a picture.
-    pub(crate) fn views(&self, size: [u32; 2]) -> Vec<View> {
+    pub(crate) fn views(&self, size: [u32; 2]) -> Vec<DeckCamera> {
         let [low, high] = extent(&self.prepared.mesh);
         let reach = 0.5 * (high - low).truncate().length();
         // 38.6° hold 0.35 of the distance to either side. The eye is above the top, and 14.7° downwards
@@ -154,7 +154,7 @@ impl Brought {
             let turn = FIRST_DEG.to_radians() + TAU * f64::from(side) / f64::from(SIDES);
             let (sin, cos) = turn.sin_cos();
             let eye = DVec3::new(away * cos, away * sin, height);
-            View::level(eye, turn.to_degrees() + 180.0, near, size)
+            DeckCamera::level(eye, turn.to_degrees() + 180.0, near, size)
         };
         (0..SIDES).map(view).collect()
     }

@@ -9,7 +9,7 @@
 use crate::named::named;
 use crate::reference::{Light, Seen, Truth};
 use crate::scissor::Rectangle;
-use crate::view::View;
+use crate::view::DeckCamera;
 use glam::{DVec3, DVec4};
 use terrafill_casters::{Mesh, Volume};
 
@@ -53,7 +53,7 @@ pub(crate) struct Stencil {
 
 impl Stencil {
     /// Empty.
-    pub(crate) fn clear(view: &View) -> Self {
+    pub(crate) fn clear(view: &DeckCamera) -> Self {
         Self {
             counts: vec![0; view.pixel_count()],
             updates: 0,
@@ -191,7 +191,7 @@ impl Spanned {
 /// - `bounds`: of each part, m, nearest and farthest; empty for none
 pub(crate) fn draw_within(
     stencil: &mut Stencil,
-    view: &View,
+    view: &DeckCamera,
     mesh: &Mesh,
     volume: &Volume,
     truth: &Truth,
@@ -230,7 +230,7 @@ pub(crate) fn draw_within(
 /// that each leave out one side then leave it out twice, as llvmpipe does.
 ///
 /// - `beside_px`: how far to the right or left, and up or down
-pub(crate) fn slivers(view: &View, volume: &Volume, beside_px: f64) -> Vec<bool> {
+pub(crate) fn slivers(view: &DeckCamera, volume: &Volume, beside_px: f64) -> Vec<bool> {
     let [width, height] = view.size.map(|side| side as usize);
     let mut held = vec![false; width * height];
     for triangle in &volume.triangles {
@@ -256,7 +256,7 @@ pub(crate) fn slivers(view: &View, volume: &Volume, beside_px: f64) -> Vec<bool>
 }
 
 /// Depths of what is seen, by the expression that volumes use.
-fn depths(view: &View, mesh: &Mesh, truth: &Truth) -> Vec<f64> {
+fn depths(view: &DeckCamera, mesh: &Mesh, truth: &Truth) -> Vec<f64> {
     let width = view.size[0];
     let depth = |(at, seen): (u32, &Seen)| match seen {
         Seen::Sky => f64::INFINITY,
@@ -274,7 +274,7 @@ fn depths(view: &View, mesh: &Mesh, truth: &Truth) -> Vec<f64> {
 
 /// Every pixel's centre inside a triangle beyond the near plane.
 fn fill(
-    view: &View,
+    view: &DeckCamera,
     spanned: &Spanned,
     seen: Rectangle,
     mut fragment: impl FnMut(usize, f64, bool),
@@ -304,7 +304,7 @@ fn fill(
     reason = "clamped to the image"
 )]
 fn span(
-    view: &View,
+    view: &DeckCamera,
     spanned: &Spanned,
     row: u32,
     columns: [u32; 2],

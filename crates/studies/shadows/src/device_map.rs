@@ -7,7 +7,7 @@
 use crate::maps::{Bias, Frame};
 use crate::reference::Light;
 use crate::sea::surface;
-use crate::view::View;
+use crate::view::DeckCamera;
 use crate::way::Positions;
 use crate::work::Scene;
 use glam::DVec3;
@@ -99,7 +99,7 @@ impl Scene {
         &self,
         gpu: &Gpu,
         layout: &wgpu::BindGroupLayout,
-        (view, frame, [low, high]): (&View, &Frame, [f64; 2]),
+        (view, frame, [low, high]): (&DeckCamera, &Frame, [f64; 2]),
         map: &wgpu::TextureView,
     ) -> Result<Channel, Failure> {
         let mesh = self.mesh();

@@ -13,7 +13,7 @@ use crate::scissor::Rectangle;
 use crate::sea::surface;
 use crate::source::VolumeSource;
 use crate::tiling::tiled;
-use crate::view::View;
+use crate::view::DeckCamera;
 use crate::way::{Bounds, Cut, DeviceWay, Positions, Silhouettes, count};
 use crate::work::{End, ROUNDING_PX, Scene};
 use glam::{DMat3, DVec3};
@@ -65,7 +65,7 @@ impl Scene {
             _ => Some(self.volume(End::Sea)?),
         };
         let found = self.found_by(way, &volume)?;
-        let open = |view: &View, reference: &Reference<'_>| -> Result<Channel, Failure> {
+        let open = |view: &DeckCamera, reference: &Reference<'_>| -> Result<Channel, Failure> {
             let loadable = match &found {
                 None => self.loadable(way, view, &volume, closed.as_ref(), reference)?,
                 Some(found) => {
@@ -98,7 +98,7 @@ impl Scene {
     pub(crate) fn draw_channels(
         &self,
         volume: Option<&Volume>,
-        open: impl Fn(&View, &Reference<'_>) -> Result<Channel, Failure>,
+        open: impl Fn(&DeckCamera, &Reference<'_>) -> Result<Channel, Failure>,
     ) -> Result<DeviceDrawn, Failure> {
         let darkest = self.darkest_channel()?;
         let reference = Reference::new(self.mesh(), self.to_light);
@@ -141,7 +141,7 @@ impl Scene {
         &self,
         devices: &Devices,
         way: DeviceWay,
-        view: &View,
+        view: &DeckCamera,
         loadable: Loadable,
         draws_back_faces: bool,
     ) -> Result<Box<dyn Draws>, Failure> {
@@ -189,7 +189,7 @@ impl Scene {
     pub(crate) fn seen_by<T>(
         &self,
         positions: Positions,
-        view: &View,
+        view: &DeckCamera,
         use_it: impl FnOnce(SurfaceView<'_>) -> Result<T, Failure>,
     ) -> Result<T, Failure> {
         let body = Ellipsoid::new("sea", SEA_RADIUS_M, SEA_RADIUS_M)
@@ -212,7 +212,7 @@ impl Scene {
     }
 }
 
-fn camera(view: &View) -> Camera {
+fn camera(view: &DeckCamera) -> Camera {
     Camera {
         eye_ecef: view.eye + DVec3::Z * SEA_RADIUS_M,
         view_from_ecef: DMat3::from_cols(view.right, view.up, -view.forward).transpose(),

@@ -3,7 +3,7 @@
 
 use crate::near::{Boxes, EyeTest, chosen, is_shadowed_at_corners, shadowed_share};
 use crate::reference::{Reference, Truth};
-use crate::view::{View, deck_eyes, sun};
+use crate::view::{DeckCamera, deck_eyes, sun};
 use crate::views::Chooser;
 use crate::work::{EYES, NEARS, Scene};
 use terrafill_casters::{Facing, PortSize, port};
@@ -34,7 +34,7 @@ pub(crate) type Missed = (Truth, [Vec<bool>; 2]);
 pub(crate) struct EyeTable {
     pub(crate) at: [f64; 2],
     results: Vec<(EyeTest, EyeResult)>,
-    worst: Option<View>,
+    worst: Option<DeckCamera>,
 }
 
 impl EyeTable {

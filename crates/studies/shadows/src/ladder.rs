@@ -177,7 +177,7 @@ impl Scene {
 mod tests {
     use super::*;
     use crate::reference::Truth;
-    use crate::view::View;
+    use crate::view::DeckCamera;
 
     #[test]
     fn silhouettes_rules_and_depth_bounds_write_less_and_the_other_rungs_as_much() {
@@ -209,7 +209,7 @@ mod tests {
             let mut volume = scene.volume_of_each_triangle(end).expect("above");
             assert_eq!(volume.open_edges(), [] as [Side; 0]);
             let wrong = |volume: &Volume| {
-                let whole = |view: &View, _: &Truth| vec![scene.whole(view, Rule::Fail)];
+                let whole = |view: &DeckCamera, _: &Truth| vec![scene.whole(view, Rule::Fail)];
                 scene.draw_by(volume, whole).wrong
             };
             assert_eq!(wrong(&volume).outside(), 0);

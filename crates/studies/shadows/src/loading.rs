@@ -9,7 +9,7 @@ use crate::near::near_caps;
 use crate::reference::Reference;
 use crate::scissor::{Rectangle, of_parts};
 use crate::source::{EyeVolumes, VolumeSource};
-use crate::view::View;
+use crate::view::DeckCamera;
 use crate::way::{Bounds, Counting, Cut, DeviceWay, count, eye_vertices};
 use crate::work::Scene;
 use glam::DVec4;
@@ -42,7 +42,12 @@ struct Together {
 }
 
 impl Scene {
-    fn groups(&self, way: DeviceWay, view: &View, reference: &Reference<'_>) -> Vec<Together> {
+    fn groups(
+        &self,
+        way: DeviceWay,
+        view: &DeckCamera,
+        reference: &Reference<'_>,
+    ) -> Vec<Together> {
         let mesh = self.mesh();
         let all = |parts: Range<usize>| Together {
             parts: parts.collect(),
@@ -81,7 +86,7 @@ impl Scene {
     pub(crate) fn loadable(
         &self,
         way: DeviceWay,
-        view: &View,
+        view: &DeckCamera,
         volume: &Volume,
         closed: Option<&Volume>,
         reference: &Reference<'_>,
@@ -158,7 +163,7 @@ impl Scene {
     clippy::cast_possible_truncation,
     reason = "rounding to f32 is far less than what the range is widened by"
 )]
-fn depth_range(view: &View, corners: impl Iterator<Item = DVec4>) -> DepthRange {
+fn depth_range(view: &DeckCamera, corners: impl Iterator<Item = DVec4>) -> DepthRange {
     let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
     for corner in corners {
         let along = corner.truncate() - view.eye * corner.w;
@@ -266,7 +271,7 @@ mod tests {
 
     #[test]
     fn a_depth_range_holds_its_corners_and_infinity_ends_it() {
-        let view = View::level(DVec3::ZERO, 0.0, 0.5, [4, 3]);
+        let view = DeckCamera::level(DVec3::ZERO, 0.0, 0.5, [4, 3]);
         let place = |x: f64| DVec3::new(x, 3.0, 1.0).extend(1.0);
         let held = |range: DepthRange, x: f64| {
             let depth = 0.5 / x;

@@ -8,7 +8,7 @@
 use crate::count::Wrong;
 use crate::named::named;
 use crate::reference::{Light, Seen, Truth};
-use crate::view::View;
+use crate::view::DeckCamera;
 use crate::work::Scene;
 use glam::{DVec2, DVec3};
 use terrafill_casters::Mesh;
@@ -358,7 +358,7 @@ impl Scene {
             .collect()
     }
 
-    fn asked_of(&self, map: &Map, view: &View, truth: &Truth) -> Vec<Option<Asked>> {
+    fn asked_of(&self, map: &Map, view: &DeckCamera, truth: &Truth) -> Vec<Option<Asked>> {
         let mesh = self.mesh();
         let width = view.size[0] as usize;
         let pixel = |(at, seen): (usize, &Seen)| {

@@ -7,7 +7,7 @@
 use crate::named::named;
 use crate::reference::Reference;
 use crate::scissor::cut;
-use crate::view::View;
+use crate::view::DeckCamera;
 use glam::DVec3;
 use std::ops::Range;
 use terrafill_casters::{Facing, Mesh};
@@ -75,7 +75,7 @@ pub(crate) struct Prism {
 }
 
 impl Prism {
-    pub(crate) fn of(view: &View, to_light: DVec3) -> Self {
+    pub(crate) fn of(view: &DeckCamera, to_light: DVec3) -> Self {
         let corners = view.near_corners();
         let middle = view.eye + view.forward * view.near;
         let slope = view.forward.dot(to_light);
@@ -121,7 +121,7 @@ impl Prism {
 /// What a test chooses for a view: of each part, whether it is drawn by z-fail.
 pub(crate) fn chosen(
     test: EyeTest,
-    view: &View,
+    view: &DeckCamera,
     to_light: DVec3,
     mesh: &Mesh,
     facing: &Facing,
@@ -165,7 +165,7 @@ const MIN_SLOPE: f64 = 1e-3;
 ///
 /// There they face the eye. z-pass counts them, and thereby the volumes that the near plane is in (Hornus et al., 2005).
 pub(crate) fn near_caps(
-    view: &View,
+    view: &DeckCamera,
     to_light: DVec3,
     mesh: &Mesh,
     facing: &Facing,
@@ -199,7 +199,7 @@ pub(crate) fn near_caps(
 /// Parts that hold a sample of the near rectangle in their shadow, and the share of samples in any.
 ///
 /// By rays from the samples to each part's triangles, not by the prism.
-pub(crate) fn shadowed_share(view: &View, reference: &Reference<'_>) -> f64 {
+pub(crate) fn shadowed_share(view: &DeckCamera, reference: &Reference<'_>) -> f64 {
     let share = |at: u32| 2.0 * f64::from(at) / f64::from(SAMPLES - 1) - 1.0;
     let all = (0..SAMPLES).flat_map(|row| (0..SAMPLES).map(move |column| (column, row)));
     let places =
@@ -211,7 +211,7 @@ pub(crate) fn shadowed_share(view: &View, reference: &Reference<'_>) -> f64 {
 }
 
 /// Whether a corner or the middle of the near rectangle is in shadow: what five samples find.
-pub(crate) fn is_shadowed_at_corners(view: &View, reference: &Reference<'_>) -> bool {
+pub(crate) fn is_shadowed_at_corners(view: &DeckCamera, reference: &Reference<'_>) -> bool {
     let middle = view.eye + view.forward * view.near;
     let mut places = view.near_corners().into_iter().chain([middle]);
     places.any(|place| reference.is_shadowed(place, None))

@@ -9,7 +9,7 @@
 //!
 //! Where they disagree the pixel is undecided. The sea is a sphere that touches the origin.
 
-use crate::view::View;
+use crate::view::DeckCamera;
 use glam::{DVec2, DVec3};
 use terrafill_casters::Mesh;
 
@@ -238,7 +238,7 @@ impl<'a> Reference<'a> {
     }
 
     /// Light of a visible point.
-    pub(crate) fn light(&self, view: &View, ray: DVec3, seen: Seen) -> Light {
+    pub(crate) fn light(&self, view: &DeckCamera, ray: DVec3, seen: Seen) -> Light {
         let (depth, own) = match seen {
             Seen::Sky => return Light::Sky,
             Seen::Sea(depth) => (depth, None),
@@ -261,7 +261,7 @@ impl<'a> Reference<'a> {
         }
     }
 
-    pub(crate) fn picture(&self, view: &View) -> Truth {
+    pub(crate) fn picture(&self, view: &DeckCamera) -> Truth {
         let [width, height] = view.size;
         let mut seen = Vec::with_capacity(view.pixel_count());
         let mut light = Vec::with_capacity(view.pixel_count());
@@ -477,7 +477,7 @@ mod tests {
     fn twin_a_sun_that_one_test_has_moved_is_seen_as_undecided() {
         let mesh = row(3);
         let mut reference = Reference::new(&mesh, sun([30.0, 180.0]));
-        let view = View::level(DVec3::new(90.0, -180.0, 30.0), 105.0, 0.5, [24, 18]);
+        let view = DeckCamera::level(DVec3::new(90.0, -180.0, 30.0), 105.0, 0.5, [24, 18]);
         assert_eq!(reference.picture(&view).count(Light::Undecided), 0);
         reference.to_light = sun([10.0, 150.0]);
         assert!(reference.picture(&view).count(Light::Undecided) > 5);

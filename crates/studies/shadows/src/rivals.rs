@@ -16,7 +16,7 @@ use self::on_wgpu::Tiles;
 use crate::casting::{Casting, Receivers};
 use crate::drawing::DeviceDrawn;
 use crate::named::named;
-use crate::view::View;
+use crate::view::DeckCamera;
 use crate::way::{Positions, count};
 use crate::work::Scene;
 use terrafill_contract::Devices;
@@ -73,7 +73,7 @@ impl Scene {
     }
 
     #[allow(clippy::cast_possible_truncation, reason = "a device has f32")]
-    fn casting(&self, view: &View, rival: Rival, margin_px: f64) -> Casting {
+    fn casting(&self, view: &DeckCamera, rival: Rival, margin_px: f64) -> Casting {
         let mesh = self.mesh();
         let places = mesh.vertices.iter();
         let places = places.map(|place| Positions::Eye.relative(*place, view.eye).extend(1.0));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Rectangles of pixels: of a volume, of a caster's shadow, of what is above the horizon.
 
-use crate::view::View;
+use crate::view::DeckCamera;
 use glam::DVec3;
 use terrafill_casters::Volume;
 
@@ -13,7 +13,7 @@ pub(crate) struct Rectangle {
 }
 
 impl Rectangle {
-    pub(crate) fn whole(view: &View) -> Self {
+    pub(crate) fn whole(view: &DeckCamera) -> Self {
         Self {
             columns: [0, view.size[0]],
             rows: [0, view.size[1]],
@@ -55,7 +55,7 @@ impl Rectangle {
     /// Pixels in which a triangle can be seen, and one more on every side.
     ///
     /// - `corners`: relative to the eye; directions where they are at infinity
-    pub(crate) fn around(view: &View, corners: &[DVec3; 3]) -> Self {
+    pub(crate) fn around(view: &DeckCamera, corners: &[DVec3; 3]) -> Self {
         // Right, up and depth; the cone over the triangle is cut by the four sides of the view.
         let mut cone: Vec<DVec3> = corners
             .iter()
@@ -120,7 +120,7 @@ pub(crate) fn cut(ring: &[DVec3], side: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
 
 /// Of each part, the depths between which its closed volume lies, m, wider by a share on either side.
 pub(crate) fn depths_of_parts(
-    view: &View,
+    view: &DeckCamera,
     volume: &Volume,
     parts: usize,
     share: f64,
@@ -140,7 +140,7 @@ pub(crate) fn depths_of_parts(
 }
 
 /// Of each part, the rectangle of its volume.
-pub(crate) fn of_parts(view: &View, volume: &Volume, parts: usize) -> Vec<Rectangle> {
+pub(crate) fn of_parts(view: &DeckCamera, volume: &Volume, parts: usize) -> Vec<Rectangle> {
     let mut rectangles = vec![Rectangle::NONE; parts];
     for triangle in &volume.triangles {
         let corners = triangle.corners.map(|corner| {
@@ -154,7 +154,7 @@ pub(crate) fn of_parts(view: &View, volume: &Volume, parts: usize) -> Vec<Rectan
 }
 
 /// The pixels that lie whole above the horizon of the tangent plane: "above the sea" as a rectangle.
-pub(crate) fn above_horizon(view: &View) -> Rectangle {
+pub(crate) fn above_horizon(view: &DeckCamera) -> Rectangle {
     Rectangle {
         rows: [0, view.size[1] / 2],
         ..Rectangle::whole(view)
@@ -162,7 +162,7 @@ pub(crate) fn above_horizon(view: &View) -> Rectangle {
 }
 
 /// The least rectangle that holds some pixels.
-pub(crate) fn around_pixels(view: &View, is_in: impl Fn(usize) -> bool) -> Rectangle {
+pub(crate) fn around_pixels(view: &DeckCamera, is_in: impl Fn(usize) -> bool) -> Rectangle {
     let width = view.size[0];
     let mut found = Rectangle::NONE;
     for at in (0..)
@@ -191,7 +191,7 @@ mod tests {
 
     #[test]
     fn a_rectangle_holds_the_pixels_of_its_triangle_behind_the_eye_too() {
-        let view = View::level(DVec3::ZERO, 0.0, 0.5, [40, 30]);
+        let view = DeckCamera::level(DVec3::ZERO, 0.0, 0.5, [40, 30]);
         let whole = [
             view.towards(-3.0, -3.0),
             view.towards(9.0, -3.0),
@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn pixels_are_held_and_nothing_holds_none() {
-        let view = View::level(DVec3::ZERO, 0.0, 0.5, [4, 3]);
+        let view = DeckCamera::level(DVec3::ZERO, 0.0, 0.5, [4, 3]);
         let found = around_pixels(&view, |at| at == 5 || at == 10);
         assert_eq!(
             found,

@@ -2,7 +2,7 @@
 //! What devices draw shadows on: the casters, and the sea as rings about the foot of the eye.
 
 use crate::reference::SEA_RADIUS_M;
-use crate::view::View;
+use crate::view::DeckCamera;
 use crate::way::{Positions, count};
 use glam::DVec3;
 use terrafill_casters::Mesh;
@@ -15,7 +15,7 @@ const SECTOR_DEG: f64 = 1.0;
 const RING_RATIO: f64 = 1.1;
 
 /// Sea and casters from the eye.
-pub(crate) fn surface(positions: Positions, view: &View, mesh: &Mesh) -> SurfaceFrame {
+pub(crate) fn surface(positions: Positions, view: &DeckCamera, mesh: &Mesh) -> SurfaceFrame {
     let (sea, sea_triangles) = sea(view);
     let all = mesh.vertices.iter().chain(&sea);
     let vertices = all.map(|place| positions.relative(*place, view.eye).to_array());
@@ -36,7 +36,7 @@ pub(crate) fn surface(positions: Positions, view: &View, mesh: &Mesh) -> Surface
 }
 
 /// The sea in sight of a level camera, as rings about the foot of the eye.
-fn sea(view: &View) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+fn sea(view: &DeckCamera) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let centre = DVec3::NEG_Z * SEA_RADIUS_M;
     let up = (view.eye - centre).normalize();
     let height_m = (view.eye - centre).length() - SEA_RADIUS_M;

@@ -6,7 +6,7 @@
 //! of one triangle may disagree where it is edge-on.
 
 use crate::source::{Adjacency, Adjacent, Computed, EyeMesh, IS_CAP, VolumeSource};
-use crate::view::View;
+use crate::view::DeckCamera;
 use crate::way::Silhouettes;
 use crate::way::{DeviceWay, count, eye_vertices};
 use crate::work::{End, Scene};
@@ -26,7 +26,7 @@ impl Scene {
         &self,
         way: DeviceWay,
         volume: &Volume,
-    ) -> Result<Option<Found>, Failure> {
+    ) -> Result<Option<SilhouetteEdges>, Failure> {
         let source = match way.silhouettes {
             Silhouettes::Adjacency | Silhouettes::EachTriangle => return Ok(None),
             Silhouettes::Pulled => VolumeSource::Pulled(self.pieces(false)?),
@@ -39,7 +39,7 @@ impl Scene {
             }),
             Silhouettes::Geometry(by) => VolumeSource::Adjacent(self.adjacent(by)?),
         };
-        Ok(Some(Found {
+        Ok(Some(SilhouetteEdges {
             way,
             source,
             volume: volume.clone(),
@@ -183,7 +183,7 @@ impl Scene {
     }
 
     /// The same as this eye has it.
-    pub(crate) fn seen_from(&self, view: &View, found: &Found) -> VolumeSource {
+    pub(crate) fn seen_from(&self, view: &DeckCamera, found: &SilhouetteEdges) -> VolumeSource {
         let away = (-self.to_light).as_vec3();
         let places = self.mesh().vertices.iter();
         let places = places.map(|place| (place - view.eye).as_vec3());
@@ -218,7 +218,7 @@ impl Scene {
     }
 
     /// Triangles whose sign of facing in `f32` from an eye depends on which corner comes first.
-    pub(crate) fn undecided_facings(&self, view: &View) -> usize {
+    pub(crate) fn undecided_facings(&self, view: &DeckCamera) -> usize {
         let to_light = self.to_light.as_vec3();
         let is_split = |corners: &&[u32; 3]| {
             let places = corners.map(|at| (self.mesh().vertices[at as usize] - view.eye).as_vec3());
@@ -233,7 +233,7 @@ impl Scene {
 }
 
 /// What [`Scene::found_by`] gives.
-pub(crate) struct Found {
+pub(crate) struct SilhouetteEdges {
     way: DeviceWay,
     source: VolumeSource,
     volume: Volume,

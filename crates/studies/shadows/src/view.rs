@@ -16,7 +16,7 @@ pub(crate) const EYE_SIZE: [u32; 2] = [200, 150];
 
 /// A camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct View {
+pub(crate) struct DeckCamera {
     pub(crate) eye: DVec3,
     pub(crate) forward: DVec3,
     pub(crate) right: DVec3,
@@ -29,7 +29,7 @@ pub(crate) struct View {
     pub(crate) size: [u32; 2],
 }
 
-impl View {
+impl DeckCamera {
     /// A level camera.
     ///
     /// - `azimuth_deg`: counter-clockwise from x
@@ -101,15 +101,15 @@ pub(crate) fn sun([elevation_deg, azimuth_deg]: [f64; 2]) -> DVec3 {
 }
 
 /// Seven channels over 270°, 30 m up on own ship.
-pub(crate) fn bridge(size: [u32; 2]) -> Vec<View> {
+pub(crate) fn bridge(size: [u32; 2]) -> Vec<DeckCamera> {
     let (sin, cos) = 25_f64.to_radians().sin_cos();
     let eye = DVec3::new(-60.0 - 55.0 * cos, -140.0 - 55.0 * sin, 30.0);
-    let channel = |at: i32| View::level(eye, 25.0 + CHANNEL_DEG * f64::from(at), 0.5, size);
+    let channel = |at: i32| DeckCamera::level(eye, 25.0 + CHANNEL_DEG * f64::from(at), 0.5, size);
     (-3..=3).map(channel).collect()
 }
 
 /// Seeded eyes on the dock, outside every part of it.
-pub(crate) fn deck_eyes(mesh: &Mesh, count: usize, near: f64) -> Vec<View> {
+pub(crate) fn deck_eyes(mesh: &Mesh, count: usize, near: f64) -> Vec<DeckCamera> {
     let mut random = SplitMix64::new(EYES_SEED);
     // 53 bits are as many as an `f64` has.
     let mut share = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
@@ -124,7 +124,7 @@ pub(crate) fn deck_eyes(mesh: &Mesh, count: usize, near: f64) -> Vec<View> {
             // A metre of air: a near plane inside a wall sees nothing that anyone would.
             (low - 1.0).cmple(eye).all() && eye.cmple(high + 1.0).all()
         }) {
-            eyes.push(View::level(eye, azimuth, near, EYE_SIZE));
+            eyes.push(DeckCamera::level(eye, azimuth, near, EYE_SIZE));
         }
     }
     eyes
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn a_near_corner_lies_where_the_published_angle_puts_it() {
-        let view = View::level(DVec3::ZERO, 30.0, 1.0, [4, 3]);
+        let view = DeckCamera::level(DVec3::ZERO, 30.0, 1.0, [4, 3]);
         let corner = view.near_corners()[0].length();
         assert!((corner - 1.091).abs() < 5e-4, "{corner}");
         assert!(view.right.cross(view.forward).distance(DVec3::Z) < 1e-12);

@@ -6,8 +6,8 @@ use crate::named::named;
 use crate::near::{Boxes, EyeTest, chosen};
 use crate::reference::Reference;
 use crate::scissor::Rectangle;
-use crate::view::View;
-use crate::work::{Drawn, End, Pass, Scene};
+use crate::view::DeckCamera;
+use crate::work::{ChannelTotals, End, Pass, Scene};
 use glam::DVec3;
 
 named! {
@@ -31,7 +31,7 @@ impl Place {
     /// Of which rules are asked.
     pub(crate) const ALL: [Self; 3] = [Self::UnderCrane, Self::QuayEdge, Self::Aerial];
 
-    fn view(self, size: [u32; 2]) -> View {
+    fn view(self, size: [u32; 2]) -> DeckCamera {
         let (eye, azimuth_deg) = match self {
             Self::UnderCrane => (DVec3::new(0.0, -2.0, 8.9), 40.0),
             // The upper bar of the rail is 8.25 to 8.3 m high at y = −9.9, and no ship lies sunwards. Under a sun at
@@ -42,7 +42,7 @@ impl Place {
             // shadow there from 7.899 to 7.959 m.
             Self::RailShadow => (DVec3::new(108.0, -8.9, 7.9), 90.0),
         };
-        let view = View::level(eye, azimuth_deg, 0.5, size);
+        let view = DeckCamera::level(eye, azimuth_deg, 0.5, size);
         match self {
             Self::RailShadow => view.middle_of(FINE_COLUMNS),
             _ => view,
@@ -97,7 +97,7 @@ impl Scene {
     }
 
     /// Draws volumes closed at the sea by the rule that is chosen for each part.
-    pub(crate) fn drawn_chosen(&self, chooser: Chooser) -> Result<Drawn, String> {
+    pub(crate) fn drawn_chosen(&self, chooser: Chooser) -> Result<ChannelTotals, String> {
         let volume = self.volume(End::Sea)?;
         let reference = Reference::new(self.mesh(), self.to_light);
         Ok(self.draw_by(&volume, |view, _| {
@@ -118,7 +118,12 @@ impl Scene {
     }
 
     /// Which parts a test draws by z-fail.
-    pub(crate) fn fails(&self, test: EyeTest, view: &View, reference: &Reference<'_>) -> Vec<bool> {
+    pub(crate) fn fails(
+        &self,
+        test: EyeTest,
+        view: &DeckCamera,
+        reference: &Reference<'_>,
+    ) -> Vec<bool> {
         let (mesh, boxes) = (self.mesh(), Boxes::of(self.mesh()));
         chosen(
             test,

@@ -6,7 +6,7 @@ use crate::device::Interface;
 use crate::named::named;
 use crate::near::EyeTest;
 use crate::source::Adjacency;
-use crate::view::View;
+use crate::view::DeckCamera;
 use crate::work::End;
 use glam::{DVec3, Vec3};
 use terrafill_casters::Volume;
@@ -166,7 +166,11 @@ impl DeviceWay {
 }
 
 /// Vertices of volumes as this eye has them: bits of `f32`.
-pub(crate) fn eye_vertices(positions: Positions, view: &View, volume: &Volume) -> Vec<[u32; 4]> {
+pub(crate) fn eye_vertices(
+    positions: Positions,
+    view: &DeckCamera,
+    volume: &Volume,
+) -> Vec<[u32; 4]> {
     let places = volume.vertices.iter().map(|place| {
         let is_place = place.w > 0.0;
         let along = match is_place {

@@ -12,7 +12,7 @@ use crate::reference::{Light, Reference, Seen, Truth};
 use crate::scissor::{Rectangle, above_horizon, around_pixels, depths_of_parts, of_parts};
 #[cfg(test)]
 use crate::view::bridge;
-use crate::view::{View, sun};
+use crate::view::{DeckCamera, sun};
 use glam::DVec3;
 use std::cell::OnceCell;
 use terrafill_casters::{
@@ -84,14 +84,14 @@ pub(crate) struct Scene {
     prepared: Prepared,
     facing: Facing,
     sides: Vec<Side>,
-    pub(crate) channels: Vec<(View, Truth)>,
+    pub(crate) channels: Vec<(DeckCamera, Truth)>,
     /// The channel with most shadow alone, in pictures of the size that is timed.
     timed: OnceCell<Option<Box<Self>>>,
 }
 
 /// What a way of drawing came to, over all channels.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Drawn {
+pub(crate) struct ChannelTotals {
     pub(crate) wrong: Wrong,
     pub(crate) updates: u64,
     pub(crate) max_overlap: i32,
@@ -129,7 +129,7 @@ pub(crate) fn prepared_port() -> Result<Prepared, String> {
 
 impl Scene {
     /// The port, cut below the sea.
-    pub(crate) fn of_port(at: [f64; 2], views: Vec<View>) -> Result<Self, String> {
+    pub(crate) fn of_port(at: [f64; 2], views: Vec<DeckCamera>) -> Result<Self, String> {
         Self::standing(&prepared_port()?, at, views, End::Sea.feet_m())
     }
 
@@ -143,7 +143,7 @@ impl Scene {
     pub(crate) fn standing(
         prepared: &Prepared,
         at: [f64; 2],
-        views: Vec<View>,
+        views: Vec<DeckCamera>,
         feet_m: Option<f64>,
     ) -> Result<Self, String> {
         let prepared = match feet_m {
@@ -154,18 +154,18 @@ impl Scene {
         Ok(Self::of_prepared(prepared, at, views))
     }
 
-    pub(crate) fn of(mesh: Mesh, at: [f64; 2], views: Vec<View>) -> Result<Self, String> {
+    pub(crate) fn of(mesh: Mesh, at: [f64; 2], views: Vec<DeckCamera>) -> Result<Self, String> {
         let prepared = Policy::Refuse
             .prepare(mesh)
             .map_err(|error| error.to_string())?;
         Ok(Self::of_prepared(prepared, at, views))
     }
 
-    pub(crate) fn of_prepared(prepared: Prepared, at: [f64; 2], views: Vec<View>) -> Self {
+    pub(crate) fn of_prepared(prepared: Prepared, at: [f64; 2], views: Vec<DeckCamera>) -> Self {
         Self::lit_from(prepared, sun(at), views)
     }
 
-    fn lit_from(prepared: Prepared, to_light: DVec3, views: Vec<View>) -> Self {
+    fn lit_from(prepared: Prepared, to_light: DVec3, views: Vec<DeckCamera>) -> Self {
         let facing = Facing::of(&prepared.mesh, to_light);
         let sides = EdgeTable::of(&prepared.mesh).sides(&prepared, &facing);
         let reference = Reference::new(&prepared.mesh, to_light);
@@ -229,12 +229,12 @@ impl Scene {
     pub(crate) fn draw_by(
         &self,
         volume: &Volume,
-        how: impl Fn(&View, &Truth) -> Vec<Pass>,
-    ) -> Drawn {
+        how: impl Fn(&DeckCamera, &Truth) -> Vec<Pass>,
+    ) -> ChannelTotals {
         let mesh = &self.prepared.mesh;
-        let mut drawn = Drawn {
+        let mut drawn = ChannelTotals {
             volume_triangles: volume.triangles.len(),
-            ..Drawn::default()
+            ..ChannelTotals::default()
         };
         for (view, truth) in &self.channels {
             let mut whole = Stencil::clear(view);
@@ -265,7 +265,7 @@ impl Scene {
     }
 
     /// All parts by one rule, wherever they are.
-    pub(crate) fn whole(&self, view: &View, rule: Rule) -> Pass {
+    pub(crate) fn whole(&self, view: &DeckCamera, rule: Rule) -> Pass {
         let part = Some((rule, Rectangle::whole(view)));
         Pass {
             parts: vec![part; self.prepared.mesh.parts.len()],
@@ -274,7 +274,12 @@ impl Scene {
     }
 
     /// Draws all volumes in every channel.
-    pub(crate) fn drawn(&self, end: End, rule: Rule, scissor: Scissor) -> Result<Drawn, String> {
+    pub(crate) fn drawn(
+        &self,
+        end: End,
+        rule: Rule,
+        scissor: Scissor,
+    ) -> Result<ChannelTotals, String> {
         let volume = self.volume(end)?;
         // A caster's rectangle holds its volume closed at the sea, wherever the one that is drawn ends.
         let closed = match scissor {
@@ -304,7 +309,7 @@ impl Scene {
     /// The same closed at the sea, where what is seen lies in each part's range of depths.
     ///
     /// - `share`: by which ranges are wider than the volumes
-    pub(crate) fn drawn_within(&self, rule: Rule, share: f64) -> Result<Drawn, String> {
+    pub(crate) fn drawn_within(&self, rule: Rule, share: f64) -> Result<ChannelTotals, String> {
         let volume = self.volume(End::Sea)?;
         let parts = self.prepared.mesh.parts.len();
         Ok(self.draw_by(&volume, |view, _| {
@@ -316,7 +321,7 @@ impl Scene {
     }
 
     /// The same in passes of at most 255 casters, each of which darkens for itself.
-    pub(crate) fn drawn_guarded(&self, rule: Rule) -> Result<Drawn, String> {
+    pub(crate) fn drawn_guarded(&self, rule: Rule) -> Result<ChannelTotals, String> {
         let volume = self.volume(End::Infinite)?;
         let count = self.prepared.mesh.parts.len();
         Ok(self.draw_by(&volume, |view, _| {
@@ -381,12 +386,12 @@ impl Scene {
     }
 
     /// The same, for a picture.
-    pub(crate) fn darkest(&self) -> Result<&(View, Truth), String> {
+    pub(crate) fn darkest(&self) -> Result<&(DeckCamera, Truth), String> {
         self.darkest_channel().map(|at| &self.channels[at])
     }
 }
 
-impl Drawn {
+impl ChannelTotals {
     fn add(&mut self, stencil: &Stencil, mask: Vec<bool>, truth: &Truth) {
         self.wrong = self.wrong.plus(Wrong::of(&mask, truth));
         self.updates += stencil.updates;

@@ -27,7 +27,7 @@ impl Indices {
 
 /// A vertex of the spiral.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct SpiralVertex {
     /// Clockwise from north, radians.
     pub(crate) angle_rad: f64,
     /// 0 … 1 from the inner radius to the outer one; the centre of the fan has none.
@@ -37,7 +37,7 @@ pub(crate) struct Place {
 /// Vertices and triangles, the fan's first; counter-clockwise seen from above.
 #[derive(Debug, Clone)]
 pub(crate) struct Layout {
-    pub(crate) places: Vec<Place>,
+    pub(crate) places: Vec<SpiralVertex>,
     pub(crate) triangles: Vec<[u32; 3]>,
     /// Triangles of the fan.
     pub(crate) fan: usize,
@@ -103,7 +103,7 @@ pub(crate) fn lay_out(steps: Steps, turns: f64, indices: Indices) -> Layout {
     }
 }
 
-const CENTER: Place = Place {
+const CENTER: SpiralVertex = SpiralVertex {
     angle_rad: 0.0,
     along: None,
 };
@@ -123,7 +123,7 @@ fn watertight(steps: Steps, turns: f64) -> Layout {
     while steps.turns(rim) < turns {
         rim += 1;
     }
-    let spiral = (0..rim + n).map(|k| Place {
+    let spiral = (0..rim + n).map(|k| SpiralVertex {
         angle_rad: steps.angle_rad(k),
         along: along(steps.turns(k), turns),
     });
@@ -152,11 +152,11 @@ fn published(steps: Steps, turns: f64) -> Layout {
     let n = steps.per_turn;
     let mut places = vec![CENTER];
     let mut triangles = Vec::new();
-    let inner = |k: u32| Place {
+    let inner = |k: u32| SpiralVertex {
         angle_rad: steps.angle_rad(k),
         along: along(steps.turns(k), turns),
     };
-    let outer = |k: u32| Place {
+    let outer = |k: u32| SpiralVertex {
         along: along(steps.turns(k) + 1.0, turns),
         ..inner(k)
     };

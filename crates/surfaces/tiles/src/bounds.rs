@@ -53,7 +53,7 @@ impl Ball {
 
 /// What a view sees, as far as whole tiles are concerned.
 #[derive(Debug, Clone)]
-pub(crate) struct Sight {
+pub(crate) struct TileView {
     pub(crate) eye_ecef: DVec3,
     /// Inward normals of the four sides of the picture and of the plane through the eye.
     planes: [DVec3; 5],
@@ -65,7 +65,7 @@ pub(crate) struct Sight {
     pixel_per_distance: f64,
 }
 
-impl Sight {
+impl TileView {
     /// - `lowest_m`: no triangle of the surface is lower in whatever view
     pub(crate) fn new(body: &Ellipsoid, camera: &Camera, size: ImageSize, lowest_m: f64) -> Self {
         Self {
@@ -192,7 +192,7 @@ mod tests {
             width: 100,
             height: 100,
         };
-        let sight = Sight::new(&body, &camera, size, -11e3);
+        let sight = TileView::new(&body, &camera, size, -11e3);
         let place = |longitude: f64, latitude: f64, height_m: f64| {
             body.geodetic_to_ecef(Geodetic::from_degrees(longitude, latitude, height_m))
         };

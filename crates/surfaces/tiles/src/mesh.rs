@@ -6,7 +6,7 @@
 //! deep as the two errors allow the gap to be (Ulrich, 2002, §4), and faces away from its tile, as it is
 //! seen from there. Tiles of one size share vertices to the bit and need none.
 
-use crate::bounds::Sight;
+use crate::bounds::TileView;
 use crate::select::Chosen;
 use crate::tile::{CELLS, SIDES, Side, TileId};
 use glam::DVec3;
@@ -56,7 +56,7 @@ pub(crate) fn skirts(chosen: &[Chosen]) -> Vec<[f64; 4]> {
 }
 
 /// What one view draws.
-pub(crate) struct Drawn {
+pub(crate) struct DrawnTiles {
     pub(crate) mesh: SurfaceMesh,
     pub(crate) parts: Vec<SurfacePart>,
 }
@@ -94,10 +94,10 @@ impl TileVertices {
 pub(crate) fn draw(
     body: &Ellipsoid,
     vertices: &mut dyn FnMut(TileId) -> Arc<TileVertices>,
-    sight: &Sight,
+    sight: &TileView,
     chosen: &[Chosen],
     skirts: &[[f64; 4]],
-) -> Drawn {
+) -> DrawnTiles {
     let mut mesh = SurfaceMesh {
         body: *body,
         vertices_ecef: Vec::new(),
@@ -156,7 +156,7 @@ pub(crate) fn draw(
         .collect();
     let all = parts.iter().map(|part| part.heights);
     mesh.heights = all.fold(mesh.heights, HeightRange::union);
-    Drawn { mesh, parts }
+    DrawnTiles { mesh, parts }
 }
 
 fn add_tile(
@@ -188,7 +188,7 @@ fn add_tile(
 fn add_skirt(
     mesh: &mut SurfaceMesh,
     triangles: &mut Vec<[u32; 3]>,
-    sight: &Sight,
+    sight: &TileView,
     id: TileId,
     first: usize,
     side: Side,

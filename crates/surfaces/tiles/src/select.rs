@@ -2,7 +2,7 @@
 //! Which tiles a view draws: the one that its rule finds farthest above what is allowed is split first, until none
 //! is above it or the triangles are used up.
 
-use crate::bounds::{Ball, Sight};
+use crate::bounds::{Ball, TileView};
 use crate::tile::{CELLS, MAX_LEVEL, TileId};
 use crate::tree::{Node, Tree};
 use std::cmp::Ordering;
@@ -21,7 +21,7 @@ pub(crate) enum Rule {
 
 impl Rule {
     /// Times what is allowed; more than 1 is too coarse.
-    fn excess(self, sight: &Sight, ball: &Ball, id: TileId, error_px: f64) -> f64 {
+    fn excess(self, sight: &TileView, ball: &Ball, id: TileId, error_px: f64) -> f64 {
         match self {
             Self::Error { allowed_px } => error_px / allowed_px,
             Self::Size { allowed } => sight.cell_m(id) / (sight.distance_m(ball) * allowed),
@@ -46,7 +46,7 @@ pub(crate) struct Chosen {
 impl Chosen {
     fn new(
         body: &Ellipsoid,
-        (sight, rule): (&Sight, Rule),
+        (sight, rule): (&TileView, Rule),
         id: TileId,
         root: usize,
         node: Node,
@@ -134,7 +134,7 @@ impl Choice {
 pub(crate) fn choose(
     body: &Ellipsoid,
     tree: &Tree,
-    sight: &Sight,
+    sight: &TileView,
     rule: Rule,
     max_triangles: u32,
     is_there: &mut dyn FnMut(TileId) -> bool,

@@ -2,7 +2,7 @@
 //! The surface: tiles chosen for each view anew, from nothing but the view, so that whatever way a
 //! camera came, it sees the same triangles.
 
-use crate::bounds::Sight;
+use crate::bounds::TileView;
 use crate::mesh::{TileVertices, draw, skirts};
 use crate::select::{Choice, Rule, bend_m, choose};
 use crate::store::Store;
@@ -114,9 +114,9 @@ impl Tiles {
         bend_m + skirt_m + 3e-6 * self.body.equatorial_radius_m()
     }
 
-    fn sight(&self, camera: &Camera, size: ImageSize) -> Sight {
+    fn sight(&self, camera: &Camera, size: ImageSize) -> TileView {
         let lowest_m = self.heights(&Extent::WHOLE).lowest_m;
-        Sight::new(&self.body, camera, size, lowest_m)
+        TileView::new(&self.body, camera, size, lowest_m)
     }
 
     fn rule(&self) -> Rule {
@@ -128,7 +128,7 @@ impl Tiles {
         }
     }
 
-    fn choice(&self, sight: &Sight, is_there: &mut dyn FnMut(TileId) -> bool) -> Choice {
+    fn choice(&self, sight: &TileView, is_there: &mut dyn FnMut(TileId) -> bool) -> Choice {
         choose(
             &self.body,
             self.tree(),
@@ -161,7 +161,7 @@ impl Tiles {
     fn drawn(
         &self,
         camera: &Camera,
-        sight: &Sight,
+        sight: &TileView,
         choice: &Choice,
     ) -> Result<SurfaceFrame, SurfaceError> {
         let chosen = &choice.tiles;

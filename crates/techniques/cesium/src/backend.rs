@@ -3,7 +3,7 @@
 
 use crate::browser::Browser;
 use crate::pose::{MAX_APART_PX, Matrices, Pose, apart_px};
-use crate::way::{NAME, Way};
+use crate::way::{CesiumFill, NAME};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use terrafill_contract::{
@@ -65,7 +65,7 @@ struct Prepared {
 #[derive(Debug)]
 pub(crate) struct CesiumBackend {
     browser: Browser,
-    way: Way,
+    way: CesiumFill,
     capabilities: Capabilities,
     note: String,
     prepared: Option<Prepared>,
@@ -80,7 +80,7 @@ impl CesiumBackend {
     /// Those of the browser; [`DeviceError::Unsupported`] for images of this size.
     pub(crate) fn new(
         mut browser: Browser,
-        way: Way,
+        way: CesiumFill,
         tiles_px: f64,
         size: ImageSize,
     ) -> Result<Self, DeviceError> {
@@ -175,8 +175,8 @@ impl FillBackend for CesiumBackend {
         });
         // Textures of the lookup hold its edges, those of the volumes what is constant for each polygon.
         let (edges, constants) = match self.way {
-            Way::Volumes => (0, held.texture),
-            Way::Lookup => (held.texture, 0),
+            CesiumFill::Volumes => (0, held.texture),
+            CesiumFill::Lookup => (held.texture, 0),
         };
         Ok(MemoryUse {
             vertex_bytes: held.vertex + edges,

@@ -3,7 +3,7 @@
 
 use crate::backend::CesiumBackend;
 use crate::browser::Browser;
-use crate::way::{NAME, Way};
+use crate::way::{CesiumFill, NAME};
 use std::path::{Path, PathBuf};
 use terrafill_contract::{
     Api, DeviceError, FillBackend, GeometryBytes, Role, Rung, THIS_MACHINE, Targets, Technique,
@@ -88,9 +88,9 @@ impl Technique for CesiumTechnique {
 
     /// Volumes have arcs, the lookup lines that are straight in longitude and latitude.
     fn edge_rule(&self, variant: &Variant, scene: EdgeRule) -> EdgeRule {
-        match Way::of(variant) {
-            Ok(Way::Volumes) => EdgeRule::GreatEllipse,
-            Ok(Way::Lookup) => EdgeRule::Planar,
+        match CesiumFill::of(variant) {
+            Ok(CesiumFill::Volumes) => EdgeRule::GreatEllipse,
+            Ok(CesiumFill::Lookup) => EdgeRule::Planar,
             Err(_) => scene,
         }
     }
@@ -128,7 +128,7 @@ impl Technique for CesiumTechnique {
 
     fn check(&self, variant: &Variant, _: Overlap) -> Result<(), SwitchError> {
         variant.choice("tiles", &TILES)?;
-        Way::of(variant).map(drop)
+        CesiumFill::of(variant).map(drop)
     }
 
     /// Its geometry is its own affair; what it holds is counted when it is drawn.
@@ -138,7 +138,7 @@ impl Technique for CesiumTechnique {
         _: &RegionMesh,
         _is_drawn: bool,
     ) -> Result<GeometryBytes, SwitchError> {
-        Way::of(variant).map(|_| GeometryBytes::default())
+        CesiumFill::of(variant).map(|_| GeometryBytes::default())
     }
 
     fn open(
@@ -146,7 +146,7 @@ impl Technique for CesiumTechnique {
         targets: &Targets,
         variant: &Variant,
     ) -> Result<Box<dyn FillBackend>, DeviceError> {
-        let way = Way::of(variant)?;
+        let way = CesiumFill::of(variant)?;
         let tiles_px = variant.choice("tiles", &TILES)?;
         let (cesium, chromium) =
             needs().map_err(|what| DeviceError::unsupported(&what, THIS_MACHINE))?;

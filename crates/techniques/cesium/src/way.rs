@@ -8,12 +8,12 @@ pub(crate) const NAME: &str = "cesium";
 
 /// How CesiumJS fills.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Way {
+pub(crate) enum CesiumFill {
     Volumes,
     Lookup,
 }
 
-impl Way {
+impl CesiumFill {
     const ALL: [(&'static str, Self); 2] = [("volumes", Self::Volumes), ("lookup", Self::Lookup)];
 
     pub(crate) fn of(variant: &Variant) -> Result<Self, SwitchError> {

@@ -9,14 +9,14 @@ use terrafill_stencil::{Holding, VolumeState};
 
 /// Which part of a volume a pipeline draws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Part {
+pub(crate) enum VolumePart {
     TopCap,
     /// The top's triangles, whose front is their back.
     BottomCap,
     Walls,
 }
 
-impl Part {
+impl VolumePart {
     /// The parts of volumes, with their bottoms or without.
     pub(crate) fn all(without_bottom: bool) -> impl Iterator<Item = Self> {
         let all = [Self::TopCap, Self::BottomCap, Self::Walls].into_iter();
@@ -49,7 +49,7 @@ pub(crate) const WALL_CORNERS: u32 = 4;
 pub(crate) struct Pipelines {
     shader: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
-    volumes: HashMap<(Part, VolumeState), wgpu::RenderPipeline>,
+    volumes: HashMap<(VolumePart, VolumeState), wgpu::RenderPipeline>,
 }
 
 impl Pipelines {
@@ -63,7 +63,7 @@ impl Pipelines {
     }
 
     /// Makes a pipeline unless it is there.
-    pub(crate) fn ensure(&mut self, gpu: &Gpu, part: Part, state: VolumeState) {
+    pub(crate) fn ensure(&mut self, gpu: &Gpu, part: VolumePart, state: VolumeState) {
         if !self.volumes.contains_key(&(part, state)) {
             let pipeline = self.volume_pipeline(gpu, part, state);
             self.volumes.insert((part, state), pipeline);
@@ -73,18 +73,29 @@ impl Pipelines {
     /// What they are for: those of bottoms have no bytes, since tops' triangles do for both.
     pub(crate) fn holdings(&self) -> impl Iterator<Item = Holding> {
         let features = self.volumes.keys().map(|(part, state)| match part {
-            Part::BottomCap if !matches!(state, VolumeState::Count { .. }) => Feature::BottomCaps,
+            VolumePart::BottomCap if !matches!(state, VolumeState::Count { .. }) => {
+                Feature::BottomCaps
+            }
             _ => state.feature(),
         });
         Holding::pipelines(features)
     }
 
     /// A pipeline that [`Pipelines::ensure`] made.
-    pub(crate) fn volume(&self, part: Part, state: VolumeState) -> Option<&wgpu::RenderPipeline> {
+    pub(crate) fn volume(
+        &self,
+        part: VolumePart,
+        state: VolumeState,
+    ) -> Option<&wgpu::RenderPipeline> {
         self.volumes.get(&(part, state))
     }
 
-    fn volume_pipeline(&self, gpu: &Gpu, part: Part, state: VolumeState) -> wgpu::RenderPipeline {
+    fn volume_pipeline(
+        &self,
+        gpu: &Gpu,
+        part: VolumePart,
+        state: VolumeState,
+    ) -> wgpu::RenderPipeline {
         let buffer = |stride: usize, step_mode, attributes| {
             Some(wgpu::VertexBufferLayout {
                 array_stride: stride as u64,
@@ -105,11 +116,11 @@ impl Pipelines {
             &ends,
         );
         let (buffers, strip_index_format) = match part {
-            Part::TopCap | Part::BottomCap => (vec![vertices], None),
+            VolumePart::TopCap | VolumePart::BottomCap => (vec![vertices], None),
             // Nothing is indexed and nothing restarts; a strip must name a width nonetheless.
-            Part::Walls => (vec![None, walls], Some(wgpu::IndexFormat::Uint16)),
+            VolumePart::Walls => (vec![None, walls], Some(wgpu::IndexFormat::Uint16)),
         };
-        let is_bottom = part == Part::BottomCap;
+        let is_bottom = part == VolumePart::BottomCap;
         let shader = VolumeShader {
             module: &self.shader,
             layout: &self.layout,

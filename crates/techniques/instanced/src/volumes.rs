@@ -2,7 +2,7 @@
 //! Volumes as the passes of a fill draw them: top caps, bottom caps, then walls.
 
 use crate::layout::{RegionSlice, SceneGeometry};
-use crate::pipeline::{Part, Pipelines, VERTICES, WALL_CORNERS, WALLS};
+use crate::pipeline::{Pipelines, VERTICES, VolumePart, WALL_CORNERS, WALLS};
 use std::collections::BTreeMap;
 use std::slice::from_ref;
 use terrafill_contract::{DeviceError, Feature, FillInput, GeometryBytes, MemoryUse};
@@ -227,7 +227,7 @@ impl SceneBuffers {
 
 impl WgpuVolumes for InstancedVolumes {
     fn ensure(&mut self, gpu: &Gpu, _list: &VolumeList, draw: &VolumeDraw<'_>, _blends: bool) {
-        for part in Part::all(draw.without_bottom) {
+        for part in VolumePart::all(draw.without_bottom) {
             self.pipelines.ensure(gpu, part, draw.state);
         }
     }
@@ -244,13 +244,15 @@ impl WgpuVolumes for InstancedVolumes {
         let Some(scene) = &self.scene else {
             return;
         };
-        for part in Part::all(draw.without_bottom) {
+        for part in VolumePart::all(draw.without_bottom) {
             if let Some(pipeline) = self.pipelines.volume(part, draw.state) {
                 pass.raw.set_pipeline(pipeline);
             }
             match part {
-                Part::TopCap | Part::BottomCap => scene.draw_caps(pass, draw, &self.seen),
-                Part::Walls => scene.draw_walls(pass, draw, &self.seen),
+                VolumePart::TopCap | VolumePart::BottomCap => {
+                    scene.draw_caps(pass, draw, &self.seen)
+                }
+                VolumePart::Walls => scene.draw_walls(pass, draw, &self.seen),
             }
         }
     }

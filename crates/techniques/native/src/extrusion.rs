@@ -59,7 +59,7 @@ impl Indices {
 
 /// What one draw of a region holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Part {
+pub(crate) enum VolumePart {
     Caps,
     Walls,
     /// Both.
@@ -120,18 +120,18 @@ impl Extrusion {
         }
     }
 
-    pub(crate) fn parts(self) -> &'static [Part] {
+    pub(crate) fn parts(self) -> &'static [VolumePart] {
         match self {
-            Self::VsControl | Self::GsLine => &[Part::Caps, Part::Walls],
-            Self::GsDegenerate | Self::GsTwoEdges | Self::GsAdjacency => &[Part::Whole],
-            Self::GsPerTriangle => &[Part::Whole, Part::Turned],
+            Self::VsControl | Self::GsLine => &[VolumePart::Caps, VolumePart::Walls],
+            Self::GsDegenerate | Self::GsTwoEdges | Self::GsAdjacency => &[VolumePart::Whole],
+            Self::GsPerTriangle => &[VolumePart::Whole, VolumePart::Turned],
         }
     }
 
-    fn topology(self, part: Part, indices: Indices) -> Topology {
+    fn topology(self, part: VolumePart, indices: Indices) -> Topology {
         match (self, part, indices) {
-            (Self::VsControl, Part::Walls, _) => Topology::Strips,
-            (Self::GsLine, Part::Walls, _) => Topology::LineStrips,
+            (Self::VsControl, VolumePart::Walls, _) => Topology::Strips,
+            (Self::GsLine, VolumePart::Walls, _) => Topology::LineStrips,
             (Self::GsAdjacency, _, Indices::Strip) => Topology::StripsWithAdjacency,
             (Self::GsAdjacency, ..) => Topology::TrianglesWithAdjacency,
             (_, _, Indices::Strip) => Topology::Strips,
@@ -139,12 +139,12 @@ impl Extrusion {
         }
     }
 
-    fn geometry_path(self, part: Part) -> Option<&'static str> {
+    fn geometry_path(self, part: VolumePart) -> Option<&'static str> {
         match (self, part) {
             (Self::VsControl, _) => None,
             (Self::GsDegenerate, _) => Some("native/degenerate.geom"),
             (Self::GsTwoEdges, _) => Some("native/two_edges.geom"),
-            (Self::GsLine, Part::Walls) => Some("native/walls.geom"),
+            (Self::GsLine, VolumePart::Walls) => Some("native/walls.geom"),
             (Self::GsLine, _) => Some("native/caps.geom"),
             (Self::GsAdjacency, _) => Some("native/adjacency.geom"),
             (Self::GsPerTriangle, _) => Some("native/per_triangle.geom"),
@@ -154,7 +154,7 @@ impl Extrusion {
     /// The pipeline that draws `part` of volumes.
     pub(crate) fn volume_pipeline(
         self,
-        part: Part,
+        part: VolumePart,
         indices: Indices,
         state: VolumeState,
         without_bottom: bool,
@@ -178,8 +178,9 @@ impl Extrusion {
                 path,
                 hands_on,
                 // Walls have none anyway; one pipeline does for both.
-                draws_bottom: !without_bottom || matches!(part, Part::Walls | Part::Turned),
-                is_turned: part == Part::Turned,
+                draws_bottom: !without_bottom
+                    || matches!(part, VolumePart::Walls | VolumePart::Turned),
+                is_turned: part == VolumePart::Turned,
             }),
             fragments: match state {
                 VolumeState::Colour { .. } => Fragments::Shader {

@@ -4,7 +4,7 @@
 //! A command is what a draw of a volume would be told (Vulkan 1.0, `VkDrawIndexedIndirectCommand`): indices,
 //! first vertex, and as instance number the volume. So any layout has it, and nothing is stored twice.
 
-use crate::extrusion::Part;
+use crate::extrusion::VolumePart;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use terrafill_vulkan::{Buffer, BufferUse, DrawCommand, Gpu, IndexWidth};
 /// One draw that the commands are for.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Wanted {
-    pub(crate) part: Part,
+    pub(crate) part: VolumePart,
     pub(crate) width: IndexWidth,
     pub(crate) volume: usize,
     pub(crate) without_bottom: bool,
@@ -24,7 +24,7 @@ pub(crate) struct Wanted {
 /// Commands of one part and one width of indices.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Listed {
-    part: Part,
+    part: VolumePart,
     width: IndexWidth,
     pub(crate) commands: Range<u32>,
     /// Of all of them.
@@ -61,7 +61,7 @@ impl DrawLists {
         &mut self,
         gpu: &Arc<Gpu>,
         (list, program): (&VolumeList, &FillProgram),
-        parts: &[Part],
+        parts: &[VolumePart],
         command: impl Fn(Wanted) -> Vec<DrawCommand>,
     ) -> Result<(), DeviceError> {
         let geometries: Vec<usize> = list.volumes.iter().map(|volume| volume.geometry).collect();
@@ -92,7 +92,7 @@ impl DrawLists {
     pub(crate) fn find(
         &self,
         draw: &VolumeDraw<'_>,
-        part: Part,
+        part: VolumePart,
         width: IndexWidth,
     ) -> Option<(&Buffer, &Listed)> {
         let key = (draw.volumes.to_vec(), draw.without_bottom);
@@ -119,7 +119,7 @@ impl DrawLists {
 )]
 fn commands_of(
     program: &FillProgram,
-    parts: &[Part],
+    parts: &[VolumePart],
     command: impl Fn(Wanted) -> Vec<DrawCommand>,
 ) -> (ByVolumes, Vec<DrawCommand>) {
     let (mut listed, mut commands) = (ByVolumes::new(), Vec::new());
@@ -195,9 +195,10 @@ mod tests {
             });
             own.into_iter().collect()
         };
-        let (listed, commands) = commands_of(&program, &[Part::Caps, Part::Walls], command);
+        let (listed, commands) =
+            commands_of(&program, &[VolumePart::Caps, VolumePart::Walls], command);
         let of = |volumes: &[usize]| &listed[&(volumes.to_vec(), false)];
-        let drawn = |volumes: &[usize]| -> Vec<(Part, u32)> {
+        let drawn = |volumes: &[usize]| -> Vec<(VolumePart, u32)> {
             let both = of(volumes).iter().flat_map(|listed| {
                 let range = listed.commands.start as usize..listed.commands.end as usize;
                 assert_eq!(listed.vertices, 3 * range.len() as u64);
@@ -206,7 +207,7 @@ mod tests {
             });
             both.collect()
         };
-        let (caps, walls) = (Part::Caps, Part::Walls);
+        let (caps, walls) = (VolumePart::Caps, VolumePart::Walls);
         assert_eq!(
             drawn(&[0, 2]),
             [(caps, 0), (walls, 0), (caps, 2), (walls, 2)]

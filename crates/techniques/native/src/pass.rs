@@ -2,7 +2,7 @@
 //! Volumes as the passes of a fill draw them: buffers of a scene, and the pipelines that read them.
 
 use crate::NativeVariant;
-use crate::extrusion::{Extrusion, Part};
+use crate::extrusion::{Extrusion, VolumePart};
 use crate::layout::{RegionSlice, SceneGeometry, words_per_vertex};
 use crate::listed::{DrawLists, Wanted};
 use std::collections::HashMap;
@@ -227,7 +227,7 @@ impl NativeVolumes {
         &self,
         slice: &RegionSlice,
         mesh: usize,
-        part: Part,
+        part: VolumePart,
         without_bottom: bool,
     ) -> Vec<Range<u32>> {
         let is_control = self.variant.technique == Extrusion::VsControl;
@@ -237,13 +237,15 @@ impl NativeVolumes {
         let has_second = halves == 2 && !without_bottom;
         let parts = self.drawn_parts.get(&mesh);
         let (first, whole) = match part {
-            Part::Walls => (slice.first_wall_index, slice.wall_index_count),
-            Part::Caps if !has_second => (slice.first_index, cap),
-            Part::Caps | Part::Whole | Part::Turned => (slice.first_index, slice.index_count),
+            VolumePart::Walls => (slice.first_wall_index, slice.wall_index_count),
+            VolumePart::Caps if !has_second => (slice.first_index, cap),
+            VolumePart::Caps | VolumePart::Whole | VolumePart::Turned => {
+                (slice.first_index, slice.index_count)
+            }
         };
         let ranges = match (part, parts) {
-            (Part::Walls, Some(parts)) => parts.walls.clone(),
-            (Part::Caps, Some(parts)) => parts.both_caps(cap, has_second),
+            (VolumePart::Walls, Some(parts)) => parts.walls.clone(),
+            (VolumePart::Caps, Some(parts)) => parts.both_caps(cap, has_second),
             _ => std::iter::once(0..whole).collect(),
         };
         let moved = ranges.into_iter();
@@ -257,7 +259,7 @@ impl NativeVolumes {
         &self,
         state: VolumeState,
         without_bottom: bool,
-    ) -> impl Iterator<Item = (Part, PipelineDescriptor)> + use<> {
+    ) -> impl Iterator<Item = (VolumePart, PipelineDescriptor)> + use<> {
         let variant = self.variant;
         variant.technique.parts().iter().map(move |&part| {
             let technique = variant.technique;

@@ -280,7 +280,7 @@ fn constants(input: &FillInput, rectangle: &Rectangle) -> MaskConstants {
 
 /// A mask as drawn.
 #[derive(Debug)]
-struct Drawn {
+struct DrawnMask {
     revision: u64,
     rectangle: Rectangle,
     ids: wgpu::TextureView,
@@ -294,7 +294,7 @@ pub(crate) struct MaskTexture {
     drawing: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     lookup: wgpu::RenderPipeline,
-    drawn: Option<Drawn>,
+    drawn: Option<DrawnMask>,
     constants: HeldBuffer,
     colours: HeldBuffer,
     bind_group: Option<(u64, wgpu::BindGroup)>,
@@ -356,7 +356,7 @@ impl MaskTexture {
     }
 
     /// Draws every region into the mask; what it is drawn from is dropped.
-    fn draw_ids(&self, gpu: &Gpu, input: &FillInput) -> Result<Drawn, DeviceError> {
+    fn draw_ids(&self, gpu: &Gpu, input: &FillInput) -> Result<DrawnMask, DeviceError> {
         let found = input.scene.regions.len();
         if found > MAX_ID {
             return Err(DeviceError::OverCapacity {
@@ -409,7 +409,7 @@ impl MaskTexture {
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
-        Ok(Drawn {
+        Ok(DrawnMask {
             revision: input.scene.meshes.revision(),
             rectangle,
             ids,

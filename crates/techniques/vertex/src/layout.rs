@@ -398,7 +398,7 @@ impl SceneGeometry {
     /// inner edge in opposite directions, and both walls must cancel each other to the pixel.
     ///
     /// The second ones are stored, as the 2007 document counts them, but the first ones are drawn again in
-    /// their place with front and back exchanged by the pipeline ([`crate::pipeline::Part::TurnedWalls`]):
+    /// their place with front and back exchanged by the pipeline ([`crate::pipeline::VolumePart::TurnedWalls`]):
     /// nothing can tell the two apart then. Triangles turned over come close, but no closer: clipped, the
     /// rest begins at another corner and is split along another diagonal.
     ///

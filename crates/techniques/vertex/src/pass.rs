@@ -3,7 +3,7 @@
 
 use crate::layout::{IndexBytes, LaidOutMeshes, RegionSlice, SceneGeometry};
 use crate::merged::Merged;
-use crate::pipeline::{Part, PipelineKey, Pipelines, parts};
+use crate::pipeline::{PipelineKey, Pipelines, VolumePart, parts};
 use crate::{Buffers, Layout, VertexVariant};
 use std::ops::Range;
 use terrafill_contract::{DeviceError, Feature, FillInput, GeometryBytes, MemoryUse};
@@ -508,8 +508,8 @@ impl VertexVolumes {
         pass.cut(first, false);
         for part in parts(self.variant.layout, merged.has_short_indices()) {
             let range = match part {
-                Part::Caps => &ranges.caps,
-                Part::Walls { .. } | Part::TurnedWalls => &ranges.walls,
+                VolumePart::Caps => &ranges.caps,
+                VolumePart::Walls { .. } | VolumePart::TurnedWalls => &ranges.walls,
             };
             let key = PipelineKey {
                 part,
@@ -527,7 +527,7 @@ impl VertexVolumes {
         &self,
         scene: &SceneBuffers,
         pass: &mut VolumePass<'_>,
-        part: Part,
+        part: VolumePart,
         volume: usize,
         draw: &VolumeDraw<'_>,
     ) {
@@ -545,11 +545,11 @@ impl VertexVolumes {
         if scene.pulled.is_some() {
             let mut draw = |range| pass.draw(range, volume);
             match (part, parts) {
-                (Part::Caps, Some(parts)) => {
+                (VolumePart::Caps, Some(parts)) => {
                     parts.both_caps(cap, with_bottom).into_iter().for_each(draw);
                 }
                 (_, Some(parts)) => parts.walls.iter().cloned().for_each(draw),
-                (Part::Caps, None) => draw(0..caps),
+                (VolumePart::Caps, None) => draw(0..caps),
                 // Entry e needs entry e + 1; the last one is a separator.
                 (_, None) => draw(0..6 * slice.loop_index_count.saturating_sub(1)),
             }
@@ -575,17 +575,17 @@ impl VertexVolumes {
             }
         };
         match (part, parts) {
-            (Part::Caps, Some(parts)) => {
+            (VolumePart::Caps, Some(parts)) => {
                 let caps = parts.both_caps(cap, with_bottom);
                 moved_by(first_cap, &caps).into_iter().for_each(draw);
             }
-            (Part::Walls { .. }, Some(parts)) => {
+            (VolumePart::Walls { .. }, Some(parts)) => {
                 moved_by(first_wall, &parts.walls)
                     .into_iter()
                     .for_each(draw);
             }
-            (Part::Caps, None) => draw(first_cap..first_cap + caps),
-            (Part::Walls { .. }, None) if self.variant.layout == Layout::PerTriangle => {
+            (VolumePart::Caps, None) => draw(first_cap..first_cap + caps),
+            (VolumePart::Walls { .. }, None) if self.variant.layout == Layout::PerTriangle => {
                 match state.faces() {
                     FaceSet::Both => draw(first_wall..inner_wall + turned),
                     // See `push_inner_walls`.
@@ -595,8 +595,8 @@ impl VertexVolumes {
                     }
                 }
             }
-            (Part::Walls { .. }, None) => draw(first_wall..first_wall + walls),
-            (Part::TurnedWalls, _) => draw(inner_wall..inner_wall + turned),
+            (VolumePart::Walls { .. }, None) => draw(first_wall..first_wall + walls),
+            (VolumePart::TurnedWalls, _) => draw(inner_wall..inner_wall + turned),
         }
     }
 }

@@ -10,7 +10,7 @@ use terrafill_stencil::{Holding, PositionFormat, VolumeState};
 /// Which part of a volume a pipeline draws. Doubled walls may be strips, and a strip's restart value
 /// belongs to the pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Part {
+pub(crate) enum VolumePart {
     Caps,
     Walls {
         short_indices: bool,
@@ -20,17 +20,17 @@ pub(crate) enum Part {
 }
 
 /// The parts of volumes in a layout whose indices have this width.
-pub(crate) fn parts(layout: Layout, short_indices: bool) -> impl Iterator<Item = Part> {
+pub(crate) fn parts(layout: Layout, short_indices: bool) -> impl Iterator<Item = VolumePart> {
     // The first wall on an inner edge is drawn for the second one too.
-    let turned = (layout == Layout::PerTriangle).then_some(Part::TurnedWalls);
-    [Part::Caps, Part::Walls { short_indices }]
+    let turned = (layout == Layout::PerTriangle).then_some(VolumePart::TurnedWalls);
+    [VolumePart::Caps, VolumePart::Walls { short_indices }]
         .into_iter()
         .chain(turned)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct PipelineKey {
-    pub(crate) part: Part,
+    pub(crate) part: VolumePart,
     pub(crate) state: VolumeState,
     /// Colours are blended over what lies under them.
     pub(crate) blends: bool,
@@ -94,13 +94,15 @@ impl Pipelines {
         self.volumes.get(&key)
     }
 
-    fn strip_format(&self, part: Part) -> Option<wgpu::IndexFormat> {
+    fn strip_format(&self, part: VolumePart) -> Option<wgpu::IndexFormat> {
         match part {
-            Part::Walls { short_indices } if self.variant.has_strips() => Some(if short_indices {
-                wgpu::IndexFormat::Uint16
-            } else {
-                wgpu::IndexFormat::Uint32
-            }),
+            VolumePart::Walls { short_indices } if self.variant.has_strips() => {
+                Some(if short_indices {
+                    wgpu::IndexFormat::Uint16
+                } else {
+                    wgpu::IndexFormat::Uint32
+                })
+            }
             _ => None,
         }
     }
@@ -156,8 +158,8 @@ impl Pipelines {
             strip_index_format: self.strip_format(key.part),
             discards: false,
             front_face: match key.part {
-                Part::Caps | Part::Walls { .. } => wgpu::FrontFace::Ccw,
-                Part::TurnedWalls => wgpu::FrontFace::Cw,
+                VolumePart::Caps | VolumePart::Walls { .. } => wgpu::FrontFace::Ccw,
+                VolumePart::TurnedWalls => wgpu::FrontFace::Cw,
             },
         };
         shader.pipeline(gpu, key.state, key.blends)
@@ -196,7 +198,7 @@ enum Vertices {
     Pulled,
 }
 
-fn entry_point(vertices: Vertices, part: Part, handed_on: HandedOn) -> &'static str {
+fn entry_point(vertices: Vertices, part: VolumePart, handed_on: HandedOn) -> &'static str {
     use Vertices::{Pulled, Stored, StoredNormal, StoredTwoFloat};
     match (vertices, part, handed_on) {
         (Stored, _, HandedOn::Nothing) => "vertex_main",
@@ -208,11 +210,17 @@ fn entry_point(vertices: Vertices, part: Part, handed_on: HandedOn) -> &'static 
         (StoredNormal, _, HandedOn::Nothing) => "normal_main",
         (StoredNormal, _, HandedOn::Colour) => "coloured_normal",
         (StoredNormal, _, HandedOn::Number) => "numbered_normal",
-        (Pulled, Part::Caps, HandedOn::Nothing) => "caps_main",
-        (Pulled, Part::Caps, HandedOn::Colour) => "coloured_caps",
-        (Pulled, Part::Caps, HandedOn::Number) => "numbered_caps",
-        (Pulled, Part::Walls { .. } | Part::TurnedWalls, HandedOn::Nothing) => "walls_main",
-        (Pulled, Part::Walls { .. } | Part::TurnedWalls, HandedOn::Colour) => "coloured_walls",
-        (Pulled, Part::Walls { .. } | Part::TurnedWalls, HandedOn::Number) => "numbered_walls",
+        (Pulled, VolumePart::Caps, HandedOn::Nothing) => "caps_main",
+        (Pulled, VolumePart::Caps, HandedOn::Colour) => "coloured_caps",
+        (Pulled, VolumePart::Caps, HandedOn::Number) => "numbered_caps",
+        (Pulled, VolumePart::Walls { .. } | VolumePart::TurnedWalls, HandedOn::Nothing) => {
+            "walls_main"
+        }
+        (Pulled, VolumePart::Walls { .. } | VolumePart::TurnedWalls, HandedOn::Colour) => {
+            "coloured_walls"
+        }
+        (Pulled, VolumePart::Walls { .. } | VolumePart::TurnedWalls, HandedOn::Number) => {
+            "numbered_walls"
+        }
     }
 }

@@ -4,7 +4,7 @@
 use crate::catalogue::path_of;
 use crate::curl::{self, Ended, Stopped};
 use crate::make::make;
-use crate::part::{Part, write_whole};
+use crate::part::{PartialFile, write_whole};
 use crate::room::check_room;
 use crate::state::{FileState, PinnedFile};
 use crate::{DataError, DataSet, MadeFile};
@@ -180,7 +180,7 @@ impl<'a> Plan<'a> {
     }
 
     fn fetch(&self, target: &Path, progress: &mut dyn FnMut(u64)) -> Result<(), DataError> {
-        let mut part = Part::open(target)?;
+        let mut part = PartialFile::open(target)?;
         // Another process may have finished between the plan and the lock.
         if is_here(self.set.published(), &self.folder)? {
             return Ok(());
@@ -222,7 +222,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Fetches what `part` lacks.
-    fn fill(&self, part: &mut Part, progress: &mut dyn FnMut(u64)) -> Result<(), DataError> {
+    fn fill(&self, part: &mut PartialFile, progress: &mut dyn FnMut(u64)) -> Result<(), DataError> {
         let expected = self.set.bytes;
         let mut tries = 0;
         while part.bytes() < expected {
@@ -272,7 +272,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    fn transfer(&self, part: &Part, why: String) -> DataError {
+    fn transfer(&self, part: &PartialFile, why: String) -> DataError {
         DataError::Transfer {
             url: self.url.clone(),
             why,

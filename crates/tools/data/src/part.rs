@@ -10,13 +10,13 @@ use terrafill_scene::sha256_hex;
 
 /// A transfer's file, this process's alone.
 #[derive(Debug)]
-pub(crate) struct Part {
+pub(crate) struct PartialFile {
     file: File,
     path: PathBuf,
     bytes: u64,
 }
 
-impl Part {
+impl PartialFile {
     /// The file of a transfer to `target`, with what an earlier one left in it.
     ///
     /// # Errors
@@ -97,7 +97,7 @@ impl Part {
 
 /// Writes a file whole or not at all.
 pub(crate) fn write_whole(target: &Path, bytes: &[u8]) -> Result<(), DataError> {
-    let mut part = Part::open(target)?;
+    let mut part = PartialFile::open(target)?;
     let written = part.clear().and_then(|()| part.append(bytes));
     match written {
         Ok(()) => part.finish(target),
@@ -123,13 +123,13 @@ mod tests {
     fn a_second_transfer_of_the_same_file_is_refused() {
         let folder = tempfile::tempdir().expect("a folder");
         let target = folder.path().join("a/f");
-        let mut first = Part::open(&target).expect("writable");
+        let mut first = PartialFile::open(&target).expect("writable");
         first.append(b"ab").expect("writable");
-        let error = Part::open(&target).expect_err("taken").to_string();
+        let error = PartialFile::open(&target).expect_err("taken").to_string();
         assert!(error.ends_with("another process is fetching it"), "{error}");
         // Twin: after it has ended the next one goes on.
         drop(first);
-        let mut second = Part::open(&target).expect("free");
+        let mut second = PartialFile::open(&target).expect("free");
         assert_eq!(second.bytes(), 2);
         second.append(b"c").expect("writable");
         assert_eq!(second.sha256().expect("readable"), sha256_hex(b"abc"));

@@ -129,7 +129,7 @@ pub(crate) fn needs_of(
     (meshes, bottoms): (&HeldMeshes, &BottomCaps),
     (holdings, made): (&[Holding], WorkDone),
 ) -> Needs {
-    let told = Told {
+    let told = NeedReasons {
         input,
         switches,
         uses,
@@ -160,7 +160,7 @@ pub(crate) fn needs_of(
 }
 
 /// What reasons are made from.
-struct Told<'a> {
+struct NeedReasons<'a> {
     input: &'a FillInput,
     switches: &'a Switches,
     uses: &'a Uses,
@@ -168,7 +168,7 @@ struct Told<'a> {
     bottoms: &'a BottomCaps,
 }
 
-impl Told<'_> {
+impl NeedReasons<'_> {
     /// Completes a feature whose bytes and pipelines are known.
     fn tell(&self, mut need: Need) -> Need {
         let exists = need.bytes > 0 || need.pipelines > 0;

@@ -259,7 +259,7 @@ impl TexturedPlan {
             let texture = textures[planned.region];
             let told =
                 |what: String| format!("{} for region {}: {what}", choice.name(), planned.region);
-            let sight = Sight::new(input, planned);
+            let sight = EyeDistance::new(input, planned);
             let map = map_region(input, &texture, &sight)
                 .map_err(|error| refuse(told(error.to_string()), "plain"))?;
             let (route, note) = match choice {
@@ -459,7 +459,7 @@ fn add_note(notes: &mut Vec<RouteNote>, note: RouteNote) {
 fn map_region(
     input: &FillInput,
     texture: &PlannedTexture,
-    sight: &Sight,
+    sight: &EyeDistance,
 ) -> Result<MapRegion, terrafill_texture::MapRegionError> {
     let [west_rad, south_rad, east_rad, north_rad] = texture.extent_rad;
     let whole = MapExtent {
@@ -493,14 +493,14 @@ fn view(input: &FillInput, depth: DepthFormat) -> View {
 
 /// How far the eye is from a region.
 #[derive(Debug, Clone, Copy)]
-struct Sight {
+struct EyeDistance {
     nearest_m: f64,
     farthest_m: f64,
     /// Of a pixel at distance 1.
     pixel: f64,
 }
 
-impl Sight {
+impl EyeDistance {
     fn new(input: &FillInput, planned: &PlannedRegion) -> Self {
         let bounds = input.scene.bounds.get(planned.mesh);
         let (nearest_m, farthest_m) = bounds.map_or((0.0, f64::INFINITY), |bounds| {
@@ -563,7 +563,7 @@ fn fixed_part(
     view: &View,
     map: &MapRegion,
     texture: &PlannedTexture,
-    sight: &Sight,
+    sight: &EyeDistance,
     region: usize,
 ) -> TexturedRegion {
     let body: &Ellipsoid = map.body();

@@ -3,7 +3,7 @@
 
 use crate::keys::*;
 use crate::metrics::METRICS;
-use crate::stepping::Way;
+use crate::stepping::Stepping;
 use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
 use terrafill_results::{Case, Clock, Finding, Metric};
@@ -53,7 +53,7 @@ fn slope(first: (f64, f64), last: (f64, f64)) -> f64 {
     (last.1 / first.1).ln() / (last.0 / first.0).ln()
 }
 
-fn slope_of(cases: &Cases<'_>, way: Way) -> Option<f64> {
+fn slope_of(cases: &Cases<'_>, way: Stepping) -> Option<f64> {
     let (interface, name) = way.names();
     let own = cases.with(&[(INTERFACE, interface), (WAY, name)]);
     let point = |count: &str| {
@@ -89,7 +89,7 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Option<String> {
 
 pub(super) fn findings(cases: &Cases<'_>) -> Vec<Finding> {
     let own = cases.with(&[(PART, "device")]);
-    let of_way = |way: Way| {
+    let of_way = |way: Stepping| {
         let (interface, name) = way.names();
         let slope = slope_of(&own, way);
         finding(
@@ -102,7 +102,7 @@ pub(super) fn findings(cases: &Cases<'_>) -> Vec<Finding> {
         )
     };
     let most = own.greatest(BALL_UPLOAD_BYTES);
-    let mut findings = Way::ALL.map(of_way).to_vec();
+    let mut findings = Stepping::ALL.map(of_way).to_vec();
     findings.push(finding(
         "The CPU uploads nothing while balls step on a device:",
         most.map(|most| most <= 0.0),
@@ -128,8 +128,8 @@ mod tests {
             ..MadeUpRun::default()
         };
         for (way, [gpu, cpu]) in [
-            (Way::VulkanCompute, [1.0, 9.0]),
-            (Way::VulkanFeedback, [3.4, 8.0]),
+            (Stepping::VulkanCompute, [1.0, 9.0]),
+            (Stepping::VulkanFeedback, [3.4, 8.0]),
         ] {
             let (interface, name) = way.names();
             let conditions = [

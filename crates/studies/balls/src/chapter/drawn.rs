@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter's section on balls over terrain that are drawn.
 
-use crate::drawing::Drawn;
+use crate::drawing::DrawCalls;
 use crate::keys::*;
 use crate::metrics::METRICS;
-use crate::stepping::Way;
+use crate::stepping::Stepping;
 use crate::walk::ALLOWED_M;
 use terrafill_lab::{Cases, Column, Comparison, Figure, Names, Section, Select, finding};
 use terrafill_plot::number::{significant, times};
@@ -56,9 +56,9 @@ pub(super) const SECTION: Section<'static> = Section {
         of_drawn("wrong pixels", BALL_MISMATCHED_PX),
     ],
     findings: &[
-        |cases| each_is_slower(cases, Way::ALL[0]),
-        |cases| each_is_slower(cases, Way::ALL[1]),
-        |cases| each_is_slower(cases, Way::ALL[2]),
+        |cases| each_is_slower(cases, Stepping::ALL[0]),
+        |cases| each_is_slower(cases, Stepping::ALL[1]),
+        |cases| each_is_slower(cases, Stepping::ALL[2]),
     ],
     more: &[|_| Ok(Some(Block::Remark(WHAT_FIGURE_12_CANNOT_SHOW.to_owned())))],
     ..Section::EMPTY
@@ -77,7 +77,7 @@ fn frame(clock: Clock) -> &'static Metric {
 }
 
 /// The published number of balls by a draw each and by one for all.
-fn pair<'a>(cases: &Cases<'a>, way: Way) -> Option<[&'a Case; 2]> {
+fn pair<'a>(cases: &Cases<'a>, way: Stepping) -> Option<[&'a Case; 2]> {
     let (interface, name) = way.names();
     let own = cases.with(&[
         (PART, "drawn"),
@@ -85,7 +85,7 @@ fn pair<'a>(cases: &Cases<'a>, way: Way) -> Option<[&'a Case; 2]> {
         (WAY, name),
         (BALLS, PUBLISHED_BALLS),
     ]);
-    let drawn = [Drawn::Each, Drawn::All].map(Drawn::name);
+    let drawn = [DrawCalls::Each, DrawCalls::All].map(DrawCalls::name);
     own.pairs(DRAWN, drawn, &[]).first().copied()
 }
 
@@ -93,7 +93,7 @@ fn pair<'a>(cases: &Cases<'a>, way: Way) -> Option<[&'a Case; 2]> {
 pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
     let metric = frame(cases.clock());
     let noise = cases.noise(metric);
-    let of_way = |way: Way| {
+    let of_way = |way: Stepping| {
         let (interface, name) = way.names();
         let [each, all] = pair(cases, way)?;
         let slowdown = ratio(each, all, metric).filter(|_| each.counts() && all.counts())?;
@@ -109,7 +109,7 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
             times(&slowdown)
         ))
     };
-    Way::ALL.into_iter().filter_map(of_way).collect()
+    Stepping::ALL.into_iter().filter_map(of_way).collect()
 }
 
 /// Whether a draw each takes longer; `None` where identical work differed by as much. Too few processes for an interval
@@ -124,7 +124,7 @@ fn faster(slowdown: &Estimate, noise: Option<Noise>) -> Option<bool> {
     }
 }
 
-fn each_is_slower(cases: &Cases<'_>, way: Way) -> Finding {
+fn each_is_slower(cases: &Cases<'_>, way: Stepping) -> Finding {
     let (interface, name) = way.names();
     let comparison = Comparison {
         changed: DRAWN.name(),

@@ -2,7 +2,7 @@
 //! What a loop of level of detail by counted pixels did, frame by frame.
 
 use super::quadtree::Node;
-use super::scene::{ByRays, Drawn};
+use super::scene::{ByRays, NodeVertices};
 use crate::list::Eye;
 use std::collections::BTreeMap;
 use terrafill_lab::Cases;
@@ -23,7 +23,7 @@ pub(crate) struct Course {
 
 impl Course {
     /// Holds a frame's counts against rays.
-    pub(crate) fn compare(&mut self, eye: &Eye, drawn: &Drawn, counts: &BTreeMap<Node, u64>) {
+    pub(crate) fn compare(&mut self, eye: &Eye, drawn: &NodeVertices, counts: &BTreeMap<Node, u64>) {
         let (largest, wrong) = ByRays::new(eye, drawn).against(counts);
         let (so_far, so_wrong, compared) = self.against_rays;
         let nodes = compared + drawn.nodes.len();

@@ -3,7 +3,7 @@
 //! and a histogram. WebGPU's queries say no more than zero or not.
 
 use super::quadtree::Node;
-use super::scene::Drawn;
+use super::scene::NodeVertices;
 use crate::canvas::{Canvas, Stages, texture, vertices, view_constants, write_layers, written};
 use crate::list::Eye;
 use std::collections::BTreeMap;
@@ -31,10 +31,10 @@ pub(crate) const NODE_TEXELS: u32 = 64;
 /// Draws nodes and counts their pixels.
 pub(crate) trait Counter {
     /// Pixels of each node, in the order in which they are drawn.
-    fn count(&mut self, eye: &Eye, drawn: &Drawn) -> Result<Vec<u64>, DeviceError>;
+    fn count(&mut self, eye: &Eye, drawn: &NodeVertices) -> Result<Vec<u64>, DeviceError>;
 
     /// Draws them without counting, and waits.
-    fn draw(&mut self, eye: &Eye, drawn: &Drawn) -> Result<(), DeviceError>;
+    fn draw(&mut self, eye: &Eye, drawn: &NodeVertices) -> Result<(), DeviceError>;
 
     /// Hands pictures of nodes to the device.
     fn page(&mut self, count: usize) -> Result<(), DeviceError>;
@@ -42,12 +42,12 @@ pub(crate) trait Counter {
 
 /// How pixels are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Way {
+pub(crate) enum PixelCount {
     Histogram,
     Queries,
 }
 
-impl Way {
+impl PixelCount {
     pub(crate) const ALL: [Self; 2] = [Self::Histogram, Self::Queries];
 
     /// Interface and name.
@@ -81,7 +81,7 @@ impl<'a> Counters<'a> {
         }
     }
 
-    pub(crate) fn get(&mut self, way: Way) -> Result<&mut dyn Counter, DeviceError> {
+    pub(crate) fn get(&mut self, way: PixelCount) -> Result<&mut dyn Counter, DeviceError> {
         let [name, _] = way.names();
         if let Entry::Vacant(entry) = self.open.entry(name) {
             entry.insert(way.open(self.devices)?);
@@ -94,9 +94,9 @@ impl<'a> Counters<'a> {
     /// Pixels of each node.
     pub(crate) fn by_node(
         &mut self,
-        way: Way,
+        way: PixelCount,
         eye: &Eye,
-        drawn: &Drawn,
+        drawn: &NodeVertices,
     ) -> Result<BTreeMap<Node, u64>, DeviceError> {
         let counts = self.get(way)?.count(eye, drawn)?;
         Ok(drawn.nodes.iter().copied().zip(counts).collect())
@@ -105,9 +105,9 @@ impl<'a> Counters<'a> {
     /// A frame with its counts read at once, and without counts.
     pub(crate) fn time(
         &mut self,
-        way: Way,
+        way: PixelCount,
         eye: &Eye,
-        drawn: &Drawn,
+        drawn: &NodeVertices,
     ) -> Result<Figures, DeviceError> {
         let counter = self.get(way)?;
         let watch = CpuStopwatch::start();
@@ -210,7 +210,7 @@ impl ByHistogram {
         })
     }
 
-    fn record(&self, eye: &Eye, drawn: &Drawn) -> Result<wgpu::CommandEncoder, DeviceError> {
+    fn record(&self, eye: &Eye, drawn: &NodeVertices) -> Result<wgpu::CommandEncoder, DeviceError> {
         let gpu = &self.canvas.gpu;
         gpu.write_buffer(&self.view, 0, bytemuck::bytes_of(&view_constants(eye)));
         let count = u32::try_from(drawn.vertices_rte.len()).unwrap_or(u32::MAX);
@@ -233,7 +233,7 @@ impl ByHistogram {
 }
 
 impl Counter for ByHistogram {
-    fn count(&mut self, eye: &Eye, drawn: &Drawn) -> Result<Vec<u64>, DeviceError> {
+    fn count(&mut self, eye: &Eye, drawn: &NodeVertices) -> Result<Vec<u64>, DeviceError> {
         let gpu = &self.canvas.gpu;
         let mut encoder = self.record(eye, drawn)?;
         let counts = gpu.create_buffer(&wgpu::BufferDescriptor {
@@ -269,7 +269,7 @@ impl Counter for ByHistogram {
         Ok(counts.into_iter().skip(1).map(u64::from).collect())
     }
 
-    fn draw(&mut self, eye: &Eye, drawn: &Drawn) -> Result<(), DeviceError> {
+    fn draw(&mut self, eye: &Eye, drawn: &NodeVertices) -> Result<(), DeviceError> {
         let encoder = self.record(eye, drawn)?;
         self.canvas.gpu.queue.submit([encoder.finish()]);
         self.canvas.gpu.wait()
@@ -323,7 +323,7 @@ impl ByQueries {
     fn frame(
         &mut self,
         eye: &Eye,
-        drawn: &Drawn,
+        drawn: &NodeVertices,
         measured: Measured,
     ) -> Result<Option<Vec<u64>>, DeviceError> {
         self.view.stream(bytemuck::bytes_of(&view_constants(eye)))?;
@@ -347,13 +347,13 @@ impl ByQueries {
 }
 
 impl Counter for ByQueries {
-    fn count(&mut self, eye: &Eye, drawn: &Drawn) -> Result<Vec<u64>, DeviceError> {
+    fn count(&mut self, eye: &Eye, drawn: &NodeVertices) -> Result<Vec<u64>, DeviceError> {
         let samples = self.frame(eye, drawn, Measured::Samples)?;
         samples
             .ok_or_else(|| DeviceError::unsupported("occlusionQueryPrecise", &self.gpu.facts.name))
     }
 
-    fn draw(&mut self, eye: &Eye, drawn: &Drawn) -> Result<(), DeviceError> {
+    fn draw(&mut self, eye: &Eye, drawn: &NodeVertices) -> Result<(), DeviceError> {
         self.frame(eye, drawn, Measured::Nothing).map(|_| ())
     }
 

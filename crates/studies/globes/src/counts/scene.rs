@@ -69,15 +69,15 @@ impl Picture {
     }
 
     /// Nodes as the device draws them.
-    pub(crate) fn drawn(&mut self, eye: &Eye, leaves: impl Iterator<Item = Node>) -> Drawn {
+    pub(crate) fn drawn(&mut self, eye: &Eye, leaves: impl Iterator<Item = Node>) -> NodeVertices {
         let nodes = leaves.map(|node| (node, self.node(eye, node))).collect();
-        Drawn::sorted(eye, NODE_VERTICES, nodes)
+        NodeVertices::sorted(eye, NODE_VERTICES, nodes)
     }
 }
 
 /// Vertices of nodes in their order.
 #[derive(Debug, Clone)]
-pub(crate) struct Drawn {
+pub(crate) struct NodeVertices {
     /// Metres from the eye, ECEF axes.
     pub(crate) vertices_rte: Vec<[f32; 3]>,
     pub(crate) nodes: Vec<Node>,
@@ -85,7 +85,7 @@ pub(crate) struct Drawn {
     pub(crate) per_node: u32,
 }
 
-impl Drawn {
+impl NodeVertices {
     /// The nearest first, so that a depth test passes for what is seen alone.
     ///
     /// - `nodes`: with their vertices, ECEF
@@ -120,7 +120,7 @@ pub(crate) struct ByRays {
 }
 
 impl ByRays {
-    pub(crate) fn new(eye: &Eye, drawn: &Drawn) -> Self {
+    pub(crate) fn new(eye: &Eye, drawn: &NodeVertices) -> Self {
         Self::of_picture(&numbers(eye, drawn), eye.size.width as usize, &drawn.nodes)
     }
 
@@ -163,7 +163,7 @@ impl ByRays {
 }
 
 /// The node that each pixel shows, from 1; 0 for none.
-fn numbers(eye: &Eye, drawn: &Drawn) -> Vec<u32> {
+fn numbers(eye: &Eye, drawn: &NodeVertices) -> Vec<u32> {
     let count = u32::try_from(drawn.vertices_rte.len()).unwrap_or(u32::MAX);
     let triangles: Vec<[u32; 3]> = (0..count / 3)
         .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])

@@ -12,7 +12,7 @@ use terrafill_surface::SurfaceFrame;
 
 /// What a picture's colours are.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Found {
+pub(super) struct ShadingErrors {
     /// Of each compared pixel, the largest channel's difference from the functions.
     pub(super) all: Vec<f64>,
     /// Within 5° of a pole.
@@ -30,7 +30,7 @@ pub(super) fn judge(
     frame: &SurfaceFrame,
     shading: Shading,
     picture: &[[f32; 4]],
-) -> Found {
+) -> ShadingErrors {
     let triangles = SurfaceTriangles::new(frame);
     let lights = lights(eye);
     let width = eye.size.width as usize;
@@ -61,10 +61,10 @@ pub(super) fn judge(
             Some((worst, n.z.abs() > POLAR_SINE))
         })
         .collect();
-    let mut found = Found {
+    let mut found = ShadingErrors {
         non_finite: picture.iter().filter(|colour| is_lost(colour)).count(),
         shown: picture.iter().filter(|colour| colour[3] != 0.0).count(),
-        ..Found::default()
+        ..ShadingErrors::default()
     };
     for (off, is_polar) in judged
         .into_iter()

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Layers on a device, and the judge without one.
 
-use super::judge::Found;
+use super::judge::ShadingErrors;
 use super::layers::colour;
 use super::*;
 use terrafill_contract::{Devices, device_for_test};
@@ -89,7 +89,7 @@ fn a_lost_colour_is_counted_and_another_layer_is_seen() {
             .collect()
     };
     let right = judge(&eye, &frame, Shading::default(), &picture(0));
-    let worst = |found: &Found| quantile(&found.all, 0.99).expect("pixels");
+    let worst = |found: &ShadingErrors| quantile(&found.all, 0.99).expect("pixels");
     assert!(
         worst(&right) < 0.02 && right.non_finite == 0,
         "{}",

@@ -19,10 +19,10 @@ const STUDIED: GlobesStudy = GlobesStudy {
 };
 
 /// One view, small.
-fn sight(works: &[Work], side_px: u32) -> CaseGroup<Sight> {
+fn sight(works: &[Work], side_px: u32) -> CaseGroup<SurfacesView> {
     let view = &List::shipped().expect("a list").view[0];
     let opened = Rc::new(Opened::new(STUDIED.surfaces));
-    Sight::planned(view, works, &opened, (side_px, 1))
+    SurfacesView::planned(view, works, &opened, (side_px, 1))
 }
 
 fn ellipsoids() -> Vec<Work> {

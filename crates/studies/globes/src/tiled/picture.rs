@@ -154,7 +154,7 @@ fn levels(picture: &MipChain) -> Vec<PictureLevel<'_>> {
 
 /// What colours of a picture are.
 #[derive(Debug, Clone, PartialEq, Default)]
-struct Found {
+struct ColourKinds {
     /// Pixels that show a texel.
     texels: usize,
     /// Of them, those that have another colour than the texel.
@@ -174,8 +174,8 @@ fn judge(
     (shown, colours): (&[Shown], &[[u8; 4]]),
     tiles: &BTreeMap<Tile, Vec<u8>>,
     whole: &PictureLevel<'_>,
-) -> Found {
-    let mut found = Found::default();
+) -> ColourKinds {
+    let mut found = ColourKinds::default();
     for ((truth, shown), colour) in truths.iter().zip(shown).zip(colours) {
         let Shown::Texel(texel) = shown else { continue };
         found.texels += 1;

@@ -2,7 +2,7 @@
 //! Tiles on a device, and the judge without one.
 
 use super::options::{Drawing, Seam};
-use super::truth::{Place, Texel, Tile};
+use super::truth::{Texel, Tile, WrappedPoint};
 use super::*;
 use crate::list::List;
 use terrafill_contract::{Devices, device_for_test};
@@ -148,7 +148,7 @@ fn counted_from_the_eye_no_texel_is_lost_to_single_precision() {
 
 #[test]
 fn a_texel_beside_the_right_one_is_found_wrong() {
-    let place = Place {
+    let place = WrappedPoint {
         u: 1.0 + 0.25 / 256.0,
         mercator_vs: [10.5 / 256.0, 20.5 / 256.0],
         cap: None,

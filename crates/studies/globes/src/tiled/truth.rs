@@ -58,7 +58,7 @@ impl Tile {
 
 /// A place on the map: U in one piece over a triangle, so beyond 0 … 1 on one side of the seam.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct WrappedPoint {
     pub(crate) u: f64,
     /// By the vertex, and by the fragment.
     pub(crate) mercator_vs: [f64; 2],
@@ -69,9 +69,9 @@ pub(crate) struct Place {
 /// A pixel that shows the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Truth {
-    pub(crate) drawn: Place,
+    pub(crate) drawn: WrappedPoint,
     /// By the body; `None` where it is missed.
-    pub(crate) body: Option<Place>,
+    pub(crate) body: Option<WrappedPoint>,
     /// That it asks for: from and to, the same but where rounding to `f32` may change it.
     pub(crate) levels: [u32; 2],
     /// Whether ±180° is within two pixels, on this triangle.
@@ -142,7 +142,7 @@ fn truth(
         .iter()
         .all(|v| (0.0..1.0).contains(v));
     let place = eye.body.ecef_to_geodetic(ecef);
-    let drawn = Place {
+    let drawn = WrappedPoint {
         u,
         mercator_vs: [by_vertex, by_fragment],
         cap: cap_point(&eye.body, ecef),
@@ -150,7 +150,7 @@ fn truth(
     let of_body = body.hit(direction, camera.near_m).map(|depth| {
         let ecef = camera.eye_ecef + direction * depth;
         let point = MapPoint::new(&eye.body, ecef);
-        Place {
+        WrappedPoint {
             u: point.u,
             mercator_vs: [point.mercator_v; 2],
             cap: cap_point(&eye.body, ecef),
@@ -215,7 +215,7 @@ pub(crate) struct Texel {
 }
 
 /// How far outside a texel a place lies, texels; 0 inside it.
-pub(crate) fn off_texels(texel: Texel, place: &Place, by_fragment: bool) -> f64 {
+pub(crate) fn off_texels(texel: Texel, place: &WrappedPoint, by_fragment: bool) -> f64 {
     let beyond = |shown: f64, at: f64| ((shown + 0.5 - at).abs() - 0.5).max(0.0);
     let [x, y] = [texel.x, texel.y].map(f64::from);
     match (texel.tile, place.cap) {

@@ -5,7 +5,7 @@
 //! Zones share the vertices of their edges: those that the coarser of two zones does not have lie on its edges.
 
 use crate::counts::quadtree::Node;
-use crate::counts::scene::Drawn;
+use crate::counts::scene::NodeVertices;
 use crate::list::Eye;
 use glam::DVec3;
 use std::sync::Arc;
@@ -121,7 +121,7 @@ impl Field {
     }
 
     /// All zones at their levels.
-    pub(super) fn drawn(&self, eye: &Eye, levels: &Levels) -> Drawn {
+    pub(super) fn drawn(&self, eye: &Eye, levels: &Levels) -> NodeVertices {
         let zones = (0..ZONES * ZONES).map(|number| {
             let (_, column, row) = node(number);
             let first = [column, row].map(|at| FINE_CELLS * u32::try_from(at).unwrap_or(0));
@@ -142,7 +142,7 @@ impl Field {
             vertices.resize(ZONE_VERTICES as usize, vertices[0]);
             (node(number), Arc::new(vertices))
         });
-        Drawn::sorted(eye, ZONE_VERTICES, zones.collect())
+        NodeVertices::sorted(eye, ZONE_VERTICES, zones.collect())
     }
 }
 

@@ -4,7 +4,7 @@
 use super::kit::{
     FRAME, WHOLE, beside, compared, counter, frame_time, gain, percent, ratios, remark,
 };
-use crate::culling::{Place, VIEWS};
+use crate::culling::{CullStage, VIEWS};
 use crate::keys::*;
 use terrafill_lab::{
     Cases, Column, Drawing, Figure, Follows, Names, Panel, Section, Select, finding,
@@ -259,7 +259,7 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
     let band = Noise::band(own.noise(frame_time(cases.clock())));
     let on = |api: &str| {
         let own = own.with(&[(API, api)]);
-        let places = Place::ALL.into_iter().map(Place::name);
+        let places = CullStage::ALL.into_iter().map(CullStage::name);
         let culled = places.filter_map(|place| Some((place, Views::of(&own, place, "box")?)));
         let culled: Vec<(&str, Views)> = culled.collect();
         let (place, best) = culled.iter().min_by(|a, b| a.1.ms.total_cmp(&b.1.ms))?;

@@ -3,9 +3,9 @@
 
 use super::frustum::Frustum;
 use super::ground::{Ground, GroundConstants, PATCH_TRIANGLES};
-use super::way::{Place, Test};
+use super::way::{CullStage, Test};
 use crate::draws::{Counted, Times};
-use crate::grid::View;
+use crate::grid::GridCamera;
 use terrafill_contract::{DeviceError, Picture};
 
 /// Vertices of a patch, six a cell.
@@ -65,16 +65,16 @@ impl Sent {
         clippy::cast_possible_truncation,
         reason = "there are 256 tiles, and patches are far fewer than 2^32"
     )]
-    pub(super) fn new(ground: &Ground, view: &View, place: Place) -> Self {
+    pub(super) fn new(ground: &Ground, view: &GridCamera, place: CullStage) -> Self {
         let frustum = Frustum::new(view);
         let tiles = frustum.tiles(ground);
         let in_tiles = tiles.len() as u32 * ground.patches_a_tile();
-        let patches = (place == Place::Cpu).then(|| frustum.patches(ground, &tiles));
+        let patches = (place == CullStage::Cpu).then(|| frustum.patches(ground, &tiles));
         let instances = match place {
-            Place::TilesAlone => Some(in_tiles),
-            Place::Cpu => patches.as_ref().map(|patches| patches.len() as u32),
-            Place::Compute => Some(0),
-            Place::Geometry | Place::Task => None,
+            CullStage::TilesAlone => Some(in_tiles),
+            CullStage::Cpu => patches.as_ref().map(|patches| patches.len() as u32),
+            CullStage::Compute => Some(0),
+            CullStage::Geometry | CullStage::Task => None,
         };
         Self {
             tiles,
@@ -109,7 +109,7 @@ pub(super) fn listed(arguments: &[u32], mut patches: Vec<u32>) -> Kept {
 }
 
 /// What shaders read of a view.
-pub(super) fn constants(ground: &Ground, view: &View, test: Test) -> GroundConstants {
+pub(super) fn constants(ground: &Ground, view: &GridCamera, test: Test) -> GroundConstants {
     let tiles = Frustum::new(view).tiles(ground).len();
     #[allow(clippy::cast_possible_truncation, reason = "there are 256 tiles")]
     let listed = tiles as u32;

@@ -2,7 +2,7 @@
 //! Boxes against the planes of a view on the CPU, in `f64`: level 1, and level 2 where the CPU does it.
 
 use super::ground::{Ground, PATCH_CELLS, TILES};
-use crate::grid::{NEAR_M, View};
+use crate::grid::{GridCamera, NEAR_M};
 use glam::DVec3;
 
 /// The four sides and the near plane of a view; normals point inwards.
@@ -10,7 +10,7 @@ use glam::DVec3;
 pub(crate) struct Frustum([(DVec3, f64); 5]);
 
 impl Frustum {
-    pub(crate) fn new(view: &View) -> Self {
+    pub(crate) fn new(view: &GridCamera) -> Self {
         let side = |axis: DVec3| {
             let normal = view.forward * view.tan_half + axis;
             (normal, -normal.dot(view.eye))

@@ -4,7 +4,7 @@
 //! Metres; x along columns, y along rows, z up. A cell is 30 m.
 
 use super::way::Test;
-use crate::grid::{Grid, View};
+use crate::grid::{Grid, GridCamera};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, DVec4, IVec2};
 use std::f64::consts::TAU;
@@ -87,14 +87,14 @@ impl Ground {
         share: DVec2,
         above_m: f64,
         [down_deg, turn_deg, wide_deg]: [f64; 3],
-    ) -> View {
+    ) -> GridCamera {
         let cell = (share * f64::from(self.grid.cells)).floor();
         let eye = ((cell + 0.5) * CELL_M).extend(self.highest_of(cell.as_ivec2()) + above_m);
         let (down, turn) = (down_deg.to_radians(), turn_deg.to_radians());
         let ahead = DVec3::new(turn.cos(), turn.sin(), 0.0);
         let forward = ahead * down.cos() - DVec3::Z * down.sin();
         let right = DVec3::new(turn.sin(), -turn.cos(), 0.0);
-        View {
+        GridCamera {
             eye,
             right,
             up: right.cross(forward),
@@ -188,7 +188,7 @@ impl GroundConstants {
         clippy::cast_possible_truncation,
         reason = "rounding to what the GPU reads is the purpose"
     )]
-    pub(crate) fn new(ground: &Ground, view: &View, listed: u32, test: Test) -> Self {
+    pub(crate) fn new(ground: &Ground, view: &GridCamera, listed: u32, test: Test) -> Self {
         let clip = view.clip_from_world();
         let eye_cell = (view.eye.truncate() / CELL_M).floor();
         // Whole metres, which f32 holds exactly.

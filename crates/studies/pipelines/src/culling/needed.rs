@@ -4,7 +4,7 @@
 //! Every vertex of the ground is projected; no box, no plane and no matrix of what culls is used.
 
 use super::ground::PATCH_CELLS;
-use crate::grid::{Grid, NEAR_M, View};
+use crate::grid::{Grid, GridCamera, NEAR_M};
 use glam::DVec3;
 
 /// What a list of kept patches has too few and too many.
@@ -17,7 +17,7 @@ pub(crate) struct Missed {
 }
 
 /// Of each patch whether it is needed, row by row.
-pub(crate) fn needed(grid: &Grid, view: &View) -> Vec<bool> {
+pub(crate) fn needed(grid: &Grid, view: &GridCamera) -> Vec<bool> {
     let patches = (grid.cells / PATCH_CELLS) as usize;
     let mut needed = vec![false; patches * patches];
     let mut above = sides_of_row(grid, view, 0);
@@ -37,7 +37,7 @@ pub(crate) fn needed(grid: &Grid, view: &View) -> Vec<bool> {
 }
 
 /// Of each vertex of a row a bit for every plane that it is outside of.
-fn sides_of_row(grid: &Grid, view: &View, row: u32) -> Vec<u8> {
+fn sides_of_row(grid: &Grid, view: &GridCamera, row: u32) -> Vec<u8> {
     let step_m = grid.step_m();
     let first = grid.index(0, row);
     let heights = &grid.heights[first..=first + grid.cells as usize];
@@ -107,7 +107,7 @@ mod tests {
                 kind.name
             );
             // Twin: the reference sees more than what is culled for.
-            let wide = View {
+            let wide = GridCamera {
                 tan_half: 1.1 * view.tan_half,
                 ..view
             };

@@ -3,9 +3,9 @@
 
 use super::culls::{Culls, Kept, Sent, Shown, constants, listed};
 use super::ground::{Ground, PATCH_TRIANGLES};
-use super::way::{CullWay, Place};
+use super::way::{CullStage, CullWay};
 use crate::draws::{Counted, Times};
-use crate::grid::View;
+use crate::grid::GridCamera;
 use crate::on_vulkan::{heights, uniform};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -47,7 +47,7 @@ impl VulkanGround {
 pub(crate) struct OnVulkan {
     shared: Rc<VulkanGround>,
     way: CullWay,
-    view: View,
+    view: GridCamera,
     targets: RenderTargets,
     pipeline: DrawPipeline,
     compute: Option<ComputePipeline>,
@@ -61,7 +61,7 @@ impl OnVulkan {
     pub(crate) fn new(
         shared: &Rc<VulkanGround>,
         way: CullWay,
-        view: &View,
+        view: &GridCamera,
         size: ImageSize,
     ) -> Result<Self, DeviceError> {
         let (gpu, ground) = (&shared.gpu, &shared.ground);
@@ -70,8 +70,8 @@ impl OnVulkan {
         let all = words(ground.patch_boxes.len());
         let storage = BufferUse::Storage;
         let kept = match way.place {
-            Place::Cpu => Buffer::streamed(gpu, "patches", all, storage)?,
-            Place::Compute => Buffer::unwritten(gpu, "patches", all, BufferUse::State)?,
+            CullStage::Cpu => Buffer::streamed(gpu, "patches", all, storage)?,
+            CullStage::Compute => Buffer::unwritten(gpu, "patches", all, BufferUse::State)?,
             _ => Buffer::upload(gpu, "count of patches", &[0; 4], BufferUse::State)?,
         };
         let tile_bytes = words(ground.tile_boxes.len());
@@ -89,7 +89,7 @@ impl OnVulkan {
         let resources = Resources::new(gpu, resources)?;
         let (stages, fragment) = stages(way.place);
         let compute = match way.place {
-            Place::Compute => {
+            CullStage::Compute => {
                 let shader = Shader::Wgsl {
                     path: "pipelines/cull.wgsl",
                     entry_point: "compute_main",
@@ -123,9 +123,11 @@ impl OnVulkan {
         }
         let ranges: Vec<_> = std::iter::once(0..sent.in_tiles).collect();
         let call = match self.way.place {
-            Place::TilesAlone | Place::Cpu | Place::Compute => DrawCall::Indirect(&self.arguments),
-            Place::Geometry => DrawCall::Vertices(&ranges),
-            Place::Task => DrawCall::MeshGroups([sent.in_tiles.div_ceil(TASK_GROUP), 1]),
+            CullStage::TilesAlone | CullStage::Cpu | CullStage::Compute => {
+                DrawCall::Indirect(&self.arguments)
+            }
+            CullStage::Geometry => DrawCall::Vertices(&ranges),
+            CullStage::Task => DrawCall::MeshGroups([sent.in_tiles.div_ceil(TASK_GROUP), 1]),
         };
         let dispatch = self.compute.as_ref().map(|pipeline| Dispatch {
             pipeline,
@@ -147,21 +149,21 @@ impl OnVulkan {
             Ok(bytemuck::pod_collect_to_vec(&buffer.contents(gpu)?))
         };
         Ok(match self.way.place {
-            Place::TilesAlone => Kept::List(sent.of_tiles(&self.shared.ground)),
-            Place::Cpu => Kept::List(sent.patches.unwrap_or_default()),
-            Place::Compute => listed(&words(&self.arguments)?, words(&self.kept)?),
-            Place::Geometry => {
+            CullStage::TilesAlone => Kept::List(sent.of_tiles(&self.shared.ground)),
+            CullStage::Cpu => Kept::List(sent.patches.unwrap_or_default()),
+            CullStage::Compute => listed(&words(&self.arguments)?, words(&self.kept)?),
+            CullStage::Geometry => {
                 let primitives = counted.primitives.ok_or_else(|| {
                     DeviceError::unsupported("pipeline statistics", &gpu.facts.name)
                 })?;
                 Kept::Count(primitives / u64::from(PATCH_TRIANGLES))
             }
-            Place::Task => Kept::Count(u64::from(words(&self.kept)?[0])),
+            CullStage::Task => Kept::Count(u64::from(words(&self.kept)?[0])),
         })
     }
 }
 
-fn stages(place: Place) -> (PrimitiveStages, Shader) {
+fn stages(place: CullStage) -> (PrimitiveStages, Shader) {
     let wgsl = |entry_point| Shader::Wgsl {
         path: CULLED,
         entry_point,
@@ -175,9 +177,9 @@ fn stages(place: Place) -> (PrimitiveStages, Shader) {
     };
     let triangles = Topology::Triangles;
     match place {
-        Place::TilesAlone => (vertices("of_tiles", None, triangles), fragment),
-        Place::Cpu | Place::Compute => (vertices("of_list", None, triangles), fragment),
-        Place::Geometry => {
+        CullStage::TilesAlone => (vertices("of_tiles", None, triangles), fragment),
+        CullStage::Cpu | CullStage::Compute => (vertices("of_list", None, triangles), fragment),
+        CullStage::Geometry => {
             let output = GeometryOutput {
                 name: "native/ground.geom.spv",
                 vertices: 72,
@@ -189,7 +191,7 @@ fn stages(place: Place) -> (PrimitiveStages, Shader) {
                 fragment,
             )
         }
-        Place::Task => (
+        CullStage::Task => (
             PrimitiveStages::Mesh {
                 task: Some("native/ground.task.spv"),
                 mesh: "native/ground.mesh.spv",
@@ -201,7 +203,7 @@ fn stages(place: Place) -> (PrimitiveStages, Shader) {
 
 impl Culls for OnVulkan {
     fn draw(&mut self) -> Result<Shown, DeviceError> {
-        if self.way.place == Place::Task {
+        if self.way.place == CullStage::Task {
             self.kept.rewrite(0, &[0; 4])?;
         }
         let (report, sent) = self.frame(Measured::Statistics)?;

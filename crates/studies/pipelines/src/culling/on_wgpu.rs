@@ -3,9 +3,9 @@
 
 use super::culls::{Culls, Kept, Sent, Shown, constants, listed};
 use super::ground::Ground;
-use super::way::{CullWay, Place};
+use super::way::{CullStage, CullWay};
 use crate::draws::{Counted, Times};
-use crate::grid::View;
+use crate::grid::GridCamera;
 use crate::on_wgpu::{
     bind, compute_pipeline, draw_pipeline, heights, storage_type, texture_type, uniform_type,
 };
@@ -42,7 +42,7 @@ impl WgpuGround {
 pub(crate) struct OnWgpu {
     shared: Rc<WgpuGround>,
     way: CullWay,
-    view: View,
+    view: GridCamera,
     targets: RenderTargets,
     pipeline: wgpu::RenderPipeline,
     bound: wgpu::BindGroup,
@@ -56,15 +56,17 @@ impl OnWgpu {
     pub(crate) fn new(
         shared: &Rc<WgpuGround>,
         way: CullWay,
-        view: &View,
+        view: &GridCamera,
         size: ImageSize,
     ) -> Result<Self, DeviceError> {
         let (gpu, ground) = (&shared.gpu, &shared.ground);
         let entry_point = match way.place {
-            Place::TilesAlone => "of_tiles",
-            Place::Cpu | Place::Compute => "of_list",
-            Place::Geometry => return Err(DeviceError::unsupported("geometry shaders", "WebGPU")),
-            Place::Task => return Err(DeviceError::unsupported("task shaders", "WebGPU")),
+            CullStage::TilesAlone => "of_tiles",
+            CullStage::Cpu | CullStage::Compute => "of_list",
+            CullStage::Geometry => {
+                return Err(DeviceError::unsupported("geometry shaders", "WebGPU"));
+            }
+            CullStage::Task => return Err(DeviceError::unsupported("task shaders", "WebGPU")),
         };
         let constants = constants(ground, view, way.test);
         let bytes = bytemuck::bytes_of(&constants);
@@ -105,7 +107,7 @@ impl OnWgpu {
         let (layout, bound) = bind(gpu, types, resources[..5].iter().cloned());
         let pipeline = draw_pipeline(gpu, "pipelines/culled.wgsl", entry_point, &layout)?;
         let compute = match way.place {
-            Place::Compute => {
+            CullStage::Compute => {
                 let stage = wgpu::ShaderStages::COMPUTE;
                 let own = [(stage, storage_type(false)); 2];
                 let (layout, bound) = bind(gpu, base(stage).into_iter().chain(own), resources);
@@ -169,7 +171,7 @@ impl Culls for OnWgpu {
             picture: self.targets.read()?,
             sent_bytes: sent.bytes(),
             kept: match (self.way.place, &sent.patches) {
-                (Place::Compute, _) => listed(&words(&self.arguments)?, words(&self.kept)?),
+                (CullStage::Compute, _) => listed(&words(&self.arguments)?, words(&self.kept)?),
                 (_, Some(patches)) => Kept::List(patches.clone()),
                 (_, None) => Kept::List(sent.of_tiles(&self.shared.ground)),
             },

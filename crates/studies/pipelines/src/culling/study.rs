@@ -7,9 +7,9 @@ use super::ground::{Ground, PATCH_TRIANGLES};
 use super::needed::{missed, needed};
 use super::on_vulkan::{OnVulkan, VulkanGround};
 use super::on_wgpu::{OnWgpu, WgpuGround};
-use super::way::{CullWay, FLIGHT_S, Place, Test, VIEWS, ViewKind, flight};
+use super::way::{CullStage, CullWay, FLIGHT_S, Test, VIEWS, ViewKind, flight};
 use crate::STUDY;
-use crate::grid::View;
+use crate::grid::GridCamera;
 use crate::images::{of_numbers, size_px, write};
 use crate::keys::{self, API, EXPERIMENT, PLACE, TEST, VIEW};
 use crate::rays::{Cut, Judged, Rays};
@@ -144,7 +144,7 @@ fn group(
 
 /// What the reference says of a view, and what the first way of each interface showed of it.
 struct Truth {
-    view: View,
+    view: GridCamera,
     needed: Vec<bool>,
     in_tiles: u32,
     tiles: usize,
@@ -165,7 +165,7 @@ struct CullSession<'a> {
     opened: BTreeMap<usize, Box<dyn Culls>>,
 }
 
-fn rays<'a>(ground: &'a Ground, view: &View, size: ImageSize) -> Rays<'a> {
+fn rays<'a>(ground: &'a Ground, view: &GridCamera, size: ImageSize) -> Rays<'a> {
     let size = [size.width, size.height];
     Rays::new(&ground.grid, *view, size, Cut::Published)
 }
@@ -192,7 +192,7 @@ impl Truth {
 }
 
 impl CullSession<'_> {
-    fn open(&mut self, way: CullWay, view: &View) -> Result<Box<dyn Culls>, DeviceError> {
+    fn open(&mut self, way: CullWay, view: &GridCamera) -> Result<Box<dyn Culls>, DeviceError> {
         let devices = self.context.devices;
         Ok(match way.interface {
             Interface::Vulkan => {
@@ -216,7 +216,7 @@ impl CullSession<'_> {
 
     /// Whether a case's picture is kept: without level 2, or where it is wrong.
     fn is_kept(&self, way: CullWay, wrong: &[bool]) -> bool {
-        let is_shown = way.place == Place::TilesAlone && way.interface == Interface::Vulkan;
+        let is_shown = way.place == CullStage::TilesAlone && way.interface == Interface::Vulkan;
         let is_five = self.group.work.experiment == "culling";
         (is_five && is_shown) || wrong.contains(&true)
     }
@@ -247,7 +247,7 @@ impl Measures for CullSession<'_> {
         let first = first.or_insert_with(|| numbers.clone());
         let differs = numbers.iter().zip(&*first).map(|(a, b)| a != b);
         let wrong: Vec<bool> = differs.collect();
-        let found = Found {
+        let found = CullOutcome {
             differing: wrong.iter().filter(|differs| **differs).count(),
             judged,
             shown,
@@ -269,14 +269,14 @@ impl Measures for CullSession<'_> {
 }
 
 /// What a case showed beside what it should.
-struct Found {
+struct CullOutcome {
     shown: Shown,
     judged: Judged,
     /// Pixels that differ from the first way's.
     differing: usize,
 }
 
-impl Found {
+impl CullOutcome {
     /// Why it is wrong, if it is, and its figures.
     fn against(&self, truth: &Truth) -> (String, Figures) {
         let (needed, kept) = (truth.needed(), self.shown.kept.count());
@@ -393,7 +393,7 @@ mod tests {
             .filter(|(_, is)| **is)
             .map(|(at, _)| at)
             .collect();
-        let found = |kept: &[u32], differing| Found {
+        let found = |kept: &[u32], differing| CullOutcome {
             shown: Shown {
                 picture: Picture {
                     size: PICTURE,

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 /// Where level 2 takes place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Place {
+pub(crate) enum CullStage {
     /// Nowhere: all patches of the tiles in view are drawn.
     TilesAlone,
     /// On the CPU, which sends a list each frame.
@@ -19,7 +19,7 @@ pub(crate) enum Place {
     Task,
 }
 
-impl Place {
+impl CullStage {
     pub(crate) const ALL: [Self; 5] = [
         Self::TilesAlone,
         Self::Cpu,
@@ -67,12 +67,12 @@ impl Test {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct CullWay {
     pub(crate) interface: Interface,
-    pub(crate) place: Place,
+    pub(crate) place: CullStage,
     pub(crate) test: Test,
 }
 
 impl CullWay {
-    fn new(interface: Interface, place: Place, test: Test) -> Self {
+    fn new(interface: Interface, place: CullStage, test: Test) -> Self {
         Self {
             interface,
             place,
@@ -84,18 +84,18 @@ impl CullWay {
     pub(crate) fn all() -> Vec<Self> {
         let mut ways = Vec::new();
         for interface in Interface::ALL {
-            ways.push(Self::new(interface, Place::TilesAlone, Test::Nothing));
-            ways.push(Self::new(interface, Place::Cpu, Test::Box));
-            ways.push(Self::new(interface, Place::Compute, Test::Box));
+            ways.push(Self::new(interface, CullStage::TilesAlone, Test::Nothing));
+            ways.push(Self::new(interface, CullStage::Cpu, Test::Box));
+            ways.push(Self::new(interface, CullStage::Compute, Test::Box));
             let points =
-                RANGES.map(|range| Self::new(interface, Place::Compute, Test::Point(range)));
+                RANGES.map(|range| Self::new(interface, CullStage::Compute, Test::Point(range)));
             ways.extend(points);
         }
         for test in [Test::Nothing, Test::Box, Test::Point(RANGES[1])] {
-            ways.push(Self::new(Interface::Vulkan, Place::Geometry, test));
+            ways.push(Self::new(Interface::Vulkan, CullStage::Geometry, test));
         }
         for test in [Test::Nothing, Test::Box] {
-            ways.push(Self::new(Interface::Vulkan, Place::Task, test));
+            ways.push(Self::new(Interface::Vulkan, CullStage::Task, test));
         }
         ways
     }
@@ -103,7 +103,11 @@ impl CullWay {
     /// One of each place, with the stages that test and draw without a test; of the tests of a point the middle one,
     /// once.
     pub(crate) fn few() -> Vec<Self> {
-        let middle = Self::new(Interface::Vulkan, Place::Compute, Test::Point(RANGES[1]));
+        let middle = Self::new(
+            Interface::Vulkan,
+            CullStage::Compute,
+            Test::Point(RANGES[1]),
+        );
         let is_main = |way: &Self| match way.test {
             Test::Nothing | Test::Box => true,
             Test::Point(_) => *way == middle,
@@ -115,13 +119,13 @@ impl CullWay {
     pub(crate) fn of_flight() -> Vec<Self> {
         let both = |interface| {
             [
-                Self::new(interface, Place::TilesAlone, Test::Nothing),
-                Self::new(interface, Place::Compute, Test::Box),
+                Self::new(interface, CullStage::TilesAlone, Test::Nothing),
+                Self::new(interface, CullStage::Compute, Test::Box),
             ]
         };
         let mut ways: Vec<Self> = Interface::ALL.into_iter().flat_map(both).collect();
         for test in [Test::Nothing, Test::Box] {
-            ways.push(Self::new(Interface::Vulkan, Place::Geometry, test));
+            ways.push(Self::new(Interface::Vulkan, CullStage::Geometry, test));
         }
         ways
     }
@@ -130,7 +134,7 @@ impl CullWay {
     pub(crate) fn counted() -> Vec<Self> {
         let is_counted = |way: &Self| {
             way.interface == Interface::Vulkan
-                && matches!(way.place, Place::TilesAlone | Place::Compute)
+                && matches!(way.place, CullStage::TilesAlone | CullStage::Compute)
         };
         Self::all().into_iter().filter(is_counted).collect()
     }

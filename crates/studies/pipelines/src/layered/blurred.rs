@@ -55,7 +55,7 @@ struct BlurredConstants {
 
 /// What is made of layers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Made {
+enum LayerUse {
     /// Their mean, at middles or ends.
     Mean(MeanOf),
     Resolved(Resolve),
@@ -97,7 +97,7 @@ impl BlurWay {
 #[derive(Debug, Clone, Copy)]
 struct BlurCase {
     way: BlurWay,
-    made: Made,
+    made: LayerUse,
     layers: u32,
 }
 
@@ -107,11 +107,11 @@ fn cases(is_quick: bool) -> Vec<BlurCase> {
     let passes = BlurWay::Layers(Interface::Wgpu, LightWay::Passes);
     let mut cases = Vec::new();
     for filter in Filter::ALL {
-        let mean = |moments| Made::Mean(MeanOf { filter, moments });
+        let mean = |moments| LayerUse::Mean(MeanOf { filter, moments });
         for &layers in counts {
             let ways = layered.into_iter().chain([passes]);
             let ways = ways.chain(Accumulator::ALL.map(BlurWay::Added));
-            let mut ways: Vec<(BlurWay, Made)> =
+            let mut ways: Vec<(BlurWay, LayerUse)> =
                 ways.map(|way| (way, mean(Moments::Middle))).collect();
             ways.push((layered[0], mean(Moments::End)));
             ways.extend(Interface::ALL.map(|api| (BlurWay::Own(api), mean(Moments::Random))));
@@ -121,7 +121,7 @@ fn cases(is_quick: bool) -> Vec<BlurCase> {
     }
     for resolve in Resolve::ALL {
         for layers in RESOLVED {
-            let made = Made::Resolved(resolve);
+            let made = LayerUse::Resolved(resolve);
             cases.extend([layered[1], passes].map(|way| BlurCase { way, made, layers }));
         }
     }
@@ -153,12 +153,12 @@ fn group_of(cases: Vec<BlurCase>, samples: u32) -> CaseGroup<Vec<BlurCase>> {
 impl BlurCase {
     fn planned(&self, samples: u32) -> PlannedCase {
         let mut conditions = match self.made {
-            Made::Mean(MeanOf { filter, moments }) => vec![
+            LayerUse::Mean(MeanOf { filter, moments }) => vec![
                 (EXPERIMENT, "blurred".to_owned()),
                 (FILTER, filter.name().to_owned()),
                 (MOMENTS, moments.name().to_owned()),
             ],
-            Made::Resolved(resolve) => vec![
+            LayerUse::Resolved(resolve) => vec![
                 (EXPERIMENT, "blurred-resolve".to_owned()),
                 (RESOLVE, resolve.name().to_owned()),
             ],
@@ -181,8 +181,8 @@ impl BlurCase {
 
     fn filter(&self) -> Filter {
         match self.made {
-            Made::Mean(MeanOf { filter, .. }) => filter,
-            Made::Resolved(_) => Filter::Point,
+            LayerUse::Mean(MeanOf { filter, .. }) => filter,
+            LayerUse::Resolved(_) => Filter::Point,
         }
     }
 
@@ -190,8 +190,10 @@ impl BlurCase {
     fn moments(&self) -> Vec<f64> {
         match self.made {
             // Both are exact in f32, and none is random.
-            Made::Mean(MeanOf { moments, .. }) => moments.all(self.layers, &mut SplitMix64::new(0)),
-            Made::Resolved(_) => (0..self.layers)
+            LayerUse::Mean(MeanOf { moments, .. }) => {
+                moments.all(self.layers, &mut SplitMix64::new(0))
+            }
+            LayerUse::Resolved(_) => (0..self.layers)
                 .map(|layer| moment_of(layer, self.layers))
                 .collect(),
         }
@@ -226,10 +228,10 @@ impl BlurCase {
             (BlurWay::Own(_), _) => (self.layers, 5),
             // The sum is one layer, as it is.
             (BlurWay::Added(_), _) => (1, 0),
-            (_, Made::Mean(_)) => (self.layers, 0),
-            (_, Made::Resolved(Resolve::Published)) => (self.layers, 1),
-            (_, Made::Resolved(Resolve::OverBackground)) => (self.layers, 2),
-            (_, Made::Resolved(Resolve::CurrentFirst)) => (self.layers, 3),
+            (_, LayerUse::Mean(_)) => (self.layers, 0),
+            (_, LayerUse::Resolved(Resolve::Published)) => (self.layers, 1),
+            (_, LayerUse::Resolved(Resolve::OverBackground)) => (self.layers, 2),
+            (_, LayerUse::Resolved(Resolve::CurrentFirst)) => (self.layers, 3),
         };
         #[allow(
             clippy::cast_possible_truncation,
@@ -276,8 +278,8 @@ impl BlurCase {
         let (mut low, mut high, mut all) = (0.0, 0.0, 0.0);
         for (layer, moment) in (0..).zip(moments) {
             let weight = match self.made {
-                Made::Mean(_) => 1.0,
-                Made::Resolved(resolve) => resolve.weight(layer, self.layers),
+                LayerUse::Mean(_) => 1.0,
+                LayerUse::Resolved(resolve) => resolve.weight(layer, self.layers),
             };
             let at = start + MOTION_PX * moment;
             let shown = match self.filter() {
@@ -293,7 +295,7 @@ impl BlurCase {
             high += weight * shown.into_iter().fold(0.0, f64::max);
             all += weight;
         }
-        if self.made == Made::Resolved(Resolve::Published) {
+        if self.made == LayerUse::Resolved(Resolve::Published) {
             return [low, high].map(|light| f64::from(u8::from(light > 0.0)));
         }
         [low / all - rounding, high / all + rounding]
@@ -312,8 +314,8 @@ impl BlurCase {
                 // What is no number is wrong.
                 wrong += usize::from(!(low..=high).contains(&shown));
                 let exact = match self.made {
-                    Made::Mean(MeanOf { filter, .. }) => filter.exact(pixel, start),
-                    Made::Resolved(_) => fading(f64::from(pixel) + 0.5, start),
+                    LayerUse::Mean(MeanOf { filter, .. }) => filter.exact(pixel, start),
+                    LayerUse::Resolved(_) => fading(f64::from(pixel) + 0.5, start),
                 };
                 if exact > 0.0 {
                     pairs.push((shown, exact));

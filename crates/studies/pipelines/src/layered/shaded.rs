@@ -77,7 +77,7 @@ struct ShadedConstants {
 
 /// What a picture showed.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Found {
+pub(crate) struct LayerErrors {
     /// Texels of maps that are not what rays along the light meet, and pixels that no rounding explains.
     pub(crate) wrong_texels: usize,
     pub(crate) wrong: usize,
@@ -281,7 +281,7 @@ impl Shade {
     }
 
     /// Holds a picture and its maps against rays and against the same formula in `f64`.
-    pub(crate) fn judge(self, looked: &Looked) -> Found {
+    pub(crate) fn judge(self, looked: &Looked) -> LayerErrors {
         let squares = self.squares();
         let mut found = match self {
             Self::Terraces { least, .. } => self.judge_terraces(looked, least),
@@ -362,11 +362,11 @@ impl Shade {
         place.iter().all(|at| (REACH..square - REACH).contains(at))
     }
 
-    fn judge_terraces(self, looked: &Looked, least: Option<f32>) -> Found {
+    fn judge_terraces(self, looked: &Looked, least: Option<f32>) -> LayerErrors {
         let Some(Squares { receivers, .. }) = self.squares() else {
-            return Found::default();
+            return LayerErrors::default();
         };
-        let mut found = Found::default();
+        let mut found = LayerErrors::default();
         let (mut dark, mut black, mut outside) = (0, 0, 0);
         for (pixel, shown) in (0..).zip(numbers_of(&looked.picture.rgba)) {
             if !self.is_inside(pixel) {
@@ -395,11 +395,11 @@ impl Shade {
         found
     }
 
-    fn judge_rough(self, looked: &Looked, way: Moments, squares: Option<&Squares>) -> Found {
+    fn judge_rough(self, looked: &Looked, way: Moments, squares: Option<&Squares>) -> LayerErrors {
         let Some(Squares { receivers, .. }) = squares else {
-            return Found::default();
+            return LayerErrors::default();
         };
-        let mut found = Found::default();
+        let mut found = LayerErrors::default();
         let (mut relative, mut absolute, mut max) = (0.0, 0.0, 0.0_f64);
         for (pixel, shown) in (0..).zip(numbers_of(&looked.picture.rgba)) {
             if !self.is_inside(pixel) {
@@ -427,8 +427,8 @@ impl Shade {
         found
     }
 
-    fn judge_disc(self, looked: &Looked) -> Found {
-        let mut found = Found::default();
+    fn judge_disc(self, looked: &Looked) -> LayerErrors {
+        let mut found = LayerErrors::default();
         let least = self.least().map(f64::from);
         for (pixel, shown) in (0..).zip(numbers_of(&looked.picture.rgba)) {
             found.judged += 1;
@@ -452,9 +452,9 @@ impl Shade {
         found
     }
 
-    fn judge_hard(self, looked: &Looked) -> Found {
+    fn judge_hard(self, looked: &Looked) -> LayerErrors {
         let [texels, pixels] = self.sides();
-        let mut found = Found::default();
+        let mut found = LayerErrors::default();
         let (mut differing, mut farthest) = (0, 0.0_f64);
         for (pixel, shown) in (0..).zip(numbers_of(&looked.picture.rgba)) {
             found.judged += 1;
@@ -491,7 +491,7 @@ impl Shade {
     }
 }
 
-impl Found {
+impl LayerErrors {
     fn add(&mut self, allowed: Option<[f64; 2]>, shown: f32) {
         let shown = f64::from(shown);
         match allowed {

@@ -4,7 +4,7 @@
 use super::scene::{DistantLight, LightConstants};
 use super::way::LightWay;
 use crate::draws::{Counted, FrameTimes, Looked, LooksUp, Times};
-use crate::grid::{Grid, GridConstants, View};
+use crate::grid::{Grid, GridCamera, GridConstants};
 use crate::on_vulkan::{heights, uniform};
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError};
@@ -73,7 +73,7 @@ impl OnVulkan {
         size: ImageSize,
     ) -> Result<Self, DeviceError> {
         let layers = u32::try_from(lights.len()).unwrap_or(u32::MAX);
-        let constants = GridConstants::new(grid, &View::new());
+        let constants = GridConstants::new(grid, &GridCamera::new());
         let of_lights = LightConstants::new(grid, lights, side);
         let parts = LayerParts {
             way,

@@ -7,7 +7,7 @@ use super::scene::{DistantLight, lights};
 use super::way::LightWay;
 use crate::STUDY;
 use crate::draws::{LooksUp as _, bits, differing};
-use crate::grid::{Grid, View};
+use crate::grid::{Grid, GridCamera};
 use crate::images::{of_lights, size_px, write};
 use crate::keys::{self, EXPERIMENT, GRID_CELLS, LAYERS_BY, MAP_TEXELS};
 use crate::rays::{Cut, Rays};
@@ -108,7 +108,7 @@ impl Measures for LightSession<'_> {
         let numbers = ids_of(&shown.picture);
         let pixels = [size.width, size.height];
         let rays = LitRays {
-            rays: Rays::new(&self.grid, View::new(), pixels, Cut::Published),
+            rays: Rays::new(&self.grid, GridCamera::new(), pixels, Cut::Published),
             lights,
             side,
         };
@@ -192,7 +192,7 @@ mod tests {
         let judge = |numbers: &[u32]| {
             let size = [PICTURE.width, PICTURE.height];
             let rays = LitRays {
-                rays: Rays::new(&grid, View::new(), size, Cut::Published),
+                rays: Rays::new(&grid, GridCamera::new(), size, Cut::Published),
                 lights: &group.work.lights,
                 side: QUICK_SIZES[1],
             };

@@ -6,7 +6,7 @@ use super::*;
 const SIZE: [u32; 2] = [96, 96];
 
 fn rays(grid: &Grid, cut: Cut) -> Rays<'_> {
-    Rays::new(grid, View::new(), SIZE, cut)
+    Rays::new(grid, GridCamera::new(), SIZE, cut)
 }
 
 #[test]

@@ -48,7 +48,7 @@ impl Setting {
         Extent::ClosedAt(sea_level_below(&self.prepared.mesh, self.to_light, 1.0).expect("above"))
     }
 
-    fn stencil(&self, view: &View, truth: &Truth, volume: &Volume, rule: Rule) -> Stencil {
+    fn stencil(&self, view: &DeckCamera, truth: &Truth, volume: &Volume, rule: Rule) -> Stencil {
         let mut stencil = Stencil::clear(view);
         let how = |_| Some((rule, Rectangle::whole(view)));
         draw_within(
@@ -138,7 +138,7 @@ fn twins_are_seen_misprint_dropped_side_and_clipped_cap() {
 
 #[test]
 fn a_sliver_is_one_where_it_is_thin() {
-    let view = View::level(DVec3::ZERO, 0.0, 0.5, [64, 48]);
+    let view = DeckCamera::level(DVec3::ZERO, 0.0, 0.5, [64, 48]);
     let at = 24 * 64 + 32;
     let volume = |px: f64| {
         let places = [[-4.0, -px], [4.0, -px], [0.0, 2.0 * px]].map(|[right, down]| {

@@ -23,13 +23,13 @@ enum Feed {
         indices: Buffer,
         ranges: Vec<Range<u32>>,
     },
-    /// Vertices of each caster, by [`Part`].
+    /// Vertices of each caster, by [`VolumePart`].
     Adjacent(Adjacency, Vec<[u32; 2]>),
 }
 
 /// What a caster's volume is drawn as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum Part {
+enum VolumePart {
     /// The volume, or what a geometry shader makes of it.
     Volume,
     /// Caps beside it, as a geometry shader may begin a triangle with another corner than the surface does. Depths
@@ -42,7 +42,7 @@ pub(super) struct OnVulkan {
     feed: Feed,
     /// The surface's depth is tested against each volume's range.
     has_bounds: bool,
-    pipelines: HashMap<(VolumeState, Part), Pipeline>,
+    pipelines: HashMap<(VolumeState, VolumePart), Pipeline>,
 }
 
 impl OnVulkan {
@@ -76,14 +76,14 @@ impl OnVulkan {
         })
     }
 
-    fn parts(&self) -> &'static [Part] {
+    fn parts(&self) -> &'static [VolumePart] {
         match self.feed {
-            Feed::Adjacent(..) => &[Part::Volume, Part::Caps],
-            Feed::Buffers { .. } => &[Part::Volume],
+            Feed::Adjacent(..) => &[VolumePart::Volume, VolumePart::Caps],
+            Feed::Buffers { .. } => &[VolumePart::Volume],
         }
     }
 
-    fn descriptor(&self, state: VolumeState, part: Part) -> PipelineDescriptor {
+    fn descriptor(&self, state: VolumeState, part: VolumePart) -> PipelineDescriptor {
         let fragments = match state {
             VolumeState::Mark {
                 has_colour: true, ..
@@ -103,7 +103,7 @@ impl OnVulkan {
         };
         let (entry_point, geometry, topology) = match (&self.feed, part) {
             (Feed::Buffers { .. }, _) => ("vertex_main", None, Topology::Triangles),
-            (Feed::Adjacent(by, _), Part::Caps) => {
+            (Feed::Adjacent(by, _), VolumePart::Caps) => {
                 let entry_point = match by {
                     Adjacency::Triangles => "triangle_caps",
                     Adjacency::Corners => "corner_caps",
@@ -111,7 +111,7 @@ impl OnVulkan {
                 };
                 (entry_point, None, Topology::Triangles)
             }
-            (Feed::Adjacent(by, _), Part::Volume) => match by {
+            (Feed::Adjacent(by, _), VolumePart::Volume) => match by {
                 Adjacency::Triangles => (
                     "triangles",
                     geometry("casters/triangles.geom"),
@@ -188,7 +188,7 @@ impl VulkanVolumes for OnVulkan {
                     }
                     Feed::Adjacent(_, vertices) => {
                         let [of_volume, of_caps] = vertices[caster];
-                        let count = if part == Part::Caps {
+                        let count = if part == VolumePart::Caps {
                             of_caps
                         } else {
                             of_volume

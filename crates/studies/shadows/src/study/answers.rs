@@ -13,7 +13,7 @@ use crate::near::EyeTest;
 use crate::outline::{Way, outlines};
 use crate::view::sun;
 use crate::views::Chooser;
-use crate::work::{BOUNDS_SHARE, Drawn, End, NEARS, Pixels, Scene, Scissor};
+use crate::work::{BOUNDS_SHARE, ChannelTotals, End, NEARS, Pixels, Scene, Scissor};
 use std::path::Path;
 use terrafill_casters::{Extent, Policy, Volume};
 use terrafill_results::{Status, Verdict};
@@ -43,7 +43,7 @@ pub(super) fn seen_figures(pixels: Pixels, lost: usize) -> [(&'static str, f64);
 }
 
 /// On a scene, over all channels.
-fn drawn_verdict(scene: &Scene, drawn: &Drawn) -> Verdict {
+fn drawn_verdict(scene: &Scene, drawn: &ChannelTotals) -> Verdict {
     let pixels = scene.pixels();
     let mut figures = vec![
         ("shadow_edge_on_px", pixels.edge_on as f64),
@@ -129,7 +129,7 @@ impl Answering<'_> {
                 let drawn = scene.drawn_within(rule, BOUNDS_SHARE)?;
                 Ok(drawn_verdict(scene, &drawn))
             }
-            Job::View(sun, place, chooser) => {
+            Job::DeckCamera(sun, place, chooser) => {
                 let make = || Scene::of_place(place, sun, size);
                 let scene = self.scene(place.name(), make)?;
                 let drawn = scene.drawn_chosen(chooser)?;

@@ -3,7 +3,7 @@
 
 use super::Scene;
 use crate::reference::{Light, Reference, Seen};
-use crate::view::View;
+use crate::view::DeckCamera;
 use glam::DVec3;
 
 /// How far beside a pixel's centre a device may look: rasterisers round corners to 1/256 of a pixel, and a
@@ -19,7 +19,7 @@ impl Scene {
     pub(crate) fn is_within_rounding(
         &self,
         reference: &Reference<'_>,
-        view: &View,
+        view: &DeckCamera,
         at: usize,
         light: Light,
     ) -> bool {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Scenes that are set up for one question each.
 
-use super::{Drawn, EYES, End, NEARS, Scene};
+use super::{ChannelTotals, EYES, End, NEARS, Scene};
 use crate::count::Rule;
 use crate::near::shadowed_share;
 use crate::reference::Reference;
-use crate::view::{View, deck_eyes, sun};
+use crate::view::{DeckCamera, deck_eyes, sun};
 use glam::{DVec2, DVec3};
 use terrafill_casters::{Mesh, MeshError, Policy, PortSize, hull, port, row};
 use terrafill_results::SplitMix64;
@@ -22,7 +22,7 @@ impl Scene {
         Self::of(
             row(count),
             [2.0, 180.0],
-            vec![View::level(eye, 90.0, 0.5, size)],
+            vec![DeckCamera::level(eye, 90.0, 0.5, size)],
         )
     }
 
@@ -40,7 +40,7 @@ impl Scene {
         if share == 0.0 {
             return Err("no eye is missed".to_owned());
         }
-        Self::of_port(at, vec![View { size, ..view }])
+        Self::of_port(at, vec![DeckCamera { size, ..view }])
     }
 
     /// Boxes over the sea, two faces of each of which are edge-on to the sun, or all turned at random.
@@ -86,7 +86,7 @@ impl Scene {
         let mesh = Mesh::from_triangles("boxes", vertices, triangles);
         let mesh = mesh.map_err(|error| error.to_string())?;
         let eye = DVec3::new(45.0, -120.0, 45.0);
-        Self::of(mesh, at, vec![View::level(eye, 90.0, 0.5, size)])
+        Self::of(mesh, at, vec![DeckCamera::level(eye, 90.0, 0.5, size)])
     }
 
     /// A hull whose shadow falls towards the eye, seen from below its deck.
@@ -95,13 +95,13 @@ impl Scene {
         Self::of(
             hull(1_000),
             [30.0, 90.0],
-            vec![View::level(eye, 90.0, 0.5, size)],
+            vec![DeckCamera::level(eye, 90.0, 0.5, size)],
         )
     }
 
     /// The same caster with a tenth of its deck missing, by a policy: what it comes to against the whole
     /// one, and its triangles.
-    pub(crate) fn drawn_open(&self, policy: Policy) -> Result<(Drawn, usize), MeshError> {
+    pub(crate) fn drawn_open(&self, policy: Policy) -> Result<(ChannelTotals, usize), MeshError> {
         let mut open = self.prepared.mesh.clone();
         // The deck is the last part of a hull's triangles.
         let is_deck =

@@ -9,7 +9,7 @@ mod rays;
 mod rounding;
 
 use super::*;
-use crate::layout::{Layout, Place};
+use crate::layout::{Layout, SpiralVertex};
 use std::collections::HashMap;
 use terrafill_core::Geodetic;
 use terrafill_elevation::Relief;
@@ -72,7 +72,7 @@ fn open_edges(layout: &Layout, law: Law) -> usize {
 }
 
 /// East and north on a map around the focus.
-fn flat(place: Place, law: Law, limits: Limits) -> [f64; 2] {
+fn flat(place: SpiralVertex, law: Law, limits: Limits) -> [f64; 2] {
     let radius = place
         .along
         .map_or(0.0, |along| law.radius(along, limits.inner, limits.outer));

@@ -176,12 +176,12 @@ fn adjacent_strip_inputs(indices: &[u32]) -> Vec<[u32; 6]> {
 
 /// Triangles, each from its smallest corner on, and boundary edges, all sorted.
 #[derive(Debug, PartialEq)]
-struct Made {
+struct SortedTopology {
     caps: Vec<[u32; 3]>,
     walls: Vec<[u32; 2]>,
 }
 
-impl Made {
+impl SortedTopology {
     fn of(caps: impl Iterator<Item = [u32; 3]>, walls: impl Iterator<Item = [u32; 2]>) -> Self {
         let mut caps: Vec<_> = caps.map(smallest_first).collect();
         let mut walls: Vec<_> = walls.collect();
@@ -256,36 +256,49 @@ fn strip_indices(technique: Extrusion, mesh: &RegionMesh) -> Vec<u32> {
 #[test]
 fn strips_make_what_lists_make() {
     for mesh in meshes_for_strips().into_iter().chain(real_meshes()) {
-        let expected = Made::of_mesh(&mesh);
+        let expected = SortedTopology::of_mesh(&mesh);
         let list: Vec<[u32; 6]> = with_neighbours(&mesh)
             .chunks_exact(6)
             .map(|input| input.try_into().expect("six"))
             .collect();
-        assert_eq!(Made::by_adjacency(&list), expected, "{:?}", mesh.triangles);
+        assert_eq!(
+            SortedTopology::by_adjacency(&list),
+            expected,
+            "{:?}",
+            mesh.triangles
+        );
         let indices = strip_indices(Extrusion::GsDegenerate, &mesh);
-        let made = Made::by_degenerate(&strip_inputs(&indices, [2, 1]));
+        let made = SortedTopology::by_degenerate(&strip_inputs(&indices, [2, 1]));
         assert_eq!(made, expected, "{indices:?}");
         let indices = strip_indices(Extrusion::GsAdjacency, &mesh);
         let mut inputs = adjacent_strip_inputs(&indices);
-        assert_eq!(Made::by_adjacency(&inputs), expected, "{indices:?}");
+        assert_eq!(
+            SortedTopology::by_adjacency(&inputs),
+            expected,
+            "{indices:?}"
+        );
         // Whichever corner a driver begins every second one with.
         for input in inputs.iter_mut().skip(1).step_by(2) {
             input.rotate_left(2);
         }
-        assert_eq!(Made::by_adjacency(&inputs), expected, "{indices:?}");
+        assert_eq!(
+            SortedTopology::by_adjacency(&inputs),
+            expected,
+            "{indices:?}"
+        );
     }
 }
 
 #[test]
 fn broken_strips_are_noticed() {
     let mesh = annulus(10);
-    let expected = Made::of_mesh(&mesh);
+    let expected = SortedTopology::of_mesh(&mesh);
     let indices = strip_indices(Extrusion::GsDegenerate, &mesh);
-    let made = |indices: &[u32]| Made::by_degenerate(&strip_inputs(indices, [2, 1]));
+    let made = |indices: &[u32]| SortedTopology::by_degenerate(&strip_inputs(indices, [2, 1]));
     assert_eq!(made(&indices), expected);
     // Every second triangle turned over.
     assert_ne!(
-        Made::by_degenerate(&strip_inputs(&indices, [1, 2])),
+        SortedTopology::by_degenerate(&strip_inputs(&indices, [1, 2])),
         expected
     );
     // No restart after the caps, and none after the first loop.
@@ -295,7 +308,7 @@ fn broken_strips_are_noticed() {
         assert_ne!(made(&joined), expected, "{place}");
     }
     let indices = strip_indices(Extrusion::GsAdjacency, &mesh);
-    let made = |indices: &[u32]| Made::by_adjacency(&adjacent_strip_inputs(indices));
+    let made = |indices: &[u32]| SortedTopology::by_adjacency(&adjacent_strip_inputs(indices));
     assert_eq!(made(&indices), expected);
     // A corner's neighbour in the place of the next one's.
     let mut noticed = 0;

@@ -38,7 +38,7 @@ fn devices_blur_as_defined_and_another_exposure_is_noticed() {
         }
     }
     let slope = |filter| {
-        let made = Made::Mean(MeanOf {
+        let made = LayerUse::Mean(MeanOf {
             filter,
             moments: Moments::Middle,
         });
@@ -56,7 +56,7 @@ fn devices_blur_as_defined_and_another_exposure_is_noticed() {
     // Negative controls: ends instead of middles, a layer left out, and the published resolve for the right one.
     let at = |moments, layers| BlurCase {
         way: BlurWay::Layers(Interface::Vulkan, LightWay::Passes),
-        made: Made::Mean(MeanOf {
+        made: LayerUse::Mean(MeanOf {
             filter: Filter::Box,
             moments,
         }),
@@ -75,7 +75,7 @@ fn devices_blur_as_defined_and_another_exposure_is_noticed() {
     fewer.layers.push(fewer.layers[0]);
     assert!(middle.judge(&drawn(fewer)).0 > 100);
     let resolved = |resolve| BlurCase {
-        made: Made::Resolved(resolve),
+        made: LayerUse::Resolved(resolve),
         ..middle
     };
     let published = drawn(resolved(Resolve::Published).scene());
