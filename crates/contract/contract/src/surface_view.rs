@@ -125,9 +125,10 @@ impl SurfaceLook {
     /// Shader of both stages, `vertex_main` and `fragment_main`, relative to `shaders/`.
     #[must_use]
     pub fn shader(self) -> &'static str {
-        match self.has_picture {
-            true => "surface/picture.wgsl",
-            false => "surface/surface.wgsl",
+        if self.has_picture {
+            "surface/picture.wgsl"
+        } else {
+            "surface/surface.wgsl"
         }
     }
 }

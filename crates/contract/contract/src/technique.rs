@@ -107,9 +107,10 @@ pub trait Technique: Sync + Debug {
         };
         let mut exact = top.clone();
         exact.plan.boundary_lod_px = None;
-        match exact == top {
-            true => vec![exact],
-            false => vec![exact, top],
+        if exact == top {
+            vec![exact]
+        } else {
+            vec![exact, top]
         }
     }
 

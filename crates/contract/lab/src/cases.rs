@@ -347,9 +347,10 @@ pub fn range(values: &[f64]) -> Option<String> {
     let least = values.iter().copied().min_by(f64::total_cmp)?;
     let most = values.iter().copied().max_by(f64::total_cmp)?;
     let [least, most] = [least, most].map(significant);
-    Some(match least == most {
-        true => least,
-        false => format!("{least} to {most}"),
+    Some(if least == most {
+        least
+    } else {
+        format!("{least} to {most}")
     })
 }
 

@@ -85,9 +85,10 @@ impl LeveledMeshes {
             let (body, rule) = (&scene.body, scene.edge_rule);
             let meshes = RegionMesh::build_all(&scene.regions, body, rule, options)?;
             let pieces = meshes.par_iter().map(|mesh| boundary_pieces(body, mesh));
-            let boundaries = match tolerances_m.is_empty() {
-                true => Vec::new(),
-                false => pieces.collect(),
+            let boundaries = if tolerances_m.is_empty() {
+                Vec::new()
+            } else {
+                pieces.collect()
             };
             Ok((meshes, boundaries))
         };
@@ -242,9 +243,10 @@ fn mesh_within(
 ) -> Result<RegionMesh, String> {
     let mesh = mesh.map_err(|error| error.to_string())?;
     let found_m = mesh.boundary_deviation_m + moved_m;
-    match found_m <= allowed_m {
-        true => Ok(mesh),
-        false => Err(format!("off by {found_m} m, allowed: {allowed_m} m")),
+    if found_m <= allowed_m {
+        Ok(mesh)
+    } else {
+        Err(format!("off by {found_m} m, allowed: {allowed_m} m"))
     }
 }
 

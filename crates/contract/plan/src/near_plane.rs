@@ -38,10 +38,7 @@ impl NearRectangle {
     /// - `meets`: the near rectangle meets them
     #[must_use]
     pub fn by_bounds(meets: bool) -> Self {
-        match meets {
-            true => Self::Cut,
-            false => Self::Outside,
-        }
+        if meets { Self::Cut } else { Self::Outside }
     }
 }
 

@@ -415,9 +415,12 @@ pub(crate) mod tests {
             let longitude_deg = |corner: &DVec3| corner.y.atan2(corner.x).to_degrees();
             corners.iter().any(|corner| longitude_deg(corner) < 25.0)
         };
-        let (seen, found) = parts.seen(HEIGHTS, |corners| match is_west(corners) {
-            true => Ok(rect(3)),
-            false => Err(LeftOutReason::BeyondHorizon),
+        let (seen, found) = parts.seen(HEIGHTS, |corners| {
+            if is_west(corners) {
+                Ok(rect(3))
+            } else {
+                Err(LeftOutReason::BeyondHorizon)
+            }
         });
         assert_eq!(found, Some(rect(3)));
         let left_out = seen.left_out[&LeftOutReason::BeyondHorizon];

@@ -93,9 +93,12 @@ impl RegionSet {
     pub fn with_geometry_of(&self, keeps: impl Fn(usize) -> bool) -> Self {
         let without = LazyMesh::from(RegionMesh::without_geometry());
         let meshes = self.meshes.iter().enumerate();
-        let meshes = meshes.map(|(place, mesh)| match keeps(place) {
-            true => mesh.clone(),
-            false => without.clone(),
+        let meshes = meshes.map(|(place, mesh)| {
+            if keeps(place) {
+                mesh.clone()
+            } else {
+                without.clone()
+            }
         });
         Self {
             whole: self.whole,

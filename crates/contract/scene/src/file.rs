@@ -64,9 +64,10 @@ impl Scene {
                 path: name.to_owned(),
             });
         }
-        match name.contains('/') || name.ends_with(".toml") {
-            true => Self::load(Path::new(name), data_dir),
-            false => Self::shipped(name, data_dir),
+        if name.contains('/') || name.ends_with(".toml") {
+            Self::load(Path::new(name), data_dir)
+        } else {
+            Self::shipped(name, data_dir)
         }
     }
 

@@ -696,9 +696,10 @@ impl Running<'_> {
         } else {
             FramesPerSample::default()
         };
-        let drawn = match counts {
-            true => self.session.before_sample(self.group.work[case]),
-            false => Ok(()),
+        let drawn = if counts {
+            self.session.before_sample(self.group.work[case])
+        } else {
+            Ok(())
         };
         let sampled = |()| (0..of).map(|_| self.sample(case, frames)).collect();
         let taken: Result<Vec<_>, String> = drawn.and_then(sampled);

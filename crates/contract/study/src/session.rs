@@ -75,9 +75,10 @@ impl From<StudyError> for Failure {
 #[must_use]
 pub fn judged(reason: String, figures: Figures, notes: Vec<(&'static str, String)>) -> Verdict {
     Verdict {
-        status: match reason.is_empty() {
-            true => Status::Ok,
-            false => Status::Wrong,
+        status: if reason.is_empty() {
+            Status::Ok
+        } else {
+            Status::Wrong
         },
         reason,
         figures,

@@ -53,9 +53,12 @@ impl Block {
                 .fold(0.0, f64::max),
             axis,
             // What has no area looks nowhere, and its angle is no number.
-            spread_rad: spread_rad.fold(0.0, |most: f64, own| match own.is_nan() {
-                true => f64::INFINITY,
-                false => most.max(own),
+            spread_rad: spread_rad.fold(0.0, |most: f64, own| {
+                if own.is_nan() {
+                    f64::INFINITY
+                } else {
+                    most.max(own)
+                }
             }),
             above_m: above_m.fold(f64::NEG_INFINITY, f64::max),
         }

@@ -216,9 +216,12 @@ impl SurfaceFrame {
 
 /// Whether two extents have a place in common, edges included.
 fn overlaps(one: &Extent, other: &Extent) -> bool {
-    let is_between = |at: f64, extent: &Extent| match extent.west_deg <= extent.east_deg {
-        true => (extent.west_deg..=extent.east_deg).contains(&at),
-        false => at >= extent.west_deg || at <= extent.east_deg,
+    let is_between = |at: f64, extent: &Extent| {
+        if extent.west_deg <= extent.east_deg {
+            (extent.west_deg..=extent.east_deg).contains(&at)
+        } else {
+            at >= extent.west_deg || at <= extent.east_deg
+        }
     };
     // ±180° is one meridian.
     let begins_in = |one: &Extent, other: &Extent| {

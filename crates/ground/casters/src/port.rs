@@ -106,9 +106,10 @@ impl Yard<'_> {
     fn bar(&mut self, from: [f64; 3], to: [f64; 3], side: f64) {
         let (from, to) = (self.at(from.into()), self.at(to.into()));
         let along = to - from;
-        let across = match along.x.abs() + along.y.abs() > 1e-9 * along.length() {
-            true => along.cross(DVec3::Z).normalize(),
-            false => DVec3::X,
+        let across = if along.x.abs() + along.y.abs() > 1e-9 * along.length() {
+            along.cross(DVec3::Z).normalize()
+        } else {
+            DVec3::X
         };
         let (a, b) = (
             across * side / 2.0,

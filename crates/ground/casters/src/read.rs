@@ -167,9 +167,10 @@ impl Mesh {
                 });
             }
         }
-        match mesh.triangles.is_empty() {
-            true => Err(wrong("triangles", 0, "at least 1")),
-            false => Ok(mesh),
+        if mesh.triangles.is_empty() {
+            Err(wrong("triangles", 0, "at least 1"))
+        } else {
+            Ok(mesh)
         }
     }
 }

@@ -173,20 +173,22 @@ impl EdgeTable {
     /// Directed count over all triangles, each turned towards the light.
     #[must_use]
     pub fn robust_silhouette(&self, facing: &Facing) -> Vec<Side> {
-        self.count(
-            |of| match facing.is_lit[of.triangle as usize] == of.is_forward {
-                true => 1,
-                false => -1,
-            },
-        )
+        self.count(|of| {
+            if facing.is_lit[of.triangle as usize] == of.is_forward {
+                1
+            } else {
+                -1
+            }
+        })
     }
 
     /// As the prepared mesh needs it.
     #[must_use]
     pub fn sides(&self, prepared: &Prepared, facing: &Facing) -> Vec<Side> {
-        match prepared.is_robust {
-            true => self.robust_silhouette(facing),
-            false => self.silhouette(facing),
+        if prepared.is_robust {
+            self.robust_silhouette(facing)
+        } else {
+            self.silhouette(facing)
         }
     }
 

@@ -177,11 +177,12 @@ fn part_of_vertices(mesh: &Mesh) -> Vec<u32> {
 }
 
 fn check_above(to_light: DVec3) -> Result<(), LightError> {
-    match to_light.z > 0.0 {
-        true => Ok(()),
-        false => Err(LightError {
+    if to_light.z > 0.0 {
+        Ok(())
+    } else {
+        Err(LightError {
             found_deg: to_light.z.clamp(-1.0, 1.0).asin().to_degrees(),
-        }),
+        })
     }
 }
 

@@ -218,10 +218,7 @@ mod tests {
             edges in prop::collection::vec(prop::array::uniform2((0..12, 0..4)), 0..14),
             is_polar: bool,
         ) {
-            let place = |(x, y): (i32, i32)| match is_polar {
-                true => [30.0 * f64::from(x) - 180.0, 60.0 + 7.5 * f64::from(y)],
-                false => [179.0 + f64::from(x), f64::from(y) - 2.0],
-            };
+            let place = |(x, y): (i32, i32)| if is_polar { [30.0 * f64::from(x) - 180.0, 60.0 + 7.5 * f64::from(y)] } else { [179.0 + f64::from(x), f64::from(y) - 2.0] };
             let edges: Vec<[Degrees; 2]> = edges.into_iter().map(|ends| ends.map(place)).collect();
             // Far from one another, the middle of arcs is anywhere.
             if let Some(found) = swept(&edges) {

@@ -124,9 +124,10 @@ impl Elevation {
         };
         let is_hidden = self.fields.iter().any(|field| self.hides(field, extent));
         let fields = self.fields.iter().filter_map(|field| field.range(extent));
-        let found = match is_hidden {
-            true => fields.reduce(Heights::union),
-            false => Some(fields.fold(base, Heights::union)),
+        let found = if is_hidden {
+            fields.reduce(Heights::union)
+        } else {
+            Some(fields.fold(base, Heights::union))
         };
         let range = found.unwrap_or(base);
         Heights {

@@ -313,9 +313,10 @@ impl HeightField {
         let [column, row] = self.place_in_samples(place)?;
         // Level beyond the outermost samples.
         let row = row.clamp(0.0, f64::from(self.grid.rows) - 1.0);
-        let column = match self.grid.is_round() {
-            true => column,
-            false => column.clamp(0.0, f64::from(self.grid.columns) - 1.0),
+        let column = if self.grid.is_round() {
+            column
+        } else {
+            column.clamp(0.0, f64::from(self.grid.columns) - 1.0)
         };
         let (left, right, along) = self.between(column, self.grid.columns, self.grid.is_round());
         let (above, below, down) = self.between(row, self.grid.rows, false);

@@ -101,9 +101,10 @@ impl Relief {
 /// Sine of half turns after Bhaskara I: `16 t (1 − t) / (5 − 4 t (1 − t))` in the first one.
 fn half_turn_sine(half_turns: f64) -> f64 {
     let turned = half_turns.rem_euclid(2.0);
-    let (sign, t) = match turned < 1.0 {
-        true => (1.0, turned),
-        false => (-1.0, turned - 1.0),
+    let (sign, t) = if turned < 1.0 {
+        (1.0, turned)
+    } else {
+        (-1.0, turned - 1.0)
     };
     let product = t * (1.0 - t);
     sign * 16.0 * product / (5.0 - 4.0 * product)

@@ -122,9 +122,10 @@ pub(crate) fn svg(
         figures => format!("<metadata>{}</metadata>", escaped(&csv(figures))),
     };
     // Said once for all: there are hundreds.
-    let spots = match spots.is_empty() {
-        true => spots,
-        false => format!("<g pointer-events=\"all\">{spots}</g>"),
+    let spots = if spots.is_empty() {
+        spots
+    } else {
+        format!("<g pointer-events=\"all\">{spots}</g>")
     };
     if let Some(end) = text.rfind("</svg>") {
         text.insert_str(end, &(spots + &table));
@@ -153,9 +154,12 @@ fn csv(figures: &[Figure]) -> String {
             headings.push(heading);
         }
     }
-    let cell = |text: &str| match text.contains([',', '"', '\n']) {
-        true => format!("\"{}\"", text.replace('"', "\"\"")),
-        false => text.to_owned(),
+    let cell = |text: &str| {
+        if text.contains([',', '"', '\n']) {
+            format!("\"{}\"", text.replace('"', "\"\""))
+        } else {
+            text.to_owned()
+        }
     };
     let header = ["group", "name"]
         .into_iter()
@@ -206,9 +210,10 @@ impl Canvas<'_> {
         };
         for (heading, value) in spot.values {
             // Pixels, bytes and the like have every digit.
-            let value = match value.fract() == 0.0 && *value >= 0.0 {
-                true => count(whole(*value)),
-                false => significant(*value),
+            let value = if value.fract() == 0.0 && *value >= 0.0 {
+                count(whole(*value))
+            } else {
+                significant(*value)
             };
             said.push_str(&format!("\n{heading}: {value}"));
         }

@@ -141,9 +141,10 @@ fn interval(estimate: &Estimate) -> String {
 #[must_use]
 pub fn spread(of: Spread) -> String {
     let [median, p5, p95] = [of.median, of.p5, of.p95].map(significant);
-    match of.p5 < of.p95 {
-        true => format!("{median} ({p5}–{p95})"),
-        false => median,
+    if of.p5 < of.p95 {
+        format!("{median} ({p5}–{p95})")
+    } else {
+        median
     }
 }
 

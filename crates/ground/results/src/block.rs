@@ -188,9 +188,10 @@ impl Block {
     /// What is wrong, seen at once, with a line for each; nothing where nothing is.
     #[must_use]
     pub fn alarm(text: impl Into<String>, wrong: Vec<String>) -> Vec<Self> {
-        match wrong.is_empty() {
-            true => Vec::new(),
-            false => vec![Self::Alarm(text.into()), Self::List(wrong)],
+        if wrong.is_empty() {
+            Vec::new()
+        } else {
+            vec![Self::Alarm(text.into()), Self::List(wrong)]
         }
     }
 

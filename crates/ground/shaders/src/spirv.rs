@@ -87,9 +87,10 @@ pub fn composed_to_spirv(
         stage == SpirvStage::PointVertex,
     );
     let options = spv::Options {
-        lang_version: match composed.contains(RAYS) {
-            true => RAY_LANGUAGE_VERSION,
-            false => LANGUAGE_VERSION,
+        lang_version: if composed.contains(RAYS) {
+            RAY_LANGUAGE_VERSION
+        } else {
+            LANGUAGE_VERSION
         },
         flags,
         bounds_check_policies: BoundsCheckPolicies {

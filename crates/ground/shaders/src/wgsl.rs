@@ -151,9 +151,10 @@ pub(crate) fn parse_and_validate(
     let info = Validator::new(ValidationFlags::all(), capabilities())
         .validate(&module)
         .map_err(|error| invalid(error.emit_to_string_with_path(composed, path)))?;
-    let may_vary = match path.starts_with(DRAWN_ALONE) {
-        true => Vec::new(),
-        false => variant_positions(&module),
+    let may_vary = if path.starts_with(DRAWN_ALONE) {
+        Vec::new()
+    } else {
+        variant_positions(&module)
     };
     if let Some(entry) = may_vary.first() {
         return Err(invalid(format!(

@@ -71,9 +71,12 @@ pub fn worst_pixel(reference: &Frame, frame: &Frame) -> Result<Option<[usize; 2]
     let far = squared_distances(grid, &grid.boundary(&reference.ids, None));
     let mismatched =
         (0..reference.ids.len()).filter(|&index| reference.ids[index] != frame.ids[index]);
-    let worst = mismatched.reduce(|worst, index| match far[index] > far[worst] {
-        true => index,
-        false => worst,
+    let worst = mismatched.reduce(|worst, index| {
+        if far[index] > far[worst] {
+            index
+        } else {
+            worst
+        }
     });
     Ok(worst.map(|index| [index % grid.width, index / grid.width]))
 }

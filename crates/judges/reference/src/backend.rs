@@ -86,9 +86,10 @@ impl ReferenceBackend {
         let locator = self.locator(input)?;
         let judged = judge_on(input, &locator, &surface, texturing.as_ref());
         Ok(ReferenceFrame {
-            moved_px_true: match self.is_on_body {
-                true => None,
-                false => moved_px_true(input, &surface, &judged.frame.ids),
+            moved_px_true: if self.is_on_body {
+                None
+            } else {
+                moved_px_true(input, &surface, &judged.frame.ids)
             },
             ..judged
         })
@@ -107,9 +108,10 @@ impl ReferenceBackend {
     }
 
     fn surface(&self, input: &FillInput) -> SurfaceTriangles {
-        match self.is_on_body {
-            true => SurfaceTriangles::of_body(&input.scene.body, input.camera.eye_ecef),
-            false => SurfaceTriangles::new(&input.surface),
+        if self.is_on_body {
+            SurfaceTriangles::of_body(&input.scene.body, input.camera.eye_ecef)
+        } else {
+            SurfaceTriangles::new(&input.surface)
         }
     }
 

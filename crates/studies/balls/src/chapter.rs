@@ -89,9 +89,12 @@ const ERRORS: Panel<'static> = Panel {
     upwards: Upwards::Error,
     curve: Names::Joined(&[INTEGRATOR]),
     knob: Figure::Condition(STEPS_PER_SECOND),
-    standing: |case| match is_blown(case) {
-        true => PointStanding::Failed,
-        false => PointStanding::Right,
+    standing: |case| {
+        if is_blown(case) {
+            PointStanding::Failed
+        } else {
+            PointStanding::Right
+        }
     },
     ..Panel::EMPTY
 };

@@ -251,9 +251,10 @@ fn split_verlet<R: Real, S: Sum<R>>(forces: &Forces<R>, ball: &mut Ball<S>, dt: 
         let next = gap + left * (speed + half * left * before);
         if (next < zero) == is_below {
             ball.height.add(left * (speed + half * left * before));
-            let after = match is_below {
-                true => forces.acceleration(ball.height.minus(forces.datum), speed),
-                false => -forces.gravity,
+            let after = if is_below {
+                forces.acceleration(ball.height.minus(forces.datum), speed)
+            } else {
+                -forces.gravity
             };
             ball.speed.add(half * left * (before + after));
             return;

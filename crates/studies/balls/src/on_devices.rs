@@ -25,11 +25,12 @@ pub(crate) const TIMED: u32 = 4;
 
 /// Numbers of balls that are stepped, and drawn.
 pub(crate) fn counts(is_quick: bool) -> &'static [u32] {
-    match is_quick {
-        true => &[500, 4_000],
-        false => &[
+    if is_quick {
+        &[500, 4_000]
+    } else {
+        &[
             500, 1_000, 2_000, 3_000, 4_000, 5_000, 10_000, 100_000, 1_000_000,
-        ],
+        ]
     }
 }
 

@@ -127,9 +127,10 @@ struct BallsSession<'a>(&'a [Drop]);
 impl Measures for BallsSession<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let landed = self.0[case].land();
-        let reason = match landed.blown_share > MOSTLY {
-            true => format!("{:.0} % of the balls blew up", 100.0 * landed.blown_share),
-            false => String::new(),
+        let reason = if landed.blown_share > MOSTLY {
+            format!("{:.0} % of the balls blew up", 100.0 * landed.blown_share)
+        } else {
+            String::new()
         };
         let figures = [
             (BALL_RMS_M.name, landed.rms_m),

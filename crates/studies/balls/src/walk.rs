@@ -92,9 +92,10 @@ impl Followed {
         self.has_crossed |= own != cell && touches;
         let inside = self.guided[0].truncate() - cell;
         let is_near = inside.min_element() >= -BORDER_M && inside.max_element() <= 1.0 + BORDER_M;
-        let guided = match is_near {
-            true => cell,
-            false => Terrain::cell_of(self.guided[0].truncate()),
+        let guided = if is_near {
+            cell
+        } else {
+            Terrain::cell_of(self.guided[0].truncate())
         };
         terrain.step(&mut self.own, step_s, STIFFNESS);
         terrain.step_in(guided, &mut self.guided, step_s, STIFFNESS);

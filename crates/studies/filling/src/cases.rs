@@ -320,9 +320,10 @@ impl Builder<'_> {
         for technique in &wishes.techniques {
             let full_plans = technique.full_plans(scene.overlap);
             // A technique without a ladder is used as it is.
-            let purpose = match full_plans.is_empty() {
-                true => Purpose::Main,
-                false => Purpose::Layout,
+            let purpose = if full_plans.is_empty() {
+                Purpose::Main
+            } else {
+                Purpose::Layout
             };
             for variant in technique.variants(scene, role) {
                 let subject = Subject::Fill(*technique, variant);

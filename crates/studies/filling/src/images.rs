@@ -84,9 +84,10 @@ pub(crate) fn zoomed(size: ImageSize, at: [usize; 2], pictures: &[&[u8]]) -> (Im
                 let is_rim = place.into_iter().any(|at| at == 0 || at + 1 == ZOOM);
                 let is_it = [0, 1].map(|axis| cut.start[axis] + pixel[axis]) == at;
                 let from = 3 * (pixel[1] * columns + pixel[0]);
-                let colour = match is_rim && is_it {
-                    true => &FRAME,
-                    false => &cut.rgb[from..from + 3],
+                let colour = if is_rim && is_it {
+                    &FRAME
+                } else {
+                    &cut.rgb[from..from + 3]
                 };
                 let to = 3 * (index * step + x);
                 row[to..to + 3].copy_from_slice(colour);

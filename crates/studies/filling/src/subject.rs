@@ -85,9 +85,10 @@ impl Subject {
         let layout = (LAYOUT, variant.layout().to_owned());
         let others = variant.settings().into_iter();
         let others = others.filter(|(key, _)| Some(*key) != first);
-        let of_stencil = match technique.has_stencil_switches() {
-            true => Vec::new(),
-            false => variant.switches.settings().to_vec(),
+        let of_stencil = if technique.has_stencil_switches() {
+            Vec::new()
+        } else {
+            variant.switches.settings().to_vec()
         };
         let others = others.filter(|(key, _)| of_stencil.iter().all(|(own, _)| own != key));
         let others = others.map(|(key, value)| (ConditionKey::declare(key), value));

@@ -68,15 +68,14 @@ impl Study for FlightStudy {
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let bad = |error: &dyn ToString| StudyError::BadInput(error.to_string());
-        let scenes = match request.scenes.is_empty() {
-            true => vec![home().map_err(|error| bad(&error))?],
-            false => {
-                let names = request.scenes.iter();
-                let opened = names.map(|name| Scene::open(name, request.data_dir.as_deref()));
-                opened
-                    .collect::<Result<_, _>>()
-                    .map_err(|error| bad(&error))?
-            }
+        let scenes = if request.scenes.is_empty() {
+            vec![home().map_err(|error| bad(&error))?]
+        } else {
+            let names = request.scenes.iter();
+            let opened = names.map(|name| Scene::open(name, request.data_dir.as_deref()));
+            opened
+                .collect::<Result<_, _>>()
+                .map_err(|error| bad(&error))?
         };
         let mut planned = Planned {
             groups: Vec::new(),
@@ -153,9 +152,10 @@ fn flights(
             pace,
         }));
     }
-    let (samples, compared_of) = match is_quick {
-        true => (QUICK_SAMPLES, COMPARED_OF_QUICK),
-        false => (SAMPLES, COMPARED_OF),
+    let (samples, compared_of) = if is_quick {
+        (QUICK_SAMPLES, COMPARED_OF_QUICK)
+    } else {
+        (SAMPLES, COMPARED_OF)
     };
     let samples = request.samples.unwrap_or(samples);
     let planned = cases.iter().map(|case| {
@@ -406,9 +406,10 @@ impl<'a> FlightsSession<'a> {
                 refining.refine(pieces);
             }
             let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
-            let refinement = match waits {
-                true => Refinement::default(),
-                false => self.as_it_is.last(),
+            let refinement = if waits {
+                Refinement::default()
+            } else {
+                self.as_it_is.last()
             };
             if is_compared {
                 let drawn = backend.render(&input)?;

@@ -155,9 +155,12 @@ const fn errors(
         curve: Names::Of("", curve_name),
         knob: Figure::Condition(VALUE),
         label: Some(Names::Joined(&[VALUE])),
-        standing: |case| match case.counts() {
-            true => PointStanding::Right,
-            false => PointStanding::Failed,
+        standing: |case| {
+            if case.counts() {
+                PointStanding::Right
+            } else {
+                PointStanding::Failed
+            }
         },
         ..Panel::EMPTY
     }

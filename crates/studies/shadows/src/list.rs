@@ -250,13 +250,15 @@ pub(crate) fn questions(
         None if is_quick => &MESHES[..QUICK_MESHES],
         None => &MESHES[..],
     };
-    let device_suns = match is_quick {
-        true => &DEVICE_SUNS[..QUICK_DEVICE_SUNS],
-        false => &DEVICE_SUNS[..],
+    let device_suns = if is_quick {
+        &DEVICE_SUNS[..QUICK_DEVICE_SUNS]
+    } else {
+        &DEVICE_SUNS[..]
     };
-    let (map_suns, texels) = match is_quick {
-        true => (&MAP_SUNS[..1], &TEXELS_M[..2]),
-        false => (&MAP_SUNS[..], &TEXELS_M[..]),
+    let (map_suns, texels) = if is_quick {
+        (&MAP_SUNS[..1], &TEXELS_M[..2])
+    } else {
+        (&MAP_SUNS[..], &TEXELS_M[..])
     };
     let eyes = DECK_SUNS.iter().flat_map(|sun| {
         let of = |near, test| Job::Eye(*sun, near, test);

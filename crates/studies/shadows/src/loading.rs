@@ -167,17 +167,20 @@ fn depth_range(view: &DeckCamera, corners: impl Iterator<Item = DVec4>) -> Depth
     let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
     for corner in corners {
         let along = corner.truncate() - view.eye * corner.w;
-        let distance = match corner.w > 0.0 {
-            true => along.dot(view.forward),
-            // At infinity, before the eye or behind it.
-            false => along.dot(view.forward).signum() * f64::INFINITY,
+        let distance = if corner.w > 0.0 {
+            along.dot(view.forward)
+        } else {
+            along.dot(view.forward).signum() * f64::INFINITY
         };
         nearest = nearest.min(distance);
         farthest = farthest.max(distance);
     }
-    let depth = |distance: f64| match distance > view.near {
-        true => view.near / distance,
-        false => 1.0,
+    let depth = |distance: f64| {
+        if distance > view.near {
+            view.near / distance
+        } else {
+            1.0
+        }
     };
     let low = depth(farthest) * (1.0 - RELATIVE) - ABSOLUTE;
     let high = depth(nearest) * (1.0 + RELATIVE) + ABSOLUTE;

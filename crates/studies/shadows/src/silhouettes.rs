@@ -57,9 +57,10 @@ impl Scene {
                          closed meshes";
             Failure::Unable(needs.to_owned())
         };
-        match self.is_robust() {
-            true => Err(unfit()),
-            false => EdgeTable::of(&mesh).pairs().ok_or_else(unfit),
+        if self.is_robust() {
+            Err(unfit())
+        } else {
+            EdgeTable::of(&mesh).pairs().ok_or_else(unfit)
         }
     }
 
@@ -71,9 +72,10 @@ impl Scene {
         let part_of = mesh.part_of_triangles();
         let mut sides: Vec<Vec<[u32; 4]>> = vec![Vec::new(); mesh.parts.len()];
         for (edge, pair) in self.edges(by_corners)? {
-            let [first, second] = match by_corners {
-                true => pair.map(|triangle| opposite(mesh, triangle, edge)),
-                false => pair,
+            let [first, second] = if by_corners {
+                pair.map(|triangle| opposite(mesh, triangle, edge))
+            } else {
+                pair
             };
             let part = part_of[pair[0] as usize] as usize;
             sides[part].push([edge[0], edge[1], first, second]);

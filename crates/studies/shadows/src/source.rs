@@ -99,9 +99,10 @@ impl VolumeSource {
             Self::Computed(own) => {
                 let pieces = own.mesh.pieces.len();
                 let light = size_of_val(&*own.mesh.lit);
-                let ends = match own.is_closed {
-                    true => size_of_val(&*own.vertices) / 2,
-                    false => 16,
+                let ends = if own.is_closed {
+                    size_of_val(&*own.vertices) / 2
+                } else {
+                    16
                 };
                 // Pieces with their casters, and room for the indices of each.
                 let fixed = pieces * (16 + 4 + 4 * own.indices_of_piece());

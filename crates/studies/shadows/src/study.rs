@@ -199,9 +199,10 @@ fn watched<T>(
     let watch = CpuStopwatch::start();
     let found = work()?;
     let cpu_ms = watch.cpu_ms();
-    match found.is_empty() {
-        true => Err("nothing was found".to_owned().into()),
-        false => Ok(vec![(metric, cpu_ms)]),
+    if found.is_empty() {
+        Err("nothing was found".to_owned().into())
+    } else {
+        Ok(vec![(metric, cpu_ms)])
     }
 }
 

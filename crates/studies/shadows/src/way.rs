@@ -173,9 +173,10 @@ pub(crate) fn eye_vertices(
 ) -> Vec<[u32; 4]> {
     let places = volume.vertices.iter().map(|place| {
         let is_place = place.w > 0.0;
-        let along = match is_place {
-            true => positions.relative(place.truncate(), view.eye),
-            false => place.truncate().as_vec3(),
+        let along = if is_place {
+            positions.relative(place.truncate(), view.eye)
+        } else {
+            place.truncate().as_vec3()
         };
         let w = f32::from(u8::from(is_place));
         along.extend(w).to_array().map(f32::to_bits)

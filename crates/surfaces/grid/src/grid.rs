@@ -243,9 +243,10 @@ mod tests {
             let stated = grid.heights(&extent);
             let mut found = 0;
             for ([longitude, latitude], height) in points(&grid) {
-                let is_between = match west_deg <= east_deg {
-                    true => (west_deg..=east_deg).contains(&longitude),
-                    false => longitude >= west_deg || longitude <= east_deg,
+                let is_between = if west_deg <= east_deg {
+                    (west_deg..=east_deg).contains(&longitude)
+                } else {
+                    longitude >= west_deg || longitude <= east_deg
                 };
                 let is_within =
                     (stated.lowest_m - 1e-6..=stated.highest_m + 1e-6).contains(&height);

@@ -102,12 +102,13 @@ pub(crate) fn extent(body: &Ellipsoid, corners_ecef: [DVec3; 3]) -> Extent {
     } else {
         180.0
     } + ROUNDING_DEG;
-    let (west_deg, east_deg) = match is_round {
-        true => (-180.0, 180.0),
-        false => (
+    let (west_deg, east_deg) = if is_round {
+        (-180.0, 180.0)
+    } else {
+        (
             wrapped_deg(longitudes[0] + from - ROUNDING_DEG),
             wrapped_deg(longitudes[0] + to + ROUNDING_DEG),
-        ),
+        )
     };
     Extent {
         west_deg,
@@ -119,9 +120,12 @@ pub(crate) fn extent(body: &Ellipsoid, corners_ecef: [DVec3; 3]) -> Extent {
 
 /// An extent that holds both.
 pub(crate) fn united(one: Extent, other: Extent) -> Extent {
-    let width = |west: f64, east: f64| match east >= west {
-        true => east - west,
-        false => east - west + 360.0,
+    let width = |west: f64, east: f64| {
+        if east >= west {
+            east - west
+        } else {
+            east - west + 360.0
+        }
     };
     let is_whole = |extent: &Extent| width(extent.west_deg, extent.east_deg) >= 360.0;
     // The narrower of beginning with the one and of beginning with the other.
@@ -131,9 +135,10 @@ pub(crate) fn united(one: Extent, other: Extent) -> Extent {
         reach.max(width(first.west_deg, first.east_deg))
     };
     let (by_one, by_other) = (from(&one, &other), from(&other, &one));
-    let (west_deg, wide) = match by_one <= by_other {
-        true => (one.west_deg, by_one),
-        false => (other.west_deg, by_other),
+    let (west_deg, wide) = if by_one <= by_other {
+        (one.west_deg, by_one)
+    } else {
+        (other.west_deg, by_other)
     };
     let is_whole = wide >= 360.0 || is_whole(&one) || is_whole(&other);
     Extent {
@@ -162,9 +167,10 @@ mod tests {
     use terrafill_core::Geodetic;
 
     fn is_in(extent: &Extent, longitude_deg: f64, latitude_deg: f64) -> bool {
-        let is_between = match extent.west_deg <= extent.east_deg {
-            true => (extent.west_deg..=extent.east_deg).contains(&longitude_deg),
-            false => longitude_deg >= extent.west_deg || longitude_deg <= extent.east_deg,
+        let is_between = if extent.west_deg <= extent.east_deg {
+            (extent.west_deg..=extent.east_deg).contains(&longitude_deg)
+        } else {
+            longitude_deg >= extent.west_deg || longitude_deg <= extent.east_deg
         };
         is_between && (extent.south_deg..=extent.north_deg).contains(&latitude_deg)
     }

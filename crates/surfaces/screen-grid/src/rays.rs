@@ -120,9 +120,10 @@ impl Eye {
         let rays = self.rays;
         let length = rays.kept(rays.dot(across, across).sqrt());
         // Straight up every direction is as near as any other.
-        let unit = match length > 0.0 {
-            true => rays.kept_vector(across / length),
-            false => self.scaled.normalize().any_orthonormal_vector(),
+        let unit = if length > 0.0 {
+            rays.kept_vector(across / length)
+        } else {
+            self.scaled.normalize().any_orthonormal_vector()
         };
         let down = rays.kept(self.beyond / self.squared);
         let out = rays.kept(rays.kept(self.beyond.sqrt()) / self.length);

@@ -54,9 +54,10 @@ fn errors(
                 .map(|(p, w)| of(p) * w)
                 .sum()
         };
-        let v = match by_fragment {
-            true => mercator_v(mixed(|p| p.v)),
-            false => mixed(|p| p.mercator_v),
+        let v = if by_fragment {
+            mercator_v(mixed(|p| p.v))
+        } else {
+            mixed(|p| p.mercator_v)
         };
         let shown = place(body, mixed(|p| p.u), v);
         ground_m.push((shown - camera.eye_ecef - hit).length());

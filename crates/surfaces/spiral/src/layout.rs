@@ -80,17 +80,19 @@ impl Steps {
 
     /// Angle of vertex `k`, the same to the bit in every turn where the step divides one.
     fn angle_rad(self, k: u32) -> f64 {
-        match self.divides() {
-            true => f64::from(k % self.per_turn) * (TAU / f64::from(self.per_turn)),
-            false => f64::from(k) * self.step_rad,
+        if self.divides() {
+            f64::from(k % self.per_turn) * (TAU / f64::from(self.per_turn))
+        } else {
+            f64::from(k) * self.step_rad
         }
     }
 
     /// Turns up to vertex `k`.
     fn turns(self, k: u32) -> f64 {
-        match self.divides() {
-            true => f64::from(k) / f64::from(self.per_turn),
-            false => f64::from(k) * self.step_rad / TAU,
+        if self.divides() {
+            f64::from(k) / f64::from(self.per_turn)
+        } else {
+            f64::from(k) * self.step_rad / TAU
         }
     }
 }

@@ -105,17 +105,21 @@ impl Shape {
         let inner = (self.fan_px * ground_m / (scale * b)).clamp(MIN_INNER, MAX_INNER);
         let mut outer = reach(lowest_terrain)?.min(FRAC_PI_2);
         if self.rim == Rim::Covering {
-            let widened = |angle: f64| match angle < FRAC_PI_2 {
-                true => (angle.tan() / chord).atan(),
-                false => FRAC_PI_2,
+            let widened = |angle: f64| {
+                if angle < FRAC_PI_2 {
+                    (angle.tan() / chord).atan()
+                } else {
+                    FRAC_PI_2
+                }
             };
             let terrain_only = outer;
             for _ in 0..ROUNDS {
                 let lowest = lowest_terrain - self.deepest_facet_m(body, inner, outer) / b;
                 // Nothing can be promised of a mesh as coarse as the body.
-                outer = match lowest > 0.0 {
-                    true => widened(reach(lowest).unwrap_or(terrain_only)),
-                    false => FRAC_PI_2,
+                outer = if lowest > 0.0 {
+                    widened(reach(lowest).unwrap_or(terrain_only))
+                } else {
+                    FRAC_PI_2
                 };
             }
         }

@@ -187,9 +187,10 @@ impl Focus {
         let up = scaled / distance;
         let across = up.x.hypot(up.y);
         // At a pole every direction is south or north; that of longitude 0 is east.
-        let east = match across > 0.0 {
-            true => DVec3::new(-up.y / across, up.x / across, 0.0),
-            false => DVec3::Y,
+        let east = if across > 0.0 {
+            DVec3::new(-up.y / across, up.x / across, 0.0)
+        } else {
+            DVec3::Y
         };
         let axes = DMat3::from_cols(east * radii, up.cross(east) * radii, up * radii);
         // Along the ellipsoid, east and north stay at right angles when they are scaled.

@@ -82,9 +82,10 @@ const FORMS: [(&str, Form); 4] = {
 fn elevation(body: &Ellipsoid, parameters: &mut Parameters<'_>) -> Result<Elevation, SurfaceError> {
     let is_bare = parameters.files().is_empty()
         && parameters.word("base", "flat", &["flat", "relief"])? == "flat";
-    match is_bare {
-        true => Ok(bare()),
-        false => read_elevation(body, parameters),
+    if is_bare {
+        Ok(bare())
+    } else {
+        read_elevation(body, parameters)
     }
 }
 

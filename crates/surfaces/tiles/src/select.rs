@@ -53,12 +53,11 @@ impl Chosen {
     ) -> Self {
         let error_m = node.error_m + bend_m(body, id);
         let ball = Ball::around(body, &id.extent(), node.heights);
-        let (error_px, excess) = match sight.may_see(&ball) {
-            true => {
-                let error_px = sight.pixels(&ball, error_m);
-                (error_px, rule.excess(sight, &ball, id, error_px))
-            }
-            false => (0.0, 0.0),
+        let (error_px, excess) = if sight.may_see(&ball) {
+            let error_px = sight.pixels(&ball, error_m);
+            (error_px, rule.excess(sight, &ball, id, error_px))
+        } else {
+            (0.0, 0.0)
         };
         Self {
             id,
@@ -76,9 +75,10 @@ impl Chosen {
 pub(crate) fn bend_m(body: &Ellipsoid, id: TileId) -> f64 {
     let extent = id.extent();
     // The longest parallel of the tile is the nearest to the equator.
-    let latitude = match extent.south_deg >= 0.0 {
-        true => extent.south_deg,
-        false => extent.north_deg.min(0.0),
+    let latitude = if extent.south_deg >= 0.0 {
+        extent.south_deg
+    } else {
+        extent.north_deg.min(0.0)
     };
     let step_m = id.step_deg().to_radians() * body.equatorial_radius_m();
     let east_m = step_m * latitude.to_radians().cos();

@@ -165,9 +165,10 @@ impl Tiles {
         choice: &Choice,
     ) -> Result<SurfaceFrame, SurfaceError> {
         let chosen = &choice.tiles;
-        let depths = match self.skirts {
-            true => skirts(chosen),
-            false => vec![[0.0; 4]; chosen.len()],
+        let depths = if self.skirts {
+            skirts(chosen)
+        } else {
+            vec![[0.0; 4]; chosen.len()]
         };
         let drawn = draw(
             &self.body,
@@ -208,12 +209,13 @@ impl Surface for Tiles {
             east += 360.0;
         }
         let is_round = east - extent.west_deg + 2.0 * cell >= 360.0;
-        let wide = match is_round || south_deg <= -90.0 || north_deg >= 90.0 {
-            true => (-180.0, 180.0),
-            false => (
+        let wide = if is_round || south_deg <= -90.0 || north_deg >= 90.0 {
+            (-180.0, 180.0)
+        } else {
+            (
                 wrapped_deg(extent.west_deg - cell),
                 wrapped_deg(east + cell),
-            ),
+            )
         };
         let range = self.elevation.range(&Extent {
             west_deg: wide.0,

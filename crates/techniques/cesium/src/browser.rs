@@ -73,9 +73,10 @@ impl Browser {
         size: ImageSize,
         is_software: bool,
     ) -> Result<Self, DeviceError> {
-        let (flags, variables): (&[&str], &[(&str, &str)]) = match is_software {
-            true => (&SOFTWARE_FLAGS, &SOFTWARE_VARIABLES),
-            false => (&["--ignore-gpu-blocklist"], &[]),
+        let (flags, variables): (&[&str], &[(&str, &str)]) = if is_software {
+            (&SOFTWARE_FLAGS, &SOFTWARE_VARIABLES)
+        } else {
+            (&["--ignore-gpu-blocklist"], &[])
         };
         let told = json!({
             "cesium": cesium,

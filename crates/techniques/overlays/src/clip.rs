@@ -181,9 +181,10 @@ fn cut_by_plane(polygon: &[DVec3], plane: &Plane) -> Vec<DVec3> {
 
 /// Where the way between two points meets the plane; the same from either end.
 fn crossing(one: (DVec3, f64), other: (DVec3, f64)) -> DVec3 {
-    let ((inside, depth), (outside, height)) = match one.1 > 0.0 {
-        true => (one, other),
-        false => (other, one),
+    let ((inside, depth), (outside, height)) = if one.1 > 0.0 {
+        (one, other)
+    } else {
+        (other, one)
     };
     inside + (outside - inside) * (depth / (depth - height))
 }

@@ -229,9 +229,10 @@ impl Overlay for FlatMesh {
         for (instance, &mesh) in (0..).zip(&self.planned) {
             let place = &scene.places[mesh];
             if bound != Some(place.has_short_indices) {
-                let (indices, format) = match place.has_short_indices {
-                    true => (&scene.short_indices, wgpu::IndexFormat::Uint16),
-                    false => (&scene.long_indices, wgpu::IndexFormat::Uint32),
+                let (indices, format) = if place.has_short_indices {
+                    (&scene.short_indices, wgpu::IndexFormat::Uint16)
+                } else {
+                    (&scene.long_indices, wgpu::IndexFormat::Uint32)
                 };
                 pass.set_index_buffer(indices.slice(..), format);
                 bound = Some(place.has_short_indices);

@@ -151,13 +151,14 @@ impl Technique for OverlayTechnique {
     fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
         self.check_own(variant)?;
         variant.check_parts(false)?;
-        match variant.switches == Switches::for_overlap(overlap) {
-            true => Ok(()),
-            false => Err(SwitchError {
+        if variant.switches == Switches::for_overlap(overlap) {
+            Ok(())
+        } else {
+            Err(SwitchError {
                 switch: "technique",
                 found: format!("{} with a switch of stencil fills", variant.name()),
                 allowed: format!("none of them: {} has no stencil", self.name),
-            }),
+            })
         }
     }
 

@@ -228,9 +228,10 @@ impl SceneGeometry {
         self.vertices.extend(&own.vertices);
         self.indices.append(&own.indices);
         let moved = own.regions.iter().map(|slice| {
-            let by = match slice.place.has_short_indices {
-                true => short,
-                false => long,
+            let by = if slice.place.has_short_indices {
+                short
+            } else {
+                long
             };
             let place = slice.place.moved(first_vertex, by, by);
             RegionSlice { place, ..*slice }
@@ -262,9 +263,10 @@ impl SceneGeometry {
     ) -> StoredVertices {
         let fixed = FixedPoint::for_mesh(mesh);
         let first_vertex = (self.vertices.len() / variant.vertex_words()) as u32;
-        let above_flag = match variant.merges_volumes() {
-            true => 2 * number as i32,
-            false => 0,
+        let above_flag = if variant.merges_volumes() {
+            2 * number as i32
+        } else {
+            0
         };
         for (vertex, degrees) in mesh.vertices_ecef.iter().zip(&mesh.vertices_deg) {
             let stored = store(&fixed, variant.positions, *vertex);

@@ -300,9 +300,10 @@ impl Merged {
 
     pub(crate) fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_bind_group(1, &self.bind_group, &[]);
-        let format = match self.is_short {
-            true => wgpu::IndexFormat::Uint16,
-            false => wgpu::IndexFormat::Uint32,
+        let format = if self.is_short {
+            wgpu::IndexFormat::Uint16
+        } else {
+            wgpu::IndexFormat::Uint32
         };
         if let Some(indices) = &self.indices {
             pass.set_index_buffer(indices.slice(..), format);

@@ -114,9 +114,10 @@ impl RegionVolumes for VertexVolumes {
         let has_bottom = |mesh| self.variant.merges_volumes() || bottoms.has(mesh);
         let (variant, meshes) = (&self.variant, &input.scene.meshes);
         // Those of a scene that is held whole are laid out once.
-        let mut geometry = match meshes.is_whole() {
-            true => SceneGeometry::build(variant, meshes, has_bottom),
-            false => SceneGeometry::of_held(variant, meshes, has_bottom, &mut self.laid_out),
+        let mut geometry = if meshes.is_whole() {
+            SceneGeometry::build(variant, meshes, has_bottom)
+        } else {
+            SceneGeometry::of_held(variant, meshes, has_bottom, &mut self.laid_out)
         };
         let bytes = geometry.bytes();
         let (vertex_usage, index_usage) = match layout {
@@ -141,20 +142,19 @@ impl RegionVolumes for VertexVolumes {
             let held = (!bytes.is_empty()).then(|| gpu.upload(label, bytes, index_usage));
             held.transpose()
         };
-        let merged = match self.variant.merges_volumes() {
-            true => {
-                let stored = std::mem::take(&mut geometry.indices);
-                let layout = &self.pipelines.geometry_layout;
-                let vertices = geometry.vertices.len() / self.variant.vertex_words();
-                Some(Merged::new(
-                    &gpu,
-                    layout,
-                    meshes.len(),
-                    vertices,
-                    (stored, self.variant.has_strips()),
-                )?)
-            }
-            false => None,
+        let merged = if self.variant.merges_volumes() {
+            let stored = std::mem::take(&mut geometry.indices);
+            let layout = &self.pipelines.geometry_layout;
+            let vertices = geometry.vertices.len() / self.variant.vertex_words();
+            Some(Merged::new(
+                &gpu,
+                layout,
+                meshes.len(),
+                vertices,
+                (stored, self.variant.has_strips()),
+            )?)
+        } else {
+            None
         };
         let short = bytemuck::cast_slice(&geometry.indices.short);
         let short_indices = indices("16-bit indices", short)?;
@@ -192,9 +192,10 @@ impl RegionVolumes for VertexVolumes {
         input: &FillInput,
         _bottoms: &BottomCaps,
     ) -> Result<(), DeviceError> {
-        self.drawn_parts = match self.variant.parts {
-            true => DrawnParts::of_view(input, self.variant.wall_indices()),
-            false => DrawnOfMeshes::new(),
+        self.drawn_parts = if self.variant.parts {
+            DrawnParts::of_view(input, self.variant.wall_indices())
+        } else {
+            DrawnOfMeshes::new()
         };
         Ok(())
     }
@@ -360,9 +361,10 @@ impl SceneBuffers {
             pass.set_bind_group(1, pulled[usize::from(!short_indices)].as_ref(), &[]);
             return;
         }
-        let (indices, format) = match short_indices {
-            true => (&self.short_indices, wgpu::IndexFormat::Uint16),
-            false => (&self.long_indices, wgpu::IndexFormat::Uint32),
+        let (indices, format) = if short_indices {
+            (&self.short_indices, wgpu::IndexFormat::Uint16)
+        } else {
+            (&self.long_indices, wgpu::IndexFormat::Uint32)
         };
         if let Some(indices) = indices {
             pass.set_index_buffer(indices.slice(..), format);

@@ -52,9 +52,10 @@ impl Pipelines {
         let gpu = fill.gpu();
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let geometry_layout = match variant.merges_volumes() {
-            true => gpu.buffer_layout("volumes of regions", wgpu::ShaderStages::VERTEX, &[storage]),
-            false => gpu.buffer_layout("pulled geometry", stages, &[storage, storage]),
+        let geometry_layout = if variant.merges_volumes() {
+            gpu.buffer_layout("volumes of regions", wgpu::ShaderStages::VERTEX, &[storage])
+        } else {
+            gpu.buffer_layout("pulled geometry", stages, &[storage, storage])
         };
         let frame = Some(fill.frame_layout());
         let with_geometry = || gpu.pipeline_layout("vertex", &[frame, Some(&geometry_layout)]);

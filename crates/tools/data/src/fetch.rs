@@ -112,9 +112,10 @@ impl<'a> Plan<'a> {
     /// Bytes to fetch, without those that an earlier try brought.
     #[must_use]
     pub fn fetch_bytes(&self) -> u64 {
-        match self.is_here {
-            true => 0,
-            false => self.set.bytes - self.begun_bytes,
+        if self.is_here {
+            0
+        } else {
+            self.set.bytes - self.begun_bytes
         }
     }
 

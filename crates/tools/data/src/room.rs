@@ -23,9 +23,12 @@ pub(crate) fn check_room(folder: &Path, needed: u64) -> Result<(), DataError> {
 /// What this user may still write; of the nearest folder above where `folder` is not there yet. `None`
 /// where the system does not say, and of file systems without blocks, such as `/proc`.
 fn free_bytes(folder: &Path) -> Option<u64> {
-    let here = |path: &Path| match path.as_os_str().is_empty() {
-        true => statvfs("."),
-        false => statvfs(path),
+    let here = |path: &Path| {
+        if path.as_os_str().is_empty() {
+            statvfs(".")
+        } else {
+            statvfs(path)
+        }
     };
     let disk = folder.ancestors().find_map(|path| here(path).ok())?;
     (disk.f_blocks > 0).then(|| disk.f_bavail.saturating_mul(disk.f_frsize))

@@ -35,9 +35,10 @@ const SHORT: usize = 10;
 
 fn short(commit: &str) -> String {
     let hash: String = clean(commit).chars().take(SHORT).collect();
-    match commit.len() > clean(commit).len() {
-        true => hash + "+dirty",
-        false => hash,
+    if commit.len() > clean(commit).len() {
+        hash + "+dirty"
+    } else {
+        hash
     }
 }
 
@@ -511,9 +512,10 @@ fn runs_table(blocks: &mut Vec<Block>, of: &Trends<'_>) {
         let mut commit = of.commit(&run.commit);
         if !run.counts() {
             commit.class = CellClass::Void;
-            commit.title = match run.is_superseded {
-                true => "continued later: the later state counts".to_owned(),
-                false => "of edited sources: its commit does not tell what was measured".to_owned(),
+            commit.title = if run.is_superseded {
+                "continued later: the later state counts".to_owned()
+            } else {
+                "of edited sources: its commit does not tell what was measured".to_owned()
             };
         }
         let started = u64::try_from(run.started_unix_s)

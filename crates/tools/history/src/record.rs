@@ -185,9 +185,10 @@ impl Record {
             let mut record = CaseRecord {
                 case: case.id().key(),
                 conditions: case.id().conditions.clone(),
-                outcome: match is_result {
-                    true => Outcome::Ok.name().to_owned(),
-                    false => case.outcome.name().to_owned(),
+                outcome: if is_result {
+                    Outcome::Ok.name().to_owned()
+                } else {
+                    case.outcome.name().to_owned()
                 },
                 reason: case.reason.clone(),
                 figures: Vec::new(),

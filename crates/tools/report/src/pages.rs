@@ -64,9 +64,12 @@ struct NavGroup {
 
 impl NavGroup {
     fn from(&self, root: &str) -> Self {
-        let href = |href: &String| match href.starts_with('#') {
-            true => href.clone(),
-            false => format!("{root}{href}"),
+        let href = |href: &String| {
+            if href.starts_with('#') {
+                href.clone()
+            } else {
+                format!("{root}{href}")
+            }
         };
         let entries = self.entries.iter();
         Self {

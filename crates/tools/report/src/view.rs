@@ -513,9 +513,10 @@ fn without_metadata(svg: &str) -> (String, Option<String>) {
 fn alone(svg: &str) -> String {
     let svg = svg.replace("var(--paper)", "#ffffff");
     let svg = svg.replace("currentColor", "#1b1f24");
-    match svg.contains("xmlns=") {
-        true => svg,
-        false => svg.replacen("<svg ", "<svg xmlns=\"http://www.w3.org/2000/svg\" ", 1),
+    if svg.contains("xmlns=") {
+        svg
+    } else {
+        svg.replacen("<svg ", "<svg xmlns=\"http://www.w3.org/2000/svg\" ", 1)
     }
 }
 
@@ -541,11 +542,12 @@ fn about_dots(table: &Table) -> String {
         "A dot is a process: the tick is their median, the ends are {DOTS_FACTOR} times less and more, and a \
          triangle lies beyond."
     );
-    match cells().any(|cell| cell.mark == TWO_GROUPS) {
-        true => format!(
+    if cells().any(|cell| cell.mark == TWO_GROUPS) {
+        format!(
             "{scale} “{TWO_GROUPS}”: the processes ran as at two clocks, so that the figure is of one of them."
-        ),
-        false => scale,
+        )
+    } else {
+        scale
     }
 }
 

@@ -211,9 +211,10 @@ impl BenchArguments {
 
 fn parse_suite(text: &str) -> Result<String, String> {
     let suites = terrafill_scene::suite_names();
-    match suites.contains(&text) {
-        true => Ok(text.to_owned()),
-        false => Err(format!("allowed: {}", suites.join(", "))),
+    if suites.contains(&text) {
+        Ok(text.to_owned())
+    } else {
+        Err(format!("allowed: {}", suites.join(", ")))
     }
 }
 

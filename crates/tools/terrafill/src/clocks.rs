@@ -108,9 +108,10 @@ fn by_nvidia_smi(printed: &str, name: &str) -> Result<Vec<Reading>, String> {
         })
     });
     let readings: Vec<Reading> = readings.into_iter().flatten().collect();
-    match readings.is_empty() {
-        false => Ok(readings),
-        true => Err(format!("{NVIDIA_SMI}: found {:?}", row.join(", "))),
+    if !readings.is_empty() {
+        Ok(readings)
+    } else {
+        Err(format!("{NVIDIA_SMI}: found {:?}", row.join(", ")))
     }
 }
 

@@ -234,9 +234,10 @@ pub(crate) fn scene_text(
         views: vec![view("all", &overview)],
     };
     // The surface is opened once with what is known, since heights of eyes are above it.
-    let ground = match own.terrain.is_empty() {
-        true => None,
-        false => Some(opened(&draft, file)?),
+    let ground = if own.terrain.is_empty() {
+        None
+    } else {
+        Some(opened(&draft, file)?)
     };
     let ground = Ground {
         body: &body,

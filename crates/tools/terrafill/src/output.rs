@@ -57,9 +57,10 @@ pub(crate) fn write_all(files: &[(&Path, Vec<u8>)]) -> Result<(), Failure> {
         .iter()
         .zip(&unfinished)
         .try_for_each(|((path, bytes), beside)| {
-            let written = match is_standard(path) {
-                true => to_standard_output(bytes),
-                false => std::fs::write(beside, bytes),
+            let written = if is_standard(path) {
+                to_standard_output(bytes)
+            } else {
+                std::fs::write(beside, bytes)
             };
             match written {
                 // A pipe by its name, such as /dev/stdout, whose reader has seen enough.

@@ -99,9 +99,12 @@ pub(crate) fn metrics_of(plan: &RunPlan) -> Vec<Metric> {
     let marked = STUDIES.iter().flat_map(|study| {
         let is_planned = plan.cases.iter().any(|case| case.id.study == study.name());
         let metrics = study.metrics().iter();
-        metrics.map(move |metric| match is_planned {
-            true => *metric,
-            false => metric.ranking(Primary::No),
+        metrics.map(move |metric| {
+            if is_planned {
+                *metric
+            } else {
+                metric.ranking(Primary::No)
+            }
         })
     });
     marked.collect()

@@ -33,9 +33,10 @@ impl StencilWork {
     /// - `buffer_bytes`: of the buffer itself
     #[must_use]
     pub fn constants_held(&self, buffer_bytes: u64) -> Holding {
-        let constant_bytes = match self.list.volumes.is_empty() {
-            true => 0,
-            false => self.constants.len() as u64,
+        let constant_bytes = if self.list.volumes.is_empty() {
+            0
+        } else {
+            self.constants.len() as u64
         };
         Holding::constants(Feature::RegionConstants, constant_bytes, buffer_bytes)
     }

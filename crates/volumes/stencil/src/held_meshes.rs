@@ -18,9 +18,10 @@ pub(crate) enum HeldMeshes {
 impl HeldMeshes {
     /// What the volumes of a view need, as `switches` hold meshes.
     pub(crate) fn needed_by(list: &VolumeList, switches: &Switches) -> Self {
-        match switches.holds_drawn_meshes {
-            false => Self::All,
-            true => Self::Drawn(list.volumes.iter().map(|volume| volume.geometry).collect()),
+        if !switches.holds_drawn_meshes {
+            Self::All
+        } else {
+            Self::Drawn(list.volumes.iter().map(|volume| volume.geometry).collect())
         }
     }
 

@@ -89,9 +89,10 @@ impl<K: PartialEq, G> LaidOut<K, G> {
         let is_held = |place: usize| meshes[place].vertex_count() > 0;
         self.keep(meshes, is_held);
         for place in 0..meshes.len() {
-            match is_held(place) {
-                true => append(self.part(place, by(place), || lay_out(place))),
-                false => append(&lay_out(place)),
+            if is_held(place) {
+                append(self.part(place, by(place), || lay_out(place)))
+            } else {
+                append(&lay_out(place))
             }
         }
     }

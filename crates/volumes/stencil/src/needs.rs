@@ -204,9 +204,10 @@ impl NeedReasons<'_> {
             Feature::BottomCaps => self.bottom_caps(need),
             Feature::RegionConstants => (true, format!("of the {drawn} regions drawn")),
             Feature::Expansion => {
-                let told = match exists {
-                    true => "volumes are made on the device from these",
-                    false => "volumes are stored, none is made on the device",
+                let told = if exists {
+                    "volumes are made on the device from these"
+                } else {
+                    "volumes are stored, none is made on the device"
                 };
                 (exists, told.to_owned())
             }
@@ -271,9 +272,10 @@ impl NeedReasons<'_> {
                 false => (false, "nothing reads depth".to_owned()),
             },
             Feature::Measuring => {
-                let told = match exists {
-                    true => "fragments were counted or texels probed",
-                    false => "neither fragments were counted nor texels probed",
+                let told = if exists {
+                    "fragments were counted or texels probed"
+                } else {
+                    "neither fragments were counted nor texels probed"
                 };
                 (exists, told.to_owned())
             }
@@ -306,9 +308,10 @@ impl NeedReasons<'_> {
             }
         };
         let is_held = is_drawn || *self.bottoms == BottomCaps::All;
-        let reason = match is_held && need.bytes == 0 {
-            true => format!("{reason}; they are made of the tops' triangles and take no bytes"),
-            false => reason,
+        let reason = if is_held && need.bytes == 0 {
+            format!("{reason}; they are made of the tops' triangles and take no bytes")
+        } else {
+            reason
         };
         (is_held, reason)
     }

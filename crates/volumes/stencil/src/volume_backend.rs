@@ -337,9 +337,10 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
         let held = self.holdings();
         let found = (held.as_slice(), self.made);
         let drawn = BottomCaps::drawn_by(&program, &list, &self.switches);
-        let bottoms = match self.volumes.stores_bottom_caps() {
-            true => &self.bottoms,
-            false => &drawn,
+        let bottoms = if self.volumes.stores_bottom_caps() {
+            &self.bottoms
+        } else {
+            &drawn
         };
         let needs = needs_of(input, &self.switches, &uses, (&self.held, bottoms), found);
         Ok(Some(needs))
@@ -363,11 +364,12 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
             self.meshes = Some(input.scene.meshes.revision());
         }
         let (bytes, has_all) = self.bring_up_to_date(input, before)?;
-        let regions = match has_all {
-            true => (0..input.scene.meshes.len())
+        let regions = if has_all {
+            (0..input.scene.meshes.len())
                 .filter(|mesh| self.held.has(*mesh))
-                .collect(),
-            false => on_device,
+                .collect()
+        } else {
+            on_device
         };
         Ok(Uploaded { bytes, regions })
     }
@@ -382,10 +384,10 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
         let frame = match self.textured.plan() {
             None => plain,
             Some(plan) => {
-                let probed = match plan.covers.is_empty() {
-                    true => vec![None; input.size.pixel_count()],
-                    // Once more with covers that write ids and places, by the same functions.
-                    false => self.executor.probe(&mut self.volumes)?,
+                let probed = if plan.covers.is_empty() {
+                    vec![None; input.size.pixel_count()]
+                } else {
+                    self.executor.probe(&mut self.volumes)?
                 };
                 plan.frame(input, plain, &probed)
             }

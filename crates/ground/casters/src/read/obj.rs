@@ -225,9 +225,10 @@ fn solid(loaded: &tobj::Model) -> Result<(Model, usize), Wrong> {
     };
     // Of triangles alone there are no arities.
     let all_three = vec![3; mesh.indices.len() / 3];
-    let arities = match mesh.face_arities.is_empty() {
-        true => &all_three,
-        false => &mesh.face_arities,
+    let arities = if mesh.face_arities.is_empty() {
+        &all_three
+    } else {
+        &mesh.face_arities
     };
     let (mut first, mut degenerate) = (0, 0);
     for (face, arity) in arities.iter().enumerate() {

@@ -269,9 +269,10 @@ fn guide(data: &Data<'_>, contests: &[Contest<'_, '_>]) -> Vec<Block> {
     ranked.retain(|fill| is_moved && !moves(fill));
     let exact = advised(data, "Boundaries must not move at all", &all, &ranked);
     let lines: Vec<String> = by_kind.chain([memory, exact]).flatten().collect();
-    match lines.is_empty() {
-        true => Vec::new(),
-        false => vec![Block::section("What to take"), Block::List(lines)],
+    if lines.is_empty() {
+        Vec::new()
+    } else {
+        vec![Block::section("What to take"), Block::List(lines)]
     }
 }
 

@@ -29,12 +29,13 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
         )
     });
     let within: Vec<String> = within.collect();
-    match within.is_empty() {
-        true => Vec::new(),
-        false => vec![
+    if within.is_empty() {
+        Vec::new()
+    } else {
+        vec![
             Block::section("Volumes against approximate fills"),
             Block::Text(TEXT.to_owned()),
             Block::List(within),
-        ],
+        ]
     }
 }

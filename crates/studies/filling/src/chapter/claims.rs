@@ -176,9 +176,10 @@ impl<'r, 'a> Evidence<'r, 'a> {
         });
         let follows: Vec<Follows<'_>> = follows.collect();
         // A step that changes what is handed over in a frame is compared by a clock that covers it.
-        let needs = match follows.iter().any(|follows| follows.key == UPLOADS) {
-            true => Scope::UPLOAD.and(Scope::DRAW),
-            false => Scope::DRAW,
+        let needs = if follows.iter().any(|follows| follows.key == UPLOADS) {
+            Scope::UPLOAD.and(Scope::DRAW)
+        } else {
+            Scope::DRAW
         };
         let comparison = Comparison {
             follows: &follows,
@@ -238,9 +239,12 @@ impl<'r, 'a> Evidence<'r, 'a> {
         let is_time = ratio.metrics.is_empty();
         // What a device does not count is no row.
         judged.retain(|of| is_time || of.answer.standing != Standing::NotMeasured);
-        let text = |figure: &Estimate| match is_time {
-            true => times(figure),
-            false => format!("{} ×", significant(figure.middle)),
+        let text = |figure: &Estimate| {
+            if is_time {
+                times(figure)
+            } else {
+                format!("{} ×", significant(figure.middle))
+            }
         };
         let views = judged.iter().map(|Judged { title, answer, .. }| {
             let ours = or_dash(answer.figure.as_ref().map(text));
@@ -384,9 +388,10 @@ impl<'r, 'a> Evidence<'r, 'a> {
         }
         let views = found.iter().map(|(name, ratio)| {
             // The document's own layout decides; the others are named beside it.
-            let standing = match name == LAYOUT_2007 {
-                true => claim.standing_beyond(&Estimate::exact(*ratio), 1.0),
-                false => Standing::Holds,
+            let standing = if name == LAYOUT_2007 {
+                claim.standing_beyond(&Estimate::exact(*ratio), 1.0)
+            } else {
+                Standing::Holds
             };
             (format!("{name} {} ×", significant(*ratio)), standing)
         });

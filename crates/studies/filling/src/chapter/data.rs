@@ -171,9 +171,10 @@ impl<'a> Data<'a> {
     /// A case's name with its marker and the command that draws it.
     pub(super) fn name_cell(&self, case: &Case, text: String) -> Cell {
         Cell {
-            marker: match is_baseline(case) {
-                true => String::new(),
-                false => self.palette().marker(&marked(case)),
+            marker: if is_baseline(case) {
+                String::new()
+            } else {
+                self.palette().marker(&marked(case))
             },
             command: self.command(case),
             ..Cell::name(text)
@@ -182,9 +183,10 @@ impl<'a> Data<'a> {
 
     /// The fill's time by the run's clock, or by the wall clock where that one does not cover what is compared.
     pub(super) fn time_covering(&self, needs: Scope) -> &'static Metric {
-        match self.metric.scope.covers(needs) {
-            true => self.metric,
-            false => FILL_WALL_MS,
+        if self.metric.scope.covers(needs) {
+            self.metric
+        } else {
+            FILL_WALL_MS
         }
     }
 
@@ -382,9 +384,10 @@ pub(super) fn label(case: &Case) -> String {
 
 /// The series whose colour and marker a case has on every page: a full plan those of its layout.
 pub(super) fn marked(case: &Case) -> String {
-    match has_role(case, "full-plan") {
-        true => layout_name(case),
-        false => series(case),
+    if has_role(case, "full-plan") {
+        layout_name(case)
+    } else {
+        series(case)
     }
 }
 

@@ -155,9 +155,10 @@ fn features(technique: &str, needed: &[&Told<'_>]) -> Table {
         let some =
             |number: u64, why: &str| Cell::or_absent((number > 0).then(|| count(number)), why);
         let cells = [
-            Cell::name(match views.len() == needed.len() {
-                true => "all".to_owned(),
-                false => views.join(", "),
+            Cell::name(if views.len() == needed.len() {
+                "all".to_owned()
+            } else {
+                views.join(", ")
             }),
             Cell::name(if need.is_held { "yes" } else { "left out" }),
             some(need.bytes, "it has no buffer and no texture of its own"),

@@ -124,8 +124,9 @@ pub(super) fn counters(before: &Case, after: &Case) -> String {
             .then(|| format!("{name} {} → {}", print(values[0]), print(values[1])))
     });
     let changed: Vec<String> = changed.collect();
-    match changed.is_empty() {
-        true => "the same vertices, fragments, draws and bytes".to_owned(),
-        false => changed.join(", "),
+    if changed.is_empty() {
+        "the same vertices, fragments, draws and bytes".to_owned()
+    } else {
+        changed.join(", ")
     }
 }

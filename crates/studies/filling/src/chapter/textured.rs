@@ -226,9 +226,10 @@ pub(super) fn requirements(data: &Data<'_>) -> Vec<Finding> {
         })
     });
     let found: Vec<Finding> = found.collect();
-    match found.is_empty() && !views(data).is_empty() {
-        true => vec![finding(claim, None, "")],
-        false => found,
+    if found.is_empty() && !views(data).is_empty() {
+        vec![finding(claim, None, "")]
+    } else {
+        found
     }
 }
 

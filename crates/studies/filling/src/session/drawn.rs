@@ -17,9 +17,10 @@ pub(super) struct Drawn {
 impl Drawn {
     /// Hashes of the mask and of the ids; the latter is empty where regions are not told apart.
     pub(super) fn hashes(&self) -> (String, String) {
-        let ids = match self.backend.tells_regions_apart() {
-            true => ids_hash(&self.frame),
-            false => String::new(),
+        let ids = if self.backend.tells_regions_apart() {
+            ids_hash(&self.frame)
+        } else {
+            String::new()
         };
         (mask_hash(&self.frame), ids)
     }

@@ -310,9 +310,10 @@ impl Measures for ViewSession<'_> {
 
     fn before_sample(&mut self, index: usize) -> Result<(), Failure> {
         let is_software = || self.wgpu.borrow().gpu().facts.is_software();
-        match self.drawers.len() > FILLS_KEPT_COMPILED && is_software() {
-            true => self.time(index).map(drop),
-            false => Ok(()),
+        if self.drawers.len() > FILLS_KEPT_COMPILED && is_software() {
+            self.time(index).map(drop)
+        } else {
+            Ok(())
         }
     }
 

@@ -37,9 +37,10 @@ pub(super) struct Reference {
 impl Reference {
     /// Its picture and another as they are compared: of a fill in one colour only whether a pixel is filled counts.
     pub(super) fn beside<'f>(&self, frame: &'f Frame, as_mask: bool) -> (&Frame, Cow<'f, Frame>) {
-        match as_mask {
-            true => (&self.filled, Cow::Owned(filled_only(frame))),
-            false => (&self.frame, Cow::Borrowed(frame)),
+        if as_mask {
+            (&self.filled, Cow::Owned(filled_only(frame)))
+        } else {
+            (&self.frame, Cow::Borrowed(frame))
         }
     }
 }
@@ -63,9 +64,10 @@ impl Against {
     }
 
     fn reference(self) -> ReferenceBackend {
-        match self.is_on_body {
-            true => ReferenceBackend::on_body(),
-            false => ReferenceBackend::new(),
+        if self.is_on_body {
+            ReferenceBackend::on_body()
+        } else {
+            ReferenceBackend::new()
         }
     }
 }

@@ -62,9 +62,10 @@ pub(crate) fn path(scene: &PreparedScene) -> Vec<FillInput> {
 fn switches(merges_draws: bool) -> Switches {
     Switches {
         merges_draws,
-        cover_area: match merges_draws {
-            true => CoverArea::Tiles,
-            false => CoverArea::Rectangle,
+        cover_area: if merges_draws {
+            CoverArea::Tiles
+        } else {
+            CoverArea::Rectangle
         },
         depth_rule: DepthRuleChoice::Automatic,
         bottom_cap: BottomCap::WhereNeeded,

@@ -23,7 +23,12 @@ pub(crate) struct Course {
 
 impl Course {
     /// Holds a frame's counts against rays.
-    pub(crate) fn compare(&mut self, eye: &Eye, drawn: &NodeVertices, counts: &BTreeMap<Node, u64>) {
+    pub(crate) fn compare(
+        &mut self,
+        eye: &Eye,
+        drawn: &NodeVertices,
+        counts: &BTreeMap<Node, u64>,
+    ) {
         let (largest, wrong) = ByRays::new(eye, drawn).against(counts);
         let (so_far, so_wrong, compared) = self.against_rays;
         let nodes = compared + drawn.nodes.len();

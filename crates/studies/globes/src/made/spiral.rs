@@ -121,9 +121,10 @@ impl Spiral {
             }
         });
         let across = up.x.hypot(up.y);
-        let east = match across > 0.0 {
-            true => DVec3::new(-up.y / across, up.x / across, 0.0),
-            false => DVec3::Y,
+        let east = if across > 0.0 {
+            DVec3::new(-up.y / across, up.x / across, 0.0)
+        } else {
+            DVec3::Y
         };
         let inner = (FAN_PX * height / eye.focal_px())
             .min(MAX_INNER)
@@ -188,9 +189,10 @@ impl Spiral {
             return DVec3::ZERO;
         };
         let share = (f64::from(k) / f64::from(self.per_turn) / self.turns).min(1.0);
-        let radius = match self.is_quadratic {
-            false => self.inner * (self.outer / self.inner).powf(share),
-            true => (self.inner.sqrt() + share * (self.outer.sqrt() - self.inner.sqrt())).powi(2),
+        let radius = if !self.is_quadratic {
+            self.inner * (self.outer / self.inner).powf(share)
+        } else {
+            (self.inner.sqrt() + share * (self.outer.sqrt() - self.inner.sqrt())).powi(2)
         };
         let angle = TAU * f64::from(k % self.per_turn) / f64::from(self.per_turn);
         let [east, north, up] = self.axes;

@@ -97,8 +97,9 @@ pub(super) fn is_lost(colour: &[f32; 4]) -> bool {
     reason = "a share of 255 after clamping"
 )]
 pub(super) fn bytes(colour: [f32; 4]) -> [u8; 3] {
-    match is_lost(&colour) {
-        true => [255, 0, 255],
-        false => [0, 1, 2].map(|i| (255.0 * colour[i].clamp(0.0, 1.0)).round() as u8),
+    if is_lost(&colour) {
+        [255, 0, 255]
+    } else {
+        [0, 1, 2].map(|i| (255.0 * colour[i].clamp(0.0, 1.0)).round() as u8)
     }
 }

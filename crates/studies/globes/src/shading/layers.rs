@@ -69,9 +69,10 @@ pub(crate) fn base(direction: DVec3) -> [f64; 4] {
 /// East along the parallel, and any direction across at a pole, as the shader takes it.
 fn tangent(n: DVec3) -> DVec3 {
     let across = n.x.hypot(n.y);
-    match across > 1e-6 {
-        true => DVec3::new(-n.y, n.x, 0.0) / across,
-        false => DVec3::Y,
+    if across > 1e-6 {
+        DVec3::new(-n.y, n.x, 0.0) / across
+    } else {
+        DVec3::Y
     }
 }
 
@@ -126,17 +127,16 @@ pub(crate) fn colour(lights: &Lights, removed: Removed, n: DVec3, to_eye: DVec3)
         return DVec3::ONE;
     }
     let [r, g, b, water] = base(n);
-    let m = match removed < 4 {
-        true => {
-            let [along, east, north] = bump(n);
-            let mut t = tangent(n);
-            if removed >= 3 {
-                // Without its length made 1 it is as long as the parallel is wide.
-                t *= n.x.hypot(n.y);
-            }
-            (along * n + east * t + north * n.cross(t)).normalize()
+    let m = if removed < 4 {
+        let [along, east, north] = bump(n);
+        let mut t = tangent(n);
+        if removed >= 3 {
+            // Without its length made 1 it is as long as the parallel is wide.
+            t *= n.x.hypot(n.y);
         }
-        false => n,
+        (along * n + east * t + north * n.cross(t)).normalize()
+    } else {
+        n
     };
     let mut colour = DVec3::new(r, g, b) * m.dot(lights.sun).clamp(0.0, 1.0);
     if removed < 5 {

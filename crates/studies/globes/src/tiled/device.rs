@@ -124,9 +124,10 @@ fn texel_entries(
     count: usize,
 ) -> Vec<wgpu::BindGroupLayoutEntry> {
     let is_picture = matches!(content, Content::Colours(_));
-    let sample_type = match is_picture {
-        false => wgpu::TextureSampleType::Uint,
-        true => wgpu::TextureSampleType::Float { filterable: false },
+    let sample_type = if !is_picture {
+        wgpu::TextureSampleType::Uint
+    } else {
+        wgpu::TextureSampleType::Float { filterable: false }
     };
     let view_dimension = match drawing {
         Drawing::Array => wgpu::TextureViewDimension::D2Array,

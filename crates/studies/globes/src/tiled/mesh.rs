@@ -115,9 +115,10 @@ impl Maker<'_> {
             mixed(&|i| corners[i].y),
             mixed(&|i| corners[i].z),
         );
-        let v = match self.options.by_fragment {
-            true => mixed(&|i| points[i].v),
-            false => mixed(&|i| points[i].mercator_v),
+        let v = if self.options.by_fragment {
+            mixed(&|i| points[i].v)
+        } else {
+            mixed(&|i| points[i].mercator_v)
         };
         let turned = (at.u + 0.5).rem_euclid(1.0) - 0.5;
         let counted = (at.u - self.origin.u + 0.5).rem_euclid(1.0) - 0.5;

@@ -57,9 +57,10 @@ fn name(case: &Case) -> String {
         .filter(|(key, value)| case.condition(*key) != value)
         .map(|(key, _)| format!("{key}={}", case.condition(*key)))
         .collect();
-    match other.is_empty() {
-        true => "base".to_owned(),
-        false => other.join(" "),
+    if other.is_empty() {
+        "base".to_owned()
+    } else {
+        other.join(" ")
     }
 }
 

@@ -292,11 +292,12 @@ impl Measures for StagePart<'_> {
         if splitter.shader().is_none() {
             figures.push(("globe_tile_missed", mesh.missed as f64));
         }
-        let reason = match wrong > 0.0 {
-            true => format!(
+        let reason = if wrong > 0.0 {
+            format!(
                 "{wrong} of {beside} pixels beside ±180° are off by more than {ALLOWED_TEXELS} texel, allowed 0"
-            ),
-            false => String::new(),
+            )
+        } else {
+            String::new()
         };
         Ok(judged(reason, figures, Vec::new()))
     }

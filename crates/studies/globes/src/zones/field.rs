@@ -76,9 +76,10 @@ impl Field {
     fn height_m(&self, [x, y]: [u32; 2]) -> f64 {
         let [east, north] = [x, y].map(f64::from);
         let hills = HILLS_M * (0.13 * east).sin() * (0.11 * north + 0.4).cos();
-        match y == SPIKE_ROW && x % 2 == 1 {
-            true => hills + self.spike_m,
-            false => hills,
+        if y == SPIKE_ROW && x % 2 == 1 {
+            hills + self.spike_m
+        } else {
+            hills
         }
     }
 

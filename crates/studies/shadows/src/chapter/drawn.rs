@@ -53,9 +53,10 @@ impl Own<'_> {
         let losing: Vec<String> = losing
             .map(|(case, lost)| format!("{}: {} %", case.condition(CASTERS), significant(*lost)))
             .collect();
-        let losing = match losing.is_empty() {
-            true => "none".to_owned(),
-            false => losing.join(", "),
+        let losing = if losing.is_empty() {
+            "none".to_owned()
+        } else {
+            losing.join(", ")
         };
         (!known.is_empty()).then(|| {
             finding(

@@ -33,9 +33,10 @@ fn by(way: DeviceWay) -> Condition {
 }
 
 fn counting(is_guarded: bool) -> Condition {
-    let name = match is_guarded {
-        true => "passes of 255",
-        false => "8 bits, wrapping",
+    let name = if is_guarded {
+        "passes of 255"
+    } else {
+        "8 bits, wrapping"
     };
     is(COUNTING, name)
 }

@@ -147,9 +147,10 @@ impl Answering<'_> {
             }
             Job::Row(count, guard) => {
                 let scene = self.scene(&count.to_string(), || Scene::of_row(count, size))?;
-                let drawn = match guard {
-                    true => scene.drawn_guarded(Rule::Pass)?,
-                    false => scene.drawn(End::Infinite, Rule::Pass, Scissor::Off)?,
+                let drawn = if guard {
+                    scene.drawn_guarded(Rule::Pass)?
+                } else {
+                    scene.drawn(End::Infinite, Rule::Pass, Scissor::Off)?
                 };
                 Ok(drawn_verdict(scene, &drawn))
             }

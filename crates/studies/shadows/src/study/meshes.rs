@@ -24,12 +24,11 @@ pub(super) fn ready(name: &'static str, brought: Option<&Brought>) -> Result<Rea
         return Ok(Ready::of(name, own.prepared.clone()));
     }
     let mut mesh = mesh_named(name)?;
-    let policy = match name.contains("turned") {
-        true => {
-            turn_a_lit_face(&mut mesh);
-            Policy::AsIs
-        }
-        false => Policy::Refuse,
+    let policy = if name.contains("turned") {
+        turn_a_lit_face(&mut mesh);
+        Policy::AsIs
+    } else {
+        Policy::Refuse
     };
     let prepared = policy.prepare(mesh).map_err(|error| error.to_string())?;
     Ok(Ready::of(name, prepared))

@@ -54,9 +54,10 @@ impl Scene {
             for row in 0..BOXES[1] {
                 let mut direction = || DVec3::new(share(), share(), share());
                 let (first, second) = (direction(), direction());
-                let normal = match is_edge_on {
-                    true => first.cross(to_light),
-                    false => first,
+                let normal = if is_edge_on {
+                    first.cross(to_light)
+                } else {
+                    first
                 };
                 let normal = normal.normalize_or(DVec3::X);
                 let along = normal

@@ -114,9 +114,10 @@ impl Sides for MadeUp {
 
     fn run_together(&mut self, trio: Trio, cases: &BTreeSet<String>) -> Result<(), GateError> {
         for case in cases {
-            let order = match self.keeps_order {
-                true => [0, 1, 2],
-                false => trio.start_order(),
+            let order = if self.keeps_order {
+                [0, 1, 2]
+            } else {
+                trio.start_order()
             };
             let mut levels = [0.0; 3];
             for (before, place) in (0..).zip(order) {

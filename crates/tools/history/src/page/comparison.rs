@@ -73,11 +73,12 @@ pub fn comparison_page(of: &Comparison) -> Vec<Block> {
         let rows: Vec<&Finding> = of.findings(severity, true).collect();
         (severity == Severity::Worse, rows)
     });
-    match status.iter().all(|(_, rows)| rows.is_empty()) {
-        true => blocks.push(Block::Text("None.".to_owned())),
-        false => status
+    if status.iter().all(|(_, rows)| rows.is_empty()) {
+        blocks.push(Block::Text("None.".to_owned()))
+    } else {
+        status
             .iter()
-            .for_each(|(is_bad, rows)| exact_table(&mut blocks, rows, *is_bad)),
+            .for_each(|(is_bad, rows)| exact_table(&mut blocks, rows, *is_bad))
     }
     let unknown: Vec<&Finding> = of.findings(Severity::Unknown, false).collect();
     let unsure = of.standing(TimeStanding::Inconclusive);

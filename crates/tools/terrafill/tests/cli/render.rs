@@ -667,9 +667,10 @@ fn every_switch_is_listed_with_its_values_and_needs_no_scene() {
     for technique in json["techniques"].as_array().expect("a list") {
         let name = technique["name"].as_str().expect("a name");
         let api = technique["api"].as_str().expect("a name");
-        let more = match technique["approximate"] == true {
-            true => ", approximate",
-            false => "",
+        let more = if technique["approximate"] == true {
+            ", approximate"
+        } else {
+            ""
         };
         assert!(text.contains(&format!("{name} ({api}{more})\n")), "{text}");
         // Each switch in the list is one that `render` knows, and each of its values is allowed.

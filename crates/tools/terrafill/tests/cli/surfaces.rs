@@ -37,9 +37,10 @@ fn drawn(desk: &Desk, scene: &str, view: &str, backend: &str) -> Frame {
 fn is_right(reference: &Frame, frame: &Frame) -> Result<(), String> {
     let figures = compare(reference, frame).expect("same size");
     let verdict = verdict(&figures);
-    match verdict.is_pass() {
-        true => Ok(()),
-        false => Err(format!("{verdict:?} {figures:?}")),
+    if verdict.is_pass() {
+        Ok(())
+    } else {
+        Err(format!("{verdict:?} {figures:?}"))
     }
 }
 
