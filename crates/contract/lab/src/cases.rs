@@ -74,7 +74,7 @@ impl<'a> Cases<'a> {
 
     /// Each of them.
     pub fn iter(&self) -> impl Iterator<Item = &'a Case> + Clone + '_ {
-        self.all.iter().copied().filter(|case| !case.is_twin())
+        self.all.iter().copied().filter(|case| !case.is_repeat())
     }
 
     /// The first one.
@@ -375,7 +375,8 @@ mod tests {
             for (api, ms) in [("wgpu", 1.0), ("vulkan", vulkan_ms)] {
                 let name = format!("{view}/{api}");
                 let id = case_id("study", &name, &[("view", view), ("api", api)]);
-                run.case(id.twin()).timed(TIME, &vec![1.02 * ms; processes]);
+                run.case(id.repeat())
+                    .timed(TIME, &vec![1.02 * ms; processes]);
                 run.case(id).timed(TIME, &vec![ms; processes]);
             }
         }

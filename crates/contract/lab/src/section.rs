@@ -469,7 +469,7 @@ mod tests {
         ] {
             let conditions = [("scene", scene), ("view", view), ("size_px", side)];
             let id = case_id("study", &format!("{scene}/{view}/{side}"), &conditions);
-            for id in [id.clone(), id.twin()] {
+            for id in [id.clone(), id.repeat()] {
                 let case = run.case(id);
                 case.timed(TIME, &[ms, 1.1 * ms, ms, ms, ms]);
                 case.figure(BYTES, 1e3 * ms).note("image", "images/a.png");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The one runner: groups, verification before timing, shuffled blocks, resume, shards, A/A twins.
+//! The one runner: groups, verification before timing, shuffled blocks, resume, shards, repeats.
 //!
 //! Each value is appended to the run's folder as soon as it is measured, so that killing a run loses
 //! one sample. A run of several processes is the same folder measured by one process after another:
@@ -33,7 +33,7 @@ pub struct RunOptions {
     pub process: u32,
     /// Blocks measured and dropped at the start.
     pub warm_up: u32,
-    /// Seed of the blocks' order and of the choice of twins.
+    /// Seed of the blocks' order and of the choice of what is repeated.
     pub seed: u64,
     /// Part of the groups to measure; `None`: all.
     pub shard: Option<Shard>,
@@ -76,7 +76,7 @@ impl Progress for Silent {
     fn step(&mut self, _done: usize, _all: usize, _what: &str) {}
 }
 
-/// How cases ended, A/A twins not counted.
+/// How cases ended, repeats not counted.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RunOutcome {
     /// Right.
@@ -103,7 +103,7 @@ impl RunOutcome {
     pub fn of(folder: &Path) -> Result<Self, RunError> {
         let run = Run::load(folder)?;
         let mut outcome = Self::default();
-        for case in run.cases.iter().filter(|case| !case.is_twin()) {
+        for case in run.cases.iter().filter(|case| !case.is_repeat()) {
             *match case.outcome {
                 Outcome::Ok => &mut outcome.ok,
                 Outcome::Wrong if case.planned.may_be_wrong => &mut outcome.wrong_on_purpose,
@@ -118,11 +118,11 @@ impl RunOutcome {
     }
 }
 
-/// A group with its cases and their twins.
+/// A group with its cases and their repeats.
 struct PlannedGroup {
     group: Box<dyn Group>,
     name: String,
-    /// The group's cases, then twins.
+    /// The group's cases, then repeats.
     cases: Vec<PlannedCase>,
     /// Of each of `cases`: its place in the group.
     work: Vec<usize>,
@@ -222,7 +222,7 @@ pub fn plan_shared(
     }
     let groups: Vec<PlannedGroup> = groups
         .into_iter()
-        .map(|(group, times)| with_twins(group, times, options.seed))
+        .map(|(group, times)| with_repeats(group, times, options.seed))
         .collect();
     let plan = RunPlan {
         cases: groups
@@ -272,7 +272,7 @@ fn first_case(cases: &[PlannedCase]) -> String {
     cases.first().map_or_else(String::new, |case| case.id.key())
 }
 
-fn with_twins(group: Box<dyn Group>, times: Rc<[TimeMetric]>, seed: u64) -> PlannedGroup {
+fn with_repeats(group: Box<dyn Group>, times: Rc<[TimeMetric]>, seed: u64) -> PlannedGroup {
     let mut cases = group.cases().to_vec();
     let mut work: Vec<usize> = (0..cases.len()).collect();
     let timed: Vec<usize> = work
@@ -284,12 +284,12 @@ fn with_twins(group: Box<dyn Group>, times: Rc<[TimeMetric]>, seed: u64) -> Plan
         let order = SplitMix64::new(seed ^ timed.len() as u64).shuffled(timed.len());
         for place in order.into_iter().take(TWINS_PER_GROUP) {
             let original = &cases[timed[place]];
-            let twin = PlannedCase {
-                id: original.id.twin(),
+            let repeat = PlannedCase {
+                id: original.id.repeat(),
                 ..original.clone()
             };
             work.push(timed[place]);
-            cases.push(twin);
+            cases.push(repeat);
         }
     }
     PlannedGroup {
@@ -548,7 +548,7 @@ impl Running<'_> {
         self.group.cases[case].id.key()
     }
 
-    /// Verifies what is not verified yet and makes ready what is to be timed; twins stand for the
+    /// Verifies what is not verified yet and makes ready what is to be timed; repeats stand for the
     /// case whose work they repeat.
     fn verify(&mut self, todo: &Todo, steps: &mut Steps<'_>) -> Result<Vec<Ready>, StudyError> {
         let mut verdicts: BTreeMap<usize, Verdict> = BTreeMap::new();
@@ -622,7 +622,7 @@ impl Running<'_> {
         self.check_device(case)?;
         let planned = &self.group.cases[case];
         let key = planned.id.key();
-        // Figures first: a case with a row has all of them. A twin's are those of its original.
+        // Figures first: a case with a row has all of them. A repeat's are those of its original.
         if is_own {
             let figures: Vec<Measurement> = verdict
                 .figures

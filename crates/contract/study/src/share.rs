@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which shard measures which group.
 //!
-//! A group is never divided: its cases, its baseline passes and its A/A twins are compared with each other,
+//! A group is never divided: its cases, its baseline passes and its repeats are compared with each other,
 //! so one machine measures all of them. Every shard computes the same shares from the same arguments.
 
 use std::collections::BTreeMap;

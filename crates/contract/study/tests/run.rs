@@ -293,7 +293,7 @@ fn every_case_is_verified_once_and_only_right_ones_are_timed() {
         let wrong = index == 4 || index == 5;
         assert_eq!(case.outcome == Outcome::Wrong, wrong);
     }
-    let twins: Vec<_> = run.cases.iter().filter(|case| case.is_twin()).collect();
+    let twins: Vec<_> = run.cases.iter().filter(|case| case.is_repeat()).collect();
     assert_eq!(twins.len(), 2);
     for twin in twins {
         let original = run.case(twin.condition("repeats")).expect("the original");

@@ -60,11 +60,11 @@ impl CaseId {
 
     /// The same work under another name, see [`REPEATS`].
     #[must_use]
-    pub fn twin(&self) -> Self {
-        let mut twin = self.clone();
-        twin.name.push_str(" (again)");
-        twin.conditions.insert(REPEATS.into(), self.key());
-        twin
+    pub fn repeat(&self) -> Self {
+        let mut repeat = self.clone();
+        repeat.name.push_str(" (again)");
+        repeat.conditions.insert(REPEATS.into(), self.key());
+        repeat
     }
 }
 

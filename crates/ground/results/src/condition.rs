@@ -73,6 +73,6 @@ pub const API: ConditionKey = ConditionKey::declare("api");
 pub const PART: ConditionKey = ConditionKey::declare("part");
 /// Pixels a side.
 pub const SIZE_PX: ConditionKey = ConditionKey::declare("size_px");
-/// The case whose work this one repeats: an A/A twin, measured to see by how much identical work
+/// The case whose work this one repeats: measured again to see by how much identical work
 /// differs.
 pub const REPEATS: ConditionKey = ConditionKey::declare("repeats");

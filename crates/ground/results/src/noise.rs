@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A/A noise: by how much identical work differed in one run.
 //!
-//! A twin repeats the work of another case under another name (see [`REPEATS`]). For each pair the
+//! A repeat does the work of another case under another name (see [`REPEATS`]). For each pair the
 //! noise is |ln ratio|, where the ratio is the one that all comparisons use ([`ratio`]): symmetric in
 //! its operands, so that half as long and twice as long differ by as much. A gap between two cases
 //! that is no larger than the largest noise of a pair is a tie.
@@ -93,18 +93,18 @@ impl Noise {
         metric: impl AsRef<str>,
     ) -> Option<Self> {
         let metric = metric.as_ref();
-        let twins = || {
+        let repeats = || {
             let counted = cases.clone().filter(|case| case.counts());
-            counted.filter(|case| case.is_twin())
+            counted.filter(|case| case.is_repeat())
         };
-        let repeated: BTreeSet<&str> = twins().map(|twin| twin.condition(REPEATS)).collect();
+        let repeated: BTreeSet<&str> = repeats().map(|repeat| repeat.condition(REPEATS)).collect();
         let originals = cases.clone().filter(|case| case.counts());
         let originals = originals.map(|case| (case.id().key(), case));
         let originals: BTreeMap<String, &Case> = originals
             .filter(|(key, _)| repeated.contains(key.as_str()))
             .collect();
-        let ratios: Vec<Estimate> = twins()
-            .filter_map(|twin| ratio(twin, originals.get(twin.condition(REPEATS))?, metric))
+        let ratios: Vec<Estimate> = repeats()
+            .filter_map(|repeat| ratio(repeat, originals.get(repeat.condition(REPEATS))?, metric))
             .collect();
         let off = |ratio: f64| ratio.ln().abs();
         let gaps: Vec<f64> = ratios.iter().map(|ratio| off(ratio.middle)).collect();
@@ -161,14 +161,14 @@ mod tests {
 
     const METRIC: &str = "fill_cpu_ms";
 
-    /// Noise of a run of two pairs: the first one's twin takes these times, the second one's are
+    /// Noise of a run of two pairs: the first one's repeat takes these times, the second one's are
     /// 2 % longer than 10.
-    fn noise_of(twin: &[f64], original: &[f64]) -> Option<Noise> {
+    fn noise_of(again: &[f64], original: &[f64]) -> Option<Noise> {
         let mut run = MadeUpRun::default();
-        let pairs = [("a", original, twin), ("b", &[10.0; 5], &[10.2; 5])];
-        for (name, original, twin) in pairs {
+        let pairs = [("a", original, again), ("b", &[10.0; 5], &[10.2; 5])];
+        for (name, original, again) in pairs {
             let id = case_id("filling", name, &[]);
-            run.case(id.twin()).timed(METRIC, twin);
+            run.case(id.repeat()).timed(METRIC, again);
             run.case(id).timed(METRIC, original);
         }
         let folder = tempfile::tempdir().expect("a folder");
@@ -274,7 +274,7 @@ mod tests {
         assert!(alike.between.expect("three processes").max < 1e-12);
         let mut run = MadeUpRun::default();
         run.case(case_id("filling", "a", &[])).timed(METRIC, &[1.0]);
-        run.case(case_id("filling", "a", &[]).twin())
+        run.case(case_id("filling", "a", &[]).repeat())
             .timed(METRIC, &[1.0]);
         let folder = tempfile::tempdir().expect("a folder");
         let run = run.write(folder.path()).expect("a run");

@@ -41,7 +41,7 @@ pub struct Skipped {
 /// Every case of a run and how often each is measured.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, Default)]
 pub struct RunPlan {
-    /// Every case, in order, A/A twins included.
+    /// Every case, in order, repeats included.
     pub cases: Vec<PlannedCase>,
     /// What was left out.
     pub skipped: Vec<Skipped>,

@@ -133,7 +133,7 @@ impl Case {
 
     /// Whether it repeats the work of another case, to see by how much identical work differs.
     #[must_use]
-    pub fn is_twin(&self) -> bool {
+    pub fn is_repeat(&self) -> bool {
         self.planned.id.conditions.contains_key(REPEATS.name())
     }
 
@@ -256,17 +256,17 @@ impl Run {
         self.environment.primary_clock()
     }
 
-    /// Cases of one study, A/A twins included.
+    /// Cases of one study, repeats included.
     pub fn of_study<'a>(&'a self, study: &'a str) -> impl Iterator<Item = &'a Case> + Clone {
         self.cases
             .iter()
             .filter(move |case| case.id().study == study)
     }
 
-    /// Cases that ended so, A/A twins not counted.
+    /// Cases that ended so, repeats not counted.
     #[must_use]
     pub fn count(&self, outcome: Outcome) -> usize {
-        let cases = self.cases.iter().filter(|case| !case.is_twin());
+        let cases = self.cases.iter().filter(|case| !case.is_repeat());
         cases.filter(|case| case.outcome == outcome).count()
     }
 

@@ -327,7 +327,7 @@ mod tests {
             add(&mut made_up, "vertex", "rewrite", copied_ms, 200_000.0);
             add(&mut made_up, "native", "rewrite", 1.0, 60_000.0);
             // Identical work takes 10 % longer.
-            let id = made_up.cases[1].id.twin();
+            let id = made_up.cases[1].id.repeat();
             made_up.case(id).timed(MESH_AND_UPDATE, &[2.2; 5]);
             let run = read(&made_up);
             findings(&run)[1].clone()

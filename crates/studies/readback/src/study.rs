@@ -195,7 +195,7 @@ mod tests {
             let side: f64 = case.condition(SIZE_PX).parse().expect("a number");
             let bytes = 8.0 * side * side;
             assert!((rate * wall_ms * 1e3 / bytes - 1.0).abs() < 1e-9, "{name}");
-            if !case.is_twin() {
+            if !case.is_repeat() {
                 assert_eq!(case.value("readback_bytes"), Some(bytes), "{name}");
             }
         }
@@ -237,7 +237,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let none = Devices::new(Some("no such adapter".to_owned()));
         let run = measure(&folder.path().join("run"), none);
-        for case in run.cases.iter().filter(|case| !case.is_twin()) {
+        for case in run.cases.iter().filter(|case| !case.is_repeat()) {
             assert_eq!(case.outcome, Outcome::Skipped, "{}", case.reason);
             assert!(!case.reason.is_empty());
         }

@@ -29,7 +29,7 @@ pub fn save_baseline(run: &Run, folder: &Path, name: &str) -> Result<PathBuf, Ga
         std::fs::remove_dir_all(&place).map_err(GateError::io(&place))?;
     }
     std::fs::create_dir_all(&place).map_err(GateError::io(&place))?;
-    let cases = run.cases.iter().filter(|case| !case.is_twin());
+    let cases = run.cases.iter().filter(|case| !case.is_repeat());
     let kept: Vec<_> = cases.clone().collect();
     let plan = RunPlan {
         cases: kept

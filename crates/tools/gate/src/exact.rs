@@ -26,7 +26,7 @@ pub struct Exact {
     pub unmatched_limits: Vec<String>,
 }
 
-/// Compares two runs. A/A twins are left out: they repeat the work of other cases.
+/// Compares two runs. repeats are left out: they repeat the work of other cases.
 ///
 /// # Errors
 /// [`GateError::BadInput`] for runs of other options, sizes or builds, for a folder compared with itself
@@ -147,7 +147,7 @@ fn is_copy(base: &Run, new: &Run) -> bool {
 }
 
 fn by_key(run: &Run) -> BTreeMap<String, &Case> {
-    let cases = run.cases.iter().filter(|case| !case.is_twin());
+    let cases = run.cases.iter().filter(|case| !case.is_repeat());
     cases.map(|case| (case.id().key(), case)).collect()
 }
 

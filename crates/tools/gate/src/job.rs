@@ -434,7 +434,7 @@ fn of_metric(run: &Run, metric: &str) -> Times {
     let timed = run
         .cases
         .iter()
-        .filter(|case| !case.is_twin())
+        .filter(|case| !case.is_repeat())
         .filter(counts);
     let of_processes = |samples: &Samples| {
         let processes = samples.iter();
@@ -455,7 +455,7 @@ fn of_metric(run: &Run, metric: &str) -> Times {
 #[must_use]
 pub fn watched(base: &Run, new: &Run, gated: GatedTimes<'_>) -> [Vec<Watched>; 2] {
     let clock = new.clock();
-    let is_right = |case: &&Case| !case.is_twin() && case.outcome == Outcome::Ok;
+    let is_right = |case: &&Case| !case.is_repeat() && case.outcome == Outcome::Ok;
     let by_key = |run: &'_ Run| -> BTreeMap<String, usize> {
         let cases = run
             .cases

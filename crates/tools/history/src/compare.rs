@@ -175,12 +175,12 @@ fn times(base: &Run, new: &Run, primary: Primary<'_>) -> Vec<StudyTimes> {
         };
         let old: BTreeMap<String, &Case> = base
             .of_study(study)
-            .filter(|case| case.counts() && !case.is_twin())
+            .filter(|case| case.counts() && !case.is_repeat())
             .map(|case| (case.id().key(), case))
             .collect();
         let cases = new
             .of_study(study)
-            .filter(|case| case.counts() && !case.is_twin());
+            .filter(|case| case.counts() && !case.is_repeat());
         let cases = cases.filter_map(|case| {
             let key = case.id().key();
             case_times(

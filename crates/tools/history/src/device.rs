@@ -83,7 +83,7 @@ pub fn by_device(runs: &[Run], control: &str, primary: Primary<'_>) -> DeviceTab
     }
     let mut rows: BTreeMap<String, Vec<DeviceCell>> = BTreeMap::new();
     for run in runs {
-        for case in run.cases.iter().filter(|case| !case.is_twin()) {
+        for case in run.cases.iter().filter(|case| !case.is_repeat()) {
             rows.entry(case.id().key()).or_default();
         }
     }
@@ -160,7 +160,10 @@ fn cell(run: &Run, case: &Case, control: &str, primary: Primary<'_>) -> DeviceCe
     };
     let is_control = |other: &&Case| {
         let same = |key: &str| other.condition(key) == case.condition(key);
-        other.condition("technique") == control && same("scene") && same("view") && !other.is_twin()
+        other.condition("technique") == control
+            && same("scene")
+            && same("view")
+            && !other.is_repeat()
     };
     let over = run
         .of_study(study)

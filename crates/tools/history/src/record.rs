@@ -138,7 +138,7 @@ pub struct Record {
     pub machine: Machine,
     /// Declarations of the figures that it has.
     pub metrics: Vec<MetricRow>,
-    /// In alphabetical order. A/A twins are left out: they repeat the work of others.
+    /// In alphabetical order. repeats are left out: they repeat the work of others.
     pub cases: Vec<CaseRecord>,
     /// By study the metric that the run marks as ranking it; empty of runs that are older than the mark.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -179,7 +179,7 @@ impl Record {
         }
         let mut left_out = 0;
         let mut cases: Vec<CaseRecord> = Vec::new();
-        for case in run.cases.iter().filter(|case| !case.is_twin()) {
+        for case in run.cases.iter().filter(|case| !case.is_repeat()) {
             let is_result =
                 case.counts() || case.outcome == Outcome::Wrong && case.planned.may_be_wrong;
             let mut record = CaseRecord {

@@ -45,7 +45,7 @@ impl Verdict {
     }
 }
 
-/// How many cases ended how; A/A twins are not counted.
+/// How many cases ended how; repeats are not counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Counts {
     /// Right, and measured as often as planned.
@@ -97,9 +97,12 @@ impl Counts {
     }
 }
 
-/// Names of the cases that are `so`, A/A twins left out.
+/// Names of the cases that are `so`, repeats left out.
 pub(crate) fn named(run: &Run, so: impl Fn(&Case) -> bool) -> Vec<String> {
-    let cases = run.cases.iter().filter(|case| !case.is_twin() && so(case));
+    let cases = run
+        .cases
+        .iter()
+        .filter(|case| !case.is_repeat() && so(case));
     cases.map(|case| case.id().key()).collect()
 }
 

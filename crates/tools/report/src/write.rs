@@ -213,7 +213,10 @@ fn remove_others(folder: &Path, below: &str, files: &[File]) -> Result<(), Repor
 }
 
 fn with_reasons(run: &Run, so: impl Fn(&terrafill_results::Case) -> bool) -> Vec<String> {
-    let cases = run.cases.iter().filter(|case| !case.is_twin() && so(case));
+    let cases = run
+        .cases
+        .iter()
+        .filter(|case| !case.is_repeat() && so(case));
     cases
         .map(|case| format!("{}: {}: {}", case.id(), case.outcome.name(), case.reason))
         .collect()
@@ -227,7 +230,7 @@ fn skipped_cases(run: &Run) -> Vec<(&str, Vec<String>)> {
         .cases
         .iter()
         .filter(skipped)
-        .filter(|case| !case.is_twin())
+        .filter(|case| !case.is_repeat())
     {
         let name = case.id().key();
         match groups.iter_mut().find(|(reason, _)| *reason == case.reason) {

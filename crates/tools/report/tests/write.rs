@@ -407,7 +407,7 @@ fn noise_clock_and_replicates_are_said() {
     let timed = |twin: &[f64]| {
         let mut run = run();
         run.case(id("a")).timed(TIME, &[10.0, 11.0]);
-        run.case(id("a").twin()).timed(TIME, twin);
+        run.case(id("a").repeat()).timed(TIME, twin);
         report(&run)
     };
     let noisy = timed(&[12.0, 13.2]);

@@ -525,7 +525,7 @@ pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> 
     }
     keys.sort_unstable();
     keys.dedup();
-    let twins = data.ladder_twins(&keys);
-    keys.extend(twins);
+    let repeats = data.ladder_repeats(&keys);
+    keys.extend(repeats);
     keys
 }

@@ -321,14 +321,15 @@ impl<'a> Data<'a> {
     }
 
     /// Repeats of the cases with these keys, and of what else stands on their ladder.
-    pub(super) fn ladder_twins(&self, keys: &[String]) -> Vec<String> {
+    pub(super) fn ladder_repeats(&self, keys: &[String]) -> Vec<String> {
         let own = self.cases.iter();
         let own = own.filter(|case| keys.contains(&case.id().key()));
         let scenes = distinct(own.map(|case| case.condition(SCENE)));
-        let twins = self.run.of_study(STUDY).filter(|case| {
-            case.is_twin() && has_role(case, "ladder") && scenes.contains(&case.condition(SCENE))
+        let repeats = self.run.of_study(STUDY).filter(|case| {
+            case.is_repeat() && has_role(case, "ladder") && scenes.contains(&case.condition(SCENE))
         });
-        let both = twins.flat_map(|twin| [twin.id().key(), twin.condition(REPEATS).to_owned()]);
+        let both =
+            repeats.flat_map(|repeat| [repeat.id().key(), repeat.condition(REPEATS).to_owned()]);
         distinct(both.filter(|key| !keys.contains(key)))
     }
 

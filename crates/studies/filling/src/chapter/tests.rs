@@ -368,7 +368,7 @@ fn what_is_no_difference_follows_from_identical_work() {
     let standing = |again_ms: Option<f64>| {
         let mut run = climbed("globe", &steps);
         if let Some(ms) = again_ms {
-            let twin = run.cases[2].id.twin();
+            let twin = run.cases[2].id.repeat();
             run.case(twin)
                 .timed(TIME, &PROCESSES.map(|factor| factor * ms));
         }
@@ -392,7 +392,7 @@ fn identical_work_that_scatters_is_no_difference() {
     };
     let standing = |step_percent: f64, again_percent: f64| {
         let mut run = climbed("globe", &[("start", 100.0), ("strips", 100.0)]);
-        let twin = run.cases[2].id.twin();
+        let twin = run.cases[2].id.repeat();
         let times = |percent| {
             let scattered = PROCESSES.iter().zip(scatter(percent));
             scattered
@@ -622,7 +622,7 @@ fn more_processes_are_wanted_for_what_is_undecided_and_for_nothing_else() {
     let keys_beside = |strips_ms: &[f64], again_ms: Option<f64>| {
         let mut run = climbed("globe", &[("start", 100.0)]);
         if let Some(ms) = again_ms {
-            let twin = run.cases[1].id.twin();
+            let twin = run.cases[1].id.repeat();
             run.case(twin)
                 .timed(TIME, &PROCESSES.map(|factor| factor * ms));
         }
@@ -952,7 +952,7 @@ fn pairs_are_ratios_within_processes_and_gaps_within_the_noise_are_ties() {
         let role = [("role", "main")];
         timed(&mut run, "s/globe/native/vs-control", &role, control_ms);
         timed(&mut run, "s/globe/native/gs-line", &role, shader_ms);
-        let again = run.cases[0].id.twin();
+        let again = run.cases[0].id.repeat();
         run.case(again)
             .timed(TIME, &PROCESSES.map(|factor| 1.05 * factor * control_ms));
         let chapter = section(&run, "One thing changed");
@@ -1416,7 +1416,7 @@ fn contradictions_are_named() {
 #[test]
 fn summary_has_its_stable_columns_old_names_and_empty_cells() {
     let mut run = mixed();
-    let again = run.cases[2].id.twin();
+    let again = run.cases[2].id.repeat();
     run.case(again).timed(TIME, &[1.0; 8]);
     let (_folder, run) = written(&run);
     let tables = FillingChapter.tables(&run).expect("a table");
@@ -1530,7 +1530,7 @@ fn best_of(again_ms: f64) -> MadeUpRun {
             .figure("hausdorff_px", 1.0)
             .figure("regions_drawn", 134.0);
     }
-    let again = run.cases[0].id.twin();
+    let again = run.cases[0].id.repeat();
     run.case(again)
         .timed(TIME, &PROCESSES.map(|factor| factor * again_ms));
     run

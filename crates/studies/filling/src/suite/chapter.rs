@@ -101,7 +101,7 @@ fn views<'a>(run: &'a Run) -> Vec<View<'a>> {
 }
 
 fn cases(run: &Run) -> impl Iterator<Item = &Case> {
-    run.of_study(EXTREME).filter(|case| !case.is_twin())
+    run.of_study(EXTREME).filter(|case| !case.is_repeat())
 }
 
 /// Views of one scene after the other.

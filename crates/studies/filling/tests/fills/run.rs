@@ -142,7 +142,7 @@ fn a_small_run_is_right_and_resumes_without_measuring_twice() {
     let place = tempfile::tempdir().expect("a folder");
     let wanted = request(&["california"]);
     let whole = measured(place.path(), &wanted);
-    let own = |case: &&Case| !case.is_twin();
+    let own = |case: &&Case| !case.is_repeat();
     let counted = whole.cases.iter().filter(own);
     // Three views of two baselines, seven layouts, six full plans and what the view needs, two textured fills
     // from above, and the bytes of seven layouts for twelve numbers of regions.
@@ -328,7 +328,7 @@ fn roles(case: &Case) -> Vec<&str> {
 fn check_ladders(run: &Run) {
     for technique in TECHNIQUES.iter().map(|technique| technique.name()) {
         let of = |case: &&Case| {
-            !case.is_twin()
+            !case.is_repeat()
                 && roles(case).contains(&"ladder")
                 && case.condition("technique") == technique
         };
@@ -349,7 +349,7 @@ fn check_ladders(run: &Run) {
 }
 
 fn check_matrix(run: &Run) {
-    let of = |case: &&Case| !case.is_twin() && roles(case).contains(&"matrix");
+    let of = |case: &&Case| !case.is_repeat() && roles(case).contains(&"matrix");
     let cells: Vec<&Case> = run.cases.iter().filter(of).collect();
     assert!(cells.len() > 150, "{}", cells.len());
     let defaults = [
@@ -456,8 +456,8 @@ fn drawn_cases(depth: Depth) -> Vec<PlannedCase> {
 #[test]
 fn cap_steps_are_swept_in_cases_of_their_own() {
     let is_swept = |case: &&PlannedCase| {
-        let is_twin = case.id.conditions.contains_key("repeats");
-        case.id.condition("role") == "subdivision" && !is_twin
+        let is_repeat = case.id.conditions.contains_key("repeats");
+        case.id.condition("role") == "subdivision" && !is_repeat
     };
     let all = drawn_cases(Depth::Full);
     let swept: Vec<&PlannedCase> = all.iter().filter(is_swept).collect();
@@ -593,7 +593,7 @@ fn textured_fills_are_verified_by_their_coordinates_beside_the_plain_one() {
     assert_eq!(run.count(Outcome::Failed), 0);
     let fills = run.cases.iter().filter(|case| {
         let is_other = ["baseline", "memory"].contains(&case.condition("role"));
-        !case.is_twin() && !is_other
+        !case.is_repeat() && !is_other
     });
     let (textured, plain): (Vec<&Case>, Vec<&Case>) =
         fills.partition(|case| case.condition("texture") != "plain");

@@ -259,7 +259,7 @@ mod tests {
             let id = case_id(crate::STUDY, &place_, &conditions);
             if place == 0 {
                 let longer = vec![1.02 * ms; processes];
-                run.case(id.twin()).timed(metric, &longer);
+                run.case(id.repeat()).timed(metric, &longer);
             }
             run.case(id).timed(metric, &vec![ms; processes]);
         }

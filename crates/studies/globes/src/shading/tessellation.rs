@@ -109,7 +109,7 @@ mod tests {
                 ];
                 let id = case_id(crate::STUDY, &format!("{window}/{n}"), &conditions);
                 let metric = draw(Clock::ProcessCpu);
-                made.case(id.twin())
+                made.case(id.repeat())
                     .timed(metric, &vec![repeat * ms; processes]);
                 let case = made.case(id);
                 case.timed(metric, &vec![ms; processes]);

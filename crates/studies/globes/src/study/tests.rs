@@ -132,7 +132,7 @@ fn a_run_has_errors_times_and_a_chapter() {
     // Three cases, and two of them again.
     assert_eq!(run.cases.len(), 5);
     let value = |surface: &str, rows: &str, metric: &str| {
-        let mut cases = run.cases.iter().filter(|case| !case.is_twin());
+        let mut cases = run.cases.iter().filter(|case| !case.is_repeat());
         let case = cases
             .find(|case| case.condition("surface") == surface && case.condition("value") == rows);
         case.and_then(|case| case.value(metric))
@@ -176,7 +176,7 @@ fn a_missing_device_is_skipped_and_a_wrong_parameter_fails() {
     let folder = tempfile::tempdir().expect("a folder");
     let none = Devices::new(Some("no such adapter".to_owned()));
     let run = measure(&folder.path().join("run"), none);
-    for case in run.cases.iter().filter(|case| !case.is_twin()) {
+    for case in run.cases.iter().filter(|case| !case.is_repeat()) {
         assert_eq!(case.outcome, Outcome::Skipped, "{}", case.reason);
     }
     let mut works = ellipsoids();

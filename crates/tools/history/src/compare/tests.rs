@@ -25,7 +25,7 @@ fn run(folder: &Path, name: &str, gpu: &str, cases: &[(&str, &[f64])]) -> Run {
             .timed(METRIC, times);
     }
     let id = case_id("filling", "pair", &[]);
-    run.case(id.twin()).timed(METRIC, &[1.01; 5]);
+    run.case(id.repeat()).timed(METRIC, &[1.01; 5]);
     run.case(id).timed(METRIC, &[1.0; 5]);
     run.write(&folder.join(name)).expect("written")
 }

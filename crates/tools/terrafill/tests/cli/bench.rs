@@ -91,14 +91,14 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
     // The desk is in no repository: a run names the commit of its program, not of its folder.
     assert_eq!(run.environment.commit, env!("TERRAFILL_COMMIT"));
     let timed = run.cases.iter().filter(|case| case.planned.samples > 0);
-    let drawn = timed.clone().filter(|case| !case.is_twin());
+    let drawn = timed.clone().filter(|case| !case.is_repeat());
     let (full_plans, plain): (Vec<&Case>, Vec<&Case>) =
         drawn.partition(|case| case.condition("role") == "main+full-plan");
     let plain: BTreeSet<String> = plain.into_iter().map(|case| case.id().key()).collect();
     assert_eq!(plain, expected);
     // Of three techniques, with and without levels of detail.
     assert_eq!(full_plans.len(), 3 * 6);
-    assert!(timed.clone().any(Case::is_twin), "identical work twice");
+    assert!(timed.clone().any(Case::is_repeat), "identical work twice");
     for case in timed {
         assert_eq!(case.timed_samples(0).len(), 2, "{}", case.id());
     }
@@ -399,7 +399,7 @@ fn two_processes_are_two_replicates_and_the_second_rechecks_every_picture() {
     let failed: Vec<&Case> = run
         .cases
         .iter()
-        .filter(|case| case.outcome == Outcome::Failed && !case.is_twin())
+        .filter(|case| case.outcome == Outcome::Failed && !case.is_repeat())
         .collect();
     let [failed] = failed[..] else {
         panic!("{} failed", failed.len());
@@ -485,7 +485,7 @@ fn shards_together_are_the_whole_run_and_nothing_less_is_merged() {
     assert_eq!(names(&balanced), names(&whole));
     assert_eq!(balanced.environment.options, whole.environment.options);
     for run in [load(&desk, "long"), load(&desk, "rest")] {
-        for twin in run.cases.iter().filter(|case| case.is_twin()) {
+        for twin in run.cases.iter().filter(|case| case.is_repeat()) {
             let original = run.case(twin.condition(REPEATS));
             assert!(
                 original.is_some(),

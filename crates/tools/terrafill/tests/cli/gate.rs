@@ -22,8 +22,8 @@ fn of_runs(desk: &Desk) -> Ran {
 }
 
 /// The program under another name, with a byte more at its end: the same work of another file.
-fn twin(desk: &Desk) {
-    let path = desk.path("twin");
+fn repeat(desk: &Desk) {
+    let path = desk.path("same");
     std::fs::copy(env!("CARGO_BIN_EXE_terrafill"), &path).expect("copied");
     let file = std::fs::OpenOptions::new().append(true).open(&path);
     file.expect("writable").write_all(b"\n").expect("written");
@@ -215,7 +215,7 @@ fn a_baseline_is_saved_compared_with_and_missed() {
 #[test]
 fn two_programs_are_compared_and_one_program_or_none_is_not() {
     let desk = Desk::new();
-    twin(&desk);
+    repeat(&desk);
     let quick = ["california", "--technique", "vertex", "--size", "48"];
     let with = |more: &[&'static str]| [&quick[..], more].concat();
     let this = env!("CARGO_BIN_EXE_terrafill");
@@ -227,7 +227,7 @@ fn two_programs_are_compared_and_one_program_or_none_is_not() {
 
     let gate_it = [
         &["gate"][..],
-        &with(&["--base", "twin", "--out", "nowhere"]),
+        &with(&["--base", "same", "--out", "nowhere"]),
     ]
     .concat();
     assert_eq!(desk.run_without_device(&gate_it).code, 5);
@@ -236,7 +236,7 @@ fn two_programs_are_compared_and_one_program_or_none_is_not() {
     }
     let ran = gate(
         &desk,
-        &with(&["--base", "twin", "--no-time", "--out", "exact"]),
+        &with(&["--base", "same", "--no-time", "--out", "exact"]),
     );
     assert_eq!(ran.code, 0, "{}{}", ran.stdout, ran.stderr);
     assert!(
@@ -244,11 +244,11 @@ fn two_programs_are_compared_and_one_program_or_none_is_not() {
         "{}",
         ran.stdout
     );
-    gate(&desk, &with(&["--base", "twin", "--out", "exact"])).refused(&[&["holds something"]]);
+    gate(&desk, &with(&["--base", "same", "--out", "exact"])).refused(&[&["holds something"]]);
     // Times were asked for, and there was no time for them.
     let ran = gate(
         &desk,
-        &with(&["--base", "twin", "--time-budget-s", "1", "--out", "late"]),
+        &with(&["--base", "same", "--time-budget-s", "1", "--out", "late"]),
     );
     assert_eq!(ran.code, 4, "{}{}", ran.stdout, ran.stderr);
     assert!(ran.stderr.contains("time budget of 1 s"), "{}", ran.stderr);
@@ -552,8 +552,8 @@ fn a_gate_that_was_killed_leaves_no_answer_and_no_process() {
     }
     let desk = Desk::new();
     write_few(&desk);
-    twin(&desk);
-    let sides = ["--base", "twin", "--out", "killed"];
+    repeat(&desk);
+    let sides = ["--base", "same", "--out", "killed"];
     let mut command = desk.command(&[&["gate"][..], &QUICK, &sides].concat());
     let mut child = command.spawn().expect("the program starts");
     let is_timing = || desk.path("killed/process-00003").exists();
@@ -646,7 +646,7 @@ fn a_full_disk_is_no_pass() {
 #[test]
 fn two_processes_gate_a_shard_each_and_merge_refuses_what_is_not_all_of_it() {
     let desk = Desk::new();
-    twin(&desk);
+    repeat(&desk);
     let scenes = [
         "california",
         "square-10m",
@@ -656,10 +656,10 @@ fn two_processes_gate_a_shard_each_and_merge_refuses_what_is_not_all_of_it() {
         "32",
     ];
     let shard = |of: &'static str, out: &'static str| {
-        let sides = ["--base", "twin", "--no-time", "--shard", of, "--out", out];
+        let sides = ["--base", "same", "--no-time", "--shard", of, "--out", out];
         [&["gate"][..], &scenes, &sides].concat()
     };
-    let none = ["gate", "--base", "twin", "--shard", "1/2"];
+    let none = ["gate", "--base", "same", "--shard", "1/2"];
     desk.run(&none).refused(&[&["--shard needs the scenes"]]);
     desk.run(&shard("3/3", "x")).refused(&[&["found 2 scenes"]]);
     gate(&desk, &["california", "--shard", "1/2"]).refused(&[&["--shard needs --base"]]);
