@@ -9,6 +9,7 @@
 //! absent value is an absent row, and `reason` says why; it is never 0.
 
 mod block;
+mod budget;
 mod case;
 pub mod condition;
 mod device_clock;
@@ -38,6 +39,7 @@ pub use block::{
     Answers, Block, Cell, CellClass, Chapter, ChapterError, Choice, DerivedTable, Finding, Heading,
     Picture, PictureFigure, Pictures, Plot, Row, Standing, Table, TableLayout,
 };
+pub use budget::Budget;
 pub use case::{CaseId, CaseRow, Measurement, Note, PlannedCase, Status, UNSTEADY_CLOCK, Verdict};
 pub use condition::{ConditionKey, REPEATS};
 pub use device_clock::{CLOCK_COLUMNS, DeviceClock, Moment, append_clocks, read_clocks};

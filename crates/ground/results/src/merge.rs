@@ -3,8 +3,8 @@
 
 use crate::folder::{RunError, RunFolder};
 use crate::{
-    Metric, MetricRow, Note, Run, RunPlan, Shard, append_clocks, append_durations, read_clocks,
-    read_durations, repeated_cases,
+    Budget, Metric, MetricRow, Note, Run, RunPlan, Shard, append_clocks, append_durations,
+    read_clocks, read_durations, repeated_cases,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -113,6 +113,10 @@ pub fn merge(parts: &[PathBuf], out: &Path, metrics: &[Metric]) -> Result<(), Me
         |option: &str| option.starts_with("shard=") || option.starts_with("shard-by=");
     environment.options.retain(|option| !is_of_shards(option));
     let folder = RunFolder::create(out, environment, plan, metrics)?;
+    let budget = Budget::read(&first.path)?;
+    if budget != Budget::default() {
+        budget.write(out)?;
+    }
     for run in &shards {
         copy_rows(run, &folder)?;
         copy_images(&run.path, out)?;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Verbs and their arguments.
 
+mod budget;
 mod gate;
 mod history;
 mod own;
 mod values;
 
+pub(crate) use budget::BudgetArguments;
 pub(crate) use gate::{BlessArguments, GateArguments, SelfTestKind};
 pub(crate) use history::{
     BackfillArguments, BisectArguments, HistoryArguments, HistoryVerb, StoreArguments,
@@ -30,6 +32,10 @@ Exit codes: 0 done · 1 a picture is wrong · 2 bad input or usage · 3 inconclu
             4 nothing measured · 5 no usable device · 128 + n stopped by signal n
 Example: terrafill bench california --quick --out out/first";
 
+const BENCH_EXAMPLE: &str = "\
+Takes --tolerance-px, --max-mb and --budget-ms of `terrafill report`, too.
+Example: terrafill bench planet-134 california --out out/first";
+
 const LOCATE_AFTER_HELP: &str = "\
 Prints the table of points with a column regions behind the others: indices of
 features from 0, joined by ;. Longitudes are rounded to multiples of 2^-43 degrees
@@ -49,10 +55,13 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
     /// Measure studies into a folder of tables, and write its report
-    #[command(after_help = "Example: terrafill bench planet-134 california --out out/first")]
+    #[command(after_help = BENCH_EXAMPLE)]
+    #[command(mut_arg("tolerance_px", |arg| arg.hide(true)))]
+    #[command(mut_arg("max_mb", |arg| arg.hide(true)))]
+    #[command(mut_arg("budget_ms", |arg| arg.hide(true)))]
     Bench(BenchArguments),
     /// Rebuild the report of a run from its tables alone
-    #[command(after_help = "Example: terrafill report out/first")]
+    #[command(after_help = "Example: terrafill report out/first --tolerance-px 2 --max-mb 8")]
     Report(ReportArguments),
     /// Join the shards of a run, or of a gate, into one folder
     #[command(after_help = "Example: terrafill merge out/shard-1 out/shard-2 --out out/all")]
@@ -197,6 +206,8 @@ pub(crate) struct BenchArguments {
     pub(crate) matrix: Vec<String>,
     #[arg(long, value_name = "FILE", requires = "study", help = CASTERS_HELP)]
     pub(crate) casters: Option<String>,
+    #[command(flatten)]
+    pub(crate) budget: BudgetArguments,
 }
 
 impl BenchArguments {
@@ -302,9 +313,11 @@ california, countries-110m]";
 pub(crate) struct ReportArguments {
     /// Folder of a run
     pub(crate) run: PathBuf,
-    /// Put all pages and pictures into index.html, which then needs no file beside it
+    /// Put all pages and pictures into index.html alone
     #[arg(long)]
     pub(crate) single_file: bool,
+    #[command(flatten)]
+    pub(crate) budget: BudgetArguments,
 }
 
 const SET_HELP: &str = "\

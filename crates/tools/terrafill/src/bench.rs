@@ -2,7 +2,8 @@
 //! `bench`, `report` and `merge`.
 
 use crate::arguments::{
-    BenchArguments, GrowthSampleArguments, MergeArguments, ReportArguments, Sharing,
+    BenchArguments, BudgetArguments, GrowthSampleArguments, MergeArguments, ReportArguments,
+    Sharing,
 };
 use crate::clocks::device_clocks;
 use crate::draft;
@@ -21,7 +22,7 @@ use std::rc::Rc;
 use std::sync::mpsc::Receiver;
 use terrafill_contract::Devices;
 use terrafill_gpu::shared_gpu;
-use terrafill_results::{Moment, Run, RunFolder, Skipped, append_clocks, read_durations};
+use terrafill_results::{Budget, Moment, Run, RunFolder, Skipped, append_clocks, read_durations};
 use terrafill_scene::{ImageSize, Scene, data_dir};
 use terrafill_shadows::model_warnings;
 use terrafill_study::{
@@ -139,6 +140,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     let folder = open_folder(arguments, &studies, &request, described, &plan, &devices)?;
     let plan = plan.with_settling(settling(&devices));
     if options.process == 0 {
+        keep(&arguments.budget, &arguments.out)?;
         say_when_stopped(&arguments.out)?;
         if let Some(line) = first_line(depth, processes, arguments) {
             print(format!("{line}\n"))?;
@@ -513,7 +515,19 @@ pub(crate) fn report(arguments: &ReportArguments) -> Result<Outcome, Failure> {
     } else {
         terrafill_report::write
     };
+    keep(&arguments.budget, &arguments.run)?;
     print_report(write(&arguments.run, &chapters()), "")
+}
+
+/// Puts limits that are given into the folder of a run: reports answer by them.
+fn keep(given: &BudgetArguments, folder: &Path) -> Result<(), Failure> {
+    let was = Budget::read(folder).map_err(Failure::bad_input)?;
+    let Some(budget) = given.over(was) else {
+        return Ok(());
+    };
+    // Not beside what is no run.
+    RunFolder::open(folder).map_err(Failure::bad_input)?;
+    budget.write(folder).map_err(Failure::bad_input)
 }
 
 pub(crate) fn merge(arguments: &MergeArguments) -> Result<Outcome, Failure> {
