@@ -121,8 +121,8 @@ fn read(path: &Path) -> Result<Vec<u8>, RegionLoadError> {
 
 /// What became of a scene's data file.
 pub(crate) enum Verified {
-    /// Its bytes, which have the hash.
-    Bytes(Vec<u8>),
+    /// Its bytes with their hash, which is the one that was asked for, if any.
+    Bytes(Vec<u8>, String),
     /// It is not there or not the same, and why.
     Absent(String),
 }
@@ -151,11 +151,10 @@ impl Folders<'_> {
             )));
         };
         match read(&path) {
-            Ok(bytes) if sha256.is_empty() => Ok(Verified::Bytes(bytes)),
             Ok(bytes) => {
                 let found = sha256_hex(&bytes);
-                Ok(if found == sha256 {
-                    Verified::Bytes(bytes)
+                Ok(if sha256.is_empty() || found == sha256 {
+                    Verified::Bytes(bytes, found)
                 } else {
                     Verified::Absent(format!("{} has sha256 {found}", path.display()))
                 })
@@ -249,7 +248,9 @@ mod tests {
         std::fs::write(folder.path().join("d"), "abc").expect("writable");
         let hash = sha256_hex(b"abc");
         let verified = folders.read("d", &hash).expect("readable");
-        assert!(matches!(verified, Verified::Bytes(bytes) if bytes == b"abc"));
+        assert!(
+            matches!(verified, Verified::Bytes(bytes, found) if bytes == b"abc" && found == hash)
+        );
         std::fs::write(folder.path().join("d"), "ab").expect("writable");
         let verified = folders.read("d", &hash).expect("readable");
         let Verified::Absent(why) = verified else {
@@ -268,7 +269,7 @@ mod tests {
             data: Some(data.path()),
         };
         let bytes = |folders: Folders<'_>, file: &str| match folders.read(file, "") {
-            Ok(Verified::Bytes(bytes)) => bytes,
+            Ok(Verified::Bytes(bytes, _)) => bytes,
             Ok(Verified::Absent(why)) => panic!("{why}"),
             Err(error) => panic!("{error}"),
         };

@@ -17,6 +17,7 @@ mod duration;
 mod environment;
 mod folder;
 mod front;
+mod input;
 pub mod made_up;
 mod markdown;
 mod merge;
@@ -50,6 +51,7 @@ pub use folder::{
     RunFolder, SCHEMA,
 };
 pub use front::{Candidate, front, front_survival};
+pub use input::{INPUT_COLUMNS, RunInput, append_inputs, read_inputs};
 pub use markdown::{escaped, markdown, markdown_finding, markdown_list, markdown_table};
 pub use merge::{MergeError, merge};
 pub use metric::{Direction, Kind, Metric, MetricRow, NOT_MEASURED, Primary, Timer};

@@ -11,7 +11,8 @@ use crate::environment::environment;
 use crate::gate::finish;
 use crate::outcome::{Failure, Outcome, complain, print};
 use crate::progress::{Said, Timed};
-use crate::registry::{RIVALS, STUDIES, SURFACES, chapters, metrics, metrics_of};
+use crate::read::Read;
+use crate::registry::{RIVALS, STUDIES, chapters, metrics, metrics_of};
 use crate::report::print_report;
 use crate::stop::{say_when_stopped, what_is_kept};
 use std::collections::BTreeMap;
@@ -23,13 +24,11 @@ use std::sync::mpsc::Receiver;
 use terrafill_contract::Devices;
 use terrafill_gpu::shared_gpu;
 use terrafill_results::{Budget, Moment, Run, RunFolder, Skipped, append_clocks, read_durations};
-use terrafill_scene::{ImageSize, Scene, data_dir};
-use terrafill_shadows::model_warnings;
+use terrafill_scene::{ImageSize, data_dir};
 use terrafill_study::{
     Depth, FramesPerSample, Request, RunOptions, RunOutcome, Settling, Share, Study, StudyError,
     Turn, Turns, plan_shared,
 };
-use terrafill_surface::open_surface;
 
 /// Processes of a run: fewer than five give no interval.
 const PROCESSES: u32 = 5;
@@ -102,6 +101,10 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         extra: arguments.extra_frames,
     };
     let (share, sharing) = share(arguments)?;
+    let read = (options.process == 0).then(|| Read::of(&request));
+    for line in read.iter().filter_map(|read| read.long_input.as_ref()) {
+        complain(line);
+    }
     let plan = plan_shared(&studies, &request, &options, &share).map_err(failure)?;
     let mut plan = plan.with_frames(frames);
     if let Some(file) = &arguments.time_only {
@@ -121,7 +124,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         for skipped in skipped.filter(|skipped| !is_rival(skipped)) {
             complain(format!("skipped: {}: {}", skipped.what, skipped.reason));
         }
-        for warning in warnings(&request) {
+        for warning in read.iter().flat_map(|read| &read.warnings) {
             complain(format!("warning: {warning}"));
         }
     }
@@ -141,6 +144,13 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     let plan = plan.with_settling(settling(&devices));
     if options.process == 0 {
         keep(&arguments.budget, &arguments.out)?;
+        if let Some(read) = &read {
+            read.write(&arguments.out)?;
+            if read.long_input.is_some() {
+                let run_plan = plan.run_plan();
+                complain(format!("{} cases are planned", run_plan.cases.len()));
+            }
+        }
         say_when_stopped(&arguments.out)?;
         if let Some(line) = first_line(depth, processes, arguments) {
             print(format!("{line}\n"))?;
@@ -295,18 +305,6 @@ fn request(arguments: &BenchArguments, depth: Depth) -> Request {
         }
     }
     request
-}
-
-/// What has to be said of the files of the scenes that a user names, and of her model: what was read otherwise than a
-/// file says. What cannot be opened is left to the plan, which says why.
-fn warnings(request: &Request) -> Vec<String> {
-    let scenes = request.scenes.iter();
-    let scenes = scenes.filter_map(|name| Scene::open(name, request.data_dir.as_deref()).ok());
-    let surfaces = scenes.filter_map(|scene| open_surface(SURFACES, &scene).ok());
-    let of_surfaces = surfaces.flat_map(|surface| surface.warnings().to_vec());
-    let models = request.settings.get("casters").into_iter().flatten();
-    let of_models = models.flat_map(|setting| model_warnings(setting));
-    of_surfaces.chain(of_models).collect()
 }
 
 /// The run's options as `key=value`: a run is resumed with the same ones only.

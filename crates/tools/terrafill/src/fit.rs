@@ -118,6 +118,7 @@ pub(crate) fn scene_of(path: &Path, own: &OwnArguments, size: ImageSize) -> Resu
         textured: TexturedFills::default(),
         sweep_cap_step_deg: Vec::new(),
         sweep_positions: false,
+        files_read: Vec::new(),
     })
 }
 
