@@ -16,7 +16,7 @@ mod texture;
 pub use camera::{Camera, CameraPose, ImageSize};
 pub use data::{
     DATA_DIR_VARIABLE, DEFAULT_DATA_DIR, DataFile, DataNeed, RegionLoadError, SceneNeeds, data_dir,
-    data_dir_from_env, load_regions, sha256_hex,
+    data_dir_from_env, joined_data_dirs, load_regions, sha256_hex, split_data_dirs,
 };
 pub use error::SceneError;
 pub use file::scene_needs;

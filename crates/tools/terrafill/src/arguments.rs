@@ -12,7 +12,7 @@ pub(crate) use gate::{BlessArguments, GateArguments, SelfTestKind};
 pub(crate) use history::{
     BackfillArguments, BisectArguments, HistoryArguments, HistoryVerb, StoreArguments,
 };
-pub(crate) use own::{InitArguments, OwnArguments, SceneArguments, SceneVerb};
+pub(crate) use own::{InitArguments, OwnArguments, SceneArguments, SceneVerb, UnusedArguments};
 pub(crate) use values::{Edges, ReadingArguments, Repair};
 
 use crate::registry;
@@ -67,7 +67,7 @@ pub(crate) enum Verb {
     #[command(after_help = "Example: terrafill merge out/shard-1 out/shard-2 --out out/all")]
     Merge(MergeArguments),
     /// Decide whether a version does more work, errs more or takes longer than another
-    #[command(after_help = GATE_EXAMPLE)]
+    #[command(after_help = GATE_EXAMPLE, mut_arg("terrain", |arg| arg.hide(true)))]
     Gate(GateArguments),
     /// Accept differences that the gate found, in a file that is reviewed
     #[command(after_help = BLESS_EXAMPLE)]
@@ -179,9 +179,9 @@ pub(crate) struct BenchArguments {
     /// Go on with a run that was killed
     #[arg(long)]
     pub(crate) resume: bool,
-    /// Folder with real data [default: $TERRAFILL_DATA, or data]
+    /// Folder of data, may be repeated [default: $TERRAFILL_DATA, or data]
     #[arg(long)]
-    pub(crate) data: Option<PathBuf>,
+    pub(crate) data: Vec<PathBuf>,
     /// Timed samples of a case in each process [default: each study's]
     #[arg(long, alias = "frames", value_parser = parse_samples)]
     pub(crate) samples: Option<u32>,
@@ -370,9 +370,9 @@ pub(crate) struct RenderArguments {
     /// Counters, memory and what was left out, JSON
     #[arg(long)]
     pub(crate) stats: Option<PathBuf>,
-    /// Folder with real data [default: $TERRAFILL_DATA, or data]
+    /// Folder of data, may be repeated [default: $TERRAFILL_DATA, or data]
     #[arg(long)]
-    pub(crate) data: Option<PathBuf>,
+    pub(crate) data: Vec<PathBuf>,
     /// Image size, WIDTHxHEIGHT or one number for both
     #[arg(long, default_value = "1024", value_parser = parse_size)]
     pub(crate) size: (u32, u32),
@@ -424,6 +424,8 @@ pub(crate) struct MeshArguments {
     /// Print one JSON object instead of a table
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) unused: UnusedArguments,
 }
 
 #[derive(Debug, Args)]
@@ -446,6 +448,8 @@ pub(crate) struct LocateArguments {
     pub(crate) skip_invalid: bool,
     #[arg(long, default_value = "wgs84", value_parser = parse_body, help = BODY_HELP)]
     pub(crate) body: Ellipsoid,
+    #[command(flatten)]
+    pub(crate) unused: UnusedArguments,
 }
 
 #[derive(Debug, Args)]
@@ -509,9 +513,9 @@ pub(crate) struct ScenesArguments {
     /// Print one JSON object instead of a list
     #[arg(long)]
     pub(crate) json: bool,
-    /// Folder with real data [default: $TERRAFILL_DATA, or data]
+    /// Folder of data, may be repeated [default: $TERRAFILL_DATA, or data]
     #[arg(long)]
-    pub(crate) data: Option<PathBuf>,
+    pub(crate) data: Vec<PathBuf>,
 }
 
 // The error of each parser is what is allowed; the message around it is made in `usage`.

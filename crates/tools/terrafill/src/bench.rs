@@ -6,6 +6,7 @@ use crate::arguments::{
     Sharing,
 };
 use crate::clocks::device_clocks;
+use crate::data::data_dirs;
 use crate::draft;
 use crate::environment::environment;
 use crate::gate::finish;
@@ -24,7 +25,7 @@ use std::sync::mpsc::Receiver;
 use terrafill_contract::Devices;
 use terrafill_gpu::shared_gpu;
 use terrafill_results::{Budget, Moment, Run, RunFolder, Skipped, append_clocks, read_durations};
-use terrafill_scene::{ImageSize, data_dir};
+use terrafill_scene::ImageSize;
 use terrafill_study::{
     Depth, FramesPerSample, Request, RunOptions, RunOutcome, Settling, Share, Study, StudyError,
     Turn, Turns, plan_shared,
@@ -80,7 +81,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
             terrafill_shadows::STUDY
         )));
     }
-    let request = request(arguments, depth);
+    let request = request(arguments, depth)?;
     let processes = arguments.processes.unwrap_or(match depth {
         _ if arguments.in_suite => 1,
         Depth::Quick => 1,
@@ -283,7 +284,7 @@ fn first_line(depth: Depth, processes: u32, arguments: &BenchArguments) -> Optio
     })
 }
 
-fn request(arguments: &BenchArguments, depth: Depth) -> Request {
+fn request(arguments: &BenchArguments, depth: Depth) -> Result<Request, Failure> {
     let mut request = Request {
         scenes: arguments.scenes.clone(),
         techniques: arguments.technique.clone(),
@@ -291,7 +292,7 @@ fn request(arguments: &BenchArguments, depth: Depth) -> Request {
         samples: arguments.samples,
         size: arguments.size().into(),
         names_size: arguments.size.is_some(),
-        data_dir: data_dir(arguments.data.as_deref()),
+        data_dir: data_dirs(&arguments.data)?,
         ..Request::default()
     };
     let casters = arguments.casters.iter().cloned().collect();
@@ -304,7 +305,7 @@ fn request(arguments: &BenchArguments, depth: Depth) -> Request {
             request.settings.insert(key.to_owned(), values.clone());
         }
     }
-    request
+    Ok(request)
 }
 
 /// The run's options as `key=value`: a run is resumed with the same ones only.

@@ -131,6 +131,27 @@ fn a_report_has_the_warnings_of_what_was_read_and_a_changed_file_ends_a_run() {
 }
 
 #[test]
+fn one_line_of_options_fits_every_verb_and_what_decides_nothing_is_said() {
+    let desk = desk();
+    desk.write("points.csv", "lon,lat\n0.01,0.02\n");
+    let line = "hoods.geojson --terrain dem --edges great-ellipse --repair even-odd --name own";
+    let line: Vec<&str> = line.split(' ').collect();
+    for verb in [&["mesh"][..], &["locate", "--points", "points.csv"]] {
+        let ran = desk.run(&[verb, &line].concat());
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        for option in ["--terrain", "--name"] {
+            let warning = format!("warning: {option} decides nothing");
+            assert!(ran.stderr.contains(&warning), "{}", ran.stderr);
+        }
+        // Control: without them nothing is said.
+        let ran = desk.run(&[verb, &line[..1], &line[3..7]].concat());
+        ran.succeeded();
+    }
+    desk.run(&[&["scene", "init"][..], &line].concat())
+        .succeeded();
+}
+
+#[test]
 fn what_cannot_become_a_scene_is_refused() {
     let desk = desk();
     let refused = |line: &[&str], words: &[&str]| {
