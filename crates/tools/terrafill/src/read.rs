@@ -41,11 +41,11 @@ impl Read {
             read.add_scene(&scene);
             let vertices: usize = scene.regions.iter().map(Region::vertex_count).sum();
             if vertices >= LONG_INPUT {
-                let regions = scene.regions.len();
-                long.push(format!(
-                    "{}: {vertices} vertices in {regions} regions",
-                    scene.name
-                ));
+                let regions = match scene.regions.len() {
+                    1 => "1 region".to_owned(),
+                    some => format!("{some} regions"),
+                };
+                long.push(format!("{}: {vertices} vertices in {regions}", scene.name));
             }
         }
         if !long.is_empty() {
