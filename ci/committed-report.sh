@@ -37,8 +37,10 @@ pack() {
     rm -rf "$scratch/run"
     mkdir -p "$scratch/run/images"
     cp "$measured"/{cases,measurements,metrics}.csv "$measured"/{environment,plan,schema}.json "$scratch/run"
-    # Runs of earlier versions have none.
-    [ ! -e "$measured/clocks.csv" ] || cp "$measured/clocks.csv" "$scratch/run"
+    # Not every run has them.
+    for file in clocks.csv inputs.csv budget.json; do
+        [ ! -e "$measured/$file" ] || cp "$measured/$file" "$scratch/run"
+    done
     if [ "$1" = all ]; then
         cp "$measured/notes.csv" "$scratch/run"
         find "$measured" -path '*/images/*.png' -exec cp {} "$scratch/run/images" \;

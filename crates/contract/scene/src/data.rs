@@ -13,7 +13,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use terrafill_core::{Reading, RegionFile, RegionFileError, read_region_file};
 
-/// Environment variable with the data folder.
+/// Environment variable with the data folder, or several as `PATH` has them.
 pub const DATA_DIR_VARIABLE: &str = "TERRAFILL_DATA";
 
 /// The data folder named by [`DATA_DIR_VARIABLE`], if it is set to anything.
@@ -36,6 +36,29 @@ pub fn data_dir(given: Option<&Path>) -> Option<PathBuf> {
         .map(Path::to_owned)
         .or_else(data_dir_from_env)
         .or_else(default)
+}
+
+/// Several folders as one path, as `PATH` has them, of which the first goes first; `None` for none.
+///
+/// # Errors
+/// Where there are several and the name of one has what separates them.
+pub fn joined_data_dirs(folders: &[PathBuf]) -> Result<Option<PathBuf>, std::env::JoinPathsError> {
+    Ok(match folders {
+        [] => None,
+        [only] => Some(only.clone()),
+        several => Some(std::env::join_paths(several)?.into()),
+    })
+}
+
+/// The folders of such a path, at least one.
+#[must_use]
+pub fn split_data_dirs(data: &Path) -> Vec<PathBuf> {
+    let folders: Vec<PathBuf> = std::env::split_paths(data).collect();
+    // One folder may have any name.
+    match folders.len() > 1 && !data.is_dir() {
+        true => folders,
+        false => vec![data.to_owned()],
+    }
 }
 
 /// A file of the data folder.
@@ -74,6 +97,14 @@ pub enum RegionLoadError {
     Missing {
         /// The path.
         path: PathBuf,
+    },
+    /// None of the data folders has it.
+    #[error("{file}: no such file in any of {folders}")]
+    MissingEverywhere {
+        /// Its path in a data folder.
+        file: String,
+        /// The folders.
+        folders: String,
     },
     /// A directory is at the path.
     #[error("{}: is a directory, allowed: a GeoJSON file", path.display())]
@@ -121,8 +152,8 @@ fn read(path: &Path) -> Result<Vec<u8>, RegionLoadError> {
 
 /// What became of a scene's data file.
 pub(crate) enum Verified {
-    /// Its bytes, which have the hash.
-    Bytes(Vec<u8>),
+    /// Its bytes with their hash, which is the one that was asked for, if any.
+    Bytes(Vec<u8>, String),
     /// It is not there or not the same, and why.
     Absent(String),
 }
@@ -132,7 +163,7 @@ pub(crate) enum Verified {
 pub(crate) struct Folders<'a> {
     /// Of the scene file, which goes first; `None` of a scene that ships.
     pub(crate) scene: Option<&'a Path>,
-    /// Of the data.
+    /// Of the data: one, or several as `PATH` has them.
     pub(crate) data: Option<&'a Path>,
 }
 
@@ -144,36 +175,58 @@ impl Folders<'_> {
     /// # Errors
     /// [`RegionLoadError`] if it is there but cannot be read.
     pub(crate) fn read(self, file: &str, sha256: &str) -> Result<Verified, RegionLoadError> {
-        let Some(path) = self.place(file) else {
+        let places = self.places(file);
+        let there = places.iter().find(|path| path.exists());
+        let Some(path) = there.or(places.first()) else {
             return Ok(Verified::Absent(format!(
                 "no data folder is given ({DATA_DIR_VARIABLE} is not set, and there is no folder \
                  {DEFAULT_DATA_DIR})"
             )));
         };
-        match read(&path) {
-            Ok(bytes) if sha256.is_empty() => Ok(Verified::Bytes(bytes)),
+        let nowhere = || {
+            let places: Vec<String> = places
+                .iter()
+                .map(|path| path.display().to_string())
+                .collect();
+            format!("{} is not there", places.join(", nor "))
+        };
+        match read(path) {
             Ok(bytes) => {
                 let found = sha256_hex(&bytes);
-                Ok(if found == sha256 {
-                    Verified::Bytes(bytes)
+                Ok(if sha256.is_empty() || found == sha256 {
+                    Verified::Bytes(bytes, found)
                 } else {
                     Verified::Absent(format!("{} has sha256 {found}", path.display()))
                 })
             }
             Err(RegionLoadError::Missing { .. }) if !sha256.is_empty() => {
-                Ok(Verified::Absent(format!("{} is not there", path.display())))
+                Ok(Verified::Absent(nowhere()))
+            }
+            Err(RegionLoadError::Missing { .. }) if places.len() > 1 => {
+                let folders = places.iter().filter_map(|path| path.parent());
+                let folders: Vec<String> = folders.map(|of| of.display().to_string()).collect();
+                Err(RegionLoadError::MissingEverywhere {
+                    file: file.to_owned(),
+                    folders: folders.join(", "),
+                })
             }
             Err(other) => Err(other),
         }
     }
 
-    fn place(self, file: &str) -> Option<PathBuf> {
+    /// Where a file may be, the first place first; none where no folder is known.
+    fn places(self, file: &str) -> Vec<PathBuf> {
         if Path::new(file).is_absolute() {
-            return Some(file.into());
+            return vec![file.into()];
         }
         let beside = self.scene.map(|folder| folder.join(file));
-        let beside = beside.filter(|path| path.exists() || self.data.is_none());
-        beside.or_else(|| self.data.map(|folder| folder.join(file)))
+        match beside.filter(|path| path.exists() || self.data.is_none()) {
+            Some(beside) => vec![beside],
+            None => {
+                let folders = self.data.map(split_data_dirs).into_iter().flatten();
+                folders.map(|folder| folder.join(file)).collect()
+            }
+        }
     }
 }
 
@@ -249,7 +302,9 @@ mod tests {
         std::fs::write(folder.path().join("d"), "abc").expect("writable");
         let hash = sha256_hex(b"abc");
         let verified = folders.read("d", &hash).expect("readable");
-        assert!(matches!(verified, Verified::Bytes(bytes) if bytes == b"abc"));
+        assert!(
+            matches!(verified, Verified::Bytes(bytes, found) if bytes == b"abc" && found == hash)
+        );
         std::fs::write(folder.path().join("d"), "ab").expect("writable");
         let verified = folders.read("d", &hash).expect("readable");
         let Verified::Absent(why) = verified else {
@@ -268,7 +323,7 @@ mod tests {
             data: Some(data.path()),
         };
         let bytes = |folders: Folders<'_>, file: &str| match folders.read(file, "") {
-            Ok(Verified::Bytes(bytes)) => bytes,
+            Ok(Verified::Bytes(bytes, _)) => bytes,
             Ok(Verified::Absent(why)) => panic!("{why}"),
             Err(error) => panic!("{error}"),
         };
@@ -282,6 +337,43 @@ mod tests {
             folders.read("e", ""),
             Err(RegionLoadError::Missing { .. })
         ));
+    }
+
+    #[test]
+    fn the_first_of_several_folders_that_has_the_file_wins_and_all_are_named_where_none_has() {
+        let [first, second] = [(); 2].map(|()| tempfile::tempdir().expect("temporary folder"));
+        let both = [&first, &second].map(|folder| folder.path().to_owned());
+        let joined = joined_data_dirs(&both).expect("plain names");
+        let read = |file: &str, sha256: &str| {
+            let folders = Folders {
+                data: joined.as_deref(),
+                ..Folders::default()
+            };
+            folders.read(file, sha256)
+        };
+        let is = |expected: &[u8]| match read("d", "").expect("readable") {
+            Verified::Bytes(bytes, _) => bytes == expected,
+            Verified::Absent(why) => panic!("{why}"),
+        };
+        let named = |text: &str| {
+            for folder in &both {
+                assert!(text.contains(&folder.display().to_string()), "{text}");
+            }
+        };
+        named(&read("d", "").err().expect("none has it").to_string());
+        let Ok(Verified::Absent(why)) = read("d", EMPTY_SHA256) else {
+            panic!("nothing was taken for something");
+        };
+        named(&why);
+        std::fs::write(second.path().join("d"), "second").expect("writable");
+        assert!(is(b"second"));
+        std::fs::write(first.path().join("d"), "first").expect("writable");
+        assert!(is(b"first"));
+        // A lone folder may have any name.
+        let odd = first.path().join("a:b");
+        std::fs::create_dir(&odd).expect("writable");
+        assert_eq!(split_data_dirs(&odd), std::slice::from_ref(&odd));
+        assert!(joined_data_dirs(&[odd, both[1].clone()]).is_err());
     }
 
     #[test]

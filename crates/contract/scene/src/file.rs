@@ -142,7 +142,7 @@ impl Scene {
         let picture = picture.map(|raw| check.image_source("surface.picture", raw));
         let picture = picture.transpose()?;
         // Last, so that a wrong scene is reported as wrong even where its data is missing.
-        let mut regions = source.regions(&name, folders, reading)?;
+        let (mut regions, region_file) = source.regions(&name, folders, reading)?;
         if repair {
             for region in &mut regions {
                 region.split_at_crossings(edge_rule);
@@ -156,6 +156,8 @@ impl Scene {
         let surface_files = surface_files
             .map(|file| load_surface_file(file, &name, folders))
             .collect::<Result<Vec<_>, _>>()?;
+        let (surface_files, height_files): (Vec<_>, Vec<_>) = surface_files.into_iter().unzip();
+        let files_read = [region_file].into_iter().chain(height_files);
         let picture = match picture {
             Some(source) => Some(Arc::new(source.load(&name, folders)?)),
             None => None,
@@ -185,6 +187,7 @@ impl Scene {
             textured,
             sweep_cap_step_deg,
             sweep_positions,
+            files_read: files_read.flatten().collect(),
         })
     }
 }

@@ -16,14 +16,16 @@ mod texture;
 pub use camera::{Camera, CameraPose, ImageSize};
 pub use data::{
     DATA_DIR_VARIABLE, DEFAULT_DATA_DIR, DataFile, DataNeed, RegionLoadError, SceneNeeds, data_dir,
-    data_dir_from_env, load_regions, sha256_hex,
+    data_dir_from_env, joined_data_dirs, load_regions, sha256_hex, split_data_dirs,
 };
 pub use error::SceneError;
 pub use file::scene_needs;
 pub use generated::{Cells, Coast, Nested};
 pub use needs::shipped_scene_needs;
 pub use procedural::Islands;
-pub use scene::{LevelChoice, Overlap, Scene, SurfaceChoice, SurfaceFile, TexturedFills, View};
+pub use scene::{
+    FileRead, LevelChoice, Overlap, Scene, SurfaceChoice, SurfaceFile, TexturedFills, View,
+};
 pub use shipped::{shipped_scene_names, shipped_scene_text, suite_names, suite_scenes};
 pub use suite::{Expectation, SuiteScene, SuiteView};
 pub use texture::{

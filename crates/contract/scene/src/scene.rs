@@ -70,6 +70,17 @@ pub struct SurfaceFile {
     pub bytes: Arc<[u8]>,
 }
 
+/// A file with regions or heights as it was read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FileRead {
+    /// As the scene names it.
+    pub path: String,
+    /// SHA-256 of its bytes, lower-case hexadecimal.
+    pub sha256: String,
+    /// What is remarkable about it as a whole.
+    pub warnings: Vec<String>,
+}
+
 /// Which levels a scene has.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum LevelChoice {
@@ -123,4 +134,6 @@ pub struct Scene {
     pub sweep_cap_step_deg: Vec<f64>,
     /// Whether every way to store positions is tried through the boundary tolerances, right or wrong.
     pub sweep_positions: bool,
+    /// Files that its regions and heights are from; none of what ships with the program or is made by it.
+    pub files_read: Vec<FileRead>,
 }

@@ -389,7 +389,7 @@ impl ImageSource {
             }),
             Self::File { path, sha256, how } => {
                 match folders.read(&path, &sha256).map_err(unreadable)? {
-                    Verified::Bytes(bytes) => decode(&path, &bytes),
+                    Verified::Bytes(bytes, _) => decode(&path, &bytes),
                     Verified::Absent(why) => Err(SceneError::DataMissing {
                         scene: scene.to_owned(),
                         file: path,

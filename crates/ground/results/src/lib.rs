@@ -9,6 +9,7 @@
 //! absent value is an absent row, and `reason` says why; it is never 0.
 
 mod block;
+mod budget;
 mod case;
 pub mod condition;
 mod device_clock;
@@ -16,6 +17,7 @@ mod duration;
 mod environment;
 mod folder;
 mod front;
+mod input;
 pub mod made_up;
 mod markdown;
 mod merge;
@@ -38,6 +40,7 @@ pub use block::{
     Answers, Block, Cell, CellClass, Chapter, ChapterError, Choice, DerivedTable, Finding, Heading,
     Picture, PictureFigure, Pictures, Plot, Row, Standing, Table, TableLayout,
 };
+pub use budget::Budget;
 pub use case::{CaseId, CaseRow, Measurement, Note, PlannedCase, Status, UNSTEADY_CLOCK, Verdict};
 pub use condition::{ConditionKey, REPEATS};
 pub use device_clock::{CLOCK_COLUMNS, DeviceClock, Moment, append_clocks, read_clocks};
@@ -48,6 +51,7 @@ pub use folder::{
     RunFolder, SCHEMA,
 };
 pub use front::{Candidate, front, front_survival};
+pub use input::{INPUT_COLUMNS, RunInput, append_inputs, read_inputs};
 pub use markdown::{escaped, markdown, markdown_finding, markdown_list, markdown_table};
 pub use merge::{MergeError, merge};
 pub use metric::{Direction, Kind, Metric, MetricRow, NOT_MEASURED, Primary, Timer};

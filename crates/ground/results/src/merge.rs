@@ -3,8 +3,8 @@
 
 use crate::folder::{RunError, RunFolder};
 use crate::{
-    Metric, MetricRow, Note, Run, RunPlan, Shard, append_clocks, append_durations, read_clocks,
-    read_durations, repeated_cases,
+    Budget, Metric, MetricRow, Note, Run, RunInput, RunPlan, Shard, append_clocks,
+    append_durations, append_inputs, read_clocks, read_durations, read_inputs, repeated_cases,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -113,12 +113,23 @@ pub fn merge(parts: &[PathBuf], out: &Path, metrics: &[Metric]) -> Result<(), Me
         |option: &str| option.starts_with("shard=") || option.starts_with("shard-by=");
     environment.options.retain(|option| !is_of_shards(option));
     let folder = RunFolder::create(out, environment, plan, metrics)?;
+    let budget = Budget::read(&first.path)?;
+    if budget != Budget::default() {
+        budget.write(out)?;
+    }
+    let mut known: Vec<RunInput> = Vec::new();
     for run in &shards {
         copy_rows(run, &folder)?;
         copy_images(&run.path, out)?;
         let durations = read_durations(&run.path)?;
         if !durations.is_empty() {
             append_durations(out, &durations)?;
+        }
+        let inputs = read_inputs(&run.path)?.into_iter();
+        let inputs: Vec<RunInput> = inputs.filter(|input| !known.contains(input)).collect();
+        if !inputs.is_empty() {
+            append_inputs(out, &inputs)?;
+            known.extend(inputs);
         }
         let clocks = read_clocks(&run.path)?;
         if !clocks.is_empty() {

@@ -8,7 +8,8 @@ use askama::Template;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use terrafill_results::{
-    Answers, Block, Chapter, Finding, MetricRow, Run, RunEnvironment, RunPlan, Skipped, Standing,
+    Answers, Block, Chapter, Finding, MetricRow, Run, RunEnvironment, RunInput, RunPlan, Skipped,
+    Standing,
 };
 
 const STYLE: &str = include_str!("../templates/report.css");
@@ -37,6 +38,7 @@ pub(crate) struct Report<'a> {
     pub(crate) verdict: Verdict,
     pub(crate) said: Sentences,
     pub(crate) environment: Vec<(&'static str, String)>,
+    pub(crate) inputs: &'a [RunInput],
     pub(crate) missing: &'a [String],
     pub(crate) wrong: Vec<String>,
     pub(crate) skipped_cases: Vec<(&'a str, Vec<String>)>,
@@ -110,6 +112,7 @@ struct Front<'a> {
     requirements: Vec<RequirementGroup<'a>>,
     lists: String,
     environment: &'a [(&'static str, String)],
+    inputs: &'a [RunInput],
 }
 
 struct AnswerView {
@@ -435,6 +438,7 @@ fn front(
         requirements: requirements(report),
         lists,
         environment: &report.environment,
+        inputs: report.inputs,
     }
     .render()
 }

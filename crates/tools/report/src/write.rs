@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use terrafill_plot::number::{bytes, count, utc};
 use terrafill_results::{
     Block, Chapter, ChapterError, DeviceClock, MetricRow, Outcome, Run, RunError, Skipped,
-    read_clocks,
+    read_clocks, read_inputs,
 };
 
 /// The verdict and the main tables.
@@ -121,6 +121,7 @@ fn write_as(
         files.extend(tables.map(|table| (table.file, table.text.into_bytes())));
     }
     let facts = environment(&run, &read_clocks(&run.path)?);
+    let inputs = read_inputs(&run.path)?;
     let said = sentences(&run, &counts, &noise);
     let mut summary = markdown::head(&said.all(), &facts);
     markdown::names(&mut summary, "Missing cases", &missing);
@@ -129,6 +130,11 @@ fn write_as(
         "Wrong and failed cases",
         &with_reasons(&run, is_defect),
     );
+    let warned = inputs.iter().filter(|input| !input.warning.is_empty());
+    let warned: Vec<String> = warned
+        .map(|input| format!("{}: {}", input.scene, input.warning))
+        .collect();
+    markdown::names(&mut summary, "Warnings of what was read", &warned);
     let is_expected = |case: &terrafill_results::Case| case.outcome == Outcome::DriverFault;
     markdown::names(
         &mut summary,
@@ -164,6 +170,7 @@ fn write_as(
         verdict,
         said,
         environment: facts,
+        inputs: &inputs,
         missing: &missing,
         wrong: with_reasons(&run, is_defect),
         skipped_cases: skipped_cases(&run),

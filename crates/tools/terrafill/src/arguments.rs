@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Verbs and their arguments.
 
+mod budget;
 mod gate;
 mod history;
 mod own;
 mod values;
 
+pub(crate) use budget::BudgetArguments;
 pub(crate) use gate::{BlessArguments, GateArguments, SelfTestKind};
 pub(crate) use history::{
     BackfillArguments, BisectArguments, HistoryArguments, HistoryVerb, StoreArguments,
 };
-pub(crate) use own::{InitArguments, OwnArguments, SceneArguments, SceneVerb};
+pub(crate) use own::{InitArguments, OwnArguments, SceneArguments, SceneVerb, UnusedArguments};
 pub(crate) use values::{Edges, ReadingArguments, Repair};
 
 use crate::registry;
@@ -29,6 +31,10 @@ const EXIT_CODES: &str = "\
 Exit codes: 0 done · 1 a picture is wrong · 2 bad input or usage · 3 inconclusive ·
             4 nothing measured · 5 no usable device · 128 + n stopped by signal n
 Example: terrafill bench california --quick --out out/first";
+
+const BENCH_EXAMPLE: &str = "\
+Takes --tolerance-px, --max-mb and --budget-ms of `terrafill report`, too.
+Example: terrafill bench planet-134 california --out out/first";
 
 const LOCATE_AFTER_HELP: &str = "\
 Prints the table of points with a column regions behind the others: indices of
@@ -49,16 +55,19 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
     /// Measure studies into a folder of tables, and write its report
-    #[command(after_help = "Example: terrafill bench planet-134 california --out out/first")]
+    #[command(after_help = BENCH_EXAMPLE)]
+    #[command(mut_arg("tolerance_px", |arg| arg.hide(true)))]
+    #[command(mut_arg("max_mb", |arg| arg.hide(true)))]
+    #[command(mut_arg("budget_ms", |arg| arg.hide(true)))]
     Bench(BenchArguments),
     /// Rebuild the report of a run from its tables alone
-    #[command(after_help = "Example: terrafill report out/first")]
+    #[command(after_help = "Example: terrafill report out/first --tolerance-px 2 --max-mb 8")]
     Report(ReportArguments),
     /// Join the shards of a run, or of a gate, into one folder
     #[command(after_help = "Example: terrafill merge out/shard-1 out/shard-2 --out out/all")]
     Merge(MergeArguments),
     /// Decide whether a version does more work, errs more or takes longer than another
-    #[command(after_help = GATE_EXAMPLE)]
+    #[command(after_help = GATE_EXAMPLE, mut_arg("terrain", |arg| arg.hide(true)))]
     Gate(GateArguments),
     /// Accept differences that the gate found, in a file that is reviewed
     #[command(after_help = BLESS_EXAMPLE)]
@@ -170,9 +179,9 @@ pub(crate) struct BenchArguments {
     /// Go on with a run that was killed
     #[arg(long)]
     pub(crate) resume: bool,
-    /// Folder with real data [default: $TERRAFILL_DATA, or data]
+    /// Folder of data, may be repeated [default: $TERRAFILL_DATA, or data]
     #[arg(long)]
-    pub(crate) data: Option<PathBuf>,
+    pub(crate) data: Vec<PathBuf>,
     /// Timed samples of a case in each process [default: each study's]
     #[arg(long, alias = "frames", value_parser = parse_samples)]
     pub(crate) samples: Option<u32>,
@@ -197,6 +206,8 @@ pub(crate) struct BenchArguments {
     pub(crate) matrix: Vec<String>,
     #[arg(long, value_name = "FILE", requires = "study", help = CASTERS_HELP)]
     pub(crate) casters: Option<String>,
+    #[command(flatten)]
+    pub(crate) budget: BudgetArguments,
 }
 
 impl BenchArguments {
@@ -303,9 +314,11 @@ california, countries-110m]";
 pub(crate) struct ReportArguments {
     /// Folder of a run
     pub(crate) run: PathBuf,
-    /// Put all pages and pictures into index.html, which then needs no file beside it
+    /// Put all pages and pictures into index.html alone
     #[arg(long)]
     pub(crate) single_file: bool,
+    #[command(flatten)]
+    pub(crate) budget: BudgetArguments,
 }
 
 const SET_HELP: &str = "\
@@ -358,9 +371,9 @@ pub(crate) struct RenderArguments {
     /// Counters, memory and what was left out, JSON
     #[arg(long)]
     pub(crate) stats: Option<PathBuf>,
-    /// Folder with real data [default: $TERRAFILL_DATA, or data]
+    /// Folder of data, may be repeated [default: $TERRAFILL_DATA, or data]
     #[arg(long)]
-    pub(crate) data: Option<PathBuf>,
+    pub(crate) data: Vec<PathBuf>,
     /// Image size, WIDTHxHEIGHT or one number for both
     #[arg(long, default_value = "1024", value_parser = parse_size)]
     pub(crate) size: (u32, u32),
@@ -412,6 +425,8 @@ pub(crate) struct MeshArguments {
     /// Print one JSON object instead of a table
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) unused: UnusedArguments,
 }
 
 #[derive(Debug, Args)]
@@ -434,6 +449,8 @@ pub(crate) struct LocateArguments {
     pub(crate) skip_invalid: bool,
     #[arg(long, default_value = "wgs84", value_parser = parse_body, help = BODY_HELP)]
     pub(crate) body: Ellipsoid,
+    #[command(flatten)]
+    pub(crate) unused: UnusedArguments,
 }
 
 #[derive(Debug, Args)]
@@ -497,9 +514,9 @@ pub(crate) struct ScenesArguments {
     /// Print one JSON object instead of a list
     #[arg(long)]
     pub(crate) json: bool,
-    /// Folder with real data [default: $TERRAFILL_DATA, or data]
+    /// Folder of data, may be repeated [default: $TERRAFILL_DATA, or data]
     #[arg(long)]
-    pub(crate) data: Option<PathBuf>,
+    pub(crate) data: Vec<PathBuf>,
 }
 
 // The error of each parser is what is allowed; the message around it is made in `usage`.

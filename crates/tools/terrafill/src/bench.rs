@@ -2,15 +2,18 @@
 //! `bench`, `report` and `merge`.
 
 use crate::arguments::{
-    BenchArguments, GrowthSampleArguments, MergeArguments, ReportArguments, Sharing,
+    BenchArguments, BudgetArguments, GrowthSampleArguments, MergeArguments, ReportArguments,
+    Sharing,
 };
 use crate::clocks::device_clocks;
+use crate::data::data_dirs;
 use crate::draft;
 use crate::environment::environment;
 use crate::gate::finish;
 use crate::outcome::{Failure, Outcome, complain, print};
 use crate::progress::{Said, Timed};
-use crate::registry::{RIVALS, STUDIES, SURFACES, chapters, metrics, metrics_of};
+use crate::read::Read;
+use crate::registry::{RIVALS, STUDIES, chapters, metrics, metrics_of};
 use crate::report::print_report;
 use crate::stop::{say_when_stopped, what_is_kept};
 use std::collections::BTreeMap;
@@ -21,14 +24,12 @@ use std::rc::Rc;
 use std::sync::mpsc::Receiver;
 use terrafill_contract::Devices;
 use terrafill_gpu::shared_gpu;
-use terrafill_results::{Moment, Run, RunFolder, Skipped, append_clocks, read_durations};
-use terrafill_scene::{ImageSize, Scene, data_dir};
-use terrafill_shadows::model_warnings;
+use terrafill_results::{Budget, Moment, Run, RunFolder, Skipped, append_clocks, read_durations};
+use terrafill_scene::ImageSize;
 use terrafill_study::{
     Depth, FramesPerSample, Request, RunOptions, RunOutcome, Settling, Share, Study, StudyError,
     Turn, Turns, plan_shared,
 };
-use terrafill_surface::open_surface;
 
 /// Processes of a run: fewer than five give no interval.
 const PROCESSES: u32 = 5;
@@ -80,7 +81,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
             terrafill_shadows::STUDY
         )));
     }
-    let request = request(arguments, depth);
+    let request = request(arguments, depth)?;
     let processes = arguments.processes.unwrap_or(match depth {
         _ if arguments.in_suite => 1,
         Depth::Quick => 1,
@@ -101,6 +102,10 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         extra: arguments.extra_frames,
     };
     let (share, sharing) = share(arguments)?;
+    let read = (options.process == 0).then(|| Read::of(&request));
+    for line in read.iter().filter_map(|read| read.long_input.as_ref()) {
+        complain(line);
+    }
     let plan = plan_shared(&studies, &request, &options, &share).map_err(failure)?;
     let mut plan = plan.with_frames(frames);
     if let Some(file) = &arguments.time_only {
@@ -120,7 +125,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         for skipped in skipped.filter(|skipped| !is_rival(skipped)) {
             complain(format!("skipped: {}: {}", skipped.what, skipped.reason));
         }
-        for warning in warnings(&request) {
+        for warning in read.iter().flat_map(|read| &read.warnings) {
             complain(format!("warning: {warning}"));
         }
     }
@@ -139,6 +144,14 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     let folder = open_folder(arguments, &studies, &request, described, &plan, &devices)?;
     let plan = plan.with_settling(settling(&devices));
     if options.process == 0 {
+        keep(&arguments.budget, &arguments.out)?;
+        if let Some(read) = &read {
+            read.write(&arguments.out)?;
+            if read.long_input.is_some() {
+                let run_plan = plan.run_plan();
+                complain(format!("{} cases are planned", run_plan.cases.len()));
+            }
+        }
         say_when_stopped(&arguments.out)?;
         if let Some(line) = first_line(depth, processes, arguments) {
             print(format!("{line}\n"))?;
@@ -271,7 +284,7 @@ fn first_line(depth: Depth, processes: u32, arguments: &BenchArguments) -> Optio
     })
 }
 
-fn request(arguments: &BenchArguments, depth: Depth) -> Request {
+fn request(arguments: &BenchArguments, depth: Depth) -> Result<Request, Failure> {
     let mut request = Request {
         scenes: arguments.scenes.clone(),
         techniques: arguments.technique.clone(),
@@ -279,7 +292,7 @@ fn request(arguments: &BenchArguments, depth: Depth) -> Request {
         samples: arguments.samples,
         size: arguments.size().into(),
         names_size: arguments.size.is_some(),
-        data_dir: data_dir(arguments.data.as_deref()),
+        data_dir: data_dirs(&arguments.data)?,
         ..Request::default()
     };
     let casters = arguments.casters.iter().cloned().collect();
@@ -292,19 +305,7 @@ fn request(arguments: &BenchArguments, depth: Depth) -> Request {
             request.settings.insert(key.to_owned(), values.clone());
         }
     }
-    request
-}
-
-/// What has to be said of the files of the scenes that a user names, and of her model: what was read otherwise than a
-/// file says. What cannot be opened is left to the plan, which says why.
-fn warnings(request: &Request) -> Vec<String> {
-    let scenes = request.scenes.iter();
-    let scenes = scenes.filter_map(|name| Scene::open(name, request.data_dir.as_deref()).ok());
-    let surfaces = scenes.filter_map(|scene| open_surface(SURFACES, &scene).ok());
-    let of_surfaces = surfaces.flat_map(|surface| surface.warnings().to_vec());
-    let models = request.settings.get("casters").into_iter().flatten();
-    let of_models = models.flat_map(|setting| model_warnings(setting));
-    of_surfaces.chain(of_models).collect()
+    Ok(request)
 }
 
 /// The run's options as `key=value`: a run is resumed with the same ones only.
@@ -513,7 +514,19 @@ pub(crate) fn report(arguments: &ReportArguments) -> Result<Outcome, Failure> {
     } else {
         terrafill_report::write
     };
+    keep(&arguments.budget, &arguments.run)?;
     print_report(write(&arguments.run, &chapters()), "")
+}
+
+/// Puts limits that are given into the folder of a run: reports answer by them.
+fn keep(given: &BudgetArguments, folder: &Path) -> Result<(), Failure> {
+    let was = Budget::read(folder).map_err(Failure::bad_input)?;
+    let Some(budget) = given.over(was) else {
+        return Ok(());
+    };
+    // Not beside what is no run.
+    RunFolder::open(folder).map_err(Failure::bad_input)?;
+    budget.write(folder).map_err(Failure::bad_input)
 }
 
 pub(crate) fn merge(arguments: &MergeArguments) -> Result<Outcome, Failure> {

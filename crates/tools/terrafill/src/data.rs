@@ -6,7 +6,10 @@ use crate::outcome::{Failure, Outcome, print, print_json};
 use crate::progress::Said;
 use std::path::{Path, PathBuf};
 use terrafill_data::{Catalogue, DataSet, Listing, Mirror, Plan, grouped, ready_scenes};
-use terrafill_scene::{DATA_DIR_VARIABLE, DEFAULT_DATA_DIR, data_dir, shipped_scene_needs};
+use terrafill_scene::{
+    DATA_DIR_VARIABLE, DEFAULT_DATA_DIR, data_dir, joined_data_dirs, shipped_scene_needs,
+    split_data_dirs,
+};
 use terrafill_study::Progress as _;
 
 pub(crate) fn run(arguments: &DataArguments) -> Result<Outcome, Failure> {
@@ -16,9 +19,22 @@ pub(crate) fn run(arguments: &DataArguments) -> Result<Outcome, Failure> {
     }
 }
 
-/// The data folder, which need not be there yet.
+/// The data folder, which need not be there yet; of several the first.
 fn folder(given: Option<&Path>) -> PathBuf {
-    data_dir(given).unwrap_or_else(|| DEFAULT_DATA_DIR.into())
+    let data = data_dir(given).unwrap_or_else(|| DEFAULT_DATA_DIR.into());
+    split_data_dirs(&data).swap_remove(0)
+}
+
+/// The data folders of every verb that opens scenes, as one path.
+///
+/// - `given`: the first that has a file wins
+pub(crate) fn data_dirs(given: &[PathBuf]) -> Result<Option<PathBuf>, Failure> {
+    let joined = joined_data_dirs(given).map_err(|error| {
+        let found: Vec<String> = given.iter().map(|path| path.display().to_string()).collect();
+        let found = found.join(", ");
+        Failure::bad_input(format!("--data: found {found}, allowed: one folder, or several whose names can be told apart: {error}"))
+    })?;
+    Ok(data_dir(joined.as_deref()))
 }
 
 fn list(json: bool, data: Option<&Path>) -> Result<Outcome, Failure> {
@@ -74,7 +90,8 @@ fn get(names: &[String], to: Option<&Path>, from: Option<&Mirror>) -> Result<Out
             ready.join(", ")
         ))?;
     }
-    if data_dir(None).as_ref() != Some(&folder) {
+    let found = data_dir(None).map(|data| split_data_dirs(&data));
+    if !found.is_some_and(|found| found.contains(&folder)) {
         let folder = folder.display();
         print(format!(
             "other verbs find it by --data {folder}, or {DATA_DIR_VARIABLE}={folder}\n"

@@ -2,7 +2,7 @@
 //! A file of regions as a scene: WGS 84, the bare ellipsoid, one view from straight above that shows
 //! all of them.
 
-use crate::arguments::{OwnArguments, Repair};
+use crate::arguments::OwnArguments;
 use crate::outcome::Failure;
 use crate::regions::{Leniency, Meshed, read_and_mesh, report_repairs, report_warnings};
 use glam::DVec3;
@@ -56,7 +56,7 @@ pub(crate) fn fit(path: &Path, own: &OwnArguments, size: ImageSize) -> Result<Fi
     let body = Ellipsoid::WGS84;
     let (edge_rule, mesh): (EdgeRule, _) = (own.edges.into(), MeshOptions::default());
     let leniency = Leniency {
-        repair: Some(Repair::EvenOdd),
+        repair: Some(own.repair),
         skip_invalid: false,
     };
     let Meshed {
@@ -118,6 +118,7 @@ pub(crate) fn scene_of(path: &Path, own: &OwnArguments, size: ImageSize) -> Resu
         textured: TexturedFills::default(),
         sweep_cap_step_deg: Vec::new(),
         sweep_positions: false,
+        files_read: Vec::new(),
     })
 }
 

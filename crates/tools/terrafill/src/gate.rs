@@ -2,6 +2,8 @@
 //! `gate` and `bless`.
 
 use crate::arguments::{BlessArguments, GateArguments, SelfTestKind};
+use crate::data::data_dirs;
+use crate::draft;
 use crate::outcome::{Failure, Outcome, print};
 use crate::registry::{STUDIES, chapters};
 use crate::stop::clear_when_stopped;
@@ -18,7 +20,7 @@ use terrafill_gate::{
     refuse_equal_programs, save_baseline, self_test, shipped_limits, text, write_files,
 };
 use terrafill_results::{Clock, Run};
-use terrafill_scene::{data_dir, shipped_scene_names, shipped_scene_text};
+use terrafill_scene::{ImageSize, shipped_scene_names, shipped_scene_text, split_data_dirs};
 
 /// Timed samples of a case in each process, of one frame each: the median of 30 frames is not moved by
 /// those that were held up.
@@ -65,6 +67,19 @@ impl Talk {
 }
 
 pub(crate) fn run(arguments: &GateArguments) -> Result<Outcome, Failure> {
+    let (width, height) = arguments.size;
+    // Regions of a file become one scene file, which both sides read; where the base runs does not matter.
+    let scenes = draft::written(
+        &arguments.scenes,
+        &arguments.own,
+        ImageSize { width, height },
+        &std::path::absolute(&arguments.cache).map_err(Failure::bad_input)?,
+        true,
+    )?;
+    let arguments = &GateArguments {
+        scenes,
+        ..arguments.clone()
+    };
     let mut limits = shipped_limits()?;
     if let Some(path) = &arguments.limits {
         limits.extend(read_limits(path)?);
@@ -152,7 +167,7 @@ fn new_run(arguments: &GateArguments) -> Result<Run, Failure> {
     let new = new_program(arguments)?;
     let mut talk = Talk(None);
     let mut say = |what: &str| talk.say(what);
-    let workload = workload(arguments, &arguments.scenes, false);
+    let workload = workload(arguments, &arguments.scenes, false)?;
     let programs = [new.clone(), new];
     let mut job = Job::new(programs, workload, &arguments.out, &mut say)?;
     Ok(job.verify(Side::New)?)
@@ -212,7 +227,7 @@ fn two_programs(
     let mut say = |what: &str| talk.say(what);
     let mut job = Job::new(
         [base, new],
-        workload(arguments, scenes, !arguments.no_time),
+        workload(arguments, scenes, !arguments.no_time)?,
         &arguments.out,
         &mut say,
     )?;
@@ -261,7 +276,11 @@ fn is_of(case: &str, scenes: &[String]) -> bool {
 }
 
 /// What both sides measure.
-fn workload(arguments: &GateArguments, scenes: &[String], is_timed: bool) -> Workload {
+fn workload(
+    arguments: &GateArguments,
+    scenes: &[String],
+    is_timed: bool,
+) -> Result<Workload, Failure> {
     let mut of_bench: Vec<OsString> = scenes.iter().map(OsString::from).collect();
     let mut option = |name: &str, value: &dyn AsRef<std::ffi::OsStr>| {
         of_bench.push(name.into());
@@ -275,8 +294,9 @@ fn workload(arguments: &GateArguments, scenes: &[String], is_timed: bool) -> Wor
     }
     let (width, height) = arguments.size;
     option("--size", &format!("{width}x{height}"));
-    if let Some(data) = data_dir(arguments.data.as_deref()) {
-        option("--data", &data);
+    let data = data_dirs(&arguments.data)?;
+    for folder in data.iter().flat_map(|data| split_data_dirs(data)) {
+        option("--data", &folder);
     }
     if let Some(adapter) = &arguments.adapter {
         option("--adapter", adapter);
@@ -284,12 +304,12 @@ fn workload(arguments: &GateArguments, scenes: &[String], is_timed: bool) -> Wor
     if !arguments.main {
         of_bench.push("--quick".into());
     }
-    Workload {
+    Ok(Workload {
         arguments: of_bench,
         samples: if is_timed { SAMPLES } else { 1 },
         frames: 1,
         extra: [0, 0],
-    }
+    })
 }
 
 /// Prints the report, writes its files, and tells GitHub where it runs there.
@@ -340,7 +360,7 @@ fn prove(arguments: &GateArguments, kind: SelfTestKind) -> Result<Outcome, Failu
     let proof = self_test(
         &test,
         &[base, new],
-        &workload(arguments, &arguments.scenes, true),
+        &workload(arguments, &arguments.scenes, true)?,
         &arguments.out,
         &gated,
         &mut |what| talk.say(what),

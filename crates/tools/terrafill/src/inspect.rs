@@ -2,11 +2,12 @@
 //! `scenes` and `studies`: what there is.
 
 use crate::arguments::{ScenesArguments, StudiesArguments};
+use crate::data::data_dirs;
 use crate::outcome::{Failure, Outcome, print, print_json};
 use crate::registry::STUDIES;
 use serde::Serialize;
 use terrafill_results::MetricRow;
-use terrafill_scene::{Scene, SceneError, data_dir, shipped_scene_names};
+use terrafill_scene::{Scene, SceneError, shipped_scene_names};
 
 /// A scene as it is listed.
 #[derive(Serialize)]
@@ -107,7 +108,7 @@ impl ListedScene {
 }
 
 pub(crate) fn scenes(arguments: &ScenesArguments) -> Result<Outcome, Failure> {
-    let data = data_dir(arguments.data.as_deref());
+    let data = data_dirs(&arguments.data)?;
     let scenes: Vec<ListedScene> = shipped_scene_names()
         .into_iter()
         .map(|name| ListedScene::new(name, Scene::shipped(name, data.as_deref())))

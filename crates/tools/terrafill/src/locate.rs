@@ -26,6 +26,9 @@ pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
             "--points: found - for both inputs, allowed: standard input for one of them",
         ));
     }
+    for warning in arguments.unused.warnings() {
+        complain(warning);
+    }
     let edges: EdgeRule = arguments.edges.into();
     // The meshes decide nothing here; making them finds the crossings that `mesh` refuses too. Edges
     // follow geodetic coordinates on every body; the areas on it say which side of a ring round a

@@ -24,6 +24,7 @@ mod mesh;
 mod outcome;
 mod output;
 mod progress;
+mod read;
 mod regions;
 mod registry;
 mod render;

@@ -2,7 +2,7 @@
 //! `mesh`: what becomes of a file's regions.
 
 use crate::arguments::MeshArguments;
-use crate::outcome::{Failure, Outcome, print, print_json};
+use crate::outcome::{Failure, Outcome, complain, print, print_json};
 use crate::regions::{FeatureProblem, Leniency, Meshed, read_and_mesh, report_skipped};
 use crate::registry::TECHNIQUES;
 use rayon::prelude::*;
@@ -60,6 +60,9 @@ struct Totals {
 }
 
 pub(crate) fn run(arguments: &MeshArguments) -> Result<Outcome, Failure> {
+    for warning in arguments.unused.warnings() {
+        complain(warning);
+    }
     let options = MeshOptions {
         boundary_tolerance_m: arguments.boundary_tolerance_m,
         cap_step_deg: arguments.cap_step_deg,

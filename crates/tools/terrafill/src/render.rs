@@ -2,6 +2,7 @@
 //! `render`: one picture.
 
 use crate::arguments::RenderArguments;
+use crate::data::data_dirs;
 use crate::draft;
 use crate::fit;
 use crate::outcome::{Failure, Outcome, complain, print};
@@ -20,7 +21,7 @@ use terrafill_contract::{
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_plan::{LeveledMeshes, PlanOptions};
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{ImageSize, Scene, View, data_dir};
+use terrafill_scene::{ImageSize, Scene, View};
 use terrafill_surface::open_surface;
 use terrafill_variant::Variant;
 
@@ -86,7 +87,7 @@ fn scene(name: &str, arguments: &RenderArguments) -> Result<Scene, Failure> {
         }
         return fit::scene_of(Path::new(name), own, size(arguments));
     }
-    let data = data_dir(arguments.data.as_deref());
+    let data = data_dirs(&arguments.data)?;
     if draft::is_region_file(name) {
         let text = draft::scene_text(Path::new(name), own, size(arguments))?;
         return Scene::from_toml(&text, name, data.as_deref()).map_err(Failure::bad_input);

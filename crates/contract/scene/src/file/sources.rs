@@ -3,9 +3,9 @@
 
 use super::raw::RawImage;
 use crate::data::{Folders, Verified};
-use crate::scene::SurfaceFile;
+use crate::scene::{FileRead, SurfaceFile};
 use crate::{DataNeed, RegionLoadError, SceneError};
-use terrafill_core::{Reading, Region, parse_regions_as};
+use terrafill_core::{Reading, Region, RegionFile, read_region_file};
 
 /// A file that a surface is made from, checked.
 pub(super) enum SurfaceSource {
@@ -34,11 +34,12 @@ impl RegionSource {
         scene: &str,
         folders: Folders<'_>,
         reading: Reading,
-    ) -> Result<Vec<Region>, SceneError> {
-        let parse = |bytes: &[u8], file: &str| {
-            parse_regions_as(bytes, file, reading)
+    ) -> Result<(Vec<Region>, Option<FileRead>), SceneError> {
+        let read = |bytes: &[u8], file: &str| {
+            read_region_file(bytes, file, reading)
                 .map_err(|error| SceneError::Regions(RegionLoadError::Invalid(error)))
         };
+        let parse = |bytes: &[u8], file: &str| Ok((read(bytes, file)?.regions, None));
         match self {
             Self::Embedded { name, text } => {
                 parse(text.as_bytes(), &format!("bench-scenes/{name}"))
@@ -51,7 +52,16 @@ impl RegionSource {
                 let mut reasons = Vec::new();
                 for candidate in std::iter::once(&need.file).chain(&need.source) {
                     match folders.read(&candidate.path, &candidate.sha256)? {
-                        Verified::Bytes(bytes) => return parse(&bytes, &candidate.path),
+                        Verified::Bytes(bytes, sha256) => {
+                            let RegionFile { regions, warnings } = read(&bytes, &candidate.path)?;
+                            let path = candidate.path.clone();
+                            let file = FileRead {
+                                path,
+                                sha256,
+                                warnings,
+                            };
+                            return Ok((regions, Some(file)));
+                        }
                         Verified::Absent(why) => reasons.push(why),
                     }
                 }
@@ -69,21 +79,29 @@ impl RegionSource {
     }
 }
 
-/// The bytes of a file that a surface is made from.
+/// The bytes of a file that a surface is made from, and of one that does not ship what was read.
 pub(super) fn load_surface_file(
     source: SurfaceSource,
     scene: &str,
     folders: Folders<'_>,
-) -> Result<SurfaceFile, SceneError> {
+) -> Result<(SurfaceFile, Option<FileRead>), SceneError> {
     let raw = match source {
-        SurfaceSource::Shipped(file) => return Ok(file),
+        SurfaceSource::Shipped(file) => return Ok((file, None)),
         SurfaceSource::Data(raw) => raw,
     };
     match folders.read(&raw.path, &raw.sha256)? {
-        Verified::Bytes(bytes) => Ok(SurfaceFile {
-            path: raw.path,
-            bytes: bytes.into(),
-        }),
+        Verified::Bytes(bytes, sha256) => {
+            let read = FileRead {
+                path: raw.path.clone(),
+                sha256,
+                warnings: Vec::new(),
+            };
+            let file = SurfaceFile {
+                path: raw.path,
+                bytes: bytes.into(),
+            };
+            Ok((file, Some(read)))
+        }
         Verified::Absent(why) => Err(SceneError::DataMissing {
             scene: scene.to_owned(),
             how: (raw.how).unwrap_or_else(|| format!("put {} into the data folder", raw.path)),

@@ -187,7 +187,7 @@ fn error(case: &Case) -> Option<[f64; 2]> {
 }
 
 /// The first of several names, and how many more there are.
-fn some_of(names: &[&str]) -> String {
+pub(super) fn some_of(names: &[&str]) -> String {
     let shown = names[..names.len().min(MAX_TIES)].join("; ");
     match names.len().saturating_sub(MAX_TIES) {
         0 => shown,

@@ -7,6 +7,7 @@
 
 mod answers;
 mod approximate;
+mod budget;
 mod claims;
 mod comparisons;
 mod data;
@@ -34,7 +35,7 @@ use data::{Data, is_baseline};
 use rungs::FULL_PLAN;
 use terrafill_lab::{answers_with_commands, with_commands};
 use terrafill_results::{
-    Answers, Block, Case, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run,
+    Answers, Block, Budget, Case, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run,
 };
 
 /// What filling regions costs and how right it is.
@@ -78,7 +79,10 @@ impl Chapter for FillingChapter {
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
-        let answers = answers::answers(&Data::new(run))?;
+        let data = Data::new(run);
+        let mut answers = answers::answers(&data)?;
+        let within = budget::blocks(&data, &Budget::read(&run.path)?);
+        answers.blocks.splice(0..0, within);
         Ok(answers_with_commands(answers, run, STUDY))
     }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Arguments of the gate and of blessings.
 
+use super::own::OwnArguments;
 use super::values::{parse_processes, parse_shard, parse_size};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -12,10 +13,12 @@ Exit codes: 0 pass · 1 differs for the worse, or for the better and not blessed
             3 inconclusive · 4 nothing measured · 5 no usable device · 6 the machine failed
 Example: terrafill gate california --base origin/main --out out/gate";
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct GateArguments {
-    /// Shipped scenes by name, or paths of scene files [default: all shipped scenes]
+    /// Shipped scenes by name, scene files, GeoJSON files [default: all shipped scenes]
     pub(crate) scenes: Vec<String>,
+    #[command(flatten)]
+    pub(crate) own: OwnArguments,
     /// Program or git revision to compare with: both run by turns
     #[arg(long)]
     pub(crate) base: Option<String>,
@@ -92,9 +95,9 @@ pub(crate) struct GateArguments {
     /// Folder that keeps built revisions
     #[arg(long, value_name = "DIR", default_value = "target/gate")]
     pub(crate) cache: PathBuf,
-    /// Folder with real data [default: $TERRAFILL_DATA, or data]
+    /// Folder of data, may be repeated [default: $TERRAFILL_DATA, or data]
     #[arg(long)]
-    pub(crate) data: Option<PathBuf>,
+    pub(crate) data: Vec<PathBuf>,
     /// Part of the adapter's name
     #[arg(long)]
     pub(crate) adapter: Option<String>,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Arguments of files of regions that become scenes.
 
-use super::values::{Edges, LongEdges, PoleSide, ReadingArguments, parse_size};
+use super::values::{Edges, LongEdges, PoleSide, ReadingArguments, Repair, parse_size};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 use terrafill_core::Reading;
@@ -18,6 +18,9 @@ pub(crate) struct OwnArguments {
     pub(crate) unwrap: LongEdges,
     #[arg(long, default_value = "smaller", hide = true)]
     pub(crate) inside: PoleSide,
+    /// Given or not: crossings of a scene made of a file are filled by this rule
+    #[arg(long, hide = true, default_value = "even-odd")]
+    pub(crate) repair: Repair,
     #[arg(long, hide = true)]
     pub(crate) name: Option<String>,
 }
@@ -33,9 +36,37 @@ impl OwnArguments {
     }
 }
 
+/// What other verbs take with a file of regions and `mesh` and `locate` have no use for: one line of options fits all.
+#[derive(Debug, Args)]
+pub(crate) struct UnusedArguments {
+    #[arg(long, hide = true)]
+    terrain: Vec<PathBuf>,
+    #[arg(long, hide = true)]
+    name: Option<String>,
+}
+
+impl UnusedArguments {
+    /// A line for each that was given.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let given = [
+            (
+                "--terrain",
+                !self.terrain.is_empty(),
+                "regions lie on the body here, whatever is under a fill",
+            ),
+            ("--name", self.name.is_some(), "no scene is made here"),
+        ];
+        let given = given.into_iter().filter(|(_, is_given, _)| *is_given);
+        given
+            .map(|(option, _, why)| format!("warning: {option} decides nothing: {why}"))
+            .collect()
+    }
+}
+
 const SCENE_EXAMPLE: &str = "\
-These have `bench` and `render` of GeoJSON, too:
+These have `bench`, `render` and `gate` of GeoJSON, too:
       --edges planar|great-ellipse, --unwrap literal|shortest, --inside smaller|left: as of `mesh`
+      --repair even-odd: given or not, crossings are filled by that rule
       --name NAME: of the scene [default: the file's]
 Example: terrafill scene init hoods.geojson --terrain dem.tif --out hoods.toml
          terrafill bench hoods.toml --quick";

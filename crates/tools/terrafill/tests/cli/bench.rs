@@ -123,6 +123,30 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
     assert_eq!(ran.succeeded(), "report: run/index.html\n");
     assert_eq!(desk.read_text("run/index.html"), html);
     assert_eq!(desk.read_text("run/summary.csv"), summary);
+    // By other limits, which a report of the same folder then keeps.
+    assert!(html.contains("Boundaries off by at most 1 px"), "{html}");
+    let limited = [
+        "report",
+        "run",
+        "--tolerance-px",
+        "0",
+        "--budget-ms",
+        "1e-6",
+    ];
+    desk.run_without_device(&limited).succeeded();
+    desk.run_without_device(&["report", "run"]).succeeded();
+    let limited = desk.read_text("run/index.html");
+    for words in [
+        "Boundaries off by at most 0 px",
+        "none is within",
+        "over --budget-ms",
+    ] {
+        assert!(limited.contains(words), "{words}");
+    }
+    desk.write("none/x", "");
+    desk.run(&["report", "none", "--max-mb", "1"])
+        .refused(&[&["none/schema.json"]]);
+    assert!(!desk.path("none/budget.json").exists());
     // And as one file.
     desk.run_without_device(&["report", "run", "--single-file"])
         .succeeded();

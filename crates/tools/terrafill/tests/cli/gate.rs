@@ -692,3 +692,41 @@ fn two_processes_gate_a_shard_each_and_merge_refuses_what_is_not_all_of_it() {
     merge(&["one", "two", "all"]).refused(&[&["a whole gate"]]);
     assert!(!desk.path("no").exists());
 }
+
+#[test]
+fn regions_of_a_file_become_one_scene_that_both_programs_run() {
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    twin(&desk);
+    let square = polygon(&rectangle(0.0, 0.01, 0.02, 0.03));
+    desk.write("hoods.geojson", collection(&[("a", square)]));
+    let twin = desk.path("twin").display().to_string();
+    let options = [
+        "--no-time",
+        "--size",
+        "48",
+        "--technique",
+        "vertex",
+        "--out",
+        "g",
+    ];
+    let line = ["hoods.geojson", "--edges", "great-ellipse", "--base", &twin];
+    let ran = gate(&desk, &[&line[..], &options].concat());
+    assert_eq!(ran.code, 0, "{}{}", ran.stdout, ran.stderr);
+    let report = desk.read_text("g/gate.json");
+    assert!(
+        report.contains("filling/hoods/horizon/vertex/doubled"),
+        "{report}"
+    );
+    let scene = desk.read_text("target/gate/scenes/hoods.toml");
+    assert!(scene.contains("edges = \"great-ellipse\""), "{scene}");
+    // What a scene says itself is refused, and a file that is not there.
+    gate(
+        &desk,
+        &["california", "--edges", "great-ellipse", "--base", &twin],
+    )
+    .refused(&[&["--edges: found with a scene"]]);
+    gate(&desk, &["none.geojson", "--base", &twin]).refused(&[&["none.geojson", "no such file"]]);
+}

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Files of one's own: from GeoJSON and heights to a report in one command.
 
-use crate::harness::{Desk, QUICK, collection, has_device, polygon, rectangle};
+use crate::harness::{BOW_TIE, Desk, QUICK, collection, has_device, polygon, rectangle};
 use terrafill_results::Run;
 
 /// Heights that ship: plateaux of 0 and 5,000 m by turns round 0 N 0 E.
@@ -52,6 +52,16 @@ fn regions_and_heights_become_a_report_with_every_alternative() {
     for view in ["all", "filled", "horizon"] {
         assert!(of("view").contains(&view), "{view}: {:?}", of("view"));
     }
+    // The report names what was read, by its hash.
+    let hashes = ["hoods.geojson", "dem/cliffs.tif"].map(|file| {
+        let hash = terrafill_scene::sha256_hex(&desk.read(file));
+        (file, hash)
+    });
+    let page = desk.read_text("run/index.html");
+    for (file, hash) in &hashes {
+        let line = format!("{file}, SHA-256 {hash}");
+        assert!(page.contains(&line), "{line}");
+    }
     // Again into the same folder: nothing measured is lost, and the way on is named.
     let again = desk.run(&line);
     again.refused(&[&["run", "--resume"]]);
@@ -90,6 +100,55 @@ fn regions_and_heights_become_a_report_with_every_alternative() {
         desk.run(&line).succeeded();
     }
     assert_eq!(desk.read("a.png"), desk.read("b.png"));
+}
+
+#[test]
+fn a_report_has_the_warnings_of_what_was_read_and_a_changed_file_ends_a_run() {
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    // A bow tie, which is filled by the even-odd rule.
+    let bow = polygon(&BOW_TIE);
+    desk.write("bow.geojson", collection(&[("bow", bow.clone())]));
+    let line = "bench bow.geojson --quick --size 48 --samples 1 --technique vertex --out run";
+    let line: Vec<&str> = line.split(' ').collect();
+    let ran = desk.run(&line);
+    assert_eq!(ran.code, 0, "{}{}", ran.stdout, ran.stderr);
+    for file in ["run/index.html", "run/summary.md"] {
+        let text = desk.read_text(file);
+        assert!(
+            text.contains("1 crossing of edges: filled by the even-odd rule"),
+            "{file}: {text}"
+        );
+    }
+    let again = [&line[..], &["--resume"]].concat();
+    assert_eq!(desk.run(&again).code, 0);
+    // Negative control: a blank behind the same regions is another file.
+    desk.write("bow.geojson", collection(&[("bow", bow)]) + " ");
+    desk.run(&again)
+        .refused(&[&["bow.geojson: found sha256", "which the run began with"]]);
+}
+
+#[test]
+fn one_line_of_options_fits_every_verb_and_what_decides_nothing_is_said() {
+    let desk = desk();
+    desk.write("points.csv", "lon,lat\n0.01,0.02\n");
+    let line = "hoods.geojson --terrain dem --edges great-ellipse --repair even-odd --name own";
+    let line: Vec<&str> = line.split(' ').collect();
+    for verb in [&["mesh"][..], &["locate", "--points", "points.csv"]] {
+        let ran = desk.run(&[verb, &line].concat());
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        for option in ["--terrain", "--name"] {
+            let warning = format!("warning: {option} decides nothing");
+            assert!(ran.stderr.contains(&warning), "{}", ran.stderr);
+        }
+        // Control: without them nothing is said.
+        let ran = desk.run(&[verb, &line[..1], &line[3..7]].concat());
+        ran.succeeded();
+    }
+    desk.run(&[&["scene", "init"][..], &line].concat())
+        .succeeded();
 }
 
 #[test]

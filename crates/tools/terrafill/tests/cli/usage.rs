@@ -98,7 +98,7 @@ fn exit_codes_are_listed_and_the_version_is_the_packages() {
 #[test]
 fn a_wrong_value_gets_one_line_with_what_is_allowed() {
     let desk = Desk::new();
-    let cases: [(&[&str], &str); 15] = [
+    let cases: [(&[&str], &str); 17] = [
         (
             &["mesh", "f", "--edges", "rhumb"],
             "--edges: found \"rhumb\", allowed: planar, great-ellipse",
@@ -150,6 +150,14 @@ fn a_wrong_value_gets_one_line_with_what_is_allowed() {
         (
             &["bench", "--shard", "3/2"],
             "--shard: found \"3/2\", allowed: M/N with 1 ≤ M ≤ N",
+        ),
+        (
+            &["bench", "--max-mb", "0"],
+            "--max-mb: found \"0\", allowed: a number above 0, or none",
+        ),
+        (
+            &["report", "run", "--tolerance-px", "inf"],
+            "--tolerance-px: found \"inf\", allowed: 0 or more pixels",
         ),
         (
             &["bench", "--backend", "metal"],
