@@ -144,7 +144,7 @@ mod tests {
         assert_eq!(devices.get(fail), Err("none".to_owned()));
         assert_eq!(devices.get(fail), Err("none".to_owned()));
         assert_eq!(opened.get(), 2);
-        // Twin: other devices open their own.
+        // Negative control: other devices open their own.
         assert_eq!(Devices::default().get(open), Ok(String::new()));
         assert_eq!(opened.get(), 3);
     }
@@ -157,7 +157,7 @@ mod tests {
         device.report("timed out");
         device.report("a later call failed");
         assert_eq!(devices.loss().message(), Some("timed out"));
-        // Twin: other devices are not lost.
+        // Negative control: other devices are not lost.
         assert_eq!(Devices::default().loss().message(), None);
     }
 

@@ -59,7 +59,7 @@ mod tests {
         };
         let ids = [0, 1, 254, 255, 256, 257, 65_535, 65_536, u32::MAX, 3];
         assert_eq!(fingerprint(&ids, |id| id), byte_by_byte(&ids));
-        // Twin: another order is another hash.
+        // Negative control: another order is another hash.
         assert_ne!(fingerprint(&ids, |id| id), byte_by_byte(&[1, 0]));
     }
 

@@ -258,7 +258,7 @@ mod tests {
         };
         assert_eq!(honest.undeclared(), None);
         assert_eq!((honest.held_bytes(), honest.pipelines()), (30, 3));
-        // Twins: a buffer, or a pipeline, that no feature accounts for.
+        // Negative controls: a buffer, or a pipeline, that no feature accounts for.
         let mut forged = honest.clone();
         forged.list[1].bytes = 0;
         let said = forged.undeclared().expect("10 bytes are missing");

@@ -120,7 +120,7 @@ mod tests {
         };
         let expected = indices.map(|index| u32::try_from(index + 1).expect("24 bits"));
         assert_eq!(ids_of(&picture(rgba(Colours::Ids))), expected);
-        // Twin: colours for people are no ids, and below full opacity nor is their alpha.
+        // Negative control: colours for people are no ids, and below full opacity nor is their alpha.
         let palette = rgba(Colours::Palette { opacity: 0.5 });
         assert_ne!(ids_of(&picture(palette.clone())), expected);
         assert_eq!(palette[..4], [&region_colour(0)[..], &[128]].concat());

@@ -484,7 +484,7 @@ mod tests {
         assert!(close(at(90.0).uv(0.0, to_anchor + north), [0.25, 0.5]));
         assert!(close(at(90.0).uv(east, to_anchor), [0.5, 0.375]));
         assert_eq!(at(0.0).address, [AddressMode::Repeat; 2]);
-        // Twin: turned the other way it is another place.
+        // Negative control: turned the other way it is another place.
         assert!(!close(at(-90.0).uv(0.0, to_anchor + north), [0.25, 0.5]));
     }
 

@@ -162,7 +162,7 @@ mod tests {
             ..Counters::default()
         };
         assert_eq!(counters, expected);
-        // Twin: which is which matters.
+        // Negative control: which is which matters.
         WorkDone::write_into(&mut counters, reading(1), reading(2));
         assert_ne!(counters, expected);
     }

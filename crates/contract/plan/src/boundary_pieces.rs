@@ -146,7 +146,7 @@ mod tests {
                 })
             };
             assert!(all_held(&pieces), "{squares}");
-            // Twin: without one of them some edge is in none.
+            // Negative control: without one of them some edge is in none.
             assert!(!all_held(&pieces[1..]), "{squares}");
             let largest = pieces
                 .iter()

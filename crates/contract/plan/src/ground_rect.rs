@@ -176,7 +176,7 @@ mod tests {
                             "{what}, {hit:?}"
                         );
                         cut += usize::from(rect != PixelRect::full(SIZE));
-                        // Twin: a body a tenth larger is not held.
+                        // Negative control: a body a tenth larger is not held.
                         let larger = shown(&camera, body.radii_m() * 1.1);
                         twins += usize::from(larger.is_some_and(|hit| hit.within(rect) != hit));
                     }

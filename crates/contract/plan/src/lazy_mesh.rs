@@ -174,7 +174,7 @@ mod tests {
         LazyMesh::make_all(&meshes);
         assert_eq!(are_made(), [true; 4]);
         LazyMesh::make_all(&meshes);
-        // Twin: what another one makes is not the same mesh, and was counted.
+        // Negative control: what another one makes is not the same mesh, and was counted.
         assert!(!std::ptr::eq(&*meshes[0], &*meshes[1]));
         let counted = [&source.common, &source.made].map(|count| count.load(Ordering::Relaxed));
         assert_eq!(counted, [1, 3]);

@@ -470,7 +470,7 @@ mod tests {
         let as_written = level.finer[3].boundary_edge_count();
         assert!(own.boundary_edge_count() < as_written);
         assert!(own.warnings.is_empty());
-        // Twin: it moves by more than this.
+        // Negative control: it moves by more than this.
         level.deviation_m[3] = 1e3;
         let instead = level.make(3);
         assert_eq!(instead.boundary_edge_count(), as_written);
@@ -495,7 +495,7 @@ mod tests {
             let picked = table().pick(&drawn, 0.5, |_| pieces.clone());
             assert_eq!(picked, [mesh], "{outside_m}");
         }
-        // Twin: where the whole is enough nobody looks.
+        // Negative control: where the whole is enough nobody looks.
         let looked = |_| -> Vec<SeenPiece> { panic!("looked") };
         assert_eq!(table().pick(&drawn(&[(3, 80.0)]), 0.5, looked), [11]);
         let out_of_view = [DrawnRegion::new(3, piece(1.0, 50.0))];
@@ -507,7 +507,7 @@ mod tests {
         let near_0 = drawn(&[(0, 20.0), (1, 100.0), (2, 100.0), (3, 100.0)]);
         assert_eq!(pick(&table(), &near_0, 0.5), [4, 5, 6, 11]);
         assert_eq!(pick(&table(), &near_0, 0.4), [0, 1, 2, 11]);
-        // Twin: without their borders each goes its own way.
+        // Negative control: without their borders each goes its own way.
         let apart = LevelTable {
             neighbours: Vec::new(),
             ..table()
@@ -519,7 +519,7 @@ mod tests {
     fn every_mesh_is_one_of_one_region() {
         let regions: Vec<usize> = (0..12).map(|mesh| table().region_of(mesh, 12)).collect();
         assert_eq!(regions, [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3]);
-        // Twin: without levels each region has its one.
+        // Negative control: without levels each region has its one.
         let alone = LevelTable::default();
         assert_eq!([0, 1].map(|mesh| alone.region_of(mesh, 2)), [0, 1]);
     }

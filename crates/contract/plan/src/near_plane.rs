@@ -447,7 +447,7 @@ mod tests {
                 expected,
                 "{longitude} {latitude} {height_m}"
             );
-            // Twin: the box alone takes the missing quarter for a part of the volume.
+            // Negative control: the box alone takes the missing quarter for a part of the volume.
             if (longitude, latitude) == (1.5, 1.5) {
                 assert!(NearPlane::new(&camera, SIZE).meets_box(&bounds));
             }
@@ -496,7 +496,7 @@ mod tests {
             met[whole as usize] += 1;
             let middle = DVec3::new(0.0, 0.0, -camera.near_m);
             assert_eq!(in_parts.surrounds(middle), volume(None).surrounds(middle));
-            // Twin: without its caps.
+            // Negative control: without its caps.
             in_parts.pieces.retain(|piece| piece.caps.is_empty());
             lacking += usize::from(in_parts.near_rectangle(&camera, SIZE) != whole);
         }
@@ -524,7 +524,7 @@ mod tests {
             let crossings = volume.crossings(point).expect("no face is met edge-on");
             assert_eq!(crossings % 2 == 1, volume.surrounds(point), "{geodetic:?}");
             inside += usize::from(crossings % 2 == 1);
-            // Twin: with a face missing, rays slip out.
+            // Negative control: with a face missing, rays slip out.
             let open = RegionMesh {
                 triangles: mesh.triangles[1..].to_vec(),
                 ..mesh.clone()

@@ -394,9 +394,9 @@ pub(crate) mod tests {
             })
         };
         assert!(holds_all(HEIGHTS.top_m));
-        // Twin: not grown by the caps' height, boxes do not hold the caps.
+        // Negative control: not grown by the caps' height, boxes do not hold the caps.
         assert!(!holds_all(0.5 * HEIGHTS.top_m));
-        // Twin: what fits into one part has no parts.
+        // Negative control: what fits into one part has no parts.
         assert_eq!(PartOrder::of(&strip(12)), None);
     }
 
@@ -437,7 +437,7 @@ pub(crate) mod tests {
                 .iter()
                 .all(|(ring, edges)| *ring == 1 && edges.end <= 2_002)
         );
-        // Twin: where all is seen nothing is left out, and each cap is one range.
+        // Negative control: where all is seen nothing is left out, and each cap is one range.
         let (all, _) = parts.seen(HEIGHTS, |_| Ok(rect(0)));
         assert_eq!((all.facets_left_out, all.caps.len()), (0, 1));
         assert_eq!(all.walls_by_loop(&mesh), [(0, 0..3), (1, 0..2_002)]);

@@ -202,7 +202,7 @@ mod tests {
         let changed = changed.expect("three regions");
         assert_eq!(changed.changed_since(set.revision()), Some(&[0, 2][..]));
         assert_eq!(changed.len(), 3);
-        // Twins: neither itself nor equal contents are its origin, nor is a grandparent.
+        // Negative controls: neither itself nor equal contents are its origin, nor is a grandparent.
         assert_eq!(changed.changed_since(changed.revision()), None);
         let equal = RegionSet::from(set.to_vec());
         assert_eq!(changed.changed_since(equal.revision()), None);

@@ -317,7 +317,7 @@ fn only_volumes_lower_than_the_stated_pixels_and_before_the_horizon_are_flat() {
         assert_eq!(said.contains(&phrase), count > 0, "{said}");
     }
     assert!(before > 10, "{before}");
-    // Twins: nearer, the same volumes are higher; and from two kilometres nearly all lie behind the
+    // Negative controls: nearer, the same volumes are higher; and from two kilometres nearly all lie behind the
     // horizon or around the eye.
     assert_eq!(flat(&plan("top-down", Some(0.5))).0, 0);
     let low = plan("horizon", Some(1e6));
@@ -373,7 +373,7 @@ fn islands_below_a_quarter_pixel_are_left_out_and_counted_with_their_pixels() {
             _ => assert!(area_px >= sides[0] * sides[1], "{area_px} of {sides:?}"),
         }
     }
-    // Twin: as written nothing is left out.
+    // Negative control: as written nothing is left out.
     let prepared = land_and_island(0.05);
     let plan = prepared.plan(&prepared.camera("above"), None);
     assert_eq!(plan.small_rings.rings, 0);

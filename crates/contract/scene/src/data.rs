@@ -55,9 +55,10 @@ pub fn joined_data_dirs(folders: &[PathBuf]) -> Result<Option<PathBuf>, std::env
 pub fn split_data_dirs(data: &Path) -> Vec<PathBuf> {
     let folders: Vec<PathBuf> = std::env::split_paths(data).collect();
     // One folder may have any name.
-    match folders.len() > 1 && !data.is_dir() {
-        true => folders,
-        false => vec![data.to_owned()],
+    if folders.len() > 1 && !data.is_dir() {
+        folders
+    } else {
+        vec![data.to_owned()]
     }
 }
 
@@ -380,7 +381,7 @@ mod tests {
     fn the_given_data_folder_goes_before_the_default_one() {
         let given = Path::new("there");
         assert_eq!(data_dir(Some(given)).as_deref(), Some(given));
-        // Twin: tests run in the crate's folder, which has no data.
+        // Negative control: tests run in the crate's folder, which has no data.
         assert_eq!(data_dir(None), data_dir_from_env());
     }
 

@@ -226,7 +226,7 @@ mod tests {
             .collect();
         places.sort_unstable();
         places.dedup();
-        // Twin: were any written in two ways, there would be more than the corners of the grid.
+        // Negative control: were any written in two ways, there would be more than the corners of the grid.
         assert_eq!(places.len(), 8 * 4);
     }
 

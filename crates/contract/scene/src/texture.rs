@@ -460,7 +460,7 @@ mod tests {
         for at in 0..64 {
             assert_eq!(alpha(63, at + 1), alpha(64, at), "across the edge");
         }
-        // Twins: lines that are none, too near, or do not fit.
+        // Negative controls: lines that are none, too near, or do not fit.
         assert_eq!(
             [hatch(64, 0), hatch(64, 32), hatch(64, 7)],
             [None, None, None]
@@ -497,7 +497,7 @@ mod tests {
             let error = mean_error(&chain);
             assert!(error < ROUNDING, "{width}×{height}: {error}");
         }
-        // Twin: a row dropped, as a 2×2 box does where the number is odd.
+        // Negative control: a row dropped, as a 2×2 box does where the number is odd.
         let mut chain = noise(37, 37);
         for texel in chain.levels[1].rgba[..4 * 18].chunks_exact_mut(4) {
             texel[..3].fill(255);

@@ -188,7 +188,7 @@ fn no_island_touches_another() {
 
 #[test]
 fn crossings_and_overlaps_are_noticed() {
-    // Twins of the two tests above.
+    // Negative controls of the two tests above.
     let square = |x: i64, y: i64, side: i64| {
         vec![[x, y], [x + side, y], [x + side, y + side], [x, y + side]]
     };

@@ -88,7 +88,7 @@ fn keys_of_the_surface_are_kept_and_not_read() {
     assert_eq!(surface.kind, "any");
     assert_eq!(surface.parameters["seed"].as_integer(), Some(7));
     assert_eq!(surface.parameters.len(), 2);
-    // Twin: elsewhere a key that means nothing is refused.
+    // Negative control: elsewhere a key that means nothing is refused.
     let stray = broken("[surface]", "[mesh]\nseed = 7\n[surface]");
     assert!(message(&stray).contains("seed"));
     assert!(message(&broken("kind = \"ellipsoid\"", "kind = 3")).contains("expected a string"));
@@ -281,7 +281,7 @@ fn the_published_file_will_do_where_the_trimmed_one_is_not_there() {
     assert_eq!(read(), Ok("2".to_owned()));
     write("a.geojson", &trimmed);
     assert_eq!(read(), Ok("1".to_owned()));
-    // Twins: one that has other bytes is not read, whichever it is.
+    // Negative controls: one that has other bytes is not read, whichever it is.
     write("a.geojson", &square(3));
     assert_eq!(read(), Ok("2".to_owned()));
     write("b.json", &trimmed);

@@ -394,7 +394,7 @@ fn the_published_files_hold_the_same_regions_as_the_trimmed_ones() {
         // Names too: they are all that is read of the properties.
         let published = Scene::shipped(name, Some(folder.path())).expect("the published file");
         assert!(published.regions == trimmed.regions, "{name}");
-        // Twins: another name, and another ring.
+        // Negative controls: another name, and another ring.
         let mut renamed = published.regions.to_vec();
         renamed[0].name += "x";
         assert!(renamed[..] != trimmed.regions[..]);
@@ -460,7 +460,7 @@ fn breaks_a_promise(scene: &Scene) -> bool {
 
 #[test]
 fn views_that_break_their_promise_are_noticed() {
-    // Twin of the test above: each change below must draw a complaint.
+    // Negative control of the test above: each change below must draw a complaint.
     let text = include_str!("../../../../bench-scenes/california.toml");
     let broken = [
         // A globe from so near that it overfills the image.
@@ -609,7 +609,7 @@ fn california_has_about_its_true_area() {
     // and the coast is coarse, hence the tolerance.
     let area = area_km2(&scene.body, &scene.regions[0]);
     assert!((area / 411_000.0 - 1.0).abs() < 0.03, "{area} km²");
-    // Twin: on the Moon the same outline must not pass.
+    // Negative control: on the Moon the same outline must not pass.
     let wrong = area_km2(&Ellipsoid::MOON, &scene.regions[0]);
     assert!((wrong / 411_000.0 - 1.0).abs() > 0.03, "{wrong} km²");
 }

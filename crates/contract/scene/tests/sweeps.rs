@@ -19,7 +19,7 @@ fn triangles(scene: &Scene, cap_step_deg: f64) -> usize {
 #[test]
 fn every_cap_step_that_is_swept_gives_a_mesh_of_its_own() {
     assert_steps_are_coarser(false);
-    // Twin: beyond the widest of California's steps there is nothing left to cut.
+    // Negative control: beyond the widest of California's steps there is nothing left to cut.
     let california = Scene::shipped("california", None).expect("it ships");
     assert_eq!(triangles(&california, 3.0), triangles(&california, 10.0));
 }

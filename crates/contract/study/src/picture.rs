@@ -66,7 +66,7 @@ mod tests {
             matches!(&error, StudyError::Run(RunError::Io { path, .. }) if path.ends_with("images/a.png")),
             "{error}"
         );
-        // Twin.
+        // Negative control.
         std::fs::create_dir(folder.path().join("images")).expect("writable");
         assert_eq!(write().expect("written"), "images/a.png");
         assert!(folder.path().join("images/a.png").is_file());

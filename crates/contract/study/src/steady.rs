@@ -161,7 +161,7 @@ mod tests {
     fn three_looks_that_agree_end_the_wait_and_two_do_not() {
         assert_eq!(ends(&[370.0, 200.0, 100.0], 40), (Settled::Steady, 5));
         assert_eq!(ends(&[100.0, 102.0, 100.0], 40), (Settled::Steady, 3));
-        // Twin: each third one is off.
+        // Negative control: each third one is off.
         let waves: Vec<f64> = (0..99).map(|at| [100.0, 100.0, 110.0][at % 3]).collect();
         let (settled, looks) = ends(&waves, 9);
         assert_eq!(looks, 9);

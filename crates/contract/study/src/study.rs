@@ -265,7 +265,7 @@ mod tests {
             assert_eq!(request(depth, true).size_or([64; 2]), [1024, 512]);
         }
         assert_eq!(request(Depth::Main, false).size_or([64; 2]), [1024, 512]);
-        // Twin: the one that may.
+        // Negative control: the one that may.
         assert_eq!(request(Depth::Quick, false).size_or([64; 2]), [64; 2]);
     }
 

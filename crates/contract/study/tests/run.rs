@@ -352,7 +352,7 @@ fn a_killed_run_names_what_is_missing_and_goes_on_where_it_was() {
         let samples: Vec<u32> = case.timed_samples(0).into_iter().collect();
         assert!(samples.is_empty() || samples == [1, 2, 3], "{}", case.id());
     }
-    // Twin: what is complete is not measured again.
+    // Negative control: what is complete is not measured again.
     script.sampled.borrow_mut().clear();
     script.verified.borrow_mut().clear();
     measure(&plan, &folder, &options());
@@ -415,7 +415,7 @@ fn a_case_that_fails_while_it_is_timed_has_one_row() {
     );
     let table = std::fs::read_to_string(place.path().join("cases.csv")).expect("a table");
     assert_eq!(table.lines().count(), 1 + plan.run_plan().cases.len());
-    // Twin: the others are right.
+    // Negative control: the others are right.
     assert_eq!(RunOutcome::of(place.path()).expect("read").ok, 4);
 }
 
@@ -448,7 +448,7 @@ fn another_process_rechecks_and_a_case_that_changed_fails() {
     let right = &run.cases[0];
     assert_eq!(right.replicates("cost_ms").len(), 2);
 
-    // Twin: a second process whose pictures differ.
+    // Negative control: a second process whose pictures differ.
     let place = tempfile::tempdir().expect("a folder");
     let folder = create(place.path(), &plan);
     measure(&plan, &folder, &two);
@@ -500,7 +500,7 @@ fn a_condition_that_is_not_declared_is_refused() {
     ] {
         assert!(said.contains(word), "{word}: {said}");
     }
-    // Twin: both are declared.
+    // Negative control: both are declared.
     assert_eq!(refused(2), None);
 }
 
@@ -583,7 +583,7 @@ fn a_process_may_time_a_few_cases_and_rechecks_no_other() {
         assert_eq!(!case.timed_samples(1).is_empty(), is_timed, "{}", case.id());
         assert_ne!(case.outcome, Outcome::Missing);
     }
-    // Twin: what is not planned is no case that was left out.
+    // Negative control: what is not planned is no case that was left out.
     let unknown = planned(1, &options()).timing_only(BTreeSet::from(["x/y".to_owned()]));
     let error = unknown.map(|_| ()).expect_err("unknown").to_string();
     assert!(error.contains("\"x/y\""), "{error}");
@@ -683,7 +683,7 @@ fn samples_are_taken_as_turns_release_them_and_no_other() {
     assert_eq!(ran, Ok(()));
     assert_eq!(turns.over, [false, true]);
 
-    // Twins: a place that there is not, and turns that end early.
+    // Negative controls: a place that there is not, and turns that end early.
     let (ran, _) = by_turns(2, vec![sample(99, true)]);
     assert!(ran.expect_err("no such place").contains("turn of case 99"));
     let (ran, _) = by_turns(3, vec![Turn::Block]);
@@ -726,7 +726,7 @@ fn nothing_is_timed_before_the_clock_is_steady() {
         "{times:?}"
     );
     assert!(notes.is_empty(), "{notes:?}");
-    // Twin: without the wait the first values are kept.
+    // Negative control: without the wait the first values are kept.
     let (times, _) = settled(rising, 0, false);
     assert!(
         times.contains(&370.0) && times.contains(&120.0),

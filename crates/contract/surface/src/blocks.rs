@@ -226,7 +226,7 @@ mod tests {
         let corner = DVec3::new(1.0, 0.0, 0.0);
         let block = Block::new(0..1, &[[corner; 3]]);
         assert!(!block.looks_away(DVec3::ZERO) && !block.looks_away(2.0 * corner));
-        // Twin: with an area it does.
+        // Negative control: with an area it does.
         let corners = [corner, corner + DVec3::Y, corner + DVec3::Z];
         let block = Block::new(0..1, &[corners]);
         assert!(block.looks_away(DVec3::ZERO) && !block.looks_away(2.0 * corner));

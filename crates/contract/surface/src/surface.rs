@@ -347,7 +347,7 @@ mod tests {
         }
         let high = frame.heights_over(&extent(2.0, 3.0), range(700.0, 800.0));
         assert_eq!(high, range(700.0, 800.0));
-        // Twin: further north nothing of the parts is met.
+        // Negative control: further north nothing of the parts is met.
         let north = Extent {
             south_deg: 11.0,
             north_deg: 12.0,

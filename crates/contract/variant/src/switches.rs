@@ -622,7 +622,7 @@ mod tests {
                 error.to_string().contains(&format!("{key}={value}")),
                 "{error}"
             );
-            // Twin: cut to rectangles it is allowed.
+            // Negative control: cut to rectangles it is allowed.
             wrong.cover_area = CoverArea::Rectangle;
             assert_eq!(wrong.check(Overlap::Disjoint), Ok(()));
         }

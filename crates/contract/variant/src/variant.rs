@@ -435,7 +435,8 @@ mod tests {
         assert!(behind.to_string().contains("zfail"), "{behind}");
         let whole = all.check_parts(false).expect_err("drawn whole");
         assert!(whole.to_string().contains("test flat"), "{whole}");
-        // Twins: what is outside the view is so for all, and what is hidden for those that count in front.
+        // Negative controls: what is outside the view is so for all, and what is hidden for those that count
+        // in front.
         let frustum = plain().with("part-culling", "frustum");
         assert_eq!(frustum.check_parts(true), Ok(()));
         let in_front = all.with("depth-rule", "automatic");

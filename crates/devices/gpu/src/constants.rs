@@ -64,7 +64,7 @@ mod tests {
         let (shader, stride) = shader_offsets("vertex/doubled.wgsl", "Footprint");
         assert_eq!(rust, shader);
         assert_eq!(size_of::<FootprintConstants>(), stride);
-        // Twin: another order is noticed.
+        // Negative control: another order is noticed.
         let swapped = offsets!(FootprintConstants: right_and_inverse_a, axis_and_power,
             forward_and_inverse_b, scaled_apex);
         assert_ne!(swapped, shader);

@@ -42,7 +42,7 @@ fn a_lost_device_is_known_to_the_devices_of_the_run_and_draws_nothing() {
     };
     let mut targets = RenderTargets::new(&gpu, SIZE).expect("small targets");
     targets.prepare(&globe_from(8e6)).expect("fits");
-    // Twin: a device that draws is not lost.
+    // Negative control: a device that draws is not lost.
     targets.draw_surface().expect("draws");
     assert_eq!(devices.loss().message(), None);
     gpu.device.destroy();

@@ -93,7 +93,7 @@ fn more_inputs_than_a_dispatch_takes_are_taken_in_several() {
             .all(|value| value[1].to_bits() == 7_f32.to_bits())
     );
     assert!(evaluator.evaluate(&[]).expect("runs").values.is_empty());
-    // Twin: a wrong coefficient on the device alone is noticed.
+    // Negative control: a wrong coefficient on the device alone is noticed.
     let wrong = Kernel {
         wgsl: &CUBIC.replace("k.c.z", "(k.c.z * 1.001)"),
         ..CUBIC_KERNEL
@@ -126,7 +126,7 @@ fn what_is_not_finite_is_counted() {
     assert_eq!(non_finite(&answer, 2), 3, "{:?}", answer.values);
     assert_eq!(non_finite(&answer, 1), 2, "1 / ∞ is 0");
     assert_eq!(non_finite(&answer, 3), 4);
-    // Twin: numbers only.
+    // Negative control: numbers only.
     let numbers = evaluator.evaluate(&inputs[..1]).expect("runs");
     assert_eq!(non_finite(&numbers, 4), 0);
 }

@@ -342,7 +342,7 @@ fn a_draw_that_does_not_fit_is_refused_and_nothing_is_drawn() {
     let refused = targets.fill(1, Measured::Nothing, |recorder| recorder.copy_depth(&copy));
     let error = refused.expect_err("a copy of other targets' depth");
     assert!(error.to_string().contains("depth"), "{error}");
-    // Twin: beside its own targets it is recorded.
+    // Negative control: beside its own targets it is recorded.
     let copied = other.fill(1, Measured::Nothing, |recorder| recorder.copy_depth(&copy));
     copied.expect("its own depth");
     let resolve = PipelineDescriptor {

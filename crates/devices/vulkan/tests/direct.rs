@@ -101,7 +101,7 @@ fn triangles_cover_what_they_cover_and_are_counted() {
         assert_eq!(statistics.clipper_invocations, 8);
         assert!(statistics.vertex_shader_invocations <= 24);
     }
-    // Twin: half of them leave half of the picture.
+    // Negative control: half of them leave half of the picture.
     let (_, numbers) = draw(0..12);
     assert_eq!(shown(&numbers), ((1..=4).collect(), 32 * 64));
 }
@@ -158,7 +158,7 @@ fn what_does_not_fit_is_refused() {
             .is_ok()
     };
     assert!(draw(Some(&stored), all));
-    // Twins: no vertices, a buffer for something else, a mesh's call, arguments that are none.
+    // Negative controls: no vertices, a buffer for something else, a mesh's call, arguments that are none.
     assert!(!draw(None, all));
     assert!(!draw(Some(&storage), all));
     assert!(!draw(Some(&stored), DrawCall::MeshGroups([1, 1])));

@@ -310,7 +310,7 @@ mod tests {
 
     #[test]
     fn dropping_the_eccentricity_is_noticed() {
-        // Twin of the round trip: the same test on a wrong body must fail.
+        // Negative control of the round trip: the same test on a wrong body must fail.
         let sphere = Ellipsoid::new("mutant", 6_378_137.0, 6_378_137.0);
         let ecef = Ellipsoid::WGS84.geodetic_to_ecef(Geodetic::from_degrees(0.0, 45.0, 0.0));
         let wrong = sphere.map(|body| body.ecef_to_geodetic(ecef).latitude_rad);

@@ -335,7 +335,7 @@ mod tests {
         assert_eq!(halved_by_cell(&cells), Some(2));
         assert_eq!(halved_by_cell(&cells[2..]), Some(1));
         assert_eq!(spread(0b1011), 0b1_000_001_001);
-        // Twin: boxes in one cell have no halves.
+        // Negative control: boxes in one cell have no halves.
         assert_eq!(halved_by_cell(&cells_of(&[at(1.0, 1.0); 9])), None);
     }
 

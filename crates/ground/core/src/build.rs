@@ -660,7 +660,7 @@ mod tests {
         assert!(region.vertex_count() > 290_000 && region.rings().count() > 37_000);
         let found = groups(&region);
         assert_eq!((searched(&found), found.len()), (0, 1));
-        // Twin: by plain sums it would have been.
+        // Negative control: by plain sums it would have been.
         let mesh = &found[0].mesh;
         let boundary = mesh
             .boundary
@@ -676,7 +676,7 @@ mod tests {
         }
         let difference = (one_by_one - together.abs()).abs();
         assert!(difference > 1e-14 * (scale + terms), "{difference}");
-        // Twin: one hole, a 37,000th of them, outside of the shell.
+        // Negative control: one hole, a 37,000th of them, outside of the shell.
         let outside = |[x, y]: Degrees| [x + 40.0, y];
         let hole = region.polygons[0].holes.pop().expect("holes");
         let moved = hole.vertices_deg().iter().copied().map(outside).collect();
@@ -707,7 +707,7 @@ mod tests {
             let at = |position| widened(extent(west, east), position);
             assert_eq!(at([east + 1e-9, 11.0]), [west, -10.0, east + 1e-9, 11.0]);
             assert_eq!(at([west - 1e-9, -11.0]), [west - 1e-9, -11.0, east, 10.0]);
-            // Twins: within it, and where longitudes say nothing.
+            // Negative controls: within it, and where longitudes say nothing.
             assert_eq!(at([west + 1.0, 0.0]), as_it_was);
             assert_eq!(at([-180.0, 0.0]), as_it_was);
             assert_eq!(at([0.0, 90.0]), [west, -10.0, east, 90.0]);

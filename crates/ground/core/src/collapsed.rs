@@ -133,7 +133,7 @@ mod tests {
         let parallel = [[2.0, 2.0], [4.0, 2.0], [6.0, 2.0]];
         assert!(is_dropped(EdgeRule::Planar, &parallel));
         assert!(!is_dropped(EdgeRule::GreatEllipse, &parallel));
-        // Twins: a last bit wide; with a tip, and something else.
+        // Negative controls: a last bit wide; with a tip, and something else.
         let hair = [[2.0, 2.0], [4.0, 2.0_f64.next_up()], [6.0, 2.0]];
         let tipped = [
             [2.0, 2.0],

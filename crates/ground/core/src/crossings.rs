@@ -243,7 +243,7 @@ mod tests {
         let few = MAX_PAIRS_TO_AN_EDGE * edges.len();
         assert_eq!(compare_pairs(&tree, 9, few, &|_, _| None), None);
         assert_eq!(swept(&edges), Some((Vec::new(), true)));
-        // Twin: one across ten of them.
+        // Negative control: one across ten of them.
         let across = |k: u32, share: f64| {
             let [start, end] = line(k);
             [0, 1].map(|i| (1.0 - share) * start[i] + share * end[i])

@@ -440,7 +440,7 @@ mod tests {
             let on_arc = point_on_edge(EdgeRule::GreatEllipse, start, end, share);
             // The last bit of a latitude near 90.
             assert!(off(on_arc) < 3e-16, "{share}: {}", off(on_arc));
-            // Twin: as a straight line.
+            // Negative control: as a straight line.
             let straight = point_on_edge(EdgeRule::Planar, start, end, share);
             assert!(off(straight) > 1e-12, "{share}: {}", off(straight));
         }
@@ -457,7 +457,7 @@ mod tests {
                 assert_eq!(longitude, -180.0);
                 assert!((0.1..=0.3).contains(&latitude));
             }
-            // Twin: as the sum alone.
+            // Negative control: as the sum alone.
             let sum = ends[0][0] * (1.0 - share) + ends[1][0] * share;
             off_without_clamp += u32::from(sum < -180.0);
         }
@@ -553,7 +553,7 @@ mod tests {
             assert_eq!(back, found);
         }
         assert!(places(10.0, 40.0).is_empty());
-        // Twin: halves of the second do not lie at the places of the first.
+        // Negative control: halves of the second do not lie at the places of the first.
         let end = 179.999_999_999_999_97_f64;
         let half = 0.5 * (-180.0 + end);
         assert!(!whole.contains(&half));

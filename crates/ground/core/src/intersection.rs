@@ -128,7 +128,7 @@ mod tests {
             for arc in [a, b] {
                 assert!(off(arc, at) < 1e-15, "{apart_deg}: {}", off(arc, at));
             }
-            // Twin: as the line in which the planes meet.
+            // Negative control: as the line in which the planes meet.
             let [m, n] = [a, b]
                 .map(|arc| arc.map(normal))
                 .map(|[p, q]| p.cross(q - p));
@@ -160,7 +160,7 @@ mod tests {
             let at = planar_crossing(a, b).expect("cross");
             assert!(off(long, at) < 5e-14 && off(tiny, at) < 5e-14, "{at:?}");
         }
-        // Twin: the sides of the long edge's ends as seen from these ends.
+        // Negative control: the sides of the long edge's ends as seen from these ends.
         let coord = |[x, y]: Degrees| robust::Coord { x, y };
         let side = |r| robust::orient2d(coord(tiny[0]), coord(tiny[1]), coord(r));
         let (from, to) = (side(long[0]), side(long[1]));

@@ -587,10 +587,10 @@ mod tests {
             assert_eq!(on_arc(&foot), Some(true));
             // At right angles to the arc, which is level there.
             assert!((foot[0] - vertex[0]).abs() < 0.02, "{foot:?}");
-            // Twin: the vertex is not.
+            // Negative control: the vertex is not.
             assert_eq!(on_arc(&vertex), Some(false));
         }
-        // Twins: beyond the arc, and on the other side of the chord.
+        // Negative controls: beyond the arc, and on the other side of the chord.
         for latitude in [middle[1] + 1e-3, 49.999] {
             let same = edges(&[WEST, EAST, [middle[0], latitude]]);
             let split = follow_arcs(same.clone(), WithinRounding::Kept);
@@ -626,13 +626,13 @@ mod tests {
         // Where rounding does not carry it to the west.
         let at_the_end = feet.filter(|longitude| *longitude == 11.0).count();
         assert!(at_the_end > 10, "{at_the_end}");
-        // Twin: beyond the chord.
+        // Negative control: beyond the chord.
         assert_eq!(foot_of([10.999_93, 89.5]), None);
         // Merged, nothing of an edge to the pole leaves its meridian.
         let polar = edges(&[[10.1, 90.0], [10.1, 89.999_92]])[0];
         assert_eq!(merged(vec![polar])[0].start, polar.start);
         assert_eq!(merged(vec![polar])[0].end, polar.end);
-        // Twin: of another edge it does.
+        // Negative control: of another edge it does.
         let free = edges(&[[10.1, 89.999_92], [10.2, 89.9]])[0];
         assert_ne!(merged(vec![free])[0].start, free.start);
     }
@@ -648,7 +648,7 @@ mod tests {
             places(&split)
         };
         assert_eq!(made(meridian(10.1))[1], [10.1, beside[1]]);
-        // Twin: of what does not end there the common place is taken.
+        // Negative control: of what does not end there the common place is taken.
         let level = edges(&[[9.9, beside[1]], [10.1, beside[1]]])[0];
         assert_eq!(made(level)[1], beside);
     }
@@ -681,7 +681,7 @@ mod tests {
             uses.into_values().filter(|uses| uses % 2 == 1).count()
         };
         assert_eq!(left(follow_arcs(halved.clone(), WithinRounding::Merged)), 0);
-        // Twin: each stays another.
+        // Negative control: each stays another.
         let kept = follow_once(halved, WithinRounding::Kept).unwrap_or_else(|crossing| crossing);
         assert!(left(kept) > 10);
     }
@@ -719,7 +719,7 @@ mod tests {
             Arcs::Settled,
         );
         assert!(mesh.is_ok_and(|mesh| mesh.triangles.is_empty()));
-        // Twin: unless it may not be moved, since it would come onto a pole.
+        // Negative control: unless it may not be moved, since it would come onto a pole.
         let at_pole = [[7.0, 90_f64.next_down()], [8.0, 90_f64.next_down()]];
         assert_eq!(merged(edges(&at_pole)).len(), 2);
     }

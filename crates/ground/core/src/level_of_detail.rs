@@ -535,7 +535,7 @@ mod tests {
         let without = shared.rebuild(&kept_without(&shared, &[[45.0, 9.0]]));
         let held = holds_poles(&without, rule, &Ellipsoid::WGS84);
         assert_eq!(held, [[true, false]]);
-        // Twin: one that does not go round may.
+        // Negative control: one that does not go round may.
         let other = regions(&["[0,-1],[45,9],[90,-1],[60,-2],[0,-1]"]);
         let shared = SharedBoundaries::new(&other[..], &Ellipsoid::WGS84, rule);
         let level = finished(&shared, 1e7, kept_without(&shared, &[[45.0, 9.0]]));

@@ -594,7 +594,7 @@ mod tests {
             }
             most_groups = most_groups.max(groups.len());
         }
-        // Twin: putting everything in one group would pass the above.
+        // Negative control: putting everything in one group would pass the above.
         assert!(most_groups > 30, "{most_groups}");
     }
 

@@ -435,7 +435,7 @@ mod tests {
                 assert_eq!(ring.winding_deg().abs(), 360.0);
                 assert_eq!(longitudes(&ring), expected, "{rule:?}");
             }
-            // Twin: without their longitudes in the file they are moved.
+            // Negative control: without their longitudes in the file they are moved.
             let forgotten = Ring::from_checked(read(rotated).vertices_deg().to_vec(), 360.0);
             assert_ne!(longitudes(&forgotten), expected);
         }

@@ -387,7 +387,7 @@ mod tests {
             let mut repaired = ring(50.2);
             assert_eq!(repaired.split_at_crossings(EdgeRule::GreatEllipse), 2);
             assert!(build(&repaired, EdgeRule::GreatEllipse).is_ok());
-            // Twins: north of the arc, and as straight lines.
+            // Negative controls: north of the arc, and as straight lines.
             assert!(build(&ring(50.5), EdgeRule::GreatEllipse).is_ok());
             assert!(build(&ring(50.2), EdgeRule::Planar).is_ok());
         }
@@ -448,7 +448,7 @@ mod tests {
             assert_eq!(refused(&region), crosses(&region), "{ring:?}");
             crossing += u32::from(crosses(&region));
         }
-        // Twin: there were both.
+        // Negative control: there were both.
         assert!((200..1_800).contains(&crossing), "{crossing}");
     }
 
@@ -488,7 +488,7 @@ mod tests {
             areas.push(mesh.area_m2);
         }
         assert!((areas[0] / areas[1] - 1.0).abs() < 1e-12, "{areas:?}");
-        // Twin: apart on the body, they do not cross, though their longitudes overlap modulo a
+        // Negative control: apart on the body, they do not cross, though their longitudes overlap modulo a
         // smaller angle than a turn.
         let mut apart = region(&[&a, &shifted(&b, -0.5)]);
         assert_eq!(apart.split_at_crossings(EdgeRule::Planar), 0);

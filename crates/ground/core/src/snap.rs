@@ -341,7 +341,7 @@ mod tests {
             let snapped =
                 snap_rounded(EdgeRule::Planar, std::slice::from_ref(&edges)).swap_remove(0);
             assert_eq!(crossings(&snapped), 0, "{ends:?}");
-            // Twin: vertices made where they cross, rounded, leave crossings.
+            // Negative control: vertices made where they cross, rounded, leave crossings.
             let (found, _) = find_crossings(EdgeRule::Planar, &ends, usize::MAX);
             once_split += crossings(&crate::crossings::split_outline(&edges, &found));
             let largest = ends.as_flattened().as_flattened().iter();
@@ -438,11 +438,11 @@ mod tests {
             edges.iter().map(|edge| [edge.start, edge.end]).collect()
         };
         assert_eq!(ends(&snapped(EdgeRule::GreatEllipse)), ends(&square));
-        // Twin: where all of a pole's longitudes are ends of edges, what is beside it is moved there.
+        // Negative control: where all of a pole's longitudes are ends of edges, what is beside it is moved there.
         let at_pole = ends(&snapped(EdgeRule::Planar));
         assert_eq!(at_pole[0], [[180.0, 90.0], [-180.0, 90.0]]);
         assert_eq!(at_pole[1], ends(&square)[1]);
-        // Twin: an edge through the cell of one of these vertices is led through it.
+        // Negative control: an edge through the cell of one of these vertices is led through it.
         let beside = outline(&[[[180.0, 0.0], [-180.0, 0.0]], [[0.0, 1e-30], [3.0, 80.0]]]);
         let snapped = snap_rounded(EdgeRule::Planar, &[beside]).swap_remove(0);
         assert_eq!(

@@ -681,7 +681,7 @@ mod tests {
         let meshed = |edges| triangulate(edges, EdgeRule::Planar, &options, Arcs::AsDrawn);
         let refused = meshed(box_of(60.0, 60.0));
         assert!(matches!(refused, Err(TriangulateError::TooFine { points }) if points > 2e7));
-        // Twin: a smaller box has room.
+        // Negative control: a smaller box has room.
         assert!(meshed(box_of(1.0, 1.0)).is_ok());
     }
 

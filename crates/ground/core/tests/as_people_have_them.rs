@@ -144,7 +144,7 @@ fn a_vertex_on_an_edge_changes_no_side() {
         }
         assert_area(&build(&[&split], PLANAR), without.area_m2, 1e-12);
     }
-    // Twin: one off the edge by enough to make the other side the smaller one.
+    // Negative control: one off the edge by enough to make the other side the smaller one.
     let mut moved = NOTCHED.to_vec();
     moved.insert(1, [-90.0, -10.0]);
     let north_m2 = north_of_m2(&moved[..moved.len() - 1]);
@@ -210,7 +210,7 @@ fn a_ring_of_great_ellipses_may_hold_both_poles() {
         };
         assert_area(&left, left_m2, 1e-6);
     }
-    // Twin: a ring with both poles on its larger side holds neither, whichever way it is written.
+    // Negative control: a ring with both poles on its larger side holds neither, whichever way it is written.
     let country = [
         [0.0, 0.0],
         [20.0, 0.0],
@@ -279,7 +279,7 @@ fn a_hole_round_the_pole_leaves_what_lies_between_it_and_its_shell() {
             assert!(mesh.warnings.is_empty(), "{:?}", mesh.warnings);
         }
     }
-    // Twin: a hole in the whole globe decides for itself; the right side of it, when asked for.
+    // Negative control: a hole in the whole globe decides for itself; the right side of it, when asked for.
     let globe = [
         [-180.0, -90.0],
         [180.0, -90.0],
@@ -402,7 +402,7 @@ fn a_pole_ring_without_its_cut_is_refused_with_what_would_read_it() {
     let cap_m2 = BODY.quadrangle_area_m2(TAU, 60_f64.to_radians(), FRAC_PI_2);
     assert_area(&mesh, cap_m2, 1e-12);
     assert!(build(&[&uncut], ARCS).area_m2 < cap_m2);
-    // Twin: nothing of long edges where there are none.
+    // Negative control: nothing of long edges where there are none.
     let line = [[0.0, 60.0], [90.0, 60.0], [100.0, 60.0], [0.0, 60.0]];
     let refused = build_as(&[&line], PLANAR, Reading::default()).expect_err("no area");
     assert_eq!(
@@ -441,7 +441,7 @@ fn every_crossing_of_arcs_is_listed() {
     };
     assert_eq!(places(&star(5, 2)).len(), 5);
     assert_eq!(places(&star(19, 5)).len(), 76);
-    // Twin: a star that crosses nowhere.
+    // Negative control: a star that crosses nowhere.
     assert!(build(&[&star(5, 1)], ARCS).warnings.is_empty());
 }
 
@@ -484,7 +484,7 @@ fn a_collapsed_hole_is_left_out_with_a_warning() {
         let errors = errors.expect_err("crosses");
         assert!(errors[0].to_string().contains("ring 2"), "{}", errors[0]);
     }
-    // Twins: by great ellipses the line is a sliver; and a shell is no hole.
+    // Negative controls: by great ellipses the line is a sliver; and a shell is no hole.
     let sliver = build(&[&shell, &line], ARCS);
     assert_eq!((sliver.holes, sliver.warnings.len()), (1, 0));
     let refused = build_as(&[&line], PLANAR, Reading::default()).expect_err("no area");
@@ -511,7 +511,7 @@ fn slivers_keep_the_digits_of_their_areas() {
     let expected_m2 = 0.5 * sides[0] * sides[1] * scale(10.0);
     assert!((expected_m2 / 0.003_061_276_35 - 1.0).abs() < 1e-8);
     assert_area(&build(&[&needle], PLANAR), expected_m2, 1e-12);
-    // Twin: subtracted in radians.
+    // Negative control: subtracted in radians.
     let wrong = top.to_radians() - 10_f64.to_radians();
     assert!((wrong / sides[1] - 1.0).abs() > 5e-3);
     // A square metre.
@@ -556,7 +556,7 @@ fn a_vertex_a_last_bit_outside_is_refused_at_every_tolerance() {
             matches!(refused, Err(MeshError::SelfCrossing { .. })),
             "{boundary_tolerance_m} m: {refused:?}"
         );
-        // Twin: some last bits inside.
+        // Negative control: some last bits inside.
         let mesh = build(inside).expect("inside");
         assert_eq!((mesh.check_invariants(&BODY), mesh.holes), (Ok(()), 1));
     }
@@ -590,7 +590,7 @@ fn a_tolerance_finer_than_what_is_drawn_is_bounded_and_said() {
         assert!((1e-9..3.2e-4).contains(&mesh.boundary_deviation_m));
         let said = format!("{:.3e} m was reached", mesh.boundary_deviation_m);
         assert!(mesh.warnings[0].ends_with(&said), "{:?}", mesh.warnings);
-        // Twin: what can be reached is.
+        // Negative control: what can be reached is.
         let mesh = build(1e-3);
         assert!(mesh.boundary_deviation_m <= 1e-3 && mesh.warnings.is_empty());
     }

@@ -315,7 +315,7 @@ fn walls_on_a_flat_body_stand_as_close_to_their_edges_as_reported() {
 
 #[test]
 fn a_split_left_out_is_noticed() {
-    // Twin: the same measure on walls that must not pass.
+    // Negative control: the same measure on walls that must not pass.
     let body = Ellipsoid::WGS84;
     for (ring, tolerance_m) in [(SHAPES[4].1, 1.0), (SHAPES[8].1, 100.0)] {
         let region = region(ring);
@@ -345,7 +345,7 @@ fn a_split_left_out_is_noticed() {
 
 #[test]
 fn what_is_measured_is_the_curve_of_the_rule() {
-    // Twin: from the walls' own chords, from the other rule's curve, and to the chords instead of
+    // Negative control: from the walls' own chords, from the other rule's curve, and to the chords instead of
     // where the walls cut the surface, the numbers are others.
     let body = Ellipsoid::WGS84;
     let region = region(SHAPES[3].1);

@@ -191,7 +191,7 @@ fn in_every_case_a_wrong_area_and_a_wrong_point_are_noticed() {
 
 #[test]
 fn the_other_edge_rule_is_noticed() {
-    // Twin of the rule: pairs of cases with one text that differ by it.
+    // Negative control of the rule: pairs of cases with one text that differ by it.
     let cases = accepted();
     let mut pairs = 0;
     for case in &cases {
@@ -449,7 +449,7 @@ fn a_hole_may_lie_in_the_other_hemisphere_than_the_pole_its_shell_holds() {
             "{}",
             rule.name()
         );
-        // Twin: south of the shell's edge the same ring is refused; filled by the even-odd rule it
+        // Negative control: south of the shell's edge the same ring is refused; filled by the even-odd rule it
         // adds its area.
         let refused: Result<f64, MeshError> = build(&[shell, outside], false);
         let refused = refused.expect_err("outside").to_string();

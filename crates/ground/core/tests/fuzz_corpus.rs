@@ -90,7 +90,7 @@ fn mesh_corpus_replays_and_reaches_every_branch() {
 
 #[test]
 fn an_empty_corpus_a_find_and_a_branch_not_reached_are_noticed() {
-    // Twin of the two above.
+    // Negative control of the two above.
     let root = tempfile::tempdir().expect("a folder");
     let mut reached = Reached::new(mesh::BRANCHES);
     let finds = replay(root.path(), "mesh", mesh::check, &mut reached);
@@ -386,7 +386,7 @@ fn area_by_slabs_is_right_by_arithmetic() {
             close(slabs(&[shell.clone(), hole.clone()]), exact);
             let turned = hole.iter().map(|[x, y]| [x - 360.0, *y]).collect();
             close(slabs(&[shell.clone(), turned]), exact);
-            // Twin: without the hole.
+            // Negative control: without the hole.
             assert!((slabs(&[shell]) / exact - 1.0).abs() > 1e-3);
         }
         close(
@@ -422,7 +422,7 @@ fn area_by_slabs_is_right_by_arithmetic() {
         area::even_odd_area_m2(&Ellipsoid::SATURN_LIKE, &[path])
     };
     assert!((wedge(1) / wedge(16) - 1.0).abs() < 1e-12);
-    // Twin: a wedge a little narrower.
+    // Negative control: a wedge a little narrower.
     let narrower = vec![[176.9, -88.0], [178.9, -90.0], [171.900_000_01, -90.0]];
     let narrower = area::even_odd_area_m2(&Ellipsoid::SATURN_LIKE, &[narrower]);
     assert!((narrower / wedge(16) - 1.0).abs() > 1e-9);
@@ -467,7 +467,7 @@ fn areas_of_great_ellipses_are_compared_beside_chords_too() {
     };
     let touching = with_tip(1.0, 1.000_1);
     assert_eq!(checked(&touching, &touching), (Ok(()), true));
-    // Twin: the mesh of another hole, 20 m shorter.
+    // Negative control: the mesh of another hole, 20 m shorter.
     let (found, _) = checked(&touching, &with_tip(1.0, 0.999_9));
     assert!(found.is_err_and(|find| find.contains("by slabs")));
     // On the chord itself it touches only, and is led past it all the same.
@@ -522,7 +522,7 @@ fn what_is_a_rounding_wide_may_be_nothing_in_one_direction_only() {
         mesh::compare_with_reversed(&slivers, &outcome, &mut reached),
         Ok(())
     );
-    // Twins: nothing where there is a square of a metre, and where straight lines are exact.
+    // Negative controls: nothing where there is a square of a metre, and where straight lines are exact.
     let nothing = Err(MeshError::NoArea {
         feature: 0,
         name: String::new(),

@@ -63,7 +63,7 @@ fn a_cap_may_run_along_its_pole_in_several_edges() {
         let mesh = build(&region, EdgeRule::Planar).expect("meshes");
         assert!((mesh.area_m2 / cap - 1.0).abs() < 1e-12);
     }
-    // Twin: a parallel with a jump and no way back along the pole still goes round.
+    // Negative control: a parallel with a jump and no way back along the pole still goes round.
     let ring = region("[[[[-180,-60],[-60,-60],[60,-60],[180,-60]]]]");
     assert_eq!(ring.polygons[0].shell.winding_deg(), 360.0);
 }
@@ -101,7 +101,7 @@ fn a_sliver_between_an_arc_and_its_chord_has_the_area_of_its_arcs() {
     };
     let (coarse, fine) = (build(8.3), build(1e-5));
     assert!((coarse / fine - 1.0).abs() < 1e-6, "{coarse} m², {fine} m²");
-    // Twin: the triangle of straight lines has next to none.
+    // Negative control: the triangle of straight lines has next to none.
     let chords = RegionMesh::build(&region, &body, EdgeRule::Planar, &MeshOptions::default());
     assert!(chords.expect("meshes").area_m2 < 1e-6);
 }
@@ -121,7 +121,7 @@ fn an_edge_bent_over_its_neighbour_by_its_splits_is_no_crossing() {
         cap_step_deg: 4.166_666_666_666_667,
     };
     sound_mesh(&region, &body, EdgeRule::Planar, &options);
-    // Twin: edges that do cross are refused.
+    // Negative control: edges that do cross are refused.
     let bow_tie = self::region("[[[[160,5],[180,35],[160,33],[180,6]]]]");
     let error = RegionMesh::build(&bow_tie, &body, EdgeRule::Planar, &options).err();
     assert!(matches!(error, Some(MeshError::SelfCrossing { .. })));
@@ -151,7 +151,7 @@ fn runs_along_a_pole_are_split_at_the_same_longitudes() {
     let mut mesh =
         RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options).expect("meshes");
     assert_eq!(mesh.check_invariants(&body), Ok(()));
-    // Twin: a triangle there that is turned over is noticed.
+    // Negative control: a triangle there that is turned over is noticed.
     let at_pole = |i: u32| mesh.vertices_deg[i as usize][1] == -90.0;
     let turned = mesh.triangles.iter().position(|corners| {
         corners.iter().any(|&i| at_pole(i))
@@ -383,7 +383,7 @@ fn a_ring_there_and_back_over_a_pole_encloses_nothing_either_way() {
         first.reverse();
         second.reverse();
     }
-    // Twin: one last bit further east, there and back are two meridians.
+    // Negative control: one last bit further east, there and back are two meridians.
     second[2][0] = second[2][0].next_up();
     let lune = build(&[&second]).expect("meshes");
     assert!(lune.area_m2 > 1.0, "{} m²", lune.area_m2);
@@ -419,7 +419,7 @@ fn a_ring_there_and_back_over_a_pole_encloses_nothing_in_any_turn() {
             let found = area_m2(ring, turn_deg);
             assert!(matches!(found, Err(MeshError::NoArea { .. })), "{found:?}");
         }
-        // Twin: a ring that does go round holds the south pole: its arcs bow 9° south.
+        // Negative control: a ring that does go round holds the south pole: its arcs bow 9° south.
         let found = area_m2(&round, turn_deg).expect("meshes");
         assert!((found / round_m2 - 1.0).abs() < 1e-12, "{found} m²");
     }
@@ -461,7 +461,7 @@ fn arcs_of_ten_degrees_a_rounding_apart_cost_no_more_than_their_ends() {
     // Ten degrees there and back of what is 2e-14 of a radius wide.
     let rounding_m2 = 2e-14 * body.equatorial_radius_m().powi(2) * 24.0 * 10_f64.to_radians();
     assert!(mesh.area_m2 < rounding_m2, "{} m²", mesh.area_m2);
-    // Twin: it takes nothing away from 800 square metres elsewhere, and adds nothing to them.
+    // Negative control: it takes nothing away from 800 square metres elsewhere, and adds nothing to them.
     let square = self::region("[[[[0,0],[3e-5,0],[3e-5,3e-5],[0,3e-5]]]]");
     let alone = build(&square).expect("meshes").area_m2;
     region.polygons.extend(square.polygons);
@@ -504,7 +504,7 @@ fn arcs_of_a_hundred_degrees_a_rounding_apart_are_led_through_common_vertices() 
         let off = build(&region, tolerance_m).area_m2 / expected_m2 - 1.0;
         assert!(off.abs() < 2e-5, "{tolerance_m} m: {off}");
     }
-    // Twin: one vertex a hundred millionth of a degree off is seen.
+    // Negative control: one vertex a hundred millionth of a degree off is seen.
     let mut moved = region;
     let ring = moved.polygons.pop().expect("two").shell;
     let moved_ring = ring
@@ -603,7 +603,7 @@ fn arcs_that_cross_more_with_every_split_are_led_through_one_another() {
             rings.iter_mut().for_each(|ring| ring.reverse());
         }
     }
-    // Twin: a vertex a hundred thousandth of a degree off encloses more.
+    // Negative control: a vertex a hundred thousandth of a degree off encloses more.
     let mut moved = five;
     moved[0][4][0] = -50.00001;
     let [with, without] = [moved, Vec::new()].map(|slivers| with_triangle(&slivers));
@@ -709,7 +709,7 @@ fn the_feet_of_vertices_are_within_the_extent() {
         mesh.extent.north_deg
     };
     let by_foot = north_of("[60.77,74.255]");
-    // Twin: without a vertex in the lens the extent ends further south.
+    // Negative control: without a vertex in the lens the extent ends further south.
     let by_halving = north_of("[60.77,40.0]");
     assert!(by_foot > by_halving.max(74.255), "{by_foot}, {by_halving}");
 }
@@ -734,7 +734,7 @@ fn interior_edges_a_rounding_apart_to_one_place_at_a_pole_are_both_halved() {
     };
     let mesh = sound_mesh(&region, &body, EdgeRule::GreatEllipse, &options);
     assert!(widest_deg(&mesh) <= 45.0, "{}°", widest_deg(&mesh));
-    // Twin: the facet of which the wide edge was a side.
+    // Negative control: the facet of which the wide edge was a side.
     let vertices_deg = vec![
         [-36.74172795717992, -71.12127638147808],
         [22.213235268512115, -59.794042210364935],
@@ -883,7 +883,7 @@ fn slivers_of_arcs_to_a_rounding_beside_a_pole_are_none() {
             assert_eq!(area_m2(rings, tolerance_m), 0.0, "{tolerance_m} m");
         }
     }
-    // Twin: a millimetre wide at the pole.
+    // Negative control: a millimetre wide at the pole.
     let mut wider = there;
     wider[1][0][1] = -89.999_999_97;
     assert!(area_m2(&wider, 75.8) > 1e-2, "{}", area_m2(&wider, 75.8));
@@ -933,7 +933,7 @@ fn positions_that_a_turn_makes_one_are_not_kept_twice() {
     assert!(ring.edges_deg().all(|(start, end)| start != end));
     let dropped = |region: &Region| region.warnings.iter().any(|text| text.contains("repeated"));
     assert!(dropped(&region), "{:?}", region.warnings);
-    // Twin: a last bit of 360 apart they are two.
+    // Negative control: a last bit of 360 apart they are two.
     let apart = text.replace("4.9e-324", "6e-14");
     let mut regions = parse_regions(apart.as_bytes(), "twin").expect("valid");
     let apart = regions.remove(0);

@@ -446,7 +446,7 @@ fn of_arcs_between_the_same_places_one_becomes_the_edge() {
                 .all(|at| *at != border)
         );
     }
-    // Twin: with more between them, the arcs beside it can be thinned as well, but not to edges.
+    // Negative control: with more between them, the arcs beside it can be thinned as well, but not to edges.
     let longer = vec![vec![west, border, east, [12.0, 0.03], [8.0, 0.031]]];
     let regions = parse(&collection(&[longer, ring(border, south)]));
     let shared = SharedBoundaries::new(&regions[..], &body, EdgeRule::Planar);
@@ -472,7 +472,7 @@ fn a_level_is_known_before_it_is_finished() {
                 assert!(report.deviation_m > 0.5 * bound_m, "{bound_m}");
             }
         }
-        // Twin: a level is not the next one.
+        // Negative control: a level is not the next one.
         assert_ne!(shared.finish(&thinned[0]).regions, whole[1].regions);
     }
 }
@@ -499,7 +499,7 @@ fn edges_are_counted_as_meshes_have_them() {
             let regions = shared.finish(level).regions;
             let counted = shared.edge_count_of(level, &options);
             assert_eq!(counted, drawn(&regions));
-            // Twin: they are not the rings' edges.
+            // Negative control: they are not the rings' edges.
             assert!(counted > regions.iter().map(Region::vertex_count).sum());
             counted
         });
@@ -585,7 +585,7 @@ fn an_island_in_a_bay_is_not_jumped_over() {
     };
     for rule in RULES {
         assert!(is_kept(&[vec![land.clone()], vec![island.clone()]], rule));
-        // Twin: alone, the bay closes.
+        // Negative control: alone, the bay closes.
         assert!(!is_kept(&[vec![land.clone()]], rule));
     }
 }

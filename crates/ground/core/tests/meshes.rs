@@ -250,7 +250,7 @@ fn edges_that_cross_where_both_are_split_are_refused() {
             mesh_on(&Ellipsoid::WGS84, rule, &repaired);
         }
     }
-    // Twin: parts that share an edge split it at the same places, and touch.
+    // Negative control: parts that share an edge split it at the same places, and touch.
     let neighbours = "[[[[0,0],[10,10],[10,0]]],[[[0,0],[10,10],[0,10]]]]";
     for rule in RULES {
         assert_eq!(mesh(rule, neighbours).boundary_loops.len(), 1);
@@ -273,7 +273,7 @@ fn a_crossing_is_placed_as_the_file_counts() {
         places("[[[0,0],[2,2],[2,0],[2,0],[2,0],[0,3],[0,0]]]"),
         (0, 4)
     );
-    // Twin: nothing repeated, nothing added.
+    // Negative control: nothing repeated, nothing added.
     assert_eq!(places("[[[0,0],[2,2],[2,0],[0,3],[0,0]]]"), (0, 2));
     // Round a pole, where the closing edge is a jump.
     assert_eq!(
@@ -387,7 +387,7 @@ fn raised_caps_stay_above_the_terrain() {
                     "{} {cap_step_deg} {shape}: {lowest}",
                     body.name()
                 );
-                // Twin: without the sagitta the facets do hang through.
+                // Negative control: without the sagitta the facets do hang through.
                 assert!(raise(highest_m) < highest_m);
                 // And the bound is no more than three times what is needed.
                 assert!(highest_m - raise(highest_m) > mesh.cap_sagitta_m / 3.0);
@@ -415,7 +415,7 @@ fn no_facet_hangs_deeper_than_its_step_allows() {
                     cap_step_deg,
                 };
                 let bound_m = options.sagitta_bound_m(&body);
-                // Twin: what it would be if the step bounded the edges inside as well.
+                // Negative control: what it would be if the step bounded the edges inside as well.
                 let smaller_m = MeshOptions {
                     cap_step_deg: cap_step_deg / 1.5,
                     ..options

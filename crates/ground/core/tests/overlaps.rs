@@ -80,7 +80,7 @@ fn a_part_inside_another_is_refused_with_its_place_or_filled_by_even_odd() {
         if rule == EdgeRule::Planar {
             assert!((mesh.area_m2 / (area(OUTER) - area(INNER)) - 1.0).abs() < 1e-12);
         }
-        // Twin: as a hole it is what it looks like, and so is an island in that hole.
+        // Negative control: as a hole it is what it looks like, and so is an island in that hole.
         let island = [4.0, 4.0, 6.0, 6.0];
         for valid in [
             boxes(&[&[OUTER, INNER]]),
@@ -108,7 +108,7 @@ fn a_hole_outside_its_shell_is_refused_and_one_inside_a_hole_is_an_island() {
         repaired.split_at_crossings(rule);
         assert_eq!(build(&repaired, rule).expect("repaired").warnings.len(), 1);
     }
-    // Twin: inside its shell, and inside a hole of it, where it is an island.
+    // Negative control: inside its shell, and inside a hole of it, where it is an island.
     let island = [4.0, 4.0, 6.0, 6.0];
     let mesh = build(&boxes(&[&[OUTER, INNER, island]]), EdgeRule::Planar).expect("an island");
     let exact = area(OUTER) - area(INNER) + area(island);
@@ -142,7 +142,7 @@ fn a_small_part_of_a_large_one_is_found() {
     let small = [5.0, 5.0, 5.000_1, 5.000_1];
     let region = boxes(&[&[[-60.0, -60.0, 60.0, 60.0]], &[small]]);
     assert!(build(&region, EdgeRule::Planar).is_err());
-    // Twin: beside it.
+    // Negative control: beside it.
     let beside = boxes(&[&[[-60.0, -60.0, 4.0, 60.0]], &[small]]);
     assert!(build(&beside, EdgeRule::Planar).is_ok());
 }
@@ -155,7 +155,7 @@ fn parts_that_touch_or_share_edges_do_not_overlap() {
         let wall = boxes(&[&[[0.0, 0.0, 1.0, 1.0]], &[[1.0, 0.0, 2.0, 1.0]]]);
         let mesh = build(&wall, rule).expect("share an edge");
         assert_eq!(mesh.warnings, ["1 edge shared by parts: no boundary there"]);
-        // Twin: a degree apart nothing is shared.
+        // Negative control: a degree apart nothing is shared.
         let apart = boxes(&[&[[0.0, 0.0, 1.0, 1.0]], &[[2.0, 0.0, 3.0, 1.0]]]);
         assert_eq!(build(&apart, rule).expect("apart").warnings, [""; 0]);
     }
@@ -179,7 +179,7 @@ fn parts_and_holes_are_told_apart_across_the_antimeridian_and_at_poles() {
     let zone = build(&region(&format!("[[{cap},{uncut}]]")), EdgeRule::Planar).expect("a zone");
     let exact = area([0.0, 60.0, 360.0, 70.0]);
     assert!((zone.area_m2 / exact - 1.0).abs() < 1e-12);
-    // Twin: the cap alone is larger.
+    // Negative control: the cap alone is larger.
     let whole = build(&region(&format!("[[{cap}]]")), EdgeRule::Planar).expect("a cap");
     let pole = FRAC_PI_2.to_degrees();
     assert!((whole.area_m2 / area([0.0, 60.0, 360.0, pole]) - 1.0).abs() < 1e-12);
@@ -209,7 +209,7 @@ fn a_hole_outside_a_shell_that_goes_round_the_axis_is_refused() {
                 repaired.split_at_crossings(rule);
                 assert_eq!(build(&repaired, rule).expect("repaired").warnings.len(), 1);
             }
-            // Twins: inside; a hole round the pole, alone and with an island in it.
+            // Negative controls: inside; a hole round the pole, alone and with an island in it.
             let inside = ring([10.0, 84.0, 20.0, 86.0]);
             for holes in [&inside, zone, &format!("{zone},{inside}")] {
                 assert_eq!(build(&with(holes), rule).expect(holes).warnings, [""; 0]);
@@ -225,7 +225,7 @@ fn a_hole_outside_a_shell_that_goes_round_the_axis_is_refused() {
         let errors = with(&ring([10.0, -90.0, 20.0, -84.0])).map(|mesh| mesh.area_m2);
         let errors = errors.expect_err(words);
         assert!(errors[0].to_string().contains(words), "{}", errors[0]);
-        // Twin: at the pole that the shell holds.
+        // Negative control: at the pole that the shell holds.
         let inside = ring([10.0, 84.0, 20.0, 90.0]);
         assert_eq!(with(&inside).expect("meshes").warnings, [""; 0]);
     }

@@ -120,7 +120,7 @@ fn every_body_meshes_every_wedge_soundly() {
 
 #[test]
 fn two_edges_from_one_vertex_drawn_as_one_are_noticed() {
-    // Twin: what used to happen, done to a sound mesh by hand.
+    // Negative control: what used to happen, done to a sound mesh by hand.
     let body = Ellipsoid::UNIT_SPHERE;
     let wedge = &WEDGES[5];
     let mut mesh = build(&body, 1e-5, &[wedge.ring(90.0)]);

@@ -148,7 +148,7 @@ proptest! {
 
 #[test]
 fn a_wrong_body_and_a_moved_vertex_break_the_round_trips() {
-    // Twins of the two properties.
+    // Negative controls of the two properties.
     let sphere = Ellipsoid::new("mutant", 6_378_137.0, 6_378_137.0).expect("a sphere");
     let position = Geodetic::from_degrees(10.0, 45.0, 0.0);
     let error = round_trip_error(&Ellipsoid::WGS84, &sphere, position);

@@ -94,7 +94,7 @@ fn what_is_put_right_is_said() {
         regions(&mixed)[0].warnings,
         ["1 geometry without area was left out"]
     );
-    // Twin: nothing to put right, nothing said.
+    // Negative control: nothing to put right, nothing said.
     assert!(regions(&polygon(TRIANGLE))[0].warnings.is_empty());
 }
 
@@ -124,7 +124,7 @@ fn features_without_area_are_left_out_and_counted() {
         ]
     );
     assert_eq!(regions(&text), read.regions);
-    // Twins: nothing is left out of a file of areas; a file of nothing else is refused.
+    // Negative controls: nothing is left out of a file of areas; a file of nothing else is refused.
     assert!(file(&collection(&[&polygon(TRIANGLE)])).warnings.is_empty());
     let lines = r#"{"type":"MultiLineString","coordinates":[]}"#;
     assert_eq!(
@@ -147,7 +147,7 @@ fn a_collection_of_no_features_is_read_where_no_region_is_needed() {
     let read = file(r#"{"type":"FeatureCollection","features":[]}"#);
     assert_eq!(read.regions, []);
     assert_eq!(read.warnings, ["the file has no features"]);
-    // Twin: scenes need one, see files_of_the_wrong_kind_are_refused.
+    // Negative control: scenes need one, see files_of_the_wrong_kind_are_refused.
 }
 
 #[test]
@@ -212,7 +212,7 @@ fn coordinates_in_metres_are_called_projected() {
         2,
         "{found}"
     );
-    // Twin: the two numbers of a position in the wrong order.
+    // Negative control: the two numbers of a position in the wrong order.
     let swapped = refusal(polygon("[[0,0],[48,120],[0,1]]").as_bytes());
     assert!(
         swapped.ends_with("in GeoJSON longitude comes first"),

@@ -119,7 +119,7 @@ fn every_region_of_the_10m_countries_has_the_area_of_its_rings() {
 #[ignore = "needs data: us-10m"]
 fn every_county_has_the_area_of_its_rings() {
     let differ = compare_areas("us_counties_10m.geojson", [3197, 21]);
-    // Twin: where rings cross the comparison sees that areas differ.
+    // Negative control: where rings cross the comparison sees that areas differ.
     assert!(differ > 10, "{differ}");
 }
 

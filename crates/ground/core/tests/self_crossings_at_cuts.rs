@@ -134,7 +134,7 @@ fn an_edge_along_the_antimeridian_is_crossed_by_one_that_is_cut_there() {
             let expected = area_m2(&loops, rule);
             assert!((found / expected - 1.0).abs() < 1e-9, "{}", rule.name());
         }
-        // Twin: up to the antimeridian and back, the edges only touch.
+        // Negative control: up to the antimeridian and back, the edges only touch.
         let touching = [
             [170.0, -2.0],
             [180.0, 0.0],
@@ -174,7 +174,7 @@ fn a_seam_along_the_antimeridian_is_crossed_freely() {
     let mut notched = east.to_vec();
     notched.insert(3, [-180.0, 2.0]);
     assert_eq!(repaired(&[&west, &notched, &hole]), (0, true));
-    // Twin: with one side only it is a border, and both its crossings are found.
+    // Negative control: with one side only it is a border, and both its crossings are found.
     assert_eq!(repaired(&[&west, &hole]), (2, true));
 }
 

@@ -39,7 +39,7 @@ fn every_family_has_about_the_vertices_asked_for_and_meshes() {
                 family.name()
             );
             assert_eq!(text, family.geojson(asked));
-            // Twin: another number is another shape.
+            // Negative control: another number is another shape.
             assert_ne!(text, family.geojson(asked + 16));
         }
     }

@@ -98,7 +98,7 @@ fn a_range_holds_every_value_over_its_extent_and_is_no_wider_than_its_samples() 
                         (lowest_m..=highest_m).contains(&height),
                         "{extent:?}: {height}"
                     );
-                    // Twin: the range of a place elsewhere does not hold them all.
+                    // Negative control: the range of a place elsewhere does not hold them all.
                     let elsewhere = field.height_m(longitude + 0.13 * f64::from(i), latitude);
                     checked += 1;
                     outside += usize::from(
@@ -153,7 +153,7 @@ fn four_tiles_are_one_field_and_a_missing_one_leaves_them_apart() {
         seam(&parts),
         (1, whole.height_m(11.75, 48.75).expect("inside"))
     );
-    // Twin: apart, each sinks to the base at the seam.
+    // Negative control: apart, each sinks to the base at the seam.
     let (count, height) = seam(&[parts[3].clone(), parts[0].clone()]);
     assert_eq!(count, 2);
     assert!(height.abs() < 0.5 * whole.height_m(11.75, 48.75).expect("inside").abs() + 1.0);

@@ -28,7 +28,7 @@ fn the_corpus_replays_and_reaches_every_branch() {
 
 #[test]
 fn a_corpus_that_misses_a_branch_and_a_field_with_voids_are_noticed() {
-    // Twin: one input reaches one branch, and what a field has is counted.
+    // Negative control: one input reaches one branch, and what a field has is counted.
     let mut reached = Reached::new(elevation::BRANCHES);
     elevation::check(&[0], &mut reached).expect("refused as it should be");
     assert_eq!(reached.found(), ["geotiff_undecodable"]);

@@ -611,7 +611,7 @@ fn summits_are_where_they_are() {
     // 27°59′17″ N, 86°55′31″ E: 8,849 m, of which SRTM's cells of 90 m keep all but some.
     let summit = everest.height_m(86.925_3, 27.988_1).expect("inside");
     assert!((8_700.0..8_850.0).contains(&summit), "{summit}");
-    // Twin: mirrored north to south, the summit is elsewhere.
+    // Negative control: mirrored north to south, the summit is elsewhere.
     let mirrored = everest.height_m(86.925_3, 27.011_9).expect("inside");
     assert!(mirrored < 3_000.0, "{mirrored}");
     let name = "fuji_terrain-rgb_10-906-404.png";

@@ -156,7 +156,7 @@ mod tests {
                 // A texel is an eighth of one of the picture.
                 assert!(off.abs() <= 1, "{latitude} {longitude} {i} {off}");
             }
-            // Twin: a quarter of the tile beside it shows something else.
+            // Negative control: a quarter of the tile beside it shows something else.
             let other = texel((x + 64) % 256, y);
             assert!(cut[other].abs_diff(expected[0]) > 5);
         }
@@ -197,7 +197,7 @@ mod tests {
             let expected = fine.colour(2.0, latitude_rad);
             let found = cut[4 * (256 * y + x)];
             assert!(found.abs_diff(expected[0]) <= 2, "{found} {expected:?}");
-            // Twin: the other pole's rows.
+            // Negative control: the other pole's rows.
             assert!(cut[4 * (256 * y + x) + 1].abs_diff(fine.colour(2.0, -latitude_rad)[1]) > 200);
         }
         let grey = [9; 4 * 8];

@@ -194,7 +194,7 @@ mod tests {
         let one = inserted([0.93, 0.08, 0.5], 0, 1);
         let other = inserted([0.08, 0.93, 0.2], 0, 1);
         assert_eq!([one[0], one[1]], [other[1], other[0]]);
-        // Twin: counted from the other end, the sum is 1 but for rounding.
+        // Negative control: counted from the other end, the sum is 1 but for rounding.
         assert!((one[0] - 0.08 / (0.08 + 0.07)).abs() < 1e-12);
     }
 }

@@ -128,7 +128,7 @@ mod tests {
             assert!((point.mercator_v - usual).abs() < 2e-15, "{i}");
             let back = place(&body, point.u, point.mercator_v);
             assert!((back - ecef).length() < 1e-7, "{i}");
-            // Twin: geocentric latitude is up to 21.4 km off.
+            // Negative control: geocentric latitude is up to 21.4 km off.
             let centric = (ecef.z / ecef.x.hypot(ecef.y)).atan();
             let v = 0.5 + centric / (2.0 * max_latitude_rad());
             let off = (place(&body, point.u, mercator_v(v)) - ecef).length();

@@ -140,7 +140,7 @@ mod tests {
         );
         let stairs = text.matches("polyline").count();
         assert!(stairs >= 4, "{text}");
-        // Twins: nothing wanted, no range, no value.
+        // Negative controls: nothing wanted, no range, no value.
         let plain = drawn(&[0.0, 3.0, 1.0], None).expect("a drawing");
         assert!(!plain.contains("stroke-dasharray"));
         assert!(!drawn(&[1.0, 1.0], None).expect("a drawing").contains("NaN"));

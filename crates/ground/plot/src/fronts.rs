@@ -261,7 +261,7 @@ mod tests {
         assert!(svg.contains("globe,exact,12,0,1000"), "{svg}");
         assert!(svg.contains("data-command=\"draw exact\""), "{svg}");
         let dashes = |svg: &str| svg.matches("stroke-dasharray").count();
-        // Twin: a point that another one beats in both ways is not joined.
+        // Negative control: a point that another one beats in both ways is not joined.
         let beaten = vec![point("fast", 2.0, 0.0), point("exact", 12.0, 78.0)];
         let beaten = drawn(beaten).expect("points");
         assert!(dashes(&svg) > dashes(&beaten));

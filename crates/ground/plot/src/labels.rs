@@ -91,7 +91,7 @@ mod tests {
             assert!(!taken.iter().any(|other| other.meets(&place)));
             taken.push(place);
         }
-        // Twin: where everything is taken, or there is no room, there is no place.
+        // Negative control: where everything is taken, or there is no room, there is no place.
         let full = [Rectangle::around(at, 1000.0, 1000.0)];
         assert!(free_place(at, 40.0, room, &full).is_none());
         let narrow = Rectangle::around(at, 30.0, 300.0);

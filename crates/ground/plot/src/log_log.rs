@@ -190,7 +190,7 @@ mod tests {
             let places = apart(&wanted, [30.0, 400.0]);
             assert!(gaps(&places), "{places:?}");
             assert!(places[0] >= 30.0 && places[3] <= 400.0, "{places:?}");
-            // Twin: where they want to stand they would lie over one another.
+            // Negative control: where they want to stand they would lie over one another.
             assert!(!gaps(&wanted));
         }
         assert_eq!(apart(&[50.0, 300.0], [30.0, 400.0]), [50.0, 300.0]);

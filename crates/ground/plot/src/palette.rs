@@ -207,7 +207,7 @@ mod tests {
                 "{dark:?}"
             );
         }
-        // Twin: the palette's original yellow would not pass on white.
+        // Negative control: the palette's original yellow would not pass on white.
         assert!(contrast(RGBColor(0xF0, 0xE4, 0x42), RGBColor(255, 255, 255)) < 4.5);
     }
 
@@ -241,7 +241,7 @@ mod tests {
             let before = &strokes[..index];
             assert!(before.iter().all(|other| other.colour != stroke.colour));
         }
-        // Twin: one curve more repeats the first.
+        // Negative control: one curve more repeats the first.
         assert!(has_twice(&self::strokes(85)));
     }
 
@@ -311,7 +311,7 @@ mod tests {
                 assert!(apart >= MIN_DISTANCE, "{place}: {apart}");
             }
         }
-        // Twin: red and olive of one lightness.
+        // Negative control: red and olive of one lightness.
         let [red, olive] = [RGBColor(0xC0, 0x54, 0x00), RGBColor(0x9C, 0x66, 0x00)];
         assert!(distance(red, olive) < MIN_DISTANCE);
     }

@@ -186,7 +186,7 @@ mod tests {
             for word in ["gnomonic", "¼ texel", "error against time"] {
                 assert!(three.contains(word), "{word}");
             }
-            // Twin: a point less is a filled and an open mark less in each panel.
+            // Negative control: a point less is a filled and an open mark less in each panel.
             let two = drawn(2).expect("points");
             assert!(marks(&three) >= marks(&two) + 4);
             assert_eq!(drawn(0), None);

@@ -115,7 +115,7 @@ mod tests {
     fn processes_at_two_clocks_are_marked_and_one_alone_has_no_dots() {
         let split = cell(&[1.07, 0.293, 0.294, 1.06, 0.295]);
         assert_eq!(split.mark, TWO_GROUPS);
-        // Twins: scattered processes, one process, a count, and a figure that counts for nothing.
+        // Negative controls: scattered processes, one process, a count, and a figure that counts for nothing.
         assert_eq!(cell(&[1.0, 1.1, 1.2, 1.3, 1.4]).mark, "");
         assert_eq!(cell(&[1.0]), Cell::plain("10"));
         assert_eq!(cell(&[12.0; 5]), Cell::plain("10"), "a count");

@@ -342,7 +342,7 @@ mod tests {
         let right = WIDTH_PX - VALUE_COLUMN_PX;
         assert!(across[0] < across[1] && across[1] < right, "{across:?}");
         assert!(text.contains("small dots"));
-        // Twins: the same rows without the failed one, and without any ratio.
+        // Negative controls: the same rows without the failed one, and without any ratio.
         assert!(!drawn(&[Ok(3.61)]).expect("a ratio").contains("wrong"));
         assert_eq!(drawn(&[Err("wrong")]), None);
     }

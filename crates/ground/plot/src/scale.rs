@@ -170,7 +170,7 @@ mod tests {
         let step = scale.px(10.0) - scale.px(1.0);
         assert!((scale.px(100.0) - scale.px(10.0) - step).abs() < 1e-9);
         assert!(scale.px(1e-9) >= 0.0 && scale.px(1e9) <= 1000.0);
-        // Twin: a linear axis would fail the first line.
+        // Negative control: a linear axis would fail the first line.
         assert!((scale.px(55.0) - (scale.px(10.0) + scale.px(100.0)) / 2.0).abs() > 10.0);
     }
 

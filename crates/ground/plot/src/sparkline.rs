@@ -102,7 +102,7 @@ mod tests {
         assert!(worse.contains("l5 9h-10z") && !better.contains("l5 9h-10z"));
         assert!(worse.contains(&hex(SLOWER.colour)) && better.contains(&hex(FASTER.colour)));
         assert!(worse.contains("a &lt;b>"));
-        // Twins: no mark, and one beside the series.
+        // Negative controls: no mark, and one beside the series.
         for marks in [&[][..], &[(9, None)]] {
             assert_eq!(drawn(&values, marks).matches("<path").count(), 1);
         }

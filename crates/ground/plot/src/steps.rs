@@ -228,7 +228,7 @@ mod tests {
             assert!(tried.contains(row), "{row} {tried}");
         }
         assert!(tried.contains(NOT_KEPT), "the legend says what is pale");
-        // Twin: the same step, kept, has one pale bar less, that of the legend aside.
+        // Negative control: the same step, kept, has one pale bar less, that of the legend aside.
         let pale = |text: &str| text.matches("opacity=\"0.15\"").count();
         assert_eq!((pale(&tried), pale(&drawn(true))), (2, 1));
     }

@@ -782,7 +782,7 @@ mod tests {
             "where its figures put it"
         );
         assert_eq!(drawn(&approximate).matches("var(--paper)").count(), 1);
-        // Twins: a right one is full and on the front, a wrong one a cross.
+        // Negative controls: a right one is full and on the front, a wrong one a cross.
         let right = with(PointStanding::Right);
         let panel = Panel::new(&right, FRAME).expect("something to draw");
         assert_eq!(panel.front, [panel.points[0].at]);
@@ -813,7 +813,7 @@ mod tests {
         let counts = plot_of(&points);
         let panel = Panel::new(&counts, FRAME).expect("something to draw");
         assert_eq!(panel.front.len(), 2);
-        // Twin: times that noise does not tell apart keep one of the two only.
+        // Negative control: times that noise does not tell apart keep one of the two only.
         let noisy = [0.7, 0.8, 1.0, 1.2, 1.3].map(|factor| factor * 10.0);
         let spread = terrafill_results::spread(&noisy).expect("five samples");
         let sampled = |y| Point {
@@ -893,7 +893,7 @@ mod tests {
         }
         let named = |curve: &Curve| labels.iter().filter(|l| l.name == curve.name).count();
         assert!(plot.curves.iter().all(|curve| named(curve) >= 1));
-        // Twin: beside their points, whatever stands there, they hide marks.
+        // Negative control: beside their points, whatever stands there, they hide marks.
         let naive = panel.points.iter().map(|placed| {
             let at = [placed.at[0] + 10.0, placed.at[1] - 10.0];
             Rectangle::around(at, 14.0, TEXT_PX)
@@ -940,7 +940,7 @@ mod tests {
             (one[1] - another[1]).abs() >= TEXT_PX,
             "{one:?} {another:?}"
         );
-        // Twin: not crowded, they stand on their lines, within the panel.
+        // Negative control: not crowded, they stand on their lines, within the panel.
         let inside = drawn(&plot);
         assert!(inside.contains("one bound") && inside != text);
     }
@@ -971,7 +971,7 @@ mod tests {
         assert!((slope(from, to) - slope(from, through)).abs() < 1e-9);
         let text = drawn(&plot);
         assert!(text.contains("¼ texel") && text.contains("slope 1"));
-        // Twin: without the lines the axis does not reach so far.
+        // Negative control: without the lines the axis does not reach so far.
         plot.lines.clear();
         let panel = Panel::new(&plot, FRAME).expect("something to draw");
         assert!(panel.y.expect("positive errors").high() < 4.0);

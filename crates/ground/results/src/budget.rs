@@ -100,7 +100,7 @@ mod tests {
         };
         budget.write(folder.path()).expect("written");
         assert_eq!(read().expect("readable"), budget);
-        // Twins: less than nothing, no time at all, and a word that is none of its keys.
+        // Negative controls: less than nothing, no time at all, and a word that is none of its keys.
         for (text, words) in [
             (r#"{"tolerance_px":-1}"#, "tolerance_px: found -1"),
             (

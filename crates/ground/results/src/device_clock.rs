@@ -92,7 +92,7 @@ mod tests {
         append_clocks(folder.path(), &rows[..1]).expect("written");
         append_clocks(folder.path(), &rows[1..]).expect("written");
         assert_eq!(read_clocks(folder.path()).expect("readable"), rows);
-        // Twins: absent without a reason, a reason beside a value, no number, no moment.
+        // Negative controls: absent without a reason, a reason beside a value, no number, no moment.
         let path = folder.path().join(CLOCKS.file);
         for row in [
             "0,start,graphics,,,",

@@ -61,7 +61,7 @@ mod tests {
         append_durations(folder.path(), &rows[..1]).expect("written");
         append_durations(folder.path(), &rows[1..]).expect("written");
         assert_eq!(read_durations(folder.path()).expect("readable"), rows);
-        // Twins: a number that is none, and another header.
+        // Negative controls: a number that is none, and another header.
         let path = folder.path().join(DURATIONS.file);
         for (text, words) in [
             ("first_case,process,seconds\na,0,NaN\n", "row 2"),

@@ -89,7 +89,7 @@ mod tests {
         ]);
         assert!(survival[0] >= 1.0 && survival[1] >= 1.0, "{survival:?}");
         assert!(survival[2] <= 0.0, "beaten in both coordinates");
-        // Twin: two methods that only noise tells apart must not both be called best.
+        // Negative control: two methods that only noise tells apart must not both be called best.
         for unsure in &survival[3..] {
             assert!(*unsure < FRONT_SURVIVAL, "{survival:?}");
         }

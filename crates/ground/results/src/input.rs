@@ -34,9 +34,10 @@ impl RunInput {
     fn is_usable(&self) -> bool {
         let is_digit = |c: char| matches!(c, '0'..='9' | 'a'..='f');
         let is_hash = self.sha256.len() == 64 && self.sha256.chars().all(is_digit);
-        match self.warning.is_empty() {
-            true => is_hash && !self.file.is_empty(),
-            false => self.sha256.is_empty(),
+        if self.warning.is_empty() {
+            is_hash && !self.file.is_empty()
+        } else {
+            self.sha256.is_empty()
         }
     }
 }
@@ -79,7 +80,7 @@ mod tests {
         let rows = [file, warning];
         append_inputs(folder.path(), &rows).expect("written");
         assert_eq!(read_inputs(folder.path()).expect("readable"), rows);
-        // Twins: no hash, a short one, one in capitals, a hash beside a warning.
+        // Negative controls: no hash, a short one, one in capitals, a hash beside a warning.
         let hash = "0f".repeat(32);
         for row in [
             "s,f,,".to_owned(),

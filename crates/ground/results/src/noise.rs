@@ -185,7 +185,7 @@ mod tests {
         // Swapped operands are the same noise.
         let swapped = noise_of(&[10.0; 5], &[9.0; 5]).expect("two pairs");
         assert!((found.max - swapped.max).abs() < 1e-12);
-        // Twin: identical times leave the second pair's noise.
+        // Negative control: identical times leave the second pair's noise.
         let quiet = noise_of(&[10.0; 5], &[10.0; 5]).expect("two pairs");
         assert!((quiet.max_factor() - 1.02).abs() < 1e-12);
     }
@@ -269,7 +269,7 @@ mod tests {
         );
         // Half of the cases do not differ at all.
         assert!(between.median < between.max, "{between:?}");
-        // Twins: alike, and one process alone.
+        // Negative controls: alike, and one process alone.
         let alike = noise_of(&[10.0; 3], &[10.0; 3]).expect("two pairs");
         assert!(alike.between.expect("three processes").max < 1e-12);
         let mut run = MadeUpRun::default();

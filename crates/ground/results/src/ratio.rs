@@ -268,7 +268,7 @@ mod tests {
         let [low, high] = gain.interval.expect("enough");
         assert!(low > 1.99 && high < 2.06, "{gain:?}");
         assert_eq!(Claim::Faster.standing(&gain), Standing::Holds);
-        // Twin: with the operands swapped it is slower.
+        // Negative control: with the operands swapped it is slower.
         let swapped = ratio_of(&each(&after), &each(&before)).expect("six processes");
         assert!((swapped.middle * gain.middle - 1.0).abs() < 0.01);
         assert_eq!(Claim::Faster.standing(&swapped), Standing::DoesNotHold);
@@ -281,7 +281,7 @@ mod tests {
         one_slow_sample[0] = &[10.0, 500.0, 10.0];
         let ratio = ratio_of(&one_slow_sample, &steady).expect("six processes");
         assert_eq!(ratio.interval, Some([1.0, 1.0]));
-        // Twin: three slow processes of six must not pass for certainty.
+        // Negative control: three slow processes of six must not pass for certainty.
         let mut slow = steady.clone();
         slow[..3].fill(&[500.0, 500.0, 500.0]);
         let ratio = ratio_of(&slow, &steady).expect("six processes");
@@ -294,7 +294,7 @@ mod tests {
         let one = ratio_of(&[many_samples], &[&[10.0; 100]]).expect("a process");
         assert_eq!((one.middle, one.interval, one.processes), (2.0, None, 1));
         assert_eq!(Claim::Faster.standing(&one), Standing::CannotTell);
-        // Twin: five processes of one sample each say more.
+        // Negative control: five processes of one sample each say more.
         let five = ratio_of(&each(&[20.0; 5]), &each(&[10.0; 5])).expect("five processes");
         assert_eq!(Claim::Faster.standing(&five), Standing::Holds);
     }
@@ -321,7 +321,7 @@ mod tests {
         let five = typical_of(&[9.0, 10.0, 11.0, 10.0, 10.5]).expect("times");
         let [low, high] = five.interval.expect("enough");
         assert!(low < five.middle && five.middle < high, "{five:?}");
-        // Twins: too few processes give no interval, and none give nothing.
+        // Negative controls: too few processes give no interval, and none give nothing.
         assert_eq!(typical_of(&[9.0; 4]).and_then(|few| few.interval), None);
         assert_eq!(typical_of(&[]), None);
     }
@@ -347,7 +347,7 @@ mod tests {
         // Control: the median of ratios of the same times is below 1.
         let paired = ratio(other, fastest, METRIC).expect("five processes");
         assert!(paired.middle < 1.0, "{paired:?}");
-        // Twin: swapped operands.
+        // Negative control: swapped operands.
         let swapped = over_typical(fastest, other, METRIC).expect("five processes");
         assert!((swapped.middle * over.middle - 1.0).abs() < 1e-12);
     }
@@ -366,7 +366,7 @@ mod tests {
         let quarter = share_of(&[1.0, 2.0, 3.0, 4.0, 5.0], &[3.0, 6.0, 9.0, 12.0, 15.0]);
         let quarter = quarter.expect("five processes");
         assert_eq!((quarter.middle, quarter.interval), (0.25, Some([0.25; 2])));
-        // Twins: swapped parts, and nothing to share with.
+        // Negative controls: swapped parts, and nothing to share with.
         let swapped = share_of(&[3.0; 5], &[1.0; 5]).expect("five processes");
         assert_eq!(swapped.middle, 0.75);
         assert_eq!(share_of(&[3.0; 5], &[]), None);
@@ -443,7 +443,7 @@ mod tests {
         let found = exponent([1_000.0, 8_000.0], [&few, &many]).expect("costs");
         let [low, high] = found.interval.expect("five processes");
         assert!((found.middle - 1.0).abs() < 1e-9 && low > 0.98 && high < 1.02);
-        // Twins: another growth is another exponent, and no growth gives none.
+        // Negative controls: another growth is another exponent, and no growth gives none.
         let slower = exponent([1_000.0, 64_000.0], [&few, &many]).expect("costs");
         assert!((slower.middle - 0.5).abs() < 1e-9);
         assert_eq!(exponent([1_000.0, 1_000.0], [&few, &many]), None);

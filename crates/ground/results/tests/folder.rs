@@ -148,7 +148,7 @@ fn a_case_that_fails_after_it_was_verified_keeps_one_row() {
             ["filling/c", "ok"]
         ]
     );
-    // Twin: a second row of a case is refused.
+    // Negative control: a second row of a case is refused.
     folder
         .append_case(&plan().cases[2], Status::Ok, "")
         .expect("written");
@@ -168,7 +168,7 @@ fn a_torn_last_row_is_let_pass_and_cut_when_the_run_goes_on() {
     assert_eq!(run.cases[2].outcome, Outcome::Missing);
     RunFolder::resume(place.path(), &environment(), &plan()).expect("there");
     assert_eq!(std::fs::read_to_string(&table).expect("a table"), whole);
-    // Twin: the same row in the middle is an error.
+    // Negative control: the same row in the middle is an error.
     std::fs::write(&table, format!("{whole}filling/c,fill_c\n{whole}")).expect("written");
     assert!(Run::load(place.path()).is_err());
 }

@@ -82,7 +82,7 @@ mod tests {
             said.starts_with("surface/surface.wgsl: entry point ") && said.contains("@invariant"),
             "{said}"
         );
-        // Twin: what does not come by the shared step may vary.
+        // Negative control: what does not come by the shared step may vary.
         let other = "@vertex fn corner() -> @builtin(position) vec4<f32> { return vec4<f32>(); }";
         validate("corner.wgsl", other).expect("nothing to compare with");
     }

@@ -255,7 +255,7 @@ mod tests {
         let found = extremes(&coefficients);
         assert!(found.iter().all(|error| error.abs() < 0.056), "{found:?}");
         assert!(is_best(&coefficients), "{found:?}");
-        // Twins: each coefficient a five-thousandth beside.
+        // Negative controls: each coefficient a five-thousandth beside.
         for i in 0..4 {
             let mut wrong = coefficients.clone();
             wrong[i] += 2e-4;

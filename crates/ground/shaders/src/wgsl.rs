@@ -256,7 +256,7 @@ mod tests {
             bent += usize::from(other != composed);
             validate(source.path, &other).expect("valid both ways");
         }
-        // Twin: what reads no volumes stays.
+        // Negative control: what reads no volumes stays.
         assert!(bent >= 5 && bent < MODULES.len(), "{bent}");
     }
 

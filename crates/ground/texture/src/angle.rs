@@ -415,7 +415,7 @@ mod tests {
         // 1.51e-3 rad were measured of it elsewhere.
         let worst = worst_on_unit(AngleCore::CesiumCubic, 20_000);
         assert!((worst - CESIUM_CUBIC_ERROR).abs() < 1e-6, "{worst:e}");
-        // Twins: a coefficient moved in its third decimal, with and without the end kept.
+        // Negative controls: a coefficient moved in its third decimal, with and without the end kept.
         let [c0, c1, c2] = CESIUM_CUBIC;
         for mutant in [
             [c0 + 1e-3, c1, c2],
@@ -578,7 +578,7 @@ mod tests {
 
     #[test]
     fn without_the_guard_the_origin_has_no_angle() {
-        // Twin of the special values: the same steps without `max(…, 2⁻¹⁰⁰)`.
+        // Negative control of the special values: the same steps without `max(…, 2⁻¹⁰⁰)`.
         let mut b = ProgramBuilder::new();
         let [x, y, z] = b.offset();
         let (longer, shorter) = (b.maximum(x, y), b.minimum(x, y));

@@ -211,7 +211,7 @@ mod tests {
         assert_eq!(findings, SuiteFinding::checked_in());
         assert!(findings.iter().all(SuiteFinding::contradicts));
         assert_eq!(SuiteFinding::table(&findings), CHECKED_IN);
-        // Twin: what was found to hold is no reason to keep away.
+        // Negative control: what was found to hold is no reason to keep away.
         let held = SuiteFinding {
             worst_over_bound: 0.99,
             non_finite: 0,
@@ -242,7 +242,7 @@ mod tests {
         ] {
             assert!(ten.covers(&region(extent, latitude)), "{extent} {latitude}");
         }
-        // Twins: at and beyond the next cells, which were measured themselves.
+        // Negative controls: at and beyond the next cells, which were measured themselves.
         for (extent, latitude) in [(1.0, 45.0), (90.0, 45.0), (10.0, 70.0), (10.0, 0.0)] {
             assert!(
                 !ten.covers(&region(extent, latitude)),

@@ -295,7 +295,7 @@ mod tests {
         assert_eq!((count.add_mul_fma, count.divisions, count.sqrt), (2, 0, 0));
         let text = program.wgsl();
         assert!(!text.contains('/') && !text.contains("sqrt"), "{text}");
-        // Twin: needed, it is there.
+        // Negative control: needed, it is there.
         let mut b = ProgramBuilder::new();
         let [x, _, z] = b.offset();
         let quotient = b.divide(z, x);
@@ -334,7 +334,7 @@ mod tests {
         for found in [exact, lost] {
             assert!((f64::from(found) - bounded.value).abs() <= bounded.bound);
         }
-        // Twin: the product's own rounding left out of the bound would not cover the second.
+        // Negative control: the product's own rounding left out of the bound would not cover the second.
         let without = bounded.bound - half_ulp(1.0);
         assert!((f64::from(lost) - bounded.value).abs() > without);
     }

@@ -275,7 +275,7 @@ mod tests {
             );
             missed += u32::from(measured > crate::SAMPLING_SLACK * sampled_m(route, &region));
         }
-        // Twin: by the samples alone the peak is missed.
+        // Negative control: by the samples alone the peak is missed.
         assert!(missed >= 2, "{missed}");
     }
 

@@ -162,7 +162,7 @@ mod tests {
                     };
                     let eye = body.geodetic_to_ecef(eye_at);
                     let part = visible_part(&body, eye, heights, EVERYWHERE);
-                    // Twin: half as far to every side.
+                    // Negative control: half as far to every side.
                     let half = |edge: f64, middle: f64| 0.5 * (edge + middle);
                     let less = MapExtent {
                         west_rad: half(part.west_rad, 0.2),

@@ -280,7 +280,7 @@ fn barycentric_coordinates_err_by_the_chords_of_meridians_and_parallels() {
     // Ten metres are flat: what is left, a tenth of a millimetre at most, is rounding in f32.
     let small = barycentric.residual(&on_equator(1e-4)).max_rad;
     assert!(small < 1e-11, "{small:e}");
-    // Twin: a gnomonic chart of degree 1 is as flat, fitted, and errs less over the same 4 degrees.
+    // Negative control: a gnomonic chart of degree 1 is as flat, fitted, and errs less over the same 4 degrees.
     let fitted = CoordinateRoute::parse("gnomonic-1").expect("a chart");
     let region = on_equator(4.0);
     assert!(fitted.residual(&region).max_rad < barycentric.residual(&region).max_rad);

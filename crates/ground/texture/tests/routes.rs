@@ -129,7 +129,7 @@ fn the_text_has_the_tables_coefficients_and_no_others() {
             expected.insert(0.0_f32.to_bits());
         }
         assert_eq!(found, expected, "{}", core.name());
-        // Twin: the last bit of one coefficient.
+        // Negative control: the last bit of one coefficient.
         let one = f32::from_bits(*coefficients.iter().next().expect("has some"));
         let mutant = text.replace(&format!("{one:?}f"), &format!("{:?}f", one.next_up()));
         assert_ne!(literals(&mutant), expected, "{}", core.name());
@@ -337,7 +337,7 @@ fn recentred_angles_shrink_with_the_region_and_absolute_ones_do_not() {
         assert!((0.5..2.0).contains(&ratio), "{size}: {recentred}");
         let absolute = measure(route("rat-3-3"), &region, 4096, [0.0; 2]).max_m;
         assert!((0.55..2.8).contains(&absolute), "{size}: {absolute}");
-        // Twin: the one is not the other.
+        // Negative control: the one is not the other.
         assert!(absolute > 5.0 * recentred, "{size}: {absolute} {recentred}");
     }
 }
@@ -544,7 +544,7 @@ fn the_antimeridian_is_no_seam_within_a_region() {
         assert!((at(181.0) - at(-179.0)).abs() < 1e-6, "{name}");
         let rise = (at(181.0) - at(179.0)).to_degrees();
         assert!((rise - 2.0).abs() < 1e-3, "{name}: {rise}");
-        // Twin: anchored at 0 the same two places are a turn apart.
+        // Negative control: anchored at 0 the same two places are a turn apart.
         let extent = MapExtent::from_degrees(-180.0, -10.0, 180.0, 10.0);
         let globe = MapRegion::new(Ellipsoid::WGS84, extent, (0.0, 0.0)).expect("a region");
         let constants = route.constants(&globe);

@@ -372,7 +372,7 @@ pub(crate) mod tests {
         assert_eq!(verdict(&found(&one)), Verdict::Pass);
         let five = frame(&[5, 9, 15, 19, 25], 0);
         assert_ne!(verdict(&found(&five)), Verdict::Pass);
-        // Twin: an id that is near is no rounding of two borders.
+        // Negative control: an id that is near is no rounding of two borders.
         let other = frame(&[5], 2);
         let strict = compare_closely(&reference, &other, |_, _| false, |_, _| true);
         assert_eq!(
@@ -437,7 +437,7 @@ pub(crate) mod tests {
         assert_eq!((found.mismatched_px, found.tiny_regions), (1, 2));
         assert_eq!(found.hausdorff_px, Some(1.0));
         assert!(passes(&reference, &frame) && passes(&frame, &reference));
-        // Twin: where it reaches a pixel farther down.
+        // Negative control: where it reaches a pixel farther down.
         let mut longer = reference.clone();
         longer.ids[5 * 11 + 5] = 6;
         let found = figures(&longer, &frame);
@@ -456,7 +456,7 @@ pub(crate) mod tests {
         assert_eq!(verdict(&found), Verdict::Pass);
         let counted = (found.mismatched_px, found.mismatched_px_outside_band);
         assert_eq!((counted, found.tiny_regions), ((1, 0), 1));
-        // Twins: a reference that is not asked, one that shows another id there, and one elsewhere.
+        // Negative controls: a reference that is not asked, one that shows another id there, and one elsewhere.
         assert!(!passes(&reference, &speck));
         let another_id = |_: usize, id: u32| id == 2;
         let elsewhere = |pixel: usize, _: u32| pixel != place;
@@ -491,7 +491,8 @@ pub(crate) mod tests {
             found.mismatched_px
         );
         assert_eq!(verdict(&found), Verdict::Pass);
-        // Twins: another region's id, where it decides nothing, and where a column of what differs is left.
+        // Negative controls: another region's id, where it decides nothing, and where a column of what
+        // differs is left.
         let found = asked(&|pixel, id| pixel % 40 >= 12 && id == 3);
         assert_ne!(verdict(&found), Verdict::Pass);
         for first in [40, 13] {

@@ -95,7 +95,7 @@ mod tests {
         frame.ids[2 * 8 + 6] = 1;
         frame.ids[3 * 8 + 6] = 1;
         assert_eq!(worst_pixel(&reference, &frame), Ok(Some([6, 2])));
-        // Twin: with the reference as operand of its own nothing is worst, and without a boundary the
+        // Negative control: with the reference as operand of its own nothing is worst, and without a boundary the
         // first one is.
         let empty = picture(&["........"; 4]);
         assert_eq!(worst_pixel(&frame, &frame), Ok(None));

@@ -195,7 +195,7 @@ mod tests {
         assert_eq!(moved(11.0), Some(1.0));
         assert_eq!(moved(17.0), Some(7.0));
         assert_eq!(moved(6.0), Some(4.0));
-        // Twin: an id that the reference shows nowhere.
+        // Negative control: an id that the reference shows nowhere.
         let mut foreign = seen(land(10.0, 0.0));
         foreign.ids[3] = 99;
         assert_eq!(movement_in_picture(&reference, &foreign), Ok(None));
@@ -263,7 +263,7 @@ mod tests {
             assert!(found.mismatched_px >= 3, "{found:?}");
             assert!(found.hausdorff_px.is_some_and(|px| px > 2.0), "{found:?}");
             assert!(verdict_of_moved(&found, 0.5).is_pass(), "{found:?}");
-            // Twins: boundaries that were not moved on purpose, or by a quarter as much.
+            // Negative controls: boundaries that were not moved on purpose, or by a quarter as much.
             assert!(!verdict(&found).is_pass());
             assert!(!verdict_of_moved(&found, 0.125).is_pass());
         }

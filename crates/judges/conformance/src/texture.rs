@@ -390,7 +390,7 @@ mod tests {
         let errors = wrong_at([11, 12]);
         assert!(is_right(&errors), "{errors:?}");
         assert_eq!(errors.silhouette_px, 4 * HEIGHT as u64);
-        // Twin: two pixels further on it is an error, and without the jump it is one everywhere.
+        // Negative control: two pixels further on it is an error, and without the jump it is one everywhere.
         assert!(!is_right(&wrong_at([14, 14])));
         assert!(!is_right(&wrong_at([9, 9])));
         let flat = frame_of(|column, row| {

@@ -232,7 +232,7 @@ mod tests {
                 );
             }
         }
-        // Twin: the formulas of another body are noticed.
+        // Negative control: the formulas of another body are noticed.
         let wide = [[0.0, 10.0], [90.0, 10.0], [180.0, 10.0], [270.0, 10.0]];
         let share = |body: &Ellipsoid| {
             let whole_m2 = body.quadrangle_area_m2(TAU, -FRAC_PI_2, FRAC_PI_2);

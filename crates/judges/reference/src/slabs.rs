@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn an_interval_far_from_the_point_is_left_out() {
-        // Twin: an index that returns everything would pass the test above.
+        // Negative control: an index that returns everything would pass the test above.
         let intervals: Vec<(u32, f64, f64)> = (0..100)
             .map(|i| (i, f64::from(i), f64::from(i) + 0.5))
             .collect();

@@ -292,7 +292,7 @@ mod tests {
             // Nothing lies between: a step back is outside.
             let before = eye + direction * (depth - 1.0);
             assert!((before * DVec3::new(1.0 / a, 1.0 / a, 1.0 / b)).length() > 1.0);
-            // Twins: the sky, what is behind, and what is nearer than allowed.
+            // Negative controls: the sky, what is behind, and what is nearer than allowed.
             assert_eq!(surface.hit(DVec3::new(0.1, 0.0, 1.0), 1.0), None);
             assert_eq!(surface.hit(-direction, 1.0), None);
             assert_eq!(surface.hit(direction, depth + 1.0), None);

@@ -412,7 +412,7 @@ fn rings_through_one_pole_are_as_large_as_their_meshes() {
         let (area, locator) = (mesh_area(&region), locator(&region));
         let error = area_error_in_sigmas(&locator, area);
         assert!(error < SIGMAS, "{ring:?}: {error} σ");
-        // Twin: the other side.
+        // Negative control: the other side.
         let error = area_error_in_sigmas(&locator, 4.0 * PI - area);
         assert!(error > SIGMAS, "{ring:?}: {error} σ");
         println!("{area:.3} of {:.3}", 4.0 * PI);

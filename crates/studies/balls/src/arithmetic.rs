@@ -129,7 +129,7 @@ mod tests {
         let exact = 1_000.0 + 100_000.0 * f64::from(1e-6_f32);
         // What is kept is below half a unit of the sum, 3e-5, and itself rounded to 2⁻²⁴ each time.
         assert!((sum::<Compensated<f32>>() - exact).abs() < 100_000.0 * 3e-5 / 16_777_216.0);
-        // Twin: each addition is below half a unit in the last place and changes nothing.
+        // Negative control: each addition is below half a unit in the last place and changes nothing.
         assert!((sum::<f32>() - exact).abs() > 0.09);
     }
 }

@@ -89,7 +89,7 @@ mod tests {
         for stiffness in [1e3, 1e5] {
             let residual = worst_residual(stiffness, stiffness);
             assert!(residual < 1e-3, "k/m {stiffness}: {residual}");
-            // Twin: it does not obey that of a spring 1 % stiffer.
+            // Negative control: it does not obey that of a spring 1 % stiffer.
             assert!(worst_residual(stiffness, 1.01 * stiffness) > 5e-3);
         }
     }

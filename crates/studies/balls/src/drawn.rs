@@ -308,7 +308,7 @@ mod tests {
             let times = session.sample(at).expect("a time");
             assert!(times.iter().all(|(_, time)| *time >= 0.0), "{times:?}");
         }
-        // Twins: other ground, and a picture of balls that moved on.
+        // Negative controls: other ground, and a picture of balls that moved on.
         let terrain = Terrain::new();
         let first = terrain.balls(500);
         for way in Stepping::ALL {

@@ -220,7 +220,7 @@ mod tests {
             let expected = integrator.order().expect("has one");
             assert!((order - expected).abs() < 0.25, "{integrator:?}: {order}");
         }
-        // Twin: RK4 has order 4 where the force has no kink, and in f32 there is none at all.
+        // Negative control: RK4 has order 4 where the force has no kink, and in f32 there is none at all.
         let flat = order(of(Integrator::Rk4, Some(1e3), Arithmetic::F32));
         assert!(flat < 1.0, "{flat}");
     }
@@ -268,7 +268,7 @@ mod tests {
             rms(Drop { balls: 16, ..drop }, 7_680)
         };
         let double = error(Arithmetic::F64);
-        // Twin: what plain sums lose is far above the tolerance of compensated ones.
+        // Negative control: what plain sums lose is far above the tolerance of compensated ones.
         let plain = error(Arithmetic::F32);
         assert!(plain > 5.0 * double, "{plain} {double}");
         let compensated = error(Arithmetic::CompensatedF32);
@@ -290,7 +290,7 @@ mod tests {
             least.expect("three").0
         };
         assert_eq!(bottom(Arithmetic::F32), 1_920);
-        // Twin: in f64 the finest step is the best.
+        // Negative control: in f64 the finest step is the best.
         assert_eq!(bottom(Arithmetic::F64), 7_680);
     }
 
@@ -311,7 +311,7 @@ mod tests {
             assert!(compensated <= 2e-6, "1/{steps}: {compensated}");
             assert!(double < 1e-10, "1/{steps}: {double}");
         }
-        // Twin: without compensation it is not.
+        // Negative control: without compensation it is not.
         assert!(rms(drop(Arithmetic::F32), 7_680) > 1e-4);
     }
 

@@ -267,7 +267,7 @@ mod tests {
             let state_bytes = std::mem::size_of_val(first.as_slice()) as u64;
             let written = take_all(&mut rewriting).expect("steps");
             assert_eq!(written, u64::from(STEPS / TIMED) * state_bytes, "{way:?}");
-            // Twins: another integrator, and one step fewer.
+            // Negative controls: another integrator, and one step fewer.
             let other = judge(Integrator::VelocityVerlet, &first, &last);
             assert!(other.max_m > 100.0 * ALLOWED_M, "{way:?}: {other:?}");
             let mut fewer = way

@@ -186,7 +186,7 @@ mod tests {
                 }
             }
         }
-        // Twin: some do, and most do not.
+        // Negative control: some do, and most do not.
         assert!(wrong > 20 && wrong < balls.cases.len() / 3, "{wrong}");
     }
 }

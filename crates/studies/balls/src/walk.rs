@@ -252,7 +252,7 @@ mod tests {
         let mut same = ball(10.4, 10.400_01);
         same.follow(&terrain, stepped(10.400_01));
         assert!(!same.has_crossed);
-        // Twin: a step that the device did not take.
+        // Negative control: a step that the device did not take.
         let [_, speed] = ball(10.4, 10.4).follow(&terrain, deep(10.4));
         assert!(speed > ALLOWED_STEP_SPEED);
     }

@@ -198,7 +198,7 @@ mod tests {
         assert!(expected(THIS, &compute));
         assert!(expected(THIS, &case(0, &[("layout", "per-triangle")])));
         assert!(expected(THIS, &case(0, &[("walls", "list")])));
-        // Twins: another adapter, a later release, none named, another view, size and variant.
+        // Negative controls: another adapter, a later release, none named, another view, size and variant.
         for [name, info] in [
             ["NVIDIA H100", THIS.info],
             [THIS.name, "Mesa 25.1.0 (LLVM 15.0.6)"],
@@ -261,7 +261,7 @@ mod tests {
         let (status, reason) = settled(&[place]);
         assert_eq!(status, Status::DriverFault);
         assert!(reason.starts_with("1 px lost by a known fault of llvmpipe: a sliver"));
-        // Twins: a second pixel, another one instead, and none at all.
+        // Negative controls: a second pixel, another one instead, and none at all.
         assert_eq!(settled(&[place, 7]), (Status::Wrong, "2 px".to_owned()));
         assert_eq!(settled(&[7]), (Status::Wrong, "1 px".to_owned()));
         let (status, reason) = settled(&[]);
@@ -335,7 +335,7 @@ mod tests {
         for (name, width_px) in &found {
             assert!(name == "Chile" && *width_px < 4e-4, "{found:?}");
         }
-        // Twin: the pixel beside it.
+        // Negative control: the pixel beside it.
         assert_eq!(slivers([column + 1, row]), []);
     }
 

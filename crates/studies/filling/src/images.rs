@@ -152,7 +152,7 @@ mod tests {
         // The last column of the first part, one row down.
         let middle = 3 * (15 * 490 + 235);
         assert_eq!(pixels[middle..middle + 3], [255, 30, 40]);
-        // Twin: without the pixel there is no such colour.
+        // Negative control: without the pixel there is no such colour.
         let (_, none) = zoomed(size, at, &[&blank]);
         assert!(!none.chunks(3).any(|colour| colour == [255, 30, 40]));
     }

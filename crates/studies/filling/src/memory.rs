@@ -145,7 +145,7 @@ mod tests {
             let (one, many) = (of(1), of(5_000));
             assert_same(one["allocated_vertex_bytes"], 7.0);
             assert_same(one["allocated_index_bytes"], 5.0);
-            // Twin: nothing was allocated for more regions than the scene has.
+            // Negative control: nothing was allocated for more regions than the scene has.
             assert!(!many.contains_key("allocated_vertex_bytes"), "{layout}");
             assert_same(formula_bytes(&many), 5_000.0 * formula_bytes(&one));
             let vertices = 5_000.0 * meshes[0].vertex_count() as f64;
@@ -179,7 +179,7 @@ mod tests {
         let shared = formula_bytes(&one) - own;
         assert_same(shared, 2.0 * 4.0 * meshes[0].vertex_count() as f64);
         assert_same(formula_bytes(&many), 5_000.0 * own + shared);
-        // Twin: were the flags stored with each region, there would be more of them.
+        // Negative control: were the flags stored with each region, there would be more of them.
         assert!(formula_bytes(&many) < 5_000.0 * formula_bytes(&one));
     }
 

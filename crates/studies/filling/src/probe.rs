@@ -304,7 +304,7 @@ mod tests {
             ..TextureErrors::default()
         };
         assert!(is_all_silhouette(&all));
-        // Twins: no pixel at all, one without coordinates, one that is not finite, one compared.
+        // Negative controls: no pixel at all, one without coordinates, one that is not finite, one compared.
         for other in [
             TextureErrors::default(),
             TextureErrors {
@@ -335,7 +335,7 @@ mod tests {
             panic!("skipped");
         };
         assert!(reason.contains("without a picture"));
-        // Twin: what breaks has failed.
+        // Negative control: what breaks has failed.
         let lost = failed(DeviceError::DeviceLost("gone".to_owned()));
         assert!(matches!(lost, Failure::Broken(_)), "{lost:?}");
     }

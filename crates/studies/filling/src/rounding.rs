@@ -199,7 +199,7 @@ mod tests {
                 }
             }
         }
-        // Twin: a bound an eighth as large would have been noticed in every format.
+        // Negative control: a bound an eighth as large would have been noticed in every format.
         assert!(closest.iter().all(|share| *share > 0.125), "{closest:?}");
     }
 

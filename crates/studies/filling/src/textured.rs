@@ -444,7 +444,7 @@ mod tests {
             (pictures.largest, pictures.mean),
             (Some(1), Some(1.0 / 6.0))
         );
-        // Twins: a difference that the third pixel has counts once it is the same region; with none
+        // Negative controls: a difference that the third pixel has counts once it is the same region; with none
         // alike there is no figure, which is not 0.
         let alike = Pictures::new(&[1, 1, 2, 0], &[1, 1, 2, 0], &reference, found.clone(), 2);
         assert_eq!(alike.largest, Some(100));

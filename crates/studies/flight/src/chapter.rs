@@ -225,7 +225,7 @@ mod tests {
             all.map(|finding| finding.standing).collect()
         };
         assert_eq!(standing(&answers), [Standing::Holds; 2]);
-        // Twins: a wrong frame, and a memory that was exceeded.
+        // Negative controls: a wrong frame, and a memory that was exceeded.
         let (_, wrong) = blocks(&made_up(1.0, 9e6));
         assert_eq!(standing(&wrong)[0], Standing::DoesNotHold);
         let (_, full) = blocks(&made_up(0.0, 65e6));

@@ -77,7 +77,7 @@ mod tests {
             assert!((found.height_m / wanted.height_m - 1.0).abs() < 1e-12);
             assert!((found.longitude_rad - wanted.longitude_rad).abs() < 1e-12);
         }
-        // Twin: before it rests it moves, whatever the order in which the scene has its views.
+        // Negative control: before it rests it moves, whatever the order in which the scene has its views.
         assert_ne!(flown[23].pose, flown[24].pose);
         views.reverse();
         assert_eq!(path(&views, 30, 5)[7].pose, flown[7].pose);

@@ -594,7 +594,7 @@ mod tests {
                         assert_eq!(late, 0.0, "{name}");
                         assert_eq!(changed_px, 0.0, "{name}");
                     }
-                    // Twin: what does not wait is late, and shows it.
+                    // Negative control: what does not wait is late, and shows it.
                     Making::AFrame(_) => {
                         assert!(
                             late > 3.0 && changed_px > 0.0,

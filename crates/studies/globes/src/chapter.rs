@@ -318,7 +318,7 @@ mod tests {
         let rows = &table.expect("a table").rows;
         assert_eq!(rows.len(), 3);
         assert_eq!(rows[2].remark, "no such surface");
-        // Twin: with holes nothing is fine enough to be named.
+        // Negative control: with holes nothing is fine enough to be named.
         let (answers, _) = self::blocks(7.0);
         let [Block::Text(text)] = &answers.blocks[..] else {
             panic!("{answers:?}");

@@ -104,7 +104,7 @@ mod tests {
         .map(of);
         assert!(work > 0.0 && (make + upload + draw - of("globe_whole_cpu_ms")).abs() < 1e-9);
         assert!((of("globe_whole_gpu_ms") - 2.0 - make - upload).abs() < 1e-9);
-        // Twin: without the GPU's clock nothing is of it.
+        // Negative control: without the GPU's clock nothing is of it.
         let none = FrameWatch::start().drawn(None);
         assert!(none.iter().all(|(name, _)| !name.contains("gpu")));
     }

@@ -309,7 +309,7 @@ mod tests {
                         .map(|(node, count)| (*node, count[0]))
                         .collect();
                     assert_eq!(rays.against(&fewer), (0, 0));
-                    // Twin: half of a node's pixels are not counted.
+                    // Negative control: half of a node's pixels are not counted.
                     let most = fewer.values_mut().max().expect("nodes");
                     *most /= 2;
                     assert_eq!(rays.against(&fewer).1, 1);

@@ -191,7 +191,7 @@ mod tests {
                 found.lowest_m,
                 of(rows)
             );
-            // Twins: the formula for a grid half as fine, and twice as fine.
+            // Negative controls: the formula for a grid half as fine, and twice as fine.
             assert!(!holds(of(rows / 2)) && !holds(of(rows * 2)), "{view}");
             assert_eq!(found.non_finite, 0);
         }
@@ -223,7 +223,7 @@ mod tests {
                     (found / (closed * off_axis) - 1.0).abs() < 0.03,
                     "{found} {closed}"
                 );
-                // Twin: with other turns.
+                // Negative control: with other turns.
                 let other = expected(Formula::Spiral, 24.0, &eye).px_max.expect("px");
                 assert!((other / (closed * off_axis) - 1.0).abs() > 0.5);
             }
@@ -256,7 +256,7 @@ mod tests {
         assert_eq!((right.uncovered_px, right.extra_px), (0, 0));
         let middle = 32 * 64 + 32;
         assert!(right.shown[middle] && !right.shown[0]);
-        // Twins: a surface with a hole, one that is too large, and a corner that is lost.
+        // Negative controls: a surface with a hole, one that is too large, and a corner that is lost.
         let near = |triangle: &&[u32; 3]| {
             let corners =
                 triangle.map(|v| DVec3::from(frame.vertices_rte[v as usize].map(f64::from)));

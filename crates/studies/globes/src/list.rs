@@ -177,7 +177,7 @@ mod tests {
             assert!(row.quick.iter().all(|value| row.values.contains(value)));
         }
         assert!(list.view.iter().any(|view| view.quick));
-        // Twin: a key that there is not, and a formula that there is not.
+        // Negative control: a key that there is not, and a formula that there is not.
         let wrong = PLAN.replacen("pitch_deg", "pitch", 1);
         assert!(List::parse(&wrong).is_err_and(|error| error.contains("pitch")));
         let wrong = PLAN.replacen("\"uniform\"", "\"uniformly\"", 2);

@@ -277,7 +277,7 @@ mod tests {
             4.0 * hides < 64.0 && hides > 3.0 && rest.is_some(),
             "{hides}"
         );
-        // Twin: with less than four times what the spikes hide they never rest.
+        // Negative control: with less than four times what the spikes hide they never rest.
         assert_eq!(of(1200.0, 8.0).1, None);
     }
 }

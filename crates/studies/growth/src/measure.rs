@@ -100,7 +100,7 @@ mod tests {
         }
         let error = measure(program("no such program", ""));
         assert!(error.is_err_and(|error| error.contains("no such program")));
-        // Twin: two numbers are a measurement, and what a build prints are such.
+        // Negative control: two numbers are a measurement, and what a build prints are such.
         assert_eq!(measure(program("echo", "1000 0.5")), Ok((1000, 0.5)));
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("circle.geojson");

@@ -301,7 +301,7 @@ mod tests {
         let answers = CHAPTER.answers(&run).expect("answers");
         let because = &answers.requirements[2].because;
         assert!(because.starts_with("vertex plain"), "{because}");
-        // Twin: slower, larger, and one frame wrong; geometry shaders are no better.
+        // Negative control: slower, larger, and one frame wrong; geometry shaders are no better.
         let mut made_up = MadeUpRun::default();
         add(&mut made_up, "vertex", "rewrite", 0.9, 200_000.0);
         add(&mut made_up, "native", "rewrite", 1.4, 300_000.0);

@@ -224,7 +224,7 @@ mod tests {
         ] {
             assert_eq!(finding(&right, words).standing, Standing::Holds, "{words}");
         }
-        // Twins.
+        // Negative controls.
         let wrong = made(3.0, 800.0);
         let standing = |words| finding(&wrong, words).standing;
         assert_eq!(standing("same picture"), Standing::DoesNotHold);

@@ -154,7 +154,7 @@ mod tests {
         assert_eq!(offset("origin"), offset_of!(GridConstants, origin));
         assert_eq!(offset("cells"), offset_of!(GridConstants, cells));
         assert_eq!(layout.stride as usize, size_of::<GridConstants>());
-        // Twin: two members lie apart.
+        // Negative control: two members lie apart.
         assert_ne!(offset("row"), offset_of!(GridConstants, height));
     }
 

@@ -229,7 +229,7 @@ mod tests {
         assert!((figures.max_m - 6.0).abs() < 1e-6);
         assert!((figures.rms_m - 6.0 / 2.0_f64.sqrt()).abs() < 1e-6);
         assert!((figures.max_texels - 1e-3).abs() < 1e-9);
-        // Twin: longitude and latitude swapped are far off.
+        // Negative control: longitude and latitude swapped are far off.
         let mut swapped = AngleErrors::default();
         swapped.add([0.25, 0.5], &sample([0.5, 0.25]), [1e-3; 2], false);
         assert!(swapped.figures().expect("finite").max_m > 1e5);
@@ -241,7 +241,7 @@ mod tests {
         let pi = std::f32::consts::PI;
         errors.add([-pi, 0.0], &sample([f64::from(pi), 0.0]), [1e-3; 2], false);
         assert!(errors.figures().expect("finite").max_m < 1.0);
-        // Twin: the same in latitude is not.
+        // Negative control: the same in latitude is not.
         let mut wrong = AngleErrors::default();
         wrong.add([0.0, -pi], &sample([0.0, f64::from(pi)]), [1e-3; 2], false);
         assert!(wrong.figures().expect("finite").max_m > 1e6);
@@ -300,7 +300,7 @@ mod tests {
             (Status::Wrong, None)
         );
         assert_eq!(row(0.9, f64::INFINITY, 0).status, Status::Wrong);
-        // Twin: without a call of the device's own there is no such excuse.
+        // Negative control: without a call of the device's own there is no such excuse.
         let mut bare = bare(1.1, 2.0);
         judge(&mut bare, 0.0);
         assert_eq!(bare.residual_reason, "no reason known");

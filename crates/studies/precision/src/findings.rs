@@ -106,7 +106,7 @@ mod tests {
         let mut unknown = rows.clone();
         unknown[1].put(MAX_OVER_RESIDUAL, f64::NAN);
         assert!(suite_findings(&unknown)[0].worst_over_bound.is_nan());
-        // Twin: where the formula says itself that it is no map, no finding is needed.
+        // Negative control: where the formula says itself that it is no map, no finding is needed.
         let beyond = rows.map(|mut row| {
             row.put(RESIDUAL_MAX_M, f64::INFINITY);
             row

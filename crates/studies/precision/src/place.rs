@@ -207,7 +207,7 @@ mod tests {
         }
         let at_corner = |point: &&Sample| point.angles_rad.iter().all(|a| a.abs() > half - slack);
         assert_eq!(points.iter().filter(at_corner).count(), 8);
-        // Twin: places of a wider region do not.
+        // Negative control: places of a wider region do not.
         let wide = RegionPicture::new(11.0, 45.0, HEIGHTS_M[3]).expect("bounds");
         let beyond = |point: &Sample| point.angles_rad.iter().any(|a| a.abs() > half + slack);
         assert!(wide.points(500).iter().any(beyond));

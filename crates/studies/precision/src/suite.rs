@@ -265,7 +265,7 @@ mod tests {
                 formula.name()
             );
         }
-        // Twin: what was not compiled has no time.
+        // Negative control: what was not compiled has no time.
         let other = CoordinateRoute::parse("planes").expect("a route");
         assert!(kernels.time(&TimedFormula::Coordinate(other)).is_err());
     }
@@ -451,7 +451,7 @@ mod tests {
                 );
             }
         }
-        // Twin: anchored in the middle of a region that goes on beyond the horizon, both are exceeded.
+        // Negative control: anchored in the middle of a region that goes on beyond the horizon, both are exceeded.
         let middle = default_positions(10.0, Middle).expect("a device");
         assert!(
             middle.iter().any(|(_, _, pixels)| *pixels > 0.25),

@@ -402,7 +402,7 @@ mod tests {
         let is_dark = |x: f64, bias_m: f64| map.above(DVec3::new(x, 3.0, 0.0)) > bias_m;
         assert!(is_dark(1.0, 0.2) && is_dark(ends - 0.5, 0.2));
         assert!(!is_dark(ends + 0.5, 0.2) && !is_dark(-1.0, 0.2));
-        // Twin: a bias longer than the plate's shadow loses it.
+        // Negative control: a bias longer than the plate's shadow loses it.
         assert!(!is_dark(ends - 0.5, 60.0));
     }
 

@@ -154,7 +154,7 @@ mod tests {
         let wrong = |chooser| scene.drawn_chosen(chooser).expect("above").wrong.outside();
         assert_eq!(wrong(Chooser::Test(EyeTest::Exact)), 0);
         assert_eq!(wrong(Chooser::All(Rule::Fail)), 0);
-        // Twin: the published test finds the eye in the light.
+        // Negative control: the published test finds the eye in the light.
         assert!(wrong(Chooser::Test(EyeTest::Eye)) > 100);
     }
 }

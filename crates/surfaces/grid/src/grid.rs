@@ -254,7 +254,7 @@ mod tests {
                     assert!(is_within, "{extent:?}: {height} not in {stated:?}");
                     found += 1;
                 } else {
-                    // Twin: elsewhere it is higher or lower.
+                    // Negative control: elsewhere it is higher or lower.
                     missed += usize::from(!is_within);
                 }
             }

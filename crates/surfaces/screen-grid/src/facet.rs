@@ -229,7 +229,7 @@ mod tests {
                         if -place.height_m < 0.9 * body.smallest_curvature_radius_m() {
                             assert!(is_in(&extent, longitude, latitude), "{place:?} {extent:?}");
                         }
-                        // Twin: the corners' own extent does not hold it.
+                        // Negative control: the corners' own extent does not hold it.
                         let beyond = at_corners.iter().all(|corner| corner[1] < latitude);
                         beside += usize::from(beyond);
                     }

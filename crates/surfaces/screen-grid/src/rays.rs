@@ -232,7 +232,7 @@ mod tests {
         eprintln!("1.7 m: f64 {exact:.1e} m, f32-c64 {mixed:.1e} m, f32 {single:.1e} m");
         assert!(exact < 1e-8, "{exact}");
         assert!(mixed < 5e-7, "{mixed}");
-        // Twin.
+        // Negative control.
         assert!(single > 0.05, "{single}");
     }
 

@@ -234,7 +234,7 @@ mod tests {
                 && error.ends_with("allowed: -48547987 m or more"),
             "{error}"
         );
-        // Twins: from nearer, and with cells smaller than the body.
+        // Negative controls: from nearer, and with cells smaller than the body.
         assert_eq!(frame(1, 1.25), Ok(()));
         assert_eq!(frame(80, 20.0), Ok(()));
     }
@@ -276,7 +276,7 @@ mod tests {
                         heights.highest_m >= place.height_m - rounding,
                         "{keys}: {place:?}"
                     );
-                    // Twin: the lowest corner of all is too high.
+                    // Negative control: the lowest corner of all is too high.
                     low_elsewhere += u32::from(place.height_m < -1e-3);
                     points += 1;
                 }

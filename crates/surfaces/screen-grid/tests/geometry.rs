@@ -113,7 +113,7 @@ fn a_globe_over_ten_cells_is_off_by_what_was_computed_and_the_limb_decides() {
     }
     // Four times as many cells make the largest error four times smaller at best: not sixteen.
     assert!(largest[2] < 4.0 * largest[3], "{largest:?}");
-    // Twin: another view has other errors.
+    // Negative control: another view has other errors.
     let nearer = errors_at([15.0, 32.5, 1.161e6, 0.0, -90.0], 800, 10);
     eprintln!("1,161 km, N = 10: {:.3?} px", nearer.px);
     assert!(is_within(nearer.px[2], 0.82, 0.1) && is_within(nearer.px[0], 0.18, 0.1));
@@ -151,7 +151,7 @@ fn below_100_km_the_error_is_quadratic_in_the_cell() {
     let slope = (fine / coarse).ln() / 4_f64.ln();
     eprintln!("slope in N: {slope:.3}");
     assert!((slope + 2.0).abs() < 0.05, "{slope}");
-    // Twin: on the globe the limb bends it.
+    // Negative control: on the globe the limb bends it.
     let [coarse, fine] = [5, 20].map(|n| errors_at(GLOBE, 400, n).ground_m[2]);
     assert!((fine / coarse).ln() / 4_f64.ln() > -1.5);
 }
@@ -205,7 +205,7 @@ fn heights_of_a_view_are_those_inside_its_facets() {
         );
         // Computed on a sphere; a cell of c px at a disc of ρ px: −R c / 4ρ is a third more.
         assert!(is_within(lowest_m, expected_m, 0.05), "{n}: {lowest_m}");
-        // Twin: corners alone lie on the body.
+        // Negative control: corners alone lie on the body.
         let highest = frame.vertices_rte.iter().map(|v| {
             let ecef = glam::DVec3::from(v.map(f64::from)) + camera.eye_ecef;
             scene.body.ecef_to_geodetic(ecef).height_m

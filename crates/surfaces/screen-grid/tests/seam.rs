@@ -201,7 +201,7 @@ fn no_texel_beside_the_seam_is_off_by_half_of_one() {
     // Beside poles triangles are so wide that the wrong one of the two may change less.
     let derivative = found("derivative", |_| Seam::Derivative);
     assert!(derivative > 0.0 && derivative < 0.1, "{derivative}");
-    // Twins: as published, and not at all.
+    // Negative controls: as published, and not at all.
     let published = found("split at 0.7", |_| Seam::Split(0.7));
     let never = found("no split", |_| Seam::Split(2.0));
     assert!(

@@ -146,7 +146,7 @@ mod tests {
             evicted: 1,
         };
         assert_eq!(store.memory(), full);
-        // Twin: where all are in use a further one is neither asked for nor kept.
+        // Negative control: where all are in use a further one is neither asked for nor kept.
         assert!(store.touch(id(2)));
         store.ask(vec![id(10)]);
         assert_eq!(store.next_wanted(), None);

@@ -310,7 +310,7 @@ mod tests {
         let (ids, surface) = pixels_of(&[-2, 1, 2, 2, -1, 1, -3, 1, 700, 1], SIZE, 2).expect("six");
         assert_eq!(ids, [0, 2, 2, 0, 3, 3]);
         assert_eq!(surface, [false, true, true, true, true, true]);
-        // Twins: too few, too many, and a count that is none.
+        // Negative controls: too few, too many, and a count that is none.
         assert_eq!(pixels_of(&[-1, 5], SIZE, 2), None);
         assert_eq!(pixels_of(&[-1, 7], SIZE, 2), None);
         assert_eq!(pixels_of(&[-1, -1, 1, 7], SIZE, 2), None);

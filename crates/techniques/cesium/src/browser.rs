@@ -224,7 +224,7 @@ mod tests {
     fn time_of_descendants_counts_and_sleep_does_not() {
         let busy = "timeout 1 sh -c 'while :; do :; done'; true";
         assert!(spent_ms(busy, true) >= 100);
-        // Twin: processes that sleep.
+        // Negative control: processes that sleep.
         assert!(spent_ms("sleep 1; true", false) < 100);
     }
 

@@ -152,7 +152,7 @@ mod tests {
             let right = matrices(&Pose::new(&own, size), size);
             let apart = apart_px(&own, size, &right);
             assert!(apart < MAX_APART_PX, "{apart}");
-            // Twins: turned by a hundredth of a pixel, a wider angle, and not a number.
+            // Negative controls: turned by a hundredth of a pixel, a wider angle, and not a number.
             let turned = matrices(&Pose::new(&camera(343.6005), size), size);
             assert!(apart_px(&own, size, &turned) > MAX_APART_PX);
             let mut pose = Pose::new(&own, size);

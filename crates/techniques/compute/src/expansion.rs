@@ -305,10 +305,10 @@ mod tests {
         assert!(writes(&without).iter().all(|&count| count == 1));
         let triangles: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
         assert_eq!(whole - without.output_bytes(), 12 * triangles as u64);
-        // Twin: a bottom that nothing made room for is noticed.
+        // Negative control: a bottom that nothing made room for is noticed.
         without.work[0].kind &= !WITHOUT_BOTTOM;
         assert!(writes(&without).iter().any(|&count| count > 1));
-        // Twin: a workgroup less is noticed.
+        // Negative control: a workgroup less is noticed.
         plan.work.pop();
         assert!(writes(&plan).contains(&0));
     }

@@ -165,7 +165,7 @@ mod tests {
             switches: changed.switches,
         };
         assert_eq!(ComputeVariant::of(&changed), Ok(expected));
-        // Twin: what another technique was asked for is none of this one's.
+        // Negative control: what another technique was asked for is none of this one's.
         let other = Variant::new("other", &[], Overlap::Disjoint);
         assert!(ComputeVariant::of(&other).is_err());
     }

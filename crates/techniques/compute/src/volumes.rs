@@ -649,7 +649,7 @@ mod tests {
         assert!(error.to_string().contains("expanded volumes"), "{error}");
         let error = backend.render(&empty).expect_err("no longer prepared");
         assert!(matches!(error, DeviceError::NotPrepared { .. }), "{error}");
-        // Twin: what fits can be prepared again.
+        // Negative control: what fits can be prepared again.
         backend.prepare(&empty).expect("as before");
         backend.render(&empty).expect("prepared");
     }

@@ -175,7 +175,7 @@ fn an_eye_inside_a_volume_sees_the_region() {
     assert_eq!(input.plan.regions[0].near_rectangle, NearRectangle::Within);
     let reference = reference(&input);
     assert!(reference.filled_px() > 100);
-    // Twin: counting in front of the surface is wrong where the near plane has cut faces off.
+    // Negative control: counting in front of the surface is wrong where the near plane has cut faces off.
     for (depth_rule, right) in [
         (DepthRuleChoice::Fail, true),
         (DepthRuleChoice::Automatic, true),
@@ -304,7 +304,7 @@ fn bytes_by_formula_are_allocated_and_a_steady_frame_uploads_nothing() {
             (0, 0)
         );
         assert_eq!(first.ids, steady.ids);
-        // Twin: another view writes its constants.
+        // Negative control: another view writes its constants.
         backend.prepare(&other).expect("fits");
         let counters = backend.render(&other).expect("draws").counters;
         assert_eq!(counters.map(|counters| counters.uploads), Some(1));

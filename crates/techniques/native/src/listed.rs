@@ -214,7 +214,7 @@ mod tests {
         );
         assert_eq!(drawn(&[1]), [(caps, 1), (walls, 1)]);
         assert_eq!(commands.len(), 6);
-        // Twin: volumes that no step draws together have none.
+        // Negative control: volumes that no step draws together have none.
         assert!(!listed.contains_key(&(vec![0, 1], false)));
     }
 }

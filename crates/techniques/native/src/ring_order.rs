@@ -206,7 +206,7 @@ mod tests {
             assert_eq!(wrong_walls(&outer, &order.triangles), (0, 0), "{count}");
             assert_eq!(walls_with_other_diagonal(&mesh), 0, "{count}");
         }
-        // Twins: numbers as they were, and triangles as they were.
+        // Negative controls: numbers as they were, and triangles as they were.
         let mesh = annulus(11);
         let outer: Vec<_> = mesh.boundary_loops.iter().flat_map(|r| edges(r)).collect();
         assert!(wrong_walls(&outer, &mesh.triangles).0 > 0);
@@ -250,7 +250,7 @@ mod tests {
         assert_eq!(order.vertices[..2], [y, z]);
         let outer = stored_edges(&mesh, &order);
         assert_eq!(wrong_walls(&outer, &order.triangles), (0, 0));
-        // Twin: as numbered at first.
+        // Negative control: as numbered at first.
         let outer = stored_edges(&mesh, &first);
         assert_eq!(wrong_walls(&outer, &first.triangles), (1, 0));
     }

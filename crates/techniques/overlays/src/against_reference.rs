@@ -109,7 +109,7 @@ fn a_flat_mesh_is_off_by_no_more_than_its_height_is_seen() {
         let at_top = moved_px(&reference, &draw(&FLAT_MESH, &input, "top"));
         assert!(at_top <= allowed_px, "{scene}: {at_top} of {allowed_px}");
     }
-    // Twins: terrain stands out of a mesh at the ellipsoid, and hides it where it is below.
+    // Negative controls: terrain stands out of a mesh at the ellipsoid, and hides it where it is below.
     let input = seen("hills", "top-down");
     let reference = reference(&input);
     let wrong = |height| figures(&reference, &draw(&FLAT_MESH, &input, height)).mismatched_px;
@@ -140,7 +140,7 @@ fn a_draped_mesh_follows_the_terrain() {
             assert!(follows_the_terrain(&draped), "{scene}/{view}: {draped:?}");
         }
     }
-    // Twin: at the surface's own depth the two fight.
+    // Negative control: at the surface's own depth the two fight.
     let input = seen("hills", "horizon");
     let reference = reference(&input);
     let fighting = figures(&reference, &draw(&DRAPED_MESH, &input, "0"));
@@ -188,7 +188,7 @@ fn a_mask_is_off_by_no_more_than_half_a_texel() {
             let (found, allowed) = (off_px(size), allowed_px(texels));
             assert!(found <= allowed, "{scene}, {size}: {found} of {allowed}");
         }
-        // Twin: an eighth of the texels is not within the bound of all.
+        // Negative control: an eighth of the texels is not within the bound of all.
         let coarse = off_px("1024");
         assert!(
             scene == "california" || coarse > allowed_px(8192.0),
@@ -223,7 +223,7 @@ fn a_steady_frame_uploads_nothing_and_pictures_leave_no_trace() {
         ];
         assert_eq!(done, [0; 3], "{name}");
         assert_eq!(first.ids, steady.ids, "{name}");
-        // Twin: another view writes something.
+        // Negative control: another view writes something.
         backend.prepare(&other).expect("fits");
         let counters = backend.render(&other).expect("draws").counters;
         assert!(
@@ -265,7 +265,7 @@ fn regions_at_the_antimeridian_and_a_pole_are_in_the_mask() {
         let off_px = |size: &str| moved_px(&reference, &draw(&MASK_TEXTURE, &input, size));
         let found = off_px("8192");
         assert!(found <= PICTURE_PX, "{longitude}: {found}");
-        // Twin: without the region nothing is near.
+        // Negative control: without the region nothing is near.
         let mut empty = reference.clone();
         empty.ids.fill(0);
         assert!(moved_px(&reference, &empty) > PICTURE_PX);

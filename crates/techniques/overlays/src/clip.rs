@@ -222,7 +222,7 @@ mod tests {
             let expected = 4.0 * (4.0 - x.clamp(0.0, 4.0));
             assert!((area(&right) - expected).abs() < 1e-12, "{x}");
         }
-        // Twin: turned by a hair, the two are another whole.
+        // Negative control: turned by a hair, the two are another whole.
         let tilted = DVec3::new(1.0, 1e-3, 0.0).normalize();
         let right = cut_by_plane(&SQUARE, &plane(2.0, DVec3::X));
         let left = cut_by_plane(&SQUARE, &plane(2.0, -tilted));

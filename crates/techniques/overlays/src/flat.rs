@@ -269,7 +269,7 @@ mod tests {
         assert_eq!((five.vertex_bytes, five.index_bytes), (72, 30));
         assert_eq!(six.vertex_bytes - five.vertex_bytes, 12);
         assert_eq!(six.index_bytes - five.index_bytes, 6);
-        // Twin: beyond 16 bits indices are twice as long.
+        // Negative control: beyond 16 bits indices are twice as long.
         assert_eq!(many.index_bytes, 65_536 * 12);
     }
 }

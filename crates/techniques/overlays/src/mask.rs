@@ -535,7 +535,7 @@ mod tests {
             .collect();
         assert_eq!(shader, rust);
         assert_eq!(layout.stride as usize, size_of::<MaskConstants>());
-        // Twin: two that are exchanged are noticed.
+        // Negative control: two that are exchanged are noticed.
         let mut exchanged = rust;
         exchanged.swap(4, 5);
         assert_ne!(shader, exchanged);
@@ -557,7 +557,7 @@ mod tests {
         assert!(plain.west < -30.0 && plain.west > -31.0 && plain.east > 40.0);
         assert_eq!(plain.texels(1000)[0], 1000);
         assert_eq!(plain.texels(1000)[1], 430);
-        // Twin: one that crosses the antimeridian.
+        // Negative control: one that crosses the antimeridian.
         let round = around(&[extent(-30.0, -10.0), extent(170.0, -175.0)]);
         assert_eq!((round.west, round.east), (-180.0, 180.0));
         assert!(Rectangle::around(&[]).is_none());
@@ -578,7 +578,7 @@ mod tests {
         // Where it is, and a turn to the west.
         assert_eq!(corners.len(), 6);
         assert!(corners.iter().all(|corner| corner.id == 7));
-        // Twin: one that does not cross stands there once.
+        // Negative control: one that does not cross stands there once.
         let mut corners = Vec::new();
         push(
             &mut corners,
@@ -597,7 +597,7 @@ mod tests {
                 - (t[2][0] - t[0][0]) * (t[1][1] - t[0][1]))
         };
         assert_eq!(wedge.iter().map(area).sum::<f64>(), 30.0 * 30.0);
-        // Twin: without a corner there it goes round.
+        // Negative control: without a corner there it goes round.
         assert_eq!(unrolled([[0.0, 80.0], [120.0, 80.0], [-120.0, 80.0]]), None);
     }
 }

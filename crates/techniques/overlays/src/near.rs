@@ -75,7 +75,7 @@ mod tests {
             assert!(!one_by_one.is_empty());
             assert_eq!(boxes.near(&wanted), one_by_one);
         }
-        // Twin: what is far off finds nothing.
+        // Negative control: what is far off finds nothing.
         assert!(boxes.near(&cube(1e6, 0.0, 1.0)).is_empty());
     }
 

@@ -198,7 +198,7 @@ mod tests {
                 let main = technique.main(overlap);
                 assert_eq!(technique.check(&main, overlap), Ok(()));
                 assert!(technique.is_approximate(&main));
-                // Twins: a switch, and a variant of another technique.
+                // Negative controls: a switch, and a variant of another technique.
                 let scissor = main.with_switches(|switches| switches.scissor ^= true);
                 assert!(technique.check(&scissor, overlap).is_err());
                 let other = Variant::new("other", technique.parameters(), overlap);

@@ -199,7 +199,7 @@ mod tests {
             let ordered = cache_ordered(&triangles, vertices);
             assert_eq!(sorted(&ordered), sorted(&triangles));
         }
-        // Twin: a triangle turned over would be noticed.
+        // Negative control: a triangle turned over would be noticed.
         assert_ne!(sorted(&[[0, 1, 2]]), sorted(&[[0, 2, 1]]));
     }
 

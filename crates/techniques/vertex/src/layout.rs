@@ -600,7 +600,8 @@ mod tests {
                 );
                 assert_eq!(kept.regions.len(), 6);
             }
-            // Twin: what is laid out wrong stands as it is, until it is asked for otherwise or of another scene.
+            // Negative control: what is laid out wrong stands as it is, until it is asked for otherwise or of
+            // another scene.
             let same = all.with_geometry_of(|mesh| [0, 1, 5].contains(&mesh));
             let anew = SceneGeometry::build(&variant, &same, |_| true);
             let mut wrong = LaidOutMeshes::default();
@@ -677,7 +678,7 @@ mod tests {
             assert!(corner <= next, "{corner} after {next}");
             next = next.max(corner + 1);
         }
-        // Twin: as the mesher left them they are in no such order.
+        // Negative control: as the mesher left them they are in no such order.
         assert!(mesh.triangles[0].iter().any(|&corner| corner > 2));
         let places = |mesh: &RegionMesh| -> Vec<DVec3> {
             let loops = mesh.boundary_loops.iter().flatten();
@@ -701,7 +702,7 @@ mod tests {
             let geometry = SceneGeometry::build(&variant, meshes, |_| true);
             let short = &geometry.indices.short;
             assert!(is_closed(short), "{variant:?}");
-            // Twin: without its last triangle it is open.
+            // Negative control: without its last triangle it is open.
             assert!(!is_closed(&short[..short.len() - 3]));
         }
     }
@@ -734,7 +735,7 @@ mod tests {
         for (first, second) in first.chunks_exact(3).zip(second.chunks_exact(3)) {
             assert_eq!([second[0], second[2], second[1]], *first);
         }
-        // Twin: those on the boundary are none of them.
+        // Negative control: those on the boundary are none of them.
         let outer = &walls[..walls.len() - 2 * turned];
         let again = |corners: &[u16]| first.chunks_exact(3).any(|inner| inner == corners);
         assert_eq!(outer.len(), 3 * 18);
@@ -780,7 +781,7 @@ mod tests {
     fn the_2007_documents_arithmetic() {
         assert_eq!(shared_mesh_bytes(1_056, 24, 3_321, 2), 31_986);
         assert_eq!(per_triangle_volume_bytes(1_056, 24, 3_321 / 3, 2), 90_540);
-        // Twins: another vertex size or index width does not reproduce the document.
+        // Negative controls: another vertex size or index width does not reproduce the document.
         assert_ne!(shared_mesh_bytes(1_056, 20, 3_321, 2), 31_986);
         assert_ne!(per_triangle_volume_bytes(1_056, 24, 3_321 / 3, 4), 90_540);
     }
@@ -854,7 +855,7 @@ mod tests {
             let wanted =
                 terrafill_core::Ellipsoid::WGS84.geodetic_surface_normal(longitude, latitude);
             assert!(found.distance(wanted) < 1e-7, "{found} {wanted}");
-            // Twin: the direction from the centre is farther off than rounding.
+            // Negative control: the direction from the centre is farther off than rounding.
             assert!(found.distance(mesh.vertices_ecef[0].normalize()) > 1e-4);
         }
     }
@@ -879,7 +880,7 @@ mod tests {
         assert!((36.5..37.5).contains(&found), "{found}");
         assert!(centric_shift_m(&at(&earth, 0.0), 11_000.0) < 1e-6);
         assert!(centric_shift_m(&at(&earth, 45.0), 0.0) < 1e-9);
-        // Twin: a body that is more oblate is off by more.
+        // Negative control: a body that is more oblate is off by more.
         let saturn = centric_shift_m(&at(&Ellipsoid::SATURN_LIKE, 45.0), -11_000.0);
         assert!(saturn > 20.0 * found, "{saturn}");
     }
@@ -914,7 +915,7 @@ mod tests {
             (DVec3::new(x + u, y + v, z + w) - ecef).length()
         };
         assert!(error(PositionFormat::TwoFloat) < 1e-7);
-        // Twin: one float is off by decimetres, and so would two be whose second is lost.
+        // Negative control: one float is off by decimetres, and so would two be whose second is lost.
         assert!(error(PositionFormat::EcefF32) > 1e-3);
     }
 }

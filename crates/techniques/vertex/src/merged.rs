@@ -426,7 +426,7 @@ mod tests {
         let parts = merged.top_caps + merged.bottom_caps + merged.walls;
         assert_eq!(parts, merged.indices.len());
         assert_eq!(merged.top_caps, merged.bottom_caps);
-        // Twin: volumes that no step draws together have no ranges.
+        // Negative control: volumes that no step draws together have no ranges.
         assert!(!merged.ranges.contains_key(&[0, 1, 2][..]));
     }
 
@@ -464,7 +464,7 @@ mod tests {
         let geometry = SceneGeometry::build(&variant, &meshes, |_| true);
         let words: Vec<i32> = geometry.vertices.chunks(4).map(|v| v[3]).collect();
         assert_eq!(words, [[0, 1].repeat(3), [2, 3].repeat(4)].concat());
-        // Twin: drawn one by one, vertices are the same for whichever mesh.
+        // Negative control: drawn one by one, vertices are the same for whichever mesh.
         let each = SceneGeometry::build(&VertexVariant::default(), &meshes, |_| true);
         let words: Vec<i32> = each.vertices.chunks(4).map(|v| v[3]).collect();
         assert_eq!(words, [0, 1].repeat(7));

@@ -176,7 +176,7 @@ mod tests {
                 assert_eq!(drawn, wanted.collect(), "{variant:?}");
             }
         }
-        // Twin: in the mesh's own order the same ranges hold other facets.
+        // Negative control: in the mesh's own order the same ranges hold other facets.
         let plain = VertexVariant::default();
         let geometry = SceneGeometry::build(&plain, std::slice::from_ref(&mesh), |_| true);
         let range = order.caps[1].start as usize..order.caps[1].end as usize;

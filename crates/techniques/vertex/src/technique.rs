@@ -331,7 +331,7 @@ mod tests {
         }
         let faint = VertexVariant::of(&plain.with("opacity", "40"));
         assert_eq!(faint.map(|variant| variant.opacity_percent), Ok(40));
-        // Twin: what another technique was asked for is none of this one's.
+        // Negative control: what another technique was asked for is none of this one's.
         let other = Variant::new("other", &[], Overlap::Disjoint);
         assert!(VertexVariant::of(&other).is_err());
     }

@@ -518,7 +518,7 @@ mod tests {
                 error.to_string().contains(&format!("{key}={value}")),
                 "{error}"
             );
-            // Twin: drawn one by one it is allowed.
+            // Negative control: drawn one by one it is allowed.
             let each = wrong.with_switches(|switches| switches.merges_draws = false);
             assert_eq!(check(&each), Ok(()));
         }

@@ -104,7 +104,7 @@ fn the_device_subtracts_in_the_order_that_survives() {
         .iter()
         .map(|vertex| two_float_difference_m(*vertex, eye));
     assert!(found.iter().copied().eq(on_processor));
-    // Twin: the other order, on purpose, is off by decimetres, whatever the distance.
+    // Negative control: the other order, on purpose, is off by decimetres, whatever the distance.
     let wrong = right.replace(RIGHT, REASSOCIATED);
     let found = differences(&wrong, &vertices, eye).expect("the same device");
     let error_m = found

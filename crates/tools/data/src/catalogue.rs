@@ -421,7 +421,7 @@ mod tests {
     fn every_file_that_a_scene_reads_is_in_the_catalogue_with_its_path_and_hash() {
         let mut catalogue = Catalogue::shipped().expect("the catalogue");
         assert_eq!(unknown_files(&catalogue), [""; 0]);
-        // Twins: a set's hash, a made file's path and a missing file.
+        // Negative controls: a set's hash, a made file's path and a missing file.
         catalogue.sets[0].sha256 = "0".repeat(64);
         assert_eq!(unknown_files(&catalogue).len(), 3);
         catalogue.sets[2].made[0].file = "elsewhere".to_owned();

@@ -116,7 +116,7 @@ mod tests {
             assert_eq!(text.len() as u64, made.bytes, "{}", made.file);
             assert_eq!(sha256_hex(text.as_bytes()), made.sha256, "{}", made.file);
         }
-        // Twin: another grid gives other bytes.
+        // Negative control: another grid gives other bytes.
         let moved = String::from_utf8(source).expect("UTF-8");
         let other = moved.replacen("-179.1473399999999", "-179.1473", 2);
         assert_ne!(other, moved);

@@ -127,7 +127,7 @@ mod tests {
         first.append(b"ab").expect("writable");
         let error = PartialFile::open(&target).expect_err("taken").to_string();
         assert!(error.ends_with("another process is fetching it"), "{error}");
-        // Twin: after it has ended the next one goes on.
+        // Negative control: after it has ended the next one goes on.
         drop(first);
         let mut second = PartialFile::open(&target).expect("free");
         assert_eq!(second.bytes(), 2);

@@ -46,7 +46,7 @@ mod tests {
         assert!(free > 0);
         assert!(check_room(&below, 1).is_ok());
         assert!(free_bytes(Path::new("not-yet")).is_some(), "a relative one");
-        // Twin: no disk has an exbibyte.
+        // Negative control: no disk has an exbibyte.
         let error = check_room(&below, 1 << 60)
             .expect_err("refused")
             .to_string();

@@ -286,7 +286,7 @@ fn a_set_that_the_disk_has_no_room_for_is_refused_before_its_transfer() {
     let needed = "bytes free on its disk, needs 1152921504606846976 bytes; nothing was fetched";
     assert!(error.ends_with(needed), "{error}");
     assert_eq!((server.asked().len(), desk.names()), (0, Vec::new()));
-    // Twin: with room for it, it is fetched.
+    // Negative control: with room for it, it is fetched.
     desk.catalogue.sets[0].bytes = bytes;
     desk.get(&server).expect("fetched");
     assert!(desk.has_it());
@@ -308,7 +308,7 @@ fn a_disk_that_is_full_is_named() {
     let expected = format!("{}: cannot be written: ", part.display());
     assert!(error.starts_with(&expected), "{error}");
     assert_eq!(desk.names(), [""; 0]);
-    // Twin: with room it is fetched.
+    // Negative control: with room it is fetched.
     desk.get(&server).expect("fetched");
     assert!(desk.has_it());
 }
@@ -374,7 +374,7 @@ fn what_is_made_of_a_set_is_made_with_it_and_again_where_it_was_lost() {
     desk.get(&server).expect("made again");
     assert_eq!(read().expect("made"), STATES);
     assert_eq!(server.asked().len(), 1, "nothing was fetched again");
-    // Twins: what is made otherwise than the catalogue says, and what cannot be made, are not written.
+    // Negative controls: what is made otherwise than the catalogue says, and what cannot be made, are not written.
     let desk = topology(&STATES.replace("35.0", "35"));
     let error = desk.refused(&server);
     let found = format!(

@@ -226,7 +226,7 @@ mod tests {
         assert!(apply(std::slice::from_ref(&blessing), &mut findings, None).is_empty());
         assert_eq!(findings[0].blessed.as_deref(), Some("two caps are drawn"));
         assert_eq!(verdict(&findings, 1), Verdict::Pass);
-        // Twins: other values, the same ones the other way round, another case, nothing.
+        // Negative controls: other values, the same ones the other way round, another case, nothing.
         for (from, to) in [("3", "7"), ("6", "3")] {
             let mut findings = [finding(Gate::Counters, from, to, None)];
             let idle = apply(std::slice::from_ref(&blessing), &mut findings, None);

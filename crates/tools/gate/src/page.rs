@@ -290,7 +290,7 @@ mod tests {
             "| `a/globe/29` | frame | 10.000 ms → 10.145 ms | +1.5 % | stencil +0.200 ms |"
         );
         assert!(rows.iter().all(|row| !row.contains("setup")), "{page}");
-        // Twin: without times there is no such table.
+        // Negative control: without times there is no such table.
         assert!(!markdown(&report(Vec::new())).contains("Largest changes"));
     }
 

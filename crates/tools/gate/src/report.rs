@@ -371,7 +371,7 @@ mod tests {
         assert_eq!(verdict(&findings, 3), Verdict::Inconclusive);
         advise(&mut findings);
         assert_eq!(verdict(&findings, 3), Verdict::Pass);
-        // Twin: advice alone is nothing measured.
+        // Negative control: advice alone is nothing measured.
         assert_eq!(verdict(&findings, 0), Verdict::NothingMeasured);
     }
 

@@ -222,7 +222,7 @@ mod tests {
         assert!(tail(13) <= 0.025 && tail(14) > 0.025);
         // Kendall: one of 4! orders is complete in each direction.
         assert!((nulls.order(&numbers(1..=4)) - 2.0 / 24.0).abs() < 1e-12);
-        // Twin: mixed values are no difference and no trend.
+        // Negative control: mixed values are no difference and no trend.
         assert!(nulls.groups(&[1.0, 4.0, 5.0, 8.0], &[2.0, 3.0, 6.0, 7.0]) > 0.9);
         assert!(nulls.order(&[2.0, 1.0, 4.0, 3.0, 2.5]) > 0.3);
     }
@@ -246,7 +246,7 @@ mod tests {
         assert_eq!((middle, interval), (10.0, Some([7.0, 13.0])));
         let (swapped, interval) = difference(&b, &a).expect("values");
         assert_eq!((swapped, interval), (-10.0, Some([-13.0, -7.0])));
-        // Twins: three say too little, and none nothing.
+        // Negative controls: three say too little, and none nothing.
         assert_eq!(difference(&a[..3], &b).map(|(_, i)| i), Some(None));
         assert_eq!(difference(&[], &b), None);
     }
@@ -289,7 +289,7 @@ mod tests {
             0.5719, 0.6528, 0.7590, 1.0,
         ];
         assert_eq!(discovered(&p, 0.05), Some(p[3]));
-        // Twins: a rate of nothing, and no tests.
+        // Negative controls: a rate of nothing, and no tests.
         assert_eq!(discovered(&p, 1e-6), None);
         assert_eq!(discovered(&[], 0.1), None);
     }

@@ -85,7 +85,7 @@ mod tests {
             "graphics 345–1755 MHz at the start and 1980 at the end of 2 processes, 1980 at most";
         let memory = "memory 3201 MHz at the start and – at the end of one process";
         assert_eq!(sentence(&rows), Some(format!("{graphics}; {memory}")));
-        // Twins: nothing known has its reason once, and nothing tried says nothing.
+        // Negative controls: nothing known has its reason once, and nothing tried says nothing.
         for row in &mut rows {
             (row.mhz, row.reason) = (None, "no nvidia-smi".to_owned());
         }

@@ -88,7 +88,7 @@ mod tests {
         let finding =
             "| a\\|b c | 2.00 × |\n\n- Strips made no \\<difference\\>. 1.02 ×: **undecided**";
         assert!(text.contains(finding), "{text}");
-        // Twin: a chapter without either is not mentioned.
+        // Negative control: a chapter without either is not mentioned.
         let mut text = String::new();
         chapter(&mut text, "Filling", &[table(false, "hidden")]);
         assert_eq!(text, "");

@@ -593,7 +593,7 @@ mod tests {
         let (drawing, csv) = without_metadata(svg);
         assert_eq!(drawing, "<svg a><g/></svg>");
         assert_eq!(csv.as_deref(), Some("name\n<a> &amp; \"b\"\n"));
-        // Twin: a drawing without figures stays.
+        // Negative control: a drawing without figures stays.
         assert_eq!(without_metadata("<svg/>"), ("<svg/>".to_owned(), None));
     }
 

@@ -239,7 +239,7 @@ fn every_case_is_counted_and_what_is_missing_or_wrong_is_named() {
     assert_eq!(found.result["exit_code"], 1);
     assert_eq!(found.result["missing"][0], "filling/native/gs-adjacency");
     assert_eq!(found.result["counts"]["failed"], 1);
-    // Twin: a run of the right case alone is good.
+    // Negative control: a run of the right case alone is good.
     let mut good = mixed_run();
     good.cases.truncate(1);
     let good = report(&good);
@@ -290,7 +290,7 @@ fn a_known_driver_fault_is_counted_apart_and_neither_right_nor_a_defect() {
         row.contains("<td class=\"status\">driver-fault</td>"),
         "{row}"
     );
-    // Twins: by itself it makes no good run, and a wrong case is a bad one.
+    // Negative controls: by itself it makes no good run, and a wrong case is a bad one.
     run.cases.remove(0);
     assert_eq!(report(&run).written.verdict, Verdict::Nothing);
     run.cases[0].row = Some((Status::Wrong, "2 px".to_owned()));
@@ -312,7 +312,7 @@ fn what_was_not_measured_is_a_dash_with_a_reason() {
     let dash = "<td class=\"absent\" title=\"the device was lost\">–<sup>";
     assert!(failed.contains(dash), "{failed}");
     assert!(html.contains("<li>the device was lost</li>"), "for print");
-    // Twin: a measured zero is a zero.
+    // Negative control: a measured zero is a zero.
     let mut zero = run();
     zero.case(id("a")).timed(TIME, &[0.0]);
     assert!(row_of(&report(&zero).html, "a").contains("<td>0</td>"));
@@ -395,7 +395,7 @@ fn pictures_are_carried_along_the_same_ones_once_and_broken_ones_named() {
         assert!(report.contains("the same for 2 cases"));
         assert!(report.contains("Pictures that could not be shown: images/gone.png"));
     }
-    // Twins: another picture is not the same, and the check for addresses sees one.
+    // Negative controls: another picture is not the same, and the check for addresses sees one.
     picture(folder.path(), "b.png", 8);
     assert!(!report_in(folder.path()).html.contains("the same for"));
     assert_eq!(loads("<img src=\"images/a.png\">"), ["images/a.png"]);
@@ -431,7 +431,7 @@ fn noise_clock_and_replicates_are_said() {
     );
     let factor = noisy.result["noise"][0]["max_factor"].as_f64();
     assert!((factor.expect("a factor") - 1.2).abs() < 1e-12);
-    // Twins: no noise, and none that is known.
+    // Negative controls: no noise, and none that is known.
     assert!(timed(&[10.0, 11.0]).html.contains("by up to 0 %"));
     let mut alone = run();
     alone.case(id("a")).timed(TIME, &[10.0]);
@@ -562,7 +562,7 @@ fn the_first_page_answers_and_what_is_required_is_met_or_not() {
     assert!(found.index.contains("By another clock."));
     // What fills pages is not on the first one.
     assert!(!found.index.contains("A plot.") && found.html.contains("A plot."));
-    // Twin: a run of the right case alone meets it.
+    // Negative control: a run of the right case alone meets it.
     let mut good = mixed_run();
     good.cases.truncate(1);
     let good = report(&good);
@@ -605,7 +605,7 @@ fn many_names_have_a_page_of_their_own() {
             .index
             .contains("40 missing cases: <a href=\"pages/cases.html\">")
     );
-    // Twin: a few stay.
+    // Negative control: a few stay.
     run.cases.truncate(9);
     assert!(report(&run).index.contains("<li>filling/case-7</li>"));
 }

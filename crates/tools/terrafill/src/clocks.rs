@@ -294,7 +294,7 @@ mod tests {
                 reading("memory", 3_201.0, None),
             ])
         );
-        // Twins: another GPU, two of one name, and clocks that it does not say.
+        // Negative controls: another GPU, two of one name, and clocks that it does not say.
         let twice = format!("{printed}{printed}");
         let silent = "NVIDIA H200, [N/A], [N/A], [N/A], [N/A]\n";
         for (printed, name, why) in [
@@ -335,7 +335,7 @@ mod tests {
                 reading("memory", 19.0, Some(96.0)),
             ])
         );
-        // Twins: another card, and a table without a star.
+        // Negative controls: another card, and a table without a star.
         let other = device("discrete-gpu", AMD, 0x73bf);
         let reason = read(Some(&other), desk.path()).expect_err("another card");
         assert!(reason.ends_with("0 cards are 0x1002:0x73bf"), "{reason}");
@@ -358,7 +358,7 @@ mod tests {
                 read(Some(&wanted), desk.path()),
                 Ok(vec![reading("graphics", 600.0, Some(2_400.0))])
             );
-            // Twin: no number is no clock.
+            // Negative control: no number is no clock.
             std::fs::write(desk.path().join(&now), "fast").expect("writable");
             let reason = read(Some(&wanted), desk.path()).expect_err("no number");
             assert!(reason.contains("no gt_cur_freq_mhz"), "{reason}");
@@ -390,7 +390,7 @@ mod tests {
                 reading("fastest core", 3_400.0, Some(4_900.0)),
             ])
         );
-        // Twins: no cpufreq, no folder, no device, another vendor.
+        // Negative controls: no cpufreq, no folder, no device, another vendor.
         let none = sys(&[("devices/system/cpu/cpu0/topology/core_id", "0\n")]);
         let empty = sys(&[]);
         let unknown = device("discrete-gpu", 0x1414, 0);

@@ -209,7 +209,7 @@ mod tests {
             let sag_m = body.equatorial_radius_m() * half_cell_rad.powi(2);
             assert!(sag_m <= MAX_SAG_SHARE * height_m, "{height_m} m: {rows}");
         }
-        // Twins: neither more rows than needed from far nor more than can be drawn from near.
+        // Negative controls: neither more rows than needed from far nor more than can be drawn from near.
         assert_eq!(surface_rows(&body, 1e7), 180);
         assert_eq!(surface_rows(&body, 10.0), 1024);
     }

@@ -119,9 +119,10 @@ impl Read {
     pub(crate) fn write(&self, folder: &Path) -> Result<(), Failure> {
         let known = read_inputs(folder).map_err(Failure::bad_input)?;
         if known.is_empty() {
-            return match self.inputs.is_empty() {
-                true => Ok(()),
-                false => append_inputs(folder, &self.inputs).map_err(Failure::bad_input),
+            return if self.inputs.is_empty() {
+                Ok(())
+            } else {
+                append_inputs(folder, &self.inputs).map_err(Failure::bad_input)
             };
         }
         let is_file = |input: &&RunInput| !input.sha256.is_empty();

@@ -354,7 +354,7 @@ mod tests {
         for technique in TECHNIQUES {
             let ordered = technique.main(Overlap::Ordered);
             assert_eq!(technique.check(&ordered, Overlap::Ordered), Ok(()));
-            // Twin: numbers of regions that overlap would mix.
+            // Negative control: numbers of regions that overlap would mix.
             let disjoint = technique.main(Overlap::Disjoint);
             assert_eq!(technique.check(&disjoint, Overlap::Disjoint), Ok(()));
             assert!(technique.check(&disjoint, Overlap::Ordered).is_err());
@@ -433,7 +433,7 @@ mod tests {
             }
         }
         assert_eq!(names, ["flat-mesh", "draped-mesh", "mask-texture"]);
-        // Twin: volumes have to be right.
+        // Negative control: volumes have to be right.
         let volumes = |t: &&dyn Technique| t.is_approximate(&t.main(Overlap::Disjoint));
         assert!(!by_stencil().any(volumes));
     }
@@ -510,7 +510,7 @@ mod tests {
                         before = rung;
                     }
                 }
-                // Twin: rungs that lie far apart differ in more than one switch.
+                // Negative control: rungs that lie far apart differ in more than one switch.
                 let far = differences(&rungs[0], &rungs[rungs.len() - 1]);
                 assert!(far > 3, "{backend}: {far}");
             }

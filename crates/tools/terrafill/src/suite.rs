@@ -193,7 +193,7 @@ mod tests {
         // The next process dies before it takes another case in hand: the next one pays.
         assert_eq!(fail().ok().as_deref(), Some("extreme/c"));
         assert_eq!(ended(), [Came::Skipped, Came::Failed, Came::Failed]);
-        // Twin: with every case paid for there is no going on for ever.
+        // Negative control: with every case paid for there is no going on for ever.
         let message = fail().expect_err("over").message;
         assert!(message.ends_with("after its last case"), "{message}");
     }

@@ -183,7 +183,7 @@ mod tests {
                 assert_eq!(switch.own, is_own);
             }
         }
-        // Twin: a key that nothing has.
+        // Negative control: a key that nothing has.
         assert!(!text().contains("    speed "));
     }
 

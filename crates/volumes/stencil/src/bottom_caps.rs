@@ -112,7 +112,7 @@ mod tests {
         assert!(found.has(11) && !found.has(10));
         let found = of(DepthRuleChoice::Pass, BottomCap::WhereNeeded);
         assert_eq!(found, BottomCaps::default());
-        // Twins: asked for in every view, they are all there.
+        // Negative controls: asked for in every view, they are all there.
         for (rule, bottom) in [
             (DepthRuleChoice::Fail, BottomCap::WhereNeeded),
             (DepthRuleChoice::Automatic, BottomCap::FirstPass),

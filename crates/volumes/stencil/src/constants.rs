@@ -265,7 +265,7 @@ mod tests {
             };
             let found_m = bent(&FootprintConstants::new(&edge, &fixed));
             assert!(found_m < 1.0, "{vertices}: {found_m}");
-            // Twin: taken for a disc about 0, one of an odd number of vertices is bent elsewhere.
+            // Negative control: taken for a disc about 0, one of an odd number of vertices is bent elsewhere.
             let plain = FixedPoint {
                 origin_ecef: DVec3::ZERO,
                 unit_m: CIRCLE_UNIT,
@@ -284,7 +284,7 @@ mod tests {
         assert_eq!(changed_words(&before, &after), Some(8..12));
         after[30] += 1;
         assert_eq!(changed_words(&before, &after), Some(8..32));
-        // Twin: with those alone written over them, the former are the latter.
+        // Negative control: with those alone written over them, the former are the latter.
         let mut written = before.clone();
         written[8..32].copy_from_slice(&after[8..32]);
         assert_eq!(written, after);

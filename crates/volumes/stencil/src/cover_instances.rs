@@ -106,7 +106,7 @@ mod tests {
                     let off = (f64::from(found) - f64::from(wanted)).abs();
                     assert!(off < 1.0 / 256.0, "{size} {rect:?}: off by {off}");
                 }
-                // Twin: the rectangle of the next pixel is another one.
+                // Negative control: the rectangle of the next pixel is another one.
                 let next = PixelRect {
                     bottom: rect.bottom + 1,
                     ..rect

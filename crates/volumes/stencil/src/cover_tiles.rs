@@ -313,7 +313,7 @@ mod tests {
         let covered: u64 = rects.iter().map(|rect| rect.area()).sum();
         assert!(covered < RECT.area() / 2, "{covered} of {}", RECT.area());
         assert!(rects.len() < 8, "{rects:?}");
-        // Twin: one tile less, and what was touched is no longer held.
+        // Negative control: one tile less, and what was touched is no longer held.
         let first = tiles.is_touched.iter().position(|touched| *touched);
         tiles.is_touched[first.expect("some")] = false;
         let fewer: u64 = tiles.rects().iter().map(|rect| rect.area()).sum();
@@ -395,7 +395,7 @@ mod tests {
                         && (most - px + slack).min_element() >= 0.0,
                     "{number}: {px} outside {least} {most}"
                 );
-                // Twin: the ends in front alone do not hold all.
+                // Negative control: the ends in front alone do not hold all.
                 let ends = posts.known.iter().filter_map(|post| match post {
                     Post::InFront(ends) => Some(*ends),
                     _ => None,

@@ -234,7 +234,7 @@ mod tests {
         let error = |found: Vec3| (found.as_dvec3() - offset).abs().max_element();
         let right = error(two_float_difference_m(vertex_parts, eye_parts));
         assert!(right < 1e-6, "{right}");
-        // Twins: one float alone, and the sums first.
+        // Negative controls: one float alone, and the sums first.
         let [high, low] = vertex_parts;
         let [eye_high, eye_low] = eye_parts;
         assert!(error(high - eye_high) > 0.01);

@@ -205,7 +205,7 @@ mod tests {
                 }
             }
         }
-        // Twin: lines of sight beyond the angle go further.
+        // Negative control: lines of sight beyond the angle go further.
         assert!(SHELL.farthest_m(0.91) > SHELL.farthest_m(0.9));
     }
 
@@ -215,7 +215,7 @@ mod tests {
         assert!(SHELL.farthest_m(2.0).is_infinite());
         assert_eq!(SHELL.least_cos_incidence(f64::INFINITY), None);
         assert_eq!(SHELL.least_cos_incidence(113_000.0), None);
-        // Twin: from close it has.
+        // Negative control: from close it has.
         assert!(SHELL.least_cos_incidence(2_000.0).is_some());
         // An eye below the surface sees nothing that is known.
         let below = Shell {
@@ -236,7 +236,7 @@ mod tests {
             found = found.max((a * cos + b * sin).hypot(c * cos + d * sin));
         }
         assert!(found <= largest + 1e-12 && found > 0.9999 * largest);
-        // Twin: the largest of its rows is not enough.
+        // Negative control: the largest of its rows is not enough.
         assert!(found > 10_f64.sqrt());
     }
 

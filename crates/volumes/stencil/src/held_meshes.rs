@@ -85,7 +85,7 @@ mod tests {
     fn each_region_is_held_at_the_level_that_it_was_last_drawn_at() {
         let first = drawn(&[3, 4]);
         assert!(first.hold(&drawn(&[4])) && first.has(3) && !first.has(0));
-        // Twin: another level of a region that is held is not held.
+        // Negative control: another level of a region that is held is not held.
         assert!(!first.hold(&drawn(&[1])));
         let second = first.followed_by(&drawn(&[1, 5]), &levels(), 6);
         assert_eq!(second, drawn(&[1, 3, 5]));

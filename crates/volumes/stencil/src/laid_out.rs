@@ -124,7 +124,8 @@ mod tests {
         assert_eq!(ask(&own, &[(0, true), (2, true)]), 2);
         assert_eq!(ask(&own, &[(0, true), (1, true), (2, true)]), 1);
         assert_eq!(ask(&own.with_geometry_of(|_| false), &[(0, true)]), 0);
-        // Twins: one that was not wanted is forgotten, another key is another part, and so is another scene's.
+        // Negative controls: one that was not wanted is forgotten, another key is another part, and so is
+        // another scene's.
         assert_eq!(ask(&own, &[(0, true), (2, true)]), 1);
         assert_eq!(ask(&own, &[(0, false), (2, true)]), 1);
         assert_eq!(ask(&other, &[(0, false), (2, true)]), 2);

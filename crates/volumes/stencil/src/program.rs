@@ -815,7 +815,7 @@ mod tests {
             });
             let expected = (1..=numbers).map(|number| (number, bits));
             assert!(tests.eq(expected), "{numbers}");
-            // Twin: one bit less would take the largest number for another one.
+            // Negative control: one bit less would take the largest number for another one.
             assert_ne!(numbers & (bits >> 1), numbers);
         }
     }
@@ -853,7 +853,7 @@ mod tests {
             let resolved = usize::from(switches.colour == ColourWay::IdAccumulation);
             let tally = tally(&program, 3);
             assert_eq!(tally[0], [0, 0, 1 + resolved], "{switches:?}");
-            // Twin: the others are drawn as without it.
+            // Negative control: the others are drawn as without it.
             for [front, back, _] in &tally[1..] {
                 assert_eq!((*front, *back), (1, 1), "{switches:?}");
             }
@@ -1047,7 +1047,8 @@ mod tests {
                 (true, true, false, 2, 3)
             ]
         );
-        // Twins: counted behind the surface it marks what is inside, as does one that the near plane cuts.
+        // Negative controls: counted behind the surface it marks what is inside, as does one that the near
+        // plane cuts.
         let behind = [
             (true, true, false, 1, 1),
             (false, true, true, 1, 1),

@@ -666,7 +666,7 @@ mod tests {
         let left = reduced(12_345.25, AddressMode::Repeat, Some(3.5));
         exact((12_345.25 - left) / 16.0 % 1.0, 0.0);
         assert!(left < 32.0);
-        // Twin: less would move the coarser picture.
+        // Negative control: less would move the coarser picture.
         let wrong = 12_345.25_f64.rem_euclid(8.0);
         assert!(((12_345.25 - wrong) / 16.0 % 1.0).abs() > 0.1);
     }

@@ -271,7 +271,7 @@ mod tests {
         };
         assert_eq!(probed[0], Some(Probed { id: 7, place }));
         assert_eq!(probed[1], None);
-        // Twin: what is not finite is kept, to be counted.
+        // Negative control: what is not finite is kept, to be counted.
         assert!(probed[2].is_some_and(|at| at.id == 1 && !at.place.is_finite()));
     }
 }

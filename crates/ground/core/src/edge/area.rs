@@ -257,7 +257,7 @@ mod tests {
     fn a_compensated_sum_keeps_what_a_plain_one_loses() {
         let terms = [1e16, 3.0, -1e16, 1.0, 1e-3];
         assert!((compensated_sum(terms.into_iter()) - 4.001).abs() < 1e-15);
-        // Twin: the plain sum does lose it.
+        // Negative control: the plain sum does lose it.
         assert!((terms.iter().sum::<f64>() - 4.001).abs() > 0.5);
     }
 
@@ -269,7 +269,7 @@ mod tests {
                 let exact = 2.0 / f64::from(degree + 1);
                 assert!((found - exact).abs() < 4e-16, "{points} points, x^{degree}");
             }
-            // Twin: one degree more must be missed.
+            // Negative control: one degree more must be missed.
             let degree = 2 * points;
             let found = gauss(rule, |x| x.powi(degree));
             assert!((found - 2.0 / f64::from(degree + 1)).abs() > 1e-7);

@@ -286,7 +286,7 @@ mod tests {
     fn control_characters_are_written_out() {
         assert_eq!(printable("a\u{1b}[2J\n\u{9b}b"), "a\\u{1b}[2J\\n\\u{9b}b");
         assert_eq!(feature_label(3, "a\tb"), "feature 3 (a\\tb)");
-        // Twins: what is no control character stays as it is.
+        // Negative controls: what is no control character stays as it is.
         for name in ["São Tomé", "\"quoted\"", "back\\slash", ""] {
             assert_eq!(printable(name), name);
         }
@@ -316,7 +316,7 @@ mod tests {
                 .flat_map(|c| u32::from(c).to_be_bytes())
                 .collect();
             assert_eq!(wide_encoding(&big), Some("UTF-32"));
-            // Twin.
+            // Negative control.
             assert_eq!(wide_encoding(text.as_bytes()), None);
         }
         for other in [&b""[..], b"{", b"\xff", b"\0", b"\0\0"] {

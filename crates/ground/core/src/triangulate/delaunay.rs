@@ -749,7 +749,7 @@ mod tests {
         let (ours, spades) = (triangles_of(&mesh), triangles_by_spade(&points));
         // The frame takes slivers at the hull, where that library has no frame.
         assert!(ours.is_subset(&spades) && ours.len() + 60 > spades.len());
-        // Twin: one point elsewhere, and they are not the same.
+        // Negative control: one point elsewhere, and they are not the same.
         let mut moved = points;
         moved[7] = [0.5, 0.5];
         assert!(!ours.is_subset(&triangles_by_spade(&moved)));
@@ -803,7 +803,7 @@ mod tests {
             (mesh, vertices)
         };
         let (mut mesh, [pole, a, b, middle]) = mesh_of([pole, a, b, middle]);
-        // Twin: the first stage alone leaves it, and half of it besides.
+        // Negative control: the first stage alone leaves it, and half of it besides.
         assert!(mesh.edge_between(a, pole).is_ok() && mesh.edge_between(middle, b).is_err());
         assert!(mesh.legalise_exactly(middle).contains(&middle));
         assert!(mesh.edge_between(a, pole).is_err() && mesh.edge_between(middle, b).is_ok());
@@ -842,7 +842,7 @@ mod tests {
         let [south, north] = [[0.5, 0.0], [0.5, 1.0]].map(|end| mesh.insert(end).expect("within"));
         assert_eq!(mesh.constrain(south, north), Err(Blocked::Crossing));
         assert_eq!(fault(&mesh), None);
-        // Twin: beside the line nothing crosses.
+        // Negative control: beside the line nothing crosses.
         let beside = mesh.insert([0.5, 0.25]).expect("within");
         assert_eq!(mesh.constrain(south, beside), Ok(()));
         assert_eq!(mesh.insert([7.0, 0.0]), Err(Blocked::Outside));

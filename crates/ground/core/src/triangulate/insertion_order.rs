@@ -183,7 +183,7 @@ mod tests {
             expected.sort_unstable();
             let found = in_order(edges.clone(), vertices);
             assert_eq!(found, expected, "{count} of {vertices}");
-            // Twin: as they come they are not in order.
+            // Negative control: as they come they are not in order.
             assert!(count < 5 || edges != expected);
             let parity = |edge: &&[u32; 2]| expected.iter().filter(|e| e == edge).count() % 2 == 1;
             let mut once: Vec<[u32; 2]> = expected.iter().filter(parity).copied().collect();

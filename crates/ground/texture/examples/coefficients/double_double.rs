@@ -152,7 +152,7 @@ mod tests {
         let two = DoubleDouble::from(2.0);
         let rest = two.sqrt() * two.sqrt() - two;
         assert!(rest.to_f64().abs() < 1e-31, "{rest:?}");
-        // Twin: a third of f64 alone leaves 1e-17.
+        // Negative control: a third of f64 alone leaves 1e-17.
         let plain = DoubleDouble::from(1.0 / 3.0) * DoubleDouble::from(3.0) - DoubleDouble::ONE;
         assert!(plain.to_f64().abs() > 1e-18, "{plain:?}");
     }
@@ -168,7 +168,7 @@ mod tests {
         // π/4 − its f64 = 3.0616…e-17, from π's published digits.
         let beyond = direct - DoubleDouble::from(std::f64::consts::FRAC_PI_4);
         assert!((beyond.to_f64() - 3.061_616_997_868_383e-17).abs() < 1e-31);
-        // Twin: another machine's formula with one number changed is noticed.
+        // Negative control: another machine's formula with one number changed is noticed.
         let wrong = DoubleDouble::from(4.0) * atan_of(5.0) - atan_of(238.0);
         assert!((wrong - direct).to_f64().abs() > 1e-6);
     }

@@ -172,7 +172,7 @@ fn every_coefficient_agrees_to_eleven_digits() {
     let (coefficients, errors) = differences(LEVELLED);
     assert!(coefficients < 5e-12, "{coefficients:e}");
     assert!(errors < 5e-12, "{errors:e}");
-    // Twin: the ninth digit of one coefficient.
+    // Negative control: the ninth digit of one coefficient.
     let mutant = LEVELLED.replacen("-0.19194795", "-0.19194796", 1);
     assert_ne!(mutant, LEVELLED);
     assert!(differences(&mutant).0 > 1e-8);
@@ -185,7 +185,7 @@ fn the_published_table_agrees_as_far_as_it_is_levelled() {
     assert!(coefficients < 5e-6, "{coefficients:e}");
     // The table gives six digits of each error.
     assert!(errors < 1.2e-5, "{errors:e}");
-    // Twin.
+    // Negative control.
     let mutant = PUBLISHED.replacen("-0.1919479", "-0.1919579", 1);
     assert_ne!(mutant, PUBLISHED);
     assert!(differences(&mutant).0 > 5e-6);
@@ -225,7 +225,7 @@ fn the_table_is_what_the_generator_writes() {
         found < 1e-11,
         "coefficients.rs is not what is generated: {found:e}"
     );
-    // Twins: a digit of one number, a word, a missing row.
+    // Negative controls: a digit of one number, a word, a missing row.
     let mutant = TABLE.replacen("0.999213812", "0.999213813", 1);
     assert_ne!(mutant, TABLE);
     assert!(text_difference(&mutant, &fresh) > 1e-11);
@@ -285,7 +285,7 @@ fn the_error_is_level_and_no_larger_anywhere() {
         for error in signs {
             assert!((error.abs() / fitted.error - 1.0).abs() < 1e-5, "{name}");
         }
-        // Twin: any change of a coefficient makes it worse.
+        // Negative control: any change of a coefficient makes it worse.
         for factor in [1.0 - 1e-3, 1.0 + 1e-3] {
             let mut mutant = fitted.numerator.clone();
             mutant[1] *= factor;

@@ -230,7 +230,7 @@ fn rings_that_leave_their_inside_open_are_refused() {
             "{error:?}"
         );
     }
-    // Twin: a hair off, the plane is known.
+    // Negative control: a hair off, the plane is known.
     let near = vec![[10.0, 5.0], [190.0, -5.1], [100.0, 60.0]];
     assert_eq!(refused(near, 0.0, EdgeRule::GreatEllipse), None);
     // Almost a hemisphere is taken.
@@ -300,7 +300,7 @@ fn parts_cut_at_the_antimeridian_meet_without_a_gap() {
                 assert_eq!(found, [0], "{rule:?} {longitude} {latitude}");
             }
         }
-        // Twin: a gap of a metre is not closed.
+        // Negative control: a gap of a metre is not closed.
         let mut apart = rings;
         for vertex in &mut apart[1].1 {
             vertex[0] += 1e-5;
@@ -339,7 +339,7 @@ fn a_fan_of_triangles_leaves_no_place_without_an_owner_and_gives_none_two() {
                     assert_eq!(owners(place), 1, "{rule:?} {place:?}");
                 }
             }
-            // Twin: with one triangle missing, its places have no owner.
+            // Negative control: with one triangle missing, its places have no owner.
             let missing = locator(&rings[1..], rule);
             let inside = [0, 1].map(|k| (middle[k] + rim[0][k] + rim[1][k]) / 3.0);
             assert!(missing.locate(inside[0], inside[1]).regions.is_empty());

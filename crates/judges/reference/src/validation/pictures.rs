@@ -93,7 +93,7 @@ fn coarse_triangles_move_a_boundary_by_the_square_of_their_size() {
     for ratio in [coarse / middle, middle / fine] {
         assert!((2.5..6.0).contains(&ratio), "{coarse} {middle} {fine}");
     }
-    // Twins: nothing is moved of the body itself, since nothing was drawn, nor where no boundary is seen.
+    // Negative controls: nothing is moved of the body itself, since nothing was drawn, nor where no boundary is seen.
     let mut bare = input(Ellipsoid::WGS84, &pose(3.0, 44.0, 4e6, -90.0), 40, 18);
     let judged = ReferenceBackend::new().judge(&bare).expect("nothing");
     assert_eq!(judged.moved_px_true, Some(Vec::new()));
@@ -142,7 +142,7 @@ fn the_globe_is_as_large_as_its_tangent_cone() {
             (found / expected - 1.0).abs() < DISC_TOLERANCE,
             "{found} {expected}"
         );
-        // Twin: the outline of another body must not pass.
+        // Negative control: the outline of another body must not pass.
         let wrong = Ellipsoid::new(
             "mutant",
             body.equatorial_radius_m() * 1.0005,
@@ -282,7 +282,7 @@ fn no_ray_falls_through_between_triangles() {
         let input = input(Ellipsoid::WGS84, &pose, 8, 90);
         let triangles = &input.surface.triangles;
         assert_eq!(leaks(&input), 0);
-        // Twin: without one triangle in sight, rays through its edges' neighbours still hit, but
+        // Negative control: without one triangle in sight, rays through its edges' neighbours still hit, but
         // those inside it do not.
         let corner = |i: u32| DVec3::from(input.surface.vertices_rte[i as usize].map(f64::from));
         let nearest = (0..triangles.len()).min_by(|&i, &j| {
@@ -375,7 +375,7 @@ fn what_lies_between_the_centres_of_pixels_is_seen_by_a_close_look() {
     for (column, row) in [(31, 31), (32, 31), (31, 32), (32, 32)] {
         assert_eq!(Vec::from_iter(near(column, row)), [0, 1], "{column} {row}");
     }
-    // Twins: two pixels on, and at a rim, there is nothing of it.
+    // Negative controls: two pixels on, and at a rim, there is nothing of it.
     for (column, row) in [(34, 32), (32, 29), (0, 0), (63, 63)] {
         assert_eq!(Vec::from_iter(near(column, row)), [0], "{column} {row}");
     }
@@ -454,7 +454,7 @@ fn rounding_decides_on_a_facet_in_the_plane_of_a_wall_and_nowhere_else() {
         assert!(facet > 4 && border == facet, "{north_m}: {facet} {border}");
         assert_eq!(found, expected, "{north_m}");
     }
-    // Twins: a metre to either side is not.
+    // Negative controls: a metre to either side is not.
     for north_m in [-1.0, 1.0] {
         let (facet, border, _) = seen(north_m);
         assert!(facet > 4 && border == 0, "{north_m}: {facet} {border}");

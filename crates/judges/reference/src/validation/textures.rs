@@ -173,7 +173,7 @@ fn a_point_put_at_a_longitude_and_latitude_is_found_there() {
             assert!(east.abs() < 1e-12, "{} {place:?}", body.name());
         }
     }
-    // Twin: geocentric latitude is a sixth of a degree off.
+    // Negative control: geocentric latitude is a sixth of a degree off.
     let ecef = Ellipsoid::WGS84.geodetic_to_ecef(Geodetic::from_degrees(0.0, 45.0, 0.0));
     let found = SurfacePoint::new(&Ellipsoid::WGS84, ecef);
     assert!((found.latitude - ecef.z.atan2(ecef.x)).abs() > 3e-3);
@@ -315,7 +315,7 @@ fn placements_agree_with_the_affine_map_that_backends_are_given() {
                     let scale = 1.0 + found[0].abs() + found[1].abs();
                     let error = distance(found, given);
                     assert!(error < 1e-12 * scale, "{placement:?}: {found:?} {given:?}");
-                    // Twin: longitude and latitude swapped.
+                    // Negative control: longitude and latitude swapped.
                     assert!(distance(found, planned.uv(dlat, dlon)) > 1e-9);
                 }
             }
@@ -469,7 +469,7 @@ fn nothing_jumps_at_the_antimeridian_or_at_a_pole() {
     let pole = Shot::of(CAP, TexturePlacement::Extents, [180.0, 75.0, 5e5, -90.0]).judged();
     let [uv, level] = largest_jump(&pole);
     assert!(uv < 1.05 && level < 0.3, "{uv} {level}");
-    // Twin: with longitudes as they come the two sides are a picture apart.
+    // Negative control: with longitudes as they come the two sides are a picture apart.
     let mut broken = fiji;
     let texture = broken.frame.texture.as_mut().expect("textured");
     for pixel in texture.pixels.iter_mut().flatten() {
@@ -520,7 +520,7 @@ fn a_moving_region_uncovers_the_picture_and_does_not_move_it() {
     };
     let anchored = apart(placed(anchor(11.0, 42.0, 20.0), 2e5, 2e5));
     assert!(anchored < 1e-12, "{anchored}");
-    // Twin: by extents the picture goes along.
+    // Negative control: by extents the picture goes along.
     assert!(apart(TexturePlacement::Extents) > 0.1);
 }
 
@@ -554,7 +554,7 @@ fn pattern_jump(blends: bool) -> f64 {
 fn a_pattern_does_not_jump_where_it_changes_its_level() {
     let jump = pattern_jump(true);
     assert!(jump < 1e-6, "{jump}");
-    // Twin: the nearest level alone.
+    // Negative control: the nearest level alone.
     assert!(pattern_jump(false) > 0.05);
 }
 

@@ -161,7 +161,7 @@ mod tests {
     fn time_in_proportion_has_slope_1_and_a_fixed_cost_has_less() {
         assert!((slope((1e4, 3.0), (1e6, 300.0)) - 1.0).abs() < 1e-12);
         assert!(PROPORTIONAL.contains(&slope((1e4, 3.3), (1e6, 300.0))));
-        // Twins: a fixed cost as large as that of 1e4 balls, and growth by the power 1.2.
+        // Negative controls: a fixed cost as large as that of 1e4 balls, and growth by the power 1.2.
         assert!(!PROPORTIONAL.contains(&slope((1e4, 6.0), (1e6, 303.0))));
         assert!(!PROPORTIONAL.contains(&slope((1e4, 1.0), (1e6, 100_f64.powf(1.2)))));
     }

@@ -122,7 +122,7 @@ fn a_stable_step_may_still_multiply_energy() {
             assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
         }
     }
-    // Twin: a tenth of the limit keeps it to 1 %.
+    // Negative control: a tenth of the limit keeps it to 1 %.
     assert!(ratio(Integrator::SymplecticEuler, 0.2).largest < 1.01);
 }
 
@@ -139,6 +139,6 @@ fn explicit_euler_gains_and_implicit_euler_loses_at_every_step() {
             assert!((loss * law - 1.0).abs() < 0.02, "{loss} {law}");
         }
     }
-    // Twin: one that is stable does neither.
+    // Negative control: one that is stable does neither.
     assert!((ratio(Integrator::SymplecticEuler, 0.1).mean - 1.0).abs() < 1e-3);
 }

@@ -78,7 +78,7 @@ fn literal_reflection_sinks_balls_and_the_guarded_one_none() {
     eprintln!("literal, symplectic: {literal:?}");
     assert!((literal[1] - 0.109).abs() < 0.02, "{literal:?}");
     assert!(literal[0] > literal[1] && literal[2] == 0.0);
-    // Twins: under explicit Euler, and when the ball is put onto the surface, none sinks.
+    // Negative controls: under explicit Euler, and when the ball is put onto the surface, none sinks.
     assert_eq!(sunk(Integrator::ReflectExplicit, 60), 0.0);
     assert_eq!(sunk(Integrator::ReflectGuarded, 60), 0.0);
 }

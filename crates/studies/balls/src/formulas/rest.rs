@@ -125,7 +125,7 @@ fn height_above_the_ellipsoid_is_no_state_for_a_stiff_contact() {
         high.gap_error_m > 10.0 * GRAVITY / 1e7 && high.speed > 0.1,
         "{high:?}"
     );
-    // Twins: the gap as state is right, and so is a height that keeps what it rounds off.
+    // Negative controls: the gap as state is right, and so is a height that keeps what it rounds off.
     let compensated = rest(Arithmetic::CompensatedF32, GROUND_M).settle();
     for rested in [gap, compensated] {
         assert!(rested.gap_error_m < 1e-3 * GRAVITY / 1e7, "{rested:?}");

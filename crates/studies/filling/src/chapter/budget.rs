@@ -109,9 +109,10 @@ impl<'a> Fill<'a> {
                 Some(found) if found <= limit => None,
                 Some(found) => {
                     let factor = found / limit;
-                    let by = match factor.is_finite() {
-                        true => format!(" by {} ×", significant(factor)),
-                        false => String::new(),
+                    let by = if factor.is_finite() {
+                        format!(" by {} ×", significant(factor))
+                    } else {
+                        String::new()
                     };
                     Some((words(&by), factor))
                 }
@@ -161,13 +162,14 @@ pub(super) fn blocks(data: &Data<'_>, budget: &Budget) -> Vec<Block> {
     let scenes = data.scenes().into_iter();
     let lines = scenes.filter_map(|(scene, views)| line(data, scene, &views, budget));
     let lines: Vec<String> = lines.collect();
-    match lines.is_empty() {
-        true => Vec::new(),
-        false => vec![Block::Folded {
+    if lines.is_empty() {
+        Vec::new()
+    } else {
+        vec![Block::Folded {
             summary: HEADING.to_owned(),
             is_open: true,
             blocks: vec![Block::Text(limits(data, budget)), Block::List(lines)],
-        }],
+        }]
     }
 }
 
@@ -257,9 +259,10 @@ fn unsure(fill: &Fill<'_>, budget: &Budget) -> &'static str {
         let high = fill.slowest.interval.map(|[_, high]| high);
         high.is_some_and(|high| high > limit)
     };
-    match budget.budget_ms.is_some_and(reaches) {
-        true => " Its interval reaches over the budget.",
-        false => "",
+    if budget.budget_ms.is_some_and(reaches) {
+        " Its interval reaches over the budget."
+    } else {
+        ""
     }
 }
 
@@ -308,9 +311,10 @@ fn fills<'a>(data: &Data<'a>, views: &[&View<'a>]) -> Vec<Fill<'a>> {
 /// Right, or approximate by nature, with a picture that was compared.
 fn competes(case: &Case) -> bool {
     let is_point = has_role(case, "sweep") && !is_compared(case);
-    let is_usable = match is_approximate(case) {
-        true => matches!(case.outcome, Outcome::Ok | Outcome::Wrong),
-        false => case.counts(),
+    let is_usable = if is_approximate(case) {
+        matches!(case.outcome, Outcome::Ok | Outcome::Wrong)
+    } else {
+        case.counts()
     };
     !is_point && is_usable && case.value(MISMATCHED_PX).is_some()
 }
@@ -460,7 +464,7 @@ mod tests {
         let exact = answer(&made(), budget(0.0));
         starts(&exact, "s, 2 views: vertex/exact");
         has(&exact, &["Exactness costs nothing on top."]);
-        // Twin: by a hair too much.
+        // Negative control: by a hair too much.
         starts(&answer(&made(), budget(2.999)), "s, 2 views: vertex/levels");
     }
 

@@ -190,7 +190,7 @@ fn gains_are_paired_by_process_and_claims_follow_them() {
         claims.map(|words| claim_row(run, words)[5].clone())
     };
     assert_eq!(verdicts(&run), ["holds", "holds", "no difference"]);
-    // Twin: other times, other answers; nothing is written down beforehand.
+    // Negative control: other times, other answers; nothing is written down beforehand.
     let steps = [
         ("start", 100.0),
         ("back-faces", 100.0),
@@ -404,7 +404,7 @@ fn identical_work_that_scatters_is_no_difference() {
         claim_row(&run, STRIPS)[5].clone()
     };
     assert_eq!(standing(1.0, 1.0), "holds");
-    // Twin: a step that scatters more widely than identical work tells nothing.
+    // Negative control: a step that scatters more widely than identical work tells nothing.
     assert_eq!(standing(2.0, 1.0), Standing::CannotTell.name());
 }
 
@@ -470,7 +470,7 @@ fn lower_walls_stand_beside_global_ones_in_time_fragments_and_wrong_pixels() {
     ];
     let found = texts(tables(&chapter)[0], 0).join(" | ");
     assert_eq!(found.replace('\u{202f}', ","), expected.join(" | "));
-    // Twins: a wrong picture has no ratio of times, and without the step there is nothing to say.
+    // Negative controls: a wrong picture has no ratio of times, and without the step there is nothing to say.
     run.cases[2].ended(Status::Wrong, "3 pixels");
     let chapter = section(&run, "Lower walls");
     assert_eq!(texts(tables(&chapter)[0], 0)[1], "–");
@@ -515,7 +515,7 @@ fn every_claim_has_a_row_and_what_was_not_run_an_empty_cell() {
     assert_eq!(never[5], "cannot be tested");
     let all = PAPER.claims.len();
     assert!(words(&chapter).contains(&format!("{all} claims: ")));
-    // Twin: another gain is another verdict.
+    // Negative control: another gain is another verdict.
     let mut run = climbed("horizon", &[("start", 130.0), ("bottom-cap", 100.0)]);
     run.cases[2].figure("vertices", 900.0);
     assert_eq!(claim_row(&run, CAP)[5], "does not hold");
@@ -534,7 +534,7 @@ fn every_claim_has_a_row_and_what_was_not_run_an_empty_cell() {
     let csv = tables.iter().find(|table| table.file == "claims.csv");
     let lines = csv.expect("the claims").text.lines().count();
     assert_eq!(lines, 1 + all);
-    // Twin: a run that measured nothing of it shows no table.
+    // Negative control: a run that measured nothing of it shows no table.
     assert_eq!(section(&on_cpu(), CLAIMS_SECTION), []);
 }
 
@@ -565,7 +565,7 @@ fn centric_normals_are_reasonable_where_every_picture_on_terrain_is_right() {
     assert_eq!(row[5], "holds");
     let bytes = claim_row(&right, STORED);
     assert_eq!(bytes[4..6], ["globe 0.571 ×", "holds"]);
-    // Twin: one view that is wrong.
+    // Negative control: one view that is wrong.
     let wrong = with(9.0, Status::Wrong);
     let row = claim_row(&wrong, EARTH);
     assert!(row[4].contains("horizon: 9 px outside the band"), "{row:?}");
@@ -609,7 +609,7 @@ fn what_is_drawn_instead_of_volumes_is_laid_beside_them() {
             "hills globe 2.00 × [2.00–2.00]: holds",
         ]
     );
-    // Twins: a cut that takes less than volumes do, one that is right, a flat mesh that is faster.
+    // Negative controls: a cut that takes less than volumes do, one that is right, a flat mesh that is faster.
     let twins = rows(5.0, 0.5, 0.0);
     assert!(
         twins.iter().all(|row| row.ends_with(": does not hold")),
@@ -731,7 +731,7 @@ fn quotations_are_words_of_the_document() {
         let has_title = document.to_lowercase().contains(&title.to_lowercase());
         assert!(has_title, "no section {place:?}");
     }
-    // Twins: what an earlier version quoted, and one letter.
+    // Negative controls: what an earlier version quoted, and one letter.
     assert!(!holds(&document, "two costly atan calls"));
     assert!(!holds(&document, "did not change the frame-rate"));
 }
@@ -780,7 +780,7 @@ fn equal_pictures_are_green_and_one_wrong_hash_is_red_and_named() {
     assert_eq!(table.rows[0].cells[1].class, CellClass::Good);
     // Cells are no rows of their scene's tables.
     assert_eq!(section(&matrix(&cells), "california"), []);
-    // Twins: another mask, another picture of regions under the same mask, another boundary's picture.
+    // Negative controls: another mask, another picture of regions under the same mask, another boundary's picture.
     let red = |cells: &[(&str, &str, &str)]| words(&section(&matrix(cells), MATRIX));
     cells[2] = ("pulled", "x", "i");
     let named = "california/globe/vertex/pulled: its mask differs from that of vertex/doubled";
@@ -879,7 +879,7 @@ fn bytes_by_formula_and_as_allocated_stand_side_by_side_and_one_byte_is_red() {
     let text = words(&right);
     assert!(text.contains("bytes over regions") && !text.contains("differ:"));
     assert_eq!(texts(tables(&right)[0], 1).last(), Some(&"0.410 ×"));
-    // Twins: one byte; errors that cancel in the sum are two errors.
+    // Negative controls: one byte; errors that cancel in the sum are two errors.
     let named =
         "california/native/gs-line: positions and flags: 310 bytes by formula, 311 allocated";
     assert!(words(&of([311.0, 100.0])).contains(named));
@@ -940,7 +940,7 @@ fn growth_with_vertices_is_an_exponent_with_its_interval() {
         texts(tables(&chapter)[0], 0)[3].starts_with("1.00 ["),
         "time as vertices"
     );
-    // Twin: with one of the two wrong, nothing is said.
+    // Negative control: with one of the two wrong, nothing is said.
     run.cases[1].ended(Status::Wrong, "");
     assert_eq!(section(&run, "Fill time against vertices"), []);
 }
@@ -968,7 +968,7 @@ fn pairs_are_ratios_within_processes_and_gaps_within_the_noise_are_ties() {
         "not measured, not 0"
     );
     assert!(!all.contains("(again)"), "twins are in no table");
-    // Twins: swapped operands, and a gap that identical work has as well.
+    // Negative controls: swapped operands, and a gap that identical work has as well.
     assert!(of(11.0, 10.0).0.contains("0.909 × ["));
     let (tie, _, ties) = of(10.0, 10.4);
     assert!(tie.contains("1.04 × [1.04–1.04] (tie)"), "{tie}");
@@ -1225,7 +1225,7 @@ fn coarse_caps_with_tall_walls_are_compared_with_fine_ones() {
         "{}",
         walls.because
     );
-    // Twin: one wall that is taller than its step allows.
+    // Negative control: one wall that is taller than its step allows.
     let taller = swept_to(1e4);
     assert_eq!(findings(&taller)[0].standing, Standing::DoesNotHold);
     const PAYOFF: &str = "the extra subdivision is not going to payoff";
@@ -1266,7 +1266,7 @@ fn a_rival_stands_beside_the_fastest_of_ours_and_competes_with_nothing() {
     assert_eq!(row[1..3], ["cesium/volumes", "vertex/doubled"]);
     assert_eq!(row[7], "wrong");
     assert!(row[4].starts_with("3.00 × ["), "{row:?}");
-    // Twins: faster than ours it is no winner, and without ours there is nothing to divide by.
+    // Negative controls: faster than ours it is no winner, and without ours there is nothing to divide by.
     let row = table(3.0, true);
     assert!(
         row[2] == "vertex/doubled" && row[4].starts_with("0.500 × ["),
@@ -1356,7 +1356,7 @@ fn a_wrong_time_counts_for_nothing_and_what_is_absent_has_its_reason() {
     }
     let text = words(&chapter);
     assert!(!text.contains("bound =") && !text.contains("÷\u{a0}floor"));
-    // Twin: were it right, its time would be in the plot.
+    // Negative control: were it right, its time would be in the plot.
     let mut right = mixed();
     right.cases[3].ended(Status::Ok, "");
     assert!(words(&section(&right, "countries-110m")).contains("4.65 × · 38.7 ms"));
@@ -1500,7 +1500,7 @@ fn a_curve_runs_through_its_layout_only_and_no_wrong_case_is_dropped() {
     assert_eq!(standing(2, 0), PointStanding::Failed);
     assert_eq!(found[0].points[1].label, "5 km");
     assert_eq!(found[0].points[2].label, "9 km wrong");
-    // Twin: what was never drawn has no point.
+    // Negative control: what was never drawn has no point.
     run.cases[4].missing();
     assert_eq!(curves(&run).len(), 2);
 }
@@ -1567,7 +1567,7 @@ fn the_best_fills_of_a_view_are_those_of_its_rows() {
         recommended.command,
         "terrafill render s --view globe --technique vertex --set pulled --out picture.png"
     );
-    // Twins: with quieter identical work nothing ties, and a wrong fill wins nothing.
+    // Negative controls: with quieter identical work nothing ties, and a wrong fill wins nothing.
     let quiet = answers(&best_of(20.0));
     assert_eq!(
         texts(tables(&quiet.blocks)[0], 0)[1..4],
@@ -1660,7 +1660,7 @@ fn advice_follows_the_rows() {
     );
     assert!(said.contains("Eye far, vertices are the limit"));
     assert!(!said.contains("Eye near"), "5 fragments a vertex");
-    // Twins: other times, other advice; few regions give none about many.
+    // Negative controls: other times, other advice; few regions give none about many.
     let mut other = best_of(21.0);
     other.cases[2].timed(TIME, &PROCESSES);
     other.cases[2].figure("regions_drawn", 3.0);
@@ -1703,7 +1703,7 @@ fn scope_and_requirements_are_exact() {
         ]
     );
     assert_eq!(found.requirements[0].standing, Standing::Holds);
-    // Twins: a wrong picture, one that may be wrong, and one that was never compared.
+    // Negative controls: a wrong picture, one that may be wrong, and one that was never compared.
     run.cases[1].figure("mismatched_px_outside_band", 9.0);
     let found = answers(&run);
     assert!(found.scope[0].ends_with("Wrong outside the 1-pixel boundary band: 1."));
@@ -1758,7 +1758,7 @@ fn every_wrong_case_is_pictured_with_its_worst_pixel() {
         ["picture", "difference", "worst pixel (503, 451)"]
     );
     assert!(last.notes[0].contains("(wrong): 9 px differ, 3 of them outside the band"));
-    // Twin: a right rung has no picture beside those of its scene.
+    // Negative control: a right rung has no picture beside those of its scene.
     assert_eq!(pictured(Status::Ok).len(), wrong.len() - 1);
 }
 
@@ -1847,7 +1847,7 @@ fn an_approximate_fill_is_shown_as_such_and_wins_nothing() {
     );
     assert_eq!(rows[2].cells[0].detail, "1024");
     assert!(answers(&run).scope[0].contains("2 approximate by nature"));
-    // Twin: what does not say so competes, and has no such section.
+    // Negative control: what does not say so competes, and has no such section.
     let run = made(&[]);
     assert_eq!(best(&run), "mask-texture/texture,size=1024");
     assert!(section(&run, title).is_empty());

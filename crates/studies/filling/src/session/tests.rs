@@ -140,7 +140,7 @@ fn what_rounds_too_much_to_be_right_is_left_out_of_the_matrix_by_its_bound_alone
                 && reason.ends_with(" px here, allowed 0.25"),
             "{reason}"
         );
-        // Twin: were its bound nothing, it would be drawn, and wrong.
+        // Negative control: were its bound nothing, it would be drawn, and wrong.
         let drawn = session.draw(naive, |_, _| 0.0);
         let mut drawn = drawn.unwrap_or_else(|why| panic!("not drawn: {why:?}"));
         let found = session.compare(naive, &mut drawn).expect("compared");

@@ -294,7 +294,7 @@ mod tests {
         );
         let by_technique = Verdict::failed(message.clone());
         assert_eq!(status(&refused, Ok(by_technique.clone())), Status::Ok);
-        // Twins: turned round, each is a failure; so are other words and a crash.
+        // Negative controls: turned round, each is a failure; so are other words and a crash.
         assert_eq!(status(&refused, Ok(right())), Status::Failed);
         assert_eq!(
             status(&fills, Err(Closed::Refused(message))),

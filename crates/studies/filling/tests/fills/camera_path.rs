@@ -259,7 +259,7 @@ fn nothing_is_made_on_the_way_that_no_change_explains() {
                     work.meshes != before.meshes && regions(&work) == regions(before);
                 level_changes += usize::from(is_other_level);
                 same_work += usize::from(work.drawn == before.drawn);
-                // Twin: one that has forgotten everything makes what nothing explains.
+                // Negative control: one that has forgotten everything makes what nothing explains.
                 if frame % 100 == 50 {
                     let found = counters(&draw_with(&mut *targets.open(technique), input));
                     let why = unexplained(&technique, before, (input, &work), &seen, &found);

@@ -425,7 +425,7 @@ fn a_frame_needs_preparing_and_an_unchanged_one_makes_and_uploads_nothing() {
         let steady = counters(&again);
         assert_eq!((steady.uploads, steady.upload_bytes), (0, 0));
         assert_eq!((steady.buffer_creations, steady.pipeline_creations), (0, 0));
-        // Twin: preparing does make and upload something, and is counted.
+        // Negative control: preparing does make and upload something, and is counted.
         let before = devices.wgpu.work_done();
         backend.prepare(&other).expect("fits");
         let made = devices.wgpu.work_done() - before;

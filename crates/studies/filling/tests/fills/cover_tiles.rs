@@ -172,7 +172,7 @@ fn sky_is_not_drawn_and_a_row_more_is_seen() {
         }
     }
     assert_eq!(differing_when(&targets, &ground, tiled(), |_, _| ()), 0);
-    // Twin: cut a few rows too low, far pixels are lost.
+    // Negative control: cut a few rows too low, far pixels are lost.
     let lost = differing_when(&targets, &ground, switches(true), |_, list| {
         list.area.top += 8;
     });

@@ -271,6 +271,6 @@ fn two_hundred_eyes_within_fifty_metres_of_walls_and_caps() {
     // No blanket rule: a good part is counted in front of the surface.
     assert!(10 * tally.in_front > 3 * tally.regions, "{tally:?}");
     assert!(10 * tally.from_within > tally.regions, "{tally:?}");
-    // Twin: forced in front, many eyes see wrong pixels.
+    // Negative control: forced in front, many eyes see wrong pixels.
     assert!(tally.forced_wrong > 20, "{tally:?}");
 }

@@ -313,7 +313,7 @@ fn a_quick_run_draws_by_one_technique_and_says_which_it_leaves_out() {
     assert_eq!(drawn, ["vertex"]);
     let others = ["extreme/compute", "extreme/native", "extreme/instanced"];
     assert_eq!(left_out, others);
-    // Twins: a longer run and one that names its techniques leave none out.
+    // Negative controls: a longer run and one that names its techniques leave none out.
     let (drawn, left_out) = techniques_of(Depth::Main, &[]);
     assert_eq!((drawn.len(), left_out.len()), (4, 0));
     let (drawn, left_out) = techniques_of(Depth::Quick, &["native", "compute"]);

@@ -153,7 +153,7 @@ fn ten_metres_from_several_eyes() {
         assert!(naive.mismatched_px > 100, "{naive:?}");
         most = most.max(naive.mismatched_px_outside_band);
     }
-    // Twin: where luck fails, it is far beyond the band.
+    // Negative control: where luck fails, it is far beyond the band.
     assert!(most > 1_000, "{most}");
 }
 
@@ -200,7 +200,7 @@ fn walls_between_triangles_leave_no_trace_where_they_are_clipped() {
         let [mut whole, split] = techniques.map(|technique| targets.draw(&input, technique));
         assert!(whole.filled_px() > 10_000, "eye {i}");
         assert_eq!(differing(&whole, &split), 0, "eye {i}, {name}");
-        // Twin: a single pixel would have been noticed.
+        // Negative control: a single pixel would have been noticed.
         whole.ids[0] ^= 1;
         assert_eq!(differing(&whole, &split), 1);
     }
@@ -231,7 +231,7 @@ fn walls_between_triangles_leave_no_trace_where_faces_are_culled() {
     let [mut whole, split] = [Layout::Doubled, Layout::PerTriangle].map(culled);
     assert!(whole.filled_px() > 10_000);
     assert_eq!(differing(&whole, &split), 0);
-    // Twin: a single pixel would have been noticed.
+    // Negative control: a single pixel would have been noticed.
     whole.ids[0] ^= 1;
     assert_eq!(differing(&whole, &split), 1);
 }
@@ -279,7 +279,7 @@ fn bytes_by_formula_are_those_that_are_allocated() {
             known.insert((layout, positions.name()), formula);
         }
     }
-    // Twin: a format that is allocated as another would not agree with its formula.
+    // Negative control: a format that is allocated as another would not agree with its formula.
     for layout in Layout::ALL {
         let bytes = |name| known[&(layout, name)];
         assert!(bytes("two-float") > bytes("fixed"));

@@ -57,7 +57,7 @@ fn a_flight_looks_the_same_and_hands_over_what_it_has_not_drawn_yet() {
                     );
                     unchanged += 1;
                 } else {
-                    // Twin: a view that draws something new brings more than constants.
+                    // Negative control: a view that draws something new brings more than constants.
                     brought += usize::from(some > all);
                 }
                 held.extend(drawn(input));

@@ -118,7 +118,7 @@ fn a_coast_that_is_overlooked_is_seen() {
     let coast = view(scene.meshes[0].vertices_deg[0], 20_000.0, -90.0);
     let input = seen(&scene, &coast, true);
     assert!(!has_owner(&input));
-    // Twin: taken for ground that is all its own, the island floods its bay.
+    // Negative control: taken for ground that is all its own, the island floods its bay.
     let flooded = differing_when(&targets, &input, switches(true), |program, list| {
         let ground = |volume: &Volume| Volume {
             drawn_as: DrawnAs::Ground,

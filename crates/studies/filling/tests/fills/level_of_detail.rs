@@ -66,7 +66,7 @@ fn a_view_makes_the_meshes_that_it_draws_and_their_bounds() {
         let heights = prepared.surface.heights(&mesh_itself.extent);
         let bounds = RegionBounds::new(&scene.body, mesh_itself, heights);
         assert_eq!(prepared.bounds[mesh], bounds);
-        // Twin: those of another mesh are others.
+        // Negative control: those of another mesh are others.
         assert_ne!(prepared.bounds[mesh + 1], bounds);
     }
     // A set of some of them neither makes nor copies any.
@@ -75,7 +75,7 @@ fn a_view_makes_the_meshes_that_it_draws_and_their_bounds() {
     assert!(std::ptr::eq(&*some[3], &*prepared.meshes[3]));
     assert!(some.iter().filter(|mesh| mesh.vertex_count() > 0).count() == 1);
     assert_eq!(made(), before);
-    // Twin: drawn as they are written, regions need no other mesh.
+    // Negative control: drawn as they are written, regions need no other mesh.
     FillInput::new(&prepared, view, SIZE, options(None)).expect("a surface");
     assert_eq!(made(), before);
 }
@@ -201,7 +201,7 @@ fn assert_levels_hold(name: &str, levels: LevelChoice) {
         let (at_half, of) = check_view(&devices, &prepared, view);
         fewest_share = fewest_share.min(at_half as f64 / of as f64);
     }
-    // Twin: were no level ever chosen, everything above would hold.
+    // Negative control: were no level ever chosen, everything above would hold.
     assert!(fewest_share < 0.95, "{name}: {fewest_share}");
 }
 
@@ -265,7 +265,7 @@ fn assert_understatement_is_noticed(name: &str, levels: LevelChoice, drawn_px: f
         !verdict_of_moved(&found, drawn_px / 4.0).is_pass(),
         "{name}: {found:?}"
     );
-    // Twin: without levels nothing has moved by more than a rasteriser's step.
+    // Negative control: without levels nothing has moved by more than a rasteriser's step.
     let found = figures(&full, &reference, &draw_plain(&devices, &full));
     let moved_px = found.boundary_moved_px.expect("few pixels mismatch");
     assert!(moved_px <= 2.0 * MOVED_STEP_PX, "{name}: {found:?}");

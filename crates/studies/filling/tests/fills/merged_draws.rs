@@ -195,7 +195,7 @@ fn a_merged_frame_like_the_one_before_hands_nothing_over() {
         let first = frame(&inputs[0]);
         assert!(first.iter().all(|&count| count > 0), "{first:?}");
         assert_eq!(frame(&inputs[0]), [0, 0, 0]);
-        // Twin: another view draws others, which is handed over, and then no more.
+        // Negative control: another view draws others, which is handed over, and then no more.
         let other = frame(&inputs[1]);
         assert!(other[2] > 1, "{other:?}");
         assert_eq!(frame(&inputs[1]), [0, 0, 0]);

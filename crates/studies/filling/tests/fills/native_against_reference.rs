@@ -359,7 +359,7 @@ fn a_frame_needs_preparing_and_a_second_unchanged_one_makes_nothing() {
         second.prepare(&other).expect("fits");
         second.draw_surface(&other).expect("draws");
         assert!(backend.time_frame(&first).is_err(), "over another surface");
-        // Twin: a changed input makes something.
+        // Negative control: a changed input makes something.
         backend.prepare(&other).expect("fits");
         assert!((devices.vulkan().work_done() - made).uploads > 0);
     }

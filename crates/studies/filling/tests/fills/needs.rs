@@ -166,7 +166,7 @@ fn every_byte_and_every_pipeline_belongs_to_a_feature() {
             assert_eq!(needs.made, made, "{technique:?}");
             assert_eq!(needs.undeclared(), None, "{technique:?}");
             assert!(needs.list.iter().all(|need| !need.reason.is_empty()));
-            // Twin: whatever is not declared is missed.
+            // Negative control: whatever is not declared is missed.
             let mut forged = needs.clone();
             forged
                 .list
@@ -224,7 +224,7 @@ fn a_plain_fill_from_outside_holds_nothing_that_it_never_uses() {
             "{bits}"
         );
         assert!(need(&needs, Feature::CountBefore).pipelines > 0, "{name}");
-        // Twin: bottom caps, pipelines and bytes come with a variant that asks for them.
+        // Negative control: bottom caps, pipelines and bytes come with a variant that asks for them.
         let whole = with_switches(technique, Switches::default());
         let (with_bottoms, with_bottoms_made) = record(&targets, &devices, &outside, whole);
         let held = need(&with_bottoms, Feature::BottomCaps);
@@ -240,7 +240,7 @@ fn a_plain_fill_from_outside_holds_nothing_that_it_never_uses() {
             need(&with_bottoms, Feature::CountBehind).pipelines > 0,
             "{name}"
         );
-        // Twin: and with a view from inside a volume.
+        // Negative control: and with a view from inside a volume.
         let (from_inside, _) = record(&targets, &devices, &inside, technique);
         let held = need(&from_inside, Feature::BottomCaps);
         assert!(held.is_held, "{name}: {}", held.reason);
@@ -415,7 +415,7 @@ fn views_in_turn_show_what_a_backend_of_their_own_shows() {
                 );
             }
         }
-        // Twin: once more from inside, nothing is made that was not there.
+        // Negative control: once more from inside, nothing is made that was not there.
         backend.prepare(&views[1]).expect("fits");
         let again = counters(&backend.render(&views[1]).expect("draws"));
         if !matches!(technique, Technique::Compute(_)) {
@@ -461,7 +461,7 @@ fn every_rung_from_everything_to_what_is_needed_shows_the_same() {
                     rung.step
                 );
             }
-            // Twin: what is left out on the way was there.
+            // Negative control: what is left out on the way was there.
             let (first, last) = (bytes[0], bytes[bytes.len() - 1]);
             assert!(last < first / 2, "{}: {bytes:?}", technique.name());
         }

@@ -92,7 +92,7 @@ fn every_technique_fills_rightly_over_a_spiral_in_every_view() {
                 technique.name()
             );
             assert_eq!(found.mismatched_px_outside_band, 0);
-            // Twin: over the body itself, the same regions cover other pixels.
+            // Negative control: over the body itself, the same regions cover other pixels.
             let differs = |body: &Frame| figures(body, &frame).mismatched_px > 0;
             elsewhere += usize::from(on_the_body.as_ref().is_some_and(differs));
         }

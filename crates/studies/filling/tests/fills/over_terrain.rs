@@ -99,7 +99,7 @@ fn every_technique_fills_rightly_over_terrain_and_over_the_bare_body() {
         let hilly = [("grid", &terrain, true), ("tiles", &tiles, is_tiled)];
         for (name, scene, _) in hilly.into_iter().filter(|(_, _, is_seen)| *is_seen) {
             let judged = open.assert_right(&what(name), &look(scene, view, plan));
-            // Twin: over the bare body the same regions cover other pixels.
+            // Negative control: over the bare body the same regions cover other pixels.
             over_the_other += usize::from(!verdict(&figures(&on_bare, &judged)).is_pass());
         }
     }
@@ -207,7 +207,7 @@ fn facets_of_the_bare_body_cast_no_relief_and_mountains_do() {
         let coarse = picture("kind = \"ellipsoid\"\nrows = 45\n", technique);
         let share = share_apart(&coarse, &fine);
         assert!(share < 0.005, "{}: {share}", technique.name());
-        // Twin: terrain shows.
+        // Negative control: terrain shows.
         let share = share_apart(&picture(TERRAIN, technique), &fine);
         assert!(share > 0.1, "{}: {share}", technique.name());
     }

@@ -230,7 +230,7 @@ fn a_frame_like_the_one_before_hands_nothing_over() {
         let mut uploads = |input: &FillInput| counters(&draw_with(&mut *backend, input)).uploads;
         assert!(uploads(&inputs[0]) > 0);
         assert_eq!(uploads(&inputs[0]), 0, "{technique:?}");
-        // Twin: other parts are another view's constants, and where draws are merged another list.
+        // Negative control: other parts are another view's constants, and where draws are merged another list.
         let other = uploads(&inputs[1]);
         assert_eq!(
             other > 1,

@@ -130,7 +130,7 @@ fn rivals_are_planned_beside_the_techniques_and_may_be_wrong() {
                 .any(|case| !is_rival(&case) && !case.may_be_wrong)
         );
     }
-    // Twin: who names techniques gets those alone.
+    // Negative control: who names techniques gets those alone.
     assert_eq!(cases(&["vertex"]).iter().filter(is_rival).count(), 0);
 }
 
@@ -256,7 +256,7 @@ fn wrong_requests_are_refused_when_they_are_planned() {
         ),
         "{error}"
     );
-    // Twin: from a step that there is on, there are fewer rungs, numbered anew.
+    // Negative control: from a step that there is on, there are fewer rungs, numbered anew.
     let rungs = |wanted: &str| {
         let mut request = request(&["california"]);
         request.settings.extend([setting("ladder", wanted)]);
@@ -275,7 +275,7 @@ fn wrong_requests_are_refused_when_they_are_planned() {
             refused(&wrong),
             format!("--{key}: found \"planet-134\", allowed: california, none")
         );
-        // Twin: of no scene at all.
+        // Negative control: of no scene at all.
         wrong.settings.extend([setting(key, "none")]);
         assert_eq!(
             planned(&wrong).run_plan(),
@@ -494,7 +494,7 @@ fn cap_steps_are_swept_in_cases_of_their_own() {
         errors.all(|case| case.may_be_wrong),
         "its error is the question"
     );
-    // Twin: a quick run sweeps nothing.
+    // Negative control: a quick run sweeps nothing.
     let quick = drawn_cases(Depth::Quick);
     assert!(!quick.is_empty());
     assert!(
@@ -566,7 +566,7 @@ fn every_switch_is_a_column_and_tells_cases_apart_without_their_variant() {
     // A rung's number and name are no switches.
     let ignored = ["variant", "rung", "step", "needs-rung", "needs-step"];
     assert_eq!(confused(&cases, &ignored), [""; 0]);
-    // Twin: without a switch's column two cases are one.
+    // Negative control: without a switch's column two cases are one.
     for switch in ["depth-rule", "walls", "positions", "horizon-culling"] {
         let without = [&ignored[..], &[switch]].concat();
         assert!(!confused(&cases, &without).is_empty(), "{switch}");
@@ -746,7 +746,7 @@ fn an_approximate_fill_is_timed_never_right_and_no_failure() {
     let ended = terrafill_study::RunOutcome::of(folder.path()).expect("a run");
     assert_eq!((ended.wrong, ended.failed), (0, 0));
     assert!(ended.wrong_on_purpose >= 15, "{ended:?}");
-    // Twin: volumes have to be right, and a wrong picture of theirs would end the run so.
+    // Negative control: volumes have to be right, and a wrong picture of theirs would end the run so.
     for case in of("vertex") {
         let swept = case.condition("role").contains("sweep");
         assert!(swept || !case.planned.may_be_wrong, "{}", case.id());

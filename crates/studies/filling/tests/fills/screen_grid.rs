@@ -237,7 +237,7 @@ fn what_no_triangle_covers_is_sky_and_stays_so() {
         // At most a pixel's rounding along the square's edges.
         let beside = coloured(&frame);
         assert!(beside <= 4, "{}: {beside}", technique.name());
-        // Twin: over a grid that covers the disc the same pixels are filled.
+        // Negative control: over a grid that covers the disc the same pixels are filled.
         assert!(coloured(&open.draw(technique, &fine)) > 500);
     }
 }

@@ -65,7 +65,7 @@ fn the_second_unchanged_frame_makes_and_uploads_nothing() {
             let [buffers, pipelines, uploads] = frame(&input);
             assert!(buffers >= 3 && pipelines >= 2 && uploads >= 2, "{name}");
             assert_eq!(frame(&input), [0, 0, 0], "{name}");
-            // Twin: another view writes its constants, into the buffer there is.
+            // Negative control: another view writes its constants, into the buffer there is.
             assert_eq!(frame(&nearer), [0, 0, 1], "{name}");
             assert_eq!(frame(&nearer), [0, 0, 0], "{name}");
             // Nor does anything beside the fill: the device saw no work at all, surface included.
@@ -114,7 +114,7 @@ fn another_view_of_a_surface_writes_its_vertices_and_makes_nothing() {
         assert_eq!((work.buffer_creations, work.uploads), (own, 2));
         assert!((1..=1024).contains(&(work.upload_bytes - vertex_bytes)));
     }
-    // Twins: another surface is handed over whole, and what is drawn does not depend on what was there.
+    // Negative controls: another surface is handed over whole, and what is drawn does not depend on what was there.
     let (work, afresh) = done(&seen_from(&finer, 2e6), &nearer);
     let made = work.map(|work| (work.buffer_creations, work.uploads));
     assert_eq!(made, [(2, 3), (3, 3)]);
@@ -153,7 +153,7 @@ fn blocks_of_the_surface_that_a_view_leaves_out_change_no_pixel() {
         assert!(left_out > least_left_out, "{place:?}: {left_out}");
         let whole = drawn(&input);
         assert!(by_blocks == whole, "{place:?}");
-        // Twin: without some of what it shows it differs.
+        // Negative control: without some of what it shows it differs.
         let mut lacking = shown.to_vec();
         lacking.remove(shown.len() / 2);
         input.surface.shown = Some(lacking.into());
@@ -263,7 +263,7 @@ fn every_fragment_of_the_stencil_work_is_counted() {
         // Two caps, both larger than the filled area by the walls' height, and the walls.
         assert!((2.0..2.3).contains(&per_pixel), "{colour:?}: {per_pixel}");
     }
-    // Twins: inner walls add fragments, and without the bottom about half are left.
+    // Negative controls: inner walls add fragments, and without the bottom about half are left.
     let (all, _) = count(&input, Switches::default(), Layout::Doubled);
     let (per_triangle, _) = count(&input, Switches::default(), Layout::PerTriangle);
     assert!(per_triangle > all, "{per_triangle} {all}");
@@ -309,7 +309,7 @@ fn nothing_is_made_past_the_counters() {
             }
         }
     }
-    // Twin: where such calls are allowed they are found.
+    // Negative control: where such calls are allowed they are found.
     assert!(checked >= 4, "{checked}");
 }
 

@@ -126,7 +126,7 @@ fn a_picture_of_the_body_lies_where_its_places_are() {
         picture: Some(picture_of_normals(turned)),
         ..plain.clone()
     };
-    // Twin: five columns of 256 are 7°.
+    // Negative control: five columns of 256 are 7°.
     let (right, turned) = (with(0), with(5));
     for technique in [&VertexTechnique as &dyn Technique, &NativeTechnique] {
         for view in &views {

@@ -251,7 +251,7 @@ fn a_region_that_moves_uncovers_a_picture_that_lies_still() {
     // Half a texel of 512: the tolerance of a place.
     assert!(apart < 0.5 / 512.0, "{apart}");
     assert!(both > 100 && one > 100, "{both} {one}");
-    // Twin: a picture that lies over the region's extent moves with it.
+    // Negative control: a picture that lies over the region's extent moves with it.
     let (apart, ..) = compared(Some(TexturePlacement::Extents));
     assert!(apart > 0.1, "{apart}");
 }
@@ -572,7 +572,7 @@ fn a_plain_fill_knows_nothing_of_the_scenes_picture() {
             assert_eq!((with.0.texture_bytes, with.3), (0, None), "{colour:?}");
         }
     }
-    // Twin: the textured fill of the same scene costs memory, a buffer and other pipelines.
+    // Negative control: the textured fill of the same scene costs memory, a buffer and other pipelines.
     let chosen = switches("chosen", ColourWay::Xor);
     let input = look(&dressed, pose, 1e3, SIZE);
     let targets = targets(&gpu, &input);
@@ -660,7 +660,7 @@ fn native_shows_the_picture_that_vertex_shows_and_notices_another_anchor() {
     };
     let apart = largest(&by_native.picture(&input).expect("draws").rgba);
     assert!(apart <= 2, "{apart}");
-    // Twin: the picture a hundredth of a degree beside, 800 m where a texel is 700 m wide.
+    // Negative control: the picture a hundredth of a degree beside, 800 m where a texel is 700 m wide.
     let beside = at(12.11);
     let moved = draw(&mut *by_native, &beside);
     let errors = compare_texture(&reference, &moved).expect("comparable");
@@ -701,7 +701,7 @@ fn a_plain_fill_by_native_knows_nothing_of_the_scenes_picture() {
         let (with, without) = (plain(&dressed), plain(&bare));
         assert_eq!(with, without, "{technique:?}");
         assert_eq!((with.0.texture_bytes, with.3), (0, None), "{technique:?}");
-        // Twin: the textured fill costs memory and a buffer, and as many draws.
+        // Negative control: the textured fill costs memory and a buffer, and as many draws.
         let chosen = switches("chosen", ColourWay::Xor);
         let (memory, counters, ..) = used(&dressed, technique, chosen);
         let image_bytes = dressed.texture.as_ref().expect("a picture").image.bytes();
@@ -762,7 +762,7 @@ fn tables_are_read_by_native_as_by_vertex() {
         eprintln!("{route}: {found:e}");
         assert!(found < 1e-6, "{route}: {found:e}");
     }
-    // Twin: a table of fewer and coarser texels leads elsewhere.
+    // Negative control: a table of fewer and coarser texels leads elsewhere.
     assert!(farthest(TABLES[0], TABLES[1]) > 1e-6);
 }
 

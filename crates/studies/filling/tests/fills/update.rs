@@ -247,7 +247,7 @@ fn wrong_claims_are_refused_and_leave_what_is_prepared() {
         assert!(backend.time_frame(&input).is_err(), "{technique:?}");
         let frame = backend.render(&before).expect("still prepared");
         assert_eq!(frame.ids, old.ids, "{technique:?}");
-        // Twin: the right claim is taken, in any words.
+        // Negative control: the right claim is taken, in any words.
         backend.update(&input, &[1, 1]).expect("as it is");
         assert!(backend.render(&before).is_err(), "{technique:?}");
         assert_ne!(backend.render(&input).expect("updated").ids, old.ids);

@@ -225,7 +225,7 @@ fn pairs_of_switches_are_all_chosen() {
         let meet = |found: &String| name.iter().all(|part| found.contains(part));
         assert!(names.iter().any(meet), "{name:?}");
     }
-    // Twin: what does not go together is not among them.
+    // Negative control: what does not go together is not among them.
     assert!(
         !names
             .iter()

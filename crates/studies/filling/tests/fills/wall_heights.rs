@@ -84,7 +84,7 @@ fn walls_that_leave_out_what_facets_hang_by_are_too_high_and_the_picture_is_wron
         let taller = global.plan.regions[0].heights;
         assert!(verdict(&found(&global)).is_pass());
         assert!(taller.bottom_m < 10.0 * heights.bottom_m, "{taller:?}");
-        // Twin.
+        // Negative control.
         let bottom_m = hanging.plan.regions[0].heights.bottom_m;
         assert!(bottom_m > -311.0, "{bottom_m}");
         let wrong = found(&hanging);

@@ -91,7 +91,7 @@ fn bare_corners_are_those_that_pixels_show() {
             "{radius_px}: {found}, {bare}"
         );
     }
-    // Twins: none beyond the corner, all without a radius.
+    // Negative controls: none beyond the corner, all without a radius.
     assert_eq!(SCREEN.bare_area_px(1101.5), 0.0);
     assert!((SCREEN.bare_area_px(0.0) - 1920.0 * 1080.0).abs() < 1e-6);
 }

@@ -85,7 +85,7 @@ fn without_overshoot_it_takes_the_computed_frames_to_a_hundredth() {
         assert!(series.iter().all(|&x| x > -1e-12), "{delay} overshoots");
         let found = series.iter().position(|&x| x <= 0.01);
         assert_eq!(found, Some(frames), "{delay}");
-        // Twin: with more it does.
+        // Negative control: with more it does.
         let more = logarithmic(delay, 1.2 * stated, 1.0, 400);
         assert!(more.iter().any(|&x| x < -1e-6), "{delay}");
     }

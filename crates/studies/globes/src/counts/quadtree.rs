@@ -132,7 +132,7 @@ mod tests {
         let new = tree.update(counted, thresholds, 1);
         assert!(new.len() == 4 && new.iter().all(|node| node.1 / 2 == 1 && node.2 / 2 == 1));
         assert_eq!(tree.count(), 7);
-        // Twin: with nothing allowed nothing changes; below the lower threshold four merge.
+        // Negative control: with nothing allowed nothing changes; below the lower threshold four merge.
         assert!(tree.update(|_| Some(201.0), thresholds, 0).is_empty());
         assert_eq!(tree.update(|_| Some(49.0), thresholds, 9), [(1, 1, 1)]);
         assert_eq!(tree.update(|_| Some(49.0), thresholds, 9), [(0, 0, 0)]);

@@ -223,7 +223,7 @@ mod tests {
         let device = |a, b| BTreeMap::from([(nodes[0], a), (nodes[1], b)]);
         assert_eq!(rays.against(&device(32, 32)), (0, 0));
         assert_eq!(rays.against(&device(40, 24)), (8, 0));
-        // Twin: more than the edge has, and a node that was not counted.
+        // Negative control: more than the edge has, and a node that was not counted.
         assert_eq!(rays.against(&device(50, 32)), (18, 1));
         assert_eq!(rays.against(&BTreeMap::from([(nodes[0], 32)])), (32, 1));
     }

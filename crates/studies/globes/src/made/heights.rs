@@ -174,7 +174,7 @@ mod tests {
                 assert!((cube.height_m(beyond) - cube.height_m(d)).abs() < 1e-3);
             }
         }
-        // Twin: a sample of an edge that one face alone has otherwise.
+        // Negative control: a sample of an edge that one face alone has otherwise.
         let d = on_cube(0, [1.0, 0.25]);
         let OnFace { face, cell, .. } = cube.on_face(d);
         let number = (face * (side + 1) + cell[1]) * (side + 1) + side;

@@ -73,7 +73,7 @@ fn over_terrain_every_vertex_is_as_high_as_the_field_says() {
             assert!(off_m.abs() < 1e-4, "{work:?} {number}: {off_m}");
             highest_m = highest_m.max(place.height_m);
         }
-        // Twin: it is no bare body.
+        // Negative control: it is no bare body.
         assert!(highest_m > 50.0, "{work:?}: {highest_m}");
     }
 }
@@ -125,7 +125,7 @@ fn a_vertex_that_was_moved_is_found() {
         .map(|k| spiral.place(k).as_vec3().to_array())
         .collect();
     assert!(against(&eye, &spiral, &vertices).0 < 1e-4);
-    // Twins: 100 km off, and lost.
+    // Negative controls: 100 km off, and lost.
     vertices[7][0] += 1e5;
     assert!(against(&eye, &spiral, &vertices).0 > 0.5);
     vertices[7][0] = f32::NAN;

@@ -55,7 +55,7 @@ fn layers_are_their_functions_and_the_printed_faults_show() {
                 assert!(figure(&verdict, "globe_shade_px") > 500.0);
                 assert!(session.sample(case).is_ok());
             }
-            // Twin: night by the negated light is not night by the ramp.
+            // Negative control: night by the negated light is not night by the ramp.
             3 => {
                 let off = figure(&verdict, "globe_shade_max");
                 assert!(off > 0.2, "{off}");
@@ -95,7 +95,7 @@ fn a_lost_colour_is_counted_and_another_layer_is_seen() {
         "{}",
         worst(&right)
     );
-    // Twins: without clouds, and with a colour that is no number.
+    // Negative controls: without clouds, and with a colour that is no number.
     assert!(worst(&judge(&eye, &frame, Shading::default(), &picture(1))) > ALLOWED);
     let mut lost = picture(0);
     lost[40 * 20 + 20][1] = f32::NAN;

@@ -157,7 +157,7 @@ fn a_run_has_errors_times_and_a_chapter() {
         of_rays("globe_uncovered_px") + of_rays("globe_extra_px"),
         0.0
     );
-    // Twin: facets are told from it, and coarse ones from fine ones.
+    // Negative control: facets are told from it, and coarse ones from fine ones.
     let [coarse, fine] = ["45", "180"].map(|rows| value("ellipsoid", rows, "globe_px_max"));
     assert!(coarse > fine && fine > Some(of_rays("globe_px_p99")));
     assert_eq!(
@@ -203,6 +203,6 @@ fn a_surface_that_is_lost_or_drawn_otherwise_is_wrong() {
     };
     assert!(!standing(&lost, None).is_empty());
     assert!(standing(&Errors::default(), Some(1)).contains("1 pixels"));
-    // Twin: one that is not.
+    // Negative control: one that is not.
     assert_eq!(standing(&Errors::default(), Some(0)), "");
 }

@@ -150,7 +150,7 @@ mod tests {
                 assert!(!all[at + 1..].contains(one), "{one:?}");
             }
         }
-        // Twins: half a turn misses nothing, more does.
+        // Negative controls: half a turn misses nothing, more does.
         assert!(Seam::Split(0.7).may_miss() && !Seam::Split(0.5).may_miss());
     }
 }

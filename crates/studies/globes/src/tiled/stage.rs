@@ -364,7 +364,7 @@ mod tests {
                         assert!(session.sample(case).is_ok());
                     }
                 }
-                // Twin: with nobody, pixels beside the seam are wrong.
+                // Negative control: with nobody, pixels beside the seam are wrong.
                 Splitter::Nobody => assert_eq!(verdict.status, Status::Wrong),
                 _ => {}
             }

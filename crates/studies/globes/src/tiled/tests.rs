@@ -117,7 +117,7 @@ fn every_pixel_of_a_globe_shows_its_texel_and_the_seam_is_kept() {
         figure(&all[1], "globe_tile_draws"),
         figure(&all[1], "globe_tile_count")
     );
-    // Twin: with nothing done about the seam, pixels beside it are wrong.
+    // Negative control: with nothing done about the seam, pixels beside it are wrong.
     let never = &all[7];
     assert_eq!(never.status, Status::Wrong, "{}", never.reason);
     assert_eq!(
@@ -142,7 +142,7 @@ fn counted_from_the_eye_no_texel_is_lost_to_single_precision() {
     };
     let [local, absolute] = [0, 1].map(|at| figure(&all[at], "globe_tile_texels_p99"));
     assert!(local < 0.5, "{local}");
-    // Twin: by an absolute U the ground is a metre off.
+    // Negative control: by an absolute U the ground is a metre off.
     assert!(absolute > 10.0, "{absolute}");
 }
 

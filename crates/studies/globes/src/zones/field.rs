@@ -166,7 +166,7 @@ mod tests {
         levels[2 * ZONES + 2] = 0;
         let edge = |y: u32| field.drawn_m([2 * FINE_CELLS, 2 * FINE_CELLS + y], &levels);
         assert!((edge(3) - (edge(0) + 3.0 / 8.0 * (edge(8) - edge(0)))).abs() < 1e-9);
-        // Twin: within a zone at the finest level it does not.
+        // Negative control: within a zone at the finest level it does not.
         let inside = |y: u32| field.drawn_m([FINE_CELLS + 5, FINE_CELLS + y], &levels);
         assert!((inside(3) - (inside(0) + 3.0 / 8.0 * (inside(8) - inside(0)))).abs() > 0.01);
     }

@@ -252,7 +252,7 @@ mod tests {
         };
         let right = texels[63 * 64 + 32];
         assert_eq!(answer(blocks, &query, |_| 0), right);
-        // Twins: written anew, and another block.
+        // Negative controls: written anew, and another block.
         assert_ne!(answer(blocks, &query, |_| 1), right);
         let other = TexelQuery {
             block: [0, 1],

@@ -245,7 +245,7 @@ mod tests {
             assert_eq!(offset(name), at, "{name}");
         }
         assert_eq!(layout.stride as usize, size_of::<GroundConstants>());
-        // Twin: two members lie apart.
+        // Negative control: two members lie apart.
         assert_ne!(offset("row"), offset_of!(GroundConstants, height));
     }
 

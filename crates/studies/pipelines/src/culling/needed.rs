@@ -106,7 +106,7 @@ mod tests {
                 "{}: {missed:?}",
                 kind.name
             );
-            // Twin: the reference sees more than what is culled for.
+            // Negative control: the reference sees more than what is culled for.
             let wide = GridCamera {
                 tan_half: 1.1 * view.tan_half,
                 ..view

@@ -104,7 +104,7 @@ mod tests {
             [0, 1, 2, 3].map(|byte| bytes[offset + byte])
         };
         assert_eq!(u32::from_ne_bytes(at("count")), 3);
-        // Twin: another member.
+        // Negative control: another member.
         assert_ne!(u32::from_ne_bytes(at("weight")), 3);
         assert_eq!(f32::from_ne_bytes(at("weight")), 1.0 / 3.0);
     }

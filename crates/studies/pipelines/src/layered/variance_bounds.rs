@@ -107,7 +107,7 @@ mod tests {
             low <= share && share <= high && high - low < 1e-4,
             "{low} {share} {high}"
         );
-        // Twins: a tap more in shadow, and one that is off by a thousandth.
+        // Negative controls: a tap more in shadow, and one that is off by a thousandth.
         taps[20] = 0.7;
         assert!(!moments(&taps, 0.0)[1].allows(variance));
         assert!(!mean.allows(first + 1e-3));
@@ -120,7 +120,7 @@ mod tests {
         let [low, high] = light(&taps, 0.9, Moments::Published, Some(1e-7)).expect("decided");
         assert!(low > 0.99 && high >= 1.0, "{low} {high}");
         assert_eq!(light(&taps, 0.95, Moments::Published, None), Some([1.0; 2]));
-        // Twin: what is in shadow.
+        // Negative control: what is in shadow.
         let [_, high] = light(&taps, 0.3, Moments::Published, Some(1e-7)).expect("decided");
         assert!(high < 1e-4, "{high}");
     }

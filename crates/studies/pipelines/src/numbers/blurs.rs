@@ -80,7 +80,7 @@ fn the_integrals_are_those_of_many_moments() {
             );
         }
     }
-    // Twin: another place of the bar.
+    // Negative control: another place of the bar.
     let moved = Filter::Box.exact(20, 0.3) - Filter::Box.exact(20, 1.3);
     assert!(moved.abs() > 1e-2);
 }
@@ -92,7 +92,7 @@ fn errors_fall_by_one_order_of_points_and_two_of_boxes_at_middles() {
     assert!(near(slope(Filter::Point, Moments::Middle, few), -1.0));
     assert!(near(slope(Filter::Point, Moments::End, few), -1.0));
     assert!(near(slope(Filter::Box, Moments::Middle, many), -2.0));
-    // Twins: ends of parts lose the order, and random moments a half.
+    // Negative controls: ends of parts lose the order, and random moments a half.
     assert!(near(slope(Filter::Box, Moments::End, many), -1.0));
     assert!(near(slope(Filter::Point, Moments::Random, few), -0.5));
 }

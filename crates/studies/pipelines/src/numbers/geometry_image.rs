@@ -259,7 +259,7 @@ fn the_gradient_is_that_of_differences() {
             let difference = (above(place + axis * STEP).0 - height) / STEP;
             assert!((difference - gradient.dot(axis)).abs() < 1e-5, "{axis}");
         }
-        // Twin: half the gradient is noticed.
+        // Negative control: half the gradient is noticed.
         let difference = (above(place + DVec3::X * 1e-6).0 - height) / 1e-6;
         assert!((difference - 0.5 * gradient.x).abs() > 1e-3);
     }
@@ -288,7 +288,7 @@ fn errors_fall_to_a_quarter_and_the_fold_is_better() {
     assert!(gain >= 2.5, "{gain}");
     let gain = published.normal_rms_deg / fold.normal_rms_deg;
     assert!(gain > 3.0, "{gain}");
-    // Twin: the fold's cut in the other quarters is worse than none.
+    // Negative control: the fold's cut in the other quarters is worse than none.
     assert!(published.max_m > 1.5 * fold.max_m);
 }
 

@@ -245,7 +245,7 @@ fn noise_is_that_of_sums_near_one_and_goes_with_the_receiver_subtracted() {
         let subtracted = noise(Moments::FromReceiver, sigma);
         assert!(subtracted.relative_rms <= 2e-6, "{sigma}: {subtracted:?}");
         assert_eq!(subtracted.non_finite, 0);
-        // Twin: without it the bound is missed.
+        // Negative control: without it the bound is missed.
         assert!(noise(Moments::Published, sigma).relative_rms > 2e-6);
     }
 }
@@ -259,7 +259,7 @@ fn a_lit_plane_has_black_pixels_without_a_floor() {
         (floored.dark, floored.outside, floored.non_finite),
         (0.0, 0.0, 0)
     );
-    // Twin: what is in shadow stays dark under that floor.
+    // Negative control: what is in shadow stays dark under that floor.
     let occluded = light(&[0.5; TAPS], 0.9, Moments::Published, 1e-7);
     assert!(occluded < 1e-5, "{occluded}");
 }
@@ -273,7 +273,7 @@ fn light_bleeds_as_the_formula_says() {
             "{gaps}: {found} {most}"
         );
     }
-    // Twin: nothing bleeds without a second occluder.
+    // Negative control: nothing bleeds without a second occluder.
     assert!(bleeding(0.0) <= 0.0);
 }
 
@@ -283,7 +283,7 @@ fn a_map_misses_a_quarter_of_a_texel_along_the_edge() {
         let shadow = hard_shadow(texels, 0.0);
         assert!((shadow.area_share - 0.244).abs() < 0.01, "{shadow:?}");
         assert!(shadow.deviation_texels <= 0.71, "{shadow:?}");
-        // Twin: a map that is half a texel aside.
+        // Negative control: a map that is half a texel aside.
         assert!(hard_shadow(texels, 0.5).area_share > 0.3);
     }
 }

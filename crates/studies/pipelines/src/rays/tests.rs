@@ -42,7 +42,7 @@ fn a_picture_is_right_by_its_own_rays_and_wrong_by_the_other_cut() {
     let judged = right.judge_triangles(&truth, &truth);
     assert_eq!((judged.mismatched, judged.in_band), (0, 0));
     assert!(judged.shown > 1_500, "{}", judged.shown);
-    // Twins: cells cut along the other diagonal, a height changed, a column aside.
+    // Negative controls: cells cut along the other diagonal, a height changed, a column aside.
     let other = rays(&grid, Cut::Other).picture();
     let judged = right.judge_triangles(&other, &truth);
     assert!(judged.mismatched > 500);
@@ -92,7 +92,7 @@ fn points_are_where_they_are_projected() {
     let judged = rays.judge_points(&numbers);
     assert_eq!((judged.mismatched, judged.in_band), (0, 0));
     assert!(judged.shown > 200, "{}", judged.shown);
-    // Twins: a pixel aside, a point left out.
+    // Negative controls: a pixel aside, a point left out.
     numbers.rotate_right(1);
     assert!(rays.judge_points(&numbers).mismatched > 200);
     numbers.rotate_left(1);

@@ -176,7 +176,7 @@ fn positions_count_where_a_plan_puts_the_anchor_and_the_middle_stands_beside() {
         table[0].cells[1].text.starts_with("5.00e-6 m"),
         "the worst region"
     );
-    // Twin: one region that is worse than the limit is enough.
+    // Negative control: one region that is worse than the limit is enough.
     let bad = found(2e-4).0;
     assert_eq!(
         [bad[0].standing, bad[1].standing],

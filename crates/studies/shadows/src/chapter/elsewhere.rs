@@ -171,7 +171,7 @@ mod tests {
             finding(&run, claim)
         };
         assert_eq!(standing(7.75), Some(Standing::Holds));
-        // Twin: 50 eyes of 400, there 22.
+        // Negative control: 50 eyes of 400, there 22.
         assert_eq!(standing(12.5), Some(Standing::DoesNotHold));
     }
 
@@ -191,7 +191,7 @@ mod tests {
             finding(&run, "Stencil writes are what another")
         };
         assert_eq!(standing(11.0), Some(Standing::Holds));
-        // Twin: hulls that go on under the sea.
+        // Negative control: hulls that go on under the sea.
         assert_eq!(standing(22.6), Some(Standing::DoesNotHold));
     }
 }

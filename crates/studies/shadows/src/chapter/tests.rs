@@ -52,7 +52,7 @@ fn claims_stand_and_fall_by_their_figures() {
         Some(Standing::DoesNotHold)
     );
     assert_eq!(finding(&cheap, "Closing volumes"), Some(Standing::Holds));
-    // Twin: the other way round.
+    // Negative control: the other way round.
     let dear = updates([12.0, 41.0, 12.0, 43.0]);
     assert_eq!(finding(&dear, "z-pass writes less"), Some(Standing::Holds));
     assert_eq!(
@@ -117,7 +117,7 @@ fn a_ladder_compares_each_step_with_the_last_that_was_drawn() {
         finding(&run, "Each step of the ladder")
     };
     assert_eq!(ladder(2.0), Some(Standing::Holds));
-    // Twin: slower than the step before, not than the first.
+    // Negative control: slower than the step before, not than the first.
     assert_eq!(ladder(5.0), Some(Standing::DoesNotHold));
 }
 

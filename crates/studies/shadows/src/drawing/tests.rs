@@ -112,7 +112,8 @@ fn beside_a_rim_a_lit_back_that_is_drawn_keeps_the_light_and_one_that_is_culled_
         let (Some(drawn), Some(culled)) = (of(true), of(false)) else {
             return;
         };
-        // Twin: 1/256 of a pixel beyond the rim the roof is drawn, and a rounding behind it the wall's cap.
+        // Negative control: 1/256 of a pixel beyond the rim the roof is drawn, and a rounding behind it the
+        // wall's cap.
         assert_eq!([drawn, culled], [0, 1], "{}", interface.name());
         // In channel 3 the wall is dark, and a side of the volume begins at the rim: no surface is there to be drawn.
         let all = scene.drawn_by(&Devices::default(), way).expect("drawn");

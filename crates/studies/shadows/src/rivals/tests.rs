@@ -57,10 +57,10 @@ fn rivals_have_the_reference_s_shadows_and_without_a_margin_those_of_themselves(
         eprintln!("{}: {:?}", rival.name(), own.wrong);
         assert_eq!(own.wrong.outside(), 0, "{}: {:?}", rival.name(), own.wrong);
         assert!(own.wrong.in_band < 100, "{}: {:?}", rival.name(), own.wrong);
-        // Twin: a lit face is in the shadow of itself.
+        // Negative control: a lit face is in the shadow of itself.
         let twin = asked(&scene, rival, 0.0).expect("as before").wrong;
         assert!(twin.false_dark > 20, "{}: {twin:?}", rival.name());
-        // Twin: a margin of many pixels loses shadows at their casters.
+        // Negative control: a margin of many pixels loses shadows at their casters.
         let twin = asked(&scene, rival, 64.0).expect("as before").wrong;
         assert!(twin.false_lit > 20, "{}: {twin:?}", rival.name());
     }

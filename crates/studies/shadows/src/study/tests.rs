@@ -407,7 +407,7 @@ fn what_is_timed_is_drawn_and_held_at_the_size_that_is_named() {
         assert_eq!(pictures[name], (320, 240), "{name}");
         assert!(figure(verdict, "shadow_timed_wrong_px") < 1.0, "{name}");
     }
-    // Twin: without a name there is one size, and no second picture to be wrong.
+    // Negative control: without a name there is one size, and no second picture to be wrong.
     let (all, pictures) = at(false);
     for (name, verdict) in all.iter().filter(|(name, all)| is_drawn(name, all, false)) {
         assert_eq!(pictures[name], (128, 96), "{name}");

@@ -286,7 +286,7 @@ fn by_size_no_cell_is_larger_than_its_share_of_the_distance() {
     // Cells half as large are four times as many, but for whole tiles at the edges.
     let ratio = counts[1] as f64 / counts[0] as f64;
     assert!((2.0..5.0).contains(&ratio), "{counts:?}");
-    // Twin: by the error on the screen, cells of smooth ground are larger.
+    // Negative control: by the error on the screen, cells of smooth ground are larger.
     tiles.cell_per_distance = None;
     let (worst, _) = worst_cell_share(&tiles, &camera([10.5, 46.5, 2e3], 30.0, -2.0));
     assert!(worst > 0.04, "{worst}");
@@ -336,7 +336,7 @@ fn every_point_drawn_lies_within_the_heights_of_its_view_and_of_all_views() {
                     "{here:?}: {}",
                     place.height_m
                 );
-                // Twin: the heights of a place beside do not hold it.
+                // Negative control: the heights of a place beside do not hold it.
                 let beside = Extent {
                     west_deg: longitude - 0.15,
                     east_deg: longitude - 0.15,
@@ -458,7 +458,7 @@ fn tiles_refine_step_by_step_to_the_same_frame_by_every_route() {
         assert_eq!(frame.triangles, wanted.triangles);
         assert_eq!(frame.parts, wanted.parts);
     }
-    // Twins: frames on the way differ, and by the other route more was there at first.
+    // Negative controls: frames on the way differ, and by the other route more was there at first.
     direct.forget();
     let (first, _) = direct.frame_now(&low, SIZE).expect("above");
     assert_ne!(first.vertices_rte, wanted.vertices_rte);
@@ -533,7 +533,7 @@ fn a_thread_makes_the_tiles_while_frames_are_drawn() {
     let [low, ..] = flight();
     let waiting = || tiles.frame_now(&low, SIZE).expect("above").1.waiting;
     assert!(waiting() > 0);
-    // Twin: nothing comes of itself.
+    // Negative control: nothing comes of itself.
     assert!(waiting() > 0);
     let background = InBackground::start(Arc::<Tiles>::clone(&tiles));
     let started = Instant::now();

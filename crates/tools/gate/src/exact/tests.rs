@@ -219,7 +219,7 @@ fn a_known_driver_fault_passes_against_itself_alone() {
     assert_eq!(verdict, Verdict::Regression, "{words:?}");
     assert!(words[0].contains("1 px lost"), "{words:?}");
     assert_eq!(sentences(&fault, &right).0, Verdict::Pass);
-    // Twin: one pixel more is wrong.
+    // Negative control: one pixel more is wrong.
     let wrong = ended(Status::Wrong);
     assert_eq!(sentences(&fault, &wrong).0, Verdict::Regression);
 }
@@ -256,7 +256,7 @@ fn another_driver_is_compared_by_what_no_driver_decides_and_never_passes() {
         (Verdict::Inconclusive, 1),
         "{found:?}"
     );
-    // Twins: a counter of the plan differs all the same, and one driver's pixels are compared.
+    // Negative controls: a counter of the plan differs all the same, and one driver's pixels are compared.
     let (verdict, _) = sentences(
         &on("Mesa 25", &FIGURES),
         &on("Mesa 26", &with("draws", 7.0)),

@@ -92,7 +92,7 @@ fn an_earlier_gate_balances_the_parts() {
     let of = |index| GateShard::new(shard(index), &scenes(&ALL), Some(&earlier));
     assert_eq!(of(1).expect("a part").scenes, ["a"]);
     assert_eq!(of(2).expect("a part").scenes, ["d", "c", "e", "b"]);
-    // Twin: without it the parts are as even in number as can be.
+    // Negative control: without it the parts are as even in number as can be.
     assert_eq!(part(1, 2, &ALL).expect("a part").scenes.len(), 3);
 }
 

@@ -241,7 +241,7 @@ fn processes_that_are_faster_the_later_they_start_raise_no_alarm() {
         [Pace::Slower, Pace::Faster].map(|pace| share(&paces, pace))
     };
     assert_eq!(called(false), [0.0, 0.0]);
-    // Twin: started in the order of their roles, the new program is the last and called faster.
+    // Negative control: started in the order of their roles, the new program is the last and called faster.
     let [slower, faster] = called(true);
     assert!(slower == 0.0 && faster > 0.02, "{slower} {faster}");
 }
@@ -301,7 +301,7 @@ fn each_of_a_block_starts_first_second_and_last_equally_often() {
     for first in [0, 1] {
         assert_eq!(orders(&mut (first..6).step_by(2)), [[1; 3]; 3]);
     }
-    // Twin: a block alone favours somebody.
+    // Negative control: a block alone favours somebody.
     assert_ne!(orders(&mut (0..1)), [[1; 3]; 3]);
 }
 
@@ -385,7 +385,7 @@ fn a_collapse_is_no_improvement() {
         let found = paces(&way, 7, 0.1, 3);
         let is_collapsed = |pace: &Pace| *pace == Pace::Collapsed;
         assert!(found.iter().all(is_collapsed), "{found:?}");
-        // Twin: a third less is an improvement.
+        // Negative control: a third less is an improvement.
         let found = paces(&way, 7, 0.67, 3);
         assert!(found.iter().all(|pace| *pace == Pace::Faster), "{found:?}");
     }
@@ -508,7 +508,7 @@ fn what_one_round_leaves_undecided_is_measured_on_while_the_budget_lasts() {
     let long = gate(600);
     assert_eq!(long.confirm.len(), 60);
     assert!(unknown(&long) < 40, "{}", unknown(&long));
-    // Twin: 25 blocks of three seconds, and time for one more.
+    // Negative control: 25 blocks of three seconds, and time for one more.
     let short = gate(75);
     assert_eq!(short.confirm.len(), 21);
     assert!(unknown(&short) > 60, "{}", unknown(&short));

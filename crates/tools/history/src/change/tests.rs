@@ -162,7 +162,7 @@ fn a_quiet_step_is_found_at_the_very_commit_and_named_once() {
         );
         assert_eq!(change.is_better, Some(false));
     }
-    // Twins: below the floor, too near an end, and too few commits.
+    // Negative controls: below the floor, too near an end, and too few commits.
     let values = |commits: usize, at: usize, factor: f64| -> Vec<f64> {
         (0..commits)
             .map(|place| 10.0 * wave(place) * if place < at { 1.0 } else { factor })
@@ -202,7 +202,7 @@ fn spikes_are_no_change() {
     let mut random = Random(5);
     let spike = |at: usize| if at == 17 || at == 30 { 3.0 } else { 1.0 };
     assert_eq!(changes(&[noisy(&mut random, "f/a", 40, spike)]).changes, []);
-    // Twin: as many in a row as a side needs, and with the level kept.
+    // Negative control: as many in a row as a side needs, and with the level kept.
     let step = |at: usize| if at >= 35 { 3.0 } else { 1.0 };
     assert_eq!(
         changes(&[noisy(&mut random, "f/a", 40, step)])
@@ -231,7 +231,7 @@ fn slow_drift_is_found_and_is_no_step() {
             "{percent}"
         );
     }
-    // Twin: a drift below the floor over all commits.
+    // Negative control: a drift below the floor over all commits.
     let slower = |at: usize| 1.0003_f64.powi(i32::try_from(at).expect("small"));
     assert_eq!(
         changes(&[noisy(&mut random, "f/a", 40, slower)]).changes,
@@ -298,7 +298,7 @@ fn a_lone_step_among_300_series_is_found() {
         let percent = found.finds_percent.expect("times");
         assert!((3.0..8.0).contains(&percent), "{percent}");
     }
-    // Twin: a step as large as the scatter is in the noise of one commit.
+    // Negative control: a step as large as the scatter is in the noise of one commit.
     assert_eq!(changes(&lone_step(&mut random, 12, 6, 1.015)).changes, []);
 }
 
@@ -319,7 +319,7 @@ fn a_shift_of_the_machine_is_taken_from_the_control_passes() {
             series(&format!("f/{case:02}"), Kind::Time, &values)
         })
         .collect();
-    // Twin: without controls the machine's shift is everybody's change.
+    // Negative control: without controls the machine's shift is everybody's change.
     assert!(changes(&all).changes.len() > 30);
     all[36..]
         .iter_mut()

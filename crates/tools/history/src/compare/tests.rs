@@ -102,7 +102,7 @@ fn times_stand_by_floor_noise_and_interval() {
         .map(|f| f.case.as_str())
         .collect();
     assert_eq!(fresh, ["filling/fresh"]);
-    // Twin: swapped operands swap slower and faster.
+    // Negative control: swapped operands swap slower and faster.
     let swapped = compared(&new, &base);
     assert_eq!(standing_of(&swapped, "slow"), TimeStanding::Faster);
     assert_eq!(standing_of(&swapped, "fast"), TimeStanding::Slower);
@@ -133,7 +133,7 @@ fn times_of_other_machines_are_not_compared() {
         sentences[0].contains("gpu \"gpu\" and \"another\""),
         "{sentences:?}"
     );
-    // Twin: a run of the same machine is.
+    // Negative control: a run of the same machine is.
     let same = run(folder.path(), "same", "gpu", &[("a", &[20.1; 5])]);
     assert_eq!(
         standing_of(&compared(&base, &same), "a"),

@@ -70,7 +70,7 @@ fn each_device_is_measured_by_its_own_control() {
     assert_eq!(ratios(0), [None, None]);
     assert_eq!(ratios(1), [Some(1.0), Some(1.0)]);
     assert_eq!(ratios(2), [Some(3.0), Some(0.6)]);
-    // Twin: without that control nothing has a ratio, and the reason is said.
+    // Negative control: without that control nothing has a ratio, and the reason is said.
     let table = by_device(&runs, "no-pass", &primary);
     assert!(matches!(
         &table.rows[2].cells[0],

@@ -130,7 +130,7 @@ fn the_conclusion_comes_first_and_commits_have_dates_subjects_and_links() {
         })
         .collect();
     assert_eq!(folded, ["filling/a, fill_cpu_ms by commit"]);
-    // Twin: where nothing changed, nothing alarms, and no commit is named.
+    // Negative control: where nothing changed, nothing alarms, and no commit is named.
     let quiet = crate::changes(&all[1..]);
     let page = history_page(&Trends {
         changes: &quiet,
@@ -160,7 +160,7 @@ fn most_times_at_one_commit_are_the_machines() {
         "{:?}",
         said(&some)
     );
-    // Twins: one alone, and few of many.
+    // Negative controls: one alone, and few of many.
     assert!(said(&some[1..]).is_empty());
     let quiet = [
         series("filling/d", &[5.0; 20]),

@@ -97,7 +97,7 @@ fn the_fingerprint_is_of_the_kind_of_machine() {
     };
     assert!(same(&|run| run.environment.options[1] = "seed=9".to_owned()));
     assert!(same(&|run| run.environment.os = "another kernel".to_owned()));
-    // Twins.
+    // Negative controls.
     assert!(!same(
         &|run| run.environment.driver_info = "Mesa 26".to_owned()
     ));
@@ -125,7 +125,7 @@ fn a_run_with_missing_cases_is_stored_with_what_is_missing_and_continued() {
         [Added::Continued]
     );
     assert!(entry(&store, 0).is_superseded && !entry(&store, 1).is_superseded);
-    // Twin: other times in the same second are another run, and both count.
+    // Negative control: other times in the same second are another run, and both count.
     let mut other = made_up(1);
     other
         .case(case_id("filling", "b", &[]))
@@ -198,7 +198,7 @@ fn series_follow_ancestry_and_leave_edited_sources_out() {
         .series(&overview, &primary, &["draws".to_owned()])
         .expect("readable");
     assert_eq!(only.len(), 1);
-    // Twin: without a repository the time of the run decides.
+    // Negative control: without a repository the time of the run decides.
     let (_folder, timed) = self::store(&[(record(&made_up(2)), None), (record(&made_up(1)), None)]);
     let overview = timed.overview().expect("readable");
     assert_eq!(
@@ -371,7 +371,7 @@ fn a_full_disk_stores_nothing_and_loses_nothing() {
     let error = store.add(&[(large.clone(), None)]).expect_err("full");
     assert!(matches!(error, HistoryError::Full { .. }), "{error}");
     assert_eq!(store.overview().expect("readable"), before);
-    // Twin: with room it is stored, also by who opens the file anew.
+    // Negative control: with room it is stored, also by who opens the file anew.
     drop(store);
     let mut store = Store::open(&folder.path().join("h.sqlite")).expect("whole");
     assert_eq!(store.add(&[(large, None)]).expect("room"), [Added::New]);
@@ -415,7 +415,7 @@ fn other_files_other_schemas_and_damage_are_refused_and_not_touched() {
     assert!(matches!(error, HistoryError::Damaged { .. }), "{error}");
     let missing = Store::open(&folder.path().join("none")).expect_err("no file");
     assert!(missing.to_string().contains("history add"), "{missing}");
-    // Twin.
+    // Negative control.
     assert!(Store::create_or_open(&path).is_ok());
 }
 
@@ -447,7 +447,7 @@ fn tables_carry_a_history_to_another_store() {
         export(&first, &tables).is_err(),
         "tables are not written over"
     );
-    // Twins: an edited value, a lost row, a column of another name, a case of no table.
+    // Negative controls: an edited value, a lost row, a column of another name, a case of no table.
     let figures = tables.join("figures.csv");
     let good = std::fs::read_to_string(&figures).expect("readable");
     let refused = |text: &str| {

@@ -363,7 +363,7 @@ fn old_names_of_options_still_work() {
     let old = plan("old", ["--backend", "vertex", "--frames", "1"]);
     let new = plan("new", ["--technique", "vertex", "--samples", "1"]);
     assert_eq!(old, new);
-    // Twin: another technique, and another number of samples.
+    // Negative control: another technique, and another number of samples.
     for (out, options) in [
         ("compute", ["--technique", "compute", "--samples", "1"]),
         ("two", ["--technique", "vertex", "--samples", "2"]),
@@ -518,7 +518,7 @@ fn shards_together_are_the_whole_run_and_nothing_less_is_merged() {
             );
         }
     }
-    // Twins: shards that were shared in two ways, and a run that says no durations.
+    // Negative controls: shards that were shared in two ways, and a run that says no durations.
     refused(&["one", "rest"], &["shard-by=duration"]);
     std::fs::remove_file(desk.path("whole/durations.csv")).expect("there");
     desk.run(&quick("none", &[&by[..], &["--shard", "1/2"]].concat()))
@@ -539,7 +539,7 @@ fn a_growth_sample_is_two_numbers_of_the_region_of_a_file() {
         matches!(numbers[..], [4.0, cpu_ms] if cpu_ms > 0.0),
         "{sample}"
     );
-    // Twins: no file, and one whose region crosses itself.
+    // Negative controls: no file, and one whose region crosses itself.
     desk.write(
         "bow-tie.geojson",
         square.replace("[1,1],[0,1]", "[0,1],[1,1]"),

@@ -147,7 +147,7 @@ fn no_verb_ends_well_when_its_output_was_not_written() {
         }
         let plain = ran(&mut command(&desk, line, &format!("plain-{index}")));
         assert!(!plain.stdout.is_empty(), "{line}: prints nothing");
-        // Twin: where it is written, the same command ends otherwise.
+        // Negative control: where it is written, the same command ends otherwise.
         assert!(says_what_was_not_written(&plain).is_err(), "{line}");
         let mut to_full = command(&desk, line, &format!("full-{index}"));
         says_what_was_not_written(&ran(to_full.stdout(full())))
@@ -194,7 +194,7 @@ fn pictures_and_folders_that_cannot_be_written_are_named() {
     assert!(!desk.path("a.png").exists(), "all files or none");
     desk.run(&["merge", "part", "--out", "square.geojson/folder"])
         .refused(&[&["square.geojson/folder"]]);
-    // Twin.
+    // Negative control.
     draw(&["/dev/null"]).succeeded();
     // Standard output as a file: a reader that closed it has seen enough.
     let words = [&render[..], &reference, &["/dev/stdout"]].concat();
@@ -219,7 +219,7 @@ fn an_error_that_cannot_be_printed_is_still_an_exit_code() {
             assert_eq!(ran.code, 2, "{line}");
         }
     }
-    // Twin: what has nothing to complain about ends well.
+    // Negative control: what has nothing to complain about ends well.
     assert_eq!(
         ran(command(&desk, "mesh r.geojson", "out").stderr(full())).code,
         0

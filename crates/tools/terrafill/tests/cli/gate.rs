@@ -333,7 +333,7 @@ fn programs_that_measure_nothing_that_counts_never_pass() {
             4,
             "nothing measured",
         ),
-        // Twin.
+        // Negative control.
         ("equal", String::new(), String::new(), 0, "PASS"),
     ];
     for (name, before, after, code, words) in cases {
@@ -404,7 +404,7 @@ fn times_are_taken_in_lock_step_and_by_turns_of_a_program_that_cannot() {
     let read: BTreeSet<&str> = read.lines().map(str::trim).collect();
     assert_eq!(read.len(), 1, "{read:?}");
 
-    // Twin: one that was built before.
+    // Negative control: one that was built before.
     let before = "case \" $* \" in *' --stepped '*) echo unexpected >&2; exit 2;; esac";
     altered(&desk, "old", before, "");
     let ran = timed(&desk, "./old", this, "turns", "1");
@@ -450,7 +450,7 @@ fn revisions_the_wrong_way_round_are_refused() {
     };
     of(&second, &first).refused(&[&["is a descendant of new", "the wrong way round"]]);
     of(&first, &first).refused(&[&["one program"]]);
-    // Twin.
+    // Negative control.
     if has_device() {
         let ran = of(&first, "HEAD");
         assert_eq!(ran.code, 0, "{}{}", ran.stdout, ran.stderr);
@@ -522,7 +522,7 @@ fn a_clone_without_the_base_and_a_base_that_is_not_found_are_refused() {
         crate::harness::ran(command.current_dir(desk.path("shallow")))
     };
     in_clone(&first).refused(&[&[&first, "shallow clone", "fetch-depth: 0"]]);
-    // Twin: in the whole repository the word is another one.
+    // Negative control: in the whole repository the word is another one.
     let whole = gate(&desk, &["square-10m", "--base", "no-such-revision"]);
     assert!(!whole.stderr.contains("shallow"), "{}", whole.stderr);
     whole.refused(&[&["no-such-revision"]]);
@@ -540,7 +540,7 @@ fn a_clone_without_the_base_and_a_base_that_is_not_found_are_refused() {
         crate::harness::ran(bash.current_dir(desk.path("shallow")))
     };
     by_script(&first).refused(&[&["no merge base", &first, "fetch-depth: 0"]]);
-    // Twin: one that is there is built.
+    // Negative control: one that is there is built.
     let built = by_script("HEAD");
     assert_eq!((built.code, built.stdout.as_str()), (9, "set up\n"));
 }
@@ -639,7 +639,7 @@ fn a_full_disk_is_no_pass() {
     assert_eq!(full.code, 6, "{}{}", full.stdout, full.stderr);
     assert!(full.stderr.contains("gate.md"), "{}", full.stderr);
     assert!(!desk.path("out/gate.json").exists());
-    // Twin.
+    // Negative control.
     assert_eq!(limited("unlimited").code, 0);
 }
 
@@ -699,7 +699,7 @@ fn regions_of_a_file_become_one_scene_that_both_programs_run() {
         return;
     }
     let desk = Desk::new();
-    twin(&desk);
+    repeat(&desk);
     let square = polygon(&rectangle(0.0, 0.01, 0.02, 0.03));
     desk.write("hoods.geojson", collection(&[("a", square)]));
     let twin = desk.path("twin").display().to_string();

@@ -217,7 +217,7 @@ pub(crate) fn techniques() -> Vec<String> {
 /// Names of those whose pictures have to be right.
 pub(crate) fn exact_techniques() -> Vec<String> {
     let exact = listed_techniques(|technique| technique["approximate"] == false);
-    // Twin: some are none of them.
+    // Negative control: some are none of them.
     assert!(exact.len() < techniques().len(), "{exact:?}");
     exact
 }

@@ -157,7 +157,7 @@ fn a_change_is_found_located_and_shown() {
     ] {
         assert!(plan.contains(&words), "{words}: {plan}");
     }
-    // Twins: without the repository, and another case.
+    // Negative controls: without the repository, and another case.
     let plan = history(&desk, &["bisect", CASE]).succeeded();
     assert!(
         plan.contains("git rev-list --reverse --ancestry-path"),
@@ -204,7 +204,7 @@ fn equal_work_changes_nothing_and_one_commit_is_nothing_measured() {
         none,
         format!("{CASE}: no change among the commits of the store\n")
     );
-    // Twin: a store of a single commit has nothing to compare.
+    // Negative control: a store of a single commit has nothing to compare.
     let add = [
         "add",
         "run-00",
@@ -304,7 +304,7 @@ fn a_full_disk_loses_nothing() {
     let list = history(&desk, &["list"]).succeeded();
     assert!(list.starts_with("2 runs"), "{list}");
     assert_eq!(desk.read("history.sqlite"), before);
-    // Twin: with room it is stored.
+    // Negative control: with room it is stored.
     let stored = add("unlimited");
     assert_eq!(stored.code, 0, "{}", stored.stderr);
     assert!(history(&desk, &["list"]).succeeded().starts_with("3 runs"));
@@ -542,7 +542,7 @@ fn old_commits_are_built_and_measured_and_only_what_lacks() {
         "{changes}"
     );
 
-    // Twins: bad input, and nothing but failures.
+    // Negative controls: bad input, and nothing but failures.
     run(&["backfill", "main"]).refused(&[&["\"main\"", "FROM..TO"]]);
     run(&["backfill", "nowhere..HEAD"]).refused(&[&["found no commit \"nowhere\""]]);
     run(&[&backfill[..], &["--out", "x"]].concat()).refused(&[&["--out: found among"]]);

@@ -254,7 +254,7 @@ fn a_run_that_is_told_to_stop_says_what_is_left_and_goes_on() {
         assert!(told.expect("kill").success());
         let output = child.wait_with_output().expect("a child");
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        // Twin: what SIGKILL ends has no exit code and says nothing, see `kill_when`.
+        // Negative control: what SIGKILL ends has no exit code and says nothing, see `kill_when`.
         assert_eq!(output.status.code(), Some(code), "{said}");
         let expected = format!("stopped by {name}: run keeps what was measured");
         assert!(said.contains(&expected), "{said}");
@@ -339,6 +339,6 @@ fn a_suite_that_is_told_to_stop_fails_no_case_and_leaves_nothing_that_goes_on_wr
             .count()
     };
     assert_eq!(of(Outcome::Failed), 0);
-    // Twin: there was more to do, and some of it was done.
+    // Negative control: there was more to do, and some of it was done.
     assert!(of(Outcome::Missing) > 0 && of(Outcome::Ok) > 0);
 }

@@ -71,7 +71,7 @@ fn every_column_of_the_points_comes_out_again() {
     // Cells that a row lacks at its end are empty ones.
     let text = locate(&desk, &["r.geojson"], "lon,lat,a,b\n1,41,x\n9,45.5\n");
     assert_eq!(text, "lon,lat,a,b,regions\n1,41,x,,0\n9,45.5,,,0;1\n");
-    // Twins: a cell without a column, and columns that would stand twice.
+    // Negative controls: a cell without a column, and columns that would stand twice.
     desk.write("points.csv", "lon,lat\n1,41\n1,41,x\n");
     let arguments = ["locate", "r.geojson", "--points", "points.csv"];
     desk.run(&arguments)
@@ -115,7 +115,7 @@ fn either_input_is_read_from_standard_input() {
         .refused(&[&["standard input: line 2, lat: found \"x\""]]);
     desk.run_with_input(&from_regions, "")
         .refused(&[&["standard input: the file is empty"]]);
-    // Twin: there is one standard input.
+    // Negative control: there is one standard input.
     desk.run_with_input(&["locate", "-", "--points", "-"], points)
         .refused(&[&["found - for both inputs, allowed: standard input for one of them"]]);
 }
@@ -225,7 +225,7 @@ fn overlapping_parts_are_refused_until_even_odd_is_asked_for() {
         assert_eq!(found(&text), ["0", "", ""], "{edges}");
         let listed = "repaired: feature 0 (over): 1 overlap of parts: filled by the even-odd rule";
         assert_eq!(repairs, [listed], "{edges}");
-        // Twin: parts that do not overlap are located without being asked twice.
+        // Negative control: parts that do not overlap are located without being asked twice.
         let arguments = ["apart.geojson", "--edges", edges];
         assert_eq!(found(&locate(&desk, &arguments, points)), ["0", "0", "0"]);
         // Nor is anything said of them when it is asked for.

@@ -358,7 +358,7 @@ fn a_part_inside_another_is_refused_until_even_odd_is_asked_for() {
     assert_area(&json["totals"]["area_m2"], frame);
     let listed = "1 overlap of parts: filled by the even-odd rule";
     assert_eq!(json["regions"][0]["warnings"], serde_json::json!([listed]));
-    // Twin: as a hole it is right as it is.
+    // Negative control: as a hole it is right as it is.
     write("hole.geojson", format!("[[{outer},{inner}]]"));
     let json = mesh(&desk, &["hole.geojson"]);
     assert_area(&json["totals"]["area_m2"], frame);
@@ -670,7 +670,7 @@ fn what_has_no_area_is_left_out_of_a_mixed_file_and_counted() {
     let warnings = json["warnings"].as_array().expect("a list");
     let said = warnings[1].as_str().expect("a text");
     assert!(said.starts_with("crs is \"urn:ogc:def:crs:EPSG::3857\"; coordinates are read as"));
-    // Twin: a file in which nothing has an area is refused.
+    // Negative control: a file in which nothing has an area is refused.
     let points = mixed().replace("Polygon", "LineString");
     desk.write("points.geojson", points);
     desk.run(&["mesh", "points.geojson"]).refused(&[&[
@@ -698,7 +698,7 @@ fn a_collection_of_nothing_is_no_error() {
         (ran.code, ran.stdout.as_str()),
         (0, "lon,lat,regions\n0,0,\n")
     );
-    // Twin: a list that is missing is not one of nothing.
+    // Negative control: a list that is missing is not one of nothing.
     desk.write("r.geojson", r#"{"type":"FeatureCollection"}"#);
     desk.run(&["mesh", "r.geojson"])
         .refused(&[&["no \"features\" in a FeatureCollection"]]);

@@ -228,7 +228,7 @@ fn the_script_finds_the_fastest_correct_technique_of_every_view() {
     assert!(script.status.success(), "{complaint}");
     for name in &fastest {
         assert!(has_row(&printed, name), "{name:?} is not in {printed}");
-        // Twin: another technique is not found.
+        // Negative control: another technique is not found.
         let mut other = name.clone();
         other[2] = "metal".to_owned();
         assert!(!has_row(&printed, &other));
@@ -258,7 +258,7 @@ fn the_table_of_features_counts_itself() {
     let head = text.replace('\n', " ");
     let counted = format!("has {yes} and lacks {}", all - yes);
     assert!(head.contains(&counted), "found {counted}");
-    // Twin: one answer turned.
+    // Negative control: one answer turned.
     let turned = text.replacen("| yes |", "| no |", 1);
     assert_eq!(features(&turned), (all, yes - 1));
 }

@@ -457,7 +457,7 @@ fn every_backend_writes_the_same_ids() {
         render(&desk, &["--technique", &technique, "--ids", "ids.png"]);
         assert!(desk.read("ids.png") == expected, "{technique}");
     }
-    // Twin: an edge moved by two pixels is another file.
+    // Negative control: an edge moved by two pixels is another file.
     desk.write_scene(
         "squares",
         &collection(&[
@@ -509,7 +509,7 @@ fn a_coarser_boundary_spares_every_backend_vertices() {
         let mismatches = found.iter().zip(&expected).filter(|(a, b)| a != b).count();
         // A disc of 10 pixels' radius has a rim of 65, which has moved by half of one at most.
         assert!(filled > 300 && mismatches <= 33, "{mismatches} of {filled}");
-        // Twin: where a thousandth of a pixel counts nothing is spared.
+        // Negative control: where a thousandth of a pixel counts nothing is spared.
         let (fine, found) = drawn(backend, &["--set", "boundary-lod-px=0.001"]);
         assert_eq!((fine, found), (full, expected), "{backend}");
     }
@@ -641,7 +641,7 @@ fn pictures_are_png_or_refused() {
         draw(more).refused(&[&[line]]);
     }
     assert_eq!(desk.names(), ["data", "squares.toml"]);
-    // Twin.
+    // Negative control.
     draw(&["--out", "A.PNG"]).succeeded();
     assert!(desk.read("A.PNG").starts_with(b"\x89PNG"));
     // Standard output takes one picture, and no file stays behind.
@@ -760,7 +760,7 @@ fn a_file_of_regions_is_drawn_as_large_as_fits() {
         ran.stderr
     );
     assert!(ran.stderr.starts_with("repaired: feature 0: 1 crossing"));
-    // Twins: what is no region cannot be fitted, and a view is none of a file's.
+    // Negative controls: what is no region cannot be fitted, and a view is none of a file's.
     desk.write(
         "none.geojson",
         r#"{"type":"FeatureCollection","features":[]}"#,

@@ -57,7 +57,7 @@ fn every_backend_renders_the_shipped_hills_rightly() {
         let frame = drawn(&desk, "hills", "horizon", backend);
         is_right(&reference, &frame).unwrap_or_else(|why| panic!("{backend}: {why}"));
     }
-    // Twin: another view is wrong.
+    // Negative control: another view is wrong.
     let other = drawn(&desk, "hills", "globe", "vertex");
     is_right(&reference, &other).expect_err("of another view");
 }

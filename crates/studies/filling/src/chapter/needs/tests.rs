@@ -176,7 +176,7 @@ fn bytes_that_no_feature_declares_are_an_alarm() {
     });
     let list = list.expect("which one");
     assert!(list.contains("400 bytes declared, 500 made"), "{list}");
-    // Twins: a pipeline; and a run that says nothing has no such section.
+    // Negative controls: a pipeline; and a run that says nothing has no such section.
     let mut forged = run();
     forged.cases[1].figure("made_pipelines", 9.0);
     let alarm = |block: &Block| matches!(block, Block::Alarm(_));

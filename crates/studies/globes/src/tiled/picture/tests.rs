@@ -65,7 +65,7 @@ fn a_pixel_of_another_colour_is_found() {
     let whole = levels(&picture)[0];
     let of = |colour: [u8; 4]| judge(&[None], (&[Shown::Texel(texel)], &[colour]), &tiles, &whole);
     assert_eq!((of(right).texels, of(right).wrong), (1, 0));
-    // Twins: one byte more, and a texel of no tile.
+    // Negative controls: one byte more, and a texel of no tile.
     assert_eq!(of([right[0] + 1, right[1], right[2], right[3]]).wrong, 1);
     let nothing = Texel {
         tile: Tile::Cap { is_south: true },

@@ -67,7 +67,7 @@ fn the_geometric_error_is_the_computed_one() {
         let found = published(height_m);
         assert!((found / expected - 1.0).abs() < 0.05, "{height_m} {found}");
     }
-    // Twin: a coarser spiral has another error.
+    // Negative control: a coarser spiral has another error.
     let ([coarse, _], _) = geometric_error(&Spiral::new(&sphere(), 24), 2e3, true);
     assert!(coarse / 0.17 > 2.0, "{coarse}");
 }

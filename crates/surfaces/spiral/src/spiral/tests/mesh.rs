@@ -38,7 +38,7 @@ fn every_edge_is_used_twice_but_those_of_the_rim() {
                 }
             }
         }
-        // Twins: vertex 0 on an edge, and vertices of their own for each turn.
+        // Negative controls: vertex 0 on an edge, and vertices of their own for each turn.
         let published = lay_out(steps, 17.3, Indices::Published);
         let found = open_edges(&published, Law::Exponential);
         let has_cracks = 360.0 % step_deg > 0.0;
@@ -98,7 +98,7 @@ fn duplicated_vertices_crack_where_the_step_does_not_divide_a_turn() {
         );
         assert!((found / here - 1.0).abs() < 0.02, "{step_deg}° {found}");
     }
-    // Twin: a step that divides one leaves none.
+    // Negative control: a step that divides one leaves none.
     assert!(crack_px(10.0) < 1e-9, "{}", crack_px(10.0));
 }
 
@@ -202,7 +202,7 @@ fn radii_run_from_the_inner_to_the_outer_one_and_no_turn_is_wider_than_stated() 
                 }
             }
         }
-        // Twin: the bound is not there for nothing.
+        // Negative control: the bound is not there for nothing.
         let width = |inner: f64, turns: f64| law.radius(1.0 / turns, inner, 1.0) - inner;
         let widest = (1..200).map(|at| {
             let octaves = f64::from(at) * 0.1;

@@ -96,7 +96,8 @@ fn every_ray_that_enters_the_body_below_the_lowest_facet_meets_the_mesh() {
             assert_eq!(missed, 0, "{place:?}");
         }
     }
-    // Twin: duplicated vertices with a step that does not divide a turn leave cracks, through which rays fall.
+    // Negative control: duplicated vertices with a step that does not divide a turn leave cracks, through
+    // which rays fall.
     let of_13 = Spiral {
         steps: Steps::new(13.0),
         ..Spiral::new(&body, 28)
@@ -110,8 +111,8 @@ fn every_ray_that_enters_the_body_below_the_lowest_facet_meets_the_mesh() {
         [&of_13, &cracked].map(|spiral| uncovered(spiral, &camera(&body, place, pitch))[1]);
     eprintln!("rays that fall through a step of 13°, indexed and duplicated: {fallen:?}");
     assert!(fallen[0] == 0 && fallen[1] > 0, "{fallen:?}");
-    // Twin: where the rim runs through the picture's corners, its chords cut them. Towards the horizon the
-    // facets hang deeper than chords cut.
+    // Negative control: where the rim runs through the picture's corners, its chords cut them. Towards the
+    // horizon the facets hang deeper than chords cut.
     let cut = Spiral {
         rim: Rim::Horizon,
         ..Spiral::new(&body, 12)
@@ -189,7 +190,7 @@ fn every_point_drawn_lies_within_the_heights_of_its_view_and_of_all_views() {
                     assert!(over(&here) > 0, "{here:?} lies in no part");
                 }
                 assert!(holds(frame.heights_over(&here, stated)), "{here:?}");
-                // Twin: the heights of a place farther in do not hold it.
+                // Negative control: the heights of a place farther in do not hold it.
                 let focus = spiral.body.ecef_to_geodetic(camera.eye_ecef);
                 let toward = |to: f64, at: f64| at + 0.5 * (to - at);
                 let [west, south] = [

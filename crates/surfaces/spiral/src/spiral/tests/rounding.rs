@@ -54,7 +54,7 @@ fn single_precision_moves_vertices_as_computed() {
         let [_, _, found] = rounding(Form::LocalSin2, height_m);
         assert!(found <= 1e-4, "{height_m} {found}");
     }
-    // Twins: the absolute forms are hundreds of pixels off at the ground.
+    // Negative controls: the absolute forms are hundreds of pixels off at the ground.
     assert!(rounding(Form::LonLat, 1.7)[2] > 200.0);
     assert!(rounding(Form::Hemisphere, 1.7)[2] > 100.0);
 }
