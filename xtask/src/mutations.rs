@@ -321,7 +321,7 @@ mod tests {
             let text = std::fs::read_to_string(root.join(mutation.file)).expect(mutation.file);
             let changed = mutated(mutation, &text).expect(mutation.name);
             assert_ne!(changed, text);
-            // Twin: where the text is gone, nothing is tried out.
+            // Negative control: where the text is gone, nothing is tried out.
             assert!(mutated(mutation, &changed.replace(mutation.from, "")).is_err());
         }
     }

@@ -401,7 +401,7 @@ mod tests {
         fill(&mut run, "vertex/wrong", [0.1, 10.0], |case| {
             case.ended(Status::Wrong, "9 pixels outside the band");
         });
-        let twin = run.cases[4].id.twin();
+        let twin = run.cases[4].id.repeat();
         run.case(twin)
             .timed("fill_cpu_ms", &[8.0, 8.08, 7.92, 8.0, 8.16]);
         run

@@ -702,7 +702,7 @@ fn regions_of_a_file_become_one_scene_that_both_programs_run() {
     repeat(&desk);
     let square = polygon(&rectangle(0.0, 0.01, 0.02, 0.03));
     desk.write("hoods.geojson", collection(&[("a", square)]));
-    let twin = desk.path("twin").display().to_string();
+    let same = desk.path("same").display().to_string();
     let options = [
         "--no-time",
         "--size",
@@ -712,7 +712,7 @@ fn regions_of_a_file_become_one_scene_that_both_programs_run() {
         "--out",
         "g",
     ];
-    let line = ["hoods.geojson", "--edges", "great-ellipse", "--base", &twin];
+    let line = ["hoods.geojson", "--edges", "great-ellipse", "--base", &same];
     let ran = gate(&desk, &[&line[..], &options].concat());
     assert_eq!(ran.code, 0, "{}{}", ran.stdout, ran.stderr);
     let report = desk.read_text("g/gate.json");
@@ -725,8 +725,8 @@ fn regions_of_a_file_become_one_scene_that_both_programs_run() {
     // What a scene says itself is refused, and a file that is not there.
     gate(
         &desk,
-        &["california", "--edges", "great-ellipse", "--base", &twin],
+        &["california", "--edges", "great-ellipse", "--base", &same],
     )
     .refused(&[&["--edges: found with a scene"]]);
-    gate(&desk, &["none.geojson", "--base", &twin]).refused(&[&["none.geojson", "no such file"]]);
+    gate(&desk, &["none.geojson", "--base", &same]).refused(&[&["none.geojson", "no such file"]]);
 }
