@@ -89,6 +89,18 @@ pub fn parse_regions_as(
     file: &str,
     reading: Reading,
 ) -> Result<Vec<Region>, RegionFileError> {
+    Ok(read_regions_as(bytes, file, reading)?.regions)
+}
+
+/// As [`parse_regions_as`], with what the reader warns of.
+///
+/// # Errors
+/// As there.
+pub fn read_regions_as(
+    bytes: &[u8],
+    file: &str,
+    reading: Reading,
+) -> Result<RegionFile, RegionFileError> {
     let read = read_region_file(bytes, file, reading)?;
     if read.regions.is_empty() {
         let mut reader = Reader::default();
@@ -100,7 +112,7 @@ pub fn parse_regions_as(
             warnings: read.warnings,
         });
     }
-    Ok(read.regions)
+    Ok(read)
 }
 
 const GEOMETRY_TYPES: &str = "Polygon, MultiPolygon or GeometryCollection";

@@ -37,7 +37,7 @@ pub use footprint::{
 };
 pub use geojson::{
     Reading, RegionFile, RegionFileError, RegionProblem, RegionProblemKind, parse_regions,
-    parse_regions_as, printable, read_region_file, wide_encoding,
+    parse_regions_as, printable, read_region_file, read_regions_as, wide_encoding,
 };
 pub use inside::{RingSide, SideChoice};
 pub use invariants::InvariantViolation;

@@ -5,7 +5,7 @@ use super::raw::RawImage;
 use crate::data::{Folders, Verified};
 use crate::scene::{FileRead, SurfaceFile};
 use crate::{DataNeed, RegionLoadError, SceneError};
-use terrafill_core::{Reading, Region, RegionFile, read_region_file};
+use terrafill_core::{Reading, Region, RegionFile, read_regions_as};
 
 /// A file that a surface is made from, checked.
 pub(super) enum SurfaceSource {
@@ -36,7 +36,7 @@ impl RegionSource {
         reading: Reading,
     ) -> Result<(Vec<Region>, Option<FileRead>), SceneError> {
         let read = |bytes: &[u8], file: &str| {
-            read_region_file(bytes, file, reading)
+            read_regions_as(bytes, file, reading)
                 .map_err(|error| SceneError::Regions(RegionLoadError::Invalid(error)))
         };
         let parse = |bytes: &[u8], file: &str| Ok((read(bytes, file)?.regions, None));

@@ -162,7 +162,7 @@ fn filling_that_is_killed_is_reported_and_resumed() {
     let others: [(&[&str], &str); 4] = [
         (&["--seed", "2"], "seed=2"),
         (&["--processes", "2"], "processes=2"),
-        (&["planet-134"], "scenes=california+planet-134"),
+        (&["square-200km"], "scenes=california+square-200km"),
         (&["--shard", "1/2"], "shard=1/2"),
     ];
     for (more, phrase) in others {
