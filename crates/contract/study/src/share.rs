@@ -92,7 +92,7 @@ mod tests {
             of_shard.map(|(_, seconds)| seconds).sum()
         };
         assert_eq!([load(1), load(2)], [100.0, 100.0]);
-        // Negative control: by turns the same groups end up uneven.
+        // Negative control: dealt out in turn, the same groups give uneven shards.
         let shards = Share::Turns.shards(&groups, 2);
         let first: f64 = shards
             .iter()

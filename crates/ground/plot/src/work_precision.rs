@@ -893,7 +893,7 @@ mod tests {
         }
         let named = |curve: &Curve| labels.iter().filter(|l| l.name == curve.name).count();
         assert!(plot.curves.iter().all(|curve| named(curve) >= 1));
-        // Negative control: beside their points, whatever stands there, they hide marks.
+        // Negative control: placed beside its point without a search, a label hides a mark.
         let naive = panel.points.iter().map(|placed| {
             let at = [placed.at[0] + 10.0, placed.at[1] - 10.0];
             Rectangle::around(at, 14.0, TEXT_PX)

@@ -13,6 +13,7 @@ use terrafill_vulkan::{
 };
 
 const POINTS: &str = "balls/points.wgsl";
+
 /// How balls are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum DrawCalls {

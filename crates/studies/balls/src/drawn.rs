@@ -108,9 +108,9 @@ struct DrawnSession<'a> {
     opened: BTreeMap<usize, Opened>,
 }
 
-/// What a case showed.
+/// What a case counted, and how its picture was judged.
 #[derive(Debug, Default)]
-struct BallErrors {
+struct BallOutcome {
     walk: Walk,
     /// Balls that ended elsewhere than when they were followed.
     strayed: usize,
@@ -123,7 +123,7 @@ struct BallErrors {
 }
 
 impl DrawnSession<'_> {
-    fn run(&mut self, case: usize) -> Result<BallErrors, DeviceError> {
+    fn run(&mut self, case: usize) -> Result<BallOutcome, DeviceError> {
         let DrawnBalls { ref cases, size } = self.group.work;
         let (way, drawn, count) = cases[case];
         let balls = self.terrain.balls(count);
@@ -148,11 +148,11 @@ impl DrawnSession<'_> {
             }
         };
         let ranges = drawn.ranges(count);
-        let mut found = BallErrors {
+        let mut found = BallOutcome {
             walk,
             strayed,
             draws: ranges.len(),
-            ..BallErrors::default()
+            ..BallOutcome::default()
         };
         if !ranges.is_empty() {
             let before = steps.uploaded();
@@ -182,7 +182,7 @@ impl DrawnSession<'_> {
     fn picture(
         &self,
         case: usize,
-        found: &BallErrors,
+        found: &BallOutcome,
     ) -> Result<Vec<(&'static str, String)>, StudyError> {
         let DrawnBalls { ref cases, size } = self.group.work;
         let (_, drawn, balls) = cases[case];
@@ -198,7 +198,7 @@ impl DrawnSession<'_> {
     }
 }
 
-impl BallErrors {
+impl BallOutcome {
     fn reason(&self) -> String {
         let Self {
             walk,
@@ -334,37 +334,37 @@ mod tests {
 
     #[test]
     fn whatever_is_wrong_is_said() {
-        let right = BallErrors {
+        let right = BallOutcome {
             judged: JudgedBalls {
                 mismatched: 0,
                 shown: 9,
             },
             draws: 1,
-            ..BallErrors::default()
+            ..BallOutcome::default()
         };
         assert_eq!(right.reason(), "");
-        let far = BallErrors {
+        let far = BallOutcome {
             walk: Walk {
                 step_m: 1.0,
                 ..Walk::default()
             },
-            ..BallErrors::default()
+            ..BallOutcome::default()
         };
         assert!(far.reason().contains("from f64"));
-        let strayed = BallErrors {
+        let strayed = BallOutcome {
             strayed: 2,
-            ..BallErrors::default()
+            ..BallOutcome::default()
         };
         assert!(strayed.reason().contains("2 balls end elsewhere"));
-        let sent = BallErrors {
+        let sent = BallOutcome {
             uploaded: 4,
-            ..BallErrors::default()
+            ..BallOutcome::default()
         };
         assert!(sent.reason().contains("4 bytes"));
-        let other = BallErrors {
+        let other = BallOutcome {
             differing: 1,
             draws: 2,
-            ..BallErrors::default()
+            ..BallOutcome::default()
         };
         assert!(other.reason().contains("1 pixels differ"));
     }

@@ -59,7 +59,7 @@ struct Work {
     transfers: usize,
 }
 
-/// All of it.
+/// All work on counts of vertices and pixels, as one group of cases.
 pub(crate) struct Counts {
     work: Vec<Work>,
     list: List,

@@ -100,15 +100,15 @@ pub(crate) fn height_fields(
     (fields, skipped)
 }
 
-/// All of it.
-pub(crate) struct GlobeParts {
+/// Globes whose vertices a device makes: the work of all cases, and the heights that they share.
+pub(crate) struct MadeGlobes {
     work: Vec<Work>,
     list: List,
     side_px: u32,
     fields: Vec<Arc<HeightCube>>,
 }
 
-impl GlobeParts {
+impl MadeGlobes {
     /// - `fields`: [`height_fields`]
     pub(crate) fn planned(
         list: &List,
@@ -224,7 +224,7 @@ impl GlobeParts {
 }
 
 struct MadePart<'a> {
-    group: &'a GlobeParts,
+    group: &'a MadeGlobes,
     context: Context<'a>,
     targets: Option<MadeTargets>,
     ready: BTreeMap<usize, MadeScene>,

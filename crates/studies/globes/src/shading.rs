@@ -68,7 +68,7 @@ struct Work {
     what: &'static str,
 }
 
-/// All of it.
+/// All work on shading, as one group of cases.
 pub(crate) struct Shadings {
     work: Vec<Work>,
     list: List,

@@ -3,7 +3,7 @@
 
 use crate::counts::Counts;
 use crate::list::{List, ViewRow};
-use crate::made::{GlobeParts, height_fields};
+use crate::made::{MadeGlobes, height_fields};
 use crate::metrics::METRICS;
 use crate::opened::Opened;
 use crate::shading::{self, Shadings};
@@ -104,7 +104,7 @@ impl Study for GlobesStudy {
         }
         let (fields, without) = height_fields(&opened, request.data_dir.as_deref());
         skipped.extend(without);
-        groups.push(Box::new(GlobeParts::planned(&list, sizes, fields)));
+        groups.push(Box::new(MadeGlobes::planned(&list, sizes, fields)));
         groups.push(Box::new(Counts::planned(&list, is_quick, sizes.1)));
         groups.push(Box::new(Zones::planned(is_quick, sizes.1)));
         Ok(Planned { groups, skipped })

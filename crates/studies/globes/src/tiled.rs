@@ -114,9 +114,9 @@ struct TiledPart<'a> {
     ready: BTreeMap<usize, Ready>,
 }
 
-/// What pixels of a picture are.
+/// How far a picture of tiles is off.
 #[derive(Debug, Clone, PartialEq, Default)]
-struct PixelKinds {
+struct TiledErrors {
     /// How far outside the texel shown each pixel's place is, by the triangles as drawn; those that hold a pole left
     /// out.
     drawn: Vec<f64>,
@@ -133,8 +133,8 @@ struct PixelKinds {
 /// Texels by which a pixel beside the seam may be off.
 const ALLOWED_TEXELS: f64 = 0.5;
 
-fn judge(truths: &[Option<Truth>], shown: &[Shown], by_fragment: bool) -> PixelKinds {
-    let mut found = PixelKinds::default();
+fn judge(truths: &[Option<Truth>], shown: &[Shown], by_fragment: bool) -> TiledErrors {
+    let mut found = TiledErrors::default();
     for (truth, shown) in truths.iter().zip(shown) {
         let Some(truth) = truth else { continue };
         let off = match shown {
@@ -239,7 +239,7 @@ fn grid(opened: &Opened, n: u32) -> Result<Arc<dyn Surface>, String> {
     opened.get(KIND, &parameters)
 }
 
-fn verdict(found: &PixelKinds, mesh: &MapMesh, scene: &MapScene, sent: u64) -> Verdict {
+fn verdict(found: &TiledErrors, mesh: &MapMesh, scene: &MapScene, sent: u64) -> Verdict {
     let tiles = scene.set.tiles.len();
     let mut figures = vec![
         ("globe_tile_px", found.drawn.len() as f64),

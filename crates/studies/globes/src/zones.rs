@@ -55,7 +55,7 @@ impl Work {
     }
 }
 
-/// All of it.
+/// All work on zones, as one group of cases.
 pub(crate) struct Zones {
     work: Vec<Work>,
 }

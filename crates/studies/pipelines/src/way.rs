@@ -53,7 +53,7 @@ pub(crate) enum Source {
     Stored,
 }
 
-/// A way.
+/// How the grid reaches the rasteriser: what the CPU sends, and which stages make triangles of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Submission {
     /// Points with their heights, from the CPU each frame.

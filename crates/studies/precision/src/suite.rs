@@ -28,11 +28,11 @@ pub(crate) struct Suite {
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Condition {
     /// A region, by its place in [`Suite::places`].
-    RegionPicture(usize),
+    Place(usize),
     /// An input where formulas break.
     Special(&'static special::Special),
     /// A view, by its place in [`Suite::sights`].
-    ProbeView(usize),
+    Sight(usize),
     /// Vertices of a region, from a distance.
     Vertex(vertex::Seen),
 }
@@ -59,9 +59,9 @@ impl Suite {
 
     /// Every condition.
     pub(crate) fn conditions(&self) -> Vec<Condition> {
-        let places = (0..self.places.len()).map(Condition::RegionPicture);
+        let places = (0..self.places.len()).map(Condition::Place);
         let specials = special::INPUTS.iter().map(Condition::Special);
-        let sights = (0..self.sights.len()).map(Condition::ProbeView);
+        let sights = (0..self.sights.len()).map(Condition::Sight);
         let vertices = vertex::conditions().map(Condition::Vertex);
         places
             .chain(specials)
@@ -76,11 +76,11 @@ impl Suite {
             self.routes.iter().map(identity).collect()
         };
         match condition {
-            Condition::RegionPicture(index) => {
+            Condition::Place(index) => {
                 of_routes(&|route| coordinate::identity(&self.places[*index], route))
             }
             Condition::Special(input) => of_routes(&|route| special::identity(input, route)),
-            Condition::ProbeView(index) => {
+            Condition::Sight(index) => {
                 let sight = &self.sights[*index];
                 let routes = PositionRoute::ALL.into_iter();
                 routes
@@ -105,14 +105,12 @@ impl Suite {
         kernels: &Kernels,
     ) -> Result<Vec<PrecisionRow>, StudyError> {
         match condition {
-            Condition::RegionPicture(index) => {
+            Condition::Place(index) => {
                 let (place, chosen) = (&self.places[*index], self.chosen[*index]);
                 coordinate::rows(place, chosen, self.points, kernels)
             }
             Condition::Special(input) => special::rows(input, kernels),
-            Condition::ProbeView(index) => {
-                position::rows(&self.sights[*index], self.points, kernels)
-            }
+            Condition::Sight(index) => position::rows(&self.sights[*index], self.points, kernels),
             Condition::Vertex(seen) => Ok(vertex::rows(*seen)),
         }
     }

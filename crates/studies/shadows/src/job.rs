@@ -49,7 +49,7 @@ pub(crate) enum Job {
     Map([f64; 2], f64, Bias),
     DeviceMap([f64; 2], f64, Bias),
     Rival([f64; 2], Rival),
-    DeckCamera([f64; 2], Place, Chooser),
+    View([f64; 2], Place, Chooser),
     Rung([f64; 2], Rung),
 }
 

@@ -286,7 +286,7 @@ pub(crate) fn questions(
         let of = |texel, bias| Job::DeviceMap(*sun, texel, bias);
         cross(texels, &Bias::DRAWN, of)
     });
-    let of_place = |place, chooser| Job::DeckCamera(LOW_SUN, place, chooser);
+    let of_place = |place, chooser| Job::View(LOW_SUN, place, chooser);
     let of_boxes = |is_edge_on, way| Job::Facing(FACING_SUN, is_edge_on, way);
     let seen = |way, (sun, eyes)| Job::Origin(sun, eyes, way);
     let all: [Vec<Job>; 20] = [

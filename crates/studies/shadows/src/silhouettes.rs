@@ -26,7 +26,7 @@ impl Scene {
         &self,
         way: DeviceWay,
         volume: &Volume,
-    ) -> Result<Option<SilhouetteEdges>, Failure> {
+    ) -> Result<Option<DeviceVolume>, Failure> {
         let source = match way.silhouettes {
             Silhouettes::Adjacency | Silhouettes::EachTriangle => return Ok(None),
             Silhouettes::Pulled => VolumeSource::Pulled(self.pieces(false)?),
@@ -39,7 +39,7 @@ impl Scene {
             }),
             Silhouettes::Geometry(by) => VolumeSource::Adjacent(self.adjacent(by)?),
         };
-        Ok(Some(SilhouetteEdges {
+        Ok(Some(DeviceVolume {
             way,
             source,
             volume: volume.clone(),
@@ -185,7 +185,7 @@ impl Scene {
     }
 
     /// The same as this eye has it.
-    pub(crate) fn seen_from(&self, view: &DeckCamera, found: &SilhouetteEdges) -> VolumeSource {
+    pub(crate) fn seen_from(&self, view: &DeckCamera, found: &DeviceVolume) -> VolumeSource {
         let away = (-self.to_light).as_vec3();
         let places = self.mesh().vertices.iter();
         let places = places.map(|place| (place - view.eye).as_vec3());
@@ -234,8 +234,8 @@ impl Scene {
     }
 }
 
-/// What [`Scene::found_by`] gives.
-pub(crate) struct SilhouetteEdges {
+/// A volume as a device made it, with the way and the source.
+pub(crate) struct DeviceVolume {
     way: DeviceWay,
     source: VolumeSource,
     volume: Volume,

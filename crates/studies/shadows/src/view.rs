@@ -14,7 +14,7 @@ const EYES_SEED: u64 = 400;
 /// Pixels of what an eye on deck sees.
 pub(crate) const EYE_SIZE: [u32; 2] = [200, 150];
 
-/// A camera.
+/// A camera on the bridge, on deck, or made up by a test.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DeckCamera {
     pub(crate) eye: DVec3,

@@ -89,7 +89,7 @@ pub(crate) struct Scene {
     timed: OnceCell<Option<Box<Self>>>,
 }
 
-/// What a way of drawing came to, over all channels.
+/// Figures of one way of drawing, summed over all channels.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ChannelTotals {
     pub(crate) wrong: Wrong,

@@ -578,7 +578,7 @@ mod tests {
         // Where it is, and a turn to the west.
         assert_eq!(corners.len(), 6);
         assert!(corners.iter().all(|corner| corner.id == 7));
-        // Negative control: one that does not cross stands there once.
+        // Negative control: a triangle that does not cross is pushed once.
         let mut corners = Vec::new();
         push(
             &mut corners,

@@ -159,7 +159,7 @@ pub(crate) fn needs_of(
     }
 }
 
-/// What reasons are made from.
+/// What the reasons of features are made from.
 struct NeedReasons<'a> {
     input: &'a FillInput,
     switches: &'a Switches,

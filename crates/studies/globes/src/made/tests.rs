@@ -53,7 +53,7 @@ fn every_vertex_lies_on_the_body_and_every_edge_is_shared() {
 
 #[test]
 fn over_terrain_every_vertex_is_as_high_as_the_field_says() {
-    let made = GlobeParts::planned(&List::shipped().expect("a list"), (160, 1), fields());
+    let made = MadeGlobes::planned(&List::shipped().expect("a list"), (160, 1), fields());
     let field = &made.work.fields[0];
     assert!(field.highest_m > 3000.0 && field.bytes() == 4 * 6 * 257 * 257);
     for work in made.work.work.iter().filter(|work| work.terrain.is_some()) {
@@ -85,7 +85,7 @@ fn devices_make_the_vertices_of_f64_and_both_stages_the_same() {
         return;
     }
     let list = List::shipped().expect("a list");
-    let made = GlobeParts::planned(&list, (160, 1), fields());
+    let made = MadeGlobes::planned(&list, (160, 1), fields());
     let folder = tempfile::tempdir().expect("a folder");
     let context = Context {
         devices: &devices,

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use terrafill_reference::SurfaceTriangles;
 use terrafill_surface::SurfaceFrame;
 
-/// What a picture's colours are.
+/// How far a shaded picture is from the functions, channels as numbers.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct ShadingErrors {
     /// Of each compared pixel, the largest channel's difference from the functions.

@@ -157,7 +157,7 @@ fn a_run_has_errors_times_and_a_chapter() {
         of_rays("globe_uncovered_px") + of_rays("globe_extra_px"),
         0.0
     );
-    // Negative control: facets are told from it, and coarse ones from fine ones.
+    // Negative control: facets differ from rays, and coarse facets more than fine ones.
     let [coarse, fine] = ["45", "180"].map(|rows| value("ellipsoid", rows, "globe_px_max"));
     assert!(coarse > fine && fine > Some(of_rays("globe_px_p99")));
     assert_eq!(

@@ -152,9 +152,9 @@ fn levels(picture: &MipChain) -> Vec<PictureLevel<'_>> {
         .collect()
 }
 
-/// What colours of a picture are.
+/// How far the colours of a picture are off.
 #[derive(Debug, Clone, PartialEq, Default)]
-struct ColourKinds {
+struct ColourErrors {
     /// Pixels that show a texel.
     texels: usize,
     /// Of them, those that have another colour than the texel.
@@ -174,8 +174,8 @@ fn judge(
     (shown, colours): (&[Shown], &[[u8; 4]]),
     tiles: &BTreeMap<Tile, Vec<u8>>,
     whole: &PictureLevel<'_>,
-) -> ColourKinds {
-    let mut found = ColourKinds::default();
+) -> ColourErrors {
+    let mut found = ColourErrors::default();
     for ((truth, shown), colour) in truths.iter().zip(shown).zip(colours) {
         let Shown::Texel(texel) = shown else { continue };
         found.texels += 1;

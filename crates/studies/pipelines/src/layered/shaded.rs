@@ -75,7 +75,7 @@ struct ShadedConstants {
     padding: [u32; 2],
 }
 
-/// What a picture showed.
+/// What is wrong in a shaded picture.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct LayerErrors {
     /// Texels of maps that are not what rays along the light meet, and pixels that no rounding explains.

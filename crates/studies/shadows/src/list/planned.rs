@@ -88,7 +88,7 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
             let conditions = vec![under(sun), is(TEXEL_M, texel), is(BIAS, bias.name())];
             (question, conditions, true)
         }
-        Job::DeckCamera(sun, place, chooser) => (
+        Job::View(sun, place, chooser) => (
             "views",
             vec![under(sun), is(VIEW, place.name()), is(RULE, chooser.name())],
             matches!(

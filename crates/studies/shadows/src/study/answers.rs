@@ -129,7 +129,7 @@ impl Answering<'_> {
                 let drawn = scene.drawn_within(rule, BOUNDS_SHARE)?;
                 Ok(drawn_verdict(scene, &drawn))
             }
-            Job::DeckCamera(sun, place, chooser) => {
+            Job::View(sun, place, chooser) => {
                 let make = || Scene::of_place(place, sun, size);
                 let scene = self.scene(place.name(), make)?;
                 let drawn = scene.drawn_chosen(chooser)?;
