@@ -77,6 +77,16 @@ pub trait FillBackend {
     /// [`DeviceError::NotPrepared`], or whatever the device reports.
     fn render(&mut self, input: &FillInput) -> Result<Frame, DeviceError>;
 
+    /// The frame of [`FillBackend::render`] for who looks at its picture and at what a frame hands over. It
+    /// may lack the counts that take draws of their own, such as of fragments, and lie over the surface that
+    /// is there already.
+    ///
+    /// # Errors
+    /// As [`FillBackend::render`].
+    fn render_uncounted(&mut self, input: &FillInput) -> Result<Frame, DeviceError> {
+        self.render(input)
+    }
+
     /// Draws the frame in the regions' own colours, or a textured fill in its picture's, over the
     /// shaded surface.
     ///

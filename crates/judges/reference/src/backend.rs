@@ -77,31 +77,34 @@ impl ReferenceBackend {
     /// # Errors
     /// [`DeviceError::Unsupported`] when a region leaves open what is inside it.
     pub fn judge(&self, input: &FillInput) -> Result<ReferenceFrame, DeviceError> {
+        Ok(self.judge_in(input, &self.scene(input)?))
+    }
+
+    /// The same by what [`ReferenceBackend::scene`] made of `input`.
+    #[must_use]
+    pub fn judge_in(&self, input: &FillInput, scene: &ReferenceScene) -> ReferenceFrame {
         let texturing = if self.is_textured {
             Texturing::new(input)
         } else {
             None
         };
-        let surface = self.surface(input);
-        let locator = self.locator(input)?;
-        let judged = judge_on(input, &locator, &surface, texturing.as_ref());
-        Ok(ReferenceFrame {
+        let judged = judge_on(input, scene, texturing.as_ref());
+        ReferenceFrame {
             moved_px_true: if self.is_on_body {
                 None
             } else {
-                moved_px_true(input, &surface, &judged.frame.ids)
+                moved_px_true(input, &scene.surface, &judged.frame.ids)
             },
             ..judged
-        })
+        }
     }
 
-    /// Looks at `input` between the centres of pixels.
+    /// Rings and rays of `input`, ready to be asked.
     ///
     /// # Errors
-    /// As [`ReferenceBackend::judge`].
-    pub fn look_closely<'a>(&self, input: &'a FillInput) -> Result<CloseLook<'a>, DeviceError> {
-        Ok(CloseLook {
-            input,
+    /// [`DeviceError::Unsupported`] when a region leaves open what is inside it.
+    pub fn scene(&self, input: &FillInput) -> Result<ReferenceScene, DeviceError> {
+        Ok(ReferenceScene {
             locator: self.locator(input)?,
             surface: self.surface(input),
         })
@@ -126,15 +129,27 @@ impl ReferenceBackend {
     }
 }
 
-/// What a view shows at any place of the image, not only where pixels have their centres.
+/// The rings of an input and the triangles that its rays meet.
 #[derive(Debug)]
-pub struct CloseLook<'a> {
-    input: &'a FillInput,
+pub struct ReferenceScene {
     locator: Locator,
     surface: SurfaceTriangles,
 }
 
-impl CloseLook<'_> {
+/// What a view shows at any place of the image, not only where pixels have their centres.
+#[derive(Debug)]
+pub struct CloseLook<'a> {
+    input: &'a FillInput,
+    scene: &'a ReferenceScene,
+}
+
+impl<'a> CloseLook<'a> {
+    /// - `scene`: what [`ReferenceBackend::scene`] made of `input`
+    #[must_use]
+    pub fn new(input: &'a FillInput, scene: &'a ReferenceScene) -> Self {
+        Self { input, scene }
+    }
+
     /// Ids, those of no region among them, within `radius_px` columns and rows of a pixel's centre, as
     /// far as places [`PLACES_PER_PX`] to a pixel show them.
     #[must_use]
@@ -161,13 +176,20 @@ impl CloseLook<'_> {
         let width = input.size.width.max(1) as usize;
         let place = [pixel % width, pixel / width].map(|at| at as f64 + 0.5);
         let ray = input.camera.direction_ecef(input.size, place);
-        let Some(depth) = self.surface.hit(ray, input.camera.near_m) else {
+        let Some(depth) = self.scene.surface.hit(ray, input.camera.near_m) else {
             return BTreeSet::new();
         };
         let hit_ecef = input.camera.eye_ecef + ray * depth;
         let reach_m = reach * (ray * depth).length();
         let id_beside = |offset: DVec3| {
-            judge_place(input, &self.locator, None, (ray, depth), hit_ecef + offset).id
+            judge_place(
+                input,
+                &self.scene.locator,
+                None,
+                (ray, depth),
+                hit_ecef + offset,
+            )
+            .id
         };
         let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * reach_m);
         let steps = axes.into_iter().flat_map(|step| [step, -step]);
@@ -184,7 +206,7 @@ impl CloseLook<'_> {
     #[must_use]
     pub fn id_at(&self, place: [f64; 2]) -> u32 {
         let direction = self.input.camera.direction_ecef(self.input.size, place);
-        judge_direction(self.input, &self.locator, &self.surface, None, direction).id
+        judge_direction(self.input, self.scene, None, direction).id
     }
 }
 
@@ -243,21 +265,16 @@ impl Blend {
 #[cfg(test)]
 pub(crate) fn judge(
     input: &FillInput,
-    locator: &Locator,
+    locator: Locator,
     texturing: Option<&Texturing<'_>>,
 ) -> ReferenceFrame {
-    judge_on(
-        input,
-        locator,
-        &SurfaceTriangles::new(&input.surface),
-        texturing,
-    )
+    let surface = SurfaceTriangles::new(&input.surface);
+    judge_on(input, &ReferenceScene { locator, surface }, texturing)
 }
 
 fn judge_on(
     input: &FillInput,
-    locator: &Locator,
-    surface: &SurfaceTriangles,
+    scene: &ReferenceScene,
     texturing: Option<&Texturing<'_>>,
 ) -> ReferenceFrame {
     let width = input.size.width as usize;
@@ -268,7 +285,7 @@ fn judge_on(
             .zip(0..input.size.height)
             .for_each(|(pixels, row)| {
                 for (pixel, column) in pixels.iter_mut().zip(0..) {
-                    *pixel = judge_pixel(input, locator, surface, texturing, column, row);
+                    *pixel = judge_pixel(input, scene, texturing, column, row);
                 }
             });
     }
@@ -278,7 +295,7 @@ fn judge_on(
             size: input.size,
             ids: pixels.iter().map(|pixel| pixel.id).collect(),
             surface: pixels.iter().map(|pixel| pixel.is_surface).collect(),
-            non_finite: non_finite + surface.non_finite(),
+            non_finite: non_finite + scene.surface.non_finite(),
             counters: None,
             texture: texturing.map(|texturing| {
                 texturing.coordinates(pixels.iter().map(|pixel| pixel.texture).collect())
@@ -337,28 +354,32 @@ fn picture(input: &FillInput, pixels: &[Pixel]) -> Vec<u8> {
 
 fn judge_pixel(
     input: &FillInput,
-    locator: &Locator,
-    surface: &SurfaceTriangles,
+    scene: &ReferenceScene,
     texturing: Option<&Texturing<'_>>,
     column: u32,
     row: u32,
 ) -> Pixel {
     let direction = input.camera.pixel_direction_ecef(input.size, column, row);
-    judge_direction(input, locator, surface, texturing, direction)
+    judge_direction(input, scene, texturing, direction)
 }
 
 fn judge_direction(
     input: &FillInput,
-    locator: &Locator,
-    surface: &SurfaceTriangles,
+    scene: &ReferenceScene,
     texturing: Option<&Texturing<'_>>,
     direction: DVec3,
 ) -> Pixel {
-    let Some(depth) = surface.hit(direction, input.camera.near_m) else {
+    let Some(depth) = scene.surface.hit(direction, input.camera.near_m) else {
         return Pixel::default();
     };
     let hit_ecef = input.camera.eye_ecef + direction * depth;
-    judge_place(input, locator, texturing, (direction, depth), hit_ecef)
+    judge_place(
+        input,
+        &scene.locator,
+        texturing,
+        (direction, depth),
+        hit_ecef,
+    )
 }
 
 /// What lies at a place of the surface.

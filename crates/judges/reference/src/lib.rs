@@ -27,7 +27,7 @@ mod texture;
 #[cfg(test)]
 mod validation;
 
-pub use backend::{CloseLook, PLACES_PER_PX, ReferenceBackend, ReferenceFrame};
+pub use backend::{CloseLook, PLACES_PER_PX, ReferenceBackend, ReferenceFrame, ReferenceScene};
 pub use locator::{Location, Locator};
 pub use point::LocatorError;
 pub use surface::SurfaceTriangles;

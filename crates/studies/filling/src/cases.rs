@@ -11,7 +11,7 @@ use std::sync::Arc;
 use terrafill_contract::{Role, Technique};
 use terrafill_core::MeshOptions;
 use terrafill_gpu::BaselineKind;
-use terrafill_plan::{LazyMesh, PlanOptions, WallHeights};
+use terrafill_plan::{PlanOptions, WallHeights};
 use terrafill_results::{CaseId, ConditionKey, PlannedCase};
 use terrafill_scene::{Scene, View};
 use terrafill_stencil::{matrix_row, needs_ladder};
@@ -149,8 +149,6 @@ pub(crate) struct ViewGroup {
     pub(crate) scene: Arc<Scene>,
     /// Its view.
     pub(crate) view: View,
-    /// Surfaces that its scene may lie on.
-    pub(crate) surfaces: crate::subject::Surfaces,
     /// Image size.
     pub(crate) size: terrafill_scene::ImageSize,
     /// Baselines first.
@@ -262,12 +260,11 @@ impl ViewGroup {
 
 /// The cases of `scene` seen by `view`.
 ///
-/// - `is_last`: of the scene's views; bytes of layouts are told there, once
+/// - `told`: how many regions the scene has, in the view that tells the bytes of its layouts
 pub(crate) fn view_group(
     scene: &Arc<Scene>,
     view: &View,
-    is_last: bool,
-    meshes: &[LazyMesh],
+    told: Option<usize>,
     wishes: &Wishes,
 ) -> ViewGroup {
     let mut builder = Builder {
@@ -283,14 +280,13 @@ pub(crate) fn view_group(
         }
     } else {
         builder.add_all();
-        if is_last {
-            builder.add_memory(meshes);
+        if let Some(regions) = told {
+            builder.add_memory(regions);
         }
     }
     ViewGroup {
         scene: Arc::clone(scene),
         view: view.clone(),
-        surfaces: wishes.surfaces,
         size: wishes.size,
         cases: builder.cases,
     }
@@ -487,7 +483,9 @@ impl Builder<'_> {
     }
 
     /// Bytes of every layout that is drawn here, for the scene's regions and for other numbers of them.
-    fn add_memory(&mut self, meshes: &[LazyMesh]) {
+    ///
+    /// - `own`: how many regions the scene has
+    fn add_memory(&mut self, own: usize) {
         let mut layouts: Vec<(&str, String)> = Vec::new();
         let mut cases = Vec::new();
         for case in &self.cases {
@@ -502,7 +500,6 @@ impl Builder<'_> {
                 continue;
             }
             layouts.push(layout);
-            let own = meshes.len();
             let others = REGION_COUNTS.into_iter().filter(|count| *count != own);
             cases.extend([own].into_iter().chain(others).map(|regions| FillCase {
                 regions: Some(regions),

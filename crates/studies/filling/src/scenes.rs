@@ -3,10 +3,14 @@
 
 use crate::cases::{ViewGroup, view_group};
 use crate::request::{NO_SCENE, Wishes, ladder_part};
+use crate::subject::Surfaces;
 use crate::textured::left_out;
+use std::cell::{OnceCell, RefCell};
+use std::rc::Rc;
 use std::sync::Arc;
+use terrafill_contract::PreparedScene;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
-use terrafill_plan::RegionSet;
+use terrafill_plan::{LazyMesh, LeveledMeshes, RegionSet};
 use terrafill_results::Skipped;
 use terrafill_scene::{Overlap, Scene, SceneError, shipped_scene_names};
 use terrafill_study::StudyError;
@@ -14,7 +18,12 @@ use terrafill_surface::open_surface;
 
 /// Scenes with missing data are skipped with that reason; wrong ones, and those whose regions cannot
 /// be meshed, stop the run before it starts; all of them are named.
-pub(crate) fn plan_scenes(wishes: &Wishes) -> Result<(Vec<ViewGroup>, Vec<Skipped>), StudyError> {
+///
+/// - `last`: keeps the last of them, as it was made ready
+pub(crate) fn plan_scenes(
+    wishes: &Wishes,
+    last: &LastReady,
+) -> Result<(Vec<ViewGroup>, Vec<Skipped>), StudyError> {
     let names: Vec<String> = if wishes.scenes.is_empty() {
         let shipped = shipped_scene_names().into_iter();
         shipped.map(str::to_owned).collect()
@@ -42,12 +51,14 @@ pub(crate) fn plan_scenes(wishes: &Wishes) -> Result<(Vec<ViewGroup>, Vec<Skippe
             }
             Ok(scene) => {
                 let scene = Arc::new(scene);
-                match ready(&scene, wishes) {
-                    Ok(meshes) => {
+                match last.get(scene.name.clone(), || ready(&scene, wishes)) {
+                    Ok(ready) => {
+                        let regions = ready.as_written.meshes.len();
                         let views = scene.views.iter().enumerate();
                         groups.extend(views.map(|(index, view)| {
                             let is_last = index + 1 == scene.views.len();
-                            view_group(&scene, view, is_last, &meshes, wishes)
+                            let told = is_last.then_some(regions);
+                            view_group(&scene, view, told, wishes)
                         }));
                     }
                     Err(error) => errors.push(error.to_string()),
@@ -67,11 +78,79 @@ pub(crate) fn plan_scenes(wishes: &Wishes) -> Result<(Vec<ViewGroup>, Vec<Skippe
     Ok((groups, skipped))
 }
 
-/// Meshes of a scene whose surface can be drawn in each of its views.
-fn ready(scene: &Scene, wishes: &Wishes) -> Result<RegionSet, StudyError> {
-    let meshes = build_meshes(scene, &scene.mesh)?;
-    let bad = |error: &dyn std::fmt::Display| StudyError::BadInput(error.to_string());
-    let surface = open_surface(wishes.surfaces, scene).map_err(|error| bad(&error))?;
+/// The scene opened last: views of a scene follow each other, and a million vertices are meshed once.
+#[derive(Debug)]
+pub(crate) struct LastScene<K, T>(RefCell<Option<(K, T)>>);
+
+impl<K, T> Default for LastScene<K, T> {
+    fn default() -> Self {
+        Self(RefCell::default())
+    }
+}
+
+impl<K: PartialEq, T: Clone> LastScene<K, T> {
+    pub(crate) fn get<E>(&self, key: K, open: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
+        if let Some((known, opened)) = &*self.0.borrow()
+            && *known == key
+        {
+            return Ok(opened.clone());
+        }
+        // Freed before the next one is opened.
+        *self.0.borrow_mut() = None;
+        let opened = open()?;
+        *self.0.borrow_mut() = Some((key, opened.clone()));
+        Ok(opened)
+    }
+}
+
+/// The scene of a run that was made ready last, by its name.
+pub(crate) type LastReady = LastScene<String, Rc<ReadyScene>>;
+
+/// A scene that is ready to be drawn, in all its views.
+#[derive(Debug)]
+pub(crate) struct ReadyScene {
+    scene: Arc<Scene>,
+    /// Its meshes as its file says, and its surface.
+    pub(crate) as_written: PreparedScene,
+    /// With coarser levels of its boundaries; made when a case first asks for them.
+    leveled: OnceCell<PreparedScene>,
+}
+
+impl ReadyScene {
+    /// Meshes and lays on its surface.
+    ///
+    /// - `surfaces`: those that it may lie on
+    pub(crate) fn new(scene: &Arc<Scene>, surfaces: Surfaces) -> Result<Rc<Self>, StudyError> {
+        let meshes = build_meshes(scene, &scene.mesh)?;
+        let surface = open_surface(surfaces, scene);
+        let surface = surface.map_err(|error| StudyError::BadInput(error.to_string()))?;
+        Ok(Rc::new(Self {
+            scene: Arc::clone(scene),
+            as_written: PreparedScene::new(scene, meshes, surface),
+            leveled: OnceCell::new(),
+        }))
+    }
+
+    /// The scene with coarser levels of its boundaries.
+    pub(crate) fn leveled(&self) -> Result<&PreparedScene, StudyError> {
+        if let Some(leveled) = self.leveled.get() {
+            return Ok(leveled);
+        }
+        let scene = &*self.scene;
+        let meshes = LeveledMeshes::build(scene, &scene.mesh)
+            .map_err(|errors| mesh_error(scene, &errors))?;
+        // Beforehand, so that no case is the one that makes what others find.
+        LazyMesh::make_all(&meshes.meshes);
+        let surface = Arc::clone(&self.as_written.surface);
+        let leveled = PreparedScene::leveled(scene, meshes, surface);
+        Ok(self.leveled.get_or_init(|| leveled))
+    }
+}
+
+/// A scene whose surface can be drawn in each of its views.
+fn ready(scene: &Arc<Scene>, wishes: &Wishes) -> Result<Rc<ReadyScene>, StudyError> {
+    let ready = ReadyScene::new(scene, wishes.surfaces)?;
+    let surface = &ready.as_written.surface;
     for view in &scene.views {
         let frame = surface.frame(&view.camera(&scene.body), wishes.size);
         frame.map_err(|error| {
@@ -79,7 +158,7 @@ fn ready(scene: &Scene, wishes: &Wishes) -> Result<RegionSet, StudyError> {
             StudyError::BadInput(format!("{file}: view {view}: {error}"))
         })?;
     }
-    Ok(meshes)
+    Ok(ready)
 }
 
 /// Ladders and matrices exist of scenes of the run only. Those skipped for want of data are among
@@ -146,7 +225,7 @@ pub(crate) fn build_meshes(scene: &Scene, options: &MeshOptions) -> Result<Regio
 }
 
 /// One line per region that cannot be meshed.
-pub(crate) fn mesh_error(scene: &Scene, errors: &[MeshError]) -> StudyError {
+fn mesh_error(scene: &Scene, errors: &[MeshError]) -> StudyError {
     let lines = errors
         .iter()
         .map(|error| format!("{}: {error}", scene.name));

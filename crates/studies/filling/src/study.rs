@@ -5,9 +5,10 @@ use crate::chapter::FillingChapter;
 use crate::keys::CONDITIONS;
 use crate::metrics::METRICS;
 use crate::request::{STUDY, Wishes};
-use crate::scenes::plan_scenes;
+use crate::scenes::{LastReady, ReadyScene, plan_scenes};
 use crate::session::ViewSession;
 use crate::subject::{Subject, Surfaces, Techniques};
+use std::rc::Rc;
 use terrafill_results::{Chapter, ConditionKey, Metric};
 use terrafill_scene::Overlap;
 use terrafill_study::{CaseGroup, CaseSession, Group, Planned, Request, Study, StudyError};
@@ -49,16 +50,21 @@ impl Study for FillingStudy {
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let wishes = Wishes::new(request, [self.techniques, self.rivals], self.surfaces)?;
-        let (groups, mut skipped) = plan_scenes(&wishes)?;
+        let last = Rc::new(LastReady::default());
+        let (groups, mut skipped) = plan_scenes(&wishes, &last)?;
         skipped.extend(wishes.missing_rivals());
         let groups = groups.into_iter().map(|work| -> Box<dyn Group> {
             Box::new(CaseGroup {
                 name: work.name(),
                 cases: work.cases.iter().map(|case| work.planned(case)).collect(),
                 warm_up: None,
-                work,
+                work: (work, wishes.surfaces, Rc::clone(&last)),
                 open: |group, context| {
-                    let session = ViewSession::new(&group.work, context)?;
+                    let (view, surfaces, last) = &group.work;
+                    let scene = &view.scene;
+                    let make = || ReadyScene::new(scene, surfaces);
+                    let ready = last.get(scene.name.clone(), make)?;
+                    let session = ViewSession::new(view, &ready, context)?;
                     Ok(Box::new(CaseSession(session)))
                 },
             })

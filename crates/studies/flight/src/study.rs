@@ -19,7 +19,7 @@ use terrafill_contract::{
 };
 use terrafill_core::RegionMesh;
 use terrafill_plan::PlanOptions;
-use terrafill_reference::{CloseLook, ReferenceBackend};
+use terrafill_reference::{CloseLook, ReferenceBackend, ReferenceScene};
 use terrafill_results::{Skipped, Status, Verdict, median};
 use terrafill_scene::{ImageSize, Scene, View};
 use terrafill_study::{
@@ -278,10 +278,10 @@ fn figures(
         .filter(|(now, then)| now != then)
         .count();
     // Hardly any frame is asked about closely, and to get ready for it takes longer than to draw.
-    let look: OnceCell<Option<CloseLook<'_>>> = OnceCell::new();
+    let scene: OnceCell<Option<ReferenceScene>> = OnceCell::new();
     let closely = || {
-        let look = look.get_or_init(|| judge.look_closely(input).ok());
-        look.as_ref()
+        let scene = scene.get_or_init(|| judge.scene(input).ok());
+        Some(CloseLook::new(input, scene.as_ref()?))
     };
     let by_rounding = |pixel: usize, id: u32| {
         closely().is_some_and(|look| look.ids_by_rounding(pixel, BORDER_ROUNDING).contains(&id))

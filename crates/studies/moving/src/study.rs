@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use terrafill_conformance::{BAND_RADIUS_PX, ErrorFigures, Tally, compare_closely, filled_only};
 use terrafill_contract::{CpuStopwatch, FillBackend, FillInput, Frame, Role, Targets, Technique};
-use terrafill_reference::{CloseLook, ReferenceBackend};
+use terrafill_reference::{CloseLook, ReferenceBackend, ReferenceScene};
 use terrafill_results::{Skipped, Status, Verdict};
 use terrafill_scene::{ImageSize, Overlap, Scene, SceneError};
 use terrafill_study::{
@@ -261,14 +261,15 @@ impl<'a> SweepSession<'a> {
         let as_mask = !backend.tells_regions_apart();
         let reference = self.reference(frame).map_err(Failure::reason)?;
         // Hardly any frame is asked about closely, and to get ready for it takes longer than to draw.
-        let rings: OnceCell<Option<FillInput>> = OnceCell::new();
-        let look: OnceCell<Option<CloseLook<'_>>> = OnceCell::new();
+        let ready: OnceCell<Option<(FillInput, ReferenceScene)>> = OnceCell::new();
+        let make = || {
+            let rings = self.stage.as_rings(frame).ok()?;
+            let scene = ReferenceBackend::new().scene(&rings).ok()?;
+            Some((rings, scene))
+        };
         let closely = || {
-            let rings = rings
-                .get_or_init(|| self.stage.as_rings(frame).ok())
-                .as_ref()?;
-            let look = look.get_or_init(|| ReferenceBackend::new().look_closely(rings).ok());
-            look.as_ref()
+            let (rings, scene) = ready.get_or_init(make).as_ref()?;
+            Some(CloseLook::new(rings, scene))
         };
         let as_compared = |id: u32| if as_mask { id.min(1) } else { id };
         let shows = |pixel: usize, id: u32| {

@@ -293,8 +293,29 @@ impl<V: RegionVolumes> VolumeBackend<V> {
         all
     }
 
-    fn draw_and_read(&mut self, input: &FillInput) -> Result<(Picture, Counters), DeviceError> {
-        self.draw_surface(input)?;
+    /// Fills the surface that the targets hold, without counting fragments.
+    fn filled(&mut self, input: &FillInput) -> Result<Frame, DeviceError> {
+        let before = self.executor.work_done();
+        let (picture, mut counters) = self.draw_and_read()?;
+        counters.vertices += self.volumes.vertices_by_device(&self.executor)?;
+        let plain = Frame::from_picture(&picture, counters);
+        let frame = match self.textured.plan() {
+            None => plain,
+            Some(plan) => {
+                let probed = if plan.covers.is_empty() {
+                    vec![None; input.size.pixel_count()]
+                } else {
+                    self.executor.probe(&mut self.volumes)?
+                };
+                plan.frame(input, plain, &probed)
+            }
+        };
+        self.made = self.made + (self.executor.work_done() - before);
+        Ok(frame)
+    }
+
+    /// Fills the surface that the targets hold and reads the picture back.
+    fn draw_and_read(&mut self) -> Result<(Picture, Counters), DeviceError> {
         let before = self.executor.work_done();
         let mut counters = self.executor.draw(&mut self.volumes)?;
         let prepared = std::mem::take(&mut self.work);
@@ -376,24 +397,24 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
 
     fn render(&mut self, input: &FillInput) -> Result<Frame, DeviceError> {
         self.check_prepared(input)?;
+        self.draw_surface(input)?;
+        let mut frame = self.filled(input)?;
         let before = self.executor.work_done();
-        let (picture, mut counters) = self.draw_and_read(input)?;
-        counters.vertices += self.volumes.vertices_by_device(&self.executor)?;
-        counters.stencil_fragments = self.executor.count_fragments(&mut self.volumes)?;
-        let plain = Frame::from_picture(&picture, counters);
-        let frame = match self.textured.plan() {
-            None => plain,
-            Some(plan) => {
-                let probed = if plan.covers.is_empty() {
-                    vec![None; input.size.pixel_count()]
-                } else {
-                    self.executor.probe(&mut self.volumes)?
-                };
-                plan.frame(input, plain, &probed)
-            }
-        };
+        let fragments = self.executor.count_fragments(&mut self.volumes)?;
         self.made = self.made + (self.executor.work_done() - before);
+        if let Some(counters) = &mut frame.counters {
+            counters.stencil_fragments = fragments;
+        }
         Ok(frame)
+    }
+
+    /// Over the surface that is there, as a frame that is timed is drawn.
+    fn render_uncounted(&mut self, input: &FillInput) -> Result<Frame, DeviceError> {
+        self.check_prepared(input)?;
+        if !self.executor.holds_surface(input.view_id) {
+            self.draw_surface(input)?;
+        }
+        self.filled(input)
     }
 
     fn picture(&mut self, input: &FillInput) -> Result<Picture, DeviceError> {
@@ -406,7 +427,10 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
         let colours = Colours::Palette { opacity };
         self.load(input, work.clone(), colours, opacity < 1.0)?;
         let made = self.executor.ensure(&mut self.volumes);
-        let drawn = made.and_then(|()| self.draw_and_read(input));
+        let drawn = made.and_then(|()| {
+            self.draw_surface(input)?;
+            self.draw_and_read()
+        });
         self.load(input, work, Colours::Ids, false)?;
         self.made = self.made + (self.executor.work_done() - before);
         drawn.map(|(picture, _)| picture)

@@ -137,7 +137,7 @@ fn the_globe_is_as_large_as_its_tangent_cone() {
         let height = 2.5 * body.equatorial_radius_m();
         let input = input(body, &pose(0.0, 90.0, height, -90.0), 1024, ROWS);
         let expected = disc_px(&input, outline(&body, &input));
-        let found = hits(&judge(&input, &nothing(), None));
+        let found = hits(&judge(&input, nothing(), None));
         assert!(
             (found / expected - 1.0).abs() < DISC_TOLERANCE,
             "{found} {expected}"
@@ -159,7 +159,7 @@ fn the_globe_is_as_large_as_its_tangent_cone() {
 /// Relative error of the pixel count of the cap north of 60°, seen from above the pole.
 fn cap_error(input: &FillInput, rings: &[TestRing], is_filled: &dyn Fn(u32) -> bool) -> f64 {
     let expected = disc_px(input, parallel_seen(&Ellipsoid::WGS84, input, 60.0));
-    let judged = judge(input, &locator(rings, EdgeRule::Planar), None);
+    let judged = judge(input, locator(rings, EdgeRule::Planar), None);
     assert_eq!(judged.disagreement_px(), 0);
     let filled = judged.frame.ids.iter().zip(&judged.frame.surface);
     let found = filled.filter(|(id, hit)| **hit && is_filled(**id)).count() as f64;
@@ -202,7 +202,7 @@ fn the_last_of_overlapping_regions_wins_and_ids_start_at_one() {
         (1, parallel(70.0), 360.0),
         (2, parallel(-50.0), 360.0),
     ];
-    let judged = judge(&input, &locator(&rings, EdgeRule::Planar), None);
+    let judged = judge(&input, locator(&rings, EdgeRule::Planar), None);
     let at = |column: usize, row: usize| judged.frame.ids[row * 64 + column];
     assert_eq!(at(32, 32), 2);
     let seen: std::collections::BTreeSet<u32> = judged.frame.ids.iter().copied().collect();
@@ -210,7 +210,7 @@ fn the_last_of_overlapping_regions_wins_and_ids_start_at_one() {
     // In the other order the small one is covered.
     let judged = judge(
         &input,
-        &locator(
+        locator(
             &[(0, parallel(70.0), 360.0), (1, parallel(50.0), 360.0)],
             EdgeRule::Planar,
         ),
@@ -308,7 +308,7 @@ fn no_ray_falls_through_between_triangles() {
 fn hits_before_the_near_plane_do_not_count() {
     let mut input = input(Ellipsoid::WGS84, &pose(0.0, 0.0, 1e6, -90.0), 16, 60);
     assert!(
-        judge(&input, &nothing(), None)
+        judge(&input, nothing(), None)
             .frame
             .surface
             .iter()
@@ -327,7 +327,7 @@ fn hits_before_the_near_plane_do_not_count() {
     );
     input.camera.near_m = 2e7;
     assert!(
-        !judge(&input, &nothing(), None)
+        !judge(&input, nothing(), None)
             .frame
             .surface
             .iter()
@@ -338,15 +338,15 @@ fn hits_before_the_near_plane_do_not_count() {
 #[test]
 fn non_finite_vertices_are_counted() {
     let mut input = input(Ellipsoid::WGS84, &pose(0.0, 0.0, 1e6, -90.0), 16, 60);
-    assert_eq!(judge(&input, &nothing(), None).frame.non_finite, 0);
+    assert_eq!(judge(&input, nothing(), None).frame.non_finite, 0);
     let mut vertices = input.surface.vertices_rte.to_vec();
     vertices[(30 * 120 + 60) as usize] = [f32::NAN, 0.0, 0.0];
     input.surface.vertices_rte = vertices.into();
     // Six triangles meet in a vertex of the grid.
-    assert_eq!(judge(&input, &nothing(), None).frame.non_finite, 6);
+    assert_eq!(judge(&input, nothing(), None).frame.non_finite, 6);
     // A camera that is nowhere makes every hit's position NaN.
     input.camera.eye_ecef = DVec3::new(f64::NAN, 0.0, FRAC_PI_2);
-    assert!(judge(&input, &nothing(), None).frame.non_finite > 200);
+    assert!(judge(&input, nothing(), None).frame.non_finite > 200);
 }
 
 #[test]
@@ -370,7 +370,8 @@ fn what_lies_between_the_centres_of_pixels_is_seen_by_a_close_look() {
     let reference = ReferenceBackend::new();
     let judged = reference.judge(&input).expect("a square");
     assert_eq!(judged.frame.filled_px(), 0, "no centre is in it");
-    let look = reference.look_closely(&input).expect("a square");
+    let scene = reference.scene(&input).expect("a square");
+    let look = CloseLook::new(&input, &scene);
     let near = |column: usize, row: usize| look.ids_within(row * 64 + column, 1);
     for (column, row) in [(31, 31), (32, 31), (31, 32), (32, 32)] {
         assert_eq!(Vec::from_iter(near(column, row)), [0, 1], "{column} {row}");
@@ -381,7 +382,8 @@ fn what_lies_between_the_centres_of_pixels_is_seen_by_a_close_look() {
     }
     // Where the region is all there is, it is all that is seen.
     input.scene.regions = square([10.0, 5.0], 20.0);
-    let look = reference.look_closely(&input).expect("a square");
+    let scene = reference.scene(&input).expect("a square");
+    let look = CloseLook::new(&input, &scene);
     assert_eq!(Vec::from_iter(look.ids_within(32 * 64 + 32, 1)), [1]);
 }
 
@@ -434,10 +436,10 @@ fn rounding_decides_on_a_facet_in_the_plane_of_a_wall_and_nowhere_else() {
         let z = north_m - 2e5;
         let (low, high) = (-1.1e6, -5e5);
         input.surface.vertices_rte = vec![[low, -1e6, z], [low, 1e6, z], [high, 0.0, z]].into();
-        let look = ReferenceBackend::new()
-            .look_closely(&input)
-            .expect("a square");
-        let judged = ReferenceBackend::new().judge(&input).expect("a square");
+        let reference = ReferenceBackend::new();
+        let scene = reference.scene(&input).expect("a square");
+        let look = CloseLook::new(&input, &scene);
+        let judged = reference.judge_in(&input, &scene);
         let facet = judged.frame.surface.iter().filter(|&&met| met).count();
         let found: BTreeSet<BTreeSet<u32>> = (0..16 * 16)
             .map(|pixel| look.ids_by_rounding(pixel, reach))

@@ -13,7 +13,7 @@ use crate::cases::{FillCase, Purpose, ViewGroup};
 use crate::memory::LayoutOfScene;
 use crate::probe::failed;
 use crate::rounding::{objection, rounding_px};
-use crate::scenes::{build_meshes, mesh_error};
+use crate::scenes::{ReadyScene, build_meshes};
 use crate::subject::Subject;
 use crate::textured::{ShownPicture, TexturedReferences};
 use drawn::Drawn;
@@ -21,17 +21,22 @@ use pictures::PictureFiles;
 use references::References;
 use std::collections::BTreeMap;
 use std::rc::Rc;
-use std::sync::Arc;
-use terrafill_contract::{
-    Api, FillBackend, FillInput, FrameTimes, MemoryUse, PreparedScene, Targets,
-};
+use terrafill_contract::{Api, FillBackend, FillInput, FrameTimes, MemoryUse, Targets};
 use terrafill_core::MeshOptions;
 use terrafill_gpu::{Baseline, CpuStopwatch, SharedTargets, shared_targets};
-use terrafill_plan::{LazyMesh, LeveledMeshes, PlanOptions};
+use terrafill_plan::{LazyMesh, PlanOptions};
 use terrafill_results::{Status, Verdict, median};
 use terrafill_stencil::PositionFormat;
 use terrafill_study::{Context, Failure, Figures, Measures, StudyError};
-use terrafill_surface::open_surface;
+
+/// What a probe frame is drawn for.
+#[derive(Debug, Clone, Copy)]
+enum ProbeFrame {
+    /// Its picture and its counts.
+    Counted,
+    /// Its picture, see [`FillBackend::render_uncounted`].
+    PictureOnly,
+}
 
 enum Drawer {
     Baseline(Baseline),
@@ -50,6 +55,7 @@ pub(crate) struct ViewSession<'a> {
     targets: Targets,
     /// Those of wgpu, which baselines draw on.
     wgpu: SharedTargets,
+    ready: Rc<ReadyScene>,
     /// What the scene's mesh options give; other inputs share its surface.
     input: Rc<FillInput>,
     references: References<'a>,
@@ -57,7 +63,6 @@ pub(crate) struct ViewSession<'a> {
     textured_references: TexturedReferences,
     /// Inputs of other mesh or plan options, with how long their plans take.
     inputs: Vec<(InputKey, PlannedInput)>,
-    leveled: Option<PreparedScene>,
     /// What each technique's variants allocated, for the cases about memory; `None` for what could
     /// not be drawn.
     allocated: BTreeMap<(&'static str, String), Option<MemoryUse>>,
@@ -72,21 +77,13 @@ pub(crate) struct ViewSession<'a> {
 const FILLS_KEPT_COMPILED: usize = 24;
 
 impl<'a> ViewSession<'a> {
-    pub(crate) fn new(group: &'a ViewGroup, context: Context<'a>) -> Result<Self, StudyError> {
-        let scene = &group.scene;
-        let bad = |error: &dyn std::fmt::Display| StudyError::BadInput(error.to_string());
-        let surface = open_surface(group.surfaces, scene).map_err(|error| bad(&error))?;
-        let meshes = build_meshes(scene, &scene.mesh)?;
-        let prepared = PreparedScene::new(scene, meshes, surface);
-        Self::of_scene(group, &prepared, context)
-    }
-
-    /// Of a scene that is ready to be drawn already.
-    pub(crate) fn of_scene(
+    /// - `ready`: the group's scene
+    pub(crate) fn new(
         group: &'a ViewGroup,
-        prepared: &PreparedScene,
+        ready: &Rc<ReadyScene>,
         context: Context<'a>,
     ) -> Result<Self, StudyError> {
+        let prepared = &ready.as_written;
         let bad = |error: &dyn std::fmt::Display| StudyError::BadInput(error.to_string());
         let plan = PlanOptions::default();
         let input = FillInput::new(prepared, &group.view, group.size, plan);
@@ -99,11 +96,11 @@ impl<'a> ViewSession<'a> {
             group,
             targets,
             wgpu,
+            ready: Rc::clone(ready),
             references: References::new(group, context.folder, &input),
             input,
             textured_references: TexturedReferences::default(),
             inputs: Vec::new(),
-            leveled: None,
             allocated: BTreeMap::new(),
             drawers: BTreeMap::new(),
             pictures: PictureFiles::new(group, context.folder),
@@ -126,8 +123,8 @@ impl<'a> ViewSession<'a> {
             }
             None if plan == PlanOptions::default() => Rc::clone(&self.input),
             None if plan.boundary_lod_px.is_some() => {
-                let leveled = self.leveled()?;
-                Rc::new(self.input.remeshed(&leveled, plan))
+                let leveled = self.ready.leveled()?;
+                Rc::new(self.input.remeshed(leveled, plan))
             }
             None => Rc::new(self.input.remeshed(&self.input.scene, plan)),
         };
@@ -142,26 +139,12 @@ impl<'a> ViewSession<'a> {
         Ok(planned)
     }
 
-    /// The scene with coarser levels of its boundaries.
-    fn leveled(&mut self) -> Result<PreparedScene, StudyError> {
-        if let Some(scene) = &self.leveled {
-            return Ok(scene.clone());
-        }
-        let scene = &self.group.scene;
-        let meshes = LeveledMeshes::build(scene, &scene.mesh)
-            .map_err(|errors| mesh_error(scene, &errors))?;
-        // Beforehand, so that no case is the one that makes what others find.
-        LazyMesh::make_all(&meshes.meshes);
-        let surface = Arc::clone(&self.input.scene.surface);
-        let leveled = PreparedScene::leveled(scene, meshes, surface);
-        Ok(self.leveled.insert(leveled).clone())
-    }
-
     /// Opens a case's backend and draws its probe frame. What goes wrong is the case's verdict.
     fn draw(
         &mut self,
         case: &FillCase,
         bound_px: impl Fn(PositionFormat, &FillInput) -> f64,
+        probe: ProbeFrame,
     ) -> Result<Drawn, Failure> {
         let Subject::Fill(technique, variant) = &case.subject else {
             return Err(Failure::broken("a full-screen pass fills nothing"));
@@ -180,7 +163,10 @@ impl<'a> ViewSession<'a> {
                 let watch = CpuStopwatch::start();
                 let memory = backend.prepare(&input)?;
                 let prepare_cpu_ms = watch.cpu_ms();
-                let frame = backend.render(&input)?;
+                let frame = match probe {
+                    ProbeFrame::Counted => backend.render(&input),
+                    ProbeFrame::PictureOnly => backend.render_uncounted(&input),
+                }?;
                 Ok(Drawn {
                     backend,
                     memory,
@@ -197,7 +183,7 @@ impl<'a> ViewSession<'a> {
 
     fn verify_fill(&mut self, index: usize) -> Result<Verdict, Failure> {
         let case = &self.group.cases[index];
-        let mut drawn = self.draw(case, rounding_px)?;
+        let mut drawn = self.draw(case, rounding_px, ProbeFrame::Counted)?;
         let verdict = self.compare(case, &mut drawn)?;
         // Only what is timed is held on to: a matrix has hundreds of backends.
         if case.frames > 0 {
@@ -226,7 +212,7 @@ impl<'a> ViewSession<'a> {
     fn verify_memory(&mut self, case: &FillCase, regions: usize) -> Result<Verdict, Failure> {
         // Drawn already, unless a run that was broken off goes on here.
         if !self.allocated.contains_key(&allocated_by(case))
-            && let Err(ends @ Failure::Ends(_)) = self.draw(case, rounding_px)
+            && let Err(ends @ Failure::Ends(_)) = self.draw(case, rounding_px, ProbeFrame::Counted)
         {
             return Err(ends);
         }
@@ -272,7 +258,7 @@ impl Measures for ViewSession<'_> {
         if matches!(case.subject, Subject::Baseline(_)) || hash_of("mask_hash").is_empty() {
             return self.verify(index);
         }
-        let drawn = self.draw(case, rounding_px)?;
+        let drawn = self.draw(case, rounding_px, ProbeFrame::PictureOnly)?;
         let (mask_hash, ids_hash) = drawn.hashes();
         if (hash_of("mask_hash"), hash_of("ids_hash")) != (&mask_hash, &ids_hash) {
             let reason = "its picture is another one than when it was verified";

@@ -25,7 +25,12 @@ pub(super) struct PictureFiles<'a> {
     folder: &'a Path,
     /// Files by what they show: equal pictures share one.
     written: RefCell<BTreeMap<u64, String>>,
+    /// What was noted of a frame's difference, by the frame's hashes and the reference's picture.
+    differences: RefCell<BTreeMap<((String, String), String), Notes>>,
 }
+
+/// Names of notes and what they say.
+type Notes = Vec<(&'static str, String)>;
 
 impl<'a> PictureFiles<'a> {
     pub(super) fn new(group: &'a ViewGroup, folder: &'a Path) -> Self {
@@ -33,6 +38,7 @@ impl<'a> PictureFiles<'a> {
             group,
             folder,
             written: RefCell::default(),
+            differences: RefCell::default(),
         }
     }
 
@@ -60,10 +66,32 @@ impl<'a> PictureFiles<'a> {
         if let Ok(picture) = drawn.backend.picture(&drawn.input) {
             probe.note("image", self.write_once(&stem, size, &picture.rgb())?);
         }
-        let (expected, frame) = reference.beside(&drawn.frame, as_mask);
+        let key = (drawn.hashes(), reference.image.clone());
+        let known = self.differences.borrow().get(&key).cloned();
+        let notes = match known {
+            Some(notes) => notes,
+            None => self.write_differences(&stem, &drawn.frame, reference, as_mask)?,
+        };
+        for (note, text) in &notes {
+            probe.note(note, text.clone());
+        }
+        self.differences.borrow_mut().insert(key, notes);
+        Ok(())
+    }
+
+    /// What is noted of a frame's difference from the reference, as a picture and where it is worst.
+    fn write_differences(
+        &self,
+        stem: &str,
+        frame: &Frame,
+        reference: &Reference,
+        as_mask: bool,
+    ) -> Result<Notes, StudyError> {
+        let (size, mut notes) = (self.group.size, Notes::new());
+        let (expected, frame) = reference.beside(frame, as_mask);
         if let Ok(rgb) = difference_rgb(expected, &frame, MARKER_RADIUS_PX) {
             let name = format!("{stem}_difference");
-            probe.note("difference_image", self.write_once(&name, size, &rgb)?);
+            notes.push(("difference_image", self.write_once(&name, size, &rgb)?));
         }
         if let (Ok(Some(worst)), Ok(exact)) = (
             worst_pixel(expected, &frame),
@@ -77,10 +105,10 @@ impl<'a> PictureFiles<'a> {
             let parts: [&[u8]; 3] = [&paint(expected), &paint(&shown), &exact];
             let (size, rgb) = zoomed(size, worst, &parts);
             let name = format!("{stem}_worst");
-            probe.note("worst_image", self.write_once(&name, size, &rgb)?);
-            probe.note("worst_px", format!("{}, {}", worst[0], worst[1]));
+            notes.push(("worst_image", self.write_once(&name, size, &rgb)?));
+            notes.push(("worst_px", format!("{}, {}", worst[0], worst[1])));
         }
-        Ok(())
+        Ok(notes)
     }
 
     /// The file of these pixels, written unless an equal picture of this view was.

@@ -15,7 +15,7 @@ use terrafill_conformance::{
 };
 use terrafill_contract::{FillInput, Frame, paint};
 use terrafill_core::EdgeRule;
-use terrafill_reference::ReferenceBackend;
+use terrafill_reference::{CloseLook, ReferenceBackend, ReferenceScene};
 use terrafill_results::quantile;
 use terrafill_study::StudyError;
 
@@ -32,6 +32,8 @@ pub(super) struct Reference {
     /// Of the boundary as drawn from the true one: largest and 99th percentile.
     pub(super) moved_px_true: Option<[f64; 2]>,
     pub(super) image: String,
+    /// What it was judged by, for who looks more closely.
+    rays: ReferenceScene,
 }
 
 impl Reference {
@@ -127,8 +129,10 @@ impl<'a> References<'a> {
         if let Some(reference) = cell.get() {
             return Ok(reference);
         }
-        let drawn = against.reference().judge(&self.input_of(against.edges));
-        let drawn = drawn.map_err(|error| self.group.broken(&error))?;
+        let (reference, input) = (against.reference(), self.input_of(against.edges));
+        let rays = reference.scene(&input);
+        let rays = rays.map_err(|error| self.group.broken(&error))?;
+        let drawn = reference.judge_in(&input, &rays);
         let band = boundary_band(&drawn.frame);
         let disagree = drawn.disagreements.iter().zip(&band);
         let outside = disagree.filter(|&(&differ, &near)| differ && !near).count() as u64;
@@ -143,6 +147,7 @@ impl<'a> References<'a> {
             moved_px_true: drawn.moved_px_true.as_deref().and_then(largest_and_p99),
             filled: filled_only(&drawn.frame),
             frame: drawn.frame,
+            rays,
             image,
         }))
     }
@@ -184,30 +189,21 @@ impl<'a> References<'a> {
         let reference = self.of(against);
         let reference = reference.map_err(|error| error.to_string())?;
         let input = self.input_of(against.edges);
-        // Needed for hardly any picture, so made only then.
-        let look = OnceCell::new();
-        let look = || {
-            let made = || against.reference().look_closely(&input).ok();
-            look.get_or_init(made).as_ref()
-        };
+        let look = CloseLook::new(&input, &reference.rays);
         let as_compared = |id: u32| if as_mask { id.min(1) } else { id };
         let shows = |pixel: usize, id: u32| {
-            look().is_some_and(|look| {
-                let mut ids = look.ids_within(pixel, BAND_RADIUS_PX).into_iter();
-                ids.any(|shown| as_compared(shown) == id)
-            })
+            let mut ids = look.ids_within(pixel, BAND_RADIUS_PX).into_iter();
+            ids.any(|shown| as_compared(shown) == id)
         };
         let (expected, frame) = reference.beside(frame, as_mask);
         let may_round_to = |pixel: usize, id: u32| {
-            look().is_some_and(|look| {
-                let mut ids = look.ids_by_rounding(pixel, BORDER_ROUNDING).into_iter();
-                ids.any(|shown| as_compared(shown) == id)
-            })
+            let mut ids = look.ids_by_rounding(pixel, BORDER_ROUNDING).into_iter();
+            ids.any(|shown| as_compared(shown) == id)
         };
         let figures = compare_closely(expected, &frame, may_round_to, shows).and_then(|figures| {
-            let Some(look) = is_moved.then(look).flatten() else {
+            if !is_moved {
                 return Ok(figures);
-            };
+            }
             let shown_at = |place| as_compared(look.id_at(place));
             let movement = boundary_movement(expected, &frame, shown_at)?;
             Ok(with_movement(figures, movement))

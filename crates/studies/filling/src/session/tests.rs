@@ -6,6 +6,7 @@ use super::*;
 use crate::cases::view_group;
 use crate::request::Wishes;
 use crate::tests::TECHNIQUES;
+use std::sync::Arc;
 use terrafill_contract::Devices;
 use terrafill_core::VolumeHeights;
 use terrafill_plan::{DrawnAs, FramePlan, NearRectangle, PixelRect, PlannedRegion};
@@ -58,9 +59,8 @@ fn group(scene: &str, view: &str, size: u32) -> ViewGroup {
     };
     let wishes = Wishes::new(&request, [TECHNIQUES, &[]], &[&EllipsoidKind]).expect("wishes");
     let scene = Arc::new(Scene::shipped(scene, None).expect("it ships"));
-    let meshes = build_meshes(&scene, &scene.mesh).expect("it meshes");
     let view = scene.views.iter().find(|known| known.name == view);
-    view_group(&scene, view.expect("a view"), false, &meshes, &wishes)
+    view_group(&scene, view.expect("a view"), None, &wishes)
 }
 
 /// Calls `check` with a session of the group; skipped, said aloud, where there is no device.
@@ -75,7 +75,8 @@ fn with_session(group: &ViewGroup, check: impl FnOnce(&mut ViewSession<'_>)) {
         devices: &devices,
         folder: place.path(),
     };
-    check(&mut ViewSession::new(group, context).expect("a session"));
+    let ready = ReadyScene::new(&group.scene, &[&EllipsoidKind]).expect("it meshes");
+    check(&mut ViewSession::new(group, &ready, context).expect("a session"));
 }
 
 fn figure(verdict: &Verdict, metric: &str) -> Option<f64> {
@@ -99,7 +100,7 @@ fn coordinates_that_are_shifted_make_the_row_wrong() {
     assert!(shows_chosen(case), "{}", case.variant_name());
     with_session(&group, |session| {
         let mut compared = |shift_texels: f64| {
-            let drawn = session.draw(case, rounding_px);
+            let drawn = session.draw(case, rounding_px, ProbeFrame::Counted);
             let mut drawn = drawn.unwrap_or_else(|why| panic!("not drawn: {why:?}"));
             let texture = drawn.frame.texture.as_mut().expect("textured");
             let columns = f64::from(texture.texels[0]);
@@ -132,7 +133,8 @@ fn what_rounds_too_much_to_be_right_is_left_out_of_the_matrix_by_its_bound_alone
     };
     with_session(&group, |session| {
         let naive = &group.cases[cell("doubled,positions=ecef-f32")];
-        let Err(Failure::Unable(reason)) = session.draw(naive, rounding_px) else {
+        let Err(Failure::Unable(reason)) = session.draw(naive, rounding_px, ProbeFrame::Counted)
+        else {
             panic!("skipped");
         };
         assert!(
@@ -141,7 +143,7 @@ fn what_rounds_too_much_to_be_right_is_left_out_of_the_matrix_by_its_bound_alone
             "{reason}"
         );
         // Negative control: were its bound nothing, it would be drawn, and wrong.
-        let drawn = session.draw(naive, |_, _| 0.0);
+        let drawn = session.draw(naive, |_, _| 0.0, ProbeFrame::Counted);
         let mut drawn = drawn.unwrap_or_else(|why| panic!("not drawn: {why:?}"));
         let found = session.compare(naive, &mut drawn).expect("compared");
         assert_eq!(found.status, Status::Wrong, "{}", found.reason);

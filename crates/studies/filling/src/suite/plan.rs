@@ -6,20 +6,19 @@
 use super::keys::{EXPECTED, ROLE, SCENE, SCENE_REASON, TECHNIQUE, VIEW};
 use super::session::{Closed, State, SuiteSession, drawing, words_of};
 use crate::cases::{FillCase, Purpose, ViewGroup};
-use crate::scenes::build_meshes;
+use crate::scenes::{LastScene, ReadyScene};
 use crate::subject::{Subject, Surfaces, Techniques};
-use std::cell::{OnceCell, RefCell};
+use std::cell::OnceCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_contract::{PreparedScene, Technique};
+use terrafill_contract::Technique;
 use terrafill_results::{CaseId, PlannedCase, Skipped};
 use terrafill_scene::{
     Expectation, ImageSize, Scene, SceneError, SuiteScene, SuiteView, suite_scenes,
 };
 use terrafill_study::{CaseGroup, Context, Depth, Group, Planned, Request, Session, StudyError};
-use terrafill_surface::open_surface;
 
 /// Name of the suite and of its study.
 pub const EXTREME: &str = "extreme";
@@ -33,29 +32,10 @@ pub(super) const WHOLE: &str = "whole-scene";
 /// A scene that is ready to be drawn.
 pub(super) struct Opened {
     pub(super) scene: Arc<Scene>,
-    pub(super) prepared: PreparedScene,
+    pub(super) ready: Rc<ReadyScene>,
 }
-
-/// The scene opened last: views of a scene follow each other, and a million vertices are meshed once.
-#[derive(Default)]
-struct LastOpened(RefCell<Option<(usize, OpenResult)>>);
 
 type OpenResult = Result<Rc<Opened>, Closed>;
-
-impl LastOpened {
-    fn get(&self, place: usize, open: impl FnOnce() -> OpenResult) -> OpenResult {
-        if let Some((known, opened)) = &*self.0.borrow()
-            && *known == place
-        {
-            return opened.clone();
-        }
-        // Freed before the next one is opened.
-        *self.0.borrow_mut() = None;
-        let opened = open();
-        *self.0.borrow_mut() = Some((place, opened.clone()));
-        opened
-    }
-}
 
 /// One view of a scene, or a scene that must be refused whole.
 pub(super) struct SuiteGroup {
@@ -70,7 +50,7 @@ pub(super) struct SuiteGroup {
     surfaces: Surfaces,
     size: ImageSize,
     data_dir: Option<PathBuf>,
-    last: Rc<LastOpened>,
+    last: Rc<LastScene<usize, Rc<Opened>>>,
     /// Made when the group is opened.
     drawn: OnceCell<ViewGroup>,
 }
@@ -91,7 +71,7 @@ pub(super) fn plan(
         }));
     }
     let scenes = scenes(request)?;
-    let last = Rc::new(LastOpened::default());
+    let last = Rc::new(LastScene::default());
     let mut groups: Vec<Box<dyn Group>> = Vec::new();
     let mut names: Vec<String> = Vec::new();
     for (place, (file, text)) in scenes.into_iter().enumerate() {
@@ -243,11 +223,9 @@ impl SuiteGroup {
                 SceneError::DataMissing { .. } => Closed::Missing(error.to_string()),
                 other => Closed::Refused(other.to_string()),
             })?);
-            let refused = |error: &dyn std::fmt::Display| Closed::Refused(error.to_string());
-            let meshes = build_meshes(&scene, &scene.mesh).map_err(|error| refused(&error))?;
-            let surface = open_surface(self.surfaces, &scene).map_err(|error| refused(&error))?;
-            let prepared = PreparedScene::new(&scene, meshes, surface);
-            Ok(Rc::new(Opened { scene, prepared }))
+            let ready = ReadyScene::new(&scene, self.surfaces);
+            let ready = ready.map_err(|error| Closed::Refused(error.to_string()))?;
+            Ok(Rc::new(Opened { scene, ready }))
         }));
         opened.unwrap_or_else(|panic| Err(Closed::Crashed(words_of(&*panic))))
     }
@@ -267,7 +245,7 @@ impl SuiteGroup {
                 Err(message) => return Ok(Err(Closed::Refused(message))),
             },
         };
-        drawing(group, &opened.prepared, context)
+        drawing(group, &opened.ready, context)
     }
 
     /// The cases of this view of the opened scene.
@@ -294,7 +272,6 @@ impl SuiteGroup {
         Ok(ViewGroup {
             scene: Arc::clone(scene),
             view: view.clone(),
-            surfaces: self.surfaces,
             size: self.size,
             cases,
         })

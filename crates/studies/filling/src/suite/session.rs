@@ -2,12 +2,13 @@
 //! One view of a suite being verified: what came of it is held against what must.
 
 use crate::cases::ViewGroup;
+use crate::scenes::ReadyScene;
 use crate::session::ViewSession;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::time::Instant;
-use terrafill_contract::PreparedScene;
 use terrafill_results::{PlannedCase, RunError, Status, Verdict};
 use terrafill_scene::Expectation;
 use terrafill_study::{CaseSession, Context, Session, StudyError};
@@ -108,12 +109,10 @@ impl<'a> SuiteSession<'a> {
 /// Opens a view of a scene that is ready.
 pub(super) fn drawing<'a>(
     group: &'a ViewGroup,
-    prepared: &PreparedScene,
+    ready: &Rc<ReadyScene>,
     context: Context<'a>,
 ) -> Result<State<'a>, StudyError> {
-    let opened = catch_unwind(AssertUnwindSafe(|| {
-        ViewSession::of_scene(group, prepared, context)
-    }));
+    let opened = catch_unwind(AssertUnwindSafe(|| ViewSession::new(group, ready, context)));
     Ok(match opened {
         Ok(Ok(session)) => Ok(Some(Box::new(CaseSession(session)))),
         // Without a device nothing of the suite can go on.

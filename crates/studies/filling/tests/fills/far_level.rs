@@ -19,7 +19,7 @@ use terrafill_contract::{FillInput, Frame};
 use terrafill_core::Ellipsoid;
 use terrafill_native::{Extrusion, NativeVariant};
 use terrafill_plan::{DrawnAs, PlanOptions};
-use terrafill_reference::ReferenceBackend;
+use terrafill_reference::{CloseLook, ReferenceBackend};
 use terrafill_scene::{ImageSize, Overlap};
 use terrafill_stencil::LOD_PX;
 use terrafill_variant::{ColourWay, Switches};
@@ -40,7 +40,8 @@ fn options(far_level_px: Option<f64>) -> PlanOptions {
 /// Whether `frame` may pass for the reference's picture with boundaries up to `pixels` aside; and how many
 /// of its pixels are wrong, in all and outside the band.
 fn held(truth: &FillInput, reference: &Frame, frame: &Frame, pixels: f64) -> (bool, [u64; 2]) {
-    let look = ReferenceBackend::new().look_closely(truth).expect("judges");
+    let scene = ReferenceBackend::new().scene(truth).expect("judges");
+    let look = CloseLook::new(truth, &scene);
     let shows = |pixel: usize, id: u32| look.ids_within(pixel, BAND_RADIUS_PX).contains(&id);
     let found = compare_closely(reference, frame, |_, _| false, shows).expect("same size");
     let movement = boundary_movement(reference, frame, |place| look.id_at(place));

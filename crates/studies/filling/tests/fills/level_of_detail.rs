@@ -17,7 +17,7 @@ use terrafill_core::RegionMesh;
 use terrafill_fixtures::data;
 use terrafill_native::{Extrusion as Native, Indices, NativeVariant};
 use terrafill_plan::{LeveledMeshes, PlanOptions, RegionBounds};
-use terrafill_reference::ReferenceBackend;
+use terrafill_reference::{CloseLook, ReferenceBackend};
 use terrafill_scene::{ImageSize, LevelChoice, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_variant::Switches;
@@ -93,7 +93,8 @@ fn draw_plain(devices: &Devices, input: &FillInput) -> Frame {
 
 /// What the comparison says, the reference being asked between the centres of its pixels too.
 fn figures(truth: &FillInput, reference: &Frame, frame: &Frame) -> ErrorFigures {
-    let look = ReferenceBackend::new().look_closely(truth).expect("judges");
+    let scene = ReferenceBackend::new().scene(truth).expect("judges");
+    let look = CloseLook::new(truth, &scene);
     let shows = |pixel: usize, id: u32| look.ids_within(pixel, BAND_RADIUS_PX).contains(&id);
     let figures = compare_closely(reference, frame, |_, _| false, shows).expect("same size");
     let shown_at = |place| look.id_at(place);
