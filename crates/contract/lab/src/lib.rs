@@ -3,6 +3,7 @@
 //! and curves are; [`Cases`] finds figures. A [`Comparison`] holds two cases side by side, and refuses what cannot be
 //! compared. A [`Paper`] has the claims of one document, as read from its file.
 
+mod budget;
 mod cases;
 mod claims;
 mod comparison;
@@ -11,7 +12,9 @@ mod figure;
 mod lines;
 mod section;
 mod settling;
+mod timings;
 
+pub use budget::{Contender, cheapest_within, some_of};
 pub use cases::{
     Best, Cases, distinct, finding, grouped, log_slope, measured, none_differs, range,
 };
@@ -22,3 +25,4 @@ pub use figure::{Figure, Names};
 pub use lines::Lines;
 pub use section::{Absent, Column, MoreOf, Section, SectionedChapter, Select, case_table};
 pub use settling::{answers_with_commands, bench_command, full_command, with_commands};
+pub use timings::{Timings, sums_by_process};

@@ -7,8 +7,8 @@
 //! of identical work reach in the ladder's scene. A claim whose rows are not in the run has an empty cell.
 
 use super::data::{
-    Data, Timed, counter, declared, grouped, has_role, is_approximate, is_baseline, is_compared,
-    is_more, one_change,
+    Data, Timed, declared, grouped, has_role, is_approximate, is_baseline, is_compared, is_more,
+    one_change,
 };
 use super::rungs::{Ladder, Rung, counters};
 use super::table::{or_dash, sentences};
@@ -19,7 +19,7 @@ use crate::request::STUDY;
 use terrafill_lab::{
     Answer, Claimed, Comparison, Follows, Told, claims_blocks, claims_table, full_command, overall,
 };
-use terrafill_plot::number::{count, figure, significant, times};
+use terrafill_plot::number::{count, digits, figure, significant, times};
 use terrafill_results::{
     Block, Case, ChapterError, Claim, DerivedTable, Estimate, Outcome, Scope, Standing, ratio,
     share,
@@ -112,12 +112,12 @@ impl<'r, 'a> Evidence<'r, 'a> {
 
     /// A step in those of its views that say something of the claim.
     fn rungs(&self, step: &Step) -> Vec<&'r Rung<'a>> {
-        let vertices = |case: &Case| counter(case, VERTICES);
+        let vertices = |case: &Case| case.value(VERTICES);
         let own = self.of_views(step);
         let own = own.filter_map(|ladder| ladder.step(&step.name));
         let telling = own.filter(|rung| match step.only {
             Only::Any => true,
-            Only::AllInSight => counter(rung.case, REGIONS_LEFT_OUT) == Some(0),
+            Only::AllInSight => rung.case.value(REGIONS_LEFT_OUT) == Some(0.0),
             Only::WhereItActs => rung.before.and_then(vertices) != vertices(rung.case),
         });
         telling.collect()
@@ -294,7 +294,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
                 // The document says of the view from close by what no other view need show.
                 let is_wrong = pictured
                     .iter()
-                    .any(|(_, case)| outside_band(case) > Some(0));
+                    .any(|(_, case)| outside_band(case) > Some(0.0));
                 let judged = pictured.into_iter();
                 let judged = judged.map(|(text, _)| (text, Standing::holds_if(is_wrong)));
                 judged.collect()
@@ -322,7 +322,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
             }
         };
         let told = |(title, case): (String, &'a Case)| {
-            let px = or_dash(outside_band(case).map(count));
+            let px = or_dash(outside_band(case).map(digits));
             let shift = case.value(WALL_SHIFT_M).map(significant);
             let shift = shift.map(|shift| format!(", walls off by up to {shift} m"));
             let shift = shift.unwrap_or_default();
@@ -341,7 +341,8 @@ impl<'r, 'a> Evidence<'r, 'a> {
             let others = others.filter_map(|other| Some((other.step, other.gain?)));
             let (next, next_gain) = others.max_by(|a, b| a.1.middle.total_cmp(&b.1.middle))?;
             let standing = is_more(rung.gain.as_ref()?, &next_gain);
-            let [gain, next_gain] = [rung.gain?, next_gain].map(|gain| self.data.ratio_text(&gain));
+            let [gain, next_gain] =
+                [rung.gain?, next_gain].map(|gain| self.data.timings.ratio_text(&gain));
             let text = format!("{} {gain}, next {next} {next_gain}", ladder.view);
             Some((text, standing))
         });
@@ -365,7 +366,8 @@ impl<'r, 'a> Evidence<'r, 'a> {
     fn worst_at_horizon(&self) -> Views {
         let fills = [textured::AS_IN_2007, textured::PLAIN];
         let all = textured::compared(self.data, fills);
-        let over = |timed: &&Timed<'_>| ratio(timed.cases[0], timed.cases[1], self.data.metric);
+        let over =
+            |timed: &&Timed<'_>| ratio(timed.cases[0], timed.cases[1], self.data.timings.metric);
         let scenes = grouped(&all, |timed| timed.cases[0].condition(SCENE)).into_iter();
         let views = scenes.filter_map(|(scene, own)| {
             let (at_horizon, others): (Vec<&Timed<'_>>, Vec<&Timed<'_>>) = own
@@ -427,8 +429,8 @@ fn has_all(case: &Case, conditions: &Conditions) -> bool {
     conditions.all(|[key, value]| case.condition_named(key) == value)
 }
 
-fn outside_band(case: &Case) -> Option<u64> {
-    counter(case, MISMATCHED_PX_OUTSIDE_BAND)
+fn outside_band(case: &Case) -> Option<f64> {
+    case.value(MISMATCHED_PX_OUTSIDE_BAND)
 }
 
 fn scene_and_view(case: &Case) -> String {
@@ -453,7 +455,7 @@ fn second_pass(rungs: &[&Rung<'_>]) -> Told {
         Some((format!("{} {}", rung.view(), figure(&share)), standing))
     });
     let fragments = rungs.first().map(|rung| {
-        let of = |metric| or_dash(counter(rung.case, metric).map(count));
+        let of = |metric| or_dash(rung.case.value(metric).map(digits));
         format!(
             "{}: {} fragments in the first pass, {} shaded in the second",
             rung.view(),
@@ -508,7 +510,7 @@ pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> 
     let Some(ladder) = evidence.ladders.first() else {
         return Vec::new();
     };
-    let noise = data.noise_on(ladder.scene, data.metric);
+    let noise = data.noise_on(ladder.scene, data.timings.metric);
     let is_noisy = noise.is_some_and(|noise| noise.reach_factor() > MAX_BAND);
     let mut keys = Vec::new();
     for claimed in &PAPER.claims {

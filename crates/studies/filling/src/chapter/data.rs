@@ -6,13 +6,13 @@ use crate::metrics::METRICS;
 use crate::request::STUDY;
 use std::cell::OnceCell;
 use std::cmp::Reverse;
-use terrafill_lab::{Answer, Cases, Comparison, Follows};
+use terrafill_lab::{Answer, Cases, Comparison, Follows, Timings};
 pub(super) use terrafill_lab::{distinct, grouped};
 use terrafill_plot::Palette;
-use terrafill_plot::number::{significant, times};
+use terrafill_plot::number::significant;
 use terrafill_results::{
     Case, Cell, Claim, ConditionKey, Estimate, Metric, Noise, Outcome, REPEATS, Run, Scope, Spread,
-    Standing, Timer, over_typical, process_medians, ratio, sample_spread, typical,
+    Standing,
 };
 
 /// Full-screen pass that reads depth in a shader and writes a constant.
@@ -69,9 +69,8 @@ pub(super) struct Data<'a> {
     pub(super) cases: Vec<&'a Case>,
     /// The views of a scene follow each other.
     pub(super) views: Vec<View<'a>>,
-    /// The fill's time by the run's clock.
-    pub(super) metric: &'static Metric,
-    pub(super) noise: Option<Noise>,
+    /// By the fill's time.
+    pub(super) timings: Timings,
     palette: OnceCell<Palette>,
 }
 
@@ -119,10 +118,7 @@ impl<'a> View<'a> {
     /// purpose, and no approximate fills.
     pub(super) fn competing(&self) -> impl Iterator<Item = &'a Case> + Clone + '_ {
         let cases = self.cases.iter().copied();
-        cases.filter(|case| {
-            let is_point = has_role(case, "sweep") && !is_compared(case);
-            !is_point && !is_approximate(case)
-        })
+        cases.filter(|case| !is_point(case) && !is_approximate(case))
     }
 }
 
@@ -142,8 +138,10 @@ impl<'a> Data<'a> {
             run,
             study,
             cases,
-            metric,
-            noise: Noise::of(run.of_study(STUDY), metric),
+            timings: Timings {
+                metric,
+                noise: Noise::of(run.of_study(STUDY), metric),
+            },
             palette: OnceCell::new(),
         }
     }
@@ -183,8 +181,8 @@ impl<'a> Data<'a> {
 
     /// The fill's time by the run's clock, or by the wall clock where that one does not cover what is compared.
     pub(super) fn time_covering(&self, needs: Scope) -> &'static Metric {
-        if self.metric.scope.covers(needs) {
-            self.metric
+        if self.timings.metric.scope.covers(needs) {
+            self.timings.metric
         } else {
             FILL_WALL_MS
         }
@@ -211,45 +209,6 @@ impl<'a> Data<'a> {
         judged.unwrap_or_else(Answer::from)
     }
 
-    /// `process CPU ms`, for headings and axes.
-    pub(super) fn unit(&self) -> &'static str {
-        self.metric.timer().map_or("ms", Timer::unit_ms)
-    }
-
-    /// Times of a case over all its samples.
-    pub(super) fn time(&self, case: &Case) -> Option<Spread> {
-        sample_spread(case, self.metric)
-    }
-
-    /// Typical time of a case over processes, only if its picture is right: what ranks fills.
-    pub(super) fn typical(&self, case: &Case) -> Option<Estimate> {
-        typical(case, self.metric).filter(|_| case.counts())
-    }
-
-    /// The fill of these that takes least typically; none of them is less than 1 over it.
-    pub(super) fn fastest(&self, cases: impl Iterator<Item = &'a Case>) -> Option<&'a Case> {
-        let timed = cases.filter_map(|case| Some((case, self.typical(case)?.middle)));
-        let fastest = timed.min_by(|a, b| a.1.total_cmp(&b.1));
-        fastest.map(|(case, _)| case)
-    }
-
-    /// Typical time of `case` over that of the fastest, both right.
-    pub(super) fn over_fastest(&self, case: &Case, fastest: &Case) -> Option<Estimate> {
-        let is_right = case.counts() && fastest.counts();
-        over_typical(case, fastest, self.metric).filter(|_| is_right)
-    }
-
-    /// Time of `case` over time of `other`, paired by process, both right.
-    pub(super) fn over(&self, case: &Case, other: &Case) -> Option<Estimate> {
-        let is_right = case.counts() && other.counts();
-        ratio(case, other, self.metric).filter(|_| is_right)
-    }
-
-    /// One number for each process.
-    pub(super) fn replicates(&self, case: &Case) -> Vec<f64> {
-        process_medians(case, self.metric).into_values().collect()
-    }
-
     /// The full-screen pass of the case's scene and view.
     pub(super) fn baseline(&self, case: &Case, technique: &str) -> Option<&'a Case> {
         let mut cases = self.beside(case).iter().copied();
@@ -259,7 +218,7 @@ impl<'a> Data<'a> {
     /// Time of `case` over that of a full-screen pass.
     pub(super) fn over_pass_cell(&self, case: &Case, pass: &str) -> Cell {
         let pass = self.baseline(case, pass);
-        let over = pass.and_then(|pass| self.over(case, pass));
+        let over = pass.and_then(|pass| self.timings.over(case, pass));
         let why = reason_or(case, "this pass was not measured in this run");
         Cell::or_absent(over.map(|over| significant(over.middle)), why)
     }
@@ -267,28 +226,8 @@ impl<'a> Data<'a> {
     /// The case's times over the median of its depth-pass, for plots.
     pub(super) fn spread_over_depth_pass(&self, case: &Case) -> Option<Spread> {
         let both = [case, self.baseline(case, DEPTH_PASS)?];
-        let [own, pass] = both.map(|case| self.time(case).filter(|_| case.counts()));
+        let [own, pass] = both.map(|case| self.timings.samples(case).filter(|_| case.counts()));
         Some(own?.over(pass?.median))
-    }
-
-    /// Whether two times of this ratio differ by no more than identical work did.
-    pub(super) fn is_tie(&self, ratio: f64) -> bool {
-        self.noise.is_some_and(|noise| noise.is_tie(ratio))
-    }
-
-    /// A ratio with its interval, and whether it is a tie.
-    pub(super) fn ratio_text(&self, ratio: &Estimate) -> String {
-        let tie = if self.is_tie(ratio.middle) {
-            " (tie)"
-        } else {
-            ""
-        };
-        format!("{}{tie}", times(ratio))
-    }
-
-    /// The same as a cell.
-    pub(super) fn ratio_cell(&self, ratio: Option<&Estimate>, why: &str) -> Cell {
-        Cell::or_absent(ratio.map(|ratio| self.ratio_text(ratio)), why)
     }
 
     /// By how much identical work differed on a scene's ladder; anywhere in the scene where none of the
@@ -306,7 +245,7 @@ impl<'a> Data<'a> {
         let Some(scene) = scene else {
             return String::new();
         };
-        let noise = self.noise_on(scene, self.metric);
+        let noise = self.noise_on(scene, self.timings.metric);
         let percent = significant(100.0 * (Noise::band(noise) - 1.0));
         let because = noise.map_or_else(
             || "this run measured no identical work twice".to_owned(),
@@ -429,6 +368,24 @@ pub(super) fn is_compared(case: &Case) -> bool {
     has_role(case, "main") || has_role(case, "layout")
 }
 
+/// Whether a case stands on the curve of a sweep alone.
+pub(super) fn is_point(case: &Case) -> bool {
+    has_role(case, "sweep") && !is_compared(case)
+}
+
+/// Fills that each of these views has, by their names in order of appearance, each with its case of every view.
+///
+/// - `cases`: of each view those that may be one
+pub(super) fn in_every_view<'a>(cases: &[Vec<&'a Case>]) -> Vec<(String, Vec<&'a Case>)> {
+    let names = distinct(cases.iter().flatten().map(|case| label(case))).into_iter();
+    let fills = names.filter_map(|name| {
+        let of_view = |own: &Vec<&'a Case>| own.iter().copied().find(|case| label(case) == name);
+        let of_views: Option<Vec<&Case>> = cases.iter().map(of_view).collect();
+        Some((name, of_views?))
+    });
+    fills.collect()
+}
+
 /// Whether a case's picture differs from the reference by the nature of its technique.
 pub(super) fn is_approximate(case: &Case) -> bool {
     case.condition(APPROXIMATE) == "yes"
@@ -508,17 +465,4 @@ pub(super) fn is_more(one: &Estimate, other: &Estimate) -> Standing {
         (Some([_, high]), Some([low, _])) if high < low => Standing::DoesNotHold,
         _ => Standing::CannotTell,
     }
-}
-
-/// A counter.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "counters are whole, not negative and far below 2^53"
-)]
-pub(super) fn counter(case: &Case, metric: impl AsRef<str>) -> Option<u64> {
-    let value = case
-        .value(metric)
-        .filter(|value| value.is_finite() && *value >= 0.0)?;
-    Some(value.round() as u64)
 }

@@ -21,7 +21,7 @@ const CAPTION: &str = "Error against run time; one curve per layout through its 
 /// Every fill of a view; nothing when neither panel would hold a point.
 pub(super) fn of_view(data: &Data<'_>, view: &View<'_>) -> Result<Option<Block>, ChapterError> {
     let title = format!("{}: error against run time", view.title());
-    let across = format!("fill, {}: median, 5–95 % of samples", data.unit());
+    let across = format!("fill, {}: median, 5–95 % of samples", data.timings.unit());
     let panel = |title, up, metric| WorkPrecision {
         title,
         across: &across,
@@ -49,7 +49,7 @@ pub(super) fn of_view(data: &Data<'_>, view: &View<'_>) -> Result<Option<Block>,
 /// The cases as curves, one for each layout.
 pub(super) fn curves(data: &Data<'_>, view: &View<'_>, metric: &Metric) -> Vec<Curve> {
     let shown = view.cases.iter().filter(|case| match case.outcome {
-        Outcome::Ok => data.time(case).is_some() && case.value(metric).is_some(),
+        Outcome::Ok => data.timings.samples(case).is_some() && case.value(metric).is_some(),
         Outcome::Wrong | Outcome::Failed => true,
         Outcome::Skipped | Outcome::Missing | Outcome::DriverFault => false,
     });
@@ -72,7 +72,7 @@ pub(super) fn curves(data: &Data<'_>, view: &View<'_>, metric: &Metric) -> Vec<C
 
 /// A case by its time and an error. Its label is its setting or the knob's value, and what went wrong where something did.
 fn point(data: &Data<'_>, view: &View<'_>, case: &Case, metric: &Metric) -> Point {
-    let time = |spread| Reading::sampled(spread, &data.replicates(case));
+    let time = |spread| Reading::sampled(spread, &data.timings.replicates(case));
     let (setting, knob) = (setting(case, view), knob_m(case));
     let label = match (setting, knob.map(length), case.outcome) {
         (Some(setting), ..) => setting.to_owned(),
@@ -85,7 +85,7 @@ fn point(data: &Data<'_>, view: &View<'_>, case: &Case, metric: &Metric) -> Poin
     Point {
         knob: number.or(knob).unwrap_or(0.0),
         label,
-        x: data.time(case).map(time),
+        x: data.timings.samples(case).map(time),
         y: case.value(metric).map(Reading::exact),
         y_rms: None,
         standing: match case.outcome {

@@ -10,12 +10,13 @@ use terrafill_lab::Column;
 use terrafill_plot::number::{digits, significant};
 use terrafill_results::{Block, Case, Cell, ChapterError, Outcome, Row, Table};
 
-const COLUMNS: [Column; 7] = [
+const COLUMNS: [Column; 8] = [
     STATUS,
     Column::metric("geometry bytes", GEOMETRY_BYTES),
     Column::metric("draws", DRAWS),
     Column::metric("vertices", VERTICES),
     Column::metric("stencil-tested fragments", STENCIL_FRAGMENTS).written(digits),
+    Column::metric("tallest wall, m", WALL_HEIGHT_M).written(digits),
     Column::metric("px that differ", MISMATCHED_PX),
     Column::metric("outside band", MISMATCHED_PX_OUTSIDE_BAND),
 ];
@@ -72,11 +73,13 @@ fn overview(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Table {
         let mut kept = ladder.rungs.iter().filter(|rung| rung.is_kept());
         let gains = kept.clone().filter_map(|rung| Some((rung, rung.gain?)));
         let most = gains.max_by(|a, b| a.1.middle.total_cmp(&b.1.middle));
-        let most = most.map(|(rung, gain)| format!("{}: {}", rung.step, data.ratio_text(&gain)));
+        let most =
+            most.map(|(rung, gain)| format!("{}: {}", rung.step, data.timings.ratio_text(&gain)));
         let both = kept.next().zip(kept.next_back());
-        let total = both.and_then(|(first, last)| data.over(first.case, last.case));
+        let total = both.and_then(|(first, last)| data.timings.over(first.case, last.case));
         let cells = [
-            data.ratio_cell(total.as_ref(), "no two right steps with times"),
+            data.timings
+                .ratio_cell(total.as_ref(), "no two right steps with times"),
             Cell::or_absent(most, "no gain was measured"),
         ];
         Row::named(Cell::name(&ladder.title), cells)

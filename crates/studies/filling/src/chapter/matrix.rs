@@ -5,7 +5,7 @@
 //! The reference alone says what is right. That two pictures are the same says only that two
 //! techniques agree. It is shown next to the reference's verdict and never replaces it.
 
-use super::data::{Data, counter, distinct, grouped, has_role, layout_name, name, switches};
+use super::data::{Data, distinct, grouped, has_role, layout_name, name, switches};
 use super::table::head;
 use crate::keys::*;
 use std::collections::BTreeMap;
@@ -178,8 +178,8 @@ fn examine<'a>(case: &'a Case, firsts: &Firsts<'_>) -> Examined<'a> {
 
 /// What speaks against a case that ended well.
 fn objection(case: &Case, firsts: &Firsts<'_>) -> Option<String> {
-    match counter(case, MISMATCHED_PX_OUTSIDE_BAND) {
-        Some(0) => {}
+    match case.value(MISMATCHED_PX_OUTSIDE_BAND) {
+        Some(0.0) => {}
         Some(px) => return Some(format!("{px} wrong pixels outside the band")),
         None => return Some("never compared with the reference".to_owned()),
     }

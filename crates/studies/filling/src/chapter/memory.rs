@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Memory: bytes of every layout by formula and as allocated.
 
-use super::data::{Data, counter, has_role, layout_name};
+use super::data::{Data, has_role, layout_name};
 use super::table::head;
 use crate::keys::*;
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, none_differs};
@@ -36,6 +36,7 @@ const LAYOUTS: Section<'static> = Section {
         recorded("largest", REGION_BYTES_LARGEST),
         Column::beside("÷\u{a0}vertex/doubled", over_base).or("vertex/doubled was not measured"),
     ],
+    is_bad: |case| disagreement(case).is_some(),
     ..Section::EMPTY
 };
 
@@ -109,23 +110,11 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
              what they read, only what the view draws. Walls of vertex/per-triangle are lists, 24 indices a \
              volume; as strips they would have 18.",
     );
-    let red = allocated.iter().filter_map(|case| {
-        let (scene, layout) = (case.condition(SCENE), layout_name(case));
-        Some(format!("{scene}/{layout}: {}", disagreement(case)?))
-    });
-    blocks.extend(Block::alarm(
-        "Formula and allocation differ:",
-        red.collect(),
-    ));
     for (scene, own) in allocated.by(SCENE) {
         blocks.push(Block::part(format!("Bytes of {scene}")));
         let of_scene = layouts.with(&[(SCENE, scene)]);
         blocks.extend(GROWTH.block(&format!("{scene}: bytes over regions"), &of_scene)?);
-        let mut table = LAYOUTS.table("", &own);
-        let rows = table.rows.into_iter().zip(own.iter());
-        let rows = rows.map(|(row, case)| row.bad_if(disagreement(case).is_some()));
-        table.rows = rows.collect();
-        blocks.push(Block::Table(table));
+        blocks.push(Block::Table(LAYOUTS.table("", &own)));
     }
     Ok(blocks)
 }
@@ -133,10 +122,10 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
 /// Formula and allocation agree; `None` for a run that allocated nothing.
 pub(super) fn requirement(data: &Data<'_>) -> Option<Finding> {
     let all = allocated(&layouts(data));
-    let differing = all.iter().filter(|case| disagreement(case).is_some());
-    let (all, differing) = (all.iter().count(), differing.count());
+    let differing: Vec<String> = all.iter().filter_map(disagreement).collect();
     let claim = "Every layout allocates the bytes of its formula.";
-    (all > 0).then(|| none_differs(claim, all, differing, "layouts of scenes do"))
+    let what = "layouts of scenes do";
+    (!all.is_empty()).then(|| none_differs(claim, all.iter().count(), &differing, what))
 }
 
 /// How formula and allocation differ, if they do. Errors that cancel in the sum are two errors.
@@ -150,11 +139,13 @@ fn disagreement(case: &Case) -> Option<String> {
         ("indices", FORMULA_INDEX_BYTES, ALLOCATED_INDEX_BYTES),
     ];
     let differing = pairs.iter().filter_map(|(what, formula, allocated)| {
-        let (formula, allocated) = (counter(case, formula)?, counter(case, allocated)?);
+        let (formula, allocated) = (case.value(formula)?, case.value(allocated)?);
         (formula != allocated)
             .then(|| format!("{what}: {formula} bytes by formula, {allocated} allocated"))
     });
-    Some(differing.collect::<Vec<_>>().join("; ")).filter(|text| !text.is_empty())
+    let differing: Vec<String> = differing.collect();
+    let (scene, layout) = (case.condition(SCENE), layout_name(case));
+    (!differing.is_empty()).then(|| format!("{scene}/{layout}: {}", differing.join("; ")))
 }
 
 /// Layouts that a geometry shader reads, by name, and their bytes over [`BASE`], on the first scene that has

@@ -62,7 +62,6 @@ impl Chapter for FillingChapter {
             approximate::blocks(&data),
             claims::blocks(&data, &ladders),
             ladder::blocks(&data, &ladders)?,
-            comparisons::walls(&data, &ladders),
             rivals::blocks(&data),
             comparisons::pairs(&data),
             matrix::blocks(&data),
@@ -81,7 +80,7 @@ impl Chapter for FillingChapter {
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
         let data = Data::new(run);
         let mut answers = answers::answers(&data)?;
-        let within = budget::blocks(&data, &Budget::read(&run.path)?);
+        let within = budget::block(&data, &Budget::read(&run.path)?);
         answers.blocks.splice(0..0, within);
         Ok(answers_with_commands(answers, run, STUDY))
     }
@@ -118,7 +117,7 @@ impl Chapter for FillingChapter {
 
 /// What in a case's figures contradicts its outcome.
 fn contradiction(data: &Data<'_>, case: &Case) -> Option<String> {
-    let samples = case.samples(data.metric).into_iter().flatten();
+    let samples = case.samples(data.timings.metric).into_iter().flatten();
     let times: Vec<f64> = samples.flat_map(|(_, of)| of.values().copied()).collect();
     let usable = times.iter().filter(|ms| ms.is_finite() && **ms > 0.0);
     let (all, usable) = (times.len(), usable.count());

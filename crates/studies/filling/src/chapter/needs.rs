@@ -2,15 +2,15 @@
 //! What each scene needs: the features built into a view's fill and those left out, each with its reason,
 //! and what leaving out is worth, from everything that a fill can hold to only what is needed.
 //!
-//! Every figure is what the backend held and the device made; sums that differ are an alarm.
+//! Every figure is what the backend held and the device made; that sums agree is a requirement.
 
-use super::data::{Data, counter, distinct, grouped, has_role, name, title};
+use super::data::{Data, distinct, grouped, has_role, name, title};
 use super::rungs::{Ladder, NEEDS, Rung, counters, ladders};
 use super::table::{STATUS, head, steps_plot, steps_table};
 use crate::keys::*;
 use terrafill_contract::{Feature, Need};
 use terrafill_lab::{Column, none_differs};
-use terrafill_plot::number::{bytes, count, digits, significant};
+use terrafill_plot::number::{count, digits, measured_bytes};
 use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Row, Table};
 
 const STEPS: [Column; 3] = [
@@ -89,11 +89,6 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
              “Only what is needed” is the variant that decides by itself what each view needs: `terrafill \
              bench SCENE --ladder SCENE` measures the way there from everything that a fill can hold.",
     );
-    let red = all.iter().filter_map(disagreement).collect();
-    blocks.extend(Block::alarm(
-        "What is declared and what was made differ:",
-        red,
-    ));
     let ladders = ladders(data, NEEDS);
     for (scene, own) in grouped(&all, |told| told.case.condition(SCENE)) {
         blocks.push(Block::part(format!("Needs of {scene}")));
@@ -112,10 +107,10 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
 /// Everything that is made is declared; `None` for a run that tells nothing.
 pub(super) fn requirement(data: &Data<'_>) -> Option<Finding> {
     let all = all(data);
-    let differing = all.iter().filter_map(disagreement).count();
+    let differing: Vec<String> = all.iter().filter_map(disagreement).collect();
     let claim = "Every byte and pipeline that a fill holds belongs to a feature that says why.";
     let what = "fills declare what the device made for them";
-    (!all.is_empty()).then(|| none_differs(claim, all.len(), differing, what))
+    (!all.is_empty()).then(|| none_differs(claim, all.len(), &differing, what))
 }
 
 /// How sums over features differ from what the device made.
@@ -129,8 +124,8 @@ fn disagreement(told: &Told<'_>) -> Option<String> {
     let differing =
         declared
             .iter()
-            .filter_map(|(what, metric, declared)| match counter(case, metric) {
-                Some(made) if made == *declared => None,
+            .filter_map(|(what, metric, declared)| match case.value(*metric) {
+                Some(made) if made == *declared as f64 => None,
                 Some(made) => Some(format!("{declared} {what} declared, {made} made")),
                 None => Some(format!("{what} made were not recorded")),
             });
@@ -198,8 +193,8 @@ fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, Cha
         ladder.scene, ladder.view
     );
     let held = |rung: &Rung<'_>| {
-        let held = counter(rung.case, HELD_BYTES);
-        held.map_or_else(String::new, |held| format!(" · {}", bytes(held)))
+        let held = rung.case.value(HELD_BYTES);
+        held.map_or_else(String::new, |held| format!(" · {}", measured_bytes(held)))
     };
     let changed = |before: &Case, after: &Case| match Told::of(before).zip(Told::of(after)) {
         None => Cell::absent("one of both says nothing of its features"),
@@ -214,7 +209,6 @@ fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, Cha
     ));
     let blocks = [
         Some(heading),
-        sentence(data, rungs).map(Block::Text),
         steps_plot(data, title, rungs, held)?,
         Some(Block::Table(Table {
             is_main: true,
@@ -233,26 +227,6 @@ fn change(before: &Told<'_>, after: &Told<'_>) -> String {
         (true, false) => format!("with {}", come.join(", ")),
         (false, false) => format!("with {} in place of {}", come.join(", "), gone.join(", ")),
     }
-}
-
-/// What all of leaving out is worth.
-fn sentence(data: &Data<'_>, rungs: &[Rung<'_>]) -> Option<String> {
-    let (first, last) = (rungs.first()?.case, rungs.last()?.case);
-    let held = |case| counter(case, HELD_BYTES);
-    let (before, after) = (held(first)?, held(last)?);
-    let share = match before {
-        0 => String::new(),
-        _ => format!(", {} %", significant(100.0 * after as f64 / before as f64)),
-    };
-    let time = data.over(first, last).map_or_else(
-        || "the two were not timed, or one is not right".to_owned(),
-        |gain| format!("gain in time {}", data.ratio_text(&gain)),
-    );
-    Some(format!(
-        "Leaving out what the view does not need: {} held instead of {}{share}; {time}.",
-        bytes(after),
-        bytes(before)
-    ))
 }
 
 #[cfg(test)]

@@ -34,14 +34,14 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     let notes = rivals.clone().map(|(_, rival)| rival.note("texture_route"));
     let made_by = distinct(notes.filter(|note| !note.is_empty())).join("; ");
     let rows = rivals.map(|(view, rival)| {
-        let ours = data.fastest(view.competing());
+        let ours = data.timings.fastest(view.competing());
         let no_ours = "no correct technique was timed in this view";
         let of_ours = |metric, print: fn(f64) -> String| {
             let figure = ours.and_then(|ours| ours.value(metric));
             Cell::or_absent(figure.map(print), no_ours)
         };
-        let time = ours.and_then(|ours| data.time(ours));
-        let over = ours.and_then(|ours| ratio(rival, ours, data.metric));
+        let time = ours.and_then(|ours| data.timings.samples(ours));
+        let over = ours.and_then(|ours| ratio(rival, ours, data.timings.metric));
         let said = vec![
             Cell::name(view.title()),
             Cell::name(name(rival)),

@@ -4,9 +4,9 @@
 //! A rung is compared with the last one before it on the way whose picture is right; what stands aside is
 //! on no way.
 
-use super::data::{Data, counter, grouped};
+use super::data::{Data, grouped};
 use crate::keys::*;
-use terrafill_plot::number::{bytes, count};
+use terrafill_plot::number::{digits, measured_bytes};
 use terrafill_results::{Case, ConditionKey, Estimate};
 
 /// One rung as measured.
@@ -91,7 +91,7 @@ fn climb<'a>(data: &Data<'a>, names: Names, mut cases: Vec<(u32, &'a Case)>) -> 
             is_aside: names == FULL_PLAN && case.condition(ASIDE) == "yes",
             before,
             skipped,
-            gain: before.and_then(|before| data.over(before, case)),
+            gain: before.and_then(|before| data.timings.over(before, case)),
         };
         if rung.is_kept() {
             (before, skipped) = (Some(case), None);
@@ -114,11 +114,11 @@ pub(super) fn counters(before: &Case, after: &Case) -> String {
         ("bytes handed over a frame", UPLOAD_BYTES),
     ];
     let changed = metrics.iter().filter_map(|(name, metric)| {
-        let values = [counter(before, metric)?, counter(after, metric)?];
+        let values = [before.value(*metric)?, after.value(*metric)?];
         let print = if metric.name.ends_with("bytes") {
-            bytes
+            measured_bytes
         } else {
-            count
+            digits
         };
         (values[0] != values[1])
             .then(|| format!("{name} {} → {}", print(values[0]), print(values[1])))

@@ -101,8 +101,8 @@ fn ratio_plot(
     views: &[&View<'_>],
 ) -> Result<Option<String>, ChapterError> {
     let groups = views.iter().map(|view| {
-        let best = data.fastest(view.competing());
-        let ratio = |case: &Case| data.over_fastest(case, best?);
+        let best = data.timings.fastest(view.competing());
+        let ratio = |case: &Case| data.timings.over_fastest(case, best?);
         let mut cases: Vec<&Case> = view.competing().collect();
         let order = |case: &Case| ratio(case).map_or(f64::INFINITY, |ratio| ratio.middle);
         cases.sort_by(|a, b| order(a).total_cmp(&order(b)));
@@ -130,7 +130,7 @@ fn ratio_plot(
             title: &title,
             one: "fastest = 1",
         },
-        tie_factor: data.noise.map(|noise| noise.max_factor()),
+        tie_factor: data.timings.noise.map(|noise| noise.max_factor()),
         groups: groups.collect(),
     };
     Ok(plot.draw(data.palette())?)
@@ -142,10 +142,10 @@ fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow 
         let median = ratio.middle;
         Spread { p5, median, p95 }
     });
-    let typical = data.typical(case);
+    let typical = data.timings.typical(case);
     // The ratio is of medians, so a process stands as far from it as its time from the median.
     let processes = ratio.zip(typical).map(|(ratio, typical)| {
-        let times = data.replicates(case).into_iter();
+        let times = data.timings.replicates(case).into_iter();
         times
             .map(|time| ratio.middle * time / typical.middle)
             .collect()
@@ -163,7 +163,7 @@ fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow 
 }
 
 fn cases(data: &Data<'_>, view: &View<'_>) -> Table {
-    let fastest = data.fastest(view.competing());
+    let fastest = data.timings.fastest(view.competing());
     let rows = view.listed().map(|case| {
         let (label, name) = (label(case), name(case));
         let cell = Cell {
@@ -176,7 +176,7 @@ fn cases(data: &Data<'_>, view: &View<'_>) -> Table {
         };
         let counts = case.counts() || is_approximate(case) || is_rival(case);
         let over = fastest.filter(|_| counts);
-        let over = over.and_then(|fastest| over_typical(case, fastest, data.metric));
+        let over = over.and_then(|fastest| over_typical(case, fastest, data.timings.metric));
         let why = "it is not right or was not timed, or no fill of this view is";
         let said = vec![
             cell,

@@ -4,7 +4,7 @@
 //!
 //! How tall walls must be at most follows from the step: `terrafill_core::MeshOptions::sagitta_bound_m`.
 
-use super::data::{Data, Timed, counter, grouped, has_role, layout_name, one_change, title};
+use super::data::{Data, Timed, grouped, has_role, layout_name, one_change, title};
 use crate::keys::*;
 use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
@@ -60,7 +60,10 @@ pub(super) fn coarsest_over_finest<'a>(data: &Data<'a>) -> Vec<Timed<'a>> {
     let timed = sweeps.filter_map(|(title, mut cases)| {
         cases.sort_by(|a, b| a.0.total_cmp(&b.0));
         // A step that cuts nothing gives the mesh of a finer one, and says nothing of steps.
-        cases.dedup_by_key(|(_, case)| counter(case, CAP_TRIANGLES).ok_or_else(|| case.id().key()));
+        cases.dedup_by(|(_, a), (_, b)| {
+            let [a, b] = [a, b].map(|case| case.value(CAP_TRIANGLES));
+            a.is_some() && a == b
+        });
         let [(_, fine), .., (_, coarse)] = cases[..] else {
             return None;
         };

@@ -100,7 +100,7 @@ pub(super) fn steps_table(
         let over = data.spread_over_depth_pass(rung.case).map(spread);
         let said = vec![
             step,
-            data.ratio_cell(rung.gain.as_ref(), why),
+            data.timings.ratio_cell(rung.gain.as_ref(), why),
             Cell::or_absent(over, no_ratio(data, rung.case)),
             match rung.before {
                 Some(before) => changed(before, rung.case),
@@ -127,7 +127,7 @@ pub(super) fn steps_table(
 /// Why a case has no ratio to another's time.
 pub(super) fn no_ratio(data: &Data<'_>, case: &Case) -> String {
     let why = match case.outcome {
-        Outcome::Ok if data.time(case).is_none() => "no fill time",
+        Outcome::Ok if data.timings.samples(case).is_none() => "no fill time",
         Outcome::Ok => "no depth-pass measured",
         _ => standing(case),
     };

@@ -11,20 +11,22 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     let cases = data.views.iter().flat_map(View::competing);
     let techniques = distinct(cases.map(|case| case.condition(TECHNIQUE)));
     let row = |view: &View<'_>| {
-        let fastest = data.fastest(view.competing())?;
+        let fastest = data.timings.fastest(view.competing())?;
         let cells = techniques.iter().map(|technique| {
             let own = view.competing();
             let own = own.filter(|case| case.condition(TECHNIQUE) == *technique);
-            let Some(case) = data.fastest(own) else {
+            let Some(case) = data.timings.fastest(own) else {
                 return Cell::absent("no fill of this technique is right here and was timed");
             };
-            let over = ratio(case, fastest, data.metric);
+            let over = ratio(case, fastest, data.timings.metric);
             let named = data.name_cell(case, label(case));
             Cell {
                 detail: named.text,
                 marker: named.marker,
                 command: named.command,
-                ..data.ratio_cell(over.as_ref(), "no process measured both")
+                ..data
+                    .timings
+                    .ratio_cell(over.as_ref(), "no process measured both")
             }
         });
         let view = Cell {

@@ -66,18 +66,24 @@ fn made() -> MadeUpRun {
     run
 }
 
-fn answer(run: &MadeUpRun, budget: Budget) -> String {
+/// What the limits are, and the answers for all scenes.
+fn told(run: &MadeUpRun, budget: Budget) -> [String; 2] {
     let folder = tempfile::tempdir().expect("a folder");
     let run = run.write(folder.path()).expect("a run");
     budget.write(folder.path()).expect("written");
     let answers = FillingChapter.answers(&run).expect("answers");
-    let Block::Folded { blocks, .. } = &answers.blocks[0] else {
-        panic!("{:?}", answers.blocks[0]);
-    };
-    match &blocks[1] {
-        Block::List(lines) => lines.join("\n"),
+    match &answers.blocks[0] {
+        Block::Folded { blocks, .. } => match &blocks[..] {
+            [Block::Text(limits), Block::List(lines)] => [limits.clone(), lines.join("\n")],
+            other => panic!("{other:?}"),
+        },
         other => panic!("{other:?}"),
     }
+}
+
+fn answer(run: &MadeUpRun, budget: Budget) -> String {
+    let [_, lines] = told(run, budget);
+    lines
 }
 
 fn starts(text: &str, words: &str) {
@@ -194,9 +200,8 @@ fn ties_are_named_and_the_smaller_is_taken_and_what_is_unknown_is_not_within() {
 #[test]
 fn one_process_decides_nothing_and_says_so() {
     let limits = |run: &MadeUpRun| {
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
-        limits(&Data::new(&run), &Budget::default())
+        let [limits, _] = told(run, Budget::default());
+        limits
     };
     assert!(!limits(&made()).contains("decides nothing"));
     let mut one = made();
