@@ -300,6 +300,20 @@ pub fn grouped<T, K: Ord + Clone>(
     groups
 }
 
+/// What each of these groups has, by its name in order of appearance, with a case of every group.
+pub fn in_every_group<'a>(
+    groups: &[Vec<&'a Case>],
+    name: impl Fn(&Case) -> String,
+) -> Vec<(String, Vec<&'a Case>)> {
+    let names = distinct(groups.iter().flatten().map(|case| name(case))).into_iter();
+    let found = names.filter_map(|wanted| {
+        let of_group = |own: &Vec<&'a Case>| own.iter().copied().find(|case| name(case) == wanted);
+        let of_groups: Option<Vec<&Case>> = groups.iter().map(of_group).collect();
+        Some((wanted, of_groups?))
+    });
+    found.collect()
+}
+
 /// That nothing differs, with how many of all do not, and the first of those that do; not measured where there are
 /// none.
 ///
@@ -408,6 +422,22 @@ mod tests {
                     .iter()
                     .all(|[a, b]| a.condition(VIEW) == b.condition(VIEW))
             );
+            let views = cases.by(VIEW).into_iter();
+            let views = views.map(|(_, own)| own.iter().collect());
+            let mut views: Vec<Vec<&Case>> = views.collect();
+            let names = |views: &[Vec<&Case>]| {
+                let found = in_every_group(views, |case| case.condition(API).to_owned());
+                found
+                    .into_iter()
+                    .map(|(name, own)| format!("{name} {}", own.len()))
+                    .collect()
+            };
+            let both: Vec<String> = names(&views);
+            assert_eq!(both, ["wgpu 2", "vulkan 2"]);
+            // Negative control: what one group lacks is left out.
+            views[1].pop();
+            let one: Vec<String> = names(&views);
+            assert_eq!(one, ["wgpu 2"]);
             let comparison = Comparison {
                 changed: API.name(),
                 follows: &[],

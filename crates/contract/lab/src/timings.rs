@@ -2,7 +2,8 @@
 //! Times that rank cases: by one clock, beside how far identical work differed.
 
 use std::collections::BTreeMap;
-use terrafill_plot::number::times;
+use terrafill_plot::RatioRow;
+use terrafill_plot::number::{significant, times};
 use terrafill_results::{
     Case, Cell, Estimate, Metric, Noise, Spread, Timer, over_typical, process_medians, ratio,
     sample_spread, typical,
@@ -64,10 +65,52 @@ impl Timings {
         ratio(case, other, self.metric).filter(|_| is_right)
     }
 
+    /// A row of a plot of typical times over another case's, without label, series and command.
+    ///
+    /// - `ratio`: or why there is none
+    #[must_use]
+    pub fn ratio_row(&self, case: &Case, ratio: Result<Estimate, String>) -> RatioRow {
+        let typical = self.typical(case);
+        // The ratio is of medians, so a process stands as far from it as its time from the median.
+        let processes = ratio.as_ref().ok().zip(typical).map(|(ratio, typical)| {
+            let times = self.replicates(case).into_iter();
+            times
+                .map(|time| ratio.middle * time / typical.middle)
+                .collect()
+        });
+        let whisker = |ratio: Estimate| {
+            let [p5, p95] = ratio.interval.unwrap_or([ratio.middle; 2]);
+            let median = ratio.middle;
+            Spread { p5, median, p95 }
+        };
+        RatioRow {
+            label: String::new(),
+            series: String::new(),
+            ratio: ratio.map(whisker),
+            processes: processes.unwrap_or_default(),
+            value: typical.map_or_else(String::new, |time| {
+                format!(" · {} ms", significant(time.middle))
+            }),
+            command: String::new(),
+        }
+    }
+
     /// Whether two times of this ratio differ by no more than identical work did.
     #[must_use]
     pub fn is_tie(&self, ratio: f64) -> bool {
         self.noise.is_some_and(|noise| noise.is_tie(ratio))
+    }
+
+    /// What in a case's times contradicts that they were measured.
+    #[must_use]
+    pub fn contradiction(&self, case: &Case) -> Option<String> {
+        let samples = case.samples(self.metric).into_iter().flatten();
+        let times: Vec<f64> = samples.flat_map(|(_, of)| of.values().copied()).collect();
+        let usable = times.iter().filter(|ms| ms.is_finite() && **ms > 0.0);
+        let (name, all, lost) = (case.id(), times.len(), times.len() - usable.count());
+        (lost > 0).then(|| {
+            format!("{name}: {lost} of {all} times are 0, negative or not finite; left out")
+        })
     }
 
     /// A ratio with its interval, and whether it is a tie.
@@ -86,6 +129,23 @@ impl Timings {
     pub fn ratio_cell(&self, ratio: Option<&Estimate>, why: impl Into<String>) -> Cell {
         Cell::or_absent(ratio.map(|ratio| self.ratio_text(ratio)), why)
     }
+}
+
+/// What is taken as no difference, in a sentence. A band narrower than the intervals of identical work reach could not
+/// call identical work no difference.
+#[must_use]
+pub fn band_sentence(noise: Option<Noise>) -> String {
+    let percent = significant(100.0 * (Noise::band(noise) - 1.0));
+    let because = noise.map_or_else(
+        || "this run measured no identical work twice".to_owned(),
+        |noise| {
+            format!(
+                "so far the intervals of identical work reached in this run, measured twice under {} names",
+                noise.pairs
+            )
+        },
+    );
+    format!("Less than {percent} % either way is no difference: {because}.")
 }
 
 /// Sums over cases by process, of the processes that measured all of them.
@@ -139,7 +199,27 @@ mod tests {
         let of_wrong = [timings.over(wrong, fast), timings.over(fast, wrong)];
         assert_eq!(of_wrong, [None, None]);
         assert_eq!(timings.over_fastest(wrong, fast), None);
+        let row = |case| {
+            let over = timings.over_fastest(case, fast);
+            timings.ratio_row(case, over.ok_or_else(|| "wrong".to_owned()))
+        };
+        assert_eq!(
+            (row(slow).processes, row(slow).value),
+            (vec![2.0; 5], " · 2.00 ms".to_owned())
+        );
+        assert_eq!(
+            (row(wrong).ratio, row(wrong).value),
+            (Err("wrong".to_owned()), String::new())
+        );
         assert!(!timings.is_tie(2.0));
+        assert_eq!(timings.contradiction(slow), None);
+        made.cases[0].timed(TIME, &[2.0, 0.0]);
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = made.write(folder.path()).expect("a run");
+        let found = timings.contradiction(&run.cases[0]).expect("a time of 0");
+        assert!(found.contains("1 of 2 times are 0"), "{found}");
+        assert!(band_sentence(None).ends_with("measured no identical work twice."));
+        assert!(band_sentence(timings.noise).contains("measured twice under 1 names"));
     }
 
     #[test]

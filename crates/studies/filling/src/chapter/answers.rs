@@ -5,13 +5,12 @@
 //! Everything is computed from the rows. A fill is a technique with its switches; it competes where its
 //! picture is right and its time was measured.
 
-use super::data::{
-    Data, View, grouped, has_role, in_every_view, is_approximate, is_baseline, label,
-};
+use super::data::{Data, View, grouped, is_baseline, label};
 use super::table::or_dash;
 use super::{fronts, memory, needs, textured};
 use crate::keys::*;
-use terrafill_lab::{none_differs, some_of};
+use crate::purpose::{Purpose, is_approximate};
+use terrafill_lab::{in_every_group, none_differs, some_of};
 use terrafill_plot::dotted;
 use terrafill_plot::number::{count, digits, figure, measured_bytes, significant};
 use terrafill_results::{
@@ -132,7 +131,7 @@ fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
         None => Cell::absent("no fill of this view has such a figure"),
     };
     let all = view.cases.iter();
-    let all = all.filter(|case| !has_role(case, "sweep") && !is_approximate(case));
+    let all = all.filter(|case| !Purpose::Sweep.is_of(case) && !is_approximate(case));
     let pictures = view.cases.iter().map(|case| case.note("reference_image"));
     let name = Cell {
         detail: format!("{} of {} fills right", fills.len(), all.count()),
@@ -205,7 +204,7 @@ struct Ranked {
 /// By the mean of how much longer they take than the best.
 fn ranked(data: &Data<'_>, contests: &[&Contest<'_, '_>]) -> Vec<Ranked> {
     let fills = contests.iter().map(|contest| contest.fills.clone());
-    let fills = in_every_view(&fills.collect::<Vec<_>>()).into_iter();
+    let fills = in_every_group(&fills.collect::<Vec<_>>(), label).into_iter();
     let ranked = fills.filter_map(|(name, cases)| {
         let ratios = contests.iter().zip(cases);
         let ratios = ratios.map(|(contest, case)| contest.over_fastest(data, case));

@@ -2,10 +2,11 @@
 //! What may be chosen for a scene within the reader's limits: right fills, and approximate ones by the error that they
 //! had in this run. Points of sweeps may not.
 
-use super::data::{Data, View, in_every_view, is_approximate, is_point};
+use super::data::{Data, View, label};
 use crate::keys::*;
+use crate::purpose::{is_approximate, is_point};
 use terrafill_conformance::{BAND_RADIUS_PX, MAX_PICTURE_SEARCH_PX};
-use terrafill_lab::{Contender, cheapest_within};
+use terrafill_lab::{Contender, cheapest_within, in_every_group};
 use terrafill_results::{Block, Budget, Case, Metric, Outcome};
 
 /// What a fill holds of its own.
@@ -25,7 +26,7 @@ fn contenders<'a>(views: &[&View<'a>]) -> Vec<Contender<'a>> {
     };
     let of_view = |view: &&View<'a>| view.cases.iter().copied().filter(competes).collect();
     let of_views: Vec<Vec<&Case>> = views.iter().map(of_view).collect();
-    let fills = in_every_view(&of_views).into_iter();
+    let fills = in_every_group(&of_views, label).into_iter();
     let fills = fills.map(|(name, cases)| Contender {
         name,
         error_px: largest(cases.iter().map(|case| error_px(case)).collect())

@@ -4,10 +4,9 @@
 //! One curve per layout through its knob, the boundary tolerance. A wrong case whose error is the
 //! question stands where its figures put it; any other wrong or failed case stands on the edge.
 
-use super::data::{
-    Data, View, grouped, has_role, is_approximate, knob_m, series, setting, standing,
-};
+use super::data::{Data, View, grouped, knob_m, series, setting, standing};
 use crate::keys::{BOUNDARY_DEVIATION_M, MISMATCHED_PX};
+use crate::purpose::{Purpose, is_approximate};
 use terrafill_plot::{
     Arrangement, Curve, Point, PointStanding, Reading, Upwards, WorkPrecision, length, panels,
 };
@@ -53,21 +52,17 @@ pub(super) fn curves(data: &Data<'_>, view: &View<'_>, metric: &Metric) -> Vec<C
         Outcome::Wrong | Outcome::Failed => true,
         Outcome::Skipped | Outcome::Missing | Outcome::DriverFault => false,
     });
-    let mut curves = grouped(shown, |case| series(case));
-    curves.sort_by(|a, b| a.0.cmp(&b.0));
-    let points = |cases: Vec<&&Case>| {
-        cases
-            .iter()
-            .map(|case| point(data, view, case, metric))
-            .collect()
-    };
-    let curves = curves.into_iter();
-    curves
-        .map(|(name, cases)| Curve {
+    let curves = grouped(shown, |case| series(case)).into_iter();
+    let curves = curves.map(|(name, cases)| {
+        let points = cases.iter().map(|case| point(data, view, case, metric));
+        Curve {
             name,
-            points: points(cases),
-        })
-        .collect()
+            points: points.collect(),
+        }
+    });
+    let mut curves: Vec<Curve> = curves.collect();
+    curves.sort_by(|a, b| a.name.cmp(&b.name));
+    curves
 }
 
 /// A case by its time and an error. Its label is its setting or the knob's value, and what went wrong where something did.
@@ -91,7 +86,7 @@ fn point(data: &Data<'_>, view: &View<'_>, case: &Case, metric: &Metric) -> Poin
         standing: match case.outcome {
             _ if case.counts() => PointStanding::Right,
             Outcome::Wrong if is_approximate(case) => PointStanding::Approximate,
-            Outcome::Wrong if has_role(case, "sweep") => PointStanding::Wrong,
+            Outcome::Wrong if Purpose::Sweep.is_of(case) => PointStanding::Wrong,
             _ => PointStanding::Failed,
         },
         command: data.command(case),

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Error against cost, one panel a scene: the sum over the scene's views, by each clock and by work.
 
-use super::data::{Data, View, in_every_view, marked};
+use super::data::{Data, View, label, marked};
 use crate::keys::*;
-use terrafill_lab::sums_by_process;
+use terrafill_lab::{in_every_group, sums_by_process};
 use terrafill_plot::{FrontPanel, FrontPoint, Fronts};
 use terrafill_results::{Block, Case, ChapterError, Choice, Metric};
 
@@ -53,7 +53,7 @@ fn panel(data: &Data<'_>, scene: &str, views: &[&View<'_>], metric: &Metric) -> 
         let right = view.competing().filter(|case| case.counts());
         right.collect()
     });
-    let fills = in_every_view(&of_views.collect::<Vec<_>>()).into_iter();
+    let fills = in_every_group(&of_views.collect::<Vec<_>>(), label).into_iter();
     let points = fills.filter_map(|(name, cases)| point(data, name, &cases, metric));
     FrontPanel {
         name: scene.to_owned(),

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Memory: bytes of every layout by formula and as allocated.
 
-use super::data::{Data, has_role, layout_name};
+use super::data::{Data, layout_name};
 use super::table::head;
 use crate::keys::*;
+use crate::purpose::Purpose;
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, none_differs};
 use terrafill_plot::number::digits;
 use terrafill_results::{Block, Case, ChapterError, Estimate, Finding, Metric};
@@ -11,8 +12,8 @@ use terrafill_results::{Block, Case, ChapterError, Estimate, Finding, Metric};
 /// The layout whose bytes the others' are divided by: every vertex twice, as a vertex shader needs.
 const BASE: &str = "vertex/doubled";
 
-/// Technique and beginning of the layouts that a geometry shader reads.
-const GEOMETRY_SHADER: (&str, &str) = ("native", "gs-");
+/// How names of layouts begin that a geometry shader reads.
+const GEOMETRY_SHADER: &str = "native/gs-";
 
 /// What a layout takes of a scene.
 const LAYOUTS: Section<'static> = Section {
@@ -88,7 +89,7 @@ fn over_base(of_scene: &Cases<'_>, case: &Case) -> Option<Estimate> {
 
 /// Layouts of scenes, and of their regions repeated in turn.
 fn layouts<'a>(data: &Data<'a>) -> Cases<'a> {
-    data.study.fitting(|case| has_role(case, "memory"))
+    data.study.fitting(|case| Purpose::Memory.is_of(case))
 }
 
 /// Those of scenes that some technique allocated.
@@ -151,14 +152,15 @@ fn disagreement(case: &Case) -> Option<String> {
 /// Layouts that a geometry shader reads, by name, and their bytes over [`BASE`], on the first scene that has
 /// both.
 pub(super) fn geometry_shader_ratios(data: &Data<'_>) -> Vec<(String, f64)> {
-    let (technique, beginning) = GEOMETRY_SHADER;
-    let scenes = allocated(&layouts(data)).by(SCENE).into_iter();
-    let mut ratios = scenes.map(|(_, own)| {
-        let of_geometry_shader = own.iter().filter(|case| {
-            case.condition(TECHNIQUE) == technique && case.condition(LAYOUT).starts_with(beginning)
+    let mut scenes = allocated(&layouts(data))
+        .by(SCENE)
+        .into_iter()
+        .map(|(_, own)| {
+            let of_geometry_shader = own
+                .iter()
+                .filter(|case| layout_name(case).starts_with(GEOMETRY_SHADER));
+            let ratio = |case| Some((layout_name(case), over_base(&own, case)?.middle));
+            of_geometry_shader.filter_map(ratio).collect::<Vec<_>>()
         });
-        let ratio = |case| Some((layout_name(case), over_base(&own, case)?.middle));
-        of_geometry_shader.filter_map(ratio).collect::<Vec<_>>()
-    });
-    ratios.find(|ratios| !ratios.is_empty()).unwrap_or_default()
+    scenes.find(|ratios| !ratios.is_empty()).unwrap_or_default()
 }

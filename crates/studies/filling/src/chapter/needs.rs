@@ -4,13 +4,14 @@
 //!
 //! Every figure is what the backend held and the device made; that sums agree is a requirement.
 
-use super::data::{Data, distinct, grouped, has_role, name, title};
-use super::rungs::{Ladder, NEEDS, Rung, counters, ladders};
-use super::table::{STATUS, head, steps_plot, steps_table};
+use super::data::{DEPTH_PASS, Data, distinct, grouped, name, title};
+use super::rungs::{Ladder, NEEDS, counters, ladders};
+use super::table::{STATUS, head};
 use crate::keys::*;
+use crate::purpose::Purpose;
 use terrafill_contract::{Feature, Need};
-use terrafill_lab::{Column, none_differs};
-use terrafill_plot::number::{count, digits, measured_bytes};
+use terrafill_lab::{Column, StepsSection, none_differs};
+use terrafill_plot::number::{count, digits};
 use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Row, Table};
 
 const STEPS: [Column; 3] = [
@@ -55,10 +56,6 @@ fn shown(feature: Feature) -> String {
     name.trim_start_matches("need_").replace('_', " ")
 }
 
-fn rung(case: &Case) -> Option<u32> {
-    case.condition(NEEDS_RUNG).parse().ok()
-}
-
 /// Every case that says what it holds.
 fn all<'a>(data: &Data<'a>) -> Vec<Told<'a>> {
     data.cases.iter().copied().filter_map(Told::of).collect()
@@ -66,12 +63,13 @@ fn all<'a>(data: &Data<'a>) -> Vec<Told<'a>> {
 
 /// Whether a case holds only what its view needs: the last of the rungs, or the only one.
 fn is_needed(data: &Data<'_>, case: &Case) -> bool {
+    let rung = |case: &Case| case.condition(NEEDS_RUNG).parse::<u32>().ok();
     let technique = case.condition(TECHNIQUE);
     let mut others = data.beside(case).iter();
-    has_role(case, "needs")
+    Purpose::Needs.is_of(case)
         && others.all(|other| {
             other.condition(TECHNIQUE) != technique
-                || !has_role(other, "needs")
+                || !Purpose::Needs.is_of(other)
                 || rung(other) <= rung(case)
         })
 }
@@ -187,15 +185,10 @@ fn features(technique: &str, needed: &[&Told<'_>]) -> Table {
 
 /// The way from everything to what is needed.
 fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, ChapterError> {
-    let rungs = &ladder.rungs;
     let title = format!(
         "{}, {}: time over depth-pass, from everything to what is needed",
         ladder.scene, ladder.view
     );
-    let held = |rung: &Rung<'_>| {
-        let held = rung.case.value(HELD_BYTES);
-        held.map_or_else(String::new, |held| format!(" · {}", measured_bytes(held)))
-    };
     let changed = |before: &Case, after: &Case| match Told::of(before).zip(Told::of(after)) {
         None => Cell::absent("one of both says nothing of its features"),
         Some((told, now)) => Cell {
@@ -207,15 +200,14 @@ fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, Cha
         "From everything to what {} needs, by {}",
         ladder.view, ladder.technique
     ));
-    let blocks = [
-        Some(heading),
-        steps_plot(data, title, rungs, held)?,
-        Some(Block::Table(Table {
-            is_main: true,
-            ..steps_table(data, rungs, &STEPS, changed)
-        })),
-    ];
-    Ok(blocks.into_iter().flatten().collect())
+    let section = StepsSection {
+        title: &title,
+        baseline: DEPTH_PASS,
+        columns: &STEPS,
+        is_main: true,
+    };
+    let blocks = ladder.blocks(data, section, changed)?;
+    Ok([vec![heading], blocks].concat())
 }
 
 /// What a step left out and brought in.

@@ -4,8 +4,9 @@
 //!
 //! How tall walls must be at most follows from the step: `terrafill_core::MeshOptions::sagitta_bound_m`.
 
-use super::data::{Data, Timed, grouped, has_role, layout_name, one_change, title};
+use super::data::{Data, Timed, grouped, layout_name, one_change, title};
 use crate::keys::*;
+use crate::purpose::Purpose;
 use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
 use terrafill_results::{Block, Case, ChapterError, ConditionKey, Finding};
@@ -44,7 +45,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
 }
 
 fn is_swept(case: &Case) -> bool {
-    has_role(case, "subdivision")
+    Purpose::Subdivision.is_of(case)
 }
 
 /// Meshes of one technique: another draws the same mesh in another time.

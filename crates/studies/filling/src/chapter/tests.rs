@@ -555,7 +555,7 @@ fn centric_normals_are_reasonable_where_every_picture_on_terrain_is_right() {
     };
     let right = with(0.0, Status::Ok);
     let row = claim_row(&right, EARTH);
-    let first = "hills globe: 0 px outside the band, walls off by up to 28.5 m";
+    let first = "hills, globe: 0 px outside the band, walls off by up to 28.5 m";
     assert!(row[4].starts_with(first), "{row:?}");
     assert_eq!(row[5], "holds");
     let bytes = claim_row(&right, STORED);
@@ -599,9 +599,9 @@ fn what_is_drawn_instead_of_volumes_is_laid_beside_them() {
     assert_eq!(
         rows(20.0, 40.0, 7.0),
         [
-            "hills globe, prepare_cpu_ms 40.0 ×; hills globe, geometry_bytes 4.00 ×: holds",
-            "hills globe: 7 px outside the band: holds",
-            "hills globe 2.00 × [2.00–2.00]: holds",
+            "hills, globe, prepare_cpu_ms 40.0 ×; hills, globe, geometry_bytes 4.00 ×: holds",
+            "hills, globe: 7 px outside the band: holds",
+            "hills, globe 2.00 × [2.00–2.00]: holds",
         ]
     );
     // Negative controls: a cut that takes less than volumes do, one that is right, a flat mesh that is faster.
@@ -666,7 +666,6 @@ fn quotations() -> impl Iterator<Item = (&'static str, &'static str)> {
 fn quoted() -> Vec<&'static str> {
     let sources = [
         include_str!("claims.rs"),
-        include_str!("fill_rate.rs"),
         include_str!("ladder.rs"),
         include_str!("memory.rs"),
         include_str!("mod.rs"),
@@ -855,6 +854,7 @@ fn layout(
 fn bytes_by_formula_and_as_allocated_stand_side_by_side_and_one_byte_is_red() {
     let of = |allocated: [f64; 2]| {
         let mut run = on_cpu();
+        timed(&mut run, "california/globe/vertex/doubled", &[], 10.0);
         layout(
             &mut run,
             ("vertex", "doubled"),
@@ -925,28 +925,6 @@ fn about_forty_per_cent_is_measured_in_bytes() {
 }
 
 #[test]
-fn growth_with_vertices_is_an_exponent_with_its_interval() {
-    let mut run = on_cpu();
-    for (scene, ms, vertices) in [("countries-110m", 10.0, 1e3), ("countries-50m", 80.0, 8e3)] {
-        timed(
-            &mut run,
-            &format!("{scene}/globe/vertex/doubled"),
-            &[("role", "main")],
-            ms,
-        )
-        .figure("vertices", vertices);
-    }
-    let chapter = section(&run, "Fill time against vertices");
-    assert!(
-        texts(tables(&chapter)[0], 0)[3].starts_with("1.00 ["),
-        "time as vertices"
-    );
-    // Negative control: with one of the two wrong, nothing is said.
-    run.cases[1].ended(Status::Wrong, "");
-    assert_eq!(section(&run, "Fill time against vertices"), []);
-}
-
-#[test]
 fn pairs_are_ratios_within_processes_and_gaps_within_the_noise_are_ties() {
     let of = |control_ms: f64, shader_ms: f64| {
         let mut run = on_cpu();
@@ -987,8 +965,7 @@ fn a_run_without_them_has_none_of_these_sections() {
             _ => None,
         })
         .collect();
-    let known = ["california", "Techniques"];
-    assert_eq!(headings, known, "a case of no role is listed");
+    assert_eq!(headings, ["california"], "a case of no role is listed");
     assert_eq!(blocks(&MadeUpRun::default()), []);
 }
 
@@ -1272,12 +1249,11 @@ fn a_rival_stands_beside_the_fastest_of_ours_and_competes_with_nothing() {
             .into_iter()
             .map(str::to_owned)
             .collect();
-        assert_eq!(section(&run, "Techniques").is_empty(), !has_ours);
         row
     };
     let row = table(18.0, true);
     assert_eq!(row[1..3], ["cesium/volumes", "vertex/doubled"]);
-    assert_eq!(row[7], "wrong");
+    assert_eq!(row[5], "wrong");
     assert!(row[4].starts_with("3.00 × ["), "{row:?}");
     // Negative controls: faster than ours it is no winner, and without ours there is nothing to divide by.
     let row = table(3.0, true);
@@ -1761,32 +1737,6 @@ fn every_wrong_case_is_pictured_with_its_worst_pixel() {
     assert!(last.notes[0].contains("(wrong): 9 px differ, 3 of them outside the band"));
     // Negative control: a right rung has no picture beside those of its scene.
     assert_eq!(pictured(Status::Ok).len(), wrong.len() - 1);
-}
-
-#[test]
-fn a_technique_has_its_best_fill_of_each_view() {
-    let main = [("role", "main")];
-    let mut run = on_cpu();
-    timed(&mut run, "s/globe/vertex/doubled", &main, 4.0);
-    timed(&mut run, "s/globe/native/triangles", &main, 2.0);
-    timed(&mut run, "s/globe/native/strips", &main, 3.0);
-    timed(&mut run, "s/near/vertex/doubled", &main, 4.0);
-    let wrong = timed(&mut run, "s/near/native/triangles", &main, 1.0);
-    wrong.ended(Status::Wrong, "9 px outside the band");
-    let section = section(&run, "Techniques");
-    let table = tables(&section)[0];
-    let techniques = [1, 2].map(|column: usize| table.headings[column].text.as_str());
-    assert_eq!(
-        (techniques, table.headings.len()),
-        (["vertex", "native"], 3)
-    );
-    assert_eq!(
-        texts(table, 0),
-        ["s, globe", "2.00 × [2.00–2.00]", "1.00 × [1.00–1.00]"]
-    );
-    assert_eq!(table.rows[0].cells[2].detail, "native/triangles");
-    // A wrong picture is no fill of the view, however fast.
-    assert_eq!(texts(table, 1), ["s, near", "1.00 × [1.00–1.00]", "–"]);
 }
 
 #[test]

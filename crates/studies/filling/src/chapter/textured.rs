@@ -5,11 +5,14 @@
 //! Cozzi (2007) named the two arctangents of the texture coordinates as what textured fill loses most
 //! on: what the run says of that stands in the table of its claims.
 
-use super::data::{Data, Timed, grouped, layout_name, one_change, switches, title};
-use super::table::{head, sentences};
+use super::data::{Data, Timed, grouped, layout_name, one_change, title};
+use super::table::head;
 use crate::claims::PAPER;
 use crate::keys::*;
-use terrafill_lab::{Cases, Column, Comparison, Figure, Follows, Names, Section, finding};
+use crate::purpose::switches;
+use terrafill_lab::{
+    Cases, Column, Comparison, Figure, Follows, Names, Section, finding, sentences,
+};
 use terrafill_results::{Block, Case, Claim, ConditionKey, Estimate, Finding, Outcome, ratio};
 use terrafill_variant::Switches;
 
@@ -187,14 +190,7 @@ fn pairing([first, second]: [&Case; 2]) -> Comparison<'static> {
 }
 
 /// Two fills by their names, in every view that has both.
-///
-/// # Panics
-/// Where there is none of such a name.
 pub(super) fn compared<'a>(data: &Data<'a>, names: [&str; 2]) -> Vec<Timed<'a>> {
-    for name in names {
-        let is_known = PAPER.cases.contains_key(name);
-        assert!(is_known, "no textured fill is called {name:?}");
-    }
     let of = |(title, cases): (String, Cases<'a>)| {
         let cases = pair(&cases, names)?;
         let pairing = pairing(cases);
@@ -214,7 +210,11 @@ pub(super) fn requirements(data: &Data<'_>) -> Vec<Finding> {
     let from_above = compared(data, [CHOSEN, PLAIN]).into_iter();
     let from_above = from_above.filter(|timed| timed.cases[0].condition(VIEW) == TOP_DOWN);
     let found = from_above.filter_map(|timed| {
-        let answer = timed.answer(data, Claim::LessThan(MAX_OVER_PLAIN));
+        let comparison = Comparison {
+            metric: data.time_covering(timed.pairing.needs),
+            ..timed.pairing
+        };
+        let answer = data.judge(comparison, timed.cases, Claim::LessThan(MAX_OVER_PLAIN));
         let ratio = data.timings.ratio_text(answer.figure.as_ref()?);
         Some(Finding {
             claim: claim.to_owned(),
