@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A study's cases in a run, as its chapter reads them.
 
+use crate::budget::some_of;
 use crate::comparison::Comparison;
 use std::collections::BTreeMap;
 use terrafill_plot::number::{count, significant};
@@ -299,14 +300,33 @@ pub fn grouped<T, K: Ord + Clone>(
     groups
 }
 
-/// That nothing differs, with how many of all do not; not measured where there are none.
+/// What each of these groups has, by its name in order of appearance, with a case of every group.
+pub fn in_every_group<'a>(
+    groups: &[Vec<&'a Case>],
+    name: impl Fn(&Case) -> String,
+) -> Vec<(String, Vec<&'a Case>)> {
+    let names = distinct(groups.iter().flatten().map(|case| name(case))).into_iter();
+    let found = names.filter_map(|wanted| {
+        let of_group = |own: &Vec<&'a Case>| own.iter().copied().find(|case| name(case) == wanted);
+        let of_groups: Option<Vec<&Case>> = groups.iter().map(of_group).collect();
+        Some((wanted, of_groups?))
+    });
+    found.collect()
+}
+
+/// That nothing differs, with how many of all do not, and the first of those that do; not measured where there are
+/// none.
 ///
-/// - `what`: they are and do, in words
+/// - `differing`: each with what is wrong with it
+/// - `what`: the others are and do, in words
 #[must_use]
-pub fn none_differs(claim: &str, all: usize, differing: usize, what: &str) -> Finding {
-    let [same, of] = [all - differing, all].map(|number| count(number as u64));
-    let because = format!("{same} of {of} {what}");
-    finding(claim, (all > 0).then_some(differing == 0), because)
+pub fn none_differs(claim: &str, all: usize, differing: &[String], what: &str) -> Finding {
+    let [same, of] = [all - differing.len(), all].map(|number| count(number as u64));
+    let because = match differing {
+        [] => format!("{same} of {of} {what}"),
+        some => format!("{same} of {of} {what}. Not: {}", some_of(some)),
+    };
+    finding(claim, (all > 0).then_some(differing.is_empty()), because)
 }
 
 /// What exact figures say of a claim; `None` where they were not measured. [`Cases::compared`] compares times.
@@ -402,6 +422,22 @@ mod tests {
                     .iter()
                     .all(|[a, b]| a.condition(VIEW) == b.condition(VIEW))
             );
+            let views = cases.by(VIEW).into_iter();
+            let views = views.map(|(_, own)| own.iter().collect());
+            let mut views: Vec<Vec<&Case>> = views.collect();
+            let names = |views: &[Vec<&Case>]| {
+                let found = in_every_group(views, |case| case.condition(API).to_owned());
+                found
+                    .into_iter()
+                    .map(|(name, own)| format!("{name} {}", own.len()))
+                    .collect()
+            };
+            let both: Vec<String> = names(&views);
+            assert_eq!(both, ["wgpu 2", "vulkan 2"]);
+            // Negative control: what one group lacks is left out.
+            views[1].pop();
+            let one: Vec<String> = names(&views);
+            assert_eq!(one, ["wgpu 2"]);
             let comparison = Comparison {
                 changed: API.name(),
                 follows: &[],
@@ -470,12 +506,16 @@ mod tests {
             [(Some('b'), vec!["b1", "b2"]), (Some('a'), vec!["a1"])]
         );
         assert_eq!(distinct([2, 1, 2]), [2, 1]);
-        let of = |all, differing| none_differs("All agree", all, differing, "cases do");
-        assert_eq!(of(3, 0).standing, Standing::Holds);
-        assert_eq!(of(3, 0).because, "3 of 3 cases do");
+        let of = |all, differing: &[&str]| {
+            let differing: Vec<String> = differing.iter().map(ToString::to_string).collect();
+            none_differs("All agree", all, &differing, "cases do")
+        };
+        assert_eq!(of(3, &[]).standing, Standing::Holds);
+        assert_eq!(of(3, &[]).because, "3 of 3 cases do");
         // Negative controls: one that differs, and nothing that was compared.
-        assert_eq!(of(3, 1).standing, Standing::DoesNotHold);
-        assert_eq!(of(0, 0).standing, Standing::NotMeasured);
+        assert_eq!(of(3, &["a: 1"]).standing, Standing::DoesNotHold);
+        assert_eq!(of(3, &["a: 1"]).because, "2 of 3 cases do. Not: a: 1");
+        assert_eq!(of(0, &[]).standing, Standing::NotMeasured);
     }
 
     #[test]

@@ -5,12 +5,14 @@
 //! that a study has for it. Which tests there are is the study's; that one that allows for an error says
 //! why it allows for so much is checked here.
 
+use crate::comparison::{overall, sentences};
+use crate::settling::full_command;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use terrafill_results::{
-    Block, Cell, CellClass, ChapterError, Claim, DerivedTable, Heading, Row, Standing, Table,
-    TableLayout,
+    Block, Cell, CellClass, ChapterError, Claim, DerivedTable, Heading, Row, RunEnvironment,
+    Standing, Table, TableLayout,
 };
 
 /// What a paper bases a claim on.
@@ -189,6 +191,60 @@ pub struct Told {
     pub standing: Standing,
     /// From counters where there are any, else why there is no verdict and what would give one.
     pub reason: String,
+}
+
+impl Told {
+    /// All views of a claim together, each with its figure and what it says.
+    ///
+    /// - `reason`: from counters where there are any
+    #[must_use]
+    pub fn of_views(views: Vec<(String, Standing)>, reason: String) -> Self {
+        let (ours, standings): (Vec<String>, Vec<Standing>) = views.into_iter().unzip();
+        let standing = overall(&standings);
+        Self {
+            ours: ours.join("; "),
+            standing,
+            reason: match standing {
+                Standing::NotMeasured => "its rows are not in this run".to_owned(),
+                _ => reason,
+            },
+        }
+    }
+
+    /// Why there is no answer.
+    #[must_use]
+    pub fn unanswered(standing: Standing, why: &str) -> Self {
+        Self {
+            ours: String::new(),
+            standing,
+            reason: why.to_owned(),
+        }
+    }
+}
+
+impl<T> Paper<T> {
+    /// What a run says of each claim, in order, with what explains it or the command that would measure it.
+    ///
+    /// - `study`: that tests the claims
+    pub fn tell(
+        &self,
+        environment: &RunEnvironment,
+        study: &str,
+        told: impl Fn(&T) -> Told,
+    ) -> Vec<Told> {
+        let command = full_command(environment, study);
+        let all = self.claims.iter().map(|claimed| {
+            let told = told(&claimed.test);
+            let reason = match told.standing {
+                Standing::NotMeasured => {
+                    sentences([told.reason.as_str(), &format!("To measure it: {command}")])
+                }
+                _ => sentences([&claimed.because, &told.reason]),
+            };
+            Told { reason, ..told }
+        });
+        all.collect()
+    }
 }
 
 /// A section with the table of claims, and how many of them ended how; nothing for a run that measured none.
@@ -380,6 +436,41 @@ mod tests {
                 "{error}"
             );
         }
+    }
+
+    #[test]
+    fn an_answer_is_of_all_views_and_what_was_not_measured_says_how() {
+        let paper = parsed(&[FASTER, UNTESTED]).expect("two claims");
+        let tell = |views: &[(&str, Standing)]| {
+            let told = |test: &Test| match test {
+                Test::No(why) => Told::unanswered(Standing::CannotBeTested, why),
+                Test::Ratio(_) => {
+                    let views = views.iter().map(|(text, of)| ((*text).to_owned(), *of));
+                    Told::of_views(views.collect(), "fewer draws".to_owned())
+                }
+            };
+            paper.tell(&RunEnvironment::default(), "study", told)
+        };
+        let told = tell(&[
+            ("globe 2 ×", Standing::Holds),
+            ("horizon 3 ×", Standing::Holds),
+        ]);
+        let [faster, nice] = &told[..] else {
+            panic!("one for each claim: {told:?}");
+        };
+        assert_eq!(faster.ours, "globe 2 ×; horizon 3 ×");
+        assert_eq!(
+            (faster.standing, faster.reason.as_str()),
+            (Standing::Holds, "fewer draws")
+        );
+        assert_eq!(nice.reason, "no figure says so");
+        // Negative controls: one view that does not hold, and none at all.
+        let told = tell(&[("a", Standing::Holds), ("b", Standing::DoesNotHold)]);
+        assert_eq!(told[0].standing, Standing::DoesNotHold);
+        let told = tell(&[]);
+        assert_eq!(told[0].standing, Standing::NotMeasured);
+        let how = "its rows are not in this run. To measure it: terrafill bench --study study";
+        assert!(told[0].reason.starts_with(how), "{}", told[0].reason);
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //! not cover what is compared, and process CPU time for a GPU's work. A refusal is an error of the program.
 //! A page says so, and a test over the full plans of all studies allows none.
 
-use crate::bench_command;
+use crate::settling::bench_command;
 use terrafill_plot::number::times;
 use terrafill_results::threshold::MIN_REPLICATES;
 use terrafill_results::{
@@ -239,12 +239,10 @@ impl Comparison<'_> {
             _ => None,
         };
         let because = because.map(|answer| answer.because.clone());
-        let because = [figures.join("; ")].into_iter().chain(because);
-        let because: Vec<String> = because.filter(|text| !text.is_empty()).collect();
         Finding {
             claim,
             standing,
-            because: because.join(". "),
+            because: sentences([figures.join("; ")].into_iter().chain(because)),
         }
     }
 
@@ -333,6 +331,23 @@ pub fn overall(standings: &[Standing]) -> Standing {
         Standing::NoDifference
     } else {
         Standing::Holds
+    }
+}
+
+/// Sentences after each other, without the empty ones.
+pub fn sentences<T: AsRef<str>>(texts: impl IntoIterator<Item = T>) -> String {
+    let texts = texts.into_iter().map(|text| text.as_ref().to_owned());
+    let texts: Vec<String> = texts.filter(|text| !text.is_empty()).collect();
+    texts.join(". ")
+}
+
+/// Whether one figure is more than another, by their intervals.
+#[must_use]
+pub fn is_more(one: &Estimate, other: &Estimate) -> Standing {
+    match (one.interval, other.interval) {
+        (Some([low, _]), Some([_, high])) if low > high => Standing::Holds,
+        (Some([_, high]), Some([low, _])) if high < low => Standing::DoesNotHold,
+        _ => Standing::CannotTell,
     }
 }
 
@@ -549,6 +564,18 @@ mod tests {
             "{}",
             answer.because
         );
+    }
+
+    #[test]
+    fn a_figure_is_more_where_the_intervals_are_apart() {
+        let of = |low, high| Estimate {
+            interval: Some([low, high]),
+            ..Estimate::exact(f64::midpoint(low, high))
+        };
+        assert_eq!(is_more(&of(2.0, 3.0), &of(0.5, 1.9)), Standing::Holds);
+        // Negative controls: swapped operands, and intervals that meet.
+        assert_eq!(is_more(&of(0.5, 1.9), &of(2.0, 3.0)), Standing::DoesNotHold);
+        assert_eq!(is_more(&of(1.5, 3.0), &of(0.5, 1.9)), Standing::CannotTell);
     }
 
     #[test]

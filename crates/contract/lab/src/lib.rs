@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How chapters are made. A [`Section`] says as data which cases it is about, what names a row, and what its columns
 //! and curves are; [`Cases`] finds figures. A [`Comparison`] holds two cases side by side, and refuses what cannot be
-//! compared. A [`Paper`] has the claims of one document, as read from its file.
+//! compared. A [`Paper`] has the claims of one document, as read from its file. [`Timings`] rank cases; [`ablation`]
+//! says what each step gains, and [`cheapest_within`] what a reader's budget buys.
 
+mod ablation;
+mod budget;
 mod cases;
 mod claims;
 mod comparison;
@@ -11,14 +14,22 @@ mod figure;
 mod lines;
 mod section;
 mod settling;
+mod timings;
 
+pub use ablation::{
+    AblationStep, ShownStep, StepKeys, StepsSection, ablation, changed_work, gains_table,
+    missing_steps, work_exponent,
+};
+pub use budget::{Contender, cheapest_within, some_of};
 pub use cases::{
-    Best, Cases, distinct, finding, grouped, log_slope, measured, none_differs, range,
+    Best, Cases, distinct, finding, grouped, in_every_group, log_slope, measured, none_differs,
+    range,
 };
 pub use claims::{Basis, Claimed, Paper, PaperError, Tested, Told, claims_blocks, claims_table};
-pub use comparison::{Answer, Comparison, Follows, REFUSED, Refused, overall};
+pub use comparison::{Answer, Comparison, Follows, REFUSED, Refused, is_more, overall, sentences};
 pub use curves::{Drawing, Panel, draw, slope_one};
 pub use figure::{Figure, Names};
 pub use lines::Lines;
 pub use section::{Absent, Column, MoreOf, Section, SectionedChapter, Select, case_table};
 pub use settling::{answers_with_commands, bench_command, full_command, with_commands};
+pub use timings::{Timings, band_sentence, sums_by_process};

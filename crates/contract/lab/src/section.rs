@@ -234,6 +234,8 @@ pub struct Section<'a> {
     pub per: Option<ConditionKey>,
     /// Whether `summary.md` repeats its table.
     pub is_main: bool,
+    /// Whether every figure of a case's row is bad news.
+    pub is_bad: fn(&Case) -> bool,
     /// Whether figures of a row say what is wrong with it, so that no remark does.
     pub shows_what_is_wrong: bool,
     /// What the measurements say of claims.
@@ -259,6 +261,7 @@ impl Section<'_> {
         columns: &[],
         per: None,
         is_main: false,
+        is_bad: |_| false,
         shows_what_is_wrong: false,
         findings: &[],
         drawing: None,
@@ -325,11 +328,14 @@ impl Section<'_> {
     pub fn table(&self, caption: impl Into<String>, cases: &Cases<'_>) -> Table {
         let rows = cases.iter().map(|case| (case, self.named_by.cells(case)));
         let mut table = case_table(cases, self.named_by.headings(), self.columns, rows);
-        for row in &mut table.rows {
+        let rows = table.rows.into_iter().zip(cases.iter());
+        let rows = rows.map(|(mut row, case)| {
             if row.status == Outcome::Wrong.name() && self.shows_what_is_wrong {
                 row.remark.clear();
             }
-        }
+            row.bad_if((self.is_bad)(case))
+        });
+        table.rows = rows.collect();
         Table {
             caption: caption.into(),
             is_main: self.is_main,
@@ -518,6 +524,19 @@ mod tests {
             ..SECTION
         };
         assert_eq!(other.blocks(&cases).expect("blocks"), []);
+        // A row is bad news where the section says so, and no other.
+        let bad = Section {
+            is_bad: |case| case.condition(SIZE_PX) == "128",
+            ..SECTION
+        };
+        let hills = cases.with(&[(SCENE, "hills"), (VIEW, "globe")]);
+        let classes = bad
+            .table("", &hills)
+            .rows
+            .into_iter()
+            .map(|row| row.cells[1].class);
+        let are_bad: Vec<bool> = classes.map(|class| class == CellClass::Bad).collect();
+        assert_eq!(are_bad, [false, true]);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 use crate::keys::*;
 use crate::memory::REGION_COUNTS;
+use crate::purpose::Purpose;
 use crate::request::{STUDY, Wishes};
 use crate::subject::Subject;
 use crate::textured::{ShownPicture, is_of_2007, is_picture_scene, textured_variants};
@@ -17,58 +18,6 @@ use terrafill_scene::{Scene, View};
 use terrafill_stencil::{matrix_row, needs_ladder};
 use terrafill_study::StudyError;
 use terrafill_variant::Variant;
-
-/// What a case is measured for; it may be several things at once.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Purpose {
-    /// A full-screen pass that techniques are held against.
-    Baseline,
-    /// A technique as it should be used.
-    Main,
-    /// The same where that is every step of its ladder.
-    FullPlan,
-    /// A layout without these steps, or one switch beside it: what the full plan is compared with.
-    Layout,
-    /// A point of the sweep through the boundary tolerance: it may be wrong, since its error is what
-    /// the sweep is about.
-    Sweep,
-    /// A point of the sweep through the cap step: right, for its walls and its time.
-    Subdivision,
-    /// A rung of a ladder.
-    Ladder,
-    /// A cell of the matrix.
-    Matrix,
-    /// A textured fill.
-    Texture,
-    /// Bytes of a layout, by formula and as allocated.
-    Memory,
-    /// What a user would pick instead: its error is part of the answer.
-    Rival,
-    /// What a view needs, or a step on the way there from everything.
-    Needs,
-    /// A view of a suite.
-    Suite,
-}
-
-impl Purpose {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Baseline => "baseline",
-            Self::Main => "main",
-            Self::FullPlan => "full-plan",
-            Self::Layout => "layout",
-            Self::Sweep => "sweep",
-            Self::Subdivision => "subdivision",
-            Self::Ladder => "ladder",
-            Self::Matrix => "matrix",
-            Self::Texture => "texture",
-            Self::Memory => "memory",
-            Self::Rival => "rival",
-            Self::Needs => "needs",
-            Self::Suite => "suite",
-        }
-    }
-}
 
 /// A case's place on a ladder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -187,8 +187,17 @@ mod tests {
     }
 
     #[test]
-    fn claims_name_steps_that_there_are() {
+    fn claims_name_steps_and_fills_that_there_are() {
         for claimed in &PAPER.claims {
+            if let Test::Ratio(Ratio {
+                of: Pair::Fills(names),
+                ..
+            }) = &claimed.test
+            {
+                let mut names = names.iter();
+                let are_known = names.all(|name| PAPER.cases.contains_key(name));
+                assert!(are_known, "{}: {:?}", claimed.words, claimed.test);
+            }
             let (Test::Ratio(Ratio {
                 of: Pair::Step(step),
                 ..

@@ -161,7 +161,7 @@ impl DriverFault {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cases::Purpose;
+    use crate::purpose::Purpose;
     use crate::tests::TECHNIQUES;
     use std::sync::Arc;
     use terrafill_contract::{FillInput, PreparedScene};

@@ -19,6 +19,7 @@ mod keys;
 mod memory;
 mod metrics;
 mod probe;
+mod purpose;
 mod request;
 mod rounding;
 mod scenes;

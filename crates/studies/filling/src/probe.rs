@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a probe frame says about its case, and what of it is written.
 
-use crate::cases::{FillCase, Place, Purpose};
+use crate::cases::{FillCase, Place};
+use crate::purpose::Purpose;
 use std::collections::BTreeMap;
 use terrafill_conformance::{ErrorFigures, TextureErrors};
 use terrafill_contract::{Counters, DeviceError, FillInput, Frame, MemoryUse, Needs};

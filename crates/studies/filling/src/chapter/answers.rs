@@ -5,55 +5,43 @@
 //! Everything is computed from the rows. A fill is a technique with its switches; it competes where its
 //! picture is right and its time was measured.
 
-use super::data::{Data, View, distinct, grouped, has_role, is_approximate, is_baseline, label};
+use super::data::{Data, View, grouped, is_baseline, label};
 use super::table::or_dash;
 use super::{fronts, memory, needs, textured};
 use crate::keys::*;
-use terrafill_lab::none_differs;
+use crate::purpose::{Purpose, is_approximate};
+use terrafill_lab::{in_every_group, none_differs, some_of};
 use terrafill_plot::dotted;
 use terrafill_plot::number::{count, digits, figure, measured_bytes, significant};
 use terrafill_results::{
     Answers, Block, Case, Cell, ChapterError, Finding, Metric, Outcome, Row, Table, TableLayout,
 };
 
-/// As many ties as are named.
-const MAX_TIES: usize = 3;
-
-/// A fill that competes in a view.
-struct Fill<'a> {
-    case: &'a Case,
-    name: String,
-    /// Its typical time over that of the view's fastest.
-    over_fastest: f64,
-}
-
 /// Fills that compete in a view, fastest first.
 struct Contest<'d, 'a> {
     view: &'d View<'a>,
-    fills: Vec<Fill<'a>>,
+    fills: Vec<&'a Case>,
 }
 
 impl<'d, 'a> Contest<'d, 'a> {
     fn new(data: &Data<'a>, view: &'d View<'a>) -> Self {
         let timed = view.competing();
-        let timed = timed.filter_map(|case| Some((case, data.typical(case)?.middle)));
+        let timed = timed.filter_map(|case| Some((case, data.timings.typical(case)?.middle)));
         let mut timed: Vec<(&Case, f64)> = timed.collect();
         timed.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let fastest_ms = timed.first().map_or(1.0, |(_, ms)| *ms);
-        let fills = timed.into_iter().map(|(case, ms)| Fill {
-            case,
-            name: label(case),
-            over_fastest: ms / fastest_ms,
-        });
-        Self {
-            view,
-            fills: fills.collect(),
-        }
+        let fills = timed.into_iter().map(|(case, _)| case).collect();
+        Self { view, fills }
+    }
+
+    /// Typical time of one of its fills over that of the fastest.
+    fn over_fastest(&self, data: &Data<'_>, fill: &Case) -> Option<f64> {
+        let over = data.timings.over_fastest(fill, self.fills.first()?)?;
+        Some(over.middle)
     }
 
     /// Every fill of a view draws the same regions; the first one that counted stands for all.
     fn counted(&self, metric: &Metric) -> Option<f64> {
-        self.fills.iter().find_map(|fill| fill.case.value(metric))
+        self.fills.iter().find_map(|fill| fill.value(metric))
     }
 
     fn fragments_a_vertex(&self) -> Option<f64> {
@@ -109,7 +97,7 @@ pub(super) fn answers(data: &Data<'_>) -> Result<Answers, ChapterError> {
              technique, {} with its 95 % interval where there are processes enough, bytes, Hausdorff distance of the \
              boundary from the reference's, by how much levels of detail moved it, and mismatched pixels. Point at a \
              cell for the command that draws it.",
-            data.unit(),
+            data.timings.unit(),
         );
         blocks.push(Block::Table(Table {
             caption,
@@ -130,17 +118,20 @@ pub(super) fn answers(data: &Data<'_>) -> Result<Answers, ChapterError> {
 /// The winners of a view.
 fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
     let (view, fills) = (contest.view, &contest.fills);
-    let fastest = fills.first()?;
-    let is_tie = |fill: &&Fill<'_>| data.is_tie(fill.over_fastest);
-    let ties: Vec<&Fill<'_>> = fills[1..].iter().filter(is_tie).collect();
+    let fastest = *fills.first()?;
+    let is_tie = |fill: &&Case| {
+        let over = contest.over_fastest(data, fill);
+        over.is_some_and(|over| data.timings.is_tie(over))
+    };
+    let ties: Vec<&Case> = fills[1..].iter().copied().filter(is_tie).collect();
     let bytes = |case: &Case| case.value(GEOMETRY_BYTES);
-    let recommended = least([fastest].into_iter().chain(ties.iter().copied()), bytes);
-    let cell = |fill: Option<&Fill<'_>>| match fill {
+    let recommended = least([fastest].iter().chain(&ties), bytes).unwrap_or(fastest);
+    let cell = |fill: Option<&Case>| match fill {
         Some(fill) => winner(data, fill),
         None => Cell::absent("no fill of this view has such a figure"),
     };
     let all = view.cases.iter();
-    let all = all.filter(|case| !has_role(case, "sweep") && !is_approximate(case));
+    let all = all.filter(|case| !Purpose::Sweep.is_of(case) && !is_approximate(case));
     let pictures = view.cases.iter().map(|case| case.note("reference_image"));
     let name = Cell {
         detail: format!("{} of {} fills right", fills.len(), all.count()),
@@ -148,8 +139,8 @@ fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
         section: view.scene.to_owned(),
         ..Cell::name(view.title())
     };
-    let names: Vec<&str> = ties.iter().map(|fill| fill.name.as_str()).collect();
-    let ties = match (data.noise, names.as_slice()) {
+    let names: Vec<String> = ties.iter().map(|fill| label(fill)).collect();
+    let ties = match (data.timings.noise, names.as_slice()) {
         (None, _) => Cell::absent("no identical work was measured twice"),
         (_, []) => Cell::name("none"),
         (_, names) => Cell {
@@ -158,7 +149,7 @@ fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
         },
     };
     let cells = [
-        cell(recommended.or(Some(fastest))),
+        cell(Some(recommended)),
         cell(Some(fastest)),
         ties,
         cell(least(fills, bytes)),
@@ -168,13 +159,12 @@ fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
 }
 
 /// The fill with the least figure, of several the first.
-fn least<'f, 'a, T: PartialOrd>(
-    fills: impl IntoIterator<Item = &'f Fill<'a>>,
+fn least<'f, 'a: 'f, T: PartialOrd>(
+    fills: impl IntoIterator<Item = &'f &'a Case>,
     of: impl Fn(&Case) -> Option<T>,
-) -> Option<&'f Fill<'a>> {
-    let rated = fills
-        .into_iter()
-        .filter_map(|fill| Some((fill, of(fill.case)?)));
+) -> Option<&'a Case> {
+    let fills = fills.into_iter();
+    let rated = fills.filter_map(|fill| Some((*fill, of(fill)?)));
     let least = rated.reduce(|least, next| if next.1 < least.1 { next } else { least });
     least.map(|(fill, _)| fill)
 }
@@ -186,18 +176,8 @@ fn error(case: &Case) -> Option<[f64; 2]> {
     Some([case.value(HAUSDORFF_PX).unwrap_or(0.0), px])
 }
 
-/// The first of several names, and how many more there are.
-pub(super) fn some_of(names: &[&str]) -> String {
-    let shown = names[..names.len().min(MAX_TIES)].join("; ");
-    match names.len().saturating_sub(MAX_TIES) {
-        0 => shown,
-        more => format!("{shown} and {more} more"),
-    }
-}
-
-fn winner(data: &Data<'_>, fill: &Fill<'_>) -> Cell {
-    let case = fill.case;
-    let time = data.typical(case).map(|time| figure(&time));
+fn winner(data: &Data<'_>, case: &Case) -> Cell {
+    let time = data.timings.typical(case).map(|time| figure(&time));
     let size = case.value(GEOMETRY_BYTES).map(measured_bytes);
     let moved = case.value(BOUNDARY_MOVED_PX);
     let moved = moved.map_or_else(String::new, |px| format!(" (moved {})", significant(px)));
@@ -209,66 +189,45 @@ fn winner(data: &Data<'_>, fill: &Fill<'_>) -> Cell {
             or_dash(case.value(HAUSDORFF_PX).map(significant)),
             or_dash(case.value(MISMATCHED_PX).map(digits)),
         ),
-        ..data.name_cell(case, fill.name.clone())
+        ..data.name_cell(case, label(case))
     };
-    dotted(cell, case, data.metric)
+    dotted(cell, case, data.timings.metric)
 }
 
 /// A fill that is right in all of some views: geometric mean and maximum of its time over each view's best.
-struct Ranked<'a> {
+struct Ranked {
     name: String,
-    cases: Vec<&'a Case>,
     mean: f64,
     most: f64,
 }
 
 /// By the mean of how much longer they take than the best.
-fn ranked<'a>(contests: &[&Contest<'_, 'a>]) -> Vec<Ranked<'a>> {
-    let fills = contests.iter().flat_map(|contest| &contest.fills);
-    let of = |name: &String| {
-        let own = contests.iter().map(|contest| {
-            let mut fills = contest.fills.iter();
-            fills.find(|fill| fill.name == *name)
-        });
-        let own: Vec<&Fill<'_>> = own.collect::<Option<_>>()?;
-        let ratios = own.iter().map(|fill| fill.over_fastest);
+fn ranked(data: &Data<'_>, contests: &[&Contest<'_, '_>]) -> Vec<Ranked> {
+    let fills = contests.iter().map(|contest| contest.fills.clone());
+    let fills = in_every_group(&fills.collect::<Vec<_>>(), label).into_iter();
+    let ranked = fills.filter_map(|(name, cases)| {
+        let ratios = contests.iter().zip(cases);
+        let ratios = ratios.map(|(contest, case)| contest.over_fastest(data, case));
+        let ratios: Vec<f64> = ratios.collect::<Option<_>>()?;
+        let logs = ratios.iter().map(|ratio| ratio.ln());
         Some(Ranked {
-            name: name.clone(),
-            cases: own.iter().map(|fill| fill.case).collect(),
-            most: ratios.clone().fold(0.0, f64::max),
-            mean: geometric_mean(ratios)?,
+            name,
+            mean: (logs.sum::<f64>() / ratios.len() as f64).exp(),
+            most: ratios.into_iter().fold(0.0, f64::max),
         })
-    };
-    let names = distinct(fills.map(|fill| &fill.name)).into_iter();
-    let mut ranked: Vec<Ranked<'_>> = names.filter_map(of).collect();
+    });
+    let mut ranked: Vec<Ranked> = ranked.collect();
     ranked.sort_by(|a, b| a.mean.total_cmp(&b.mean));
     ranked
 }
 
-fn geometric_mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let logs: Vec<f64> = values.map(f64::ln).collect();
-    let mean = logs.iter().sum::<f64>() / logs.len() as f64;
-    (!logs.is_empty()).then(|| mean.exp())
-}
-
 /// What to take when, in words.
 fn guide(data: &Data<'_>, contests: &[Contest<'_, '_>]) -> Vec<Block> {
-    let all: Vec<&Contest<'_, '_>> = contests.iter().collect();
-    let by_kind = KINDS.iter().map(|(kind, is_one)| {
-        let own = all.iter().copied().filter(|contest| is_one(contest));
-        let own: Vec<&Contest<'_, '_>> = own.collect();
-        advised(data, kind, &own, &ranked(&own))
+    let by_kind = KINDS.iter().filter_map(|(kind, is_one)| {
+        let own: Vec<&Contest<'_, '_>> = contests.iter().filter(|own| is_one(own)).collect();
+        advised(data, kind, &own)
     });
-    let mut ranked = ranked(&all);
-    let memory = memory_advice(&ranked);
-    let moves = |fill: &Ranked<'_>| {
-        let mut cases = fill.cases.iter();
-        cases.any(|case| case.value(BOUNDARY_MOVED_PX).is_some())
-    };
-    let is_moved = ranked.first().is_some_and(moves);
-    ranked.retain(|fill| is_moved && !moves(fill));
-    let exact = advised(data, "Boundaries must not move at all", &all, &ranked);
-    let lines: Vec<String> = by_kind.chain([memory, exact]).flatten().collect();
+    let lines: Vec<String> = by_kind.collect();
     if lines.is_empty() {
         Vec::new()
     } else {
@@ -277,15 +236,11 @@ fn guide(data: &Data<'_>, contests: &[Contest<'_, '_>]) -> Vec<Block> {
 }
 
 /// `kind → fill`, with what it costs beside the best and what ties with it.
-fn advised(
-    data: &Data<'_>,
-    kind: &str,
-    contests: &[&Contest<'_, '_>],
-    ranked: &[Ranked<'_>],
-) -> Option<String> {
+fn advised(data: &Data<'_>, kind: &str, contests: &[&Contest<'_, '_>]) -> Option<String> {
+    let ranked = ranked(data, contests);
     let best = ranked.first()?;
     let others = ranked[1..].iter();
-    let ties = others.take_while(|other| data.is_tie(other.mean / best.mean));
+    let ties = others.take_while(|other| data.timings.is_tie(other.mean / best.mean));
     let ties: Vec<&str> = ties.map(|fill| fill.name.as_str()).collect();
     let ties = match ties.as_slice() {
         [] => String::new(),
@@ -303,29 +258,6 @@ fn advised(
     ))
 }
 
-/// The fill that holds least on average over views, and what that costs in time.
-fn memory_advice(ranked: &[Ranked<'_>]) -> Option<String> {
-    let held = |fill: &Ranked<'_>| {
-        let bytes = fill
-            .cases
-            .iter()
-            .filter_map(|case| case.value(GEOMETRY_BYTES));
-        geometric_mean(bytes.filter(|bytes| *bytes > 0.0))
-    };
-    let sized = ranked.iter().filter_map(|fill| Some((fill, held(fill)?)));
-    let sized: Vec<(&Ranked<'_>, f64)> = sized.collect();
-    // The first of several is the fastest.
-    let (smallest, least) = sized.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let (_, fastest) = sized.first()?;
-    Some(format!(
-        "Memory is short → {}: {} × the bytes of the fastest fill on average, at {} × the time of the best of \
-         each view.",
-        smallest.name,
-        significant(least / fastest),
-        significant(smallest.mean),
-    ))
-}
-
 /// Why a wrong picture of the case is no defect; empty where it is one.
 fn excuse(case: &Case) -> &'static str {
     match case.outcome {
@@ -336,31 +268,21 @@ fn excuse(case: &Case) -> &'static str {
     }
 }
 
-/// Which pictures were compared, in exact numbers; `None` for a run that drew none.
+/// Which pictures were compared; `None` for a run that drew none.
 fn scope(data: &Data<'_>) -> Option<String> {
     let drawn = data.cases.iter().filter(|case| !is_baseline(case));
-    let drawn: Vec<(&Case, &str)> = drawn.map(|case| (*case, excuse(case))).collect();
-    let excused = drawn.iter().filter(|(_, excuse)| !excuse.is_empty());
-    let excused = grouped(excused, |(_, excuse)| *excuse).into_iter();
+    let excused = drawn.clone().filter(|case| !excuse(case).is_empty());
+    let excused = grouped(excused, |case| excuse(case)).into_iter();
     let excused = excused.map(|(excuse, cases)| format!("{} {excuse}", count(cases.len() as u64)));
-    let (excused, others) = match excused.collect::<Vec<_>>().join(", ").as_str() {
-        "" => (String::new(), ""),
-        some => (format!(" ({some})"), " of the others"),
+    let excused = match excused.collect::<Vec<_>>().join(", ").as_str() {
+        "" => String::new(),
+        some => format!(" ({some})"),
     };
-    let outside = |case: &Case| case.value(MISMATCHED_PX_OUTSIDE_BAND);
-    let compared = drawn.iter().filter(|(case, _)| outside(case).is_some());
-    let wrong = compared.clone().filter(|(case, excuse)| {
-        excuse.is_empty() && (outside(case) > Some(0.0) || case.outcome == Outcome::Wrong)
-    });
-    let [all, compared, wrong] =
-        [drawn.len(), compared.count(), wrong.count()].map(|number| count(number as u64));
-    let wrong = if wrong == "0" { "none" } else { wrong.as_str() };
-    (!drawn.is_empty()).then(|| {
-        format!(
-            "{compared} of {all} pictures compared with the reference{excused}. Wrong outside the 1-pixel boundary \
-             band: {wrong}{others}."
-        )
-    })
+    let compared = drawn.clone();
+    let compared = compared.filter(|case| case.value(MISMATCHED_PX_OUTSIDE_BAND).is_some());
+    let [all, compared] = [drawn.count(), compared.count()].map(|number| count(number as u64));
+    (all != "0")
+        .then(|| format!("{compared} of {all} pictures compared with the reference{excused}."))
 }
 
 fn requirements(data: &Data<'_>) -> Vec<Finding> {
@@ -378,8 +300,11 @@ fn requirements(data: &Data<'_>) -> Vec<Finding> {
 fn pictures(data: &Data<'_>) -> Finding {
     let own = data.cases.iter();
     let own = own.filter(|case| !case.planned.may_be_wrong && !is_baseline(case));
-    let outside = own.filter_map(|case| case.value(MISMATCHED_PX_OUTSIDE_BAND));
-    let wrong = outside.clone().filter(|px| *px > 0.0).count();
+    let outside = own.filter_map(|case| Some((case, case.value(MISMATCHED_PX_OUTSIDE_BAND)?)));
+    let wrong = outside.clone().filter(|(_, px)| *px > 0.0);
+    let wrong: Vec<String> = wrong
+        .map(|(case, px)| format!("{}: {px}", case.id()))
+        .collect();
     let claim = "No picture has a wrong pixel outside the 1-pixel boundary band.";
-    none_differs(claim, outside.count(), wrong, "pictures have none")
+    none_differs(claim, outside.count(), &wrong, "pictures have none")
 }

@@ -2,8 +2,9 @@
 //! What one would take instead of volumes and is approximate by nature: where it is within the tolerances all the
 //! same. Its times and errors are rows and open marks of each view.
 
-use super::data::{Data, grouped, is_approximate, name};
+use super::data::{Data, grouped, name};
 use crate::keys::{HAUSDORFF_PX, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND};
+use crate::purpose::is_approximate;
 use terrafill_conformance::MAX_HAUSDORFF_PX;
 use terrafill_results::{Block, Case};
 

@@ -6,23 +6,23 @@
 //! which is the version that the document timed. What is no difference is taken from the run: how far intervals
 //! of identical work reach in the ladder's scene. A claim whose rows are not in the run has an empty cell.
 
-use super::data::{
-    Data, Timed, counter, declared, grouped, has_role, is_approximate, is_baseline, is_compared,
-    is_more, one_change,
-};
-use super::rungs::{Ladder, Rung, counters};
-use super::table::{or_dash, sentences};
-use super::{fill_rate, memory, subdivision, textured};
+use super::data::{Data, Timed, grouped, is_baseline, one_change, title};
+use super::rungs::{Ladder, counters};
+use super::table::or_dash;
+use super::{memory, subdivision, textured};
 use crate::claims::{Conditions, Only, PAPER, Pair, Pictured, Ratio, Step, Test};
 use crate::keys::*;
+use crate::metrics::METRICS;
+use crate::purpose::{Purpose, is_approximate, is_compared};
 use crate::request::STUDY;
 use terrafill_lab::{
-    Answer, Claimed, Comparison, Follows, Told, claims_blocks, claims_table, full_command, overall,
+    AblationStep, Answer, Claimed, Comparison, Follows, Told, claims_blocks, claims_table, is_more,
+    sentences, work_exponent,
 };
-use terrafill_plot::number::{count, figure, significant, times};
+use terrafill_plot::number::{count, digits, figure, significant, times};
 use terrafill_results::{
-    Block, Case, ChapterError, Claim, DerivedTable, Estimate, Outcome, Scope, Standing, ratio,
-    share,
+    Block, Case, ChapterError, Claim, DerivedTable, Estimate, Metric, Outcome, Scope, Standing,
+    ratio, share,
 };
 
 /// The technique whose ladder the document climbed.
@@ -40,6 +40,19 @@ const UPLOADS: &str = "buffers";
 /// The layout that the document describes: triangles, and a degenerate one for each boundary edge, in a
 /// list.
 const LAYOUT_2007: &str = "native/gs-degenerate/list";
+
+/// Steps that change how many vertices or fragments there are and nothing that costs anything beside.
+const STEPS_OF_WORK: [&str; 9] = [
+    "back-faces",
+    "bottom-cap",
+    "z-pass",
+    "walls-global",
+    "walls-pixels",
+    "mesh-lod",
+    "scissor",
+    "horizon",
+    "boundary-lod",
+];
 
 /// A technique and volumes.
 const RIVALS: Comparison<'static> = Comparison {
@@ -60,31 +73,6 @@ struct Judged<'a> {
     /// Both, where there are two.
     cases: Vec<&'a Case>,
     answer: Answer,
-}
-
-/// All views of a claim together.
-///
-/// - `reason`: from counters where there are any
-fn told(views: Views, reason: String) -> Told {
-    let (ours, standings): (Vec<String>, Vec<Standing>) = views.into_iter().unzip();
-    let standing = overall(&standings);
-    Told {
-        ours: ours.join("; "),
-        standing,
-        reason: match standing {
-            Standing::NotMeasured => "its rows are not in this run".to_owned(),
-            _ => reason,
-        },
-    }
-}
-
-/// Why there is no answer.
-fn unanswered(standing: Standing, why: &str) -> Told {
-    Told {
-        ours: String::new(),
-        standing,
-        reason: why.to_owned(),
-    }
 }
 
 /// What a run has of the document's experiments.
@@ -111,13 +99,13 @@ impl<'r, 'a> Evidence<'r, 'a> {
     }
 
     /// A step in those of its views that say something of the claim.
-    fn rungs(&self, step: &Step) -> Vec<&'r Rung<'a>> {
-        let vertices = |case: &Case| counter(case, VERTICES);
+    fn rungs(&self, step: &Step) -> Vec<&'r AblationStep<'a>> {
+        let vertices = |case: &Case| case.value(VERTICES);
         let own = self.of_views(step);
         let own = own.filter_map(|ladder| ladder.step(&step.name));
         let telling = own.filter(|rung| match step.only {
             Only::Any => true,
-            Only::AllInSight => counter(rung.case, REGIONS_LEFT_OUT) == Some(0),
+            Only::AllInSight => rung.case.value(REGIONS_LEFT_OUT) == Some(0.0),
             Only::WhereItActs => rung.before.and_then(vertices) != vertices(rung.case),
         });
         telling.collect()
@@ -132,7 +120,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
         let pairs = cases.filter(|case| has_all(case, rival)).filter_map(|own| {
             let volumes = self.data.beside(own).iter().copied().find(is_volumes)?;
             Some(Timed {
-                title: scene_and_view(own),
+                title: title(own),
                 pairing: RIVALS,
                 cases: [own, volumes],
             })
@@ -159,8 +147,8 @@ impl<'r, 'a> Evidence<'r, 'a> {
     }
 
     /// A step and the last kept one before it, unless a step that is not right comes between both.
-    fn judge_step(&self, rung: &Rung<'a>, ratio: &Ratio) -> Vec<Judged<'a>> {
-        let title = rung.view();
+    fn judge_step(&self, rung: &AblationStep<'a>, ratio: &Ratio) -> Vec<Judged<'a>> {
+        let title = rung.case.condition(VIEW);
         let (Some(before), None) = (rung.before, rung.skipped) else {
             return vec![Judged {
                 title: title.to_owned(),
@@ -169,7 +157,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
             }];
         };
         // What a step sets is the ladder's to say; a test holds this list against it.
-        let set = PAPER.steps.get(rung.step).into_iter().flatten();
+        let set = PAPER.steps.get(rung.name).into_iter().flatten();
         let follows = set.map(|key| Follows {
             key,
             because: "the step sets it",
@@ -200,7 +188,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
         let time = self.data.time_covering(comparison.needs);
         let mut metrics = vec![(time, comparison.needs)];
         if !ratio.metrics.is_empty() {
-            let named = ratio.metrics.iter().map(|name| declared(name));
+            let named = ratio.metrics.iter().map(|name| Metric::of(&METRICS, name));
             metrics = named.map(|metric| (metric, metric.scope)).collect();
         }
         let judged = metrics.iter().map(|&(metric, needs)| {
@@ -231,7 +219,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
                 .of_views(step)
                 .any(|ladder| ladder.step(&step.name).is_some())
         {
-            return unanswered(
+            return Told::unanswered(
                 Standing::NotMeasured,
                 "in these views the eye is inside every volume, or so near that the step changes nothing",
             );
@@ -261,7 +249,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
         });
         let because = because.find(|because| !because.is_empty());
         let reason = sentences([reason.as_str(), because.unwrap_or_default()]);
-        told(views.collect(), reason)
+        Told::of_views(views.collect(), reason)
     }
 
     /// What the run says of a claim.
@@ -270,9 +258,9 @@ impl<'r, 'a> Evidence<'r, 'a> {
             Test::Ratio(ratio) => return self.ratio(ratio),
             Test::SecondPass(step) => return second_pass(&self.rungs(step)),
             Test::LargestGain(step) => {
-                return told(self.largest_gain(step), changes(&self.rungs(step)));
+                return Told::of_views(self.largest_gain(step), changes(&self.rungs(step)));
             }
-            Test::No(why) => return unanswered(Standing::CannotBeTested, why),
+            Test::No(why) => return Told::unanswered(Standing::CannotBeTested, why),
             Test::Sum { terms, says } => {
                 let products = terms.iter().map(|factors| factors.iter().product::<u64>());
                 let gives: u64 = products.sum();
@@ -294,7 +282,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
                 // The document says of the view from close by what no other view need show.
                 let is_wrong = pictured
                     .iter()
-                    .any(|(_, case)| outside_band(case) > Some(0));
+                    .any(|(_, case)| outside_band(case) > Some(0.0));
                 let judged = pictured.into_iter();
                 let judged = judged.map(|(text, _)| (text, Standing::holds_if(is_wrong)));
                 judged.collect()
@@ -304,7 +292,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
             Test::GeometryShaderBytes(claim) => self.geometry_shader_bytes(*claim),
             Test::SurfaceIndependence => self.surface_independence(),
         };
-        told(views, String::new())
+        Told::of_views(views, String::new())
     }
 
     /// Cases with their wrong pixels in words.
@@ -313,16 +301,16 @@ impl<'r, 'a> Evidence<'r, 'a> {
         let pictured: Vec<(String, &Case)> = match of {
             Pictured::Step(step) => {
                 let rungs = self.rungs(step).into_iter();
-                let named = rungs.map(|rung| (rung.view().to_owned(), rung.case));
+                let named = rungs.map(|rung| (rung.case.condition(VIEW).to_owned(), rung.case));
                 named.collect()
             }
             Pictured::With(conditions) => {
                 let own = all.filter(|case| is_compared(case) && has_all(case, conditions));
-                own.map(|case| (scene_and_view(case), case)).collect()
+                own.map(|case| (title(case), case)).collect()
             }
         };
         let told = |(title, case): (String, &'a Case)| {
-            let px = or_dash(outside_band(case).map(count));
+            let px = or_dash(outside_band(case).map(digits));
             let shift = case.value(WALL_SHIFT_M).map(significant);
             let shift = shift.map(|shift| format!(", walls off by up to {shift} m"));
             let shift = shift.unwrap_or_default();
@@ -335,13 +323,14 @@ impl<'r, 'a> Evidence<'r, 'a> {
         let views = self.of_views(step).filter_map(|ladder| {
             let rung = ladder.step(&step.name)?;
             // The document's own steps, up to what it was at work on.
-            let last = ladder.rungs.iter().position(|rung| rung.step == "z-pass")?;
+            let last = ladder.rungs.iter().position(|rung| rung.name == "z-pass")?;
             let own = ladder.rungs[..=last].iter();
-            let others = own.filter(|other| !other.is_aside && other.step != step.name);
-            let others = others.filter_map(|other| Some((other.step, other.gain?)));
+            let others = own.filter(|other| !other.is_aside && other.name != step.name);
+            let others = others.filter_map(|other| Some((other.name, other.gain?)));
             let (next, next_gain) = others.max_by(|a, b| a.1.middle.total_cmp(&b.1.middle))?;
             let standing = is_more(rung.gain.as_ref()?, &next_gain);
-            let [gain, next_gain] = [rung.gain?, next_gain].map(|gain| self.data.ratio_text(&gain));
+            let [gain, next_gain] =
+                [rung.gain?, next_gain].map(|gain| self.data.timings.ratio_text(&gain));
             let text = format!("{} {gain}, next {next} {next_gain}", ladder.view);
             Some((text, standing))
         });
@@ -350,7 +339,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
 
     fn fill_rate(&self) -> Views {
         let views = self.ladders.iter().filter_map(|ladder| {
-            let [vertices, fragments] = fill_rate::exponents(&ladder.rungs)?;
+            let [vertices, fragments] = exponents(&ladder.rungs)?;
             let standing = is_more(&fragments, &vertices);
             let [vertices, fragments] = [vertices, fragments].map(|exponent| figure(&exponent));
             let text = format!(
@@ -365,7 +354,8 @@ impl<'r, 'a> Evidence<'r, 'a> {
     fn worst_at_horizon(&self) -> Views {
         let fills = [textured::AS_IN_2007, textured::PLAIN];
         let all = textured::compared(self.data, fills);
-        let over = |timed: &&Timed<'_>| ratio(timed.cases[0], timed.cases[1], self.data.metric);
+        let over =
+            |timed: &&Timed<'_>| ratio(timed.cases[0], timed.cases[1], self.data.timings.metric);
         let scenes = grouped(&all, |timed| timed.cases[0].condition(SCENE)).into_iter();
         let views = scenes.filter_map(|(scene, own)| {
             let (at_horizon, others): (Vec<&Timed<'_>>, Vec<&Timed<'_>>) = own
@@ -402,7 +392,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
         let is_plain = |case: &&&Case| {
             !is_baseline(case)
                 && !textured::is_textured(case)
-                && !has_role(case, "sweep")
+                && !Purpose::Sweep.is_of(case)
                 && !is_approximate(case)
                 // An experiment whose error is its answer says nothing of surfaces.
                 && !case.planned.may_be_wrong
@@ -427,59 +417,63 @@ fn has_all(case: &Case, conditions: &Conditions) -> bool {
     conditions.all(|[key, value]| case.condition_named(key) == value)
 }
 
-fn outside_band(case: &Case) -> Option<u64> {
-    counter(case, MISMATCHED_PX_OUTSIDE_BAND)
+fn outside_band(case: &Case) -> Option<f64> {
+    case.value(MISMATCHED_PX_OUTSIDE_BAND)
 }
 
-fn scene_and_view(case: &Case) -> String {
-    [SCENE, VIEW].map(|key| case.condition(key)).join(" ")
+/// Exponents of time over vertices and over fragments, where a view's steps give both.
+///
+/// For vertices the fragments must be equal, for fragments the vertices. Only steps after culling count that change
+/// nothing else.
+fn exponents(rungs: &[AblationStep<'_>]) -> Option<[Estimate; 2]> {
+    let from = rungs.iter().position(|rung| rung.name == "culling")?;
+    let usable = rungs[from + 1..].iter();
+    let usable = usable.filter(|rung| STEPS_OF_WORK.contains(&rung.name));
+    let vertices = |case: &Case| case.value(VERTICES);
+    // Of both passes.
+    let fragments = |case: &Case| {
+        Some(case.value(STENCIL_FRAGMENTS)? + case.value(FRAGMENT_SHADER_INVOCATIONS)?)
+    };
+    let over_vertices = work_exponent(usable.clone(), vertices, fragments)?;
+    Some([over_vertices, work_exponent(usable, fragments, vertices)?])
 }
 
 /// What the step that moved most changed in counters.
-fn changes(rungs: &[&Rung<'_>]) -> String {
-    let moved = |rung: &Rung<'_>| rung.gain.map_or(0.0, |gain| gain.middle.ln().abs());
+fn changes(rungs: &[&AblationStep<'_>]) -> String {
+    let moved = |rung: &AblationStep<'_>| rung.gain.map_or(0.0, |gain| gain.middle.ln().abs());
     let most = rungs.iter().max_by(|a, b| moved(a).total_cmp(&moved(b)));
-    let of = |rung: &&Rung<'_>| {
+    let of = |rung: &&AblationStep<'_>| {
         let changed = counters(rung.before?, rung.case);
-        Some(format!("{}: {changed}", rung.view()))
+        Some(format!("{}: {changed}", rung.case.condition(VIEW)))
     };
     most.and_then(of).unwrap_or_default()
 }
 
-fn second_pass(rungs: &[&Rung<'_>]) -> Told {
+fn second_pass(rungs: &[&AblationStep<'_>]) -> Told {
     let views = rungs.iter().filter_map(|rung| {
         let share = share(rung.case, COLOUR_GPU_MS, STENCIL_GPU_MS)?;
         let standing = Claim::AtLeast(0.5).standing(&share);
-        Some((format!("{} {}", rung.view(), figure(&share)), standing))
+        Some((
+            format!("{} {}", rung.case.condition(VIEW), figure(&share)),
+            standing,
+        ))
     });
     let fragments = rungs.first().map(|rung| {
-        let of = |metric| or_dash(counter(rung.case, metric).map(count));
+        let of = |metric| or_dash(rung.case.value(metric).map(digits));
         format!(
             "{}: {} fragments in the first pass, {} shaded in the second",
-            rung.view(),
+            rung.case.condition(VIEW),
             of(STENCIL_FRAGMENTS),
             of(FRAGMENT_SHADER_INVOCATIONS)
         )
     });
-    told(views.collect(), fragments.unwrap_or_default())
+    Told::of_views(views.collect(), fragments.unwrap_or_default())
 }
 
 /// What the run says of each claim, in order.
 fn all(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Told> {
     let evidence = Evidence::new(data, ladders);
-    let command = full_command(&data.run.environment, STUDY);
-    let claims = PAPER.claims.iter();
-    let judged = claims.map(|claimed| {
-        let mut told = evidence.told(&claimed.test);
-        told.reason = match told.standing {
-            Standing::NotMeasured => {
-                sentences([told.reason.as_str(), &format!("To measure it: {command}")])
-            }
-            _ => sentences([&claimed.because, &told.reason]),
-        };
-        told
-    });
-    judged.collect()
+    PAPER.tell(&data.run.environment, STUDY, |test| evidence.told(test))
 }
 
 /// The table, and how many claims ended how; nothing for a run that measured none of it.
@@ -508,7 +502,7 @@ pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> 
     let Some(ladder) = evidence.ladders.first() else {
         return Vec::new();
     };
-    let noise = data.noise_on(ladder.scene, data.metric);
+    let noise = data.noise_on(ladder.scene, data.timings.metric);
     let is_noisy = noise.is_some_and(|noise| noise.reach_factor() > MAX_BAND);
     let mut keys = Vec::new();
     for claimed in &PAPER.claims {

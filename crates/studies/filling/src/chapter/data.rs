@@ -2,17 +2,16 @@
 //! The study's cases as its chapter reads them, in scenes and views, with the run's clock.
 
 use crate::keys::*;
-use crate::metrics::METRICS;
+use crate::purpose::{BOOKKEEPING, Purpose, is_approximate, is_listed, is_point, switches};
 use crate::request::STUDY;
 use std::cell::OnceCell;
 use std::cmp::Reverse;
-use terrafill_lab::{Answer, Cases, Comparison, Follows};
+use terrafill_lab::{Answer, Cases, Comparison, Follows, Timings, band_sentence};
 pub(super) use terrafill_lab::{distinct, grouped};
 use terrafill_plot::Palette;
-use terrafill_plot::number::{significant, times};
+use terrafill_plot::number::significant;
 use terrafill_results::{
-    Case, Cell, Claim, ConditionKey, Estimate, Metric, Noise, Outcome, REPEATS, Run, Scope, Spread,
-    Standing, Timer, over_typical, process_medians, ratio, sample_spread, typical,
+    Case, Cell, Claim, ConditionKey, Metric, Noise, Outcome, REPEATS, Run, Scope, Spread,
 };
 
 /// Full-screen pass that reads depth in a shader and writes a constant.
@@ -22,15 +21,6 @@ pub(super) const STENCIL_PASS: &str = "stencil-pass";
 
 /// Pixels of a picture that `render` draws unless it is given a size.
 const DEFAULT_SIZE: (u32, u32) = (1024, 1024);
-
-/// Conditions that say what a case is for, or name the switches that it has anyway.
-const BOOKKEEPING: [ConditionKey; 7] = [ASIDE, NEEDS_RUNG, NEEDS_STEP, ROLE, RUNG, STEP, VARIANT];
-
-/// Conditions besides those that say which case it is and not how its technique is set.
-const NO_SWITCHES: [ConditionKey; 6] = [APPROXIMATE, SCENE, VIEW, TECHNIQUE, LAYOUT, REPEATS];
-
-/// Roles of cases that have a section of their own and no place in their scene's tables.
-const UNLISTED_ROLES: [&str; 5] = ["ladder", "matrix", "needs", "subdivision", "texture"];
 
 /// Two cases that differ in one condition; which of their figures is compared is chosen with the claim.
 pub(super) const fn one_change(changed: ConditionKey) -> Comparison<'static> {
@@ -50,17 +40,6 @@ pub(super) struct Timed<'a> {
     pub(super) cases: [&'a Case; 2],
 }
 
-impl Timed<'_> {
-    /// What the time of the first over that of the second says of a claim, by the noise of its scene.
-    pub(super) fn answer(&self, data: &Data<'_>, claim: Claim) -> Answer {
-        let comparison = Comparison {
-            metric: data.time_covering(self.pairing.needs),
-            ..self.pairing
-        };
-        data.judge(comparison, self.cases, claim)
-    }
-}
-
 /// The study in a run.
 pub(super) struct Data<'a> {
     pub(super) run: &'a Run,
@@ -69,9 +48,8 @@ pub(super) struct Data<'a> {
     pub(super) cases: Vec<&'a Case>,
     /// The views of a scene follow each other.
     pub(super) views: Vec<View<'a>>,
-    /// The fill's time by the run's clock.
-    pub(super) metric: &'static Metric,
-    pub(super) noise: Option<Noise>,
+    /// By the fill's time.
+    pub(super) timings: Timings,
     palette: OnceCell<Palette>,
 }
 
@@ -94,7 +72,9 @@ impl<'a> View<'a> {
         let listed = all.iter().copied().filter(|case| is_listed(case));
         let (baselines, others) = listed.partition(|case| is_baseline(case));
         let others: Vec<&Case> = others;
-        let (rivals, cases) = others.into_iter().partition(|case| is_rival(case));
+        let (rivals, cases) = others
+            .into_iter()
+            .partition(|case| Purpose::Rival.is_of(case));
         Self {
             scene,
             name,
@@ -119,10 +99,7 @@ impl<'a> View<'a> {
     /// purpose, and no approximate fills.
     pub(super) fn competing(&self) -> impl Iterator<Item = &'a Case> + Clone + '_ {
         let cases = self.cases.iter().copied();
-        cases.filter(|case| {
-            let is_point = has_role(case, "sweep") && !is_compared(case);
-            !is_point && !is_approximate(case)
-        })
+        cases.filter(|case| !is_point(case) && !is_approximate(case))
     }
 }
 
@@ -130,7 +107,7 @@ impl<'a> Data<'a> {
     pub(super) fn new(run: &'a Run) -> Self {
         let metric = run.clock().pick(FILL_GPU_MS, FILL_CPU_MS);
         let study = Cases::of_study(run, STUDY);
-        let cases = study.iter().filter(|case| !has_role(case, "memory"));
+        let cases = study.iter().filter(|case| !Purpose::Memory.is_of(case));
         let cases: Vec<&Case> = cases.collect();
         let of_scenes = grouped(cases.iter().copied(), |case| case.condition(SCENE)).into_iter();
         let views = of_scenes.flat_map(|(scene, cases)| {
@@ -142,8 +119,10 @@ impl<'a> Data<'a> {
             run,
             study,
             cases,
-            metric,
-            noise: Noise::of(run.of_study(STUDY), metric),
+            timings: Timings {
+                metric,
+                noise: Noise::of(run.of_study(STUDY), metric),
+            },
             palette: OnceCell::new(),
         }
     }
@@ -183,8 +162,8 @@ impl<'a> Data<'a> {
 
     /// The fill's time by the run's clock, or by the wall clock where that one does not cover what is compared.
     pub(super) fn time_covering(&self, needs: Scope) -> &'static Metric {
-        if self.metric.scope.covers(needs) {
-            self.metric
+        if self.timings.metric.scope.covers(needs) {
+            self.timings.metric
         } else {
             FILL_WALL_MS
         }
@@ -211,45 +190,6 @@ impl<'a> Data<'a> {
         judged.unwrap_or_else(Answer::from)
     }
 
-    /// `process CPU ms`, for headings and axes.
-    pub(super) fn unit(&self) -> &'static str {
-        self.metric.timer().map_or("ms", Timer::unit_ms)
-    }
-
-    /// Times of a case over all its samples.
-    pub(super) fn time(&self, case: &Case) -> Option<Spread> {
-        sample_spread(case, self.metric)
-    }
-
-    /// Typical time of a case over processes, only if its picture is right: what ranks fills.
-    pub(super) fn typical(&self, case: &Case) -> Option<Estimate> {
-        typical(case, self.metric).filter(|_| case.counts())
-    }
-
-    /// The fill of these that takes least typically; none of them is less than 1 over it.
-    pub(super) fn fastest(&self, cases: impl Iterator<Item = &'a Case>) -> Option<&'a Case> {
-        let timed = cases.filter_map(|case| Some((case, self.typical(case)?.middle)));
-        let fastest = timed.min_by(|a, b| a.1.total_cmp(&b.1));
-        fastest.map(|(case, _)| case)
-    }
-
-    /// Typical time of `case` over that of the fastest, both right.
-    pub(super) fn over_fastest(&self, case: &Case, fastest: &Case) -> Option<Estimate> {
-        let is_right = case.counts() && fastest.counts();
-        over_typical(case, fastest, self.metric).filter(|_| is_right)
-    }
-
-    /// Time of `case` over time of `other`, paired by process, both right.
-    pub(super) fn over(&self, case: &Case, other: &Case) -> Option<Estimate> {
-        let is_right = case.counts() && other.counts();
-        ratio(case, other, self.metric).filter(|_| is_right)
-    }
-
-    /// One number for each process.
-    pub(super) fn replicates(&self, case: &Case) -> Vec<f64> {
-        process_medians(case, self.metric).into_values().collect()
-    }
-
     /// The full-screen pass of the case's scene and view.
     pub(super) fn baseline(&self, case: &Case, technique: &str) -> Option<&'a Case> {
         let mut cases = self.beside(case).iter().copied();
@@ -259,36 +199,31 @@ impl<'a> Data<'a> {
     /// Time of `case` over that of a full-screen pass.
     pub(super) fn over_pass_cell(&self, case: &Case, pass: &str) -> Cell {
         let pass = self.baseline(case, pass);
-        let over = pass.and_then(|pass| self.over(case, pass));
+        let over = pass.and_then(|pass| self.timings.over(case, pass));
         let why = reason_or(case, "this pass was not measured in this run");
         Cell::or_absent(over.map(|over| significant(over.middle)), why)
     }
 
-    /// The case's times over the median of its depth-pass, for plots.
-    pub(super) fn spread_over_depth_pass(&self, case: &Case) -> Option<Spread> {
-        let both = [case, self.baseline(case, DEPTH_PASS)?];
-        let [own, pass] = both.map(|case| self.time(case).filter(|_| case.counts()));
-        Some(own?.over(pass?.median))
-    }
-
-    /// Whether two times of this ratio differ by no more than identical work did.
-    pub(super) fn is_tie(&self, ratio: f64) -> bool {
-        self.noise.is_some_and(|noise| noise.is_tie(ratio))
-    }
-
-    /// A ratio with its interval, and whether it is a tie.
-    pub(super) fn ratio_text(&self, ratio: &Estimate) -> String {
-        let tie = if self.is_tie(ratio.middle) {
-            " (tie)"
-        } else {
-            ""
+    /// The case's times over the median of its depth-pass, or why there is no such ratio.
+    pub(super) fn spread_over_depth_pass(&self, case: &Case) -> Result<Spread, String> {
+        let time = |case| {
+            let time = self.timings.samples(case);
+            time.filter(|_| case.counts())
         };
-        format!("{}{tie}", times(ratio))
+        let pass = self.baseline(case, DEPTH_PASS).and_then(time);
+        let over = time(case).zip(pass);
+        over.map(|(own, pass)| own.over(pass.median))
+            .ok_or_else(|| self.no_ratio(case))
     }
 
-    /// The same as a cell.
-    pub(super) fn ratio_cell(&self, ratio: Option<&Estimate>, why: &str) -> Cell {
-        Cell::or_absent(ratio.map(|ratio| self.ratio_text(ratio)), why)
+    /// Why a case has no ratio to another's time.
+    pub(super) fn no_ratio(&self, case: &Case) -> String {
+        let why = match case.outcome {
+            Outcome::Ok if self.timings.samples(case).is_none() => "no fill time",
+            Outcome::Ok => "no depth-pass measured",
+            _ => standing(case),
+        };
+        why.to_owned()
     }
 
     /// By how much identical work differed on a scene's ladder; anywhere in the scene where none of the
@@ -296,28 +231,14 @@ impl<'a> Data<'a> {
     pub(super) fn noise_on(&self, scene: &str, metric: &Metric) -> Option<Noise> {
         let own = self.run.of_study(STUDY);
         let of_scene = own.filter(|case| case.condition(SCENE) == scene);
-        let of_ladder = of_scene.clone().filter(|case| has_role(case, "ladder"));
+        let of_ladder = of_scene.clone().filter(|case| Purpose::Ladder.is_of(case));
         Noise::of(of_ladder, metric).or_else(|| Noise::of(of_scene, metric))
     }
 
-    /// What is taken as no difference in a scene's ladder, in a sentence. A band narrower than the intervals of
-    /// identical work reach could not call identical work no difference.
+    /// What is taken as no difference in a scene's ladder, in a sentence.
     pub(super) fn band_sentence(&self, scene: Option<&str>) -> String {
-        let Some(scene) = scene else {
-            return String::new();
-        };
-        let noise = self.noise_on(scene, self.metric);
-        let percent = significant(100.0 * (Noise::band(noise) - 1.0));
-        let because = noise.map_or_else(
-            || "this run measured no identical work twice".to_owned(),
-            |noise| {
-                format!(
-                    "so far the intervals of identical work reached in this run, measured twice under {} names",
-                    noise.pairs
-                )
-            },
-        );
-        format!("Less than {percent} % either way is no difference: {because}.")
+        let noise = |scene| self.noise_on(scene, self.timings.metric);
+        scene.map_or_else(String::new, |scene| band_sentence(noise(scene)))
     }
 
     /// Repeats of the cases with these keys, and of what else stands on their ladder.
@@ -326,7 +247,9 @@ impl<'a> Data<'a> {
         let own = own.filter(|case| keys.contains(&case.id().key()));
         let scenes = distinct(own.map(|case| case.condition(SCENE)));
         let repeats = self.run.of_study(STUDY).filter(|case| {
-            case.is_repeat() && has_role(case, "ladder") && scenes.contains(&case.condition(SCENE))
+            case.is_repeat()
+                && Purpose::Ladder.is_of(case)
+                && scenes.contains(&case.condition(SCENE))
         });
         let both =
             repeats.flat_map(|repeat| [repeat.id().key(), repeat.condition(REPEATS).to_owned()]);
@@ -348,8 +271,8 @@ impl<'a> Data<'a> {
     /// What a reader types to see a case; empty for what `render` does not draw.
     pub(super) fn command(&self, case: &Case) -> String {
         let is_drawn = !is_baseline(case)
-            && !has_role(case, "subdivision")
-            && !is_rival(case)
+            && !Purpose::Subdivision.is_of(case)
+            && !Purpose::Rival.is_of(case)
             && ["", "scene"].contains(&case.condition(PICTURE));
         if !is_drawn {
             return String::new();
@@ -370,14 +293,14 @@ impl<'a> Data<'a> {
 
 /// A case's name as a plot has room for it: the knob, in short, after the rest.
 pub(super) fn label(case: &Case) -> String {
-    if has_role(case, "full-plan") {
+    if Purpose::FullPlan.is_of(case) {
         let levels = match case.condition(BOUNDARY_LOD_PX) {
             "" | "off" => String::new(),
             px => format!(", boundary ≤ {px} px"),
         };
         return format!("{}, full plan{levels}", layout_name(case));
     }
-    match knob_m(case).filter(|_| has_role(case, "sweep")) {
+    match knob_m(case).filter(|_| Purpose::Sweep.is_of(case)) {
         Some(knob) => format!("{} · {}", series(case), terrafill_plot::length(knob)),
         None => name(case),
     }
@@ -385,7 +308,7 @@ pub(super) fn label(case: &Case) -> String {
 
 /// The series whose colour and marker a case has on every page: a full plan those of its layout.
 pub(super) fn marked(case: &Case) -> String {
-    if has_role(case, "full-plan") {
+    if Purpose::FullPlan.is_of(case) {
         layout_name(case)
     } else {
         series(case)
@@ -418,20 +341,6 @@ pub(super) fn name(case: &Case) -> String {
 /// `scene, view`.
 pub(super) fn title(case: &Case) -> String {
     format!("{}, {}", case.condition(SCENE), case.condition(VIEW))
-}
-
-pub(super) fn has_role(case: &Case, role: &str) -> bool {
-    case.condition(ROLE).split('+').any(|own| own == role)
-}
-
-/// Whether a case stands in every view's comparison: as it should be used, or a layout without its plan.
-pub(super) fn is_compared(case: &Case) -> bool {
-    has_role(case, "main") || has_role(case, "layout")
-}
-
-/// Whether a case's picture differs from the reference by the nature of its technique.
-pub(super) fn is_approximate(case: &Case) -> bool {
-    case.condition(APPROXIMATE) == "yes"
 }
 
 /// The value by which an approximate case differs from the others of its technique in a view.
@@ -468,57 +377,9 @@ pub(super) fn is_baseline(case: &Case) -> bool {
     [DEPTH_PASS, STENCIL_PASS].contains(&case.condition(TECHNIQUE))
 }
 
-/// Whether it is what users would pick instead.
-pub(super) fn is_rival(case: &Case) -> bool {
-    has_role(case, "rival")
-}
-
-fn is_listed(case: &Case) -> bool {
-    let mut roles = case.condition(ROLE).split('+');
-    roles.any(|role| !UNLISTED_ROLES.contains(&role))
-}
-
-/// Switches of technique and plan, each with its value, by name.
-pub(super) fn switches(case: &Case) -> Vec<(&str, &str)> {
-    let conditions = case.id().conditions.iter();
-    let conditions = conditions.map(|(key, value)| (key.as_str(), value.as_str()));
-    let is_switch = |(key, value): &(&str, &str)| {
-        let mut others = NO_SWITCHES.iter().chain(&BOOKKEEPING);
-        others.all(|own| own.name() != *key) && !value.is_empty()
-    };
-    conditions.filter(is_switch).collect()
-}
-
 /// Value of the knob of the error-against-time plots, the boundary tolerance in metres: as the switch names it, else
 /// as the mesh was built.
 pub(super) fn knob_m(case: &Case) -> Option<f64> {
     let set = case.condition(TOLERANCE_M).parse().ok();
     set.or(case.value(BOUNDARY_TOLERANCE_M))
-}
-
-/// The declaration of a metric that the study has.
-pub(super) fn declared(name: &str) -> &'static Metric {
-    Metric::of(&METRICS, name)
-}
-
-/// Whether one figure is more than another, by their intervals.
-pub(super) fn is_more(one: &Estimate, other: &Estimate) -> Standing {
-    match (one.interval, other.interval) {
-        (Some([low, _]), Some([_, high])) if low > high => Standing::Holds,
-        (Some([_, high]), Some([low, _])) if high < low => Standing::DoesNotHold,
-        _ => Standing::CannotTell,
-    }
-}
-
-/// A counter.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "counters are whole, not negative and far below 2^53"
-)]
-pub(super) fn counter(case: &Case, metric: impl AsRef<str>) -> Option<u64> {
-    let value = case
-        .value(metric)
-        .filter(|value| value.is_finite() && *value >= 0.0)?;
-    Some(value.round() as u64)
 }

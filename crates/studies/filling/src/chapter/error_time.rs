@@ -4,10 +4,9 @@
 //! One curve per layout through its knob, the boundary tolerance. A wrong case whose error is the
 //! question stands where its figures put it; any other wrong or failed case stands on the edge.
 
-use super::data::{
-    Data, View, grouped, has_role, is_approximate, knob_m, series, setting, standing,
-};
+use super::data::{Data, View, grouped, knob_m, series, setting, standing};
 use crate::keys::{BOUNDARY_DEVIATION_M, MISMATCHED_PX};
+use crate::purpose::{Purpose, is_approximate};
 use terrafill_plot::{
     Arrangement, Curve, Point, PointStanding, Reading, Upwards, WorkPrecision, length, panels,
 };
@@ -21,7 +20,7 @@ const CAPTION: &str = "Error against run time; one curve per layout through its 
 /// Every fill of a view; nothing when neither panel would hold a point.
 pub(super) fn of_view(data: &Data<'_>, view: &View<'_>) -> Result<Option<Block>, ChapterError> {
     let title = format!("{}: error against run time", view.title());
-    let across = format!("fill, {}: median, 5–95 % of samples", data.unit());
+    let across = format!("fill, {}: median, 5–95 % of samples", data.timings.unit());
     let panel = |title, up, metric| WorkPrecision {
         title,
         across: &across,
@@ -49,30 +48,26 @@ pub(super) fn of_view(data: &Data<'_>, view: &View<'_>) -> Result<Option<Block>,
 /// The cases as curves, one for each layout.
 pub(super) fn curves(data: &Data<'_>, view: &View<'_>, metric: &Metric) -> Vec<Curve> {
     let shown = view.cases.iter().filter(|case| match case.outcome {
-        Outcome::Ok => data.time(case).is_some() && case.value(metric).is_some(),
+        Outcome::Ok => data.timings.samples(case).is_some() && case.value(metric).is_some(),
         Outcome::Wrong | Outcome::Failed => true,
         Outcome::Skipped | Outcome::Missing | Outcome::DriverFault => false,
     });
-    let mut curves = grouped(shown, |case| series(case));
-    curves.sort_by(|a, b| a.0.cmp(&b.0));
-    let points = |cases: Vec<&&Case>| {
-        cases
-            .iter()
-            .map(|case| point(data, view, case, metric))
-            .collect()
-    };
-    let curves = curves.into_iter();
-    curves
-        .map(|(name, cases)| Curve {
+    let curves = grouped(shown, |case| series(case)).into_iter();
+    let curves = curves.map(|(name, cases)| {
+        let points = cases.iter().map(|case| point(data, view, case, metric));
+        Curve {
             name,
-            points: points(cases),
-        })
-        .collect()
+            points: points.collect(),
+        }
+    });
+    let mut curves: Vec<Curve> = curves.collect();
+    curves.sort_by(|a, b| a.name.cmp(&b.name));
+    curves
 }
 
 /// A case by its time and an error. Its label is its setting or the knob's value, and what went wrong where something did.
 fn point(data: &Data<'_>, view: &View<'_>, case: &Case, metric: &Metric) -> Point {
-    let time = |spread| Reading::sampled(spread, &data.replicates(case));
+    let time = |spread| Reading::sampled(spread, &data.timings.replicates(case));
     let (setting, knob) = (setting(case, view), knob_m(case));
     let label = match (setting, knob.map(length), case.outcome) {
         (Some(setting), ..) => setting.to_owned(),
@@ -85,13 +80,13 @@ fn point(data: &Data<'_>, view: &View<'_>, case: &Case, metric: &Metric) -> Poin
     Point {
         knob: number.or(knob).unwrap_or(0.0),
         label,
-        x: data.time(case).map(time),
+        x: data.timings.samples(case).map(time),
         y: case.value(metric).map(Reading::exact),
         y_rms: None,
         standing: match case.outcome {
             _ if case.counts() => PointStanding::Right,
             Outcome::Wrong if is_approximate(case) => PointStanding::Approximate,
-            Outcome::Wrong if has_role(case, "sweep") => PointStanding::Wrong,
+            Outcome::Wrong if Purpose::Sweep.is_of(case) => PointStanding::Wrong,
             _ => PointStanding::Failed,
         },
         command: data.command(case),

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Error against cost, one panel a scene: the sum over the scene's views, by each clock and by work.
 
-use super::data::{Data, View, distinct, label, marked};
+use super::data::{Data, View, label, marked};
 use crate::keys::*;
+use terrafill_lab::{in_every_group, sums_by_process};
 use terrafill_plot::{FrontPanel, FrontPoint, Fronts};
-use terrafill_results::{Block, Case, ChapterError, Choice, Metric, process_medians};
+use terrafill_results::{Block, Case, ChapterError, Choice, Metric};
 
 /// Costs of a fill: name and metric. No noise reaches the last.
 const COSTS: [(&str, &Metric); 4] = [
@@ -17,7 +18,7 @@ const COSTS: [(&str, &Metric); 4] = [
 /// The plot by each cost that was measured, that of the run's clock first.
 pub(super) fn block(data: &Data<'_>) -> Result<Option<Block>, ChapterError> {
     let mut costs = COSTS;
-    costs.sort_by_key(|(_, metric)| *metric != data.metric);
+    costs.sort_by_key(|(_, metric)| *metric != data.timings.metric);
     let mut ways = Vec::new();
     for (name, metric) in costs {
         let scenes = data.scenes().into_iter();
@@ -48,15 +49,12 @@ pub(super) fn block(data: &Data<'_>) -> Result<Option<Block>, ChapterError> {
 }
 
 fn panel(data: &Data<'_>, scene: &str, views: &[&View<'_>], metric: &Metric) -> FrontPanel {
-    let names = views.iter().flat_map(|view| view.competing()).map(label);
-    let points = distinct(names).into_iter().filter_map(|name| {
-        let of_views = views.iter().map(|view| {
-            let mut own = view.competing();
-            own.find(|case| label(case) == name && case.counts())
-        });
-        let of_views: Option<Vec<&Case>> = of_views.collect();
-        point(data, name, &of_views?, metric)
+    let of_views = views.iter().map(|view| {
+        let right = view.competing().filter(|case| case.counts());
+        right.collect()
     });
+    let fills = in_every_group(&of_views.collect::<Vec<_>>(), label).into_iter();
+    let points = fills.filter_map(|(name, cases)| point(data, name, &cases, metric));
     FrontPanel {
         name: scene.to_owned(),
         points: points.collect(),
@@ -66,24 +64,16 @@ fn panel(data: &Data<'_>, scene: &str, views: &[&View<'_>], metric: &Metric) -> 
 /// `None` unless every view's case has the cost and the error.
 fn point(data: &Data<'_>, name: String, cases: &[&Case], metric: &Metric) -> Option<FrontPoint> {
     let first = *cases.first()?;
-    let medians = cases.iter().map(|case| process_medians(case, metric));
-    let medians: Vec<_> = medians.collect();
     let sum = |metric: &Metric| {
-        cases
-            .iter()
-            .map(|case| case.value(metric))
-            .sum::<Option<f64>>()
+        let values = cases.iter().map(|case| case.value(metric));
+        values.sum::<Option<f64>>()
     };
-    let cost = sum(metric).filter(|cost| *cost > 0.0)?;
-    // A process counts where it measured all views.
-    let processes = medians.first()?.keys();
-    let sums = processes.filter_map(|process| medians.iter().map(|own| own.get(process)).sum());
     let sizes = cases.iter().filter_map(|case| case.value(GEOMETRY_BYTES));
     Some(FrontPoint {
         series: marked(first),
         name,
-        cost,
-        costs: sums.collect(),
+        cost: sum(metric).filter(|cost| *cost > 0.0)?,
+        costs: sums_by_process(cases, metric).into_values().collect(),
         error: sum(MISMATCHED_PX)?,
         bytes: sizes.fold(0.0, f64::max),
         command: data.command(first),

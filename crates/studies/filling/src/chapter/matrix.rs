@@ -5,9 +5,10 @@
 //! The reference alone says what is right. That two pictures are the same says only that two
 //! techniques agree. It is shown next to the reference's verdict and never replaces it.
 
-use super::data::{Data, counter, distinct, grouped, has_role, layout_name, name, switches};
+use super::data::{Data, distinct, grouped, layout_name, name};
 use super::table::head;
 use crate::keys::*;
+use crate::purpose::{Purpose, switches};
 use std::collections::BTreeMap;
 use terrafill_results::{
     Block, Case, Cell, CellClass, ConditionKey, Outcome, Row, Table, TableLayout,
@@ -50,7 +51,7 @@ struct Examined<'a> {
 /// One matrix of all scenes that have one.
 pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     let cells = data.cases.iter().copied();
-    let cells = cells.filter(|case| has_role(case, "matrix"));
+    let cells = cells.filter(|case| Purpose::Matrix.is_of(case));
     // Backwards, so that the first one stays.
     let hashed = cells.clone().rev().flat_map(|case| {
         let own = HASHES.iter().map(|(hash, _)| *hash);
@@ -178,8 +179,8 @@ fn examine<'a>(case: &'a Case, firsts: &Firsts<'_>) -> Examined<'a> {
 
 /// What speaks against a case that ended well.
 fn objection(case: &Case, firsts: &Firsts<'_>) -> Option<String> {
-    match counter(case, MISMATCHED_PX_OUTSIDE_BAND) {
-        Some(0) => {}
+    match case.value(MISMATCHED_PX_OUTSIDE_BAND) {
+        Some(0.0) => {}
         Some(px) => return Some(format!("{px} wrong pixels outside the band")),
         None => return Some("never compared with the reference".to_owned()),
     }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Memory: bytes of every layout by formula and as allocated.
 
-use super::data::{Data, counter, has_role, layout_name};
+use super::data::{Data, layout_name};
 use super::table::head;
 use crate::keys::*;
+use crate::purpose::Purpose;
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, none_differs};
 use terrafill_plot::number::digits;
 use terrafill_results::{Block, Case, ChapterError, Estimate, Finding, Metric};
@@ -11,8 +12,8 @@ use terrafill_results::{Block, Case, ChapterError, Estimate, Finding, Metric};
 /// The layout whose bytes the others' are divided by: every vertex twice, as a vertex shader needs.
 const BASE: &str = "vertex/doubled";
 
-/// Technique and beginning of the layouts that a geometry shader reads.
-const GEOMETRY_SHADER: (&str, &str) = ("native", "gs-");
+/// How names of layouts begin that a geometry shader reads.
+const GEOMETRY_SHADER: &str = "native/gs-";
 
 /// What a layout takes of a scene.
 const LAYOUTS: Section<'static> = Section {
@@ -36,6 +37,7 @@ const LAYOUTS: Section<'static> = Section {
         recorded("largest", REGION_BYTES_LARGEST),
         Column::beside("÷\u{a0}vertex/doubled", over_base).or("vertex/doubled was not measured"),
     ],
+    is_bad: |case| disagreement(case).is_some(),
     ..Section::EMPTY
 };
 
@@ -87,7 +89,7 @@ fn over_base(of_scene: &Cases<'_>, case: &Case) -> Option<Estimate> {
 
 /// Layouts of scenes, and of their regions repeated in turn.
 fn layouts<'a>(data: &Data<'a>) -> Cases<'a> {
-    data.study.fitting(|case| has_role(case, "memory"))
+    data.study.fitting(|case| Purpose::Memory.is_of(case))
 }
 
 /// Those of scenes that some technique allocated.
@@ -109,23 +111,11 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
              what they read, only what the view draws. Walls of vertex/per-triangle are lists, 24 indices a \
              volume; as strips they would have 18.",
     );
-    let red = allocated.iter().filter_map(|case| {
-        let (scene, layout) = (case.condition(SCENE), layout_name(case));
-        Some(format!("{scene}/{layout}: {}", disagreement(case)?))
-    });
-    blocks.extend(Block::alarm(
-        "Formula and allocation differ:",
-        red.collect(),
-    ));
     for (scene, own) in allocated.by(SCENE) {
         blocks.push(Block::part(format!("Bytes of {scene}")));
         let of_scene = layouts.with(&[(SCENE, scene)]);
         blocks.extend(GROWTH.block(&format!("{scene}: bytes over regions"), &of_scene)?);
-        let mut table = LAYOUTS.table("", &own);
-        let rows = table.rows.into_iter().zip(own.iter());
-        let rows = rows.map(|(row, case)| row.bad_if(disagreement(case).is_some()));
-        table.rows = rows.collect();
-        blocks.push(Block::Table(table));
+        blocks.push(Block::Table(LAYOUTS.table("", &own)));
     }
     Ok(blocks)
 }
@@ -133,10 +123,10 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
 /// Formula and allocation agree; `None` for a run that allocated nothing.
 pub(super) fn requirement(data: &Data<'_>) -> Option<Finding> {
     let all = allocated(&layouts(data));
-    let differing = all.iter().filter(|case| disagreement(case).is_some());
-    let (all, differing) = (all.iter().count(), differing.count());
+    let differing: Vec<String> = all.iter().filter_map(disagreement).collect();
     let claim = "Every layout allocates the bytes of its formula.";
-    (all > 0).then(|| none_differs(claim, all, differing, "layouts of scenes do"))
+    let what = "layouts of scenes do";
+    (!all.is_empty()).then(|| none_differs(claim, all.iter().count(), &differing, what))
 }
 
 /// How formula and allocation differ, if they do. Errors that cancel in the sum are two errors.
@@ -150,24 +140,27 @@ fn disagreement(case: &Case) -> Option<String> {
         ("indices", FORMULA_INDEX_BYTES, ALLOCATED_INDEX_BYTES),
     ];
     let differing = pairs.iter().filter_map(|(what, formula, allocated)| {
-        let (formula, allocated) = (counter(case, formula)?, counter(case, allocated)?);
+        let (formula, allocated) = (case.value(formula)?, case.value(allocated)?);
         (formula != allocated)
             .then(|| format!("{what}: {formula} bytes by formula, {allocated} allocated"))
     });
-    Some(differing.collect::<Vec<_>>().join("; ")).filter(|text| !text.is_empty())
+    let differing: Vec<String> = differing.collect();
+    let (scene, layout) = (case.condition(SCENE), layout_name(case));
+    (!differing.is_empty()).then(|| format!("{scene}/{layout}: {}", differing.join("; ")))
 }
 
 /// Layouts that a geometry shader reads, by name, and their bytes over [`BASE`], on the first scene that has
 /// both.
 pub(super) fn geometry_shader_ratios(data: &Data<'_>) -> Vec<(String, f64)> {
-    let (technique, beginning) = GEOMETRY_SHADER;
-    let scenes = allocated(&layouts(data)).by(SCENE).into_iter();
-    let mut ratios = scenes.map(|(_, own)| {
-        let of_geometry_shader = own.iter().filter(|case| {
-            case.condition(TECHNIQUE) == technique && case.condition(LAYOUT).starts_with(beginning)
+    let mut scenes = allocated(&layouts(data))
+        .by(SCENE)
+        .into_iter()
+        .map(|(_, own)| {
+            let of_geometry_shader = own
+                .iter()
+                .filter(|case| layout_name(case).starts_with(GEOMETRY_SHADER));
+            let ratio = |case| Some((layout_name(case), over_base(&own, case)?.middle));
+            of_geometry_shader.filter_map(ratio).collect::<Vec<_>>()
         });
-        let ratio = |case| Some((layout_name(case), over_base(&own, case)?.middle));
-        of_geometry_shader.filter_map(ratio).collect::<Vec<_>>()
-    });
-    ratios.find(|ratios| !ratios.is_empty()).unwrap_or_default()
+    scenes.find(|ratios| !ratios.is_empty()).unwrap_or_default()
 }

@@ -12,7 +12,6 @@ mod claims;
 mod comparisons;
 mod data;
 mod error_time;
-mod fill_rate;
 mod fronts;
 mod ladder;
 mod matrix;
@@ -24,12 +23,12 @@ mod scenes;
 mod subdivision;
 mod summary;
 mod table;
-mod techniques;
 #[cfg(test)]
 mod tests;
 mod textured;
 
-use crate::keys::{FILL_CPU_MS, FILL_GPU_MS, MISMATCHED_PX_OUTSIDE_BAND};
+use crate::keys::{FILL_CPU_MS, FILL_GPU_MS};
+use crate::purpose::never_right;
 use crate::request::STUDY;
 use data::{Data, is_baseline};
 use rungs::FULL_PLAN;
@@ -62,17 +61,14 @@ impl Chapter for FillingChapter {
             approximate::blocks(&data),
             claims::blocks(&data, &ladders),
             ladder::blocks(&data, &ladders)?,
-            comparisons::walls(&data, &ladders),
             rivals::blocks(&data),
             comparisons::pairs(&data),
             matrix::blocks(&data),
             memory::blocks(&data)?,
             needs::blocks(&data)?,
-            comparisons::scales(&data),
             subdivision::blocks(&data)?,
             textured::blocks(&data),
             scenes::blocks(&data)?,
-            techniques::blocks(&data),
         ];
         let blocks = sections.into_iter().flatten().collect();
         Ok(with_commands(blocks, run, STUDY))
@@ -81,7 +77,7 @@ impl Chapter for FillingChapter {
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
         let data = Data::new(run);
         let mut answers = answers::answers(&data)?;
-        let within = budget::blocks(&data, &Budget::read(&run.path)?);
+        let within = budget::block(&data, &Budget::read(&run.path)?);
         answers.blocks.splice(0..0, within);
         Ok(answers_with_commands(answers, run, STUDY))
     }
@@ -92,10 +88,8 @@ impl Chapter for FillingChapter {
 
     fn contradictions(&self, run: &Run) -> Vec<String> {
         let data = Data::new(run);
-        let cases = data.cases.iter();
-        cases
-            .filter_map(|case| contradiction(&data, case))
-            .collect()
+        let all = data.cases.iter();
+        all.filter_map(|case| contradiction(&data, case)).collect()
     }
 
     fn tables(&self, run: &Run) -> Result<Vec<DerivedTable>, ChapterError> {
@@ -118,29 +112,7 @@ impl Chapter for FillingChapter {
 
 /// What in a case's figures contradicts its outcome.
 fn contradiction(data: &Data<'_>, case: &Case) -> Option<String> {
-    let samples = case.samples(data.metric).into_iter().flatten();
-    let times: Vec<f64> = samples.flat_map(|(_, of)| of.values().copied()).collect();
-    let usable = times.iter().filter(|ms| ms.is_finite() && **ms > 0.0);
-    let (all, usable) = (times.len(), usable.count());
-    if usable < all {
-        let (name, lost) = (case.id(), all - usable);
-        return Some(format!(
-            "{name}: {lost} of {all} times are 0, negative or not finite; left out"
-        ));
-    }
-    (case.outcome == Outcome::Ok && !is_baseline(case))
-        .then(|| never_right(case))
-        .flatten()
-}
-
-/// What contradicts that a case is right.
-pub(crate) fn never_right(case: &Case) -> Option<String> {
-    let name = case.id();
-    match case.value(MISMATCHED_PX_OUTSIDE_BAND) {
-        None => Some(format!("{name}: ok, but never compared with the reference")),
-        Some(px) if px > 0.0 => Some(format!(
-            "{name}: ok, though {px} pixels outside the boundary band are wrong"
-        )),
-        Some(_) => None,
-    }
+    let is_ok = case.outcome == Outcome::Ok && !is_baseline(case);
+    let of_times = data.timings.contradiction(case);
+    of_times.or_else(|| is_ok.then(|| never_right(case))?)
 }

@@ -2,15 +2,16 @@
 //! What each scene needs: the features built into a view's fill and those left out, each with its reason,
 //! and what leaving out is worth, from everything that a fill can hold to only what is needed.
 //!
-//! Every figure is what the backend held and the device made; sums that differ are an alarm.
+//! Every figure is what the backend held and the device made; that sums agree is a requirement.
 
-use super::data::{Data, counter, distinct, grouped, has_role, name, title};
-use super::rungs::{Ladder, NEEDS, Rung, counters, ladders};
-use super::table::{STATUS, head, steps_plot, steps_table};
+use super::data::{DEPTH_PASS, Data, distinct, grouped, name, title};
+use super::rungs::{Ladder, NEEDS, counters, ladders};
+use super::table::{STATUS, head};
 use crate::keys::*;
+use crate::purpose::Purpose;
 use terrafill_contract::{Feature, Need};
-use terrafill_lab::{Column, none_differs};
-use terrafill_plot::number::{bytes, count, digits, significant};
+use terrafill_lab::{Column, StepsSection, none_differs};
+use terrafill_plot::number::{count, digits};
 use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Row, Table};
 
 const STEPS: [Column; 3] = [
@@ -55,10 +56,6 @@ fn shown(feature: Feature) -> String {
     name.trim_start_matches("need_").replace('_', " ")
 }
 
-fn rung(case: &Case) -> Option<u32> {
-    case.condition(NEEDS_RUNG).parse().ok()
-}
-
 /// Every case that says what it holds.
 fn all<'a>(data: &Data<'a>) -> Vec<Told<'a>> {
     data.cases.iter().copied().filter_map(Told::of).collect()
@@ -66,12 +63,13 @@ fn all<'a>(data: &Data<'a>) -> Vec<Told<'a>> {
 
 /// Whether a case holds only what its view needs: the last of the rungs, or the only one.
 fn is_needed(data: &Data<'_>, case: &Case) -> bool {
+    let rung = |case: &Case| case.condition(NEEDS_RUNG).parse::<u32>().ok();
     let technique = case.condition(TECHNIQUE);
     let mut others = data.beside(case).iter();
-    has_role(case, "needs")
+    Purpose::Needs.is_of(case)
         && others.all(|other| {
             other.condition(TECHNIQUE) != technique
-                || !has_role(other, "needs")
+                || !Purpose::Needs.is_of(other)
                 || rung(other) <= rung(case)
         })
 }
@@ -89,11 +87,6 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
              “Only what is needed” is the variant that decides by itself what each view needs: `terrafill \
              bench SCENE --ladder SCENE` measures the way there from everything that a fill can hold.",
     );
-    let red = all.iter().filter_map(disagreement).collect();
-    blocks.extend(Block::alarm(
-        "What is declared and what was made differ:",
-        red,
-    ));
     let ladders = ladders(data, NEEDS);
     for (scene, own) in grouped(&all, |told| told.case.condition(SCENE)) {
         blocks.push(Block::part(format!("Needs of {scene}")));
@@ -112,10 +105,10 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
 /// Everything that is made is declared; `None` for a run that tells nothing.
 pub(super) fn requirement(data: &Data<'_>) -> Option<Finding> {
     let all = all(data);
-    let differing = all.iter().filter_map(disagreement).count();
+    let differing: Vec<String> = all.iter().filter_map(disagreement).collect();
     let claim = "Every byte and pipeline that a fill holds belongs to a feature that says why.";
     let what = "fills declare what the device made for them";
-    (!all.is_empty()).then(|| none_differs(claim, all.len(), differing, what))
+    (!all.is_empty()).then(|| none_differs(claim, all.len(), &differing, what))
 }
 
 /// How sums over features differ from what the device made.
@@ -129,8 +122,8 @@ fn disagreement(told: &Told<'_>) -> Option<String> {
     let differing =
         declared
             .iter()
-            .filter_map(|(what, metric, declared)| match counter(case, metric) {
-                Some(made) if made == *declared => None,
+            .filter_map(|(what, metric, declared)| match case.value(*metric) {
+                Some(made) if made == *declared as f64 => None,
                 Some(made) => Some(format!("{declared} {what} declared, {made} made")),
                 None => Some(format!("{what} made were not recorded")),
             });
@@ -192,15 +185,10 @@ fn features(technique: &str, needed: &[&Told<'_>]) -> Table {
 
 /// The way from everything to what is needed.
 fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, ChapterError> {
-    let rungs = &ladder.rungs;
     let title = format!(
         "{}, {}: time over depth-pass, from everything to what is needed",
         ladder.scene, ladder.view
     );
-    let held = |rung: &Rung<'_>| {
-        let held = counter(rung.case, HELD_BYTES);
-        held.map_or_else(String::new, |held| format!(" · {}", bytes(held)))
-    };
     let changed = |before: &Case, after: &Case| match Told::of(before).zip(Told::of(after)) {
         None => Cell::absent("one of both says nothing of its features"),
         Some((told, now)) => Cell {
@@ -212,16 +200,14 @@ fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, Cha
         "From everything to what {} needs, by {}",
         ladder.view, ladder.technique
     ));
-    let blocks = [
-        Some(heading),
-        sentence(data, rungs).map(Block::Text),
-        steps_plot(data, title, rungs, held)?,
-        Some(Block::Table(Table {
-            is_main: true,
-            ..steps_table(data, rungs, &STEPS, changed)
-        })),
-    ];
-    Ok(blocks.into_iter().flatten().collect())
+    let section = StepsSection {
+        title: &title,
+        baseline: DEPTH_PASS,
+        columns: &STEPS,
+        is_main: true,
+    };
+    let blocks = ladder.blocks(data, section, changed)?;
+    Ok([vec![heading], blocks].concat())
 }
 
 /// What a step left out and brought in.
@@ -233,26 +219,6 @@ fn change(before: &Told<'_>, after: &Told<'_>) -> String {
         (true, false) => format!("with {}", come.join(", ")),
         (false, false) => format!("with {} in place of {}", come.join(", "), gone.join(", ")),
     }
-}
-
-/// What all of leaving out is worth.
-fn sentence(data: &Data<'_>, rungs: &[Rung<'_>]) -> Option<String> {
-    let (first, last) = (rungs.first()?.case, rungs.last()?.case);
-    let held = |case| counter(case, HELD_BYTES);
-    let (before, after) = (held(first)?, held(last)?);
-    let share = match before {
-        0 => String::new(),
-        _ => format!(", {} %", significant(100.0 * after as f64 / before as f64)),
-    };
-    let time = data.over(first, last).map_or_else(
-        || "the two were not timed, or one is not right".to_owned(),
-        |gain| format!("gain in time {}", data.ratio_text(&gain)),
-    );
-    Some(format!(
-        "Leaving out what the view does not need: {} held instead of {}{share}; {time}.",
-        bytes(after),
-        bytes(before)
-    ))
 }
 
 #[cfg(test)]

@@ -5,18 +5,16 @@ use super::data::{Data, distinct, name};
 use super::table::{STATUS, section};
 use crate::keys::*;
 use terrafill_lab::{Column, case_table};
-use terrafill_plot::number::{digits, measured_bytes, significant, times};
+use terrafill_plot::number::{significant, times};
 use terrafill_results::{Block, Cell, Heading, ratio};
 
 /// What is said before the rival's own figures.
-const SAID: [&str; 7] = [
+const SAID: [&str; 5] = [
     "view",
     "rival",
     "fastest of ours",
     "ours, ms",
     "rival ÷ ours",
-    "ours: px that differ",
-    "bytes of ours",
 ];
 
 const COLUMNS: [Column; 5] = [
@@ -34,22 +32,16 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     let notes = rivals.clone().map(|(_, rival)| rival.note("texture_route"));
     let made_by = distinct(notes.filter(|note| !note.is_empty())).join("; ");
     let rows = rivals.map(|(view, rival)| {
-        let ours = data.fastest(view.competing());
+        let ours = data.timings.fastest(view.competing());
         let no_ours = "no correct technique was timed in this view";
-        let of_ours = |metric, print: fn(f64) -> String| {
-            let figure = ours.and_then(|ours| ours.value(metric));
-            Cell::or_absent(figure.map(print), no_ours)
-        };
-        let time = ours.and_then(|ours| data.time(ours));
-        let over = ours.and_then(|ours| ratio(rival, ours, data.metric));
+        let time = ours.and_then(|ours| data.timings.samples(ours));
+        let over = ours.and_then(|ours| ratio(rival, ours, data.timings.metric));
         let said = vec![
             Cell::name(view.title()),
             Cell::name(name(rival)),
             Cell::name(ours.map_or_else(String::new, name)),
             Cell::or_absent(time.map(|ms| significant(ms.median)), no_ours),
             Cell::or_absent(over.as_ref().map(times), "no process timed both"),
-            of_ours(MISMATCHED_PX, digits),
-            of_ours(GEOMETRY_BYTES, measured_bytes),
         ];
         (rival, said)
     });

@@ -1,41 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The rungs of a ladder as they were measured, each with its gain.
-//!
-//! A rung is compared with the last one before it on the way whose picture is right; what stands aside is
-//! on no way.
+//! Ladders as they were measured: ablations of one technique on one view.
 
-use super::data::{Data, counter, grouped};
+use super::data::{Data, grouped, name};
 use crate::keys::*;
-use terrafill_plot::number::{bytes, count};
-use terrafill_results::{Case, ConditionKey, Estimate};
-
-/// One rung as measured.
-pub(super) struct Rung<'a> {
-    pub(super) number: u32,
-    pub(super) step: &'a str,
-    /// What changes, in a sentence.
-    pub(super) change: &'a str,
-    pub(super) case: &'a Case,
-    /// Beside the way: nothing is compared with it.
-    pub(super) is_aside: bool,
-    /// The last kept rung before it.
-    pub(super) before: Option<&'a Case>,
-    /// The step between both that is not right: what differs is its work as well as this one's.
-    pub(super) skipped: Option<&'a str>,
-    /// Time of that rung over this one's.
-    pub(super) gain: Option<Estimate>,
-}
-
-impl<'a> Rung<'a> {
-    pub(super) fn view(&self) -> &'a str {
-        self.case.condition(VIEW)
-    }
-
-    /// Whether the next rung starts from it: it is right, and not aside.
-    pub(super) fn is_kept(&self) -> bool {
-        self.case.counts() && !self.is_aside
-    }
-}
+use terrafill_lab::{AblationStep, ShownStep, StepKeys, StepsSection, ablation, changed_work};
+use terrafill_results::{Block, Case, Cell, ChapterError};
 
 /// A ladder on one view.
 pub(super) struct Ladder<'a> {
@@ -43,64 +12,62 @@ pub(super) struct Ladder<'a> {
     pub(super) scene: &'a str,
     pub(super) view: &'a str,
     pub(super) technique: &'a str,
-    pub(super) rungs: Vec<Rung<'a>>,
+    pub(super) rungs: Vec<AblationStep<'a>>,
 }
 
 impl<'a> Ladder<'a> {
     /// The rung of a step.
-    pub(super) fn step(&self, step: &str) -> Option<&Rung<'a>> {
-        self.rungs.iter().find(|rung| rung.step == step)
+    pub(super) fn step(&self, step: &str) -> Option<&AblationStep<'a>> {
+        self.rungs.iter().find(|rung| rung.name == step)
+    }
+
+    /// Its rungs over the depth-pass, as a plot and a table.
+    ///
+    /// - `changed`: what a rung changed of the work
+    pub(super) fn blocks(
+        &self,
+        data: &Data<'_>,
+        section: StepsSection<'_>,
+        changed: impl Fn(&Case, &Case) -> Cell,
+    ) -> Result<Vec<Block>, ChapterError> {
+        let show = |case: &Case| ShownStep {
+            name: name(case),
+            over_baseline: data.spread_over_depth_pass(case),
+            command: data.command(case),
+        };
+        section.blocks(&data.study, data.timings, &self.rungs, show, changed)
     }
 }
 
-/// Conditions that number and name rungs, and the note that says what changes.
-type Names = (ConditionKey, ConditionKey, &'static str);
-
 /// Rungs of the way from the method of 2007 to the full plan.
-pub(super) const FULL_PLAN: Names = (RUNG, STEP, "change");
+pub(super) const FULL_PLAN: StepKeys = StepKeys {
+    number: RUNG,
+    name: STEP,
+    aside: Some(ASIDE),
+    change: "change",
+};
 /// Rungs of the way from everything that a fill can hold to what its view needs.
-pub(super) const NEEDS: Names = (NEEDS_RUNG, NEEDS_STEP, "needs_change");
+pub(super) const NEEDS: StepKeys = StepKeys {
+    number: NEEDS_RUNG,
+    name: NEEDS_STEP,
+    aside: None,
+    change: "needs_change",
+};
 
 /// Every ladder of the run.
-pub(super) fn ladders<'a>(data: &Data<'a>, names: Names) -> Vec<Ladder<'a>> {
+pub(super) fn ladders<'a>(data: &Data<'a>, keys: StepKeys) -> Vec<Ladder<'a>> {
     let cases = data.cases.iter().copied();
-    let numbered = cases.filter_map(|case| Some((case.condition(names.0).parse().ok()?, case)));
-    let key = |(_, case): &(u32, &'a Case)| [SCENE, VIEW, TECHNIQUE].map(|key| case.condition(key));
-    let ladder = |([scene, view, technique], rungs): ([&'a str; 3], Vec<(u32, &'a Case)>)| Ladder {
+    let of_ladders = cases.filter(|case| !case.condition(keys.number).is_empty());
+    let key = |case: &&'a Case| [SCENE, VIEW, TECHNIQUE].map(|key| case.condition(key));
+    let ladders = grouped(of_ladders, key).into_iter();
+    let ladders = ladders.map(|([scene, view, technique], cases)| Ladder {
         title: format!("{scene}, {view}: {technique}"),
         scene,
         view,
         technique,
-        rungs: climb(data, names, rungs),
-    };
-    grouped(numbered, key).into_iter().map(ladder).collect()
-}
-
-/// Rungs by number, each with its gain.
-fn climb<'a>(data: &Data<'a>, names: Names, mut cases: Vec<(u32, &'a Case)>) -> Vec<Rung<'a>> {
-    cases.sort_by_key(|(number, _)| *number);
-    let mut before: Option<&Case> = None;
-    let mut skipped = None;
-    let mut rungs = Vec::new();
-    for (number, case) in cases {
-        let rung = Rung {
-            number,
-            step: case.condition(names.1),
-            change: case.note(names.2),
-            case,
-            is_aside: names == FULL_PLAN && case.condition(ASIDE) == "yes",
-            before,
-            skipped,
-            gain: before.and_then(|before| data.over(before, case)),
-        };
-        if rung.is_kept() {
-            (before, skipped) = (Some(case), None);
-        } else if !rung.is_aside {
-            skipped = Some(rung.step);
-        }
-        rungs.push(rung);
-    }
-    rungs
+        rungs: ablation(data.timings, keys, cases),
+    });
+    ladders.collect()
 }
 
 /// What a step changes of the work that is done, in a sentence: why its gain may be what it is.
@@ -113,20 +80,6 @@ pub(super) fn counters(before: &Case, after: &Case) -> String {
         ("geometry bytes", GEOMETRY_BYTES),
         ("bytes handed over a frame", UPLOAD_BYTES),
     ];
-    let changed = metrics.iter().filter_map(|(name, metric)| {
-        let values = [counter(before, metric)?, counter(after, metric)?];
-        let print = if metric.name.ends_with("bytes") {
-            bytes
-        } else {
-            count
-        };
-        (values[0] != values[1])
-            .then(|| format!("{name} {} → {}", print(values[0]), print(values[1])))
-    });
-    let changed: Vec<String> = changed.collect();
-    if changed.is_empty() {
-        "the same vertices, fragments, draws and bytes".to_owned()
-    } else {
-        changed.join(", ")
-    }
+    changed_work(&metrics, before, after)
+        .unwrap_or_else(|| "the same vertices, fragments, draws and bytes".to_owned())
 }

@@ -2,18 +2,18 @@
 //! Every scene with its views: plots, tables of all cases, and pictures beside the reference's.
 
 use super::data::{
-    DEPTH_PASS, Data, STENCIL_PASS, View, has_role, is_approximate, is_rival, label, marked, name,
-    reason_or, setting, standing,
+    DEPTH_PASS, Data, STENCIL_PASS, View, label, marked, name, reason_or, setting, standing,
 };
 use super::error_time;
-use super::table::{STATUS, no_ratio, or_dash};
+use super::table::{STATUS, or_dash};
 use crate::keys::*;
+use crate::purpose::{Purpose, is_approximate};
 use terrafill_lab::{Column, case_table};
 use terrafill_plot::number::{digits, significant, times};
 use terrafill_plot::{RatioAxis, RatioGroup, RatioPlot, RatioRow};
 use terrafill_results::{
     Block, Case, Cell, ChapterError, Estimate, Heading, Outcome, Picture, PictureFigure, Pictures,
-    Spread, Table, over_typical,
+    Table, over_typical,
 };
 
 /// Key of the pictures of differences, as `terrafill-conformance` draws them.
@@ -101,8 +101,8 @@ fn ratio_plot(
     views: &[&View<'_>],
 ) -> Result<Option<String>, ChapterError> {
     let groups = views.iter().map(|view| {
-        let best = data.fastest(view.competing());
-        let ratio = |case: &Case| data.over_fastest(case, best?);
+        let best = data.timings.fastest(view.competing());
+        let ratio = |case: &Case| data.timings.over_fastest(case, best?);
         let mut cases: Vec<&Case> = view.competing().collect();
         let order = |case: &Case| ratio(case).map_or(f64::INFINITY, |ratio| ratio.middle);
         cases.sort_by(|a, b| order(a).total_cmp(&order(b)));
@@ -130,40 +130,25 @@ fn ratio_plot(
             title: &title,
             one: "fastest = 1",
         },
-        tie_factor: data.noise.map(|noise| noise.max_factor()),
+        tie_factor: data.timings.noise.map(|noise| noise.max_factor()),
         groups: groups.collect(),
     };
     Ok(plot.draw(data.palette())?)
 }
 
 fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow {
-    let whisker = ratio.map(|ratio| {
-        let [p5, p95] = ratio.interval.unwrap_or([ratio.middle; 2]);
-        let median = ratio.middle;
-        Spread { p5, median, p95 }
-    });
-    let typical = data.typical(case);
-    // The ratio is of medians, so a process stands as far from it as its time from the median.
-    let processes = ratio.zip(typical).map(|(ratio, typical)| {
-        let times = data.replicates(case).into_iter();
-        times
-            .map(|time| ratio.middle * time / typical.middle)
-            .collect()
-    });
     RatioRow {
         label: label(case),
         series: marked(case),
-        ratio: whisker.ok_or_else(|| no_ratio(data, case)),
-        processes: processes.unwrap_or_default(),
-        value: typical.map_or_else(String::new, |time| {
-            format!(" · {} ms", significant(time.middle))
-        }),
         command: data.command(case),
+        ..data
+            .timings
+            .ratio_row(case, ratio.ok_or_else(|| data.no_ratio(case)))
     }
 }
 
 fn cases(data: &Data<'_>, view: &View<'_>) -> Table {
-    let fastest = data.fastest(view.competing());
+    let fastest = data.timings.fastest(view.competing());
     let rows = view.listed().map(|case| {
         let (label, name) = (label(case), name(case));
         let cell = Cell {
@@ -174,9 +159,9 @@ fn cases(data: &Data<'_>, view: &View<'_>) -> Table {
             },
             ..data.name_cell(case, label)
         };
-        let counts = case.counts() || is_approximate(case) || is_rival(case);
+        let counts = case.counts() || is_approximate(case) || Purpose::Rival.is_of(case);
         let over = fastest.filter(|_| counts);
-        let over = over.and_then(|fastest| over_typical(case, fastest, data.metric));
+        let over = over.and_then(|fastest| over_typical(case, fastest, data.timings.metric));
         let why = "it is not right or was not timed, or no fill of this view is";
         let said = vec![
             cell,
@@ -200,7 +185,7 @@ fn pictures(view: &View<'_>) -> Option<Pictures> {
     let wrong = view.all.iter().copied().filter(|case| {
         // Textured fills have their pictures in their own section.
         case.outcome == Outcome::Wrong
-            && !has_role(case, "texture")
+            && !Purpose::Texture.is_of(case)
             && !listed().any(|listed| listed.id() == case.id())
     });
     let cases: Vec<&Case> = listed().chain(wrong).collect();

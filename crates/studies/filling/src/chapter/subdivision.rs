@@ -4,8 +4,9 @@
 //!
 //! How tall walls must be at most follows from the step: `terrafill_core::MeshOptions::sagitta_bound_m`.
 
-use super::data::{Data, Timed, counter, grouped, has_role, layout_name, one_change, title};
+use super::data::{Data, Timed, grouped, layout_name, one_change, title};
 use crate::keys::*;
+use crate::purpose::Purpose;
 use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
 use terrafill_results::{Block, Case, ChapterError, ConditionKey, Finding};
@@ -44,7 +45,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
 }
 
 fn is_swept(case: &Case) -> bool {
-    has_role(case, "subdivision")
+    Purpose::Subdivision.is_of(case)
 }
 
 /// Meshes of one technique: another draws the same mesh in another time.
@@ -60,7 +61,10 @@ pub(super) fn coarsest_over_finest<'a>(data: &Data<'a>) -> Vec<Timed<'a>> {
     let timed = sweeps.filter_map(|(title, mut cases)| {
         cases.sort_by(|a, b| a.0.total_cmp(&b.0));
         // A step that cuts nothing gives the mesh of a finer one, and says nothing of steps.
-        cases.dedup_by_key(|(_, case)| counter(case, CAP_TRIANGLES).ok_or_else(|| case.id().key()));
+        cases.dedup_by(|(_, a), (_, b)| {
+            let [a, b] = [a, b].map(|case| case.value(CAP_TRIANGLES));
+            a.is_some() && a == b
+        });
         let [(_, fine), .., (_, coarse)] = cases[..] else {
             return None;
         };

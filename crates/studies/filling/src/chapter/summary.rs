@@ -3,9 +3,9 @@
 //! `bound` and `floor` are the old names of the depth-pass and the stencil-pass and stay there.
 
 use super::data::{DEPTH_PASS, Data, STENCIL_PASS};
-use crate::keys::{FILL_CPU_MS, FILL_GPU_MS, ROLE, SCENE, TECHNIQUE, VARIANT, VIEW};
+use crate::keys::{FILL_CPU_MS, FILL_GPU_MS, TECHNIQUE};
 use crate::metrics::METRICS;
-use terrafill_results::{Case, ChapterError, DerivedTable, Metric, Outcome, quantile};
+use terrafill_results::{Case, ChapterError, DerivedTable, Metric, Outcome, sample_spread};
 
 /// The columns, left to right; those up to `left_out` are stable.
 const COLUMNS: &str = "\
@@ -40,11 +40,9 @@ pub(super) fn table(data: &Data<'_>) -> Result<DerivedTable, ChapterError> {
 /// What a column shows: unless it is among these, a note or the metric of that name.
 fn cell(data: &Data<'_>, case: &Case, column: &str) -> String {
     let baseline = |technique: &str, metric: &Metric| data.baseline(case, technique)?.value(metric);
+    let samples = sample_spread(case, FILL_CPU_MS);
     let value = match column {
-        "scene" => return case.condition(SCENE).to_owned(),
-        "view" => return case.condition(VIEW).to_owned(),
-        "variant" => return case.condition(VARIANT).to_owned(),
-        "role" => return case.condition(ROLE).to_owned(),
+        "scene" | "view" | "variant" | "role" => return case.condition_named(column).to_owned(),
         // Techniques are named as ever in this table.
         "backend" => {
             return match case.condition(TECHNIQUE) {
@@ -55,7 +53,13 @@ fn cell(data: &Data<'_>, case: &Case, column: &str) -> String {
         }
         "status" => return case.outcome.name().to_owned(),
         "reason" => return case.reason.clone(),
-        "samples" => return samples(case).len().to_string(),
+        "samples" => {
+            let processes = case.samples(FILL_CPU_MS).into_iter().flatten();
+            return processes
+                .map(|(_, own)| own.len())
+                .sum::<usize>()
+                .to_string();
+        }
         "left_out" | "image" | "difference_image" | "reference_image" | "mask_hash"
         | "ids_hash" | "texture_route" => return case.note(column).to_owned(),
         "bound_gpu_ms" => baseline(DEPTH_PASS, FILL_GPU_MS),
@@ -66,16 +70,9 @@ fn cell(data: &Data<'_>, case: &Case, column: &str) -> String {
             .filter(|_| case.counts())
             .zip(case.value(FILL_CPU_MS))
             .map(|(bound_ms, ms)| ms / bound_ms),
-        "fill_cpu_ms_p5" => quantile(&samples(case), 0.05),
-        "fill_cpu_ms_p95" => quantile(&samples(case), 0.95),
+        "fill_cpu_ms_p5" => samples.map(|samples| samples.p5),
+        "fill_cpu_ms_p95" => samples.map(|samples| samples.p95),
         metric => case.value(Metric::of(&METRICS, metric)),
     };
     value.map_or_else(String::new, |value| value.to_string())
-}
-
-fn samples(case: &Case) -> Vec<f64> {
-    let processes = case.samples(FILL_CPU_MS).into_iter().flatten();
-    processes
-        .flat_map(|(_, samples)| samples.values().copied())
-        .collect()
 }

@@ -5,15 +5,15 @@
 //! Cozzi (2007) named the two arctangents of the texture coordinates as what textured fill loses most
 //! on: what the run says of that stands in the table of its claims.
 
-use super::comparisons::row_of_ratios;
-use super::data::{Data, Timed, grouped, layout_name, one_change, switches, title};
-use super::table::{head, sentences};
+use super::data::{Data, Timed, grouped, layout_name, one_change, title};
+use super::table::head;
 use crate::claims::PAPER;
 use crate::keys::*;
-use terrafill_lab::{Cases, Column, Comparison, Figure, Follows, Names, Section, finding};
-use terrafill_results::{
-    Block, Case, Claim, ConditionKey, Estimate, Finding, Outcome, Row, Table, ratio,
+use crate::purpose::switches;
+use terrafill_lab::{
+    Cases, Column, Comparison, Figure, Follows, Names, Section, finding, sentences,
 };
+use terrafill_results::{Block, Case, Claim, ConditionKey, Estimate, Finding, Outcome, ratio};
 use terrafill_variant::Switches;
 
 /// Switches that a plain fill of the same layout has not.
@@ -31,38 +31,21 @@ const TOP_DOWN: &str = "top-down";
 // Names of `cases` in the document's file.
 pub(super) const PLAIN: &str = "plain fill";
 const CHOSEN: &str = "chosen route";
-/// What any textured fill must pay that looks at depth.
-const LEAST: &str = "least textured fill";
 /// The document's fill as it was.
 pub(super) const AS_IN_2007: &str = "as in 2007";
-/// The same without the normalisation that nothing needs.
-const ATAN_2007: &str = "2007, native atan2";
 
-/// A column each: the first's time over the second's.
-pub(super) const COMPARED: [[&str; 2]; 13] = [
-    [AS_IN_2007, PLAIN],
-    [CHOSEN, PLAIN],
-    [LEAST, PLAIN],
-    [CHOSEN, LEAST],
-    ["native atan2", CHOSEN],
-    ["as in 2007, a picture each", AS_IN_2007],
-    [AS_IN_2007, "as in 2007, picture of 32²"],
-    [AS_IN_2007, ATAN_2007],
-    [ATAN_2007, "2007, 1D texture"],
-    [ATAN_2007, "2007, series"],
-    [ATAN_2007, "2007, texture of spherical coordinates"],
-    [ATAN_2007, LEAST],
-    [ATAN_2007, "barycentric coordinates"],
-];
+/// Why a fill has no ratio to another.
+const NO_RATIO: &str = "one of the two is not right or not timed";
 
-/// Fills of a view.
+/// Fills of a view. A row that is wrong though it should be right, or that nothing was compared of, is bad news.
 const FILLS_OF_VIEW: Section<'static> = Section {
     named_by: Names::Of("fill", |case| {
         format!("{}: {}", layout_name(case), label(case))
     }),
     columns: &[
         Column::clocked("fill, ms", FILL_GPU_MS, FILL_CPU_MS),
-        Column::beside("÷\u{a0}plain", over_plain).or("one of the two is not right or not timed"),
+        Column::beside("÷\u{a0}plain", over_plain).or(NO_RATIO),
+        Column::beside("÷\u{a0}chosen route", over_chosen).or(NO_RATIO),
         Column::metric("texels, RMS", TEXEL_RMS),
         Column::metric("texels, largest", TEXEL_MAX),
         Column::metric("non-finite", TEXEL_NON_FINITE),
@@ -77,6 +60,11 @@ const FILLS_OF_VIEW: Section<'static> = Section {
         ("image", "technique"),
         ("difference_image", "difference × 10"),
     ],
+    is_main: true,
+    is_bad: |case| {
+        let is_uncompared = case.value(TEXEL_COMPARED_PX) == Some(0.0);
+        is_uncompared || (case.outcome == Outcome::Wrong && !may_be_compared(case))
+    },
     ..Section::EMPTY
 };
 
@@ -86,9 +74,21 @@ fn route(case: &Case) -> Option<String> {
 
 fn over_plain(cases: &Cases<'_>, case: &Case) -> Option<Estimate> {
     let plain = plain_of(cases.iter(), case).filter(|_| is_textured(case))?;
+    over(cases, case, plain)
+}
+
+fn over_chosen(cases: &Cases<'_>, case: &Case) -> Option<Estimate> {
+    let is_chosen = |other: &&Case| {
+        is_textured(other) && label(other) == CHOSEN && layout_name(other) == layout_name(case)
+    };
+    let chosen = cases.iter().find(is_chosen);
+    over(cases, case, chosen.filter(|_| is_textured(case))?)
+}
+
+fn over(cases: &Cases<'_>, case: &Case, other: &Case) -> Option<Estimate> {
     let metric = cases.clock().pick(FILL_GPU_MS, FILL_CPU_MS);
-    let are_both = may_be_compared(case) && may_be_compared(plain);
-    ratio(case, plain, metric).filter(|_| are_both)
+    let are_both = may_be_compared(case) && may_be_compared(other);
+    ratio(case, other, metric).filter(|_| are_both)
 }
 
 /// Whether the case is a textured fill.
@@ -190,14 +190,7 @@ fn pairing([first, second]: [&Case; 2]) -> Comparison<'static> {
 }
 
 /// Two fills by their names, in every view that has both.
-///
-/// # Panics
-/// Where there is none of such a name.
 pub(super) fn compared<'a>(data: &Data<'a>, names: [&str; 2]) -> Vec<Timed<'a>> {
-    for name in names {
-        let is_known = PAPER.cases.contains_key(name);
-        assert!(is_known, "no textured fill is called {name:?}");
-    }
     let of = |(title, cases): (String, Cases<'a>)| {
         let cases = pair(&cases, names)?;
         let pairing = pairing(cases);
@@ -217,8 +210,12 @@ pub(super) fn requirements(data: &Data<'_>) -> Vec<Finding> {
     let from_above = compared(data, [CHOSEN, PLAIN]).into_iter();
     let from_above = from_above.filter(|timed| timed.cases[0].condition(VIEW) == TOP_DOWN);
     let found = from_above.filter_map(|timed| {
-        let answer = timed.answer(data, Claim::LessThan(MAX_OVER_PLAIN));
-        let ratio = data.ratio_text(answer.figure.as_ref()?);
+        let comparison = Comparison {
+            metric: data.time_covering(timed.pairing.needs),
+            ..timed.pairing
+        };
+        let answer = data.judge(comparison, timed.cases, Claim::LessThan(MAX_OVER_PLAIN));
+        let ratio = data.timings.ratio_text(answer.figure.as_ref()?);
         Some(Finding {
             claim: claim.to_owned(),
             standing: answer.standing,
@@ -255,47 +252,13 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
             data.run.clock().name()
         ),
     );
-    blocks.extend(ratios(data, &views));
     for (title, cases) in &views {
         blocks.push(Block::part(format!("Textured: {title}")));
-        blocks.push(Block::Table(fills(cases)));
+        blocks.push(Block::Table(FILLS_OF_VIEW.table("", cases)));
         // Those of the first that has some.
         let first = cases.iter().find(|case| case.value(COLOUR_MAX).is_some());
         let first = cases.fitting(|case| first.is_some_and(|first| first.id() == case.id()));
         blocks.extend(FILLS_OF_VIEW.pictures("", &first).map(Block::Pictures));
     }
     blocks
-}
-
-/// View by view, a cell for each comparison.
-fn ratios(data: &Data<'_>, views: &[(String, Cases<'_>)]) -> Option<Block> {
-    let rows = views.iter().filter_map(|(title, cases)| {
-        let ratios = COMPARED.map(|names| {
-            let [case, control] = pair(cases, names)?;
-            ratio(case, control, data.metric)
-        });
-        row_of_ratios(data, title.clone(), &ratios)
-    });
-    let rows: Vec<Row> = rows.collect();
-    let compared = COMPARED.map(|names| names.join(" ÷ "));
-    let headings = ["view"].into_iter();
-    let headings = headings.chain(compared.iter().map(String::as_str));
-    (!rows.is_empty()).then(|| {
-        Block::Table(Table {
-            is_main: true,
-            ..Table::of(headings, rows)
-        })
-    })
-}
-
-/// A row that is wrong though it should be right, or that nothing was compared of, is bad news.
-fn fills(cases: &Cases<'_>) -> Table {
-    let is_bad = |case: &Case| {
-        let is_uncompared = case.value(TEXEL_COMPARED_PX) == Some(0.0);
-        is_uncompared || (case.outcome == Outcome::Wrong && !may_be_compared(case))
-    };
-    let mut table = FILLS_OF_VIEW.table("", cases);
-    let rows = table.rows.into_iter().zip(cases.iter());
-    table.rows = rows.map(|(row, case)| row.bad_if(is_bad(case))).collect();
-    table
 }

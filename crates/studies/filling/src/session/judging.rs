@@ -4,10 +4,11 @@
 use super::ViewSession;
 use super::drawn::Drawn;
 use super::references::Against;
-use crate::cases::{FillCase, Purpose};
+use crate::cases::FillCase;
 use crate::driver_fault::{Driver, DriverFault};
 use crate::keys::WALL_SHIFT_M;
 use crate::probe::{Probe, failed, tallest_wall_allowed};
+use crate::purpose::Purpose;
 use crate::subject::Subject;
 use crate::textured::ShownPicture;
 use terrafill_conformance::{

@@ -9,9 +9,10 @@ mod references;
 #[cfg(test)]
 mod tests;
 
-use crate::cases::{FillCase, Purpose, ViewGroup};
+use crate::cases::{FillCase, ViewGroup};
 use crate::memory::LayoutOfScene;
 use crate::probe::failed;
+use crate::purpose::Purpose;
 use crate::rounding::{objection, rounding_px};
 use crate::scenes::{ReadyScene, build_meshes};
 use crate::subject::Subject;

@@ -5,8 +5,8 @@
 use super::keys::{EXPECTED, SCENE, SCENE_REASON, SUITE_CASE_S, VIEW};
 use super::plan::{EXTREME, WHOLE};
 use super::session::REFUSED;
-use crate::chapter::never_right;
 use crate::keys::*;
+use crate::purpose::never_right;
 use terrafill_lab::{finding, grouped};
 use terrafill_plot::number::significant;
 use terrafill_results::{

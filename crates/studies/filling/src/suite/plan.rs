@@ -5,7 +5,8 @@
 
 use super::keys::{EXPECTED, ROLE, SCENE, SCENE_REASON, TECHNIQUE, VIEW};
 use super::session::{Closed, State, SuiteSession, drawing, words_of};
-use crate::cases::{FillCase, Purpose, ViewGroup};
+use crate::cases::{FillCase, ViewGroup};
+use crate::purpose::Purpose;
 use crate::scenes::{LastScene, ReadyScene};
 use crate::subject::{Subject, Surfaces, Techniques};
 use std::cell::OnceCell;

@@ -4,7 +4,7 @@
 use super::*;
 use crate::chapter::FillingChapter;
 use terrafill_results::made_up::{MadeUpCase, MadeUpRun, case_id};
-use terrafill_results::{Chapter as _, Row, RunEnvironment};
+use terrafill_results::{Chapter as _, Row, RunEnvironment, Standing};
 
 const PROCESSES: [f64; 4] = [1.0, 1.1, 0.9, 1.05];
 
@@ -151,35 +151,29 @@ fn what_views_need_is_told_feature_by_feature_and_step_by_step() {
     let last = &steps.rows[1].cells;
     assert_eq!(last[3].text, "without bottom caps, count behind");
     assert!(last[1].text.starts_with('4'), "{}", last[1].text);
-    let said = blocks.iter().find_map(|block| match block {
-        Block::Text(text) if text.starts_with("Leaving out") => Some(text),
-        _ => None,
-    });
-    let said = said.expect("what it is worth");
-    assert!(
-        said.contains("25.0 %") && said.contains("gain in time 4"),
-        "{said}"
-    );
-    assert!(!blocks.iter().any(|block| matches!(block, Block::Alarm(_))));
 }
 
 #[test]
-fn bytes_that_no_feature_declares_are_an_alarm() {
+fn bytes_that_no_feature_declares_are_named_by_the_requirement() {
+    let requirement = |run: &MadeUpRun| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = run.write(folder.path()).expect("a run");
+        let answers = FillingChapter.answers(&run).expect("answers");
+        let mut all = answers.requirements.into_iter();
+        all.find(|of| of.claim.starts_with("Every byte and pipeline"))
+    };
+    let standing = |run: &MadeUpRun| requirement(run).map(|of| of.standing);
+    assert_eq!(standing(&run()), Some(Standing::Holds));
+    // Negative controls: bytes; a pipeline; and a run that says nothing has no such section.
     let mut forged = run();
     forged.cases[3].figure("made_bytes", 500.0);
-    let blocks = section(&forged);
-    let alarm = blocks.iter().any(|block| matches!(block, Block::Alarm(_)));
-    assert!(alarm, "400 bytes are declared");
-    let list = blocks.iter().find_map(|block| match block {
-        Block::List(lines) => Some(lines.join("\n")),
-        _ => None,
-    });
-    let list = list.expect("which one");
-    assert!(list.contains("400 bytes declared, 500 made"), "{list}");
-    // Negative controls: a pipeline; and a run that says nothing has no such section.
+    let found = requirement(&forged).expect("a requirement");
+    assert_eq!(found.standing, Standing::DoesNotHold);
+    let said = "400 bytes declared, 500 made";
+    assert!(found.because.contains(said), "{}", found.because);
     let mut forged = run();
     forged.cases[1].figure("made_pipelines", 9.0);
-    let alarm = |block: &Block| matches!(block, Block::Alarm(_));
-    assert!(section(&forged).iter().any(alarm));
+    assert_eq!(standing(&forged), Some(Standing::DoesNotHold));
     assert!(section(&MadeUpRun::default()).is_empty());
+    assert_eq!(standing(&MadeUpRun::default()), None);
 }
