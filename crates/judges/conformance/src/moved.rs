@@ -16,6 +16,9 @@
 //! than a pixel apart, such as those of a lagoon, leave gaps in that picture: where no centre falls
 //! between them there is no boundary pixel. Shores moved by half a pixel fill such gaps over any length.
 //! So a pixel outside that band counts as inside where the reference shows its id within the band's radius.
+//!
+//! A limit: between shores less than about a hundredth of a pixel apart no place that is asked may fall. What
+//! fills such a gap is then called wrong.
 
 use crate::ErrorFigures;
 use crate::boundary::Grid;
