@@ -6,7 +6,7 @@
 # usage: [TERRAFILL_FUZZ_PROCESSES=N] ci/fuzz.sh [SECONDS] [TARGET…]
 #
 # SECONDS of CPU time for each target, 60 if not given, so that a busy machine looks no less far;
-# TARGET is geojson, mesh or elevation, all if not given; N processes share that time and what they find, one
+# TARGET is geojson, mesh, elevation or models, all if not given; N processes share that time and what they find, one
 # if not given. Starts from the seeds, the regressions and whatever
 # earlier runs left in target/fuzz. Prints the CPU time, the executions and how often each branch
 # was reached; exit 1 on a find or on a branch never reached.
@@ -23,7 +23,7 @@ case $seconds in
 esac
 processes=${TERRAFILL_FUZZ_PROCESSES:-1}
 targets=("$@")
-[ ${#targets[@]} -gt 0 ] || targets=(geojson mesh elevation)
+[ ${#targets[@]} -gt 0 ] || targets=(geojson mesh elevation models)
 
 fuzz=crates/ground/core/fuzz
 build=${CARGO_TARGET_DIR:-target}/fuzz
@@ -65,7 +65,7 @@ failed=0
 for target in "${targets[@]}"; do
     program=$build/$host/release/$target
     if [ ! -x "$program" ]; then
-        echo "no target \"$target\"; there are geojson, mesh and elevation" >&2
+        echo "no target \"$target\"; there are geojson, mesh, elevation and models" >&2
         exit 2
     fi
     corpus=$build/corpus/$target

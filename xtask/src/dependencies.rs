@@ -53,7 +53,7 @@ const WITHIN: &[(&str, &[&str])] = &[
     ("plan", &["scene", "surface"]),
     ("variant", &["scene", "plan"]),
     ("contract", &["scene", "surface", "plan", "variant"]),
-    ("study", &["contract", "surface"]),
+    ("study", &["scene", "contract", "surface"]),
     ("history", &["gate"]),
     ("terrafill", &["data", "gate", "history", "report"]),
 ];

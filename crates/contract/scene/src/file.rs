@@ -148,20 +148,17 @@ impl Scene {
                 region.split_at_crossings(edge_rule);
             }
         }
-        let texture = match texture {
-            Some(texture) => Some(Arc::new(texture.load(&name, folders)?)),
-            None => None,
-        };
+        let texture = texture.map(|texture| texture.load(&name, folders));
+        let (texture, texture_file) = texture.transpose()?.unzip();
         let surface_files = surface_files.into_iter();
         let surface_files = surface_files
             .map(|file| load_surface_file(file, &name, folders))
             .collect::<Result<Vec<_>, _>>()?;
         let (surface_files, height_files): (Vec<_>, Vec<_>) = surface_files.into_iter().unzip();
-        let files_read = [region_file].into_iter().chain(height_files);
-        let picture = match picture {
-            Some(source) => Some(Arc::new(source.load(&name, folders)?)),
-            None => None,
-        };
+        let picture = picture.map(|source| source.load(&name, folders));
+        let (picture, picture_file) = picture.transpose()?.unzip();
+        let pictures = [texture_file, picture_file].into_iter().flatten().flatten();
+        let files_read = region_file.into_iter().chain(height_files).chain(pictures);
         Ok(Self {
             name,
             description: raw.description,
@@ -178,16 +175,16 @@ impl Scene {
                     .kind
                     .unwrap_or_else(|| SurfaceChoice::BARE.to_owned()),
                 files: surface_files,
-                picture,
+                picture: picture.map(Arc::new),
                 parameters: raw.surface.parameters,
             },
             views,
             sweep_boundary_tolerance_m,
-            texture,
+            texture: texture.map(Arc::new),
             textured,
             sweep_cap_step_deg,
             sweep_positions,
-            files_read: files_read.flatten().collect(),
+            files_read: files_read.collect(),
         })
     }
 }
@@ -219,6 +216,17 @@ pub fn scene_needs(text: &str, file: &str) -> Result<Vec<DataNeed>, SceneError> 
         source: None,
     });
     Ok(regions.into_iter().chain(others).collect())
+}
+
+/// Whether the text of a scene file names any file, be it of the data folder or one that ships with the program;
+/// `file` is for messages.
+///
+/// # Errors
+/// As [`scene_needs`].
+pub fn names_files(text: &str, file: &str) -> Result<bool, SceneError> {
+    let raw: RawScene = toml::from_str(text).map_err(|error| syntax_error(text, file, &error))?;
+    let ships = raw.regions.embedded.is_some() || !raw.surface.files.is_empty();
+    Ok(ships || !scene_needs(text, file)?.is_empty())
 }
 
 impl Overlap {

@@ -19,7 +19,7 @@ pub use data::{
     data_dir_from_env, joined_data_dirs, load_regions, sha256_hex, split_data_dirs,
 };
 pub use error::SceneError;
-pub use file::scene_needs;
+pub use file::{names_files, scene_needs};
 pub use generated::{Cells, Coast, Nested};
 pub use needs::shipped_scene_needs;
 pub use procedural::Islands;

@@ -2,7 +2,7 @@
 //! A scene: a body, its regions, the rule for their edges, the surface, the views, the texture, and
 //! what to vary.
 
-use crate::{Camera, CameraPose, MipChain, SceneTexture};
+use crate::{Camera, CameraPose, MipChain, SceneTexture, sha256_hex};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, Region};
 
@@ -70,15 +70,26 @@ pub struct SurfaceFile {
     pub bytes: Arc<[u8]>,
 }
 
-/// A file with regions or heights as it was read.
+/// A file with regions, heights or a picture as it was read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileRead {
-    /// As the scene names it.
+    /// As the scene names it; of a file that ships with the program, its path in the repository.
     pub path: String,
     /// SHA-256 of its bytes, lower-case hexadecimal.
     pub sha256: String,
     /// What is remarkable about it as a whole.
     pub warnings: Vec<String>,
+}
+
+impl FileRead {
+    /// A file of `bench-scenes/`, which ships with the program.
+    pub(crate) fn shipped(name: &str, bytes: &[u8]) -> Self {
+        Self {
+            path: format!("bench-scenes/{name}"),
+            sha256: sha256_hex(bytes),
+            warnings: Vec::new(),
+        }
+    }
 }
 
 /// Which levels a scene has.
@@ -134,6 +145,6 @@ pub struct Scene {
     pub sweep_cap_step_deg: Vec<f64>,
     /// Whether every way to store positions is tried through the boundary tolerances, right or wrong.
     pub sweep_positions: bool,
-    /// Files that its regions and heights are from; none of what ships with the program or is made by it.
+    /// Files that its regions, heights and pictures are from, those among them that ship with the program.
     pub files_read: Vec<FileRead>,
 }

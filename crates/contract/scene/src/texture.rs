@@ -7,7 +7,7 @@
 //! of texture coordinates must not see that. Angles in radians, lengths in metres.
 
 use crate::data::{Folders, Verified};
-use crate::{RegionLoadError, SceneError};
+use crate::{FileRead, RegionLoadError, SceneError};
 use rayon::prelude::*;
 use std::sync::LazyLock;
 
@@ -370,26 +370,43 @@ impl ImageSource {
         }
     }
 
-    /// Reads or makes the picture of `scene`, whose file is `file`.
+    /// Reads or makes the picture of `scene`; of one that is read, its file too.
     ///
     /// # Errors
     /// [`SceneError::DataMissing`] if the file is not here, [`SceneError::Image`] if it is no
     /// picture.
-    pub(crate) fn load(self, scene: &str, folders: Folders<'_>) -> Result<MipChain, SceneError> {
+    pub(crate) fn load(
+        self,
+        scene: &str,
+        folders: Folders<'_>,
+    ) -> Result<(MipChain, Option<FileRead>), SceneError> {
+        let made = |picture: Option<MipChain>, kind: &str, message: String| {
+            let picture = picture.ok_or_else(|| SceneError::Image {
+                file: format!("{scene} ({kind})"),
+                message,
+            })?;
+            Ok((picture, None))
+        };
         match self {
             Self::Checker { size, cells } => {
-                checker(size, cells).ok_or_else(|| SceneError::Image {
-                    file: format!("{scene} (checker)"),
-                    message: format!("{size} texels cannot be cut into {cells} cells"),
-                })
+                let problem = format!("{size} texels cannot be cut into {cells} cells");
+                made(checker(size, cells), "checker", problem)
             }
-            Self::Hatch { size, lines } => hatch(size, lines).ok_or_else(|| SceneError::Image {
-                file: format!("{scene} (hatch)"),
-                message: format!("{size} texels cannot be cut into {lines} lines"),
-            }),
+            Self::Hatch { size, lines } => {
+                let problem = format!("{size} texels cannot be cut into {lines} lines");
+                made(hatch(size, lines), "hatch", problem)
+            }
             Self::File { path, sha256, how } => {
                 match folders.read(&path, &sha256).map_err(unreadable)? {
-                    Verified::Bytes(bytes, _) => decode(&path, &bytes),
+                    Verified::Bytes(bytes, sha256) => {
+                        let picture = decode(&path, &bytes)?;
+                        let file = FileRead {
+                            path,
+                            sha256,
+                            warnings: Vec::new(),
+                        };
+                        Ok((picture, Some(file)))
+                    }
                     Verified::Absent(why) => Err(SceneError::DataMissing {
                         scene: scene.to_owned(),
                         file: path,

@@ -10,6 +10,7 @@
 //! studies open, [`Progress`] receives progress, and who wants several processes starts
 //! them with another [`RunOptions::process`] each.
 
+mod files_read;
 mod picture;
 mod run;
 mod schedule;
@@ -20,6 +21,7 @@ mod study;
 mod trial;
 mod turns;
 
+pub use files_read::files_read;
 pub use picture::{file_stem, write_rgb};
 pub use run::{
     FramesPerSample, Plan, Progress, RunOptions, RunOutcome, Silent, plan, plan_shared, run,

@@ -13,8 +13,8 @@ use std::path::Path;
 use std::rc::Rc;
 use terrafill_contract::Devices;
 use terrafill_results::{
-    Measurement, Note, Outcome, PlannedCase, Run, RunError, RunFolder, RunPlan, Shard, SplitMix64,
-    Status, UNSTEADY_CLOCK, Verdict, median, repeated_cases,
+    Measurement, Note, Outcome, PlannedCase, Run, RunError, RunFolder, RunInput, RunPlan, Shard,
+    SplitMix64, Status, UNSTEADY_CLOCK, Verdict, median, repeated_cases,
 };
 
 /// Timed cases of a group that are measured twice: two pairs tell a group's noise from one freak, and
@@ -134,6 +134,7 @@ struct PlannedGroup {
 pub struct Plan {
     groups: Vec<PlannedGroup>,
     plan: RunPlan,
+    inputs: Vec<RunInput>,
     frames: FramesPerSample,
     settling: Settling,
     /// Keys of the cases that this process times; `None`: all.
@@ -145,6 +146,12 @@ impl Plan {
     #[must_use]
     pub fn run_plan(&self) -> &RunPlan {
         &self.plan
+    }
+
+    /// Files that planning read, each once for a scene, and what is remarkable about them.
+    #[must_use]
+    pub fn inputs(&self) -> &[RunInput] {
+        &self.inputs
     }
 
     /// The same plan with so many frames behind each sample.
@@ -201,12 +208,18 @@ pub fn plan_shared(
 ) -> Result<Plan, StudyError> {
     let mut groups = Vec::new();
     let mut skipped = Vec::new();
+    let mut inputs = Vec::new();
     for study in studies {
         let planned: Planned = study.plan(request)?;
         refuse_undeclared(*study, &planned)?;
         for left_out in planned.skipped {
             if !skipped.contains(&left_out) {
                 skipped.push(left_out);
+            }
+        }
+        for input in planned.inputs {
+            if !inputs.contains(&input) {
+                inputs.push(input);
             }
         }
         let primary = |clock| study.chapter().primary_metric(clock);
@@ -239,6 +252,7 @@ pub fn plan_shared(
         [] => Ok(Plan {
             groups,
             plan,
+            inputs,
             frames: FramesPerSample::default(),
             settling: Settling::default(),
             only: None,

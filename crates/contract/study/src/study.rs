@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use terrafill_contract::Devices;
-use terrafill_results::{Chapter, ConditionKey, Metric, PlannedCase, Skipped, Status, Verdict};
+use terrafill_results::{
+    Chapter, ConditionKey, Metric, PlannedCase, RunInput, Skipped, Status, Verdict,
+};
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
@@ -99,6 +101,8 @@ pub struct Planned {
     pub groups: Vec<Box<dyn Group>>,
     /// What was left out.
     pub skipped: Vec<Skipped>,
+    /// Files that planning read, and what is remarkable about them ([`crate::files_read`]).
+    pub inputs: Vec<RunInput>,
 }
 
 /// What a session may use.

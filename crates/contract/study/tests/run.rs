@@ -104,7 +104,7 @@ impl Study for MadeUp {
         };
         Ok(Planned {
             groups: (0..self.groups).map(group).collect(),
-            skipped: Vec::new(),
+            ..Planned::default()
         })
     }
 

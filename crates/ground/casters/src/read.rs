@@ -95,41 +95,61 @@ impl ModelFile {
     /// [`ReadError`] with file, element, what was found and what is allowed.
     pub fn read(path: &Path, reading: Reading) -> Result<Self, ReadError> {
         let file = path.display().to_string();
-        let named = |Wrong {
-                         element,
-                         found,
-                         allowed,
-                     }: Wrong| ReadError::Element {
-            file: file.clone(),
-            element,
-            found,
-            allowed,
-        };
-        let extension = path.extension().unwrap_or_default().to_string_lossy();
-        let read: fn(&[u8]) -> Result<Contents, Wrong> =
-            match extension.to_ascii_lowercase().as_str() {
-                "obj" => obj::read,
-                "glb" => glb::read,
-                _ => {
-                    return Err(named(wrong(
-                        "extension",
-                        format!("{extension:?}"),
-                        "obj, glb",
-                    )));
-                }
-            };
-        let is_obj = extension.eq_ignore_ascii_case("obj");
+        // A file that is no model by its name is refused unread, however large it is.
+        reader(&file)?;
         let bytes = std::fs::read(path).map_err(|error| ReadError::File {
             file: file.clone(),
             error,
         })?;
-        let up = if is_obj { reading.up } else { Up::Y };
-        let Contents { models, warnings } = read(&bytes).map_err(named)?;
+        Self::parse(&file, &bytes, reading)
+    }
+
+    /// The models of a file's bytes.
+    ///
+    /// - `file`: its path, for messages; the extension says what the bytes are
+    ///
+    /// # Errors
+    /// As [`ModelFile::read`].
+    pub fn parse(file: &str, bytes: &[u8], reading: Reading) -> Result<Self, ReadError> {
+        let (read, up) = reader(file)?;
+        let named = |problem| named(file, problem);
+        let up = up.unwrap_or(reading.up);
+        let Contents { models, warnings } = read(bytes).map_err(named)?;
         let mesh = Mesh::of_models(models, |place| up.enu(place) * reading.unit_m);
         Ok(Self {
             mesh: mesh.map_err(named)?,
             warnings,
         })
+    }
+}
+
+type Reader = fn(&[u8]) -> Result<Contents, Wrong>;
+
+/// What reads a file of this name, and which axis points upwards where the format says so.
+fn reader(file: &str) -> Result<(Reader, Option<Up>), ReadError> {
+    let extension = Path::new(file).extension().unwrap_or_default();
+    let extension = extension.to_string_lossy();
+    match extension.to_ascii_lowercase().as_str() {
+        "obj" => Ok((obj::read, None)),
+        "glb" => Ok((glb::read, Some(Up::Y))),
+        _ => {
+            let found = format!("{extension:?}");
+            Err(named(file, wrong("extension", found, "obj, glb")))
+        }
+    }
+}
+
+fn named(file: &str, problem: Wrong) -> ReadError {
+    let Wrong {
+        element,
+        found,
+        allowed,
+    } = problem;
+    ReadError::Element {
+        file: file.to_owned(),
+        element,
+        found,
+        allowed,
     }
 }
 

@@ -590,6 +590,53 @@ fn an_island_in_a_bay_is_not_jumped_over() {
     }
 }
 
+/// A shore that winds northwards, and another beside it, so many degrees to the east.
+fn shores(width_deg: f64) -> Vec<[f64; 2]> {
+    let shore = |east_deg: f64| {
+        let place = move |k: i32| {
+            let latitude = 14.0 + 0.04 * f64::from(k);
+            let winding = 0.5 * (0.9 * latitude).sin() + 0.035 * (30.0 * latitude).sin();
+            [winding + east_deg, latitude]
+        };
+        (0..=300).map(place)
+    };
+    let mut ring: Vec<[f64; 2]> = shore(width_deg).collect();
+    ring.extend(shore(0.0).rev());
+    ring
+}
+
+/// Shores may come to lie much closer than twice the tolerance without crossing, or changing places.
+#[test]
+fn a_lagoon_much_narrower_than_the_tolerance_keeps_its_shores_apart() {
+    let body = Ellipsoid::WGS84;
+    // From a hundredth of the finest tolerance on.
+    for width_deg in [1e-4, 1e-3, 1e-2] {
+        let original = parse(&feature(&[shores(width_deg)]));
+        for rule in RULES {
+            let shared = SharedBoundaries::new(&original[..], &body, rule);
+            let levels = simplify(&shared, &[1e3, 4e3, 16e3]).expect("growing");
+            let written_m2 = areas_m2(&body, rule, &original);
+            for level in &levels {
+                assert_eq!(level.restored_vertices, 0, "{rule:?}, {width_deg}°");
+                // Meshing refuses shores that cross.
+                assert_level(&body, rule, &original, &written_m2, level);
+            }
+            let counts: Vec<usize> = levels.iter().map(vertex_count).collect();
+            eprintln!(
+                "{rule:?}, {width_deg}°: {} vertices, then {counts:?}",
+                original[0].vertex_count()
+            );
+            assert!(counts[2] < original[0].vertex_count(), "{counts:?}");
+            // Negative control: with one shore straightened by itself they cross.
+            let mut straightened = shores(width_deg);
+            straightened.drain(302..601);
+            let crossing = parse(&feature(&[straightened]));
+            let refused = RegionMesh::build(&crossing[0], &body, rule, &MeshOptions::default());
+            assert!(refused.is_err());
+        }
+    }
+}
+
 #[test]
 fn small_islands_stay_as_they_are_and_larger_ones_keep_three_vertices() {
     let body = Ellipsoid::WGS84;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Files that a run read, and what was remarkable about them.
 //!
-//! `inputs.csv` is no result and no part of the schema: a run without it is whole.
+//! `inputs.csv` is no result and no part of the schema: a run of an earlier version, without it, is whole.
 
 use crate::RunError;
 use crate::side_table::SideTable;

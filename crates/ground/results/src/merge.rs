@@ -127,10 +127,8 @@ pub fn merge(parts: &[PathBuf], out: &Path, metrics: &[Metric]) -> Result<(), Me
         }
         let inputs = read_inputs(&run.path)?.into_iter();
         let inputs: Vec<RunInput> = inputs.filter(|input| !known.contains(input)).collect();
-        if !inputs.is_empty() {
-            append_inputs(out, &inputs)?;
-            known.extend(inputs);
-        }
+        append_inputs(out, &inputs)?;
+        known.extend(inputs);
         let clocks = read_clocks(&run.path)?;
         if !clocks.is_empty() {
             append_clocks(out, &clocks)?;

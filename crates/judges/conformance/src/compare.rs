@@ -108,7 +108,8 @@ pub fn compare(reference: &Frame, frame: &Frame) -> Result<ErrorFigures, Compare
 ///   has an id that the reference shows nowhere near. At a corner such a pixel is √2 from the next
 ///   boundary. Up to [`crate::MAX_FOREIGN_PX`] of them within the band count for the Hausdorff distance as the
 ///   reference has them.
-/// - At most [`MAX_PROBED`] pixels are asked about by `shows`; what differs at more of them is larger than a pixel.
+/// - At most [`MAX_PROBED`] pixels are asked about by `shows`. Rounding flips no more of them outside the band.
+///   Boundaries that are moved on purpose may: of those [`crate::boundary_movement`] asks about all.
 ///
 /// # Errors
 /// As [`compare`].

@@ -11,10 +11,19 @@
 //! of sea thinner than 2δ may close over its whole length, and that distance is then the length.
 //! Here every pixel of the tongue is within δ of its shore, while in a strip too wide to close the
 //! middle is not.
+//!
+//! The band around the boundary pixels of the reference's picture cannot either. Two shores that run less
+//! than a pixel apart, such as those of a lagoon, leave gaps in that picture: where no centre falls
+//! between them there is no boundary pixel. Shores moved by half a pixel fill such gaps over any length.
+//! So a pixel outside that band counts as inside where the reference shows its id within the band's radius.
+//!
+//! A limit: between shores less than about a hundredth of a pixel apart no place that is asked may fall. What
+//! fills such a gap is then called wrong.
 
 use crate::ErrorFigures;
+use crate::boundary::Grid;
 use crate::compare::{CompareError, check};
-use crate::tolerance::{MOVED_SEARCH_PX, MOVED_STEP_PX};
+use crate::tolerance::{BAND_RADIUS_PX, MOVED_SEARCH_PX, MOVED_STEP_PX};
 use std::f64::consts::TAU;
 use terrafill_contract::Frame;
 
@@ -39,6 +48,9 @@ pub struct Movement {
     /// neighbours round each by themselves, so a pixel on their border may belong to both or to none. A
     /// fill that tells regions apart by sums of their numbers then shows a third one's id, or none.
     pub foreign_px: u64,
+    /// Mismatched pixels outside the band around the reference's boundary pixels whose id the reference shows
+    /// nowhere within [`BAND_RADIUS_PX`] of their centres.
+    pub outside_px: u64,
 }
 
 /// How far boundaries moved, pixels.
@@ -63,11 +75,19 @@ pub fn boundary_movement(
         return Ok(None);
     }
     let width = frame.size.width.max(1) as usize;
-    let mut movement = Movement::default();
+    let band = Grid::of(reference).band(&reference.ids);
+    let outside = mismatches.iter().filter(|&&index| !band[index]);
+    let mut movement = Movement {
+        outside_px: outside.count() as u64,
+        ..Movement::default()
+    };
     for index in mismatches {
         let centre = [index % width, index / width].map(|at| at as f64 + 0.5);
         let (shown, expected) = (frame.ids[index], reference.ids[index]);
         let mut distance_px = nearest_px(centre, |place| shown_at(place) == shown);
+        if !band[index] && distance_px.is_some_and(|px| px <= f64::from(BAND_RADIUS_PX)) {
+            movement.outside_px -= 1;
+        }
         if distance_px.is_none() {
             movement.foreign_px += 1;
             distance_px = nearest_px(centre, |place| shown_at(place) != expected);
@@ -122,10 +142,13 @@ pub fn movement_in_picture(reference: &Frame, frame: &Frame) -> Result<Option<f6
     Ok(Some((farthest as f64).sqrt()))
 }
 
-/// The figures with what was measured of it.
+/// The figures with what was measured of it. [`crate::compare_closely`] asks about few pixels outside the band,
+/// and at fewer places around each: where all were asked about, no more are outside it than that found.
 #[must_use]
 pub fn with_movement(figures: ErrorFigures, movement: Option<Movement>) -> ErrorFigures {
+    let outside = figures.mismatched_px_outside_band;
     ErrorFigures {
+        mismatched_px_outside_band: movement.map_or(outside, |found| outside.min(found.outside_px)),
         boundary_moved_px: movement.map(|movement| movement.farthest_px),
         foreign_px: movement.map(|movement| movement.foreign_px),
         ..figures
@@ -284,6 +307,42 @@ mod tests {
         let found = figures(strip, &seen(|_| 0));
         assert!(found.boundary_moved_px.is_some_and(|px| px >= 0.5));
         assert!(!verdict_of_moved(&found, 0.5 - 2.0 * MOVED_STEP_PX).is_pass());
+    }
+
+    /// Three lagoons, each `width` pixels from shore to shore, which run along rows of pixels.
+    fn lagoons(top: f64, width: f64) -> impl Fn([f64; 2]) -> u32 {
+        let is_between = move |y: f64| y > top && y < top + width;
+        move |[_, y]| u32::from([5.0, 15.0, 25.0].iter().any(|row| is_between(y - row)))
+    }
+
+    #[test]
+    fn a_lagoon_between_rows_of_centres_may_move_onto_one() {
+        for width in [0.05, 0.2, 0.38] {
+            // No centre falls between its shores, so the picture has no boundary at all.
+            let truth = lagoons(0.6, width);
+            let reference = seen(&truth);
+            assert!(crate::checks_nothing(&reference));
+            let drawn = seen(lagoons(0.6 - 0.4, width.max(0.31)));
+            let found = figures(&truth, &drawn);
+            assert_eq!(found.mismatched_px, 3 * 40);
+            assert_eq!(found.mismatched_px_outside_band, 0, "{found:?}");
+            assert!(verdict_of_moved(&found, 0.5).is_pass(), "{found:?}");
+            // Negative control: by the picture's band alone all of it is outside, and so it fails.
+            let unmeasured = compare(&reference, &drawn).expect("same size");
+            assert_eq!(unmeasured.mismatched_px_outside_band, 3 * 40);
+            let without = ErrorFigures {
+                mismatched_px_outside_band: unmeasured.mismatched_px_outside_band,
+                ..found
+            };
+            assert!(!verdict_of_moved(&without, 0.5).is_pass());
+            // Negative controls: a movement understated, boundaries not moved on purpose, and shores moved
+            // too far, which is outside the band as well.
+            assert!(!verdict_of_moved(&found, 1.0 / 64.0).is_pass());
+            assert!(!verdict(&found).is_pass());
+            let far = figures(&truth, &seen(lagoons(0.6 + 1.7, 0.3)));
+            assert_eq!(far.mismatched_px_outside_band, 3 * 40, "{far:?}");
+            assert!(!verdict_of_moved(&far, 2.0).is_pass(), "{far:?}");
+        }
     }
 
     #[test]

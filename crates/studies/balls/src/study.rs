@@ -53,7 +53,7 @@ impl Study for BallsStudy {
                 Box::new(on_devices::group(is_quick, samples)),
                 Box::new(drawn::group(is_quick, pictures)),
             ],
-            skipped: Vec::new(),
+            ..Planned::default()
         })
     }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The study: a group for each view of each scene.
 
+use crate::cases::ViewGroup;
 use crate::chapter::FillingChapter;
 use crate::keys::CONDITIONS;
 use crate::metrics::METRICS;
@@ -11,7 +12,9 @@ use crate::subject::{Subject, Surfaces, Techniques};
 use std::rc::Rc;
 use terrafill_results::{Chapter, ConditionKey, Metric};
 use terrafill_scene::Overlap;
-use terrafill_study::{CaseGroup, CaseSession, Group, Planned, Request, Study, StudyError};
+use terrafill_study::{
+    CaseGroup, CaseSession, Group, Planned, Request, Study, StudyError, files_read,
+};
 
 /// Which technique fills regions with which error, at which cost.
 #[derive(Debug, Clone, Copy)]
@@ -53,6 +56,11 @@ impl Study for FillingStudy {
         let last = Rc::new(LastReady::default());
         let (groups, mut skipped) = plan_scenes(&wishes, &last)?;
         skipped.extend(wishes.missing_rivals());
+        let mut inputs = Vec::new();
+        let of_one_scene = |a: &ViewGroup, b: &ViewGroup| a.scene.name == b.scene.name;
+        for of_scene in groups.chunk_by(of_one_scene) {
+            inputs.extend(files_read(&of_scene[0].scene));
+        }
         let groups = groups.into_iter().map(|work| -> Box<dyn Group> {
             Box::new(CaseGroup {
                 name: work.name(),
@@ -72,6 +80,7 @@ impl Study for FillingStudy {
         Ok(Planned {
             groups: groups.collect(),
             skipped,
+            inputs,
         })
     }
 

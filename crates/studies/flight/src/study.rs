@@ -24,7 +24,7 @@ use terrafill_results::{Skipped, Status, Verdict, median};
 use terrafill_scene::{ImageSize, Scene, View};
 use terrafill_study::{
     CaseGroup, CaseSession, Context, Depth, Failure, Figures, Measures, Planned, Request, Study,
-    StudyError, file_stem, judged, planned_case, write_rgb,
+    StudyError, file_stem, files_read, judged, planned_case, write_rgb,
 };
 use terrafill_surface::{
     AsItIs, InBackground, PieceMemory, Refinement, Surface, SurfaceKind, open_surface,
@@ -78,8 +78,8 @@ impl Study for FlightStudy {
                 .map_err(|error| bad(&error))?
         };
         let mut planned = Planned {
-            groups: Vec::new(),
-            skipped: Vec::new(),
+            inputs: scenes.iter().flat_map(files_read).collect(),
+            ..Planned::default()
         };
         for scene in scenes {
             let surface = open_surface(self.surfaces, &scene).map_err(|error| bad(&error))?;

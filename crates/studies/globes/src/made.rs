@@ -27,9 +27,11 @@ use std::sync::Arc;
 use terrafill_contract::DeviceError;
 use terrafill_core::Ellipsoid;
 use terrafill_plot::number::significant;
-use terrafill_results::{CaseId, PlannedCase, Skipped, Verdict};
+use terrafill_results::{CaseId, PlannedCase, RunInput, Skipped, Verdict};
 use terrafill_scene::Scene;
-use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Failure, Figures, Measures, files_read, judged,
+};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "made";
@@ -68,11 +70,11 @@ struct Work {
 
 /// Height fields to move vertices by: relief from a seed, and where there is data the Earth's.
 ///
-/// - returns: also what is left out
+/// - returns: also what is left out, and the files that were read
 pub(crate) fn height_fields(
     opened: &Opened,
     data_dir: Option<&Path>,
-) -> (Vec<Arc<HeightCube>>, Vec<Skipped>) {
+) -> (Vec<Arc<HeightCube>>, Vec<Skipped>, Vec<RunInput>) {
     let body = Ellipsoid::WGS84;
     let relief = || {
         let parameters = [
@@ -82,9 +84,11 @@ pub(crate) fn height_fields(
         let surface = opened.get(KIND, &parameters.into_iter().collect())?;
         HeightCube::of("relief", &body, &surface, HEIGHT_CELLS)
     };
-    let earth = || {
+    let mut inputs = Vec::new();
+    let mut earth = || {
         let scene = Scene::from_toml(ETOPO, "etopo.toml of study globes", data_dir);
         let scene = scene.map_err(|error| error.to_string())?;
+        inputs = files_read(&scene);
         HeightCube::of("etopo", &body, &opened.of_scene(&scene)?, HEIGHT_CELLS)
     };
     let (mut fields, mut skipped) = (Vec::new(), Vec::new());
@@ -97,7 +101,7 @@ pub(crate) fn height_fields(
             }),
         }
     }
-    (fields, skipped)
+    (fields, skipped, inputs)
 }
 
 /// Globes whose vertices a device makes: the work of all cases, and the heights that they share.

@@ -66,6 +66,7 @@ impl Study for GlobesStudy {
         let opened = Rc::new(Opened::new(self.surfaces));
         let sizes = sizes(request);
         let mut groups: Vec<Box<dyn Group>> = Vec::new();
+        let mut inputs = Vec::new();
         for view in &planned(&list.view) {
             groups.push(Box::new(SurfacesView::planned(
                 view, &works, &opened, sizes,
@@ -78,7 +79,8 @@ impl Study for GlobesStudy {
                 groups.push(Box::new(Stages::planned(view, sizes, &opened)));
             }
             match picture::blue_marble(request.data_dir.as_deref()) {
-                Ok(of_earth) => {
+                Ok((of_earth, read)) => {
+                    inputs.extend(read);
                     let views = &list.tiled_view;
                     let pictured = Pictured::planned(views, sizes, is_quick, of_earth, &opened);
                     groups.push(Box::new(pictured));
@@ -102,12 +104,17 @@ impl Study for GlobesStudy {
                 reason: format!("there is no surface of the kind {:?}", shading::KIND),
             });
         }
-        let (fields, without) = height_fields(&opened, request.data_dir.as_deref());
+        let (fields, without, of_heights) = height_fields(&opened, request.data_dir.as_deref());
         skipped.extend(without);
+        inputs.extend(of_heights);
         groups.push(Box::new(MadeGlobes::planned(&list, sizes, fields)));
         groups.push(Box::new(Counts::planned(&list, is_quick, sizes.1)));
         groups.push(Box::new(Zones::planned(is_quick, sizes.1)));
-        Ok(Planned { groups, skipped })
+        Ok(Planned {
+            groups,
+            skipped,
+            inputs,
+        })
     }
 }
 

@@ -67,7 +67,7 @@ impl Study for GrowthStudy {
         };
         Ok(Planned {
             groups: vec![Box::new(group)],
-            skipped: Vec::new(),
+            ..Planned::default()
         })
     }
 }

@@ -16,7 +16,7 @@ use terrafill_results::{Skipped, Status, Verdict};
 use terrafill_scene::{ImageSize, Overlap, Scene, SceneError};
 use terrafill_study::{
     CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,
-    Study, StudyError, file_stem, judged, planned_case, write_rgb,
+    Study, StudyError, file_stem, files_read, judged, planned_case, write_rgb,
 };
 use terrafill_surface::SurfaceKind;
 use terrafill_variant::Variant;
@@ -64,6 +64,7 @@ impl Study for MovingStudy {
         Ok(Planned {
             groups: groups.collect(),
             skipped,
+            inputs: files_read(&scene),
         })
     }
 }

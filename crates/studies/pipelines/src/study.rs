@@ -84,7 +84,7 @@ impl Study for PipelinesStudy {
         groups.push(Box::new(layered::blurs(is_quick, samples)));
         Ok(Planned {
             groups,
-            skipped: Vec::new(),
+            ..Planned::default()
         })
     }
 }

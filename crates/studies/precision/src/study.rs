@@ -43,7 +43,7 @@ impl Study for PrecisionStudy {
         }
         Ok(Planned {
             groups,
-            skipped: Vec::new(),
+            ..Planned::default()
         })
     }
 }

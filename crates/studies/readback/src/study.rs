@@ -48,7 +48,7 @@ impl Study for ReadbackStudy {
         let group = trials(STUDY, STUDY.to_owned(), samples, reads.collect());
         Ok(Planned {
             groups: vec![Box::new(group)],
-            skipped: Vec::new(),
+            ..Planned::default()
         })
     }
 }

@@ -84,7 +84,7 @@ impl Study for ShadowsStudy {
         });
         Ok(Planned {
             groups: groups.collect(),
-            skipped: Vec::new(),
+            ..Planned::default()
         })
     }
 }

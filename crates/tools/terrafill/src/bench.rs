@@ -102,11 +102,14 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         extra: arguments.extra_frames,
     };
     let (share, sharing) = share(arguments)?;
-    let read = (options.process == 0).then(|| Read::of(&request));
+    let mut read = (options.process == 0).then(|| Read::of(&request));
     for line in read.iter().filter_map(|read| read.long_input.as_ref()) {
         complain(line);
     }
     let plan = plan_shared(&studies, &request, &options, &share).map_err(failure)?;
+    if let Some(read) = &mut read {
+        read.add_planned(plan.inputs());
+    }
     let mut plan = plan.with_frames(frames);
     if let Some(file) = &arguments.time_only {
         let keys = std::fs::read_to_string(file).map_err(|error| {

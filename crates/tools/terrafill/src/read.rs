@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What a run reads of the scenes that a user names: files with their hashes, and what is remarkable about them.
+//! What a run reads of its scenes: files with their hashes, and what is remarkable about them.
 
 use crate::outcome::Failure;
 use crate::registry::SURFACES;
@@ -8,7 +8,7 @@ use terrafill_core::Region;
 use terrafill_results::{RunInput, append_inputs, read_inputs};
 use terrafill_scene::{Scene, sha256_hex};
 use terrafill_shadows::model_warnings;
-use terrafill_study::Request;
+use terrafill_study::{Request, files_read};
 use terrafill_surface::open_surface;
 
 /// Vertices of a scene from which on the first case is a while away.
@@ -17,7 +17,8 @@ const LONG_INPUT: usize = 50_000;
 /// As many warnings about single regions as a scene has in a report.
 const MAX_REGION_WARNINGS: usize = 20;
 
-/// Files and warnings of a run's scenes and models.
+/// Files and warnings of a run's scenes and models: of those that a user names, what their regions and surfaces
+/// warn of too.
 pub(crate) struct Read {
     inputs: Vec<RunInput>,
     /// Of surfaces and models: for standard error.
@@ -72,15 +73,7 @@ impl Read {
     }
 
     fn add_scene(&mut self, scene: &Scene) {
-        for file in &scene.files_read {
-            self.inputs.push(RunInput {
-                scene: scene.name.clone(),
-                file: file.path.clone(),
-                sha256: file.sha256.clone(),
-                warning: String::new(),
-            });
-            self.warn(&scene.name, &file.path, file.warnings.clone());
-        }
+        self.inputs.extend(files_read(scene));
         let of_regions = scene.regions.iter().flat_map(|region| {
             let warnings = region.warnings.iter();
             warnings.map(|warning| match region.name.as_str() {
@@ -102,6 +95,15 @@ impl Read {
         }
     }
 
+    /// Adds what planning read: scenes that no user named, of which the studies know.
+    pub(crate) fn add_planned(&mut self, inputs: &[RunInput]) {
+        for input in inputs {
+            if !self.inputs.contains(input) {
+                self.inputs.push(input.clone());
+            }
+        }
+    }
+
     fn warn(&mut self, scene: &str, file: &str, warnings: Vec<String>) {
         let rows = warnings.into_iter().map(|warning| RunInput {
             scene: scene.to_owned(),
@@ -119,11 +121,8 @@ impl Read {
     pub(crate) fn write(&self, folder: &Path) -> Result<(), Failure> {
         let known = read_inputs(folder).map_err(Failure::bad_input)?;
         if known.is_empty() {
-            return if self.inputs.is_empty() {
-                Ok(())
-            } else {
-                append_inputs(folder, &self.inputs).map_err(Failure::bad_input)
-            };
+            // Without rows it says that the run read nothing.
+            return append_inputs(folder, &self.inputs).map_err(Failure::bad_input);
         }
         let is_file = |input: &&RunInput| !input.sha256.is_empty();
         let changed = self.inputs.iter().filter(is_file).find_map(|now| {

@@ -5,7 +5,7 @@ use super::check::Check;
 use super::raw::{RawFade, RawPicture, RawPlacement, RawTexture};
 use crate::SceneError;
 use crate::data::Folders;
-use crate::scene::{TexturedFills, View};
+use crate::scene::{FileRead, TexturedFills, View};
 use crate::texture::{
     ImageSource, MAX_SIDE_PX, MIN_HATCH_PERIOD, Outside, SceneTexture, TextureAnchor,
     TexturePlacement, TextureShare,
@@ -25,15 +25,18 @@ impl UnreadTexture {
         self,
         scene: &str,
         folders: Folders<'_>,
-    ) -> Result<SceneTexture, SceneError> {
-        Ok(SceneTexture {
-            source: self.image.name(),
-            image: self.image.load(scene, folders)?,
+    ) -> Result<(SceneTexture, Option<FileRead>), SceneError> {
+        let source = self.image.name();
+        let (image, file) = self.image.load(scene, folders)?;
+        let texture = SceneTexture {
+            source,
+            image,
             share: self.share,
             alpha: self.alpha,
             placement: self.placement,
             fade_m: self.fade_m,
-        })
+        };
+        Ok((texture, file))
     }
 }
 

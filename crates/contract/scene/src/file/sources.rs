@@ -42,7 +42,8 @@ impl RegionSource {
         let parse = |bytes: &[u8], file: &str| Ok((read(bytes, file)?.regions, None));
         match self {
             Self::Embedded { name, text } => {
-                parse(text.as_bytes(), &format!("bench-scenes/{name}"))
+                let file = FileRead::shipped(&name, text.as_bytes());
+                Ok((read(text.as_bytes(), &file.path)?.regions, Some(file)))
             }
             Self::Inline(text) => parse(text.as_bytes(), &format!("{scene} (inline)")),
             Self::Generated(geojson) => {
@@ -79,14 +80,17 @@ impl RegionSource {
     }
 }
 
-/// The bytes of a file that a surface is made from, and of one that does not ship what was read.
+/// The bytes of a file that a surface is made from, and what was read.
 pub(super) fn load_surface_file(
     source: SurfaceSource,
     scene: &str,
     folders: Folders<'_>,
-) -> Result<(SurfaceFile, Option<FileRead>), SceneError> {
+) -> Result<(SurfaceFile, FileRead), SceneError> {
     let raw = match source {
-        SurfaceSource::Shipped(file) => return Ok((file, None)),
+        SurfaceSource::Shipped(file) => {
+            let read = FileRead::shipped(&file.path, &file.bytes);
+            return Ok((file, read));
+        }
         SurfaceSource::Data(raw) => raw,
     };
     match folders.read(&raw.path, &raw.sha256)? {
@@ -100,7 +104,7 @@ pub(super) fn load_surface_file(
                 path: raw.path,
                 bytes: bytes.into(),
             };
-            Ok((file, Some(read)))
+            Ok((file, read))
         }
         Verified::Absent(why) => Err(SceneError::DataMissing {
             scene: scene.to_owned(),

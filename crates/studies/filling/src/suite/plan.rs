@@ -17,9 +17,11 @@ use std::sync::Arc;
 use terrafill_contract::Technique;
 use terrafill_results::{CaseId, PlannedCase, Skipped};
 use terrafill_scene::{
-    Expectation, ImageSize, Scene, SceneError, SuiteScene, SuiteView, suite_scenes,
+    Expectation, ImageSize, Scene, SceneError, SuiteScene, SuiteView, names_files, suite_scenes,
 };
-use terrafill_study::{CaseGroup, Context, Depth, Group, Planned, Request, Session, StudyError};
+use terrafill_study::{
+    CaseGroup, Context, Depth, Group, Planned, Request, Session, StudyError, files_read,
+};
 
 /// Name of the suite and of its study.
 pub const EXTREME: &str = "extreme";
@@ -75,6 +77,7 @@ pub(super) fn plan(
     let last = Rc::new(LastScene::default());
     let mut groups: Vec<Box<dyn Group>> = Vec::new();
     let mut names: Vec<String> = Vec::new();
+    let mut inputs = Vec::new();
     for (place, (file, text)) in scenes.into_iter().enumerate() {
         let header = SuiteScene::from_toml(&text, &file).map_err(bad_input)?;
         if names.contains(&header.name) {
@@ -82,6 +85,11 @@ pub(super) fn plan(
             return Err(StudyError::BadInput(message));
         }
         names.push(header.name.clone());
+        // Only those that name files are opened before their turn; what is wrong with one is said then.
+        if names_files(&text, &file).map_err(bad_input)? {
+            let scene = Scene::from_toml(&text, &file, request.data_dir.as_deref());
+            inputs.extend(scene.iter().flat_map(files_read));
+        }
         let header = Rc::new(header);
         let views: Vec<Option<SuiteView>> = match &header.expect {
             Expectation::Refused(_) => vec![None],
@@ -112,7 +120,11 @@ pub(super) fn plan(
             }));
         }
     }
-    Ok(Planned { groups, skipped })
+    Ok(Planned {
+        groups,
+        skipped,
+        inputs,
+    })
 }
 
 /// Those whose pictures have to be right, or of these the ones that are named.

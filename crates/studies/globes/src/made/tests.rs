@@ -11,8 +11,8 @@ use terrafill_study::Group as _;
 
 /// Relief from a seed; without data no other.
 fn fields() -> Vec<Arc<HeightCube>> {
-    let (fields, skipped) = height_fields(&Opened::new(&[&SpiralKind]), None);
-    assert_eq!(fields.len(), 1);
+    let (fields, skipped, inputs) = height_fields(&Opened::new(&[&SpiralKind]), None);
+    assert_eq!((fields.len(), inputs.len()), (1, 0));
     assert!(skipped.len() == 1 && skipped[0].what.ends_with("etopo"));
     assert!(
         skipped[0].reason.contains("etopo20"),

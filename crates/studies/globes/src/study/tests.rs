@@ -54,7 +54,7 @@ impl Study for Small {
     fn plan(&self, _request: &Request) -> Result<Planned, StudyError> {
         Ok(Planned {
             groups: vec![Box::new(sight(&ellipsoids(), 100))],
-            skipped: Vec::new(),
+            ..Planned::default()
         })
     }
 

@@ -29,9 +29,11 @@ use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_contract::DeviceError;
 use terrafill_maps::{CAP_SPAN, MapTile, PictureLevel, cut_cap, cut_tile};
-use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
+use terrafill_results::{CaseId, PlannedCase, RunInput, Verdict, quantile};
 use terrafill_scene::{MipChain, Scene};
-use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Failure, Figures, Measures, files_read, judged,
+};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "picture";
@@ -49,15 +51,17 @@ const VIEWS: [&str; 5] = [
 /// Cells along each side of the screen: what the map shows is within a few pixels there.
 const CELLS: u32 = 40;
 
-/// The picture of the shipped scene.
+/// The picture of the shipped scene, and the files that it was read from.
 ///
 /// # Errors
 /// What is missing, with how to get it.
-pub(crate) fn blue_marble(data_dir: Option<&Path>) -> Result<Arc<MipChain>, String> {
+pub(crate) fn blue_marble(
+    data_dir: Option<&Path>,
+) -> Result<(Arc<MipChain>, Vec<RunInput>), String> {
     let scene = Scene::shipped(SCENE, data_dir).map_err(|error| error.to_string())?;
     let texture = scene.texture.as_ref();
     let texture = texture.ok_or_else(|| format!("scene {SCENE} has no picture"))?;
-    Ok(Arc::new(texture.image.clone()))
+    Ok((Arc::new(texture.image.clone()), files_read(&scene)))
 }
 
 /// Views of the map under a picture.

@@ -15,12 +15,13 @@ const STABLE_COLUMNS: &str = "scene,view,backend,variant,status,reason,surface_g
 const REGION_COUNTS: usize = 12;
 
 /// Every file of a run and its report.
-const FILES: [&str; 13] = [
+const FILES: [&str; 14] = [
     "cases.csv",
     "clocks.csv",
     "durations.csv",
     "environment.json",
     "index.html",
+    "inputs.csv",
     "measurements.csv",
     "metrics.csv",
     "notes.csv",
