@@ -4,18 +4,25 @@
 //! Degrees as they stand in the file. A syntax error ends the reading, since nothing after it can
 //! be trusted; everything else is collected, so that a file is mended in one round.
 
+mod long_edges;
 mod problem;
 mod raw;
+mod records;
 mod ring;
 
 pub(crate) use problem::feature_label;
 pub use problem::{RegionFileError, RegionProblem, RegionProblemKind, printable, wide_encoding};
 pub(crate) use ring::LARGEST_LONGITUDE_DEG;
 
-use crate::{Inside, Polygon, Region, Ring, Unwrap};
+use crate::{EdgeRule, Inside, Polygon, Region, Ring, Unwrap};
+use long_edges::{ShorterReading, choose_readings, jump_count, shorter_turn_off_bands};
 use problem::json_problem;
 use raw::{RawCoordinates, RawObject};
-use ring::{TurnOf, distinct_up_to_three, jump, net_jumps, shorter_turn, unroll, without_repeated};
+use records::{MAX_UNPACKED_BYTES, records, unpacked};
+use ring::{
+    TurnOf, distinct_up_to_three, jump, net_jumps, rounded_to_limits, shorter_turn, unroll,
+    without_repeated,
+};
 use serde::de::IgnoredAny;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -31,11 +38,15 @@ pub struct RegionFile {
 
 /// Reads the regions of a GeoJSON file: one per feature; a bare geometry is one region.
 ///
+/// Newline-delimited GeoJSON and text sequences (RFC 8142) are read as the features of their lines or
+/// records; gzip of any of these is unpacked.
+///
 /// - `file`: what error messages call it
 /// - accepts Polygon, MultiPolygon, and GeometryCollection whose other members are left out with a
 ///   warning; heights are ignored; a byte order mark, either line ending and either winding are fine
-/// - leaves features of points, lines or no geometry out, with a warning of the file
-/// - normalises, with a warning in [`Region::warnings`]: open rings, repeated positions
+/// - leaves features of points, lines, empty polygons or no geometry out, with a warning of the file
+/// - normalises, with a warning in [`Region::warnings`]: open rings, repeated positions, parts and holes
+///   without area beside others that have one
 ///
 /// # Errors
 /// [`RegionFileError`] with every problem of the file. [`RegionProblemKind::NotAreal`] is one only
@@ -70,6 +81,21 @@ pub struct Reading {
     pub unwrap: Unwrap,
     /// Which side of a ring round a pole is inside: [`Region::inside`].
     pub inside: Inside,
+}
+
+impl Reading {
+    /// As it counts for such edges: great ellipses take the shorter way anyway, so there is nothing to
+    /// find out.
+    #[must_use]
+    pub fn of_edges(self, rule: EdgeRule) -> Self {
+        match (self.unwrap, rule) {
+            (Unwrap::Auto, EdgeRule::GreatEllipse) => Self {
+                unwrap: Unwrap::Literal,
+                ..self
+            },
+            _ => self,
+        }
+    }
 }
 
 /// As [`parse_regions_as`], what the file leaves open by default.
@@ -121,6 +147,8 @@ const ROOT_TYPES: &str = "FeatureCollection, Feature, Polygon, MultiPolygon or G
 /// Where in the file the reader is.
 #[derive(Default, Clone)]
 struct Place {
+    /// Where the file has a text on each line.
+    line: Option<usize>,
     feature: Option<usize>,
     name: Option<String>,
     polygon: Option<usize>,
@@ -133,6 +161,7 @@ struct Normalised {
     open_rings: usize,
     repeated_positions: usize,
     collapsed_holes: usize,
+    collapsed_parts: usize,
     members_without_area: usize,
 }
 
@@ -158,6 +187,11 @@ impl Normalised {
                 "holes without area were left out",
             ),
             count(
+                self.collapsed_parts,
+                "part without area was left out",
+                "parts without area were left out",
+            ),
+            count(
                 self.members_without_area,
                 "geometry without area was left out",
                 "geometries without area were left out",
@@ -180,6 +214,12 @@ struct Reader {
     /// Coordinate reference systems that are not WGS 84.
     foreign_crs: BTreeSet<String>,
     has_no_features: bool,
+    /// Of the file's features so far.
+    feature_count: usize,
+    /// Of the region being read: parts without area, wrong only where no other part has one.
+    collapsed: Vec<RegionProblem>,
+    /// Of the region being read: rings that can be read in two ways.
+    shorter: Vec<ShorterReading>,
 }
 
 impl Reader {
@@ -219,17 +259,31 @@ impl Reader {
     }
 
     fn problem(&mut self, vertex: Option<usize>, kind: RegionProblemKind) {
-        self.problems.push(RegionProblem {
+        let problem = self.problem_here(vertex, kind);
+        self.problems.push(problem);
+    }
+
+    fn problem_here(&self, vertex: Option<usize>, kind: RegionProblemKind) -> RegionProblem {
+        RegionProblem {
+            line: self.place.line,
             feature: self.place.feature,
             name: self.place.name.clone(),
             polygon: self.place.polygon,
             ring: self.place.ring,
             vertex,
             kind,
-        });
+        }
     }
 
     fn read_file(&mut self, bytes: &[u8]) -> Vec<Region> {
+        let bytes = match unpacked(bytes, MAX_UNPACKED_BYTES) {
+            Ok(bytes) => bytes,
+            Err(kind) => {
+                self.problem(None, kind);
+                return Vec::new();
+            }
+        };
+        let bytes = &*bytes;
         if let Some(found) = wide_encoding(bytes) {
             self.problem(None, RegionProblemKind::Encoding { found });
             return Vec::new();
@@ -250,10 +304,39 @@ impl Reader {
             }
             Some(_) => {}
         }
+        let regions = match records(text) {
+            None => self.read_text(text, None),
+            Some(records) => {
+                let read = records
+                    .into_iter()
+                    .flat_map(|record| self.read_text(record.text, Some(record.line)));
+                let regions = read.collect();
+                self.place = Place::default();
+                regions
+            }
+        };
+        if self.problems.is_empty() {
+            self.has_no_features = self.feature_count == 0;
+        }
+        self.check_areas(&regions);
+        regions
+    }
+
+    /// - `line`: of the file that the text begins in, where it is one of several
+    fn read_text(&mut self, text: &[u8], line: Option<usize>) -> Vec<Region> {
+        self.place = Place {
+            line,
+            ..Place::default()
+        };
         match serde_json::from_slice::<RawObject>(text) {
             Ok(root) => self.read_root(root),
             Err(error) => {
-                self.problem(None, json_problem(text, &error));
+                self.place.line = None;
+                let mut kind = json_problem(text, &error);
+                if let (RegionProblemKind::Json { line: at, .. }, Some(line)) = (&mut kind, line) {
+                    *at += line - 1;
+                }
+                self.problem(None, kind);
                 Vec::new()
             }
         }
@@ -267,25 +350,27 @@ impl Reader {
                     self.missing("features", "FeatureCollection");
                     return Vec::new();
                 };
-                self.has_no_features = features.is_empty();
-                let regions: Vec<Region> = features
-                    .into_iter()
-                    .enumerate()
+                let first = self.feature_count;
+                self.feature_count += features.len();
+                let regions = (first..)
+                    .zip(features)
                     .filter_map(|(index, feature)| self.read_feature(index, feature))
                     .collect();
-                self.check_areas(&regions, None);
+                // What is wrong with all of them is no feature's.
+                self.place = Place {
+                    line: self.place.line,
+                    ..Place::default()
+                };
                 regions
             }
             Some("Feature") => {
-                let regions: Vec<Region> = self.read_feature(0, root).into_iter().collect();
-                self.check_areas(&regions, Some(0));
-                regions
+                let index = self.next_feature();
+                self.read_feature(index, root).into_iter().collect()
             }
             Some(kind) if geometry_kind(kind).is_some() => {
-                let name = root.label(0);
-                let regions: Vec<Region> = self.read_region(0, name, root).into_iter().collect();
-                self.check_areas(&regions, Some(0));
-                regions
+                let index = self.next_feature();
+                let name = root.label(index);
+                self.read_region(index, name, root).into_iter().collect()
             }
             found => {
                 self.wrong_type(found, ROOT_TYPES);
@@ -294,14 +379,14 @@ impl Reader {
         }
     }
 
+    fn next_feature(&mut self) -> usize {
+        self.feature_count += 1;
+        self.feature_count - 1
+    }
+
     /// Refuses a file in which nothing has an area.
-    ///
-    /// - `feature`: the only one, if the file is no collection
-    fn check_areas(&mut self, regions: &[Region], feature: Option<usize>) {
+    fn check_areas(&mut self, regions: &[Region]) {
         if regions.is_empty() && self.problems.is_empty() && !self.left_out.is_empty() {
-            if feature.is_none() {
-                self.place = Place::default();
-            }
             let found = self.left_out_types();
             self.problem(None, RegionProblemKind::NotAreal { found });
         }
@@ -324,6 +409,7 @@ impl Reader {
     fn read_feature(&mut self, index: usize, feature: RawObject) -> Option<Region> {
         let name = feature.label(index);
         self.place = Place {
+            line: self.place.line,
             feature: Some(index),
             name: Some(name.clone()),
             ..Place::default()
@@ -355,6 +441,7 @@ impl Reader {
 
     fn read_region(&mut self, index: usize, name: String, geometry: RawObject) -> Option<Region> {
         self.place = Place {
+            line: self.place.line,
             feature: Some(index),
             name: Some(name.clone()),
             ..Place::default()
@@ -365,6 +452,13 @@ impl Reader {
         let mut polygons = Vec::new();
         let mut without_area = BTreeSet::new();
         self.read_geometry(geometry, &mut polygons, &mut without_area);
+        let collapsed = std::mem::take(&mut self.collapsed);
+        let shorter = std::mem::take(&mut self.shorter);
+        if polygons.is_empty() {
+            self.problems.extend(collapsed);
+        } else {
+            self.normalised.collapsed_parts += collapsed.len();
+        }
         if self.problems.len() > problems_before {
             return None;
         }
@@ -378,12 +472,14 @@ impl Reader {
             });
             return None;
         }
+        let mut warnings = self.normalised.warnings();
+        warnings.extend(choose_readings(&mut polygons, &shorter));
         Some(Region {
             index,
             name,
             polygons,
-            warnings: self.normalised.warnings(),
-            repaired: false,
+            warnings,
+            repaired: None,
             inside: self.reading.inside,
         })
     }
@@ -414,21 +510,43 @@ impl Reader {
             },
             Some(GeometryKind::Polygon) => match geometry.coordinates {
                 None => self.missing("coordinates", &found),
+                Some(coordinates) if coordinates.is_empty_polygon() => {
+                    self.leave_out_empty(&found, without_area);
+                }
                 Some(coordinates) => self.read_polygon(coordinates, polygons),
             },
             Some(GeometryKind::MultiPolygon) => match geometry.coordinates {
                 None => self.missing("coordinates", &found),
                 Some(RawCoordinates::List(list)) if list.is_empty() => {
-                    self.problem(None, RegionProblemKind::EmptyCoordinates);
+                    self.leave_out_empty(&found, without_area);
                 }
                 Some(RawCoordinates::List(list)) => {
                     for polygon in list {
-                        self.read_polygon(polygon, polygons);
+                        if polygon.is_empty_polygon() {
+                            self.next_polygon();
+                            self.leave_out_empty("Polygon", without_area);
+                        } else {
+                            self.read_polygon(polygon, polygons);
+                        }
                     }
                 }
                 Some(other) => self.wrong_nesting(None, &other, "a list of polygons"),
             },
         }
+    }
+
+    /// RFC 7946 §3.1: what has no coordinates may be read as null.
+    fn leave_out_empty(&mut self, kind: &str, without_area: &mut BTreeSet<String>) {
+        self.normalised.members_without_area += 1;
+        without_area.insert(format!("empty {kind}"));
+    }
+
+    /// The running number counts what is refused or left out too: it is the place in the file.
+    fn next_polygon(&mut self) -> usize {
+        let index = self.place.polygon.map_or(0, |previous| previous + 1);
+        self.place.polygon = Some(index);
+        self.place.ring = None;
+        index
     }
 
     fn wrong_nesting(
@@ -442,34 +560,50 @@ impl Reader {
     }
 
     fn read_polygon(&mut self, coordinates: RawCoordinates, polygons: &mut Vec<Polygon>) {
-        // The running number counts refused polygons too: it is the place in the file.
-        let index = self.place.polygon.map_or(0, |previous| previous + 1);
-        self.place.polygon = Some(index);
+        let index = self.next_polygon();
+        let rings = match coordinates {
+            RawCoordinates::List(rings) => rings,
+            other => {
+                self.wrong_nesting(None, &other, "a list of rings");
+                return;
+            }
+        };
+        let polygon = polygons.len();
+        let mut read: Vec<Ring> = Vec::with_capacity(rings.len());
+        let mut shorter = Vec::new();
+        for (i, ring) in rings.into_iter().enumerate() {
+            self.place.ring = Some(i);
+            let dropped = i - read.len();
+            let placed = |ring: Ring| {
+                ring.after_dropped(dropped)
+                    .after_dropped_parts(index - polygon)
+            };
+            let Some(RingReadings {
+                written,
+                shorter: other,
+            }) = self.read_ring(ring)
+            else {
+                continue;
+            };
+            let ring = read.len();
+            shorter.extend(other.map(|(edges, other)| ShorterReading {
+                polygon,
+                ring,
+                edges,
+                shorter: placed(other),
+            }));
+            read.push(placed(written));
+        }
         self.place.ring = None;
-        match coordinates {
-            RawCoordinates::List(rings) if rings.is_empty() => {
-                self.problem(None, RegionProblemKind::EmptyCoordinates);
-            }
-            RawCoordinates::List(rings) => {
-                let mut read = Vec::with_capacity(rings.len());
-                for (i, ring) in rings.into_iter().enumerate() {
-                    self.place.ring = Some(i);
-                    let ring = self.read_ring(ring);
-                    let dropped = i - read.len();
-                    read.extend(ring.map(|ring| ring.after_dropped(dropped)));
-                }
-                self.place.ring = None;
-                let mut read = read.into_iter();
-                if let Some(shell) = read.next() {
-                    let holes = read.collect();
-                    polygons.push(Polygon { shell, holes });
-                }
-            }
-            other => self.wrong_nesting(None, &other, "a list of rings"),
+        let mut read = read.into_iter();
+        if let Some(shell) = read.next().filter(|shell| shell.file_ring(0) == 0) {
+            let holes = read.collect();
+            polygons.push(Polygon { shell, holes });
+            self.shorter.extend(shorter);
         }
     }
 
-    fn read_ring(&mut self, coordinates: RawCoordinates) -> Option<Ring> {
+    fn read_ring(&mut self, coordinates: RawCoordinates) -> Option<RingReadings> {
         let list = match coordinates {
             RawCoordinates::List(list) => list,
             other => {
@@ -477,6 +611,10 @@ impl Reader {
                 return None;
             }
         };
+        if list.is_empty() && self.place.ring > Some(0) {
+            self.normalised.collapsed_holes += 1;
+            return None;
+        }
         if list.is_empty() {
             self.problem(None, RegionProblemKind::EmptyCoordinates);
             return None;
@@ -486,9 +624,9 @@ impl Reader {
         for (i, item) in list.iter().enumerate() {
             match item {
                 RawCoordinates::Position(position) => {
-                    self.check_position(i, *position);
-                    // Adding zero turns −0 into 0, so that equal places have equal bits.
-                    positions.push(position.map(|value| value + 0.0));
+                    let position = rounded_to_limits(*position);
+                    self.check_position(i, position);
+                    positions.push(position);
                 }
                 RawCoordinates::NotANumber(not) => {
                     let (element, found) = (not.element, not.found.clone());
@@ -503,7 +641,28 @@ impl Reader {
         if self.problems.len() > problems_before {
             return None;
         }
-        self.normalise_ring(positions)
+        self.both_readings(positions)
+    }
+
+    /// - `positions`: known to be in range
+    fn both_readings(&mut self, positions: Vec<[f64; 2]>) -> Option<RingReadings> {
+        if self.reading.unwrap != Unwrap::Auto {
+            let written = self.normalise_ring(positions, self.reading.unwrap)?;
+            return Some(RingReadings {
+                written,
+                shorter: None,
+            });
+        }
+        let edges = jump_count(&positions);
+        let mut second = Self {
+            place: self.place.clone(),
+            ..Self::default()
+        };
+        // What is put right is the same in both.
+        let shorter = (edges > 0).then(|| second.normalise_ring(positions.clone(), Unwrap::Auto));
+        let shorter = shorter.flatten().map(|ring| (edges, ring));
+        let written = self.normalise_ring(positions, Unwrap::Literal)?;
+        Some(RingReadings { written, shorter })
     }
 
     fn check_position(&mut self, vertex: usize, [longitude, latitude]: [f64; 2]) {
@@ -519,7 +678,7 @@ impl Reader {
     }
 
     /// Positions known to be in range → ring.
-    fn normalise_ring(&mut self, mut positions: Vec<[f64; 2]>) -> Option<Ring> {
+    fn normalise_ring(&mut self, mut positions: Vec<[f64; 2]>, unwrap: Unwrap) -> Option<Ring> {
         let length = positions.len();
         let closed = length > 1 && positions[0] == positions[length - 1];
         if closed {
@@ -534,20 +693,21 @@ impl Reader {
         file_vertices.truncate(positions.len());
         self.normalised.repeated_positions += length - positions.len();
 
-        let (turns, is_unrolled, turn): (isize, bool, TurnOf) = match self.reading.unwrap {
-            Unwrap::Literal => {
-                let turns = net_jumps(&positions);
-                (turns, turns != 0, jump)
-            }
-            Unwrap::Shortest => {
-                let next = positions.iter().cycle().skip(1);
-                let edges = positions.iter().zip(next);
-                let each = edges.map(|(start, end)| shorter_turn(*start, *end));
-                let (net, any) = each.fold((0, false), |(net, any), turn| {
-                    (net + turn, any || turn != 0)
-                });
-                (net, any, shorter_turn)
-            }
+        let turn: TurnOf = match unwrap {
+            Unwrap::Literal => jump,
+            Unwrap::Auto if net_jumps(&positions) == 0 => shorter_turn_off_bands,
+            Unwrap::Auto | Unwrap::Shortest => shorter_turn,
+        };
+        let (turns, is_unrolled) = if unwrap == Unwrap::Literal {
+            let turns = net_jumps(&positions);
+            (turns, turns != 0)
+        } else {
+            let next = positions.iter().cycle().skip(1);
+            let edges = positions.iter().zip(next);
+            let each = edges.map(|(start, end)| turn(*start, *end));
+            each.fold((0, false), |(net, any), turn| {
+                (net + turn, any || turn != 0)
+            })
         };
         if turns.unsigned_abs() > 1 {
             let found = turns.unsigned_abs();
@@ -577,7 +737,9 @@ impl Reader {
         }
         if found < 3 {
             let required = 3;
-            self.problem(None, RegionProblemKind::TooFewVertices { found, required });
+            let kind = RegionProblemKind::TooFewVertices { found, required };
+            let problem = self.problem_here(None, kind);
+            self.collapsed.push(problem);
             return None;
         }
         let ring = Ring::from_checked(positions, winding_deg)
@@ -585,6 +747,13 @@ impl Reader {
             .with_written_longitudes(written);
         Some(ring)
     }
+}
+
+/// A ring as the numbers stand, and the shorter way where that is another ring.
+struct RingReadings {
+    written: Ring,
+    /// With its number of edges over more than 180°.
+    shorter: Option<(usize, Ring)>,
 }
 
 enum GeometryKind {
