@@ -355,7 +355,7 @@ fn a_scene_may_read_pole_rings_and_long_edges_otherwise() {
     );
     assert_eq!(
         read("unwrap = \"long\""),
-        Err("t.toml: regions.unwrap: found \"long\", allowed: literal, shortest".to_owned())
+        Err("t.toml: regions.unwrap: found \"long\", allowed: auto, shortest, literal".to_owned())
     );
 }
 

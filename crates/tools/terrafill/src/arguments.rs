@@ -398,9 +398,8 @@ Ellipsoid: wgs84, moon, mars, saturn-like, unit-sphere or
 asteroid-250m";
 
 const REPAIR_HELP: &str = "\
-Rings that cross or overlap: even-odd fills what an odd
-number of rings holds, union joins parts and holes,
-keep-shells drops holes too; without it they are refused";
+Rings that cross or overlap: even-odd, union (joined) or
+keep-shells (without holes); without it they are refused";
 
 #[derive(Debug, Args)]
 pub(crate) struct MeshArguments {

@@ -171,6 +171,8 @@ fn crossing_rings_are_judged_by_the_even_odd_rule_when_asked_for() {
             "feature 1 (two): 2 crossings of edges",
             "feature 1 (two): 1 overlap of parts",
         ];
+        let is_change = |text: &&String| !text.contains("area as repaired");
+        let repairs: Vec<&String> = repairs.iter().filter(is_change).collect();
         assert_eq!(repairs.len(), expected.len(), "{repairs:?}");
         for (repair, expected) in repairs.iter().zip(expected) {
             assert!(repair.contains(expected), "{repair}");
