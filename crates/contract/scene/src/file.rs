@@ -107,7 +107,7 @@ impl Scene {
             unwrap: check.choice(
                 "regions.unwrap",
                 raw.regions.unwrap.as_deref(),
-                [Unwrap::Literal, Unwrap::Shortest],
+                [Unwrap::Auto, Unwrap::Shortest, Unwrap::Literal],
                 Unwrap::name,
             )?,
             inside: check.choice(
@@ -116,7 +116,8 @@ impl Scene {
                 [Inside::Smaller, Inside::Left],
                 Inside::name,
             )?,
-        };
+        }
+        .of_edges(edge_rule);
         let source = check.region_source(raw.regions)?;
         let mesh = check.mesh(&raw.mesh)?;
         let levels = check.levels(raw.levels)?;
@@ -143,9 +144,9 @@ impl Scene {
         let picture = picture.transpose()?;
         // Last, so that a wrong scene is reported as wrong even where its data is missing.
         let (mut regions, region_file) = source.regions(&name, folders, reading)?;
-        if repair {
+        if let Some(repair) = repair {
             for region in &mut regions {
-                region.split_at_crossings(edge_rule);
+                region.repair(repair, edge_rule);
             }
         }
         let texture = texture.map(|texture| texture.load(&name, folders));

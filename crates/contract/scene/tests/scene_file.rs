@@ -329,7 +329,10 @@ fn crossing_rings_stay_as_they_are_unless_the_scene_asks_for_repair() {
     assert_eq!(vertices("repair = \"even-odd\""), Ok(6));
     assert_eq!(
         vertices("repair = \"buffer\""),
-        Err("t.toml: regions.repair: found \"buffer\", allowed: even-odd".to_owned())
+        Err(
+            "t.toml: regions.repair: found \"buffer\", allowed: even-odd, union, keep-shells"
+                .to_owned()
+        )
     );
 }
 
@@ -352,7 +355,7 @@ fn a_scene_may_read_pole_rings_and_long_edges_otherwise() {
     );
     assert_eq!(
         read("unwrap = \"long\""),
-        Err("t.toml: regions.unwrap: found \"long\", allowed: literal, shortest".to_owned())
+        Err("t.toml: regions.unwrap: found \"long\", allowed: auto, shortest, literal".to_owned())
     );
 }
 

@@ -13,12 +13,14 @@ use crate::lens::{WithinRounding, follow_arcs};
 use crate::mesh::sagitta_m;
 use crate::mesh_error::MeshError;
 use crate::outline::{OppositeEnds, Outline, share_breakpoints};
-use crate::overlaps::{OverlapPlace, RingAreas, find_overlaps, shared_edges};
+use crate::overlaps::{
+    OverlapPlace, Overlaps, RingAreas, find_overlaps, shared_edges, union_border,
+};
 use crate::pieces::OutlineEdge;
 use crate::snap::snap_rounded;
 use crate::stitch::Stitcher;
 use crate::triangulate::{Arcs, GroupMesh, TriangulateError, triangulate};
-use crate::{EdgePlace, EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh};
+use crate::{EdgePlace, EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh, Repair};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -27,6 +29,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 const MAX_LISTED_CROSSINGS: usize = 100;
 /// Crossings of arcs after which the search ends: a message says how many more there are.
 const MAX_COUNTED_CROSSINGS: usize = 10_000;
+/// Share of its area below which a repair has changed nothing that anyone means.
+const REPAIR_AREA_TOLERANCE: f64 = 1e-9;
 /// Edges of a region from which its groups are triangulated several at a time: below that, handing
 /// them out costs more than it saves.
 const PARALLEL_FROM_EDGES: usize = 2_000;
@@ -85,7 +89,7 @@ impl RegionMesh {
         options: &MeshOptions,
     ) -> Result<Self, Vec<MeshError>> {
         options.check().map_err(|error| vec![error])?;
-        let without_collapsed = region.without_collapsed_holes(rule);
+        let without_collapsed = region.without_collapsed(rule);
         let region = without_collapsed.as_ref().unwrap_or(region);
         let build = |crossings| Self::build_once(region, body, rule, options, crossings);
         build(Crossings::Refused).or_else(|errors| {
@@ -171,6 +175,7 @@ impl RegionMesh {
                 .cloned()
                 .chain(long_edges_note(long_edges))
                 .chain(notes)
+                .chain(repair_note(region, body, rule, area_m2))
                 .collect(),
         };
         // Rare enough to be looked at again: what was a rounding wide has been moved by as much.
@@ -295,7 +300,7 @@ impl Meshed {
         let groups = triangulate_groups(region, body, rule, options, groups, at_splits)?;
         // Chords within the tolerance of arcs may lie apart where these cross. No arc does unless a
         // vertex lies between another and its chord, which has them followed.
-        if !region.repaired && groups.iter().any(|group| group.mesh.arcs_followed) {
+        if region.repaired.is_none() && groups.iter().any(|group| group.mesh.arcs_followed) {
             let places = region.arc_crossings(MAX_COUNTED_CROSSINGS);
             if !places.is_empty() {
                 let counted_all = places.len() < MAX_COUNTED_CROSSINGS;
@@ -351,7 +356,8 @@ fn long_edges_note(count: usize) -> Option<String> {
         _ => format!("{count} edges span"),
     };
     Some(format!(
-        "{edges} more than 180° of longitude: planar edges go the long way (RFC 7946)"
+        "{edges} more than 180° of longitude: planar edges go the long way (RFC 7946); --unwrap \
+         shortest takes the shorter one"
     ))
 }
 
@@ -400,7 +406,7 @@ fn notes_on_parts(
     let outline = Outline::new(region, rule, &mut splitter)
         .map_err(|opposite| opposite_ends(region, opposite))?;
     let tolerance_deg = (options.boundary_tolerance_m / body.polar_radius_m()).to_degrees();
-    let (mut overlaps, mut shared) = (Vec::new(), 0);
+    let (mut overlaps, mut nested, mut shared) = (Vec::new(), Vec::new(), 0);
     for (edges, group) in outline.groups.into_iter().zip(groups) {
         if group.is_joined {
             shared += shared_edges(&edges);
@@ -410,7 +416,12 @@ fn notes_on_parts(
                 let message = "parts that overlap could not be looked for";
                 failed(region, message.to_owned())
             })?;
-            overlaps.extend(found);
+            let Overlaps {
+                refused,
+                nested: of_group,
+            } = found;
+            overlaps.extend(refused);
+            nested.extend(of_group);
         }
     }
     let plural = |count: usize| if count == 1 { "" } else { "s" };
@@ -421,14 +432,25 @@ fn notes_on_parts(
             plural(shared)
         ));
     }
+    let is_joined = joins_parts(region);
+    notes.extend(nested.iter().filter(|_| !is_joined).map(|[inner, outer]| {
+        let [inner, outer] = [*inner, *outer].map(|ring| region.in_file(ring));
+        let EdgePlace { polygon, ring, .. } = inner;
+        format!(
+            "polygon {polygon}, ring {ring} is a hole in the hole of ring {}: filled as an island; \
+             --repair union cuts it out",
+            outer.ring
+        )
+    }));
     if overlaps.is_empty() {
         return Ok(notes);
     }
-    if region.repaired {
+    if let Some(repair) = region.repaired {
         notes.push(format!(
-            "{} overlap{} of parts: filled by the even-odd rule",
+            "{} overlap{} of parts: {}",
             overlaps.len(),
-            plural(overlaps.len())
+            plural(overlaps.len()),
+            repair.effect()
         ));
         return Ok(notes);
     }
@@ -442,6 +464,24 @@ fn notes_on_parts(
     };
     overlaps.truncate(MAX_LISTED_CROSSINGS);
     Err(overlaps.into_iter().map(error).collect())
+}
+
+/// Whether what several parts cover is inside.
+fn joins_parts(region: &Region) -> bool {
+    matches!(region.repaired, Some(Repair::Union | Repair::KeepShells))
+}
+
+/// What a repair changed, where its area says so.
+fn repair_note(region: &Region, body: &Ellipsoid, rule: EdgeRule, area_m2: f64) -> Option<String> {
+    region.repaired?;
+    let polygons = region.polygons.iter();
+    let one_by_one_m2: f64 = polygons
+        .map(|polygon| polygon.ring_by_ring_m2(rule, body, region.inside))
+        .sum();
+    let differs = (area_m2 - one_by_one_m2).abs() > REPAIR_AREA_TOLERANCE * area_m2;
+    differs.then(|| {
+        format!("area as repaired {area_m2:.6e} m², by its rings one by one {one_by_one_m2:.6e} m²")
+    })
 }
 
 /// A group's triangles.
@@ -460,7 +500,7 @@ struct TriangulatedGroup {
 /// Where an edge is split or cut at the antimeridian is rounded, which bends it over a vertex that
 /// touches it or over another edge a rounding away.
 fn only_parts_cross(region: &Region, rule: EdgeRule, errors: &[MeshError]) -> bool {
-    errors.iter().all(is_crossing) && (region.repaired || !region.has_crossings(rule))
+    errors.iter().all(is_crossing) && (region.repaired.is_some() || !region.has_crossings(rule))
 }
 
 /// Errors with every crossing of arcs in place of those that are crossings of chords: parts of edges
@@ -470,7 +510,7 @@ fn with_all_arc_crossings(
     rule: EdgeRule,
     errors: Vec<MeshError>,
 ) -> Vec<MeshError> {
-    if rule == EdgeRule::Planar || region.repaired || !errors.iter().all(is_crossing) {
+    if rule == EdgeRule::Planar || region.repaired.is_some() || !errors.iter().all(is_crossing) {
         return errors;
     }
     let places = region.arc_crossings(MAX_COUNTED_CROSSINGS);
@@ -524,10 +564,20 @@ fn triangulate_groups(
     let mesh_one = |(edges, arcs): (Vec<OutlineEdge>, Arcs)| {
         let one_by_one = RingAreas::of(&edges);
         let edge_count = edges.len();
-        triangulate(edges, rule, options, arcs).map(|mesh| TriangulatedGroup {
+        let to_join = joins_parts(region).then(|| edges.clone());
+        let mut mesh = triangulate(edges, rule, options, arcs)?;
+        let in_doubt = one_by_one.is_some_and(|areas| areas.differ_from(&mesh));
+        let is_joined = one_by_one.is_some() && mesh.boundary.len() != edge_count;
+        if let Some(edges) = to_join.filter(|_| in_doubt) {
+            let fault = "parts that overlap could not be joined";
+            let border = union_border(edges, rule)
+                .ok_or_else(|| TriangulateError::Refused(fault.to_owned()))?;
+            mesh = triangulate(border, rule, options, arcs)?;
+        }
+        Ok(TriangulatedGroup {
             area_m2: enclosed_area_m2(body, rule, &mesh),
-            in_doubt: one_by_one.is_some_and(|areas| areas.differ_from(&mesh)),
-            is_joined: one_by_one.is_some() && mesh.boundary.len() != edge_count,
+            in_doubt,
+            is_joined,
             mesh,
         })
     };

@@ -1,47 +1,63 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Holes that have no width: they cut nothing out, and are left out with a warning.
+//! Holes and parts that have no width: they cut nothing out or cover nothing, and are left out with a
+//! warning.
 //!
-//! Degrees. Found are holes that only go there and back, and those whose vertices lie on one line,
-//! exactly: whether a hole a rounding wide is one is for the triangulation to say.
+//! Degrees. Found are rings that only go there and back, and those whose vertices lie on one line,
+//! exactly: whether a ring a rounding wide is one is for the triangulation to say.
 
 use crate::edge::Degrees;
 use crate::intersection::{orient, without_underflow};
 use crate::{EdgeRule, Polygon, Region, Ring};
 
 impl Region {
-    /// The region without holes that have no width; `None` where it has none.
-    pub(crate) fn without_collapsed_holes(&self, rule: EdgeRule) -> Option<Self> {
+    /// The region without holes that have no width, and without parts of which the shell has none beside
+    /// others that have one; `None` where it has neither.
+    pub(crate) fn without_collapsed(&self, rule: EdgeRule) -> Option<Self> {
         let is_collapsed = |ring: &Ring| is_collapsed(rule, ring);
-        let holes = |polygon: &Polygon| {
-            polygon
-                .holes
-                .iter()
-                .filter(|hole| is_collapsed(hole))
-                .count()
-        };
-        let count: usize = self.polygons.iter().map(holes).sum();
-        if count == 0 {
+        let has_area: Vec<bool> = self
+            .polygons
+            .iter()
+            .map(|p| !is_collapsed(&p.shell))
+            .collect();
+        let any_area = has_area.contains(&true);
+        let is_kept = |polygon: usize| has_area[polygon] || !any_area;
+        let parts = (0..has_area.len()).filter(|i| !is_kept(*i)).count();
+        let kept = || (0..).zip(&self.polygons).filter(|(i, _)| is_kept(*i));
+        let of_kept = kept().flat_map(|(_, polygon)| &polygon.holes);
+        let holes = of_kept.filter(|hole| is_collapsed(hole)).count();
+        if holes + parts == 0 {
             return None;
         }
-        let mut region = self.clone();
-        for polygon in &mut region.polygons {
+        let mut polygons = Vec::with_capacity(has_area.len());
+        for (index, polygon) in kept() {
+            let parts_before = index - polygons.len();
+            let placed = |ring: &Ring| ring.clone().after_dropped_parts(parts_before);
             let mut dropped = 0;
-            let mut kept = Vec::with_capacity(polygon.holes.len());
-            for hole in polygon.holes.drain(..) {
-                if is_collapsed(&hole) {
+            let mut kept_holes = Vec::with_capacity(polygon.holes.len());
+            for hole in &polygon.holes {
+                if is_collapsed(hole) {
                     dropped += 1;
                 } else {
-                    kept.push(hole.after_dropped(dropped));
+                    kept_holes.push(placed(hole).after_dropped(dropped));
                 }
             }
-            polygon.holes = kept;
+            polygons.push(Polygon {
+                shell: placed(&polygon.shell),
+                holes: kept_holes,
+            });
         }
-        let holes = if count == 1 {
-            "1 hole without area was"
-        } else {
-            &format!("{count} holes without area were")
+        let mut region = Self {
+            polygons,
+            ..self.clone()
         };
-        region.warnings.push(format!("{holes} left out"));
+        for (count, kind) in [(holes, "hole"), (parts, "part")] {
+            let note = match count {
+                0 => continue,
+                1 => format!("1 {kind} without area was left out"),
+                many => format!("{many} {kind}s without area were left out"),
+            };
+            region.warnings.push(note);
+        }
         Some(region)
     }
 }

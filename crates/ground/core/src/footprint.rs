@@ -157,7 +157,7 @@ impl FootprintMesher {
                 holes: Vec::new(),
             }],
             warnings: Vec::new(),
-            repaired: false,
+            repaired: None,
             inside: Inside::default(),
         }
     }

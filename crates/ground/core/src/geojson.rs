@@ -4,18 +4,21 @@
 //! Degrees as they stand in the file. A syntax error ends the reading, since nothing after it can
 //! be trusted; everything else is collected, so that a file is mended in one round.
 
+mod long_edges;
+mod polygon;
 mod problem;
 mod raw;
+mod records;
 mod ring;
 
 pub(crate) use problem::feature_label;
 pub use problem::{RegionFileError, RegionProblem, RegionProblemKind, printable, wide_encoding};
-pub(crate) use ring::LARGEST_LONGITUDE_DEG;
 
-use crate::{Inside, Polygon, Region, Ring, Unwrap};
+use crate::{EdgeRule, Inside, Polygon, Region, Unwrap};
+use long_edges::{ShorterReading, choose_readings};
 use problem::json_problem;
 use raw::{RawCoordinates, RawObject};
-use ring::{TurnOf, distinct_up_to_three, jump, net_jumps, shorter_turn, unroll, without_repeated};
+use records::{MAX_UNPACKED_BYTES, records, unpacked};
 use serde::de::IgnoredAny;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -31,11 +34,15 @@ pub struct RegionFile {
 
 /// Reads the regions of a GeoJSON file: one per feature; a bare geometry is one region.
 ///
+/// Newline-delimited GeoJSON and text sequences (RFC 8142) are read as the features of their lines or
+/// records; gzip of any of these is unpacked.
+///
 /// - `file`: what error messages call it
 /// - accepts Polygon, MultiPolygon, and GeometryCollection whose other members are left out with a
 ///   warning; heights are ignored; a byte order mark, either line ending and either winding are fine
-/// - leaves features of points, lines or no geometry out, with a warning of the file
-/// - normalises, with a warning in [`Region::warnings`]: open rings, repeated positions
+/// - leaves features of points, lines, empty polygons or no geometry out, with a warning of the file
+/// - normalises, with a warning in [`Region::warnings`]: open rings, repeated positions, parts and holes
+///   without area beside others that have one
 ///
 /// # Errors
 /// [`RegionFileError`] with every problem of the file. [`RegionProblemKind::NotAreal`] is one only
@@ -70,6 +77,21 @@ pub struct Reading {
     pub unwrap: Unwrap,
     /// Which side of a ring round a pole is inside: [`Region::inside`].
     pub inside: Inside,
+}
+
+impl Reading {
+    /// As it counts for such edges: great ellipses take the shorter way anyway, so there is nothing to
+    /// find out.
+    #[must_use]
+    pub fn of_edges(self, rule: EdgeRule) -> Self {
+        match (self.unwrap, rule) {
+            (Unwrap::Auto, EdgeRule::GreatEllipse) => Self {
+                unwrap: Unwrap::Literal,
+                ..self
+            },
+            _ => self,
+        }
+    }
 }
 
 /// As [`parse_regions_as`], what the file leaves open by default.
@@ -121,6 +143,8 @@ const ROOT_TYPES: &str = "FeatureCollection, Feature, Polygon, MultiPolygon or G
 /// Where in the file the reader is.
 #[derive(Default, Clone)]
 struct Place {
+    /// Where the file has a text on each line.
+    line: Option<usize>,
     feature: Option<usize>,
     name: Option<String>,
     polygon: Option<usize>,
@@ -133,6 +157,7 @@ struct Normalised {
     open_rings: usize,
     repeated_positions: usize,
     collapsed_holes: usize,
+    collapsed_parts: usize,
     members_without_area: usize,
 }
 
@@ -158,6 +183,11 @@ impl Normalised {
                 "holes without area were left out",
             ),
             count(
+                self.collapsed_parts,
+                "part without area was left out",
+                "parts without area were left out",
+            ),
+            count(
                 self.members_without_area,
                 "geometry without area was left out",
                 "geometries without area were left out",
@@ -180,6 +210,12 @@ struct Reader {
     /// Coordinate reference systems that are not WGS 84.
     foreign_crs: BTreeSet<String>,
     has_no_features: bool,
+    /// Of the file's features so far.
+    feature_count: usize,
+    /// Of the region being read: parts without area, wrong only where no other part has one.
+    collapsed: Vec<RegionProblem>,
+    /// Of the region being read: rings that can be read in two ways.
+    shorter: Vec<ShorterReading>,
 }
 
 impl Reader {
@@ -219,17 +255,31 @@ impl Reader {
     }
 
     fn problem(&mut self, vertex: Option<usize>, kind: RegionProblemKind) {
-        self.problems.push(RegionProblem {
+        let problem = self.problem_here(vertex, kind);
+        self.problems.push(problem);
+    }
+
+    fn problem_here(&self, vertex: Option<usize>, kind: RegionProblemKind) -> RegionProblem {
+        RegionProblem {
+            line: self.place.line,
             feature: self.place.feature,
             name: self.place.name.clone(),
             polygon: self.place.polygon,
             ring: self.place.ring,
             vertex,
             kind,
-        });
+        }
     }
 
     fn read_file(&mut self, bytes: &[u8]) -> Vec<Region> {
+        let bytes = match unpacked(bytes, MAX_UNPACKED_BYTES) {
+            Ok(bytes) => bytes,
+            Err(kind) => {
+                self.problem(None, kind);
+                return Vec::new();
+            }
+        };
+        let bytes = &*bytes;
         if let Some(found) = wide_encoding(bytes) {
             self.problem(None, RegionProblemKind::Encoding { found });
             return Vec::new();
@@ -250,10 +300,39 @@ impl Reader {
             }
             Some(_) => {}
         }
+        let regions = match records(text) {
+            None => self.read_text(text, None),
+            Some(records) => {
+                let read = records
+                    .into_iter()
+                    .flat_map(|record| self.read_text(record.text, Some(record.line)));
+                let regions = read.collect();
+                self.place = Place::default();
+                regions
+            }
+        };
+        if self.problems.is_empty() {
+            self.has_no_features = self.feature_count == 0;
+        }
+        self.check_areas(&regions);
+        regions
+    }
+
+    /// - `line`: of the file that the text begins in, where it is one of several
+    fn read_text(&mut self, text: &[u8], line: Option<usize>) -> Vec<Region> {
+        self.place = Place {
+            line,
+            ..Place::default()
+        };
         match serde_json::from_slice::<RawObject>(text) {
             Ok(root) => self.read_root(root),
             Err(error) => {
-                self.problem(None, json_problem(text, &error));
+                self.place.line = None;
+                let mut kind = json_problem(text, &error);
+                if let (RegionProblemKind::Json { line: at, .. }, Some(line)) = (&mut kind, line) {
+                    *at += line - 1;
+                }
+                self.problem(None, kind);
                 Vec::new()
             }
         }
@@ -267,25 +346,27 @@ impl Reader {
                     self.missing("features", "FeatureCollection");
                     return Vec::new();
                 };
-                self.has_no_features = features.is_empty();
-                let regions: Vec<Region> = features
-                    .into_iter()
-                    .enumerate()
+                let first = self.feature_count;
+                self.feature_count += features.len();
+                let regions = (first..)
+                    .zip(features)
                     .filter_map(|(index, feature)| self.read_feature(index, feature))
                     .collect();
-                self.check_areas(&regions, None);
+                // What is wrong with all of them is no feature's.
+                self.place = Place {
+                    line: self.place.line,
+                    ..Place::default()
+                };
                 regions
             }
             Some("Feature") => {
-                let regions: Vec<Region> = self.read_feature(0, root).into_iter().collect();
-                self.check_areas(&regions, Some(0));
-                regions
+                let index = self.next_feature();
+                self.read_feature(index, root).into_iter().collect()
             }
             Some(kind) if geometry_kind(kind).is_some() => {
-                let name = root.label(0);
-                let regions: Vec<Region> = self.read_region(0, name, root).into_iter().collect();
-                self.check_areas(&regions, Some(0));
-                regions
+                let index = self.next_feature();
+                let name = root.label(index);
+                self.read_region(index, name, root).into_iter().collect()
             }
             found => {
                 self.wrong_type(found, ROOT_TYPES);
@@ -294,14 +375,14 @@ impl Reader {
         }
     }
 
+    fn next_feature(&mut self) -> usize {
+        self.feature_count += 1;
+        self.feature_count - 1
+    }
+
     /// Refuses a file in which nothing has an area.
-    ///
-    /// - `feature`: the only one, if the file is no collection
-    fn check_areas(&mut self, regions: &[Region], feature: Option<usize>) {
+    fn check_areas(&mut self, regions: &[Region]) {
         if regions.is_empty() && self.problems.is_empty() && !self.left_out.is_empty() {
-            if feature.is_none() {
-                self.place = Place::default();
-            }
             let found = self.left_out_types();
             self.problem(None, RegionProblemKind::NotAreal { found });
         }
@@ -324,6 +405,7 @@ impl Reader {
     fn read_feature(&mut self, index: usize, feature: RawObject) -> Option<Region> {
         let name = feature.label(index);
         self.place = Place {
+            line: self.place.line,
             feature: Some(index),
             name: Some(name.clone()),
             ..Place::default()
@@ -355,6 +437,7 @@ impl Reader {
 
     fn read_region(&mut self, index: usize, name: String, geometry: RawObject) -> Option<Region> {
         self.place = Place {
+            line: self.place.line,
             feature: Some(index),
             name: Some(name.clone()),
             ..Place::default()
@@ -365,6 +448,13 @@ impl Reader {
         let mut polygons = Vec::new();
         let mut without_area = BTreeSet::new();
         self.read_geometry(geometry, &mut polygons, &mut without_area);
+        let collapsed = std::mem::take(&mut self.collapsed);
+        let shorter = std::mem::take(&mut self.shorter);
+        if polygons.is_empty() {
+            self.problems.extend(collapsed);
+        } else {
+            self.normalised.collapsed_parts += collapsed.len();
+        }
         if self.problems.len() > problems_before {
             return None;
         }
@@ -378,12 +468,14 @@ impl Reader {
             });
             return None;
         }
+        let mut warnings = self.normalised.warnings();
+        warnings.extend(choose_readings(&mut polygons, &shorter));
         Some(Region {
             index,
             name,
             polygons,
-            warnings: self.normalised.warnings(),
-            repaired: false,
+            warnings,
+            repaired: None,
             inside: self.reading.inside,
         })
     }
@@ -414,21 +506,43 @@ impl Reader {
             },
             Some(GeometryKind::Polygon) => match geometry.coordinates {
                 None => self.missing("coordinates", &found),
+                Some(coordinates) if coordinates.is_empty_polygon() => {
+                    self.leave_out_empty(&found, without_area);
+                }
                 Some(coordinates) => self.read_polygon(coordinates, polygons),
             },
             Some(GeometryKind::MultiPolygon) => match geometry.coordinates {
                 None => self.missing("coordinates", &found),
                 Some(RawCoordinates::List(list)) if list.is_empty() => {
-                    self.problem(None, RegionProblemKind::EmptyCoordinates);
+                    self.leave_out_empty(&found, without_area);
                 }
                 Some(RawCoordinates::List(list)) => {
                     for polygon in list {
-                        self.read_polygon(polygon, polygons);
+                        if polygon.is_empty_polygon() {
+                            self.next_polygon();
+                            self.leave_out_empty("Polygon", without_area);
+                        } else {
+                            self.read_polygon(polygon, polygons);
+                        }
                     }
                 }
                 Some(other) => self.wrong_nesting(None, &other, "a list of polygons"),
             },
         }
+    }
+
+    /// RFC 7946 §3.1: what has no coordinates may be read as null.
+    fn leave_out_empty(&mut self, kind: &str, without_area: &mut BTreeSet<String>) {
+        self.normalised.members_without_area += 1;
+        without_area.insert(format!("empty {kind}"));
+    }
+
+    /// The running number counts what is refused or left out too: it is the place in the file.
+    fn next_polygon(&mut self) -> usize {
+        let index = self.place.polygon.map_or(0, |previous| previous + 1);
+        self.place.polygon = Some(index);
+        self.place.ring = None;
+        index
     }
 
     fn wrong_nesting(
@@ -439,151 +553,6 @@ impl Reader {
     ) {
         let found = found.describe();
         self.problem(vertex, RegionProblemKind::WrongNesting { found, allowed });
-    }
-
-    fn read_polygon(&mut self, coordinates: RawCoordinates, polygons: &mut Vec<Polygon>) {
-        // The running number counts refused polygons too: it is the place in the file.
-        let index = self.place.polygon.map_or(0, |previous| previous + 1);
-        self.place.polygon = Some(index);
-        self.place.ring = None;
-        match coordinates {
-            RawCoordinates::List(rings) if rings.is_empty() => {
-                self.problem(None, RegionProblemKind::EmptyCoordinates);
-            }
-            RawCoordinates::List(rings) => {
-                let mut read = Vec::with_capacity(rings.len());
-                for (i, ring) in rings.into_iter().enumerate() {
-                    self.place.ring = Some(i);
-                    let ring = self.read_ring(ring);
-                    let dropped = i - read.len();
-                    read.extend(ring.map(|ring| ring.after_dropped(dropped)));
-                }
-                self.place.ring = None;
-                let mut read = read.into_iter();
-                if let Some(shell) = read.next() {
-                    let holes = read.collect();
-                    polygons.push(Polygon { shell, holes });
-                }
-            }
-            other => self.wrong_nesting(None, &other, "a list of rings"),
-        }
-    }
-
-    fn read_ring(&mut self, coordinates: RawCoordinates) -> Option<Ring> {
-        let list = match coordinates {
-            RawCoordinates::List(list) => list,
-            other => {
-                self.wrong_nesting(None, &other, "a list of positions");
-                return None;
-            }
-        };
-        if list.is_empty() {
-            self.problem(None, RegionProblemKind::EmptyCoordinates);
-            return None;
-        }
-        let problems_before = self.problems.len();
-        let mut positions: Vec<[f64; 2]> = Vec::with_capacity(list.len());
-        for (i, item) in list.iter().enumerate() {
-            match item {
-                RawCoordinates::Position(position) => {
-                    self.check_position(i, *position);
-                    // Adding zero turns −0 into 0, so that equal places have equal bits.
-                    positions.push(position.map(|value| value + 0.0));
-                }
-                RawCoordinates::NotANumber(not) => {
-                    let (element, found) = (not.element, not.found.clone());
-                    self.problem(Some(i), RegionProblemKind::NotANumber { element, found });
-                }
-                other => {
-                    let allowed = "a position of two or more numbers";
-                    self.wrong_nesting(Some(i), other, allowed);
-                }
-            }
-        }
-        if self.problems.len() > problems_before {
-            return None;
-        }
-        self.normalise_ring(positions)
-    }
-
-    fn check_position(&mut self, vertex: usize, [longitude, latitude]: [f64; 2]) {
-        // JSON has no NaN and serde_json refuses what overflows: both are finite.
-        if longitude.abs() > LARGEST_LONGITUDE_DEG {
-            let found = longitude;
-            self.problem(Some(vertex), RegionProblemKind::Longitude { found });
-        }
-        if latitude.abs() > 90.0 {
-            let found = latitude;
-            self.problem(Some(vertex), RegionProblemKind::Latitude { found });
-        }
-    }
-
-    /// Positions known to be in range → ring.
-    fn normalise_ring(&mut self, mut positions: Vec<[f64; 2]>) -> Option<Ring> {
-        let length = positions.len();
-        let closed = length > 1 && positions[0] == positions[length - 1];
-        if closed {
-            positions.pop();
-        }
-        let length = positions.len();
-        let mut file_vertices = without_repeated(&positions);
-        positions.dedup();
-        while positions.len() > 1 && positions.first() == positions.last() {
-            positions.pop();
-        }
-        file_vertices.truncate(positions.len());
-        self.normalised.repeated_positions += length - positions.len();
-
-        let (turns, is_unrolled, turn): (isize, bool, TurnOf) = match self.reading.unwrap {
-            Unwrap::Literal => {
-                let turns = net_jumps(&positions);
-                (turns, turns != 0, jump)
-            }
-            Unwrap::Shortest => {
-                let next = positions.iter().cycle().skip(1);
-                let edges = positions.iter().zip(next);
-                let each = edges.map(|(start, end)| shorter_turn(*start, *end));
-                let (net, any) = each.fold((0, false), |(net, any), turn| {
-                    (net + turn, any || turn != 0)
-                });
-                (net, any, shorter_turn)
-            }
-        };
-        if turns.unsigned_abs() > 1 {
-            let found = turns.unsigned_abs();
-            self.problem(None, RegionProblemKind::ManyTurns { found });
-            return None;
-        }
-        let last_edge_is_jump = jump(positions[positions.len() - 1], positions[0]) != 0;
-        let ends_one_turn_on = turns != 0 && last_edge_is_jump;
-        if !(closed || ends_one_turn_on) {
-            self.normalised.open_rings += 1;
-        }
-        let (winding_deg, written) = if is_unrolled {
-            let (winding_deg, written, repeated) = unroll(&mut positions, &mut file_vertices, turn);
-            self.normalised.repeated_positions += repeated;
-            (winding_deg, written)
-        } else {
-            (0.0, Vec::new())
-        };
-        let mut found = distinct_up_to_three(&positions);
-        if winding_deg != 0.0 && found < 3 {
-            // Its end, one turn on, is a position of its own in the file.
-            found += 1;
-        }
-        if found < 3 && self.place.ring > Some(0) {
-            self.normalised.collapsed_holes += 1;
-            return None;
-        }
-        if found < 3 {
-            let required = 3;
-            self.problem(None, RegionProblemKind::TooFewVertices { found, required });
-            return None;
-        }
-        let ring = Ring::from_checked(positions, winding_deg)
-            .with_file_vertices(file_vertices)
-            .with_written_longitudes(written);
-        Some(ring)
     }
 }
 

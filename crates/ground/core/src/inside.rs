@@ -73,6 +73,26 @@ impl Polygon {
     }
 }
 
+impl Polygon {
+    /// Area of the shell less those of the holes, each ring for itself, square metres.
+    pub(crate) fn ring_by_ring_m2(&self, rule: EdgeRule, body: &Ellipsoid, inside: Inside) -> f64 {
+        let zone = ZoneArea::new(body, 0.0);
+        let area_m2 = |(index, ring): (usize, &Ring)| {
+            let sides = Sides::of(ring, index > 0, rule, body);
+            let area_m2 = sides.map(|sides| sides.areas_m2[sides.taken(inside)]);
+            let plain_m2 = || {
+                let pieces = ring_pieces(rule, ring).unwrap_or_default();
+                let under = pieces.iter();
+                let under = under.map(|piece| zone.under_edge(rule, piece.start, piece.end));
+                compensated_sum(under).abs()
+            };
+            let area_m2 = area_m2.unwrap_or_else(plain_m2);
+            if index == 0 { area_m2 } else { -area_m2 }
+        };
+        self.rings().enumerate().map(area_m2).sum()
+    }
+}
+
 /// The two sides of a ring that can be read in two ways.
 #[derive(Debug)]
 struct Sides {

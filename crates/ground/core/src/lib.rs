@@ -46,5 +46,6 @@ pub use level_of_detail::{
 };
 pub use mesh::{Extent, MeshOptions, OrientedBox, RegionMesh, VolumeHeights, wrapped_deg};
 pub use mesh_error::MeshError;
-pub use region::{EdgePlace, EdgeRule, Inside, Polygon, Region, Ring, Unwrap};
+pub use pieces::NEARLY_OPPOSITE_RAD;
+pub use region::{EdgePlace, EdgeRule, Inside, Polygon, Region, Repair, Ring, Unwrap};
 pub use shape_family::ShapeFamily;

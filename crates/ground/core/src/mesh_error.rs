@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Why a region cannot be meshed: what is wrong, where in the file.
 
-use crate::EdgePlace;
 use crate::geojson::feature_label;
+use crate::{EdgePlace, NEARLY_OPPOSITE_RAD};
 
 /// Why a region cannot be meshed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -27,7 +27,8 @@ pub enum MeshError {
         /// Of the crossing.
         latitude_deg: f64,
     },
-    /// Two parts of a region lie over one another, or a hole over what is outside its shell.
+    /// Two parts of a region or two holes of a part lie over one another, or a hole over what is outside its
+    /// shell.
     #[error(
         "{}: {} at longitude {longitude_deg:.7}, latitude {latitude_deg:.7}",
         feature_label(*feature, name), overlap_label(*first, *second)
@@ -61,10 +62,11 @@ pub enum MeshError {
         /// Whether `more` is all of them: the search ends when it has found far too many.
         counted_all: bool,
     },
-    /// An edge between opposite points: every plane through them holds the centre.
+    /// An edge between points opposite to within [`NEARLY_OPPOSITE_RAD`]: any plane through them holds the
+    /// centre, or all but.
     #[error(
-        "{}: the great-ellipse edge from {place} joins the opposite points {start:?} and {end:?}; \
-         put a vertex between them", feature_label(*feature, name)
+        "{}: the great-ellipse edge from {place} joins the opposite points {start:?} and {end:?}, \
+         allowed: over {NEARLY_OPPOSITE_RAD:e} rad from opposite; put a vertex between them", feature_label(*feature, name)
     )]
     OppositeEnds {
         /// Index in the file.
@@ -172,6 +174,11 @@ fn overlap_label(first: EdgePlace, second: EdgePlace) -> String {
     let (other_polygon, other) = (second.polygon, second.ring);
     if polygon != other_polygon {
         format!("polygon {polygon} and polygon {other_polygon} overlap")
+    } else if first.ring > 0 {
+        format!(
+            "polygon {polygon}, rings {} and {other} are holes over one another",
+            first.ring
+        )
     } else {
         format!("polygon {polygon}, ring {other} is a hole outside its shell")
     }

@@ -18,7 +18,7 @@ use crate::edge::{Degrees, EdgeSplitter};
 use crate::inside::SideChoice;
 use crate::mesh::Extent;
 use crate::pieces::{OutlineEdge, Piece, is_uncut, ring_pieces};
-use crate::{EdgePlace, EdgeRule, Inside, Polygon, Region, Ring};
+use crate::{EdgePlace, EdgeRule, Inside, Polygon, Region, Repair, Ring};
 use std::collections::BTreeMap;
 
 /// A region's edges, ready to triangulate.
@@ -106,6 +106,7 @@ impl Outline {
             opposite: Vec::new(),
             inside: region.inside,
             choices: Vec::new(),
+            is_joined: matches!(region.repaired, Some(Repair::Union | Repair::KeepShells)),
         };
         for (index, polygon) in region.polygons.iter().enumerate() {
             builder.add_polygon(index, polygon);
@@ -195,6 +196,8 @@ struct Builder<'a, 'b> {
     opposite: Vec<OppositeEnds>,
     inside: Inside,
     choices: Vec<(EdgePlace, SideChoice)>,
+    /// Whether parts are going to be joined, which takes the antimeridian as far as any of them goes.
+    is_joined: bool,
 }
 
 impl Builder<'_, '_> {
@@ -337,16 +340,25 @@ impl Builder<'_, '_> {
             joined.edges.extend(part.edges);
         }
         let place = joined.edges[0].place;
-        for pair in crossings.chunks_exact(2) {
+        for (index, pair) in crossings.windows(2).enumerate() {
             let (south, north) = (pair[0].0, pair[1].0);
-            if south < north {
-                for side in [-180.0, 180.0] {
+            // Where an even number of rings passes, an edge on either side twice is none to parity.
+            let times = match index % 2 {
+                0 => 1,
+                _ if self.is_joined => 2,
+                _ => 0,
+            };
+            if south == north || times == 0 {
+                continue;
+            }
+            for side in [-180.0, 180.0] {
+                for _ in 0..times {
                     self.add_split(&mut joined, [side, south], [side, north], place);
                 }
-                // No edge of the file, and nothing goes beyond it.
-                let added = |edge: &OutlineEdge| edge.place == place && is_along_antimeridian(edge);
-                self.splits.whole.retain(|edge| !added(edge));
             }
+            // No edge of the file, and nothing goes beyond it.
+            let added = |edge: &OutlineEdge| edge.place == place && is_along_antimeridian(edge);
+            self.splits.whole.retain(|edge| !added(edge));
         }
         self.parts.push(joined);
     }

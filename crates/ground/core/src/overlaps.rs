@@ -3,8 +3,8 @@
 //!
 //! Degrees. Rings that do not cross can still be nested in a way that says two things at once: a
 //! part inside another, a hole outside its shell. Even-odd fills them, but hardly as meant, so they
-//! are refused unless a repair was asked for. A ring inside a hole of its own polygon is an island,
-//! which can be meant in one way only.
+//! are refused unless a repair was asked for. So are two holes that are one or overlap in part: even-odd
+//! would fill them. A hole inside a hole of its own polygon is filled as an island, with a warning.
 //!
 //! Whether there is any is decided by areas: what the rings enclose one by one, shells less holes,
 //! must be what they enclose together. That costs a multiplication an edge, by the chords that the
@@ -26,10 +26,19 @@ use std::collections::BTreeMap;
 /// What two rings cover that they should not cover both.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct OverlapPlace {
-    /// Two shells, or a shell and a hole; vertex 0.
+    /// Two shells, a shell and a hole, or two holes; vertex 0.
     pub(crate) rings: [EdgePlace; 2],
     /// A place in the midst of it.
     pub(crate) at: Degrees,
+}
+
+/// Rings of a group that lie over one another.
+#[derive(Debug, Default)]
+pub(crate) struct Overlaps {
+    /// What says two things at once.
+    pub(crate) refused: Vec<OverlapPlace>,
+    /// A hole that lies in another, and that other one; vertex 0.
+    pub(crate) nested: Vec<[EdgePlace; 2]>,
 }
 
 /// What the rings of a group enclose, one by one, square degrees.
@@ -111,7 +120,7 @@ pub(crate) fn find_overlaps(
     edges: Vec<OutlineEdge>,
     rule: EdgeRule,
     tolerance_deg: f64,
-) -> Option<Vec<OverlapPlace>> {
+) -> Option<Overlaps> {
     if let Some(cover) = Cover::new(&edges) {
         return Some(cover.overlaps(&edges, rule, tolerance_deg));
     }
@@ -119,6 +128,19 @@ pub(crate) fn find_overlaps(
     let edges = snap_rounded(rule, &[edges]).swap_remove(0);
     let cover = Cover::new(&edges)?;
     Some(cover.overlaps(&edges, rule, tolerance_deg))
+}
+
+/// Border of what any polygon covers, each with the covered side on its left: a polygon covers its shell
+/// less all of its holes. `None` for a fault of this program.
+///
+/// - `edges`: of a group that was closed along the antimeridian by [`crate::Repair::Union`]
+pub(crate) fn union_border(edges: Vec<OutlineEdge>, rule: EdgeRule) -> Option<Vec<OutlineEdge>> {
+    if let Some(cover) = Cover::new(&edges) {
+        return Some(cover.union_border(&edges));
+    }
+    let edges = snap_rounded(rule, &[edges]).swap_remove(0);
+    let cover = Cover::new(&edges)?;
+    Some(cover.union_border(&edges))
 }
 
 /// How many edges of the file are edges of another polygon as well; the antimeridian, where cuts
@@ -277,24 +299,26 @@ impl Cover {
         held
     }
 
-    fn overlaps(
-        &self,
-        edges: &[OutlineEdge],
-        rule: EdgeRule,
-        tolerance_deg: f64,
-    ) -> Vec<OverlapPlace> {
+    fn overlaps(&self, edges: &[OutlineEdge], rule: EdgeRule, tolerance_deg: f64) -> Overlaps {
         let goes_round = rings_along_whole_poles(edges);
-        // Area and its largest triangle, by pair.
-        let mut found: BTreeMap<[RingKey; 2], (f64, f64, u32)> = BTreeMap::new();
+        let mut found = CommonAreas::new();
+        let mut holes = CommonAreas::new();
+        let mut of_holes: BTreeMap<RingKey, f64> = BTreeMap::new();
         for (triangle, held) in (0..).zip(self.rings_of_triangles(edges)) {
-            let Some(pair) = held.and_then(|held| overlapping(&held, &goes_round)) else {
-                continue;
-            };
+            let held = held.unwrap_or_default();
             let area = self.area(triangle) * self.middle(triangle)[1].to_radians().cos();
-            let entry = found.entry(pair).or_insert((0.0, 0.0, triangle));
-            entry.0 += area;
-            if area > entry.1 {
-                (entry.1, entry.2) = (area, triangle);
+            if let Some(pair) = overlapping(&held, &goes_round) {
+                add_common(&mut found, pair, area, triangle);
+            }
+            let plain = held
+                .iter()
+                .filter(|ring| ring.1 > 0 && !is_round(ring.0, &goes_round));
+            let plain: Vec<RingKey> = plain.copied().collect();
+            for (index, ring) in plain.iter().enumerate() {
+                *of_holes.entry(*ring).or_default() += area;
+                for other in plain[index + 1..].iter().filter(|other| other.0 == ring.0) {
+                    add_common(&mut holes, [*ring, *other], area, triangle);
+                }
             }
         }
         let allowed = |pair: &[RingKey; 2]| -> f64 {
@@ -303,18 +327,68 @@ impl Cover {
                 .map(|edge| feigned_area(rule, tolerance_deg, edge))
                 .sum()
         };
-        found
-            .into_iter()
-            .filter(|(pair, (area, ..))| *area > allowed(pair))
-            .map(|(pair, (_, _, triangle))| OverlapPlace {
-                rings: pair.map(|(polygon, ring)| EdgePlace {
-                    polygon,
-                    ring,
-                    vertex: 0,
+        let place = |(polygon, ring): RingKey| EdgePlace {
+            polygon,
+            ring,
+            vertex: 0,
+        };
+        let mut overlaps = Overlaps::default();
+        for (pair, common) in found {
+            if common.area > allowed(&pair) {
+                overlaps.refused.push(OverlapPlace {
+                    rings: pair.map(place),
+                    at: self.middle(common.largest),
+                });
+            }
+        }
+        for (pair, common) in holes {
+            let allowed = allowed(&pair);
+            if common.area <= allowed {
+                continue;
+            }
+            let is_within = pair.map(|ring| of_holes[&ring] - common.area <= allowed);
+            match is_within {
+                [true, false] => overlaps.nested.push([pair[0], pair[1]].map(place)),
+                [false, true] => overlaps.nested.push([pair[1], pair[0]].map(place)),
+                _ => overlaps.refused.push(OverlapPlace {
+                    rings: pair.map(place),
+                    at: self.middle(common.largest),
                 }),
-                at: self.middle(triangle),
-            })
-            .collect()
+            }
+        }
+        overlaps
+    }
+
+    /// See [`union_border`].
+    fn union_border(&self, edges: &[OutlineEdge]) -> Vec<OutlineEdge> {
+        let goes_round = rings_along_whole_poles(edges);
+        let covered: Vec<bool> = self
+            .rings_of_triangles(edges)
+            .into_iter()
+            .map(|held| held.is_some_and(|held| is_covered(&held, &goes_round)))
+            .collect();
+        let mut border = Vec::new();
+        for (triangle, _) in (0..).zip(&covered).filter(|(_, covered)| **covered) {
+            for i in 0..3 {
+                let across = self.mesh.neighbour(triangle, i);
+                if across.is_some_and(|across| covered[across as usize]) {
+                    continue;
+                }
+                let [a, b] = self.mesh.ends(triangle, i);
+                let along = self.rings.get(&[a.min(b), a.max(b)]);
+                let place = along.and_then(|rings| rings.first());
+                border.push(OutlineEdge {
+                    start: self.positions[a as usize],
+                    end: self.positions[b as usize],
+                    place: place.map_or(edges[0].place, |(polygon, ring)| EdgePlace {
+                        polygon: *polygon,
+                        ring: *ring,
+                        vertex: 0,
+                    }),
+                });
+            }
+        }
+        border
     }
 
     fn corners(&self, triangle: u32) -> [Degrees; 3] {
@@ -331,6 +405,48 @@ impl Cover {
         let [a, b, c] = self.corners(triangle);
         0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
     }
+}
+
+/// What two rings cover both.
+struct CommonArea {
+    /// Square degrees of the equator.
+    area: f64,
+    /// Of its largest triangle.
+    largest_area: f64,
+    largest: u32,
+}
+
+type CommonAreas = BTreeMap<[RingKey; 2], CommonArea>;
+
+fn add_common(areas: &mut CommonAreas, pair: [RingKey; 2], area: f64, triangle: u32) {
+    let common = areas.entry(pair).or_insert(CommonArea {
+        area: 0.0,
+        largest_area: 0.0,
+        largest: triangle,
+    });
+    common.area += area;
+    if area > common.largest_area {
+        (common.largest_area, common.largest) = (area, triangle);
+    }
+}
+
+/// Whether any ring of a polygon goes round the axis.
+fn is_round(polygon: usize, goes_round: &[RingKey]) -> bool {
+    goes_round.iter().any(|ring| ring.0 == polygon)
+}
+
+/// Whether any polygon covers a place that these rings hold.
+///
+/// Of rings round the axis the larger may be shell or hole, so of a polygon that has some the parity
+/// counts.
+fn is_covered(held: &[RingKey], goes_round: &[RingKey]) -> bool {
+    held.chunk_by(|a, b| a.0 == b.0).any(|rings| {
+        if is_round(rings[0].0, goes_round) {
+            rings.len() % 2 == 1
+        } else {
+            rings.len() == 1 && rings[0].1 == 0
+        }
+    })
 }
 
 /// What an edge's bow (at most a twentieth of its length) or rounding can feign of an overlap,
@@ -405,7 +521,7 @@ fn overlapping(held: &[RingKey], goes_round: &[RingKey]) -> Option<[RingKey; 2]>
     let mut inside: Option<RingKey> = None;
     for rings in held.chunk_by(|a, b| a.0 == b.0) {
         let polygon = rings[0].0;
-        let round = goes_round.iter().any(|ring| ring.0 == polygon);
+        let round = is_round(polygon, goes_round);
         let is_inside = match rings {
             _ if round => {
                 let goes_round = |ring: &RingKey| goes_round.binary_search(ring).is_ok();

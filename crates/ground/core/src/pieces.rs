@@ -4,7 +4,7 @@
 //! Degrees, longitudes within ±180. A place has the same bits whichever turn it was written in and
 //! whichever way its edge runs.
 
-use crate::edge::{Degrees, POLE_APPROACH_END_DEG, along_pole, great_circle_latitude};
+use crate::edge::{Degrees, POLE_APPROACH_END_DEG, along_pole, great_circle_latitude, normal};
 use crate::{EdgePlace, EdgeRule, Ring};
 
 /// An edge short enough to draw.
@@ -105,6 +105,13 @@ pub(crate) fn planar_pieces(ring: &Ring) -> Vec<Piece> {
     }
     pieces
 }
+
+/// Ends of a great-ellipse edge that are opposite but for less than this angle of their normals are
+/// refused, radians: 6 mm on the Earth.
+///
+/// A rounding of either end turns the edge by its share of this angle: at 1 µm from opposite, two right
+/// programs draw hemispheres that differ.
+pub const NEARLY_OPPOSITE_RAD: f64 = 1e-9;
 
 /// Longitudes closer than this to ±180 mean ±180, degrees (a micrometre on the Earth): Natural
 /// Earth's land at 1:110m has 180.00000000000014, and pieces that far apart are not stitched.
@@ -266,6 +273,9 @@ fn cut_great_ellipse(
             end[0] = -end[0];
         }
     }
+    if (normal(start) + normal(end)).length() < NEARLY_OPPOSITE_RAD {
+        return Err(vertex);
+    }
     let span = (end[0] - start[0]).abs();
     if span < 180.0 {
         push(start, end);
@@ -273,9 +283,6 @@ fn cut_great_ellipse(
     }
     let latitude = if span == 180.0 {
         // Over the nearer pole.
-        if start[1] + end[1] == 0.0 {
-            return Err(vertex);
-        }
         90.0_f64.copysign(start[1] + end[1])
     } else {
         let (west, east) = if start[0] > 0.0 {
@@ -448,7 +455,16 @@ mod tests {
             ring_pieces(EdgeRule::GreatEllipse, &ring).err(),
             Some(vec![0])
         );
-        let near = Ring::from_checked(vec![[0.0, 10.0], [180.0, -9.0], [90.0, 0.0]], 0.0);
-        assert!(ring_pieces(EdgeRule::GreatEllipse, &near).is_ok());
+        // Within the bound and, as negative controls, beyond it: over a pole and beside it.
+        let pieces = |end: Degrees| {
+            let ring = Ring::from_checked(vec![[0.0, 10.0], end, [90.0, 0.0]], 0.0);
+            ring_pieces(EdgeRule::GreatEllipse, &ring).is_ok()
+        };
+        let bound_deg = NEARLY_OPPOSITE_RAD.to_degrees();
+        for (share, is_ok) in [(0.9, false), (1.1, true)] {
+            assert_eq!(pieces([180.0, -10.0 + share * bound_deg]), is_ok);
+            assert_eq!(pieces([180.0 - 1.02 * share * bound_deg, -10.0]), is_ok);
+        }
+        assert!(pieces([180.0, -9.0]));
     }
 }

@@ -69,6 +69,9 @@ pub enum Unwrap {
     /// As the numbers stand (RFC 7946 §3.1.9): from 170 to −170 the long way, over 0.
     #[default]
     Literal,
+    /// Ring by ring the reading that crosses nothing and that RFC 7946 orients; as the numbers stand
+    /// where that leaves both.
+    Auto,
     /// The shorter way, over the antimeridian, as many files mean it that were never cut there. Edges
     /// along a pole stay as written, and an edge of a whole turn has no length.
     Shortest,
@@ -80,7 +83,49 @@ impl Unwrap {
     pub fn name(self) -> &'static str {
         match self {
             Self::Literal => "literal",
+            Self::Auto => "auto",
             Self::Shortest => "shortest",
+        }
+    }
+}
+
+/// What is made of rings that cross or lie over one another.
+///
+/// All of them fill each single ring by the even-odd rule; they differ in what several rings make.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Repair {
+    /// Inside is what an odd number of the region's rings hold. What two parts cover is empty, what two
+    /// holes cover is filled.
+    EvenOdd,
+    /// Inside is what any part covers, and a part is its shell less all of its holes: parts are joined,
+    /// and so are holes, as by the method `structure` of GEOS `MakeValid`.
+    Union,
+    /// As [`Repair::Union`], with every hole left out.
+    KeepShells,
+}
+
+impl Repair {
+    /// Every one, in the order of messages.
+    pub const ALL: [Self; 3] = [Self::EvenOdd, Self::Union, Self::KeepShells];
+
+    /// Name in scene files and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::EvenOdd => "even-odd",
+            Self::Union => "union",
+            Self::KeepShells => "keep-shells",
+        }
+    }
+
+    /// What has been done to what crosses or overlaps, as warnings say it.
+    #[must_use]
+    pub fn effect(self) -> &'static str {
+        match self {
+            Self::EvenOdd => "filled by the even-odd rule",
+            Self::Union => "parts and holes are joined",
+            Self::KeepShells => "parts are joined",
         }
     }
 }
@@ -104,6 +149,8 @@ pub struct Ring {
     written_longitudes_deg: Vec<f64>,
     /// Collapsed holes before it in the file, which are not among the polygon's rings.
     rings_dropped_before: usize,
+    /// Parts of the region before its polygon in the file that are not among the region's.
+    parts_dropped_before: usize,
 }
 
 /// Where in its file a ring's vertices stand is no part of what it is, nor in which turn.
@@ -122,6 +169,7 @@ impl Ring {
             file_vertices: Vec::new(),
             written_longitudes_deg: Vec::new(),
             rings_dropped_before: 0,
+            parts_dropped_before: 0,
         }
     }
 
@@ -131,6 +179,21 @@ impl Ring {
             rings_dropped_before: self.rings_dropped_before + rings,
             ..self
         }
+    }
+
+    /// With this many more parts of its region left out before its polygon.
+    pub(crate) fn after_dropped_parts(self, parts: usize) -> Self {
+        Self {
+            parts_dropped_before: self.parts_dropped_before + parts,
+            ..self
+        }
+    }
+
+    /// Position of the ring's polygon in its region's part of the file, for one that is number
+    /// `polygon` here: parts without area are not among the polygons here but count there.
+    #[must_use]
+    pub fn file_polygon(&self, polygon: usize) -> usize {
+        polygon + self.parts_dropped_before
     }
 
     /// Position of the ring in its polygon's part of the file, for a ring that is number `ring`
@@ -233,9 +296,8 @@ pub struct Region {
     pub polygons: Vec<Polygon>,
     /// What was normalised silently while reading: unclosed rings, repeated points …
     pub warnings: Vec<String>,
-    /// Whether parts that lie over one another are filled by the even-odd rule, as
-    /// [`Region::split_at_crossings`] asks for, and not refused.
-    pub repaired: bool,
+    /// What is made of rings that cross or lie over one another, where that is not refused.
+    pub repaired: Option<Repair>,
     /// Which side of a ring round a pole is inside.
     pub inside: Inside,
 }
@@ -270,7 +332,7 @@ impl Region {
         let polygon = self.polygons.get(place.polygon);
         let ring = polygon.and_then(|polygon| polygon.rings().nth(place.ring));
         ring.map_or(place, |ring| EdgePlace {
-            polygon: place.polygon,
+            polygon: ring.file_polygon(place.polygon),
             ring: ring.file_ring(place.ring),
             vertex: ring.file_vertex(place.vertex),
         })

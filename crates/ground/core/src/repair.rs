@@ -11,12 +11,33 @@ use crate::crossings::{CrossingPlaces, MAX_ROUNDS, distance, find_crossings};
 use crate::edge::Degrees;
 use crate::intersection::Crossing;
 use crate::pieces::{Piece, pieces_as_compared};
-use crate::{EdgePlace, EdgeRule, Polygon, Region, Ring};
+use crate::{EdgePlace, EdgeRule, Polygon, Region, Repair, Ring};
 
 /// Crossings to those of an earlier round from which on there is no end of them.
 const MAX_GROWTH: usize = 2;
 
 impl Region {
+    /// Makes of rings that cross or overlap what `repair` says, so that the region can be meshed, as
+    /// [`Region::split_at_crossings`] does for [`Repair::EvenOdd`].
+    pub fn repair(&mut self, repair: Repair, rule: EdgeRule) {
+        if repair == Repair::KeepShells {
+            let holes: usize = self
+                .polygons
+                .iter()
+                .map(|polygon| polygon.holes.len())
+                .sum();
+            for polygon in &mut self.polygons {
+                polygon.holes.clear();
+            }
+            if holes > 0 {
+                let noun = if holes == 1 { "hole was" } else { "holes were" };
+                self.warnings
+                    .push(format!("{holes} {noun} left out: only shells are kept"));
+            }
+        }
+        self.split_all(repair, rule);
+    }
+
     /// Makes a vertex of every place where two edges cross, so that the region can be meshed and is
     /// filled by the even-odd rule; returns how many there were and notes them in
     /// [`Region::warnings`]. Parts that overlap without crossing are filled by that rule as well:
@@ -24,11 +45,15 @@ impl Region {
     ///
     /// Edges are compared where they lie on the body, whichever turn they were written in.
     pub fn split_at_crossings(&mut self, rule: EdgeRule) -> usize {
+        self.split_all(Repair::EvenOdd, rule)
+    }
+
+    fn split_all(&mut self, repair: Repair, rule: EdgeRule) -> usize {
         let mut total = 0;
-        if let Some(without) = self.without_collapsed_holes(rule) {
+        if let Some(without) = self.without_collapsed(rule) {
             *self = without;
         }
-        self.repaired = true;
+        self.repaired = Some(repair);
         let mut fewest = usize::MAX;
         for _ in 0..MAX_ROUNDS {
             let found = self.split_once(rule);
@@ -42,7 +67,8 @@ impl Region {
         if total > 0 {
             let plural = if total == 1 { "" } else { "s" };
             self.warnings.push(format!(
-                "{total} crossing{plural} of edges: filled by the even-odd rule"
+                "{total} crossing{plural} of edges: {}",
+                repair.effect()
             ));
         }
         total
@@ -282,6 +308,7 @@ fn with_insertions(ring: &Ring, insertions: &[Insertion]) -> Ring {
     Ring::from_checked(vertices, winding_deg)
         .with_written_longitudes(written)
         .after_dropped(ring.file_ring(0))
+        .after_dropped_parts(ring.file_polygon(0))
 }
 
 #[cfg(test)]
@@ -302,7 +329,7 @@ mod tests {
             name: "test".to_owned(),
             polygons,
             warnings: Vec::new(),
-            repaired: false,
+            repaired: None,
             inside: crate::Inside::default(),
         }
     }
@@ -579,7 +606,7 @@ mod tests {
             let mut region = region(&[&touching]);
             let mut before = region.clone();
             assert_eq!(region.split_at_crossings(rule), 0);
-            before.repaired = true;
+            before.repaired = Some(Repair::EvenOdd);
             assert_eq!(region, before);
         }
     }

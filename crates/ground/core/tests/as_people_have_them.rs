@@ -381,6 +381,145 @@ fn edges_over_the_antimeridian_go_the_long_way_unless_the_shortest_is_asked_for(
     }
 }
 
+const AUTO: Reading = Reading {
+    unwrap: Unwrap::Auto,
+    inside: Inside::Smaller,
+};
+
+fn box_of(west: f64, east: f64, south: f64, north: f64) -> [[f64; 2]; 5] {
+    [
+        [west, south],
+        [east, south],
+        [east, north],
+        [west, north],
+        [west, south],
+    ]
+}
+
+fn box_m2(width: f64, south: f64, north: f64) -> f64 {
+    let [width, south, north] = [width, south, north].map(f64::to_radians);
+    BODY.quadrangle_area_m2(width, south, north)
+}
+
+#[test]
+fn of_two_readings_the_one_is_taken_that_crosses_nothing_and_is_oriented() {
+    let shorter = |rings: &[&[[f64; 2]]], expected_m2: f64| {
+        let mesh = build_as(rings, PLANAR, AUTO).expect("meshes");
+        assert_area(&mesh, expected_m2, 1e-12);
+        let warned = |text: &String| {
+            text.contains("read the shorter way") && text.contains("--unwrap literal")
+        };
+        assert!(mesh.warnings.iter().any(warned), "{:?}", mesh.warnings);
+    };
+    let as_written = |rings: &[&[[f64; 2]]], expected_m2: f64| {
+        let mesh = build_as(rings, PLANAR, AUTO).expect("meshes");
+        assert_area(&mesh, expected_m2, 1e-12);
+        let same = build(rings, PLANAR);
+        assert_eq!(mesh.warnings, same.warnings);
+    };
+    let jump = box_of(171.0, -171.0, 14.0, 15.0);
+    shorter(&[&jump], box_m2(18.0, 14.0, 15.0));
+    // A hole goes with its shell, however it runs.
+    for hole in [
+        box_of(178.0, -178.0, 14.2, 14.8),
+        reversed_box(178.0, -178.0, 14.2, 14.8),
+    ] {
+        shorter(
+            &[&jump, &hole],
+            box_m2(18.0, 14.0, 15.0) - box_m2(4.0, 14.2, 14.8),
+        );
+    }
+    // Round a pole: nothing is enclosed as the numbers stand.
+    let uncut = [
+        [0.0, 60.0],
+        [90.0, 60.0],
+        [180.0, 60.0],
+        [-90.0, 60.0],
+        [0.0, 60.0],
+    ];
+    shorter(&[&uncut], box_m2(360.0, 60.0, 90.0));
+    // Clockwise, so only crossings tell: the northern jump would cut the spike at 160 … 165.
+    let spiked = [
+        [160.0, 10.0],
+        [160.0, 30.0],
+        [165.0, 30.0],
+        [165.0, 12.0],
+        [170.0, 20.0],
+        [-170.0, 20.0],
+        [-170.0, 10.0],
+        [170.0, 10.0],
+        [160.0, 10.0],
+    ];
+    let turned = spiked.map(|[x, y]| [if x < 0.0 { x + 360.0 } else { x }, y]);
+    shorter(&[&spiked], build(&[&turned], PLANAR).area_m2);
+    // Bands, boxes of the world, and what no edge jumps in stay.
+    as_written(
+        &[&box_of(-171.0, 171.0, 14.0, 15.0)],
+        box_m2(342.0, 14.0, 15.0),
+    );
+    as_written(
+        &[&box_of(-179.9, 179.9, -85.0, 85.0)],
+        box_m2(359.8, -85.0, 85.0),
+    );
+    as_written(
+        &[&box_of(-180.0, 180.0, 30.0, 38.0)],
+        box_m2(360.0, 30.0, 38.0),
+    );
+    as_written(
+        &[&reversed_box(-180.0, 180.0, 30.0, 38.0)],
+        box_m2(360.0, 30.0, 38.0),
+    );
+    as_written(
+        &[&box_of(-180.0, 180.0, 80.0, 90.0)],
+        box_m2(360.0, 80.0, 90.0),
+    );
+    as_written(
+        &[&box_of(170.0, 190.0, 14.0, 15.0)],
+        box_m2(20.0, 14.0, 15.0),
+    );
+    // Negative control: told to take the numbers, the jump is a band; told the opposite, the band a jump.
+    assert_area(&build(&[&jump], PLANAR), box_m2(342.0, 14.0, 15.0), 1e-12);
+    let shortest = Reading {
+        unwrap: Unwrap::Shortest,
+        ..AUTO
+    };
+    let band = build_as(&[&box_of(-171.0, 171.0, 14.0, 15.0)], PLANAR, shortest).expect("meshes");
+    assert_area(&band, box_m2(18.0, 14.0, 15.0), 1e-12);
+}
+
+fn reversed_box(west: f64, east: f64, south: f64, north: f64) -> [[f64; 2]; 5] {
+    let mut ring = box_of(west, east, south, north);
+    ring.reverse();
+    ring
+}
+
+#[test]
+fn one_part_may_be_a_band_and_another_a_jump() {
+    let part = |ring: &[[f64; 2]]| format!("[{ring:?}]");
+    let (band, jump) = (
+        box_of(-180.0, 180.0, 30.0, 38.0),
+        box_of(171.0, -172.0, -20.0, -6.0),
+    );
+    let text = format!(
+        r#"{{"type":"MultiPolygon","coordinates":[{},{}]}}"#,
+        part(&band),
+        part(&jump)
+    );
+    let regions = parse_regions_as(text.as_bytes(), "t", AUTO).expect("valid");
+    assert_eq!(regions[0].warnings.len(), 1);
+    assert!(regions[0].warnings[0].starts_with("polygon 1, ring 0: 2 edges over more than 180°"));
+    let mesh =
+        RegionMesh::build(&regions[0], &BODY, PLANAR, &MeshOptions::default()).expect("meshes");
+    assert_area(
+        &mesh,
+        box_m2(360.0, 30.0, 38.0) + box_m2(17.0, -20.0, -6.0),
+        1e-12,
+    );
+    // Great ellipses have nothing to find out.
+    assert_eq!(AUTO.of_edges(ARCS).unwrap, Unwrap::Literal);
+    assert_eq!(AUTO.of_edges(PLANAR), AUTO);
+}
+
 #[test]
 fn a_pole_ring_without_its_cut_is_refused_with_what_would_read_it() {
     let uncut = [

@@ -340,6 +340,7 @@ fn a_reader_that_lies_is_found_out() {
 
     let refused = |kind: RegionProblemKind, readable: Vec<Region>| {
         let problem = RegionProblem {
+            line: None,
             feature: Some(0),
             name: None,
             polygon: None,

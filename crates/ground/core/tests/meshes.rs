@@ -301,7 +301,8 @@ fn what_cannot_be_meshed_is_refused() {
             &options
         ),
         "feature 0: the great-ellipse edge from polygon 0, ring 0, vertex 0 joins the \
-         opposite points [0.0, 10.0] and [180.0, -10.0]; put a vertex between them"
+         opposite points [0.0, 10.0] and [180.0, -10.0], allowed: over 1e-9 rad from opposite; put a \
+         vertex between them"
     );
     let coarse = MeshOptions {
         cap_step_deg: 31.0,

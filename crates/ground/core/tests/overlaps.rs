@@ -4,7 +4,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 use terrafill_core::{
-    EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, parse_regions,
+    EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, Repair, parse_regions,
 };
 
 const RULES: [EdgeRule; 2] = [EdgeRule::Planar, EdgeRule::GreatEllipse];
@@ -75,8 +75,11 @@ fn a_part_inside_another_is_refused_with_its_place_or_filled_by_even_odd() {
         let mut repaired = nested.clone();
         assert_eq!(repaired.split_at_crossings(rule), 0);
         let mesh = build(&repaired, rule).expect("repaired");
-        let listed = ["1 overlap of parts: filled by the even-odd rule"];
-        assert_eq!(mesh.warnings, listed);
+        let [listed, areas] = &mesh.warnings[..] else {
+            panic!("{:?}", mesh.warnings);
+        };
+        assert_eq!(listed, "1 overlap of parts: filled by the even-odd rule");
+        assert!(areas.starts_with("area as repaired "), "{areas}");
         if rule == EdgeRule::Planar {
             assert!((mesh.area_m2 / (area(OUTER) - area(INNER)) - 1.0).abs() < 1e-12);
         }
@@ -106,7 +109,8 @@ fn a_hole_outside_its_shell_is_refused_and_one_inside_a_hole_is_an_island() {
         assert!(errors[0].to_string().contains(words), "{}", errors[0]);
         let mut repaired = outside.clone();
         repaired.split_at_crossings(rule);
-        assert_eq!(build(&repaired, rule).expect("repaired").warnings.len(), 1);
+        // What was filled, and the area before and after.
+        assert_eq!(build(&repaired, rule).expect("repaired").warnings.len(), 2);
     }
     // Negative control: inside its shell, and inside a hole of it, where it is an island.
     let island = [4.0, 4.0, 6.0, 6.0];
@@ -207,7 +211,7 @@ fn a_hole_outside_a_shell_that_goes_round_the_axis_is_refused() {
                 assert!(errors[0].to_string().contains(words), "{}", errors[0]);
                 let mut repaired = hole.clone();
                 repaired.split_at_crossings(rule);
-                assert_eq!(build(&repaired, rule).expect("repaired").warnings.len(), 1);
+                assert_eq!(build(&repaired, rule).expect("repaired").warnings.len(), 2);
             }
             // Negative controls: inside; a hole round the pole, alone and with an island in it.
             let inside = ring([10.0, 84.0, 20.0, 86.0]);
@@ -233,4 +237,98 @@ fn a_hole_outside_a_shell_that_goes_round_the_axis_is_refused() {
     let other_side =
         region("[[[[0,80],[120,80],[240,80],[360,80]],[[0,60],[120,60],[240,60],[360,60]]]]");
     build(&other_side, EdgeRule::Planar).expect("a zone");
+}
+
+#[test]
+fn a_union_covers_what_any_part_covers_and_cuts_what_any_hole_of_it_cuts() {
+    let joined_as = |region: &Region, repair: Repair, rule: EdgeRule| {
+        let mut repaired = region.clone();
+        repaired.repair(repair, rule);
+        build(&repaired, rule).expect("repaired")
+    };
+    let assert_area = |mesh: &RegionMesh, exact: f64| {
+        let error = (mesh.area_m2 / exact - 1.0).abs();
+        assert!(error < 1e-12, "{error:e}: {:?}", mesh.warnings);
+    };
+    let planar = EdgeRule::Planar;
+    let union = |region: &Region| joined_as(region, Repair::Union, planar);
+    // Side by side along edges in common, crossing, one in the other, the same twice and three times.
+    let [a, b] = [[0.0, 0.0, 2.0, 1.0], [1.0, 0.0, 3.0, 1.0]];
+    assert_area(&union(&boxes(&[&[a], &[b]])), area([0.0, 0.0, 3.0, 1.0]));
+    let [a, b] = [[0.0, 0.0, 2.0, 2.0], [1.0, 0.5, 3.0, 1.0]];
+    let exact = area(a) + area([2.0, 0.5, 3.0, 1.0]);
+    assert_area(&union(&boxes(&[&[a], &[b]])), exact);
+    assert_area(&union(&boxes(&[&[OUTER], &[INNER]])), area(OUTER));
+    assert_area(&union(&boxes(&[&[INNER], &[INNER], &[INNER]])), area(INNER));
+    // Holes: the same twice, one in the other, and one that another part covers.
+    let cut = area(OUTER) - area(INNER);
+    let island = [4.0, 4.0, 6.0, 6.0];
+    assert_area(&union(&boxes(&[&[OUTER, INNER, INNER]])), cut);
+    assert_area(&union(&boxes(&[&[OUTER, INNER, island]])), cut);
+    assert_area(
+        &union(&boxes(&[&[OUTER, INNER], &[island], &[island]])),
+        cut + area(island),
+    );
+    // Over the antimeridian, in two turns, where the same rings cancel by parity.
+    let [across, turned] = [[170.0, 0.0, 190.0, 20.0], [-190.0, 0.0, -170.0, 20.0]];
+    assert_area(&union(&boxes(&[&[across], &[turned]])), area(across));
+    let higher = [175.0, 10.0, 185.0, 30.0];
+    let exact = area(across) + area([175.0, 20.0, 185.0, 30.0]);
+    assert_area(&union(&boxes(&[&[across], &[higher]])), exact);
+    assert_area(&union(&boxes(&[&[across], &[higher], &[turned]])), exact);
+    // Round a pole.
+    let cap = "[[-180,60],[180,60],[180,90],[-180,90],[-180,60]]";
+    let caps = region(&format!(
+        "[[{cap}],[{cap}],[[[0,70],[120,70],[240,70],[360,70]]]]"
+    ));
+    let pole = FRAC_PI_2.to_degrees();
+    assert_area(&union(&caps), area([0.0, 60.0, 360.0, pole]));
+    // Arcs: what is covered twice is covered.
+    let arcs = EdgeRule::GreatEllipse;
+    let once = build(&boxes(&[&[OUTER]]), arcs).expect("valid");
+    let twice = joined_as(&boxes(&[&[OUTER], &[OUTER], &[INNER]]), Repair::Union, arcs);
+    assert_area(&twice, once.area_m2);
+    // Shells alone.
+    let shells = joined_as(
+        &boxes(&[&[OUTER, INNER], &[island]]),
+        Repair::KeepShells,
+        planar,
+    );
+    assert_area(&shells, area(OUTER));
+    // Negative controls: even-odd empties what is covered twice; what is valid stays as it is.
+    let even_odd = joined_as(
+        &boxes(&[&[INNER], &[INNER], &[OUTER]]),
+        Repair::EvenOdd,
+        planar,
+    );
+    assert_area(&even_odd, area(OUTER));
+    let valid = boxes(&[&[OUTER, INNER], &[island]]);
+    assert_eq!(
+        union(&valid).area_m2,
+        build(&valid, planar).expect("valid").area_m2
+    );
+}
+
+#[test]
+fn equal_holes_are_refused_and_a_hole_in_a_hole_is_warned_of() {
+    let island = [4.0, 4.0, 6.0, 6.0];
+    for rule in RULES {
+        let error = build(&boxes(&[&[OUTER, INNER, INNER]]), rule).expect_err("equal holes");
+        let words = "polygon 0, rings 1 and 2 are holes over one another at longitude";
+        assert!(error[0].to_string().contains(words), "{}", error[0]);
+        let nested = build(&boxes(&[&[OUTER, INNER, island]]), rule).expect("an island");
+        let words = "polygon 0, ring 2 is a hole in the hole of ring 1: filled as an island";
+        assert!(
+            nested.warnings[0].starts_with(words),
+            "{:?}",
+            nested.warnings
+        );
+        // Along an edge in common.
+        let half = [2.0, 2.0, 5.0, 8.0];
+        let beside = [4.0, 2.0, 7.0, 8.0];
+        assert!(build(&boxes(&[&[OUTER, half, beside]]), EdgeRule::Planar).is_err());
+        // Negative control: holes apart.
+        let apart = build(&boxes(&[&[OUTER, [1.0, 1.0, 2.0, 2.0], island]]), rule);
+        assert_eq!(apart.expect("valid").warnings, [""; 0]);
+    }
 }

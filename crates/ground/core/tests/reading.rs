@@ -338,9 +338,9 @@ fn every_problem_of_a_file_is_listed_with_its_place() {
         &polygon(TRIANGLE),
         &polygon("[[0,0],[2,91],[541,-90.5],[0,0]]"),
         "null",
-        r#"{"type":"MultiPolygon","coordinates":[[[[0,0],[1,0],[0,1]]],[[[0,0],[1,1],[0,0]]]]}"#,
+        r#"{"type":"MultiPolygon","coordinates":[[[[0,0],[1,0],[1,0]]],[[[0,0],[1,1],[0,0]]]]}"#,
         r#"{"type":"Polygon","coordinates":[]}"#,
-        r#"{"type":"Polygon","coordinates":[[]]}"#,
+        r#"{"type":"Polygon","coordinates":[[],[[0,0],[1,0],[0,1]]]}"#,
         r#"{"type":"Polygon","coordinates":[[0,0],[1,0],[0,1]]}"#,
         r#"{"type":"Polygon","coordinates":[[[0,0],["1",0],[2],[0,null]]]}"#,
         r#"{"type":"Polygon"}"#,
@@ -358,8 +358,8 @@ fn every_problem_of_a_file_is_listed_with_its_place() {
         "t.json: feature 1 (A), polygon 0, ring 0, vertex 2: latitude -90.5 is outside -90 … 90; in \
          GeoJSON longitude comes first",
         "t.json: feature 2 (A): no \"geometry\" in a Feature",
+        "t.json: feature 3 (A), polygon 0, ring 0: 2 distinct positions in the ring; needs at least 3",
         "t.json: feature 3 (A), polygon 1, ring 0: 2 distinct positions in the ring; needs at least 3",
-        "t.json: feature 4 (A), polygon 0: empty coordinates; expected at least 3 distinct positions",
         "t.json: feature 5 (A), polygon 0, ring 0: empty coordinates; expected at least 3 distinct \
          positions",
         "t.json: feature 6 (A), polygon 0, ring 0: a position in the coordinates; expected a list of \
@@ -392,4 +392,94 @@ fn a_ring_of_two_turns_is_refused() {
         "[[-180,80],[0,80],[180,80],[-180,81],[0,81],[180,81],[-180,81],[0,82],[180,82],[-180,82]]";
     let message = refusal(polygon(twice).as_bytes());
     assert!(message.contains("times; at most 1 is allowed"), "{message}");
+}
+
+#[test]
+fn what_is_empty_or_collapsed_is_left_out_and_counted() {
+    let square = "[[[0,0],[10,0],[10,10],[0,10],[0,0]]]";
+    let parts = |parts: &[&str]| {
+        let list = parts.join(",");
+        format!(r#"{{"type":"MultiPolygon","coordinates":[{list}]}}"#)
+    };
+    let text = collection(&[
+        &parts(&[square]),
+        r#"{"type":"Polygon","coordinates":[]}"#,
+        r#"{"type":"MultiPolygon","coordinates":[]}"#,
+        r#"{"type":"Polygon","coordinates":[[]]}"#,
+    ]);
+    let read = file(&text);
+    assert_eq!(read.regions.len(), 1);
+    assert_eq!(
+        read.warnings,
+        ["3 features without area were left out: 1 empty MultiPolygon, 2 empty Polygon"]
+    );
+    let tip = "[[[20,0],[21,0],[20,0]]]";
+    let region = &regions(&parts(&[tip, "[]", square]))[0];
+    assert_eq!(
+        region.warnings,
+        [
+            "1 part without area was left out",
+            "1 geometry without area was left out"
+        ]
+    );
+    assert_eq!(region.polygons.len(), 1);
+    assert_eq!(region.polygons[0].shell.file_polygon(0), 2);
+    // Negative control: a part that is all there is has to have an area.
+    let alone = refusal(parts(&[tip]).as_bytes());
+    assert!(alone.contains("2 distinct positions"), "{alone}");
+}
+
+#[test]
+fn lines_and_records_are_features_and_errors_name_their_lines() {
+    let feature = |name: &str, ring: &str| {
+        let geometry = polygon(ring);
+        format!(r#"{{"type":"Feature","properties":{{"name":"{name}"}},"geometry":{geometry}}}"#)
+    };
+    let (a, b) = (feature("a", TRIANGLE), feature("b", TRIANGLE));
+    let bare = polygon(TRIANGLE);
+    let names = |text: &str| -> Vec<(usize, String)> {
+        let regions = regions(text).into_iter();
+        regions.map(|region| (region.index, region.name)).collect()
+    };
+    let expected: Vec<(usize, String)> = ["a", "b", "feature 2"]
+        .into_iter()
+        .enumerate()
+        .map(|(index, name)| (index, name.to_owned()))
+        .collect();
+    assert_eq!(names(&format!("{a}\n\n{b}\r\n{bare}\n")), expected);
+    assert_eq!(
+        names(&format!("\u{1e}{a}\n\u{1e}{b}\n\u{1e}{bare}\n")),
+        expected
+    );
+    // Negative controls: what is wrong with one line, by its number and its feature's.
+    let outside = feature("c", "[[0,0],[1,91],[1,0],[0,0]]");
+    assert_eq!(
+        refusal(format!("{a}\n\n{outside}\n").as_bytes()),
+        "t.json: line 3: feature 1 (c), polygon 0, ring 0, vertex 1: latitude 91 is outside -90 … 90; in \
+         GeoJSON longitude comes first"
+    );
+    let broken = refusal(format!("{a}\n{{\"type\":\n{b}\n").as_bytes());
+    assert!(broken.starts_with("t.json: line 2, column 8: "), "{broken}");
+    assert_eq!(broken.lines().count(), 1, "{broken}");
+    let pair = refusal(format!("{a} {b}").as_bytes());
+    assert!(pair.starts_with("t.json: line 1, column "), "{pair}");
+}
+
+#[test]
+fn one_step_outside_a_pole_or_the_antimeridian_is_on_it() {
+    let ring = |east: &str, north: &str| {
+        polygon(&format!(
+            "[[-180,80],[{east},80],[{east},{north}],[-180,{north}],[-180,80]]"
+        ))
+    };
+    let exact = regions(&ring("180", "90"));
+    for (east, north) in [("180.00000000000003", "90"), ("180", "90.00000000000001")] {
+        assert_eq!(regions(&ring(east, north)), exact, "{east} {north}");
+    }
+    // Negative control: a step of a thousandth of a millimetre is no rounding.
+    let beyond = refusal(ring("180", "90.0000000001").as_bytes());
+    assert!(
+        beyond.contains("latitude 90.0000000001 is outside"),
+        "{beyond}"
+    );
 }

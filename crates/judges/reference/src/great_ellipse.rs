@@ -27,7 +27,7 @@ use crate::slabs::Slabs;
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 use std::f64::consts::{FRAC_PI_2, PI};
-use terrafill_core::Ellipsoid;
+use terrafill_core::{Ellipsoid, NEARLY_OPPOSITE_RAD};
 
 /// Closer than this to the ring (6 mm on the Earth), a pole is no place to compare angles with.
 const AT_POLE: f64 = 1e-9;
@@ -412,15 +412,21 @@ fn corners_of(vertices_deg: &[[f64; 2]]) -> Result<Vec<Corner>, usize> {
         let is_meridional = (to.longitude_deg - from.longitude_deg).abs() == 180.0;
         let sum_deg = from.latitude_deg + to.latitude_deg;
         match (from.is_pole(), to.is_pole()) {
+            (false, false) if is_nearly_opposite(&from, &to) => return Err(vertex),
             (false, false) if is_meridional && sum_deg != 0.0 => {
                 corners.push(Corner::new([0.0, 90.0_f64.copysign(sum_deg)]));
             }
-            (false, false) if is_meridional => return Err(vertex),
             (true, true) if sum_deg == 0.0 => return Err(vertex),
             _ => {}
         }
     }
     Ok(corners)
+}
+
+/// By the angle from one end to the antipode of the other.
+fn is_nearly_opposite(from: &Corner, to: &Corner) -> bool {
+    let (ahead, behind) = (from.normal, to.normal);
+    ahead.cross(behind).length().atan2(-ahead.dot(behind)) < NEARLY_OPPOSITE_RAD
 }
 
 /// The antimeridian has one number only.

@@ -26,6 +26,7 @@ mod surface;
 mod texture;
 #[cfg(test)]
 mod validation;
+mod validity;
 
 pub use backend::{CloseLook, PLACES_PER_PX, ReferenceBackend, ReferenceFrame, ReferenceScene};
 pub use locator::{Location, Locator};

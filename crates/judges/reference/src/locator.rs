@@ -2,14 +2,15 @@
 //! Which regions hold a point, by two independent tests per ring.
 //!
 //! Longitude and latitude in degrees, geodetic. A region holds a point that an odd number of its
-//! rings hold, so holes, islands in holes, and parts cut at the antimeridian need no order. The
+//! rings hold, unless its repair joins parts, so holes, islands in holes, and parts cut at the antimeridian need no order. The
 //! first test decides; the second one only says where the first is not to be trusted blindly.
 
 use crate::great_ellipse::GreatEllipseRing;
 use crate::planar::PlanarRing;
 use crate::point::{Bounds, LocatorError, Point, RingSource, Verdicts};
 use crate::sides::poles_held;
-use terrafill_core::{EdgeRule, Ellipsoid, Region};
+use crate::validity::check_rings;
+use terrafill_core::{EdgeRule, Ellipsoid, Polygon, Region, Repair};
 
 #[derive(Debug, Clone)]
 enum RingTests {
@@ -59,10 +60,101 @@ pub struct Location {
     pub disagree: Vec<usize>,
 }
 
+/// A ring, and what it is to its region.
+#[derive(Debug, Clone)]
+struct LocatedRing {
+    /// Position of its region.
+    region: usize,
+    tests: RingTests,
+    role: RingRole,
+}
+
+/// What a ring changes about a place that it holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum RingRole {
+    /// Whether it is inside of the region: the even-odd rule.
+    Toggles,
+    /// Parts are joined: it is inside of this part.
+    Shell {
+        /// Among the region's parts.
+        part: usize,
+    },
+    /// Parts are joined: it is outside of this part.
+    Hole {
+        /// Among the region's parts.
+        part: usize,
+    },
+    /// Parts are joined, and this one goes round the axis: it changes sides.
+    Round {
+        /// Among the region's parts.
+        part: usize,
+    },
+}
+
+impl RingRole {
+    fn of(region: &Region, part: usize, index: usize) -> Self {
+        let is_round = |polygon: &Polygon| polygon.rings().any(|ring| ring.winding_deg() != 0.0);
+        match region.repaired {
+            None | Some(Repair::EvenOdd) => Self::Toggles,
+            Some(_) if is_round(&region.polygons[part]) => Self::Round { part },
+            Some(_) if index == 0 => Self::Shell { part },
+            Some(_) => Self::Hole { part },
+        }
+    }
+}
+
+/// What the rings of one region so far say of a point.
+#[derive(Default)]
+struct RegionVerdicts {
+    region: usize,
+    /// Of parts that are done, or of all rings by parity.
+    sum: Verdicts,
+    part: usize,
+    /// Of the part at hand.
+    of_part: Verdicts,
+}
+
+impl RegionVerdicts {
+    fn of(region: usize) -> Self {
+        Self {
+            region,
+            ..Self::default()
+        }
+    }
+
+    fn add(&mut self, role: RingRole, verdicts: Verdicts) {
+        let both = |change: fn(bool, bool) -> bool, of: Verdicts| Verdicts {
+            first: change(of.first, verdicts.first),
+            second: change(of.second, verdicts.second),
+        };
+        match role {
+            RingRole::Toggles => self.sum = odd(self.sum, verdicts),
+            RingRole::Shell { part } | RingRole::Hole { part } | RingRole::Round { part } => {
+                if part != self.part {
+                    self.sum = self.total();
+                    self.of_part = Verdicts::default();
+                    self.part = part;
+                }
+                self.of_part = match role {
+                    RingRole::Hole { .. } => both(|inside, held| inside && !held, self.of_part),
+                    _ => odd(self.of_part, verdicts),
+                };
+            }
+        }
+    }
+
+    fn total(&self) -> Verdicts {
+        Verdicts {
+            first: self.sum.first || self.of_part.first,
+            second: self.sum.second || self.of_part.second,
+        }
+    }
+}
+
 /// Regions made ready to be asked which of them hold a point.
 #[derive(Debug, Clone)]
 pub struct Locator {
-    rings: Vec<(usize, RingTests)>,
+    rings: Vec<LocatedRing>,
     cells: Cells,
 }
 
@@ -73,8 +165,12 @@ impl Locator {
     /// - cost: O(vertices · log vertices)
     ///
     /// # Errors
-    /// [`LocatorError`] when a ring leaves open what is inside it.
+    /// [`LocatorError`] when a ring leaves open what is inside it, or two rings of a region that is not
+    /// repaired say two things of one place.
     pub fn new(regions: &[Region], rule: EdgeRule, body: &Ellipsoid) -> Result<Self, LocatorError> {
+        for region in regions {
+            check_rings(region, rule, body)?;
+        }
         let sources = regions.iter().enumerate().flat_map(|(position, region)| {
             let polygons = region.polygons.iter().enumerate();
             polygons.flat_map(move |(part, polygon)| {
@@ -83,33 +179,38 @@ impl Locator {
                 rings.map(move |(index, (ring, holds_poles))| {
                     let source = RingSource {
                         place: format!(
-                            "feature {} ({}), polygon {part}, ring {}",
+                            "feature {} ({}), polygon {}, ring {}",
                             region.index,
                             region.name,
+                            ring.file_polygon(part),
                             ring.file_ring(index)
                         ),
                         vertices_deg: ring.vertices_deg(),
                         winding_deg: ring.winding_deg(),
                         holds_poles,
                     };
-                    (position, source)
+                    (position, source, RingRole::of(region, part, index))
                 })
             })
         });
         Self::from_rings(sources, rule)
     }
 
-    /// From rings, each with the position of its region, ascending.
+    /// From rings, each with the position of its region, ascending, and its role there.
     pub(crate) fn from_rings<'a>(
-        sources: impl Iterator<Item = (usize, RingSource<'a>)>,
+        sources: impl Iterator<Item = (usize, RingSource<'a>, RingRole)>,
         rule: EdgeRule,
     ) -> Result<Self, LocatorError> {
         let mut rings = Vec::new();
         let mut cells = Cells::new();
-        for (position, source) in sources {
-            let ring = RingTests::new(&source, rule)?;
-            cells.insert(rings.len(), ring.bounds());
-            rings.push((position, ring));
+        for (region, source, role) in sources {
+            let tests = RingTests::new(&source, rule)?;
+            cells.insert(rings.len(), tests.bounds());
+            rings.push(LocatedRing {
+                region,
+                tests,
+                role,
+            });
         }
         Ok(Self { rings, cells })
     }
@@ -146,21 +247,16 @@ impl Locator {
             .at(point)
             .iter()
             .map(|&ring| &self.rings[ring as usize]);
-        let mut sum: Option<(usize, Verdicts)> = None;
-        for (region, ring) in near {
-            let verdicts = ring.holds(point);
-            sum = match sum {
-                Some((same, so_far)) if same == *region => Some((same, odd(so_far, verdicts))),
-                other => {
-                    if let Some((done, verdicts)) = other {
-                        visit(done, verdicts);
-                    }
-                    Some((*region, verdicts))
-                }
-            };
+        let mut so_far: Option<RegionVerdicts> = None;
+        for ring in near {
+            if let Some(done) = so_far.take_if(|so_far| so_far.region != ring.region) {
+                visit(done.region, done.total());
+            }
+            let of_region = so_far.get_or_insert_with(|| RegionVerdicts::of(ring.region));
+            of_region.add(ring.role, ring.tests.holds(point));
         }
-        if let Some((done, verdicts)) = sum {
-            visit(done, verdicts);
+        if let Some(done) = so_far {
+            visit(done.region, done.total());
         }
     }
 
@@ -171,12 +267,12 @@ impl Locator {
         let Some(point) = Point::new(longitude_deg, latitude_deg) else {
             return location;
         };
-        let last = self.rings.last().map_or(0, |(region, _)| region + 1);
-        let mut verdicts = vec![Verdicts::default(); last];
-        for (region, ring) in &self.rings {
-            verdicts[*region] = odd(verdicts[*region], ring.holds_brute(&point));
+        let last = self.rings.last().map_or(0, |ring| ring.region + 1);
+        let mut verdicts: Vec<RegionVerdicts> = (0..last).map(RegionVerdicts::of).collect();
+        for ring in &self.rings {
+            verdicts[ring.region].add(ring.role, ring.tests.holds_brute(&point));
         }
-        for (region, verdicts) in verdicts.iter().enumerate() {
+        for (region, verdicts) in verdicts.iter().map(RegionVerdicts::total).enumerate() {
             if verdicts.first {
                 location.regions.push(region);
             }

@@ -4,6 +4,7 @@
 //! Longitude and latitude in degrees, geodetic.
 
 use glam::DVec3;
+use terrafill_core::NEARLY_OPPOSITE_RAD;
 
 /// Longitudes are rounded to multiples of 2⁻⁴³ degrees, 13 nm at the equator. So adding or subtracting
 /// whole turns is exact below 1024 degrees, and no point falls between the end of a ring and its start
@@ -49,9 +50,27 @@ pub enum LocatorError {
         /// The limit.
         allowed: f64,
     },
-    /// Every plane through the ends of a great-ellipse edge holds the centre.
+    /// Two rings of a region say two things of one place.
     #[error(
-        "{place}: the edge from vertex {vertex} joins the opposite points {start:?} and {end:?}"
+        "{place} {what} {other} at longitude {longitude_deg:.7}, latitude {latitude_deg:.7}, allowed: \
+         parts apart, holes in their shell and apart; --repair union joins them"
+    )]
+    Overlap {
+        /// Region and ring.
+        place: String,
+        /// What is wrong with it beside the other.
+        what: &'static str,
+        /// The other ring.
+        other: String,
+        /// Of a place in both, or in the one and not the other.
+        longitude_deg: f64,
+        /// Of that place.
+        latitude_deg: f64,
+    },
+    /// Every plane through the ends of a great-ellipse edge holds the centre, or all but.
+    #[error(
+        "{place}: the edge from vertex {vertex} joins the opposite points {start:?} and {end:?}, \
+         allowed: over {NEARLY_OPPOSITE_RAD:e} rad from opposite"
     )]
     OppositeEnds {
         /// Region and ring.

@@ -4,7 +4,7 @@
 
 #![allow(clippy::print_stdout, reason = "how much was asked is worth reading")]
 
-use terrafill_core::EdgeRule;
+use terrafill_core::{EdgeRule, Repair};
 use terrafill_fixtures::expectations::{Case, accepted};
 use terrafill_reference::{Locator, LocatorError};
 
@@ -13,7 +13,9 @@ const AGREES: &str = "agrees";
 
 fn locator(case: &Case, rule: EdgeRule) -> Result<Locator, LocatorError> {
     // As written: even where a mesh needs crossings made vertices, the even-odd rule decides.
-    Locator::new(&[case.region()], rule, &case.body())
+    let mut region = case.region();
+    region.repaired = case.repair.then_some(Repair::EvenOdd);
+    Locator::new(&[region], rule, &case.body())
 }
 
 /// What is wrong with a locator by its case, and the number of points asked.

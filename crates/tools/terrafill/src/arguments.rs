@@ -13,7 +13,7 @@ pub(crate) use history::{
     BackfillArguments, BisectArguments, HistoryArguments, HistoryVerb, StoreArguments,
 };
 pub(crate) use own::{InitArguments, OwnArguments, SceneArguments, SceneVerb, UnusedArguments};
-pub(crate) use values::{Edges, ReadingArguments, Repair};
+pub(crate) use values::{Edges, ReadingArguments, RingRepair};
 
 use crate::registry;
 use clap::builder::PossibleValuesParser;
@@ -398,8 +398,8 @@ Ellipsoid: wgs84, moon, mars, saturn-like, unit-sphere or
 asteroid-250m";
 
 const REPAIR_HELP: &str = "\
-Rings that cross: even-odd fills what an odd number of edges
-separates from the outside; without it they are refused";
+Rings that cross or overlap: even-odd, union (joined) or
+keep-shells (without holes); without it they are refused";
 
 #[derive(Debug, Args)]
 pub(crate) struct MeshArguments {
@@ -410,7 +410,7 @@ pub(crate) struct MeshArguments {
     #[command(flatten)]
     pub(crate) reading: ReadingArguments,
     #[arg(long, hide_possible_values = true, help = REPAIR_HELP)]
-    pub(crate) repair: Option<Repair>,
+    pub(crate) repair: Option<RingRepair>,
     /// Go on with the features that are right, and list the others
     #[arg(long)]
     pub(crate) skip_invalid: bool,
@@ -443,7 +443,7 @@ pub(crate) struct LocateArguments {
     #[command(flatten)]
     pub(crate) reading: ReadingArguments,
     #[arg(long, hide_possible_values = true, help = REPAIR_HELP)]
-    pub(crate) repair: Option<Repair>,
+    pub(crate) repair: Option<RingRepair>,
     /// Go on with the features that are right, and list the others
     #[arg(long)]
     pub(crate) skip_invalid: bool,

@@ -11,14 +11,14 @@ use glam::DVec3;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use terrafill_core::{EdgeRule, Ellipsoid, Extent, Reading, Region, RegionMesh};
+use terrafill_core::{EdgeRule, Ellipsoid, Extent, Reading, Region, RegionMesh, Repair, Unwrap};
 use terrafill_reference::Locator;
 use terrafill_results::RunFolder;
 use terrafill_scene::{CameraPose, ImageSize, Overlap, Scene};
 use terrafill_surface::{Surface, open_surface};
 
 /// Endings of files with regions.
-const REGION_FILES: [&str; 2] = ["geojson", "json"];
+const REGION_FILES: [&str; 6] = ["geojson", "json", "geojsonl", "geojsons", "ndjson", "gz"];
 /// Endings of files with heights, as a folder of terrain has them.
 const HEIGHT_FILES: [&str; 7] = ["tif", "tiff", "hgt", "dt0", "dt1", "dt2", "png"];
 
@@ -139,7 +139,7 @@ pub(crate) fn refuse_for_scenes(own: &OwnArguments) -> Result<(), Failure> {
     let given = [
         ("--terrain", !own.terrain.is_empty()),
         ("--edges", own.edges != Edges::Planar),
-        ("--unwrap", reading.unwrap != usual.unwrap),
+        ("--unwrap", reading.unwrap != Unwrap::Auto),
         ("--inside", reading.inside != usual.inside),
         ("--name", own.name.is_some()),
     ];
@@ -226,7 +226,7 @@ pub(crate) fn scene_text(
         overlap: overlap(&regions, &meshes, edge_rule, &body)?.name(),
         regions: DraftRegions {
             file: absolute(file)?,
-            repair: "even-odd",
+            repair: Repair::from(own.repair).name(),
             unwrap: reading.unwrap.name(),
             inside: reading.inside.name(),
         },

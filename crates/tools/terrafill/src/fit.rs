@@ -38,6 +38,12 @@ const MIN_ROWS: f64 = 180.0;
 /// Four million triangles, and facets 16 m below the body: more take seconds on a software device.
 const MAX_ROWS: f64 = 1024.0;
 
+/// Farthest eye, radii of the body: all but 1° of a hemisphere is in sight.
+const FARTHEST_RADII: f64 = 60.0;
+
+/// Area in sight of another direction, as a share of the middle's, from which on it is worth it.
+const NOTABLY_MORE: f64 = 1.1;
+
 /// Halvings of the range of heights: beyond these the picture moves by less than a pixel.
 const BISECTIONS: u32 = 40;
 
@@ -56,7 +62,7 @@ pub(crate) fn fit(path: &Path, own: &OwnArguments, size: ImageSize) -> Result<Fi
     let body = Ellipsoid::WGS84;
     let (edge_rule, mesh): (EdgeRule, _) = (own.edges.into(), MeshOptions::default());
     let leniency = Leniency {
-        repair: Some(own.repair),
+        repair: Some(own.repair.into()),
         skip_invalid: false,
     };
     let Meshed {
@@ -66,7 +72,7 @@ pub(crate) fn fit(path: &Path, own: &OwnArguments, size: ImageSize) -> Result<Fi
         ..
     } = read_and_mesh(path, own.reading(), leniency, &body, edge_rule, &mesh)?;
     report_warnings(path, &warnings);
-    report_repairs(&meshes);
+    report_repairs(&meshes, |_| true);
     let Some(pose) = fitted(&body, &meshes, size) else {
         let shown = crate::input::shown(path);
         return Err(Failure::bad_input(format!(
@@ -74,7 +80,7 @@ pub(crate) fn fit(path: &Path, own: &OwnArguments, size: ImageSize) -> Result<Fi
         )));
     };
     for region in &mut regions {
-        region.split_at_crossings(edge_rule);
+        region.repair(own.repair.into(), edge_rule);
     }
     Ok(Fitted {
         regions,
@@ -155,6 +161,25 @@ fn fitted(body: &Ellipsoid, meshes: &[RegionMesh], size: ImageSize) -> Option<Ca
     if fits(below.exp()) {
         return Some(pose(below.exp()));
     }
+    if !fits(above.exp()) {
+        // From far off the disc of the body is smaller, and more of it is seen.
+        let farthest = (FARTHEST_RADII * radius_m).ln();
+        if !fits(farthest.exp()) {
+            let eye_height_m = above.exp();
+            let cos_horizon = radius_m / (radius_m + eye_height_m);
+            let direction = best_direction(meshes, direction, cos_horizon);
+            let ground = body.ecef_to_geodetic(radius_m * direction);
+            let eye = Geodetic {
+                height_m: eye_height_m,
+                ..ground
+            };
+            return Some(CameraPose {
+                eye,
+                ..pose(eye_height_m)
+            });
+        }
+        (below, above) = (above, farthest);
+    }
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (below + above);
         if fits(middle.exp()) {
@@ -164,6 +189,38 @@ fn fitted(body: &Ellipsoid, meshes: &[RegionMesh], size: ImageSize) -> Option<Ca
         }
     }
     Some(pose(above.exp()))
+}
+
+/// Of several directions the one below which most area of the regions is in sight, `middle` if none has
+/// a tenth more.
+///
+/// - `cos_horizon`: of the angle from straight below the eye to the horizon
+fn best_direction(meshes: &[RegionMesh], middle: DVec3, cos_horizon: f64) -> DVec3 {
+    let facets = meshes.iter().flat_map(|mesh| {
+        let corners = mesh.triangles.iter();
+        corners.map(|corners| corners.map(|i| mesh.vertices_ecef[i as usize]))
+    });
+    let facets = facets.map(|[a, b, c]| ((a + b + c).normalize(), (b - a).cross(c - a).length()));
+    let facets: Vec<(DVec3, f64)> = facets.collect();
+    let in_sight = |direction: DVec3| -> f64 {
+        let seen = facets.iter();
+        let seen = seen.filter(|(facet, _)| facet.dot(direction) > cos_horizon);
+        seen.map(|(_, area)| area).sum()
+    };
+    let largest = facets.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    let others = axes
+        .into_iter()
+        .flat_map(|axis| [axis, -axis])
+        .chain(largest.map(|(facet, _)| *facet));
+    let mut best = (middle, NOTABLY_MORE * in_sight(middle));
+    for direction in others {
+        let area = in_sight(direction);
+        if area > best.1 {
+            best = (direction, area);
+        }
+    }
+    best.0
 }
 
 /// Height from which the disc of the body takes the share of the picture that is to be filled: from

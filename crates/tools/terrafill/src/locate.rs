@@ -5,7 +5,8 @@ use crate::arguments::LocateArguments;
 use crate::input::{is_standard, read_standard_input, shown};
 use crate::outcome::{Failure, Outcome, complain, print};
 use crate::regions::{
-    Leniency, Meshed, read_and_mesh, report_repairs, report_skipped, report_warnings,
+    Leniency, Meshed, is_about_inside, read_and_mesh, report_repairs, report_skipped,
+    report_warnings,
 };
 use std::io::IsTerminal as _;
 use std::path::Path;
@@ -35,7 +36,7 @@ pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
     // pole is the smaller one.
     let (path, body, options) = (&arguments.regions, &arguments.body, MeshOptions::default());
     let leniency = Leniency {
-        repair: arguments.repair,
+        repair: arguments.repair.map(Into::into),
         skip_invalid: arguments.skip_invalid,
     };
     let Meshed {
@@ -61,7 +62,7 @@ pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
     let points = read_points(&arguments.points, added)?;
     report_warnings(path, &warnings);
     report_skipped(&skipped);
-    report_repairs(&meshes);
+    report_repairs(&meshes, is_about_inside);
     let mut undecided = 0;
     let mut rows = vec![points.header];
     rows[0].extend(added.iter().map(ToString::to_string));

@@ -71,7 +71,7 @@ pub(crate) fn run(arguments: &MeshArguments) -> Result<Outcome, Failure> {
     let edges: EdgeRule = arguments.edges.into();
     let start = Instant::now();
     let leniency = Leniency {
-        repair: arguments.repair,
+        repair: arguments.repair.map(Into::into),
         skip_invalid: arguments.skip_invalid,
     };
     let Meshed {

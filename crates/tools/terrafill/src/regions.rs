@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Files of regions, read and meshed: every problem of a file at once.
 
-use crate::arguments::Repair;
 use crate::input::{is_standard, read_standard_input, shown};
 use crate::outcome::{Failure, complain};
 use serde::Serialize;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use terrafill_core::{
     EdgeRule, Ellipsoid, MeshError, MeshOptions, Reading, Region, RegionFile, RegionFileError,
-    RegionMesh, printable, read_region_file,
+    RegionMesh, Repair, Unwrap, printable, read_region_file,
 };
 use terrafill_scene::{RegionLoadError, load_regions};
 
 /// What to do about features that are wrong.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Leniency {
-    /// Fill crossing rings by this rule instead of refusing them.
+    /// Make this of crossing rings instead of refusing them.
     pub(crate) repair: Option<Repair>,
     /// Go on with the features that are right.
     pub(crate) skip_invalid: bool,
@@ -55,6 +54,7 @@ pub(crate) fn read_and_mesh(
     options: &MeshOptions,
 ) -> Result<Meshed, Failure> {
     options.check().map_err(wrong_option)?;
+    let reading = reading.of_edges(rule);
     let (read, mut problems) = read(path, reading)?;
     let RegionFile {
         mut regions,
@@ -62,17 +62,25 @@ pub(crate) fn read_and_mesh(
     } = read;
     let mesh = |regions: &[Region]| match leniency.repair {
         None => RegionMesh::build_all(regions, body, rule, options),
-        Some(Repair::EvenOdd) => {
+        Some(repair) => {
             let mut repaired = regions.to_vec();
             for region in &mut repaired {
-                region.split_at_crossings(rule);
+                region.repair(repair, rule);
             }
             RegionMesh::build_all(&repaired, body, rule, options)
         }
     };
     let mut meshes = mesh(&regions);
     if let Err(errors) = &meshes {
-        problems.extend(errors.iter().map(|e| describe(path, leniency.repair, e)));
+        let remedies = Remedies {
+            path,
+            reading,
+            repair: leniency.repair,
+            regions: &regions,
+            mesh: &|region: &Region| RegionMesh::build(region, body, rule, options).ok(),
+            rule,
+        };
+        problems.extend(remedies.describe_all(errors));
         if leniency.skip_invalid {
             let wrong: BTreeSet<usize> = errors.iter().filter_map(MeshError::feature).collect();
             regions.retain(|region| !wrong.contains(&region.index));
@@ -81,6 +89,9 @@ pub(crate) fn read_and_mesh(
     }
     match meshes {
         Ok(meshes) if problems.is_empty() || (leniency.skip_invalid && !meshes.is_empty()) => {
+            for region in &mut regions {
+                region.repaired = leniency.repair;
+            }
             Ok(Meshed {
                 regions,
                 meshes,
@@ -124,22 +135,98 @@ fn read(path: &Path, reading: Reading) -> Result<(RegionFile, Vec<FeatureProblem
     }
 }
 
-fn describe(path: &Path, repair: Option<Repair>, error: &MeshError) -> FeatureProblem {
-    let remedy = match (error, repair) {
-        (MeshError::SelfCrossing { .. } | MeshError::Overlap { .. }, None) => {
-            "; --repair even-odd fills by that rule"
+/// Regions of which every switch is tried before one is named: each is meshed once more for each.
+const MAX_TRIED: usize = 8;
+
+/// Finds the switches that mend the regions that cannot be meshed.
+struct Remedies<'a> {
+    path: &'a Path,
+    reading: Reading,
+    repair: Option<Repair>,
+    regions: &'a [Region],
+    mesh: &'a dyn Fn(&Region) -> Option<RegionMesh>,
+    rule: EdgeRule,
+}
+
+impl Remedies<'_> {
+    fn describe_all(&self, errors: &[MeshError]) -> Vec<FeatureProblem> {
+        let mut known: BTreeMap<usize, String> = BTreeMap::new();
+        let described = errors.iter().map(|error| {
+            let remedy = match error.feature() {
+                Some(feature) if known.len() < MAX_TRIED || known.contains_key(&feature) => known
+                    .entry(feature)
+                    .or_insert_with(|| self.remedy(feature, error))
+                    .clone(),
+                _ => String::new(),
+            };
+            let place = error.place();
+            FeatureProblem {
+                feature: error.feature(),
+                ring: place.map(|place| place.ring),
+                vertex: place.map(|place| place.vertex),
+                message: format!("{}: {error}{remedy}", shown(self.path)),
+            }
+        });
+        described.collect()
+    }
+
+    /// The switches that mend a region, and the area that each of them makes of it.
+    fn remedy(&self, feature: usize, error: &MeshError) -> String {
+        let is_of_rings = match error {
+            MeshError::SelfCrossing { .. }
+            | MeshError::Overlap { .. }
+            | MeshError::MoreCrossings { .. } => self.repair.is_none(),
+            MeshError::NoArea { .. } => false,
+            _ => return String::new(),
+        };
+        let of_feature = self.regions.iter().find(|region| region.index == feature);
+        let Some(region) = of_feature else {
+            return String::new();
+        };
+        if let Some(area_m2) = self.shorter_area_m2(region) {
+            return format!("; --unwrap shortest takes the shorter way: {area_m2:.3e} m²");
         }
-        (MeshError::NoArea { long_edges, .. }, _) if *long_edges > 0 => {
-            "; --unwrap shortest or --edges great-ellipse takes the shorter way"
+        if !is_of_rings {
+            return String::new();
         }
-        _ => "",
-    };
-    let place = error.place();
-    FeatureProblem {
-        feature: error.feature(),
-        ring: place.map(|place| place.ring),
-        vertex: place.map(|place| place.vertex),
-        message: format!("{}: {error}{remedy}", shown(path)),
+        let tried = Repair::ALL.into_iter().filter_map(|repair| {
+            let mut repaired = region.clone();
+            repaired.repair(repair, self.rule);
+            let mesh = (self.mesh)(&repaired)?;
+            Some((repair, mesh.area_m2))
+        });
+        let mut makes: Vec<(Repair, f64)> = Vec::new();
+        for (repair, area_m2) in tried {
+            let is_same = |(_, known): &(Repair, f64)| (known - area_m2).abs() <= 1e-9 * area_m2;
+            if !makes.iter().any(is_same) {
+                makes.push((repair, area_m2));
+            }
+        }
+        let makes = makes.iter().map(|(repair, area_m2)| {
+            format!("--repair {} makes it {area_m2:.3e} m²", repair.name())
+        });
+        let makes: Vec<String> = makes.collect();
+        if makes.is_empty() {
+            String::new()
+        } else {
+            format!("; {}", makes.join(", "))
+        }
+    }
+
+    /// Area of a region whose edges over more than 180° go the shorter way, if that can be meshed.
+    fn shorter_area_m2(&self, region: &Region) -> Option<f64> {
+        let may_be_shorter = region.long_edge_count() > 0
+            && self.rule == EdgeRule::Planar
+            && self.reading.unwrap != Unwrap::Shortest
+            && !is_standard(self.path);
+        let reading = Reading {
+            unwrap: Unwrap::Shortest,
+            ..self.reading
+        };
+        let (read, _) = may_be_shorter.then(|| read(self.path, reading).ok())??;
+        let shorter = read.regions.iter();
+        let mut shorter = shorter.filter(|shorter| shorter.index == region.index);
+        Some((self.mesh)(shorter.next()?)?.area_m2)
     }
 }
 
@@ -157,9 +244,16 @@ pub(crate) fn report_warnings(path: &Path, warnings: &[String]) {
     }
 }
 
-/// Says on standard error what a repair filled and which sides of rings round a pole were taken, a
-/// line each; standard output is a table.
-pub(crate) fn report_repairs(meshes: &[RegionMesh]) {
+/// Whether a warning of a region is about which places it holds.
+pub(crate) fn is_about_inside(warning: &str) -> bool {
+    let words = ["goes round a pole", "more than 180°", "hole in the hole"];
+    words.iter().any(|word| warning.contains(word))
+}
+
+/// Says on standard error what a repair filled and what `mesh` warns of below a region, a line each.
+///
+/// - `is_shown`: of the warnings, which
+pub(crate) fn report_repairs(meshes: &[RegionMesh], is_shown: fn(&str) -> bool) {
     for mesh in meshes {
         let number = format!("feature {}", mesh.region_index);
         let label = if mesh.name.is_empty() || mesh.name == number {
@@ -167,14 +261,24 @@ pub(crate) fn report_repairs(meshes: &[RegionMesh]) {
         } else {
             format!("{number} ({})", printable(&mesh.name))
         };
-        let is_repair = |text: &&String| text.ends_with("filled by the even-odd rule");
+        let is_repair = |text: &&String| {
+            let effects = Repair::ALL.map(Repair::effect);
+            effects.iter().any(|effect| text.ends_with(effect))
+                || text.starts_with("area as repaired")
+                || text.ends_with("only shells are kept")
+        };
         for repair in mesh.warnings.iter().filter(is_repair) {
             complain(format!("repaired: {label}: {repair}"));
         }
-        // It names its feature and ring itself.
-        let is_side = |text: &&String| text.contains("goes round a pole");
-        for side in mesh.warnings.iter().filter(is_side) {
-            complain(format!("warning: {}", printable(side)));
+        let others = mesh.warnings.iter().filter(|text| !is_repair(text));
+        for warning in others.filter(|text| is_shown(text)) {
+            // What goes round a pole names its feature and ring itself.
+            let warning = printable(warning);
+            if warning.contains("goes round a pole") {
+                complain(format!("warning: {warning}"));
+            } else {
+                complain(format!("warning: {label}: {warning}"));
+            }
         }
     }
 }

@@ -62,6 +62,13 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
         None => draw_reference(&input, wanted.is_textured)?,
         Some((technique, variant)) => draw(&input, *technique, variant, arguments)?,
     };
+    if arguments.fit && drawn.frame.ids.iter().all(|id| *id == 0) {
+        let ImageSize { width, height } = input.size;
+        return Err(Failure::bad_input(format!(
+            "{name}: found no pixel of {width} × {height} whose middle lies in a region, allowed: at \
+             least one; a larger --size has more"
+        )));
+    }
     let colour = ExtendedColorType::Rgb8;
     let mut files = vec![(out.as_path(), png(&drawn.rgb, input.size, colour)?)];
     if let Some(path) = &arguments.ids {

@@ -8,7 +8,7 @@ use crate::shipped;
 use crate::suite::Expectation;
 use crate::{CameraPose, DataFile, DataNeed, LevelChoice, SceneError};
 use std::ops::RangeInclusive;
-use terrafill_core::{Ellipsoid, Geodetic, MeshOptions};
+use terrafill_core::{Ellipsoid, Geodetic, MeshOptions, Repair};
 
 /// Vertical field of view where a view names none, degrees.
 const DEFAULT_FOV_DEG: f64 = 60.0;
@@ -55,11 +55,11 @@ impl Check<'_> {
     }
 
     /// One of two values by its name; the first where the key is absent.
-    pub(super) fn choice<T: Copy>(
+    pub(super) fn choice<T: Copy, const COUNT: usize>(
         &self,
         key: &str,
         found: Option<&str>,
-        values: [T; 2],
+        values: [T; COUNT],
         name_of: fn(T) -> &'static str,
     ) -> Result<T, SceneError> {
         let Some(found) = found else {
@@ -105,13 +105,11 @@ impl Check<'_> {
             .ok_or_else(|| self.refuse(key, value, allowed))
     }
 
-    /// Whether rings that cross are split there; the only repair there is.
-    pub(super) fn repair(&self, found: Option<&str>) -> Result<bool, SceneError> {
-        match found {
-            None => Ok(false),
-            Some("even-odd") => Ok(true),
-            Some(other) => Err(self.refuse("regions.repair", format!("{other:?}"), "even-odd")),
-        }
+    /// What is made of rings that cross, if not refused.
+    pub(super) fn repair(&self, found: Option<&str>) -> Result<Option<Repair>, SceneError> {
+        let key = "regions.repair";
+        let repair = found.map(|_| self.choice(key, found, Repair::ALL, Repair::name));
+        repair.transpose()
     }
 
     pub(super) fn region_source(&self, raw: RawRegions) -> Result<RegionSource, SceneError> {

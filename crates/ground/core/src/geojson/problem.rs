@@ -36,6 +36,8 @@ impl std::error::Error for RegionFileError {}
 /// One thing wrong with a file, and where. Indices count from 0, in file order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionProblem {
+    /// Line of the file, from 1, where each line or record is a text of its own.
+    pub line: Option<usize>,
     /// Feature, unless the file as a whole is meant.
     pub feature: Option<usize>,
     /// Its name, where it was read.
@@ -84,6 +86,9 @@ pub(super) fn unnamed(feature: usize) -> String {
 
 impl fmt::Display for RegionProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(line) = self.line {
+            write!(f, "line {line}: ")?;
+        }
         if let Some(feature) = self.feature {
             let name = self.name.as_deref().unwrap_or_default();
             f.write_str(&feature_label(feature, name))?;
@@ -116,6 +121,18 @@ pub enum RegionProblemKind {
     Encoding {
         /// Its encoding.
         found: &'static str,
+    },
+    /// gzip that cannot be unpacked.
+    #[error("the gzip data is damaged: {message}; expected a whole gzip file")]
+    Gzip {
+        /// The decoder's words.
+        message: String,
+    },
+    /// gzip of too much.
+    #[error("the file unpacks to more than {allowed} bytes, which is what is allowed; split it")]
+    UnpackedSize {
+        /// Bytes.
+        allowed: u64,
     },
     /// Not JSON from here on, or JSON of a shape that GeoJSON does not have.
     #[error("line {line}, column {column}: {message}{}", Self::quoted(found.as_ref()))]

@@ -169,6 +169,12 @@ pub(super) struct NotANumber {
 }
 
 impl RawCoordinates {
+    /// No rings, or none that has a position.
+    pub(super) fn is_empty_polygon(&self) -> bool {
+        let is_empty = |ring: &Self| matches!(ring, Self::List(list) if list.is_empty());
+        matches!(self, Self::List(rings) if rings.iter().all(is_empty))
+    }
+
     pub(super) fn describe(&self) -> String {
         match self {
             Self::Position(_) => "a position".to_owned(),

@@ -4,9 +4,27 @@
 //!
 //! Degrees as they stand in the file; a ring's end is not its first position again.
 
+use crate::pieces::ANTIMERIDIAN_SNAP_DEG;
+
 /// Longitudes beyond this are refused: one turn past the antimeridian is how uncut rings are
 /// written; more is a mistake, most often another unit.
 pub(crate) const LARGEST_LONGITUDE_DEG: f64 = 540.0;
+
+/// A position a rounding outside of ±180 or ±90 on them: the one place where that is done.
+///
+/// Writers round to both sides: Natural Earth has 180.00000000000014, others 90.00000000000001. Adding
+/// zero turns −0 into 0, so that equal places have equal bits.
+pub(super) fn rounded_to_limits([longitude, latitude]: [f64; 2]) -> [f64; 2] {
+    let onto = |value: f64, limit: f64| {
+        let is_outside = value.abs() > limit && value.abs() <= limit + ANTIMERIDIAN_SNAP_DEG;
+        if is_outside {
+            limit.copysign(value)
+        } else {
+            value + 0.0
+        }
+    };
+    [onto(longitude, 180.0), onto(latitude, 90.0)]
+}
 
 /// Indices of the positions that differ from the next; none where all do.
 pub(super) fn without_repeated(positions: &[[f64; 2]]) -> Vec<usize> {

@@ -10,7 +10,7 @@ mod pictures;
 mod places;
 mod textures;
 
-use crate::locator::Locator;
+use crate::locator::{Locator, RingRole};
 use crate::point::{LocatorError, RingSource};
 use crate::sides::poles_held_alone;
 use terrafill_core::{EdgeRule, Ellipsoid};
@@ -26,7 +26,7 @@ pub(super) fn try_locator(rings: &[TestRing], rule: EdgeRule) -> Result<Locator,
             winding_deg: *winding_deg,
             holds_poles: poles_held_alone(vertices_deg, *winding_deg, rule, &Ellipsoid::WGS84),
         };
-        (*region, source)
+        (*region, source, RingRole::Toggles)
     });
     Locator::from_rings(sources, rule)
 }

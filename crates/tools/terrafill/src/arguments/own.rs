@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Arguments of files of regions that become scenes.
 
-use super::values::{Edges, LongEdges, PoleSide, ReadingArguments, Repair, parse_size};
+use super::values::{Edges, LongEdges, PoleSide, ReadingArguments, RingRepair, parse_size};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 use terrafill_core::Reading;
@@ -14,13 +14,13 @@ pub(crate) struct OwnArguments {
     pub(crate) terrain: Vec<PathBuf>,
     #[arg(long, default_value = "planar", hide = true)]
     pub(crate) edges: Edges,
-    #[arg(long, default_value = "literal", hide = true)]
+    #[arg(long, default_value = "auto", hide = true)]
     pub(crate) unwrap: LongEdges,
     #[arg(long, default_value = "smaller", hide = true)]
     pub(crate) inside: PoleSide,
-    /// Given or not: crossings of a scene made of a file are filled by this rule
+    /// Crossings of a scene made of a file are never refused
     #[arg(long, hide = true, default_value = "even-odd")]
-    pub(crate) repair: Repair,
+    pub(crate) repair: RingRepair,
     #[arg(long, hide = true)]
     pub(crate) name: Option<String>,
 }
@@ -65,8 +65,9 @@ impl UnusedArguments {
 
 const SCENE_EXAMPLE: &str = "\
 These have `bench`, `render` and `gate` of GeoJSON, too:
-      --edges planar|great-ellipse, --unwrap literal|shortest, --inside smaller|left: as of `mesh`
-      --repair even-odd: given or not, crossings are filled by that rule
+      --edges planar|great-ellipse, --unwrap auto|literal|shortest: as of `mesh`
+      --inside smaller|left: as of `mesh`
+      --repair even-odd|union|keep-shells: without it crossings are filled even-odd
       --name NAME: of the scene [default: the file's]
 Example: terrafill scene init hoods.geojson --terrain dem.tif --out hoods.toml
          terrafill bench hoods.toml --quick";

@@ -2,7 +2,7 @@
 //! Values that options of several verbs take.
 
 use clap::{Args, ValueEnum};
-use terrafill_core::{EdgeRule, Ellipsoid, Inside, Reading, Unwrap};
+use terrafill_core::{EdgeRule, Ellipsoid, Inside, Reading, Repair, Unwrap};
 use terrafill_results::Shard;
 
 /// Edge rule by name.
@@ -26,6 +26,7 @@ impl From<Edges> for EdgeRule {
 /// Which way edges over more than 180° of longitude go, by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum LongEdges {
+    Auto,
     Literal,
     Shortest,
 }
@@ -40,7 +41,7 @@ pub(crate) enum PoleSide {
 /// How a file is read where it can be read in several ways.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct ReadingArguments {
-    #[arg(long, default_value = "literal", hide_possible_values = true, help = UNWRAP_HELP)]
+    #[arg(long, default_value = "auto", hide_possible_values = true, help = UNWRAP_HELP)]
     pub(crate) unwrap: LongEdges,
     #[arg(long, default_value = "smaller", hide_possible_values = true, help = INSIDE_HELP)]
     pub(crate) inside: PoleSide,
@@ -50,6 +51,7 @@ impl From<ReadingArguments> for Reading {
     fn from(arguments: ReadingArguments) -> Self {
         Self {
             unwrap: match arguments.unwrap {
+                LongEdges::Auto => Unwrap::Auto,
                 LongEdges::Literal => Unwrap::Literal,
                 LongEdges::Shortest => Unwrap::Shortest,
             },
@@ -63,8 +65,8 @@ impl From<ReadingArguments> for Reading {
 
 pub(super) const UNWRAP_HELP: &str = "\
 Edges over more than 180° of longitude: literal (as the
-numbers stand, RFC 7946) or shortest (the shorter way,
-over the antimeridian)";
+numbers stand, RFC 7946), shortest (over the antimeridian)
+or auto (what crosses nothing and is oriented right)";
 
 pub(super) const INSIDE_HELP: &str = "\
 Inside of a ring round a pole: smaller (the side with less
@@ -107,9 +109,23 @@ pub(super) fn parse_body(text: &str) -> Result<Ellipsoid, String> {
     Ellipsoid::by_name(text).ok_or_else(|| Ellipsoid::ALL.map(|body| body.name()).join(", "))
 }
 
-/// What to do about rings that cross themselves or one another.
+/// What to do about rings that cross themselves or one another, by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Repair {
+pub(crate) enum RingRepair {
     // Inside is what an odd number of edges separates from the outside.
     EvenOdd,
+    // Parts are joined, and holes are.
+    Union,
+    // So are parts, without their holes.
+    KeepShells,
+}
+
+impl From<RingRepair> for Repair {
+    fn from(repair: RingRepair) -> Self {
+        match repair {
+            RingRepair::EvenOdd => Self::EvenOdd,
+            RingRepair::Union => Self::Union,
+            RingRepair::KeepShells => Self::KeepShells,
+        }
+    }
 }

@@ -62,7 +62,7 @@ fn wrong_regions() -> Vec<Wrong> {
         wrong(
             "no-coordinates",
             r#"{"type":"Polygon","coordinates":[]}"#,
-            &["feature 0", "empty coordinates", "at least 3"],
+            &["no area", "found 1 empty Polygon"],
         ),
         wrong(
             "no-features",

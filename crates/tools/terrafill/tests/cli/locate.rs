@@ -171,6 +171,8 @@ fn crossing_rings_are_judged_by_the_even_odd_rule_when_asked_for() {
             "feature 1 (two): 2 crossings of edges",
             "feature 1 (two): 1 overlap of parts",
         ];
+        let is_change = |text: &&String| !text.contains("area as repaired");
+        let repairs: Vec<&String> = repairs.iter().filter(is_change).collect();
         assert_eq!(repairs.len(), expected.len(), "{repairs:?}");
         for (repair, expected) in repairs.iter().zip(expected) {
             assert!(repair.contains(expected), "{repair}");
@@ -224,7 +226,8 @@ fn overlapping_parts_are_refused_until_even_odd_is_asked_for() {
         let (text, repairs) = locate_repaired(&desk, &arguments, points);
         assert_eq!(found(&text), ["0", "", ""], "{edges}");
         let listed = "repaired: feature 0 (over): 1 overlap of parts: filled by the even-odd rule";
-        assert_eq!(repairs, [listed], "{edges}");
+        assert_eq!(repairs[0], listed, "{edges}");
+        assert!(repairs[1].contains("area as repaired"), "{edges}");
         // Negative control: parts that do not overlap are located without being asked twice.
         let arguments = ["apart.geojson", "--edges", edges];
         assert_eq!(found(&locate(&desk, &arguments, points)), ["0", "0", "0"]);
@@ -251,7 +254,7 @@ fn knots_on_the_antimeridian_and_rings_beyond_a_hemisphere_are_located() {
     let (text, repairs) = locate_repaired(&desk, &["tie.geojson"], points);
     assert_eq!(found(&text), ["", "", "0"]);
     let listed = "repaired: feature 0 (tie): 1 crossing of edges: filled by the even-odd rule";
-    assert_eq!(repairs, [listed]);
+    assert_eq!(repairs[0], listed);
     // Round the axis and over the equator: in no hemisphere.
     let wide = "[[0,30],[60,-10],[120,30],[180,-10],[240,30],[300,-10],[0,30]]";
     desk.write("wide.geojson", collection(&[("wide", polygon(wide))]));

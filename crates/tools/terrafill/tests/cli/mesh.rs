@@ -350,14 +350,25 @@ fn a_part_inside_another_is_refused_until_even_odd_is_asked_for() {
         desk.write(name, text);
     };
     write("nested.geojson", format!("[[{outer}],[{inner}]]"));
-    let words = ["polygon 0 and polygon 1 overlap", "--repair even-odd"];
+    let words = [
+        "polygon 0 and polygon 1 overlap",
+        "--repair even-odd makes it",
+        "--repair union makes it",
+    ];
     desk.run(&["mesh", "nested.geojson"]).refused(&[&words]);
     let json = mesh(&desk, &["nested.geojson", "--repair", "even-odd"]);
     let area = |sides| rectangle_area("wgs84", sides);
     let frame = area([0.0, 0.0, 10.0, 10.0]) - area([2.0, 2.0, 8.0, 8.0]);
     assert_area(&json["totals"]["area_m2"], frame);
     let listed = "1 overlap of parts: filled by the even-odd rule";
-    assert_eq!(json["regions"][0]["warnings"], serde_json::json!([listed]));
+    assert_eq!(json["regions"][0]["warnings"][0], listed);
+    // What it was, and what it has become.
+    let areas = json["regions"][0]["warnings"][1].as_str().expect("areas");
+    assert!(areas.starts_with("area as repaired "), "{areas}");
+    for repair in ["union", "keep-shells"] {
+        let json = mesh(&desk, &["nested.geojson", "--repair", repair]);
+        assert_area(&json["totals"]["area_m2"], area([0.0, 0.0, 10.0, 10.0]));
+    }
     // Negative control: as a hole it is right as it is.
     write("hole.geojson", format!("[[{outer},{inner}]]"));
     let json = mesh(&desk, &["hole.geojson"]);
@@ -376,7 +387,7 @@ fn crossings_are_filled_by_the_even_odd_rule_when_asked_for() {
     let json = mesh(&desk, &["tie.geojson", "--repair", "even-odd"]);
     let [tie, other] = [&json["regions"][0], &json["regions"][1]];
     let warning = "1 crossing of edges: filled by the even-odd rule";
-    assert_eq!(tie["warnings"], serde_json::json!([warning]));
+    assert_eq!(tie["warnings"][0], warning);
     assert_eq!(other["warnings"], serde_json::json!([]));
     // Two triangles between the diagonals, west and east of their crossing, added up in strips of
     // longitude (midpoint rule, whose error is below 1e-9 of the area at this width).
@@ -787,7 +798,11 @@ fn the_side_of_a_pole_ring_and_the_way_of_long_edges_can_be_chosen() {
 
     let habit = [[170.0, -5.0], [-170.0, -5.0], [-170.0, 5.0], [170.0, 5.0]];
     desk.write("habit.geojson", polygon(&habit));
-    for (unwrap, width, said) in [("literal", 340.0, 1), ("shortest", 20.0, 0)] {
+    for (unwrap, width, said) in [
+        ("literal", 340.0, 1),
+        ("shortest", 20.0, 0),
+        ("auto", 20.0, 1),
+    ] {
         let region = &mesh(&desk, &["habit.geojson", "--unwrap", unwrap])["regions"][0];
         let expected = rectangle_area("wgs84", [0.0, -5.0, width, 5.0]);
         assert_area(&region["area_m2"], expected);
@@ -796,11 +811,10 @@ fn the_side_of_a_pole_ring_and_the_way_of_long_edges_can_be_chosen() {
     // A ring round the pole that was never cut goes there and back.
     let uncut = polygon(&[[0.0, 60.0], [90.0, 60.0], [180.0, 60.0], [-90.0, 60.0]]);
     desk.write("uncut.geojson", uncut);
-    desk.run(&["mesh", "uncut.geojson"]).refused(&[&[
-        "the rings enclose no area",
-        "--unwrap shortest",
-        "--edges great-ellipse",
-    ]]);
-    let region = &mesh(&desk, &["uncut.geojson", "--unwrap", "shortest"])["regions"][0];
-    assert_area(&region["area_m2"], area(60.0, 90.0));
+    desk.run(&["mesh", "uncut.geojson", "--unwrap", "literal"])
+        .refused(&[&["the rings enclose no area", "--unwrap shortest takes"]]);
+    for unwrap in ["shortest", "auto"] {
+        let region = &mesh(&desk, &["uncut.geojson", "--unwrap", unwrap])["regions"][0];
+        assert_area(&region["area_m2"], area(60.0, 90.0));
+    }
 }

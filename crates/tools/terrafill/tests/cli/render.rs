@@ -702,8 +702,9 @@ fn fitted(desk: &Desk, file: &str) -> Vec<u16> {
         "--size",
     ];
     let outputs = ["96x64", "--out", "a.png", "--ids", "ids.png"];
-    let text = desk.run(&[&fit[..], &outputs].concat()).succeeded();
-    assert_eq!(text, "");
+    // Long edges are warned of.
+    let ran = desk.run(&[&fit[..], &outputs].concat());
+    assert_eq!((ran.code, ran.stdout.as_str()), (0, ""), "{}", ran.stderr);
     ids(desk)
 }
 
@@ -753,13 +754,66 @@ fn a_file_of_regions_is_drawn_as_large_as_fits() {
     desk.write("tie.geojson", polygon(&crate::harness::BOW_TIE));
     let fit = ["render", "tie.geojson", "--fit", "--technique", "reference"];
     let ran = desk.run(&[&fit[..], &["--size", "16", "--out", "a.png"]].concat());
+    // What was filled, and the area before and after.
     assert_eq!(
         (ran.code, ran.stderr.lines().count()),
-        (0, 1),
+        (0, 2),
         "{}",
         ran.stderr
     );
     assert!(ran.stderr.starts_with("repaired: feature 0: 1 crossing"));
+    // A jump is read the shorter way, which is said; a band that no eye sees whole is seen all round a pole.
+    let jump = [[171.0, 14.0], [-171.0, 14.0], [-171.0, 15.0], [171.0, 15.0]];
+    desk.write("jump.geojson", polygon(&jump));
+    let [west, east, ..] = bounds(&fitted(&desk, "jump.geojson"));
+    assert!(west > 0 && east < 95 && east - west > 40, "{west} … {east}");
+    let band = rectangle(-171.0, 14.0, 171.0, 15.0);
+    desk.write("band.geojson", polygon(&band));
+    let [west, east, north, south] = bounds(&fitted(&desk, "band.geojson"));
+    assert!(
+        east - west > 40 && south - north > 40,
+        "{west} {east} {north} {south}"
+    );
+    for (file, words) in [
+        ("jump.geojson", "read the shorter way"),
+        ("band.geojson", "2 edges span more than 180° of longitude"),
+    ] {
+        let fit = [
+            "render",
+            file,
+            "--fit",
+            "--technique",
+            "reference",
+            "--size",
+            "32",
+        ];
+        let ran = desk.run(&[&fit[..], &["--out", "c.png"]].concat());
+        assert!(
+            ran.code == 0 && ran.stderr.contains(words),
+            "{}",
+            ran.stderr
+        );
+    }
+    // Negative control: what covers the middle of no pixel is refused, not drawn empty.
+    let hair = [[0.0, 0.0], [40.0, 40.0], [40.0, 40.000_001]];
+    desk.write("hair.geojson", polygon(&hair));
+    let fit = [
+        "render",
+        "hair.geojson",
+        "--fit",
+        "--technique",
+        "reference",
+        "--size",
+        "8",
+    ];
+    let ran = desk.run(&[&fit[..], &["--out", "d.png"]].concat());
+    assert_eq!(ran.code, 2, "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("found no pixel of 8 × 8"),
+        "{}",
+        ran.stderr
+    );
+    assert!(!desk.path("d.png").exists());
     // Negative controls: what is no region cannot be fitted, and a view is none of a file's.
     desk.write(
         "none.geojson",

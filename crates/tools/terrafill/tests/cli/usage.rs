@@ -109,7 +109,7 @@ fn a_wrong_value_gets_one_line_with_what_is_allowed() {
         ),
         (
             &["mesh", "f", "--repair", "nonzero"],
-            "--repair: found \"nonzero\", allowed: even-odd",
+            "--repair: found \"nonzero\", allowed: even-odd, union, keep-shells",
         ),
         (
             &["mesh", "f", "--body", "pluto"],
