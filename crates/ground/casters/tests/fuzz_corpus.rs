@@ -23,6 +23,8 @@ fn the_corpus_replays_and_reaches_every_branch() {
     assert!(missing.is_empty(), "no input comes to {missing:?}");
 }
 
+type Damage = fn(&mut Mesh);
+
 #[test]
 fn a_corpus_that_misses_a_branch_and_a_broken_mesh_are_noticed() {
     // Negative control: one input reaches one branch.
@@ -34,7 +36,7 @@ fn a_corpus_that_misses_a_branch_and_a_broken_mesh_are_noticed() {
     let right = read.expect("a triangle").mesh;
     models::check_mesh(&right, &mut reached).expect("right");
     // Negative controls: a mesh broken in one place each.
-    let broken: [(&str, fn(&mut Mesh)); 6] = [
+    let broken: [(&str, Damage); 6] = [
         ("no triangles", |mesh| mesh.triangles.clear()),
         ("vertex 0", |mesh| mesh.vertices[0].x = f64::NAN),
         ("planes", |mesh| mesh.planes.clear()),

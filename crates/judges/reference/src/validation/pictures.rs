@@ -9,7 +9,7 @@
 use super::{TestRing, locator, parallel};
 use crate::backend::{ReferenceFrame, judge};
 use crate::surface::SurfaceTriangles;
-use crate::{Locator, ReferenceBackend};
+use crate::{CloseLook, Locator, ReferenceBackend};
 use glam::DVec3;
 use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI};

@@ -25,9 +25,12 @@ pub(super) struct PictureFiles<'a> {
     folder: &'a Path,
     /// Files by what they show: equal pictures share one.
     written: RefCell<BTreeMap<u64, String>>,
-    /// What was noted of a frame's difference, by the frame's hashes and the reference's picture.
-    differences: RefCell<BTreeMap<((String, String), String), Notes>>,
+    /// What was noted of a frame's difference, by what it is the difference of.
+    differences: RefCell<BTreeMap<Difference, Notes>>,
 }
+
+/// The hashes of a frame's mask and ids, and the picture of its reference.
+type Difference = ((String, String), String);
 
 /// Names of notes and what they say.
 type Notes = Vec<(&'static str, String)>;
