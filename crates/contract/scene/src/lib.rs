@@ -5,6 +5,7 @@ mod camera;
 mod data;
 mod error;
 mod file;
+mod file_read;
 mod generated;
 mod needs;
 mod procedural;
@@ -20,12 +21,11 @@ pub use data::{
 };
 pub use error::SceneError;
 pub use file::{names_files, scene_needs};
+pub use file_read::FileRead;
 pub use generated::{Cells, Coast, Nested};
 pub use needs::shipped_scene_needs;
 pub use procedural::Islands;
-pub use scene::{
-    FileRead, LevelChoice, Overlap, Scene, SurfaceChoice, SurfaceFile, TexturedFills, View,
-};
+pub use scene::{LevelChoice, Overlap, Scene, SurfaceChoice, SurfaceFile, TexturedFills, View};
 pub use shipped::{shipped_scene_names, shipped_scene_text, suite_names, suite_scenes};
 pub use suite::{Expectation, SuiteScene, SuiteView};
 pub use texture::{

@@ -2,7 +2,7 @@
 //! A scene: a body, its regions, the rule for their edges, the surface, the views, the texture, and
 //! what to vary.
 
-use crate::{Camera, CameraPose, MipChain, SceneTexture, sha256_hex};
+use crate::{Camera, CameraPose, FileRead, MipChain, SceneTexture};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, Region};
 
@@ -68,28 +68,6 @@ pub struct SurfaceFile {
     pub path: String,
     /// All of it.
     pub bytes: Arc<[u8]>,
-}
-
-/// A file with regions, heights or a picture as it was read.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FileRead {
-    /// As the scene names it; of a file that ships with the program, its path in the repository.
-    pub path: String,
-    /// SHA-256 of its bytes, lower-case hexadecimal.
-    pub sha256: String,
-    /// What is remarkable about it as a whole.
-    pub warnings: Vec<String>,
-}
-
-impl FileRead {
-    /// A file of `bench-scenes/`, which ships with the program.
-    pub(crate) fn shipped(name: &str, bytes: &[u8]) -> Self {
-        Self {
-            path: format!("bench-scenes/{name}"),
-            sha256: sha256_hex(bytes),
-            warnings: Vec::new(),
-        }
-    }
 }
 
 /// Which levels a scene has.

@@ -38,10 +38,7 @@ const MIN_ROWS: f64 = 180.0;
 /// Four million triangles, and facets 16 m below the body: more take seconds on a software device.
 const MAX_ROWS: f64 = 1024.0;
 
-/// Farthest eye, radii of the body: all but 1° of a hemisphere is in sight.
-const FARTHEST_RADII: f64 = 60.0;
-
-/// Area in sight of another direction, as a share of the middle's, from which on it is worth it.
+/// Area that another direction shows, as a share of the middle's, from which on it is worth it.
 const NOTABLY_MORE: f64 = 1.1;
 
 /// Halvings of the range of heights: beyond these the picture moves by less than a pixel.
@@ -162,23 +159,14 @@ fn fitted(body: &Ellipsoid, meshes: &[RegionMesh], size: ImageSize) -> Option<Ca
         return Some(pose(below.exp()));
     }
     if !fits(above.exp()) {
-        // From far off the disc of the body is smaller, and more of it is seen.
-        let farthest = (FARTHEST_RADII * radius_m).ln();
-        if !fits(farthest.exp()) {
-            let eye_height_m = above.exp();
-            let cos_horizon = radius_m / (radius_m + eye_height_m);
-            let direction = best_direction(meshes, direction, cos_horizon);
-            let ground = body.ecef_to_geodetic(radius_m * direction);
-            let eye = Geodetic {
-                height_m: eye_height_m,
-                ..ground
-            };
-            return Some(CameraPose {
-                eye,
-                ..pose(eye_height_m)
-            });
-        }
-        (below, above) = (above, farthest);
+        let height_m = above.exp();
+        let cos_horizon = radius_m / (radius_m + height_m);
+        let direction = best_direction(meshes, direction, cos_horizon);
+        let ground = body.ecef_to_geodetic(radius_m * direction);
+        return Some(CameraPose {
+            eye: Geodetic { height_m, ..ground },
+            ..pose(height_m)
+        });
     }
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (below + above);
@@ -191,8 +179,8 @@ fn fitted(body: &Ellipsoid, meshes: &[RegionMesh], size: ImageSize) -> Option<Ca
     Some(pose(above.exp()))
 }
 
-/// Of several directions the one below which most area of the regions is in sight, `middle` if none has
-/// a tenth more.
+/// Of several directions the one that shows most area of the regions, each facet by how much it faces the eye:
+/// a band seen from above its pole lies along the limb and covers no pixel. `middle` if none shows a tenth more.
 ///
 /// - `cos_horizon`: of the angle from straight below the eye to the horizon
 fn best_direction(meshes: &[RegionMesh], middle: DVec3, cos_horizon: f64) -> DVec3 {
@@ -203,9 +191,10 @@ fn best_direction(meshes: &[RegionMesh], middle: DVec3, cos_horizon: f64) -> DVe
     let facets = facets.map(|[a, b, c]| ((a + b + c).normalize(), (b - a).cross(c - a).length()));
     let facets: Vec<(DVec3, f64)> = facets.collect();
     let in_sight = |direction: DVec3| -> f64 {
-        let seen = facets.iter();
-        let seen = seen.filter(|(facet, _)| facet.dot(direction) > cos_horizon);
-        seen.map(|(_, area)| area).sum()
+        let facing = facets.iter();
+        let facing = facing.map(|(facet, area)| (facet.dot(direction), area));
+        let seen = facing.filter(|(cosine, _)| *cosine > cos_horizon);
+        seen.map(|(cosine, area)| cosine * area).sum()
     };
     let largest = facets.iter().max_by(|a, b| a.1.total_cmp(&b.1));
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];

@@ -5,7 +5,8 @@ use super::check::Check;
 use super::raw::{RawFade, RawPicture, RawPlacement, RawTexture};
 use crate::SceneError;
 use crate::data::Folders;
-use crate::scene::{FileRead, TexturedFills, View};
+use crate::file_read::FileRead;
+use crate::scene::{TexturedFills, View};
 use crate::texture::{
     ImageSource, MAX_SIDE_PX, MIN_HATCH_PERIOD, Outside, SceneTexture, TextureAnchor,
     TexturePlacement, TextureShare,

@@ -3,7 +3,8 @@
 
 use super::raw::RawImage;
 use crate::data::{Folders, Verified};
-use crate::scene::{FileRead, SurfaceFile};
+use crate::file_read::FileRead;
+use crate::scene::SurfaceFile;
 use crate::{DataNeed, RegionLoadError, SceneError};
 use terrafill_core::{Reading, Region, RegionFile, read_regions_as};
 

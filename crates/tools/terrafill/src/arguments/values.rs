@@ -66,7 +66,7 @@ impl From<ReadingArguments> for Reading {
 pub(super) const UNWRAP_HELP: &str = "\
 Edges over more than 180° of longitude: literal (as the
 numbers stand, RFC 7946), shortest (over the antimeridian)
-or auto (what crosses nothing and is oriented right)";
+or auto (what is oriented right)";
 
 pub(super) const INSIDE_HELP: &str = "\
 Inside of a ring round a pole: smaller (the side with less

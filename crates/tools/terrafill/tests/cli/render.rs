@@ -762,18 +762,15 @@ fn a_file_of_regions_is_drawn_as_large_as_fits() {
         ran.stderr
     );
     assert!(ran.stderr.starts_with("repaired: feature 0: 1 crossing"));
-    // A jump is read the shorter way, which is said; a band that no eye sees whole is seen all round a pole.
+    // A jump is read the shorter way, which is said; a band that no eye sees whole is seen from its side.
     let jump = [[171.0, 14.0], [-171.0, 14.0], [-171.0, 15.0], [171.0, 15.0]];
     desk.write("jump.geojson", polygon(&jump));
     let [west, east, ..] = bounds(&fitted(&desk, "jump.geojson"));
     assert!(west > 0 && east < 95 && east - west > 40, "{west} … {east}");
     let band = rectangle(-171.0, 14.0, 171.0, 15.0);
     desk.write("band.geojson", polygon(&band));
-    let [west, east, north, south] = bounds(&fitted(&desk, "band.geojson"));
-    assert!(
-        east - west > 40 && south - north > 40,
-        "{west} {east} {north} {south}"
-    );
+    let [west, east, ..] = bounds(&fitted(&desk, "band.geojson"));
+    assert!(east - west > 40, "{west} … {east}");
     for (file, words) in [
         ("jump.geojson", "read the shorter way"),
         ("band.geojson", "2 edges span more than 180° of longitude"),
