@@ -78,8 +78,7 @@ pub trait FillBackend {
     fn render(&mut self, input: &FillInput) -> Result<Frame, DeviceError>;
 
     /// The frame of [`FillBackend::render`] for who looks at its picture and at what a frame hands over. It
-    /// may lack the counts that take draws of their own, such as of fragments, and lie over the surface that
-    /// is there already.
+    /// may lack the counts that take draws of their own, such as of fragments.
     ///
     /// # Errors
     /// As [`FillBackend::render`].

@@ -408,12 +408,9 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
         Ok(frame)
     }
 
-    /// Over the surface that is there, as a frame that is timed is drawn.
     fn render_uncounted(&mut self, input: &FillInput) -> Result<Frame, DeviceError> {
         self.check_prepared(input)?;
-        if !self.executor.holds_surface(input.view_id) {
-            self.draw_surface(input)?;
-        }
+        self.draw_surface(input)?;
         self.filled(input)
     }
 
