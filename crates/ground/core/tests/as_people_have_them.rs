@@ -99,6 +99,15 @@ const NOTCHED: [Degrees; 6] = [
     [-180.0, 10.0],
 ];
 
+/// A ring round a pole that is not cut at the antimeridian.
+const UNCUT_CAP: [[f64; 2]; 5] = [
+    [0.0, 60.0],
+    [90.0, 60.0],
+    [180.0, 60.0],
+    [-90.0, 60.0],
+    [0.0, 60.0],
+];
+
 #[test]
 fn of_a_ring_round_a_pole_the_smaller_side_is_inside_or_the_left_one() {
     for (ring, percent) in [(&SPIKED_CAP[..], 7.2524), (&NOTCHED, 48.4005)] {
@@ -430,14 +439,7 @@ fn of_two_readings_the_one_is_taken_that_crosses_nothing_and_is_oriented() {
         );
     }
     // Round a pole: nothing is enclosed as the numbers stand.
-    let uncut = [
-        [0.0, 60.0],
-        [90.0, 60.0],
-        [180.0, 60.0],
-        [-90.0, 60.0],
-        [0.0, 60.0],
-    ];
-    shorter(&[&uncut], box_m2(360.0, 60.0, 90.0));
+    shorter(&[&UNCUT_CAP], box_m2(360.0, 60.0, 90.0));
     // Clockwise, so only crossings tell: the northern jump would cut the spike at 160 … 165.
     let spiked = [
         [160.0, 10.0],
@@ -522,14 +524,7 @@ fn one_part_may_be_a_band_and_another_a_jump() {
 
 #[test]
 fn a_pole_ring_without_its_cut_is_refused_with_what_would_read_it() {
-    let uncut = [
-        [0.0, 60.0],
-        [90.0, 60.0],
-        [180.0, 60.0],
-        [-90.0, 60.0],
-        [0.0, 60.0],
-    ];
-    let refused = build_as(&[&uncut], PLANAR, Reading::default()).expect_err("no area");
+    let refused = build_as(&[&UNCUT_CAP], PLANAR, Reading::default()).expect_err("no area");
     let [MeshError::NoArea { long_edges: 1, .. }] = refused[..] else {
         panic!("{refused:?}");
     };
@@ -537,10 +532,10 @@ fn a_pole_ring_without_its_cut_is_refused_with_what_would_read_it() {
         unwrap: Unwrap::Shortest,
         ..Reading::default()
     };
-    let mesh = build_as(&[&uncut], PLANAR, shortest).expect("meshes");
+    let mesh = build_as(&[&UNCUT_CAP], PLANAR, shortest).expect("meshes");
     let cap_m2 = BODY.quadrangle_area_m2(TAU, 60_f64.to_radians(), FRAC_PI_2);
     assert_area(&mesh, cap_m2, 1e-12);
-    assert!(build(&[&uncut], ARCS).area_m2 < cap_m2);
+    assert!(build(&[&UNCUT_CAP], ARCS).area_m2 < cap_m2);
     // Negative control: nothing of long edges where there are none.
     let line = [[0.0, 60.0], [90.0, 60.0], [100.0, 60.0], [0.0, 60.0]];
     let refused = build_as(&[&line], PLANAR, Reading::default()).expect_err("no area");

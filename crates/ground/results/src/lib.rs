@@ -62,8 +62,8 @@ pub use plan::{RunPlan, Shard, Skipped};
 pub use process_part::VerifiedRun;
 pub use random::SplitMix64;
 pub use ratio::{
-    Claim, Estimate, exponent, over_processes, over_typical, process_medians, ratio, sample_spread,
-    share, typical,
+    Claim, Estimate, over_processes, over_typical, process_medians, ratio, sample_spread, share,
+    typical,
 };
 pub use read::{Case, Outcome, Run, Samples, repeated_cases};
 pub use scope::Scope;

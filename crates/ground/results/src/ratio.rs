@@ -203,23 +203,6 @@ pub fn typical(case: &Case, metric: impl AsRef<str>) -> Option<Estimate> {
     over_processes(&medians)
 }
 
-/// Exponent *b* of cost = c · workᵇ through two cases of different work, which no process measures side
-/// by side, so that their processes are resampled apart; `None` without both costs or without a
-/// difference in work.
-#[must_use]
-pub fn exponent([few, many]: [f64; 2], [of_few, of_many]: [&[f64]; 2]) -> Option<Estimate> {
-    let growth = (many / few).ln();
-    if !growth.is_finite() || growth <= 0.0 {
-        return None;
-    }
-    let middle = (median(of_many)? / median(of_few)?).ln() / growth;
-    let mut random = generator();
-    estimate(middle, of_few.len().min(of_many.len()), || {
-        let ratio = resampled_median(&mut random, of_many) / resampled_median(&mut random, of_few);
-        ratio.ln() / growth
-    })
-}
-
 fn estimate(middle: f64, processes: usize, mut resampled: impl FnMut() -> f64) -> Option<Estimate> {
     let interval = (processes >= MIN_REPLICATES).then(|| {
         let values: Vec<f64> = (0..BOOTSTRAP_RESAMPLES).map(|_| resampled()).collect();
@@ -434,20 +417,5 @@ mod tests {
         for (claim, gain, standing) in cases {
             assert_eq!(claim.standing(&gain), standing, "{claim:?} {gain:?}");
         }
-    }
-
-    #[test]
-    fn time_that_grows_with_work_has_exponent_one() {
-        let few = [10.0, 10.1, 9.9, 10.0, 10.05];
-        let many = few.map(|time| time * 8.0);
-        let found = exponent([1_000.0, 8_000.0], [&few, &many]).expect("costs");
-        let [low, high] = found.interval.expect("five processes");
-        assert!((found.middle - 1.0).abs() < 1e-9 && low > 0.98 && high < 1.02);
-        // Negative controls: another growth is another exponent, and no growth gives none.
-        let slower = exponent([1_000.0, 64_000.0], [&few, &many]).expect("costs");
-        assert!((slower.middle - 0.5).abs() < 1e-9);
-        assert_eq!(exponent([1_000.0, 1_000.0], [&few, &many]), None);
-        let short = exponent([1_000.0, 8_000.0], [&few[..4], &many]).expect("costs");
-        assert_eq!(short.interval, None);
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! | tolerance | value | cause |
 //! |---|---|---|
-//! | [`BAND_RADIUS_PX`] | 1 | rasterisers snap vertices to 1/256 pixel and round depth, so the pixel that a boundary crosses may fall to either side, and no other pixel may; a boundary between the centres of the reference's pixels is one too ([`crate::compare_closely`], and of boundaries moved on purpose [`crate::boundary_movement`]) |
+//! | [`BAND_RADIUS_PX`] | 1 | rasterisers snap vertices to 1/256 pixel and round depth, so the pixel that a boundary crosses may fall to either side. No other pixel may. Boundaries between the centres of the reference's pixels count ([`crate::compare_closely`]; where moved on purpose, [`crate::boundary_movement`]) |
 //! | [`BORDER_ROUNDING`] | 2⁻²⁴ of the distance | positions relative to the eye are rounded to f32; a facet in the plane of a wall, such as a skirt, then shows either side of it or none; a quarter of it is enough for the extreme suite |
 //! | [`MAX_MISMATCHED_OUTSIDE_BAND_PX`] | 0 | beyond the band no rounding reaches; what is wrong there is a leak, a missing wall or another region's colour |
 //! | [`MAX_HAUSDORFF_PX`] | 1 | a boundary that moved by less than a pixel moves its pixels by one at most; what stays in the band but goes missing over a length, such as a strip two pixels wide, shows up here only |

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What a case is measured for, how its technique is set, and what contradicts its outcome: as the plan writes it, and
-//! as the chapters of fills and of extreme scenes read it.
+//! What a case is measured for, how its technique is set, and what contradicts its outcome. The plan writes it;
+//! the chapters of fills and of extreme scenes read it.
 
 use crate::keys::*;
 use terrafill_results::{Case, ConditionKey, REPEATS};

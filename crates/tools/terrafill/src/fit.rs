@@ -179,8 +179,8 @@ fn fitted(body: &Ellipsoid, meshes: &[RegionMesh], size: ImageSize) -> Option<Ca
     Some(pose(above.exp()))
 }
 
-/// Of several directions the one that shows most area of the regions, each facet by how much it faces the eye:
-/// a band seen from above its pole lies along the limb and covers no pixel. `middle` if none shows a tenth more.
+/// Of several directions the one that shows most area of the regions; `middle` if none shows a tenth more.
+/// Facets count by how much they face the eye: from above its pole, a band lies along the limb and covers no pixel.
 ///
 /// - `cos_horizon`: of the angle from straight below the eye to the horizon
 fn best_direction(meshes: &[RegionMesh], middle: DVec3, cos_horizon: f64) -> DVec3 {

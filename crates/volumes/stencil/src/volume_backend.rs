@@ -410,6 +410,7 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
 
     fn render_uncounted(&mut self, input: &FillInput) -> Result<Frame, DeviceError> {
         self.check_prepared(input)?;
+        // Anew, or the colours of an earlier fill would stay in pixels that this one leaves alone.
         self.draw_surface(input)?;
         self.filled(input)
     }

@@ -7,7 +7,7 @@ use crate::cases::view_group;
 use crate::request::Wishes;
 use crate::tests::TECHNIQUES;
 use std::sync::Arc;
-use terrafill_contract::Devices;
+use terrafill_contract::{Devices, Frame};
 use terrafill_core::VolumeHeights;
 use terrafill_plan::{DrawnAs, FramePlan, NearRectangle, PixelRect, PlannedRegion};
 use terrafill_scene::{ImageSize, Scene};
@@ -157,5 +157,34 @@ fn what_rounds_too_much_to_be_right_is_left_out_of_the_matrix_by_its_bound_alone
             let found = session.verify(cell(name)).expect("verified");
             assert_eq!(found.status, Status::Ok, "{name}: {}", found.reason);
         }
+    });
+}
+
+#[test]
+fn a_frame_that_is_drawn_again_holds_nothing_of_the_fill_before_it() {
+    let group = group("square-200km", "edge-1m5", 512);
+    let case = |name: &str| {
+        let mut cases = group.cases.iter();
+        let found = cases.find(|case| case.variant_name() == name);
+        found.expect("a cell of the matrix")
+    };
+    with_session(&group, |session| {
+        let mut drawn = |name: &str, probe| {
+            let drawn = session.draw(case(name), |_, _| 0.0, probe);
+            drawn
+                .unwrap_or_else(|why| panic!("not drawn: {why:?}"))
+                .frame
+        };
+        let first = drawn("doubled", ProbeFrame::Counted);
+        // Rounded so much that it fills where nothing is to be filled.
+        let other = drawn("doubled,positions=ecef-f32", ProbeFrame::Counted);
+        let again = drawn("doubled", ProbeFrame::PictureOnly);
+        assert_eq!(again.ids, first.ids);
+        // Negative control: over what was there, these pixels would have stayed.
+        let pixels = first.ids.iter().zip(&other.ids);
+        let left_over = pixels.filter(|(own, other)| **own == 0 && **other > 0);
+        assert!(left_over.count() > 0);
+        let fragments = |frame: &Frame| frame.counters.as_ref()?.stencil_fragments;
+        assert_eq!(fragments(&again), None, "nothing was drawn to be counted");
     });
 }

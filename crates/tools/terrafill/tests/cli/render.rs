@@ -2,7 +2,7 @@
 //! `render`: whose pixel is whose, what the statistics hold, and every switch.
 
 use crate::harness::{
-    Desk, a_device, collection, exact_techniques, has_device, polygon, rectangle, techniques,
+    Desk, Ran, a_device, collection, exact_techniques, has_device, polygon, rectangle, techniques,
 };
 use image::DynamicImage;
 use serde_json::Value;
@@ -691,19 +691,16 @@ fn every_switch_is_listed_with_its_values_and_needs_no_scene() {
     assert!(ran.stderr.contains("--out"), "{}", ran.stderr);
 }
 
-/// Colour and ids of a fitted picture, 96 × 64.
+/// Draws a file so that its regions fill a picture, colour and ids.
+fn fit(desk: &Desk, file: &str, size: &str) -> Ran {
+    let line = ["render", file, "--fit", "--technique", "reference"];
+    let outputs = ["--size", size, "--out", "a.png", "--ids", "ids.png"];
+    desk.run(&[&line[..], &outputs].concat())
+}
+
+/// Ids of a fitted picture, 96 × 64; long edges are warned of.
 fn fitted(desk: &Desk, file: &str) -> Vec<u16> {
-    let fit = [
-        "render",
-        file,
-        "--fit",
-        "--technique",
-        "reference",
-        "--size",
-    ];
-    let outputs = ["96x64", "--out", "a.png", "--ids", "ids.png"];
-    // Long edges are warned of.
-    let ran = desk.run(&[&fit[..], &outputs].concat());
+    let ran = fit(desk, file, "96x64");
     assert_eq!((ran.code, ran.stdout.as_str()), (0, ""), "{}", ran.stderr);
     ids(desk)
 }
@@ -752,8 +749,7 @@ fn a_file_of_regions_is_drawn_as_large_as_fits() {
     let [west, east, ..] = bounds(&fitted(&desk, "wide.geojson"));
     assert!((50..=62).contains(&(east - west + 1)), "{west} … {east}");
     desk.write("tie.geojson", polygon(&crate::harness::BOW_TIE));
-    let fit = ["render", "tie.geojson", "--fit", "--technique", "reference"];
-    let ran = desk.run(&[&fit[..], &["--size", "16", "--out", "a.png"]].concat());
+    let ran = fit(&desk, "tie.geojson", "16");
     // What was filled, and the area before and after.
     assert_eq!(
         (ran.code, ran.stderr.lines().count()),
@@ -775,42 +771,22 @@ fn a_file_of_regions_is_drawn_as_large_as_fits() {
         ("jump.geojson", "read the shorter way"),
         ("band.geojson", "2 edges span more than 180° of longitude"),
     ] {
-        let fit = [
-            "render",
-            file,
-            "--fit",
-            "--technique",
-            "reference",
-            "--size",
-            "32",
-        ];
-        let ran = desk.run(&[&fit[..], &["--out", "c.png"]].concat());
-        assert!(
-            ran.code == 0 && ran.stderr.contains(words),
-            "{}",
-            ran.stderr
-        );
+        let ran = fit(&desk, file, "32");
+        let is_said = ran.stderr.contains(words);
+        assert!(ran.code == 0 && is_said, "{}", ran.stderr);
     }
     // Negative control: what covers the middle of no pixel is refused, not drawn empty.
     let hair = [[0.0, 0.0], [40.0, 40.0], [40.0, 40.000_001]];
     desk.write("hair.geojson", polygon(&hair));
-    let fit = [
-        "render",
-        "hair.geojson",
-        "--fit",
-        "--technique",
-        "reference",
-        "--size",
-        "8",
-    ];
-    let ran = desk.run(&[&fit[..], &["--out", "d.png"]].concat());
+    std::fs::remove_file(desk.path("a.png")).expect("drawn before");
+    let ran = fit(&desk, "hair.geojson", "8");
     assert_eq!(ran.code, 2, "{}", ran.stderr);
     assert!(
         ran.stderr.contains("found no pixel of 8 × 8"),
         "{}",
         ran.stderr
     );
-    assert!(!desk.path("d.png").exists());
+    assert!(!desk.path("a.png").exists());
     // Negative controls: what is no region cannot be fitted, and a view is none of a file's.
     desk.write(
         "none.geojson",
