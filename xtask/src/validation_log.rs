@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The log that tests write while the Vulkan validation layer watches them.
 //!
-//! One message a line: `PID<TAB>severity<TAB>message id<TAB>text`. Silence is no success: a layer
-//! that was never loaded is silent too. So one test commits an error on purpose, and a log without
-//! that error fails.
+//! One message a line: `PID<TAB>severity<TAB>message id<TAB>text<TAB>.`. Silence is no success: a
+//! layer that was never loaded is silent too. So one test commits an error on purpose, and a log
+//! without that error fails. Tests also kill processes, and one that is killed as it writes leaves a
+//! line without its stop: that is its last, and is judged by the id alone.
 
 use anyhow::{Context as _, Result, bail};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What the deliberate error is reported as.
@@ -43,13 +45,30 @@ pub(crate) fn check(path: &Path) -> Result<String> {
 
 fn check_text(text: &str) -> Result<String> {
     let (mut control, mut known_false, mut unexpected) = (0_usize, 0_usize, Vec::new());
+    // Lines cut off, by the process that wrote them.
+    let mut cut: BTreeMap<&str, &str> = BTreeMap::new();
     for (i, line) in text.lines().enumerate() {
-        let mut fields = line.splitn(4, '\t');
+        if line.is_empty() {
+            continue;
+        }
+        let pid = line.split('\t').next().unwrap_or_default();
+        if let Some(earlier) = cut.get(pid) {
+            bail!("process {pid} went on after half a message: {earlier:?}");
+        }
+        let Some(whole) = line.strip_suffix("\t.") else {
+            if pid.parse::<u32>().is_err() {
+                let allowed = "a message that begins with a process id";
+                bail!("line {}: found {line:?}, allowed: {allowed}", i + 1);
+            }
+            cut.insert(pid, line);
+            continue;
+        };
+        let mut fields = whole.splitn(4, '\t');
         let (Some(pid), Some(severity), Some(id), Some(message)) =
             (fields.next(), fields.next(), fields.next(), fields.next())
         else {
             bail!(
-                "line {}: found {line:?}, allowed: four fields between tabs",
+                "line {}: found {line:?}, allowed: five fields between tabs",
                 i + 1
             );
         };
@@ -59,6 +78,15 @@ fn check_text(text: &str) -> Result<String> {
             known_false += 1;
         } else {
             unexpected.push(format!("process {pid}: {severity} {id}: {message}"));
+        }
+    }
+    for line in cut.values() {
+        let fields: Vec<&str> = line.split('\t').collect();
+        // With a field after it the id is whole.
+        if let [pid, severity, id, _, ..] = fields.as_slice()
+            && !may_be_false(id)
+        {
+            unexpected.push(format!("process {pid}, cut off: {severity} {id}"));
         }
     }
     if !unexpected.is_empty() {
@@ -73,8 +101,15 @@ fn check_text(text: &str) -> Result<String> {
     }
     Ok(format!(
         "validation layer at work ({control} deliberate errors reported), {known_false} messages \
-         known to be false, nothing else"
+         known to be false, {} cut off as their process was killed, nothing else",
+        cut.len()
     ))
+}
+
+/// Whether some text makes a message with this id a false one.
+fn may_be_false(id: &str) -> bool {
+    let mut starts = FALSE_MESSAGES.iter().map(|(start, _)| start);
+    id == POSITIVE_CONTROL || starts.any(|start| id.starts_with(start))
 }
 
 fn is_known_false(id: &str, message: &str) -> bool {
@@ -87,14 +122,14 @@ fn is_known_false(id: &str, message: &str) -> bool {
 mod tests {
     use super::*;
 
-    const CONTROL: &str = "7\tERROR\tVUID-VkBufferCreateInfo-size-00912\tsize is 0\n";
+    const CONTROL: &str = "7\tERROR\tVUID-VkBufferCreateInfo-size-00912\tsize is 0\t.\n";
     const SPIRV: &str = "8\tERROR\tUNASSIGNED-CoreValidation-Shader-InconsistentSpirv\t\
-                         Invalid source language operand: 10\n";
+                         Invalid source language operand: 10\t.\n";
     const LINE_WIDTH: &str = "8\tERROR\tVUID-vkCmdDrawIndexed-commandBuffer-02701\t\
-                              VK_DYNAMIC_STATE_LINE_WIDTH not set\n";
+                              VK_DYNAMIC_STATE_LINE_WIDTH not set\t.\n";
 
     const STORE: &str = "8\tERROR\twgpu-stores-read-only-depth\t\
-                         storeOp VK_ATTACHMENT_STORE_OP_STORE\n";
+                         storeOp VK_ATTACHMENT_STORE_OP_STORE\t.\n";
 
     #[test]
     fn the_deliberate_error_and_the_false_messages_pass() {
@@ -119,19 +154,33 @@ mod tests {
     #[test]
     fn any_other_message_fails_and_is_shown() {
         let others = [
-            "9\tERROR\tVUID-vkCmdDrawIndexed-None-02699\tdescriptor not bound\n",
-            "9\tWARN\tvalidation-layer-missing\tunable to find layer\n",
+            "9\tERROR\tVUID-vkCmdDrawIndexed-None-02699\tdescriptor not bound\t.\n",
+            "9\tWARN\tvalidation-layer-missing\tunable to find layer\t.\n",
             // The same store from a pass that is not wgpu's.
-            "9\tERROR\tSYNC-HAZARD-WRITE-AFTER-READ\tstoreOp VK_ATTACHMENT_STORE_OP_STORE\n",
+            "9\tERROR\tSYNC-HAZARD-WRITE-AFTER-READ\tstoreOp VK_ATTACHMENT_STORE_OP_STORE\t.\n",
             // The false messages' ids with other texts are real ones.
-            "9\tERROR\tUNASSIGNED-CoreValidation-Shader-InconsistentSpirv\tmissing capability\n",
-            "9\tERROR\tVUID-vkCmdDraw-commandBuffer-02701\tviewport not set\n",
+            "9\tERROR\tUNASSIGNED-CoreValidation-Shader-InconsistentSpirv\tmissing capability\t.\n",
+            "9\tERROR\tVUID-vkCmdDraw-commandBuffer-02701\tviewport not set\t.\n",
         ];
         for other in others {
             let error = check_text(&format!("{CONTROL}{other}")).expect_err(other);
             let id = other.split('\t').nth(2).expect("an id");
             assert!(error.to_string().contains(id), "{error}");
         }
+    }
+
+    #[test]
+    fn a_message_cut_off_is_the_last_of_its_process_and_may_be_false() {
+        let cut = "8\tERROR\tVUID-vkCmdDrawIndexed-commandBuffer-02701\tObject 0: handle\n";
+        let text = [CONTROL, SPIRV, cut, &STORE.replace('8', "9")].concat();
+        let summary = check_text(&text).expect("clean");
+        assert!(summary.contains("1 cut off"), "{summary}");
+        check_text(&[CONTROL, "8\tERR\n"].concat()).expect("says nothing yet");
+        // Negative controls: a process that goes on was not killed; another id is never false.
+        check_text(&[CONTROL, cut, SPIRV].concat()).expect_err("goes on");
+        let real = cut.replace("vkCmdDrawIndexed-commandBuffer-02701", "vkCmdCopy-00001");
+        let error = check_text(&[CONTROL, &real].concat()).expect_err("a real one");
+        assert!(error.to_string().contains("vkCmdCopy-00001"), "{error}");
     }
 
     #[test]

@@ -3,8 +3,10 @@
 //!
 //! With `TERRAFILL_VALIDATION=1` device crates load the layer, and keep every message of severity warning or
 //! error. Each is appended to the file named by `TERRAFILL_VALIDATION_LOG` as one line: process id, severity,
-//! message id and text, separated by tabs. Silence alone proves nothing, so each crate can commit an error
-//! ([`POSITIVE_CONTROL`]) that a working layer must report.
+//! message id, text and a full stop, separated by tabs. Many processes write to it, and one that is killed may
+//! leave half a message: so each message begins a line of its own, and only a whole one has the stop.
+//! Silence alone proves nothing, so each crate can commit an error ([`POSITIVE_CONTROL`]) that a working layer
+//! must report.
 
 use crate::{DeviceError, THIS_MACHINE};
 use std::fs::{File, OpenOptions};
@@ -81,7 +83,7 @@ impl ValidationLog {
     pub fn keep(&self, severity: &str, id: &str, text: &str) {
         let one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
         let [id, text] = [id, text].map(one_line);
-        let line = format!("{}\t{severity}\t{id}\t{text}\n", std::process::id());
+        let line = line(std::process::id(), severity, &id, &text);
         let message = |severity: &str, id: String, text: String| ValidationMessage {
             severity: severity.to_owned(),
             id,
@@ -106,9 +108,26 @@ impl ValidationLog {
     }
 }
 
+/// As a file has it. The line before may be half a message of a process that was killed.
+fn line(process: u32, severity: &str, id: &str, text: &str) -> String {
+    format!("\n{process}\t{severity}\t{id}\t{text}\t.\n")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn half_a_message_spoils_no_other() {
+        let whole = line(2, "WARN", "VUID-y", "b");
+        let cut = line(1, "ERROR", "VUID-x", "a long text").replace("text\t.\n", "");
+        let both = cut + &whole;
+        let lines: Vec<&str> = both.lines().filter(|line| !line.is_empty()).collect();
+        assert_eq!(
+            lines,
+            ["1\tERROR\tVUID-x\ta long ", "2\tWARN\tVUID-y\tb\t."]
+        );
+    }
 
     #[test]
     fn a_message_is_kept_on_one_line() {
