@@ -16,7 +16,7 @@ pub use problem::{RegionFileError, RegionProblem, RegionProblemKind, printable, 
 
 use crate::{EdgeRule, Inside, Polygon, Region, Unwrap};
 use long_edges::{ShorterReading, choose_readings};
-use problem::json_problem;
+use problem::{json_problem, other_format};
 use raw::{RawCoordinates, RawObject};
 use records::{MAX_UNPACKED_BYTES, records, unpacked};
 use serde::de::IgnoredAny;
@@ -280,11 +280,15 @@ impl Reader {
             }
         };
         let bytes = &*bytes;
+        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        if let Some(found) = other_format(text.trim_ascii_start()) {
+            self.problem(None, RegionProblemKind::OtherFormat { found });
+            return Vec::new();
+        }
         if let Some(found) = wide_encoding(bytes) {
             self.problem(None, RegionProblemKind::Encoding { found });
             return Vec::new();
         }
-        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         match text.iter().find(|byte| !byte.is_ascii_whitespace()) {
             None => {
                 self.problem(None, RegionProblemKind::EmptyFile);

@@ -27,26 +27,29 @@ pub struct RingSide {
     pub choice: Option<SideChoice>,
 }
 
-/// Two readings of a ring round a pole.
+/// Two readings of a ring.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SideChoice {
     /// Area of the side that was taken, square metres.
     pub taken_m2: f64,
     /// Area of the other, square metres.
     pub other_m2: f64,
+    /// Whether the ring is round a pole, see [`Inside`].
+    pub is_round: bool,
 }
 
 impl Polygon {
     /// Which poles each ring holds, the shell first.
     ///
-    /// - cost: O(vertices) for rings round a pole and for rings of great ellipses; O(1) for others
+    /// - cost: O(vertices) for rings round a pole, for rings of great ellipses and for shells of which the left
+    ///   side is asked for; O(1) for others
     #[must_use]
     pub fn sides(&self, rule: EdgeRule, body: &Ellipsoid, inside: Inside) -> Vec<RingSide> {
         let count = 1 + self.holes.len();
         let sides: Vec<Option<Sides>> = self
             .rings()
             .enumerate()
-            .map(|(index, ring)| Sides::of(ring, index > 0, rule, body))
+            .map(|(index, ring)| Sides::of(ring, index > 0, rule, body, inside))
             .collect();
         if sides.iter().all(Option::is_none) {
             return vec![RingSide::default(); count];
@@ -78,7 +81,7 @@ impl Polygon {
     pub(crate) fn ring_by_ring_m2(&self, rule: EdgeRule, body: &Ellipsoid, inside: Inside) -> f64 {
         let zone = ZoneArea::new(body, 0.0);
         let area_m2 = |(index, ring): (usize, &Ring)| {
-            let sides = Sides::of(ring, index > 0, rule, body);
+            let sides = Sides::of(ring, index > 0, rule, body, inside);
             let area_m2 = sides.map(|sides| sides.areas_m2[sides.taken(inside)]);
             let plain_m2 = || {
                 let pieces = ring_pieces(rule, ring).unwrap_or_default();
@@ -105,17 +108,28 @@ struct Sides {
     parts_poles: bool,
     /// Whether it is round a pole, see [`Inside`].
     is_round: bool,
-    whole_m2: f64,
+    /// Whether [`Inside::Left`] takes the side that the orientation says.
+    follows_orientation: bool,
+    /// The side of a ring that [`Inside::Smaller`] takes.
+    smaller: usize,
 }
 
 impl Sides {
     /// `None` for a ring that can be read in one way only.
-    fn of(ring: &Ring, is_hole: bool, rule: EdgeRule, body: &Ellipsoid) -> Option<Self> {
-        let has_one_reading = match rule {
+    fn of(
+        ring: &Ring,
+        is_hole: bool,
+        rule: EdgeRule,
+        body: &Ellipsoid,
+        inside: Inside,
+    ) -> Option<Self> {
+        let is_plain = match rule {
             EdgeRule::Planar => ring.winding_deg() == 0.0,
             EdgeRule::GreatEllipse => is_within_half_a_turn(ring),
         };
-        if has_one_reading {
+        // Outside of its shell a hole cuts nothing out, so one that is not round a pole has no other side.
+        let asks_for_left = inside == Inside::Left && !is_hole;
+        if is_plain && !asks_for_left {
             return None;
         }
         // Opposite ends are refused elsewhere.
@@ -143,41 +157,43 @@ impl Sides {
             // Twice round: it crosses itself, and neither pole is inside.
             return None;
         };
-        let areas_m2 = [first_m2, whole_m2 - first_m2];
+        let second_m2 = whole_m2 - first_m2;
+        let oriented = usize::from(is_first_on_the_left == is_hole);
+        let is_of_plane = rule == EdgeRule::Planar && turns == 0.0;
+        let is_round = !is_of_plane && (parts_poles || second_m2 < first_m2);
         Some(Self {
             poles,
-            areas_m2,
-            oriented: usize::from(is_first_on_the_left == is_hole),
+            areas_m2: [first_m2, second_m2],
+            oriented,
             parts_poles,
-            is_round: parts_poles || areas_m2[1] < areas_m2[0],
-            whole_m2,
+            is_round,
+            follows_orientation: is_round || asks_for_left,
+            smaller: if is_of_plane {
+                0
+            } else if (first_m2 - second_m2).abs() <= HALF_TOLERANCE * whole_m2 {
+                oriented
+            } else {
+                usize::from(second_m2 < first_m2)
+            },
         })
-    }
-
-    fn smaller(&self) -> usize {
-        let [first, second] = self.areas_m2;
-        if (first - second).abs() <= HALF_TOLERANCE * self.whole_m2 {
-            self.oriented
-        } else {
-            usize::from(second < first)
-        }
     }
 
     fn taken(&self, inside: Inside) -> usize {
         match inside {
-            Inside::Left if self.is_round => self.oriented,
-            _ => self.smaller(),
+            Inside::Left if self.follows_orientation => self.oriented,
+            _ => self.smaller,
         }
     }
 
     fn choose(&self, inside: Inside) -> RingSide {
         let taken = self.taken(inside);
-        let differ = self.is_round && self.smaller() != self.oriented;
+        let differ = self.follows_orientation && self.smaller != self.oriented;
         RingSide {
             holds_poles: self.poles[taken],
             choice: differ.then(|| SideChoice {
                 taken_m2: self.areas_m2[taken],
                 other_m2: self.areas_m2[1 - taken],
+                is_round: self.is_round,
             }),
         }
     }
@@ -202,7 +218,16 @@ fn is_within_half_a_turn(ring: &Ring) -> bool {
 
 /// What is to be said of a ring of which [`Inside`] decides the side.
 pub(crate) fn side_note(is_hole: bool, inside: Inside, choice: &SideChoice) -> String {
-    let SideChoice { taken_m2, other_m2 } = choice;
+    let SideChoice {
+        taken_m2,
+        other_m2,
+        is_round,
+    } = choice;
+    let how = if *is_round {
+        "goes round a pole"
+    } else {
+        "is written clockwise"
+    };
     let oriented = if is_hole { "right" } else { "left" };
     let (taken, other) = match inside {
         Inside::Smaller => ("smaller", oriented),
@@ -211,7 +236,7 @@ pub(crate) fn side_note(is_hole: bool, inside: Inside, choice: &SideChoice) -> S
     let percent = |area_m2: f64| 100.0 * area_m2 / (taken_m2 + other_m2);
     let verb = if is_hole { "cut out" } else { "inside" };
     format!(
-        "the ring goes round a pole; {verb} is its {taken} side, {taken_m2:.6e} m² ({:.2} % of the \
+        "the ring {how}; {verb} is its {taken} side, {taken_m2:.6e} m² ({:.2} % of the \
          body), not the {other} one, {other_m2:.6e} m² ({:.2} %)",
         percent(*taken_m2),
         percent(*other_m2)

@@ -33,12 +33,12 @@ impl EdgeRule {
     }
 }
 
-/// Which side of a ring round a pole is inside.
+/// Which side of a ring is inside, where it is round a pole or its orientation is asked for.
 ///
 /// Round a pole are planar rings that end one turn on from their start ([`Ring::winding_deg`]). Of rings
 /// of great ellipses it is those that have one pole on either side, and those that have both on their
 /// smaller side. All others enclose their smaller side (great ellipses) or a part of the plane (planar),
-/// whichever way they are written. When both the shell and a hole of a polygon part the poles, what lies
+/// whichever way they are written, but for shells of which the left side is asked for. When both the shell and a hole of a polygon part the poles, what lies
 /// between the two is meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, Default)]
 #[serde(rename_all = "kebab-case")]
@@ -47,7 +47,8 @@ pub enum Inside {
     /// left one. Where a ring crosses itself, what it goes round the other way counts negative.
     #[default]
     Smaller,
-    /// The left side along the ring, as RFC 7946 §3.1.6 orients shells; the right side of a hole.
+    /// The left side along each shell, as RFC 7946 §3.1.6 orients them: of one written clockwise all but what
+    /// it goes round. The right side of a hole that is round a pole.
     Left,
 }
 

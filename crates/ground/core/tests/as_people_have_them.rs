@@ -219,7 +219,8 @@ fn a_ring_of_great_ellipses_may_hold_both_poles() {
         };
         assert_area(&left, left_m2, 1e-6);
     }
-    // Negative control: a ring with both poles on its larger side holds neither, whichever way it is written.
+    // Negative control: a ring with both poles on its larger side holds neither, whichever way it is written, unless its
+    // left side is asked for.
     let country = [
         [0.0, 0.0],
         [20.0, 0.0],
@@ -228,9 +229,64 @@ fn a_ring_of_great_ellipses_may_hold_both_poles() {
         [0.0, 0.0],
     ];
     for choice in [Inside::Smaller, Inside::Left] {
-        for ring in [country.to_vec(), reversed(&country)] {
+        for (ring, is_clockwise) in [(country.to_vec(), false), (reversed(&country), true)] {
             let mesh = build_as(&[&ring], ARCS, inside(choice)).expect("meshes");
-            assert!(mesh.area_m2 < 0.01 * whole_m2() && mesh.warnings.is_empty());
+            let is_rest = is_clockwise && choice == Inside::Left;
+            assert_eq!(mesh.area_m2 > 0.99 * whole_m2(), is_rest);
+            assert_eq!(mesh.warnings.len(), usize::from(is_rest));
+        }
+    }
+}
+
+/// A circle of 100° round (20°, 0°), a vertex every 5°, that is on its left.
+fn circle_of_100_degrees() -> Vec<Degrees> {
+    let radius = 100_f64.to_radians();
+    let at = |step: i32| {
+        let bearing = -f64::from(5 * step).to_radians();
+        let latitude = (radius.sin() * bearing.cos()).asin();
+        let east = (radius.sin() * bearing.sin()).atan2(radius.cos());
+        let turned = 200.0 + east.to_degrees();
+        [turned.rem_euclid(360.0) - 180.0, latitude.to_degrees()]
+    };
+    (0..=72).map(|step| at(step % 72)).collect()
+}
+
+#[test]
+fn the_left_of_any_shell_is_taken_where_it_is_asked_for() {
+    let circle = circle_of_100_degrees();
+    // By quadrature along the edges, Gauss and Simpson, in another language.
+    let behind_m2 = [210_436_630_927_600.0, 210_623_079_504_556.0];
+    for (rule, behind_m2) in [PLANAR, ARCS].into_iter().zip(behind_m2) {
+        let reading = |inside| Reading {
+            unwrap: Unwrap::Shortest,
+            inside,
+        };
+        let built =
+            |ring: &[Degrees], side| build_as(&[ring], rule, reading(side)).expect("meshes");
+        let left = built(&circle, Inside::Left);
+        assert_area(&left, whole_m2() - behind_m2, 1e-9);
+        let [note] = &left.warnings[..] else {
+            panic!("{:?}", left.warnings);
+        };
+        assert!(
+            note.contains("is written clockwise; inside is its left side"),
+            "{note}"
+        );
+        // Negative controls: unasked, and written the other way round.
+        for small in [
+            built(&circle, Inside::Smaller),
+            built(&reversed(&circle), Inside::Left),
+        ] {
+            assert_area(&small, behind_m2, 1e-9);
+            assert!(small.warnings.is_empty(), "{:?}", small.warnings);
+        }
+        // A hole beside the circle's back is cut out of the left side, whichever way it is written.
+        let hole = box_of(10.0, 20.0, -5.0, 5.0);
+        for hole in [hole.to_vec(), reversed(&hole)] {
+            let rings: [&[Degrees]; 2] = [&circle, &hole];
+            let with_hole = build_as(&rings, rule, reading(Inside::Left)).expect("meshes");
+            let hole_m2 = build(&[&hole], rule).area_m2;
+            assert_area(&with_hole, left.area_m2 - hole_m2, 1e-9);
         }
     }
 }

@@ -197,6 +197,12 @@ fn encodings_other_than_utf8_are_named() {
     let message = "t.json: the file is UTF-16; expected UTF-8";
     assert_eq!(refusal(&wide), message);
     assert_eq!(refusal(&[&b"\xff\xfe"[..], &wide].concat()), message);
+    // The zeros that a Shapefile begins with are no encoding.
+    let shapefile = refusal(b"\0\0\x27\x0a\0\0\0\0");
+    assert!(
+        shapefile.starts_with("t.json: the file is a Shapefile; expected GeoJSON"),
+        "{shapefile}"
+    );
 }
 
 #[test]

@@ -104,13 +104,18 @@ struct Chain {
     halves: Option<[usize; 2]>,
 }
 
-/// How a ring lies round the axis; `None` for one that lies within half a turn of longitude, and where
-/// opposite ends leave open how it lies.
-pub(crate) fn course(vertices_deg: &[[f64; 2]], body: &Ellipsoid) -> Option<RingCourse> {
+/// How a ring lies round the axis; `None` where opposite ends leave open how it lies.
+///
+/// - `of_any`: also of one that lies within half a turn of longitude, which is `None` otherwise
+pub(crate) fn course(
+    vertices_deg: &[[f64; 2]],
+    of_any: bool,
+    body: &Ellipsoid,
+) -> Option<RingCourse> {
     let corners = corners_of(vertices_deg).ok()?;
     let course = Course::along(&corners);
     let [west, east] = course.reach_deg;
-    if east - west < 180.0 {
+    if east - west < 180.0 && !of_any {
         return None;
     }
     let turned_deg: f64 = course.spans.iter().map(Span::step_deg).sum();

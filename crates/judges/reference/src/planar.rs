@@ -15,7 +15,8 @@
 //! Edges are half-open, so a vertex between two of them counts once. The plain test may differ
 //! from the exact one within rounding of an edge; that is what comparing the two is for.
 //!
-//! Which pole a winding ring holds is decided by `sides`. Where a ring crosses itself, the
+//! Which pole a winding ring holds is decided by `sides`, and also whether one that does not wind holds
+//! all but what it goes round. Where a ring crosses itself, the
 //! even-odd rule counts.
 
 use crate::point::{
@@ -37,6 +38,8 @@ pub(crate) struct PlanarRing {
     closed_edges: Vec<[[f64; 2]; 2]>,
     /// Which pole a winding ring holds.
     holds_north: Option<bool>,
+    /// Whether it holds all but the part of the plane that it goes round.
+    is_inverted: bool,
     bounds: Bounds,
     by_longitude: Slabs,
     by_latitude: Slabs,
@@ -50,6 +53,7 @@ impl PlanarRing {
         let bounds = bounds_of(source, &edges)?;
         let winds = source.winding_deg != 0.0;
         let holds_north = winds.then_some(source.holds_poles[1]);
+        let is_inverted = !winds && source.holds_poles == [true; 2];
         let mut closed_edges = edges.clone();
         if let (Some(north), Some(first), Some(last)) = (holds_north, edges.first(), edges.last()) {
             let pole = if north { 90.0 } else { -90.0 };
@@ -59,15 +63,20 @@ impl PlanarRing {
             closed_edges.push([[start[0], pole], start]);
         }
         let bounds = Bounds {
-            north: if holds_north == Some(true) {
+            north: if is_inverted || holds_north == Some(true) {
                 90.0
             } else {
                 bounds.north
             },
-            south: if holds_north == Some(false) {
+            south: if is_inverted || holds_north == Some(false) {
                 -90.0
             } else {
                 bounds.south
+            },
+            east: if is_inverted {
+                bounds.east.max(bounds.west + 360.0)
+            } else {
+                bounds.east
             },
             ..bounds
         };
@@ -77,6 +86,7 @@ impl PlanarRing {
             edges,
             closed_edges,
             holds_north,
+            is_inverted,
             bounds,
         })
     }
@@ -121,9 +131,10 @@ impl PlanarRing {
     }
 
     fn verdicts(&self, crossings_north: u32, winding: i32) -> Verdicts {
+        let holds_north = self.is_inverted || self.holds_north == Some(true);
         Verdicts {
-            first: (crossings_north % 2 == 1) != (self.holds_north == Some(true)),
-            second: winding % 2 != 0,
+            first: (crossings_north % 2 == 1) != holds_north,
+            second: (winding % 2 != 0) != self.is_inverted,
         }
     }
 
@@ -138,21 +149,24 @@ impl PlanarRing {
     }
 }
 
-/// How a ring lies round the axis; `None` for one that ends where it started.
+/// How a ring lies round the axis.
 pub(crate) fn course(
     vertices_deg: &[[f64; 2]],
     winding_deg: f64,
     body: &Ellipsoid,
 ) -> Option<RingCourse> {
-    if winding_deg == 0.0 {
-        return None;
-    }
     let first = *vertices_deg.first()?;
     let end = [first[0] + winding_deg, first[1]];
     let ends = vertices_deg[1..].iter().chain([&end]);
     let edges = vertices_deg.iter().zip(ends);
     Some(RingCourse {
-        turns: if winding_deg > 0.0 { 1 } else { -1 },
+        turns: if winding_deg == 0.0 {
+            0
+        } else if winding_deg > 0.0 {
+            1
+        } else {
+            -1
+        },
         above_equator_m2: edges
             .map(|(from, to)| above_equator_m2(*from, *to, body))
             .sum(),

@@ -32,7 +32,13 @@ pub(crate) fn poles_held(
         .enumerate()
         .map(|(index, ring)| {
             let (vertices, winding) = (ring.vertices_deg(), ring.winding_deg());
-            RingSides::new(vertices, winding, index > 0, rule, body)
+            RingSides::new(
+                vertices,
+                winding,
+                [index > 0, inside == Inside::Left],
+                rule,
+                body,
+            )
         })
         .collect();
     let mut held: Vec<HoldsPoles> = rings.iter().map(|ring| ring.choose(inside)).collect();
@@ -64,7 +70,7 @@ pub(crate) fn poles_held_alone(
     rule: EdgeRule,
     body: &Ellipsoid,
 ) -> HoldsPoles {
-    RingSides::new(vertices_deg, winding_deg, false, rule, body).choose(Inside::Smaller)
+    RingSides::new(vertices_deg, winding_deg, [false; 2], rule, body).choose(Inside::Smaller)
 }
 
 /// One of the two sides of a ring.
@@ -82,21 +88,26 @@ enum RingSides {
         /// For a shell on the left, for a hole on the right.
         oriented: Side,
         other: Side,
+        /// Of a shell, whatever it goes round.
+        left_is_asked_for: bool,
     },
 }
 
 impl RingSides {
+    /// - `is_hole`: and whether the left side of shells is asked for
     fn new(
         vertices_deg: &[[f64; 2]],
         winding_deg: f64,
-        is_hole: bool,
+        [is_hole, wants_left]: [bool; 2],
         rule: EdgeRule,
         body: &Ellipsoid,
     ) -> Self {
+        let left_is_asked_for = wants_left && !is_hole;
         let course = match rule {
+            EdgeRule::Planar if winding_deg == 0.0 && !left_is_asked_for => None,
             EdgeRule::Planar => planar::course(vertices_deg, winding_deg, body),
             // What cannot be followed is refused when the ring is made ready.
-            EdgeRule::GreatEllipse => great_ellipse::course(vertices_deg, body),
+            EdgeRule::GreatEllipse => great_ellipse::course(vertices_deg, left_is_asked_for, body),
         };
         let Some(course) = course else {
             return Self::OneReading;
@@ -132,7 +143,11 @@ impl RingSides {
         } else {
             [left, right]
         };
-        Self::Two { oriented, other }
+        Self::Two {
+            oriented,
+            other,
+            left_is_asked_for,
+        }
     }
 
     fn parts_poles(&self) -> bool {
@@ -155,7 +170,12 @@ impl RingSides {
     }
 
     fn choose(&self, inside: Inside) -> HoldsPoles {
-        let Self::Two { oriented, other } = self else {
+        let Self::Two {
+            oriented,
+            other,
+            left_is_asked_for,
+        } = self
+        else {
             return NEITHER;
         };
         let whole_m2 = oriented.area_m2 + other.area_m2;
@@ -167,7 +187,7 @@ impl RingSides {
         };
         let is_round = smaller.holds != NEITHER;
         match inside {
-            Inside::Left if is_round => oriented.holds,
+            Inside::Left if is_round || *left_is_asked_for => oriented.holds,
             _ => smaller.holds,
         }
     }
@@ -184,7 +204,7 @@ mod tests {
     ];
 
     fn north_m2(ring: &[[f64; 2]], winding_deg: f64, rule: EdgeRule, body: &Ellipsoid) -> f64 {
-        RingSides::new(ring, winding_deg, false, rule, body).north_m2()
+        RingSides::new(ring, winding_deg, [false; 2], rule, body).north_m2()
     }
 
     #[test]
@@ -269,7 +289,14 @@ mod tests {
                 winding_deg = -360.0;
             }
             let body = &Ellipsoid::WGS84;
-            RingSides::new(&ring, winding_deg, is_hole, rule, body).choose(inside)
+            RingSides::new(
+                &ring,
+                winding_deg,
+                [is_hole, inside == Inside::Left],
+                rule,
+                body,
+            )
+            .choose(inside)
         };
         for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
             for (eastward, is_hole) in [(true, false), (false, false), (true, true), (false, true)]

@@ -246,7 +246,12 @@ pub(crate) fn report_warnings(path: &Path, warnings: &[String]) {
 
 /// Whether a warning of a region is about which places it holds.
 pub(crate) fn is_about_inside(warning: &str) -> bool {
-    let words = ["goes round a pole", "more than 180°", "hole in the hole"];
+    let words = [
+        "goes round a pole",
+        "is written clockwise",
+        "more than 180°",
+        "hole in the hole",
+    ];
     words.iter().any(|word| warning.contains(word))
 }
 
@@ -272,9 +277,9 @@ pub(crate) fn report_repairs(meshes: &[RegionMesh], is_shown: fn(&str) -> bool) 
         }
         let others = mesh.warnings.iter().filter(|text| !is_repair(text));
         for warning in others.filter(|text| is_shown(text)) {
-            // What goes round a pole names its feature and ring itself.
+            // What is said of a ring's sides names its feature and ring itself.
             let warning = printable(warning);
-            if warning.contains("goes round a pole") {
+            if warning.contains("; inside is its") || warning.contains("; cut out is its") {
                 complain(format!("warning: {warning}"));
             } else {
                 complain(format!("warning: {label}: {warning}"));

@@ -122,6 +122,15 @@ pub enum RegionProblemKind {
         /// Its encoding.
         found: &'static str,
     },
+    /// Another format of regions, known by its first bytes.
+    #[error(
+        "the file is {found}; expected GeoJSON, which `ogr2ogr -lco RFC7946=YES regions.geojson FILE [LAYER]` \
+         makes of it"
+    )]
+    OtherFormat {
+        /// Its name.
+        found: &'static str,
+    },
     /// gzip that cannot be unpacked.
     #[error("the gzip data is damaged: {message}; expected a whole gzip file")]
     Gzip {
@@ -295,6 +304,23 @@ pub fn wide_encoding(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
+/// First bytes of other formats that hold regions. GDAL reads them all.
+const OTHER_FORMATS: [(&[u8], &str); 6] = [
+    (b"fgb\x03", "FlatGeobuf"),
+    (b"SQLite format 3\0", "SQLite, as GeoPackage is"),
+    (b"\0\0\x27\x0a", "a Shapefile"),
+    (b"PAR1", "Parquet"),
+    (b"PK\x03\x04", "a ZIP archive"),
+    (b"<", "XML, as KML and GML are"),
+];
+
+/// What a file is that is of another format.
+pub(super) fn other_format(bytes: &[u8]) -> Option<&'static str> {
+    let mut formats = OTHER_FORMATS.iter();
+    let known = formats.find(|(first, _)| bytes.starts_with(first));
+    known.map(|(_, name)| *name)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -306,6 +332,20 @@ mod tests {
         // Negative controls: what is no control character stays as it is.
         for name in ["São Tomé", "\"quoted\"", "back\\slash", ""] {
             assert_eq!(printable(name), name);
+        }
+    }
+
+    #[test]
+    fn other_formats_are_named_with_what_makes_geojson_of_them() {
+        for (first, name) in OTHER_FORMATS {
+            let found = other_format(&[first, b" and more"].concat());
+            assert_eq!(found, Some(name));
+        }
+        let message = RegionProblemKind::OtherFormat { found: "Parquet" }.to_string();
+        assert!(message.starts_with("the file is Parquet; expected GeoJSON, which `ogr2ogr"));
+        // Negative control: half of the first bytes, and what GeoJSON begins with.
+        for other in [&b"fgb"[..], b"SQLite format 4\0", b"{", b"[", b""] {
+            assert_eq!(other_format(other), None);
         }
     }
 

@@ -70,8 +70,8 @@ or auto (what is oriented right)";
 
 pub(super) const INSIDE_HELP: &str = "\
 Inside of a ring round a pole: smaller (the side with less
-area; of halves the left) or left (RFC 7946 orientation; of
-a hole the right)";
+area; of halves the left), or left of every shell, as RFC
+7946 orients it";
 
 /// `1024` or `1920x1080`.
 pub(super) fn parse_size(text: &str) -> Result<(u32, u32), &'static str> {
