@@ -40,9 +40,9 @@ pub struct RegionFile {
 /// - `file`: what error messages call it
 /// - accepts Polygon, MultiPolygon, and GeometryCollection whose other members are left out with a
 ///   warning; heights are ignored; a byte order mark, either line ending and either winding are fine
-/// - leaves features of points, lines, empty polygons or no geometry out, which [`RegionFile::warnings`] says
+/// - leaves features of points, lines, empty polygons or no geometry out. [`RegionFile::warnings`] says so.
 /// - normalises open rings, repeated positions, and parts and holes without area beside others that have
-///   one; [`Region::warnings`] says so
+///   one. [`Region::warnings`] says so.
 ///
 /// # Errors
 /// [`RegionFileError`] with every problem of the file. [`RegionProblemKind::NotAreal`] is one only

@@ -38,8 +38,8 @@ impl EdgeRule {
 /// Round a pole are planar rings that end one turn on from their start ([`Ring::winding_deg`]). Of rings
 /// of great ellipses it is those that have one pole on either side, and those that have both on their
 /// smaller side. All others enclose their smaller side (great ellipses) or a part of the plane (planar),
-/// whichever way they are written, but for shells of which the left side is asked for. When both the shell and a hole of a polygon part the poles, what lies
-/// between the two is meant.
+/// whichever way they are written; only [`Inside::Left`] goes by how a shell is written. When both the shell
+/// and a hole of a polygon part the poles, what lies between the two is meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, Default)]
 #[serde(rename_all = "kebab-case")]
 pub enum Inside {

@@ -8,6 +8,7 @@ use terrafill_core::{
     EdgeRule, Ellipsoid, Inside, MeshError, MeshOptions, Reading, Region, RegionMesh, Unwrap,
     parse_regions_as,
 };
+use terrafill_fixtures::expectations::{BEHIND_CIRCLE_M2, circle_of_100_degrees};
 
 type Degrees = [f64; 2];
 
@@ -238,25 +239,10 @@ fn a_ring_of_great_ellipses_may_hold_both_poles() {
     }
 }
 
-/// A circle of 100° round (20°, 0°), a vertex every 5°, that is on its left.
-fn circle_of_100_degrees() -> Vec<Degrees> {
-    let radius = 100_f64.to_radians();
-    let at = |step: i32| {
-        let bearing = -f64::from(5 * step).to_radians();
-        let latitude = (radius.sin() * bearing.cos()).asin();
-        let east = (radius.sin() * bearing.sin()).atan2(radius.cos());
-        let turned = 200.0 + east.to_degrees();
-        [turned.rem_euclid(360.0) - 180.0, latitude.to_degrees()]
-    };
-    (0..=72).map(|step| at(step % 72)).collect()
-}
-
 #[test]
 fn the_left_of_any_shell_is_taken_where_it_is_asked_for() {
     let circle = circle_of_100_degrees();
-    // By quadrature along the edges, Gauss and Simpson, in another language.
-    let behind_m2 = [210_436_630_927_600.0, 210_623_079_504_556.0];
-    for (rule, behind_m2) in [PLANAR, ARCS].into_iter().zip(behind_m2) {
+    for (rule, behind_m2) in [PLANAR, ARCS].into_iter().zip(BEHIND_CIRCLE_M2) {
         let reading = |inside| Reading {
             unwrap: Unwrap::Shortest,
             inside,

@@ -32,13 +32,7 @@ pub(crate) fn poles_held(
         .enumerate()
         .map(|(index, ring)| {
             let (vertices, winding) = (ring.vertices_deg(), ring.winding_deg());
-            RingSides::new(
-                vertices,
-                winding,
-                [index > 0, inside == Inside::Left],
-                rule,
-                body,
-            )
+            RingSides::new(vertices, winding, index > 0, rule, body, inside)
         })
         .collect();
     let mut held: Vec<HoldsPoles> = rings.iter().map(|ring| ring.choose(inside)).collect();
@@ -70,7 +64,8 @@ pub(crate) fn poles_held_alone(
     rule: EdgeRule,
     body: &Ellipsoid,
 ) -> HoldsPoles {
-    RingSides::new(vertices_deg, winding_deg, [false; 2], rule, body).choose(Inside::Smaller)
+    let inside = Inside::Smaller;
+    RingSides::new(vertices_deg, winding_deg, false, rule, body, inside).choose(inside)
 }
 
 /// One of the two sides of a ring.
@@ -94,15 +89,15 @@ enum RingSides {
 }
 
 impl RingSides {
-    /// - `is_hole`: and whether the left side of shells is asked for
     fn new(
         vertices_deg: &[[f64; 2]],
         winding_deg: f64,
-        [is_hole, wants_left]: [bool; 2],
+        is_hole: bool,
         rule: EdgeRule,
         body: &Ellipsoid,
+        inside: Inside,
     ) -> Self {
-        let left_is_asked_for = wants_left && !is_hole;
+        let left_is_asked_for = inside == Inside::Left && !is_hole;
         let course = match rule {
             EdgeRule::Planar if winding_deg == 0.0 && !left_is_asked_for => None,
             EdgeRule::Planar => planar::course(vertices_deg, winding_deg, body),
@@ -204,7 +199,7 @@ mod tests {
     ];
 
     fn north_m2(ring: &[[f64; 2]], winding_deg: f64, rule: EdgeRule, body: &Ellipsoid) -> f64 {
-        RingSides::new(ring, winding_deg, [false; 2], rule, body).north_m2()
+        RingSides::new(ring, winding_deg, false, rule, body, Inside::Smaller).north_m2()
     }
 
     #[test]
@@ -289,14 +284,7 @@ mod tests {
                 winding_deg = -360.0;
             }
             let body = &Ellipsoid::WGS84;
-            RingSides::new(
-                &ring,
-                winding_deg,
-                [is_hole, inside == Inside::Left],
-                rule,
-                body,
-            )
-            .choose(inside)
+            RingSides::new(&ring, winding_deg, is_hole, rule, body, inside).choose(inside)
         };
         for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
             for (eastward, is_hole) in [(true, false), (false, false), (true, true), (false, true)]

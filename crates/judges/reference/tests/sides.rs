@@ -8,6 +8,7 @@
 )]
 
 use terrafill_core::{EdgeRule, Ellipsoid, Inside, Reading, Region, Unwrap, parse_regions_as};
+use terrafill_fixtures::expectations::circle_of_100_degrees;
 use terrafill_reference::Locator;
 
 type Degrees = [f64; 2];
@@ -125,22 +126,6 @@ fn rings_of_doubtful_sides_hold_the_places_that_are_meant() {
         assert_eq!(holds(&locator, [90.0, 10.0]), is_eastern);
         assert_eq!(holds(&locator, [-90.0, 10.0]), !is_eastern);
     }
-}
-
-/// A circle of 100° round (20°, 0°), a vertex every 5°, that is: longitude, latitude.
-fn circle_of_100_degrees() -> Vec<Degrees> {
-    let radius = 100_f64.to_radians();
-    let at = |step: i32| {
-        let bearing = -f64::from(5 * step).to_radians();
-        let latitude = (radius.sin() * bearing.cos()).asin();
-        let longitude = (radius.sin() * bearing.sin()).atan2(radius.cos());
-        let longitude = 20.0 + longitude.to_degrees();
-        [
-            longitude - 360.0 * ((longitude + 180.0) / 360.0).floor(),
-            latitude.to_degrees(),
-        ]
-    };
-    (0..=72).map(|step| at(step % 72)).collect()
 }
 
 #[test]
