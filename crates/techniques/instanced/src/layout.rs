@@ -63,7 +63,7 @@ impl SceneGeometry {
     pub(crate) fn in_parts(meshes: &[impl Borrow<RegionMesh>], by_part: bool) -> Self {
         let mut geometry = Self::default();
         for mesh in meshes.iter().map(Borrow::borrow) {
-            let order = PartOrder::of(mesh).filter(|_| by_part);
+            let order = by_part.then(|| PartOrder::of(mesh)).flatten();
             let ordered = order.map(|order| order.ordered(mesh));
             geometry.push(mesh, ordered.as_deref().unwrap_or(&mesh.triangles));
         }

@@ -170,7 +170,7 @@ impl SceneGeometry {
         for (place, mesh) in meshes.iter().enumerate() {
             let mesh: &RegionMesh = mesh.borrow();
             let has_bottom = has_bottom(place) || technique.needs_geometry_shader();
-            let order = PartOrder::of(mesh).filter(|_| variant.parts);
+            let order = variant.parts.then(|| PartOrder::of(mesh)).flatten();
             let mesh = order.map_or(Cow::Borrowed(mesh), |order| {
                 let mut ordered = mesh.clone();
                 ordered.triangles = order.ordered(mesh);

@@ -19,7 +19,7 @@ impl VertexVariant {
 
 /// Triangles part by part, and in the order of the variant within each; `None` where the mesh is drawn whole.
 pub(crate) fn ordered_by_part(variant: &VertexVariant, mesh: &RegionMesh) -> Option<Vec<[u32; 3]>> {
-    let order = PartOrder::of(mesh).filter(|_| variant.parts)?;
+    let order = variant.parts.then(|| PartOrder::of(mesh)).flatten()?;
     let mut triangles = order.ordered(mesh);
     if variant.index_order == IndexOrder::Cache {
         let mut locals = vec![NO_VERTEX; mesh.vertices_ecef.len()];
