@@ -13,7 +13,7 @@ use std::cell::OnceCell;
 use std::sync::{Arc, OnceLock};
 use terrafill_core::{
     EdgeRule, Ellipsoid, LeftOutRings, MeshError, MeshOptions, OrientedBox, Region, RegionMesh,
-    SharedBoundaries, SimplifiedRegions, SimplifyError, ThinnedLevel,
+    SharedBoundaries, SimplifiedRegions, SimplifyError, ThinnedLevel, WarningSubject,
 };
 use terrafill_scene::{LevelChoice, Scene};
 
@@ -226,7 +226,7 @@ impl MeshSource for LevelSource {
             let tolerance_m = self.thinned.tolerance_m;
             let warning =
                 format!("level of {tolerance_m} m: {problem}; the next finer one stands for it");
-            instead.warnings.push(warning);
+            instead.warnings.push(WarningSubject::Mesh.warn(warning));
             instead
         })
     }
@@ -477,7 +477,7 @@ mod tests {
         let [warning] = &instead.warnings[..] else {
             panic!("{:?}", instead.warnings);
         };
-        assert!(warning.starts_with("level of 8000 m: off by "), "{warning}");
+        assert!(warning.text.starts_with("level of 8000 m: off by "), "{warning}");
         let refused = MeshError::NoArea {
             feature: 3,
             name: String::new(),

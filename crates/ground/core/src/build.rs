@@ -7,7 +7,6 @@
 use crate::crossings::CrossingPlaces;
 use crate::edge::area::{ZoneArea, compensated_sum};
 use crate::edge::{Degrees, EdgeSplitter, ROUNDING, surface_point};
-use crate::geojson::feature_label;
 use crate::inside::{SideChoice, side_note};
 use crate::lens::{WithinRounding, follow_arcs};
 use crate::mesh::sagitta_m;
@@ -20,7 +19,10 @@ use crate::pieces::OutlineEdge;
 use crate::snap::snap_rounded;
 use crate::stitch::Stitcher;
 use crate::triangulate::{Arcs, GroupMesh, TriangulateError, triangulate};
-use crate::{EdgePlace, EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh, Repair};
+use crate::{
+    EdgePlace, EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh, RegionWarning, Repair,
+    WarningSubject,
+};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -249,7 +251,7 @@ struct Meshed {
     extent: Extent,
     boundary_deviation_m: f64,
     /// For the warnings.
-    notes: Vec<String>,
+    notes: Vec<RegionWarning>,
 }
 
 impl Meshed {
@@ -337,35 +339,36 @@ impl Meshed {
 }
 
 /// What is to be said of rings round a pole.
-fn side_notes(region: &Region, choices: &[(EdgePlace, SideChoice)]) -> Vec<String> {
+fn side_notes(region: &Region, choices: &[(EdgePlace, SideChoice)]) -> Vec<RegionWarning> {
     let note = |(place, choice): &(EdgePlace, SideChoice)| {
         let EdgePlace { polygon, ring, .. } = region.in_file(*place);
-        format!(
-            "{}, polygon {polygon}, ring {ring}: {}",
-            feature_label(region.index, &region.name),
+        WarningSubject::Inside.warn(format!(
+            "polygon {polygon}, ring {ring}: {}",
             side_note(ring > 0, region.inside, choice)
-        )
+        ))
     };
     choices.iter().map(note).collect()
 }
 
-fn long_edges_note(count: usize) -> Option<String> {
+fn long_edges_note(count: usize) -> Option<RegionWarning> {
     let edges = match count {
         0 => return None,
         1 => "1 edge spans".to_owned(),
         _ => format!("{count} edges span"),
     };
-    Some(format!(
+    Some(WarningSubject::Inside.warn(format!(
         "{edges} more than 180° of longitude: planar edges go the long way (RFC 7946); --unwrap \
          shortest takes the shorter one"
-    ))
+    )))
 }
 
 /// What was reached where edges are not split as finely as was asked for.
-fn finest_note(options: &MeshOptions, deviation_m: f64) -> Option<String> {
+fn finest_note(options: &MeshOptions, deviation_m: f64) -> Option<RegionWarning> {
     let asked_m = options.boundary_tolerance_m;
     (deviation_m > asked_m).then(|| {
-        format!("boundary tolerance {asked_m:e} m is too fine: {deviation_m:.3e} m was reached")
+        WarningSubject::Mesh.warn(format!(
+            "boundary tolerance {asked_m:e} m is too fine: {deviation_m:.3e} m was reached"
+        ))
     })
 }
 
@@ -400,7 +403,7 @@ fn notes_on_parts(
     rule: EdgeRule,
     options: &MeshOptions,
     groups: &[TriangulatedGroup],
-) -> Result<Vec<String>, Vec<MeshError>> {
+) -> Result<Vec<RegionWarning>, Vec<MeshError>> {
     // Seldom enough that the edges are made again and not kept.
     let mut splitter = EdgeSplitter::new(body, rule, options);
     let outline = Outline::new(region, rule, &mut splitter)
@@ -427,31 +430,31 @@ fn notes_on_parts(
     let plural = |count: usize| if count == 1 { "" } else { "s" };
     let mut notes = Vec::new();
     if shared > 0 {
-        notes.push(format!(
+        notes.push(WarningSubject::Mesh.warn(format!(
             "{shared} edge{} shared by parts: no boundary there",
             plural(shared)
-        ));
+        )));
     }
     let is_joined = joins_parts(region);
     notes.extend(nested.iter().filter(|_| !is_joined).map(|[inner, outer]| {
         let [inner, outer] = [*inner, *outer].map(|ring| region.in_file(ring));
         let EdgePlace { polygon, ring, .. } = inner;
-        format!(
+        WarningSubject::Inside.warn(format!(
             "polygon {polygon}, ring {ring} is a hole in the hole of ring {}: filled as an island; \
              --repair union cuts it out",
             outer.ring
-        )
+        ))
     }));
     if overlaps.is_empty() {
         return Ok(notes);
     }
     if let Some(repair) = region.repaired {
-        notes.push(format!(
+        notes.push(WarningSubject::Repair.warn(format!(
             "{} overlap{} of parts: {}",
             overlaps.len(),
             plural(overlaps.len()),
             repair.effect()
-        ));
+        )));
         return Ok(notes);
     }
     let error = |overlap: OverlapPlace| MeshError::Overlap {
@@ -472,7 +475,12 @@ fn joins_parts(region: &Region) -> bool {
 }
 
 /// What a repair changed, where its area says so.
-fn repair_note(region: &Region, body: &Ellipsoid, rule: EdgeRule, area_m2: f64) -> Option<String> {
+fn repair_note(
+    region: &Region,
+    body: &Ellipsoid,
+    rule: EdgeRule,
+    area_m2: f64,
+) -> Option<RegionWarning> {
     region.repaired?;
     let polygons = region.polygons.iter();
     let one_by_one_m2: f64 = polygons
@@ -480,7 +488,9 @@ fn repair_note(region: &Region, body: &Ellipsoid, rule: EdgeRule, area_m2: f64) 
         .sum();
     let differs = (area_m2 - one_by_one_m2).abs() > REPAIR_AREA_TOLERANCE * area_m2;
     differs.then(|| {
-        format!("area as repaired {area_m2:.6e} m², by its rings one by one {one_by_one_m2:.6e} m²")
+        WarningSubject::Repair.warn(format!(
+            "area as repaired {area_m2:.6e} m², by its rings one by one {one_by_one_m2:.6e} m²"
+        ))
     })
 }
 

@@ -7,7 +7,7 @@
 
 use crate::edge::Degrees;
 use crate::intersection::{orient, without_underflow};
-use crate::{EdgeRule, Polygon, Region, Ring};
+use crate::{EdgeRule, Polygon, Region, Ring, WarningSubject};
 
 impl Region {
     /// The region without holes that have no width, and without parts of which the shell has none beside
@@ -56,7 +56,7 @@ impl Region {
                 1 => format!("1 {kind} without area was left out"),
                 many => format!("{many} {kind}s without area were left out"),
             };
-            region.warnings.push(note);
+            region.warnings.push(WarningSubject::Reading.warn(note));
         }
         Some(region)
     }

@@ -14,7 +14,7 @@ mod ring;
 pub(crate) use problem::feature_label;
 pub use problem::{RegionFileError, RegionProblem, RegionProblemKind, printable, wide_encoding};
 
-use crate::{EdgeRule, Inside, Polygon, Region, Unwrap};
+use crate::{EdgeRule, Inside, Polygon, Region, RegionWarning, Unwrap, WarningSubject};
 use long_edges::{ShorterReading, choose_readings};
 use problem::{json_problem, other_format};
 use raw::{RawCoordinates, RawObject};
@@ -162,7 +162,7 @@ struct Normalised {
 }
 
 impl Normalised {
-    fn warnings(&self) -> Vec<String> {
+    fn warnings(&self) -> Vec<RegionWarning> {
         let count = |n: usize, one: &str, many: &str| {
             (n > 0).then(|| format!("{n} {}", if n == 1 { one } else { many }))
         };
@@ -195,6 +195,7 @@ impl Normalised {
         ]
         .into_iter()
         .flatten()
+        .map(|text| WarningSubject::Reading.warn(text))
         .collect()
     }
 }

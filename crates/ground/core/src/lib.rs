@@ -30,6 +30,7 @@ mod snap;
 mod stitch;
 mod sweep;
 mod triangulate;
+mod warning;
 
 pub use body::{Ellipsoid, Geodetic};
 pub use footprint::{
@@ -49,3 +50,4 @@ pub use mesh_error::MeshError;
 pub use pieces::NEARLY_OPPOSITE_RAD;
 pub use region::{EdgePlace, EdgeRule, Inside, Polygon, Region, Repair, Ring, Unwrap};
 pub use shape_family::ShapeFamily;
+pub use warning::{RegionWarning, WarningSubject};

@@ -3,7 +3,7 @@
 //!
 //! This is what every backend extrudes: caps from the triangles, walls from the boundary.
 
-use crate::Ellipsoid;
+use crate::{Ellipsoid, RegionWarning};
 use glam::{DMat3, DVec3};
 
 /// Interior edges longer than this many steps are halved.
@@ -176,8 +176,8 @@ pub struct RegionMesh {
     pub boundary_deviation_m: f64,
     /// Largest depth of a cap facet below the spherical cap through its corners, metres.
     pub cap_sagitta_m: f64,
-    /// What was normalised silently.
-    pub warnings: Vec<String>,
+    /// Those of the region, and what meshing chose or could not reach.
+    pub warnings: Vec<RegionWarning>,
 }
 
 impl RegionMesh {

@@ -5,6 +5,7 @@
 //! reordered or subdivided here. So the reference renderer can judge from the same numbers that the
 //! mesher starts from, without sharing any of its code.
 
+use crate::RegionWarning;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -295,8 +296,8 @@ pub struct Region {
     pub name: String,
     /// Areal parts; at least one.
     pub polygons: Vec<Polygon>,
-    /// What was normalised silently while reading: unclosed rings, repeated points …
-    pub warnings: Vec<String>,
+    /// What reading and repairs put right, left out or chose.
+    pub warnings: Vec<RegionWarning>,
     /// What is made of rings that cross or lie over one another, where that is not refused.
     pub repaired: Option<Repair>,
     /// Which side of a ring round a pole is inside.

@@ -11,7 +11,7 @@ use crate::crossings::{CrossingPlaces, MAX_ROUNDS, distance, find_crossings};
 use crate::edge::Degrees;
 use crate::intersection::Crossing;
 use crate::pieces::{Piece, pieces_as_compared};
-use crate::{EdgePlace, EdgeRule, Polygon, Region, Repair, Ring};
+use crate::{EdgePlace, EdgeRule, Polygon, Region, Repair, Ring, WarningSubject};
 
 /// Crossings to those of an earlier round from which on there is no end of them.
 const MAX_GROWTH: usize = 2;
@@ -31,8 +31,8 @@ impl Region {
             }
             if holes > 0 {
                 let noun = if holes == 1 { "hole was" } else { "holes were" };
-                self.warnings
-                    .push(format!("{holes} {noun} left out: only shells are kept"));
+                let text = format!("{holes} {noun} left out: only shells are kept");
+                self.warnings.push(WarningSubject::Repair.warn(text));
             }
         }
         self.split_all(repair, rule);
@@ -66,10 +66,8 @@ impl Region {
         }
         if total > 0 {
             let plural = if total == 1 { "" } else { "s" };
-            self.warnings.push(format!(
-                "{total} crossing{plural} of edges: {}",
-                repair.effect()
-            ));
+            let text = format!("{total} crossing{plural} of edges: {}", repair.effect());
+            self.warnings.push(WarningSubject::Repair.warn(text));
         }
         total
     }

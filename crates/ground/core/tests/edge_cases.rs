@@ -100,7 +100,11 @@ fn faults(case: &Case, mesh: &RegionMesh) -> Vec<String> {
         faults.push(format!("{point:?} is on the wrong side"));
     }
     for expected in &case.warnings {
-        if !mesh.warnings.iter().any(|found| found.contains(expected)) {
+        if !mesh
+            .warnings
+            .iter()
+            .any(|found| found.text.contains(expected))
+        {
             faults.push(format!("no warning “{expected}” in {:?}", mesh.warnings));
         }
     }

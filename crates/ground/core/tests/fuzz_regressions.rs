@@ -931,7 +931,12 @@ fn positions_that_a_turn_makes_one_are_not_kept_twice() {
     let ring = &region.polygons[0].shell;
     assert_eq!(ring.winding_deg(), 360.0);
     assert!(ring.edges_deg().all(|(start, end)| start != end));
-    let dropped = |region: &Region| region.warnings.iter().any(|text| text.contains("repeated"));
+    let dropped = |region: &Region| {
+        region
+            .warnings
+            .iter()
+            .any(|said| said.text.contains("repeated"))
+    };
     assert!(dropped(&region), "{:?}", region.warnings);
     // Negative control: a last bit of 360 apart they are two.
     let apart = text.replace("4.9e-324", "6e-14");

@@ -78,8 +78,8 @@ fn a_part_inside_another_is_refused_with_its_place_or_filled_by_even_odd() {
         let [listed, areas] = &mesh.warnings[..] else {
             panic!("{:?}", mesh.warnings);
         };
-        assert_eq!(listed, "1 overlap of parts: filled by the even-odd rule");
-        assert!(areas.starts_with("area as repaired "), "{areas}");
+        assert_eq!(*listed, "1 overlap of parts: filled by the even-odd rule");
+        assert!(areas.text.starts_with("area as repaired "), "{areas}");
         if rule == EdgeRule::Planar {
             assert!((mesh.area_m2 / (area(OUTER) - area(INNER)) - 1.0).abs() < 1e-12);
         }
@@ -319,7 +319,7 @@ fn equal_holes_are_refused_and_a_hole_in_a_hole_is_warned_of() {
         let nested = build(&boxes(&[&[OUTER, INNER, island]]), rule).expect("an island");
         let words = "polygon 0, ring 2 is a hole in the hole of ring 1: filled as an island";
         assert!(
-            nested.warnings[0].starts_with(words),
+            nested.warnings[0].text.starts_with(words),
             "{:?}",
             nested.warnings
         );

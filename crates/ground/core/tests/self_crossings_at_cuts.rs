@@ -72,7 +72,7 @@ fn a_bow_tie_whose_knot_lies_on_the_antimeridian_is_refused_and_repaired() {
             let mut repaired = region(&[tie]);
             assert_eq!(repaired.split_at_crossings(rule), 1, "{}", rule.name());
             assert_eq!(
-                repaired.warnings.last().map(String::as_str),
+                repaired.warnings.last().map(|last| last.text.as_str()),
                 Some("1 crossing of edges: filled by the even-odd rule")
             );
             // A second time there is nothing left to do.

@@ -133,7 +133,9 @@ fn a_hole_in_a_hole_is_warned_of() {
     );
     let warnings = mesh(&nested, EdgeRule::Planar).expect("meshes").warnings;
     assert!(
-        warnings[0].contains("ring 2 is a hole in the hole of ring 1"),
+        warnings[0]
+            .text
+            .contains("ring 2 is a hole in the hole of ring 1"),
         "{warnings:?}"
     );
     assert!(holds(&nested, 4.5, 4.5));
@@ -188,7 +190,7 @@ fn an_uncut_cap_and_a_band_beside_a_jump_are_read_as_meant() {
     let cap = region("Polygon", &format!("[{shell},{holes}]"));
     assert_area(&cap, 3.9016e12, 1e-4);
     assert!(
-        cap.warnings[0].contains("--unwrap literal"),
+        cap.warnings[0].text.contains("--unwrap literal"),
         "{:?}",
         cap.warnings
     );

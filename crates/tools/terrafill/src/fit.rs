@@ -4,11 +4,13 @@
 
 use crate::arguments::OwnArguments;
 use crate::outcome::Failure;
-use crate::regions::{Leniency, Meshed, read_and_mesh, report_repairs, report_warnings};
+use crate::regions::{Leniency, Meshed, read_and_mesh, report_regions, report_warnings};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
-use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, Region, RegionMesh};
+use terrafill_core::{
+    EdgeRule, Ellipsoid, Geodetic, MeshOptions, Region, RegionMesh, WarningSubject,
+};
 use terrafill_scene::{
     Camera, CameraPose, ImageSize, LevelChoice, Overlap, Scene, SurfaceChoice, TexturedFills, View,
 };
@@ -69,7 +71,7 @@ pub(crate) fn fit(path: &Path, own: &OwnArguments, size: ImageSize) -> Result<Fi
         ..
     } = read_and_mesh(path, own.reading(), leniency, &body, edge_rule, &mesh)?;
     report_warnings(path, &warnings);
-    report_repairs(&meshes, |_| true);
+    report_regions(&meshes, &WarningSubject::ALL);
     let Some(pose) = fitted(&body, &meshes, size) else {
         let shown = crate::input::shown(path);
         return Err(Failure::bad_input(format!(

@@ -5,12 +5,11 @@ use crate::arguments::LocateArguments;
 use crate::input::{is_standard, read_standard_input, shown};
 use crate::outcome::{Failure, Outcome, complain, print};
 use crate::regions::{
-    Leniency, Meshed, is_about_inside, read_and_mesh, report_repairs, report_skipped,
-    report_warnings,
+    Leniency, Meshed, read_and_mesh, report_regions, report_skipped, report_warnings,
 };
 use std::io::IsTerminal as _;
 use std::path::Path;
-use terrafill_core::{EdgeRule, MeshOptions, printable, wide_encoding};
+use terrafill_core::{EdgeRule, MeshOptions, WarningSubject, printable, wide_encoding};
 use terrafill_reference::Locator;
 
 /// As for regions: one turn past the antimeridian is written on purpose, more is another unit.
@@ -62,7 +61,7 @@ pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
     let points = read_points(&arguments.points, added)?;
     report_warnings(path, &warnings);
     report_skipped(&skipped);
-    report_repairs(&meshes, is_about_inside);
+    report_regions(&meshes, &[WarningSubject::Repair, WarningSubject::Inside]);
     let mut undecided = 0;
     let mut rows = vec![points.header];
     rows[0].extend(added.iter().map(ToString::to_string));

@@ -155,7 +155,7 @@ fn describe(mesh: &RegionMesh) -> MeshedRegion {
         ],
         boundary_deviation_m: mesh.boundary_deviation_m,
         bytes: bytes(mesh),
-        warnings: mesh.warnings.clone(),
+        warnings: mesh.warnings.iter().map(ToString::to_string).collect(),
     }
 }
 

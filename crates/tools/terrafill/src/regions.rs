@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use terrafill_core::{
     EdgeRule, Ellipsoid, MeshError, MeshOptions, Reading, Region, RegionFile, RegionFileError,
-    RegionMesh, Repair, Unwrap, printable, read_region_file,
+    RegionMesh, RegionWarning, Repair, Unwrap, WarningSubject, printable, read_region_file,
 };
 use terrafill_scene::{RegionLoadError, load_regions};
 
@@ -244,21 +244,10 @@ pub(crate) fn report_warnings(path: &Path, warnings: &[String]) {
     }
 }
 
-/// Whether a warning of a region is about which places it holds.
-pub(crate) fn is_about_inside(warning: &str) -> bool {
-    let words = [
-        "goes round a pole",
-        "is written clockwise",
-        "more than 180°",
-        "hole in the hole",
-    ];
-    words.iter().any(|word| warning.contains(word))
-}
-
-/// Says on standard error what a repair filled and what `mesh` warns of below a region, a line each.
+/// Says on standard error what `mesh` says below each region of repairs and other things, a line each.
 ///
-/// - `is_shown`: of the warnings, which
-pub(crate) fn report_repairs(meshes: &[RegionMesh], is_shown: fn(&str) -> bool) {
+/// - `subjects`: of the warnings, which
+pub(crate) fn report_regions(meshes: &[RegionMesh], subjects: &[WarningSubject]) {
     for mesh in meshes {
         let number = format!("feature {}", mesh.region_index);
         let label = if mesh.name.is_empty() || mesh.name == number {
@@ -266,24 +255,13 @@ pub(crate) fn report_repairs(meshes: &[RegionMesh], is_shown: fn(&str) -> bool) 
         } else {
             format!("{number} ({})", printable(&mesh.name))
         };
-        let is_repair = |text: &&String| {
-            let effects = Repair::ALL.map(Repair::effect);
-            effects.iter().any(|effect| text.ends_with(effect))
-                || text.starts_with("area as repaired")
-                || text.ends_with("only shells are kept")
-        };
-        for repair in mesh.warnings.iter().filter(is_repair) {
-            complain(format!("repaired: {label}: {repair}"));
-        }
-        let others = mesh.warnings.iter().filter(|text| !is_repair(text));
-        for warning in others.filter(|text| is_shown(text)) {
-            // What is said of a ring's sides names its feature and ring itself.
-            let warning = printable(warning);
-            if warning.contains("; inside is its") || warning.contains("; cut out is its") {
-                complain(format!("warning: {warning}"));
-            } else {
-                complain(format!("warning: {label}: {warning}"));
-            }
+        let is_shown = |warning: &&RegionWarning| subjects.contains(&warning.subject);
+        for RegionWarning { subject, text } in mesh.warnings.iter().filter(is_shown) {
+            let kind = match subject {
+                WarningSubject::Repair => "repaired",
+                _ => "warning",
+            };
+            complain(format!("{kind}: {label}: {}", printable(text)));
         }
     }
 }

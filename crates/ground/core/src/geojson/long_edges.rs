@@ -15,7 +15,7 @@
 //! are no jumps: they belong to a band.
 
 use super::ring::{jump, shorter_turn};
-use crate::{EdgeRule, Inside, Polygon, Region, Ring};
+use crate::{EdgeRule, Inside, Polygon, Region, RegionWarning, Ring, WarningSubject};
 
 /// Share of its terms below which a sum of areas is rounding.
 const AREA_ROUNDING: f64 = 1e-12;
@@ -57,7 +57,7 @@ pub(super) struct ShorterReading {
 pub(super) fn choose_readings(
     polygons: &mut Vec<Polygon>,
     readings: &[ShorterReading],
-) -> Vec<String> {
+) -> Vec<RegionWarning> {
     let mut warnings = Vec::new();
     for of_polygon in readings.chunk_by(|a, b| a.polygon == b.polygon) {
         let together = if of_polygon[0].ring == 0 {
@@ -151,16 +151,16 @@ fn counter_clockwise(ring: &Ring) -> f64 {
     }
 }
 
-fn warning(polygons: &[Polygon], reading: &ShorterReading) -> String {
+fn warning(polygons: &[Polygon], reading: &ShorterReading) -> RegionWarning {
     let polygon = &polygons[reading.polygon];
     let edges = match reading.edges {
         1 => "1 edge over more than 180° of longitude is".to_owned(),
         many => format!("{many} edges over more than 180° of longitude are"),
     };
-    format!(
+    WarningSubject::Inside.warn(format!(
         "polygon {}, ring {}: {edges} read the shorter way, over the antimeridian; --unwrap literal \
          takes the numbers as they stand",
         polygon.shell.file_polygon(reading.polygon),
         reading.shorter.file_ring(reading.ring)
-    )
+    ))
 }
