@@ -23,14 +23,14 @@ pub use difference::{difference_rgb, worst_pixel};
 pub use figures::ErrorFigures;
 pub use globe::{GlobeError, globe_mismatch, rolled_globe};
 pub use moved::{
-    MAX_MEASURED, MAX_PICTURE_SEARCH_PX, Movement, boundary_movement, movement_in_picture,
-    with_movement,
+    MAX_MEASURED, MAX_PICTURE_SEARCH_PX, Movement, boundary_movement, boundary_rounding,
+    movement_in_picture, with_movement,
 };
 pub use tally::Tally;
 pub use texture::{TextureErrors, compare_texture, silhouette_band};
 pub use tolerance::{
     BAND_RADIUS_PX, BORDER_ROUNDING, DEPTH_JUMP, MAX_FOREIGN_PX, MAX_HAUSDORFF_PX,
-    MAX_MISMATCHED_OUTSIDE_BAND_PX, MAX_NON_FINITE, MAX_TEXELS, MAX_TEXELS_RMS, MOVED_SEARCH_PX,
-    MOVED_STEP_PX, RASTERISER_PX, SMALLEST_PIECE_PX, allowed_moved_px,
+    MAX_MISMATCHED_OUTSIDE_BAND_PX, MAX_NON_FINITE, MAX_ROUNDED_PX, MAX_TEXELS, MAX_TEXELS_RMS,
+    MOVED_SEARCH_PX, MOVED_STEP_PX, RASTERISER_PX, SMALLEST_PIECE_PX, allowed_moved_px,
 };
 pub use verdict::{Verdict, texture_verdict, verdict, verdict_of_moved};

@@ -8,6 +8,7 @@
 //! | [`MAX_MISMATCHED_OUTSIDE_BAND_PX`] | 0 | beyond the band no rounding reaches; what is wrong there is a leak, a missing wall or another region's colour |
 //! | [`MAX_HAUSDORFF_PX`] | 1 | a boundary that moved by less than a pixel moves its pixels by one at most; what stays in the band but goes missing over a length, such as a strip two pixels wide, shows up here only |
 //! | [`allowed_moved_px`] | what is stated, 1/16 and 1/256 | a boundary drawn aside on purpose moves by as much as was stated for it; it is looked for in steps of [`MOVED_STEP_PX`], and then snapped to [`RASTERISER_PX`] |
+//! | [`MAX_ROUNDED_PX`] | 1/32 | of what nobody moved two corners snap and depth rounds, each by up to [`RASTERISER_PX`], and the tip of a tooth may lie between the places that are asked: at most 1/64 was seen. Asked where boundaries lie farther apart than [`MAX_HAUSDORFF_PX`], as between features thinner than a pixel they may ([`crate::boundary_rounding`]) |
 //! | [`MAX_FOREIGN_PX`] | 4 | two neighbours' positions round each by themselves, to a ten-thousandth of a pixel from afar, and ten thousand pixels lie on borders: one of them belongs to both or to none; 1 is the most that was seen |
 //! | [`SMALLEST_PIECE_PX`] | 4 | a piece of 1 to 3 pixels exists by the luck of where pixel centres fall; rounding may take it whole, or give it whole where the reference shows it between its pixels, and the distance to the next boundary is then anything |
 //! | [`MAX_NON_FINITE`] | 0 | NaN compares false with everything, so it would hide in any other figure |
@@ -43,6 +44,10 @@ pub const MAX_FOREIGN_PX: u64 = 4;
 
 /// Rasterisers snap corners to this part of a pixel (Vulkan 1.3, `subPixelPrecisionBits` of 8).
 pub const RASTERISER_PX: f64 = 1.0 / 256.0;
+
+/// How far from the centre of a mismatched pixel the reference shows the pixel's id at most, where no boundary
+/// was moved on purpose, pixels.
+pub const MAX_ROUNDED_PX: f64 = 8.0 * RASTERISER_PX;
 
 /// How far boundaries may be found to have moved that were drawn up to `moved_px` pixels aside.
 #[must_use]

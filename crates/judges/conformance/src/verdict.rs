@@ -5,8 +5,8 @@ use crate::ErrorFigures;
 use crate::moved::MAX_MEASURED;
 use crate::texture::TextureErrors;
 use crate::tolerance::{
-    MAX_FOREIGN_PX, MAX_HAUSDORFF_PX, MAX_MISMATCHED_OUTSIDE_BAND_PX, MAX_NON_FINITE, MAX_TEXELS,
-    MAX_TEXELS_RMS, allowed_moved_px,
+    MAX_FOREIGN_PX, MAX_HAUSDORFF_PX, MAX_MISMATCHED_OUTSIDE_BAND_PX, MAX_NON_FINITE,
+    MAX_ROUNDED_PX, MAX_TEXELS, MAX_TEXELS_RMS, allowed_moved_px,
 };
 
 /// Whether a picture may be called right.
@@ -29,7 +29,8 @@ impl Verdict {
 /// Compares `figures` with the tolerances.
 ///
 /// An absent Hausdorff distance passes: neither picture has a boundary then, and mismatches are
-/// all outside the band. A distance that is not a number fails.
+/// all outside the band. A distance that is not a number fails. One beyond [`MAX_HAUSDORFF_PX`] passes where
+/// every mismatched pixel was found within rounding of what it shows ([`crate::boundary_rounding`]).
 #[must_use]
 pub fn verdict(figures: &ErrorFigures) -> Verdict {
     verdict_of_moved(figures, 0.0)
@@ -55,8 +56,11 @@ pub fn verdict_of_moved(figures: &ErrorFigures, moved_px: f64) -> Verdict {
     if moved_px > 0.0 {
         reasons.extend(objection_to_movement(figures, allowed_moved_px(moved_px)));
         reasons.extend(objection_to_foreign(figures));
-    } else {
-        reasons.extend(objection_to_distance(figures));
+    } else if let Some(objection) = objection_to_distance(figures) {
+        let is_by_rounding = figures.boundary_moved_px.is_some()
+            && objection_to_movement(figures, MAX_ROUNDED_PX).is_none()
+            && objection_to_foreign(figures).is_none();
+        reasons.extend((!is_by_rounding).then_some(objection));
     }
     if figures.non_finite > MAX_NON_FINITE {
         reasons.push(format!(

@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::rc::Rc;
 use terrafill_conformance::{
-    BAND_RADIUS_PX, BORDER_ROUNDING, ErrorFigures, boundary_band, boundary_movement,
-    compare_closely, filled_only, with_movement,
+    BAND_RADIUS_PX, BORDER_ROUNDING, ErrorFigures, MAX_HAUSDORFF_PX, boundary_band,
+    boundary_movement, boundary_rounding, compare_closely, filled_only, with_movement,
 };
 use terrafill_contract::{FillInput, Frame, paint};
 use terrafill_core::EdgeRule;
@@ -201,11 +201,14 @@ impl<'a> References<'a> {
             ids.any(|shown| as_compared(shown) == id)
         };
         let figures = compare_closely(expected, &frame, may_round_to, shows).and_then(|figures| {
-            if !is_moved {
-                return Ok(figures);
-            }
             let shown_at = |place| as_compared(look.id_at(place));
-            let movement = boundary_movement(expected, &frame, shown_at)?;
+            let movement = if is_moved {
+                boundary_movement(expected, &frame, shown_at)?
+            } else if figures.hausdorff_px.is_some_and(|px| px > MAX_HAUSDORFF_PX) {
+                boundary_rounding(expected, &frame, shown_at)?
+            } else {
+                return Ok(figures);
+            };
             Ok(with_movement(figures, movement))
         });
         figures.map_err(|error| error.to_string())
