@@ -181,8 +181,8 @@ fn fitted(body: &Ellipsoid, meshes: &[RegionMesh], size: ImageSize) -> Option<Ca
     Some(pose(above.exp()))
 }
 
-/// Of several directions the one that shows most area of the regions; `middle` if none shows a tenth more.
-/// Facets count by how much they face the eye: from above its pole, a band lies along the limb and covers no pixel.
+/// Of several directions the one from which the regions cover most of the picture; `middle` if none shows a tenth
+/// more. From above its pole, a band lies along the limb and covers next to no pixel.
 ///
 /// - `cos_horizon`: of the angle from straight below the eye to the horizon
 fn best_direction(meshes: &[RegionMesh], middle: DVec3, cos_horizon: f64) -> DVec3 {
@@ -193,10 +193,13 @@ fn best_direction(meshes: &[RegionMesh], middle: DVec3, cos_horizon: f64) -> DVe
     let facets = facets.map(|[a, b, c]| ((a + b + c).normalize(), (b - a).cross(c - a).length()));
     let facets: Vec<(DVec3, f64)> = facets.collect();
     let in_sight = |direction: DVec3| -> f64 {
-        let facing = facets.iter();
-        let facing = facing.map(|(facet, area)| (facet.dot(direction), area));
-        let seen = facing.filter(|(cosine, _)| *cosine > cos_horizon);
-        seen.map(|(cosine, area)| cosine * area).sum()
+        // Of a sphere of radius 1, above which the eye stands: solid angles, none of what lies beyond the horizon.
+        let eye = direction / cos_horizon;
+        let solid_angle = |(facet, area): &(DVec3, f64)| {
+            let to_eye = eye - *facet;
+            area * facet.dot(to_eye).max(0.0) / to_eye.length().powi(3)
+        };
+        facets.iter().map(solid_angle).sum()
     };
     let largest = facets.iter().max_by(|a, b| a.1.total_cmp(&b.1));
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
@@ -260,5 +263,47 @@ mod tests {
         // Negative controls: neither more rows than needed from far nor more than can be drawn from near.
         assert_eq!(surface_rows(&body, 1e7), 180);
         assert_eq!(surface_rows(&body, 10.0), 1024);
+    }
+
+    #[test]
+    fn a_band_round_the_body_is_seen_from_its_side_and_a_cap_from_above() {
+        let fitted_latitude_deg = |rings: &[String]| {
+            let polygons: Vec<String> = rings.iter().map(|ring| format!("[{ring}]")).collect();
+            let polygons = polygons.join(",");
+            let text = format!(r#"{{"type": "MultiPolygon", "coordinates": [{polygons}]}}"#);
+            let regions = terrafill_core::parse_regions(text.as_bytes(), "test").expect("a region");
+            let body = Ellipsoid::WGS84;
+            let meshes =
+                RegionMesh::build_all(&regions, &body, EdgeRule::Planar, &MeshOptions::default());
+            let meshes = meshes.expect("meshes");
+            let pose = fitted(
+                &body,
+                &meshes,
+                ImageSize {
+                    width: 256,
+                    height: 256,
+                },
+            )
+            .expect("a pose");
+            pose.eye.latitude_rad.to_degrees()
+        };
+        let band = |[south, north]: [f64; 2]| {
+            format!(
+                "[[-180, {south}], [180, {south}], [180, {north}], [-180, {north}], [-180, {south}]]"
+            )
+        };
+        let island = "[[171, -20], [188, -20], [188, -6], [171, -6], [171, -20]]".to_owned();
+        for rings in [
+            vec![band([14.0, 15.0])],
+            vec![band([-5.0, 5.0])],
+            vec![band([30.0, 38.0]), island],
+        ] {
+            let found = fitted_latitude_deg(&rings);
+            assert!(found.abs() < 50.0, "{rings:?}: {found}");
+        }
+        // Negative controls: a cap, and a band that all is in sight from above its pole.
+        for latitudes in [[40.0, 90.0], [30.0, 38.0]] {
+            assert!(fitted_latitude_deg(&[band(latitudes)]) > 80.0);
+        }
     }
 }
