@@ -477,7 +477,10 @@ mod tests {
         let [warning] = &instead.warnings[..] else {
             panic!("{:?}", instead.warnings);
         };
-        assert!(warning.text.starts_with("level of 8000 m: off by "), "{warning}");
+        assert!(
+            warning.text.starts_with("level of 8000 m: off by "),
+            "{warning}"
+        );
         let refused = MeshError::NoArea {
             feature: 3,
             name: String::new(),
