@@ -34,8 +34,8 @@ const CHOSEN: &str = "chosen route";
 /// The document's fill as it was.
 pub(super) const AS_IN_2007: &str = "as in 2007";
 
-/// Why a fill has no ratio to another.
-const NO_RATIO: &str = "one of the two is not right or not timed";
+/// Why a row has no ratio to another.
+const NO_RATIO: &str = "a plain fill, or one of the two is not right or not timed";
 
 /// Fills of a view. A row that is wrong though it should be right, or that nothing was compared of, is bad news.
 const FILLS_OF_VIEW: Section<'static> = Section {
