@@ -135,7 +135,7 @@ pub(crate) fn check(root: &Path, names: &[&str]) -> Result<String> {
         bail!("found {unknown:?}, allowed: {}", all.join(", "));
     }
     let is_asked = |mutation: &&Mutation| names.is_empty() || names.contains(&mutation.name);
-    let place = Place::new(root)?;
+    let place = MutationTree::new(root)?;
     let base = place.base()?;
     let mut table = String::from("| mistake | counter | caught | gate |\n|---|---|---|---|\n");
     let (mut count, mut caught) = (0, 0);
@@ -167,13 +167,13 @@ struct Row {
 }
 
 /// A worktree to make mistakes in, with a target folder that stays, so that third-party crates are built once.
-struct Place {
+struct MutationTree {
     folder: PathBuf,
     tree: PathBuf,
     commit: String,
 }
 
-impl Place {
+impl MutationTree {
     fn new(root: &Path) -> Result<Self> {
         let folder = root.join("target/mutations");
         std::fs::create_dir_all(&folder)?;

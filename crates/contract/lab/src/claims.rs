@@ -184,7 +184,7 @@ fn problem<T: Tested>(claimed: &Claimed<T>, earlier: &[Claimed<T>]) -> Option<&'
 
 /// What a run says of a claim.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Told {
+pub struct ClaimAnswer {
     /// With intervals; empty where nothing was measured.
     pub ours: String,
     /// Of the claim.
@@ -193,7 +193,7 @@ pub struct Told {
     pub reason: String,
 }
 
-impl Told {
+impl ClaimAnswer {
     /// All views of a claim together, each with its figure and what it says.
     ///
     /// - `reason`: from counters where there are any
@@ -230,8 +230,8 @@ impl<T> Paper<T> {
         &self,
         environment: &RunEnvironment,
         study: &str,
-        told: impl Fn(&T) -> Told,
-    ) -> Vec<Told> {
+        told: impl Fn(&T) -> ClaimAnswer,
+    ) -> Vec<ClaimAnswer> {
         let command = full_command(environment, study);
         let all = self.claims.iter().map(|claimed| {
             let told = told(&claimed.test);
@@ -241,7 +241,7 @@ impl<T> Paper<T> {
                 }
                 _ => sentences([&claimed.because, &told.reason]),
             };
-            Told { reason, ..told }
+            ClaimAnswer { reason, ..told }
         });
         all.collect()
     }
@@ -255,7 +255,7 @@ impl<T> Paper<T> {
 pub fn claims_blocks<T: Tested>(
     title: &str,
     paper: &Paper<T>,
-    told: &[Told],
+    told: &[ClaimAnswer],
     bound: &str,
 ) -> Vec<Block> {
     let rows = || paper.claims.iter().zip(told);
@@ -286,7 +286,7 @@ pub fn claims_blocks<T: Tested>(
     ]
 }
 
-fn row<T>(claimed: &Claimed<T>, told: &Told) -> Row {
+fn row<T>(claimed: &Claimed<T>, told: &ClaimAnswer) -> Row {
     let or_absent = |text: &str, why: &str| match text {
         "" => Cell::absent(why),
         text => Cell::name(text),
@@ -320,7 +320,7 @@ fn row<T>(claimed: &Claimed<T>, told: &Told) -> Row {
     ])
 }
 
-fn tally<T>(paper: &Paper<T>, told: &[Told]) -> String {
+fn tally<T>(paper: &Paper<T>, told: &[ClaimAnswer]) -> String {
     let bases = Basis::ALL.map(|basis| {
         let of_basis = paper.claims.iter().filter(|claimed| claimed.basis == basis);
         format!("{} {}", of_basis.count(), basis.name())
@@ -341,7 +341,10 @@ fn tally<T>(paper: &Paper<T>, told: &[Told]) -> String {
 ///
 /// # Errors
 /// [`ChapterError`] when it cannot be written.
-pub fn claims_table<T>(paper: &Paper<T>, told: &[Told]) -> Result<DerivedTable, ChapterError> {
+pub fn claims_table<T>(
+    paper: &Paper<T>,
+    told: &[ClaimAnswer],
+) -> Result<DerivedTable, ChapterError> {
     let header = [
         "words",
         "place",
@@ -443,10 +446,10 @@ mod tests {
         let paper = parsed(&[FASTER, UNTESTED]).expect("two claims");
         let tell = |views: &[(&str, Standing)]| {
             let told = |test: &Test| match test {
-                Test::No(why) => Told::unanswered(Standing::CannotBeTested, why),
+                Test::No(why) => ClaimAnswer::unanswered(Standing::CannotBeTested, why),
                 Test::Ratio(_) => {
                     let views = views.iter().map(|(text, of)| ((*text).to_owned(), *of));
-                    Told::of_views(views.collect(), "fewer draws".to_owned())
+                    ClaimAnswer::of_views(views.collect(), "fewer draws".to_owned())
                 }
             };
             paper.tell(&RunEnvironment::default(), "study", told)
@@ -477,12 +480,12 @@ mod tests {
     fn every_claim_has_its_row_and_every_verdict_is_counted() {
         let paper = parsed(&[FASTER, UNTESTED]).expect("two claims");
         let told = [
-            Told {
+            ClaimAnswer {
                 ours: "1.01 ×".to_owned(),
                 standing: Standing::NoDifference,
                 reason: String::new(),
             },
-            Told {
+            ClaimAnswer {
                 ours: String::new(),
                 standing: Standing::CannotBeTested,
                 reason: "no figure says so".to_owned(),

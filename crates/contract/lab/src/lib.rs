@@ -25,7 +25,9 @@ pub use cases::{
     Best, Cases, distinct, finding, grouped, in_every_group, log_slope, measured, none_differs,
     range,
 };
-pub use claims::{Basis, Claimed, Paper, PaperError, Tested, Told, claims_blocks, claims_table};
+pub use claims::{
+    Basis, ClaimAnswer, Claimed, Paper, PaperError, Tested, claims_blocks, claims_table,
+};
 pub use comparison::{Answer, Comparison, Follows, REFUSED, Refused, is_more, overall, sentences};
 pub use curves::{Drawing, Panel, draw, slope_one};
 pub use figure::{Figure, Names};

@@ -9,7 +9,7 @@ use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_gpu::{GpuOptions, Kernel, open_for_test};
 use terrafill_texture::{
     Arithmetic, Chart, CoordinateRoute, DepthFormat, DepthMapping, DepthStorage, MapExtent,
-    MapRegion, PositionRoute, Program, Sample, View,
+    MapRegion, PerspectiveView, PositionRoute, Program, Sample,
 };
 
 /// Evaluates positions by a text of a route.
@@ -58,7 +58,7 @@ fn equal_to_emulation(
 }
 
 /// A kilometre at 20° E, 45° N, seen aslant from `distance_m`; 60° over 1920 × 1080 pixels.
-fn region_and_view(distance_m: f64, depth: DepthFormat) -> (MapRegion, View) {
+fn region_and_view(distance_m: f64, depth: DepthFormat) -> (MapRegion, PerspectiveView) {
     let extent = MapExtent::from_degrees(19.995, 44.995, 20.005, 45.005);
     let body = Ellipsoid::WGS84;
     let region = MapRegion::new(body, extent, (0.0, 0.0)).expect("a region");
@@ -69,7 +69,7 @@ fn region_and_view(distance_m: f64, depth: DepthFormat) -> (MapRegion, View) {
     let backward = (up * 0.8 - north * 0.5 + east * 0.33).normalize();
     let right = north.cross(backward).normalize();
     let focal_y = 1.0 / 30_f64.to_radians().tan();
-    let view = View {
+    let view = PerspectiveView {
         eye_ecef: target + backward * distance_m,
         right,
         up: backward.cross(right),

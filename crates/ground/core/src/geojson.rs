@@ -142,7 +142,7 @@ const ROOT_TYPES: &str = "FeatureCollection, Feature, Polygon, MultiPolygon or G
 
 /// Where in the file the reader is.
 #[derive(Default, Clone)]
-struct Place {
+struct ReadPlace {
     /// Where the file has a text on each line.
     line: Option<usize>,
     feature: Option<usize>,
@@ -203,7 +203,7 @@ impl Normalised {
 #[derive(Default)]
 struct Reader {
     reading: Reading,
-    place: Place,
+    place: ReadPlace,
     problems: Vec<RegionProblem>,
     normalised: Normalised,
     /// Features without area, by type.
@@ -312,7 +312,7 @@ impl Reader {
                     .into_iter()
                     .flat_map(|record| self.read_text(record.text, Some(record.line)));
                 let regions = read.collect();
-                self.place = Place::default();
+                self.place = ReadPlace::default();
                 regions
             }
         };
@@ -325,9 +325,9 @@ impl Reader {
 
     /// - `line`: of the file that the text begins in, where it is one of several
     fn read_text(&mut self, text: &[u8], line: Option<usize>) -> Vec<Region> {
-        self.place = Place {
+        self.place = ReadPlace {
             line,
-            ..Place::default()
+            ..ReadPlace::default()
         };
         match serde_json::from_slice::<RawObject>(text) {
             Ok(root) => self.read_root(root),
@@ -358,9 +358,9 @@ impl Reader {
                     .filter_map(|(index, feature)| self.read_feature(index, feature))
                     .collect();
                 // What is wrong with all of them is no feature's.
-                self.place = Place {
+                self.place = ReadPlace {
                     line: self.place.line,
-                    ..Place::default()
+                    ..ReadPlace::default()
                 };
                 regions
             }
@@ -409,11 +409,11 @@ impl Reader {
 
     fn read_feature(&mut self, index: usize, feature: RawObject) -> Option<Region> {
         let name = feature.label(index);
-        self.place = Place {
+        self.place = ReadPlace {
             line: self.place.line,
             feature: Some(index),
             name: Some(name.clone()),
-            ..Place::default()
+            ..ReadPlace::default()
         };
         let kind = feature.kind.as_deref();
         if kind != Some("Feature") {
@@ -441,11 +441,11 @@ impl Reader {
     }
 
     fn read_region(&mut self, index: usize, name: String, geometry: RawObject) -> Option<Region> {
-        self.place = Place {
+        self.place = ReadPlace {
             line: self.place.line,
             feature: Some(index),
             name: Some(name.clone()),
-            ..Place::default()
+            ..ReadPlace::default()
         };
         self.normalised = Normalised::default();
         let is_collection = geometry.geometries.is_some();

@@ -134,7 +134,7 @@ fn without_pairs(edges: Vec<OutlineEdge>) -> Vec<OutlineEdge> {
 
 /// What a corner of a triangle beside a chord tells of the places in the lens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Sight {
+pub(crate) enum LensCorner {
     /// The corner is in the lens, and the arc is off its chord there by more than rounding.
     InLens,
     /// The lens is within the triangle, so no other vertex is in it.
@@ -145,7 +145,7 @@ pub(crate) enum Sight {
 
 /// Of the triangle between an arc's chord and a place. In its narrow corners the lens may be wider than
 /// it.
-pub(crate) fn sight_of([start, end]: [Degrees; 2], place: Degrees) -> Sight {
+pub(crate) fn sight_of([start, end]: [Degrees; 2], place: Degrees) -> LensCorner {
     let chord = [0, 1].map(|k| end[k] - start[k]);
     let length_deg = chord[0].hypot(chord[1]);
     let off_deg = off_chord([start, end], place).abs();
@@ -166,10 +166,10 @@ pub(crate) fn sight_of([start, end]: [Degrees; 2], place: Degrees) -> Sight {
     if off_deg <= bow_deg {
         let lens = lens.or_else(|| Lens::of(start, end));
         let Some(lens) = lens else {
-            return Sight::Clear;
+            return LensCorner::Clear;
         };
         if lens.foot_of(place, WithinRounding::Kept).is_some() {
-            return Sight::InLens;
+            return LensCorner::InLens;
         }
     }
     let along = |from: Degrees, towards: f64| {
@@ -177,9 +177,9 @@ pub(crate) fn sight_of([start, end]: [Degrees; 2], place: Degrees) -> Sight {
         (by[0] + by[1]) / length_deg
     };
     if off_deg >= steepest * along(start, 1.0).max(along(end, -1.0)) {
-        Sight::Clear
+        LensCorner::Clear
     } else {
-        Sight::Hidden
+        LensCorner::Hidden
     }
 }
 

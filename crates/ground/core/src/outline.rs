@@ -81,7 +81,7 @@ impl Bounds {
 }
 
 /// One polygon's edges.
-struct Part {
+struct PolygonEdges {
     edges: Vec<OutlineEdge>,
     bounds: Bounds,
 }
@@ -187,7 +187,7 @@ fn in_order(a: f64, b: f64) -> [f64; 2] {
 struct Builder<'a, 'b> {
     rule: EdgeRule,
     splitter: &'a mut EdgeSplitter<'b>,
-    parts: Vec<Part>,
+    parts: Vec<PolygonEdges>,
     /// West and east ends of every run of a ring between two crossings of the antimeridian.
     longitudes: Vec<[f64; 2]>,
     /// Latitudes where rings pass from one side of the antimeridian to the other, and the part.
@@ -203,7 +203,7 @@ struct Builder<'a, 'b> {
 impl Builder<'_, '_> {
     fn add_polygon(&mut self, index: usize, polygon: &Polygon) {
         let part_index = self.parts.len();
-        let mut part = Part {
+        let mut part = PolygonEdges {
             edges: Vec::with_capacity(polygon.rings().map(|ring| ring.vertices_deg().len()).sum()),
             bounds: Bounds::EMPTY,
         };
@@ -252,7 +252,12 @@ impl Builder<'_, '_> {
 
     /// Edges as they stand: most rings are far from the antimeridian, and a list of pieces of a
     /// million edges is memory to fill and to go through again.
-    fn add_uncut(&mut self, part: &mut Part, ring: &Ring, place: impl Fn(usize) -> EdgePlace) {
+    fn add_uncut(
+        &mut self,
+        part: &mut PolygonEdges,
+        ring: &Ring,
+        place: impl Fn(usize) -> EdgePlace,
+    ) {
         let mut run = Bounds::EMPTY;
         for (vertex, (start, end)) in ring.edges_deg().enumerate() {
             run.add(start);
@@ -293,11 +298,17 @@ impl Builder<'_, '_> {
         self.crossings.len() - before
     }
 
-    fn add_split(&mut self, part: &mut Part, start: Degrees, end: Degrees, place: EdgePlace) {
+    fn add_split(
+        &mut self,
+        part: &mut PolygonEdges,
+        start: Degrees,
+        end: Degrees,
+        place: EdgePlace,
+    ) {
         let mut from = start;
         part.bounds.add(start);
         part.bounds.add(end);
-        let Part { edges, bounds } = part;
+        let PolygonEdges { edges, bounds } = part;
         let Splits { whole, points, .. } = &mut self.splits;
         let points_before = points.len();
         self.splitter.split(start, end, &mut |point| {
@@ -330,7 +341,7 @@ impl Builder<'_, '_> {
         let mut crossing_parts: Vec<usize> = crossings.iter().map(|crossing| crossing.1).collect();
         crossing_parts.sort_unstable();
         crossing_parts.dedup();
-        let mut joined = Part {
+        let mut joined = PolygonEdges {
             edges: Vec::new(),
             bounds: Bounds::EMPTY,
         };
@@ -441,7 +452,7 @@ fn is_along_antimeridian(edge: &OutlineEdge) -> bool {
 ///
 /// A sweep from west to east over groups whose intervals of latitude are apart. A group's interval
 /// is compared rather than its parts': it may join more than needed, never less.
-fn group(mut parts: Vec<Part>) -> Vec<Vec<OutlineEdge>> {
+fn group(mut parts: Vec<PolygonEdges>) -> Vec<Vec<OutlineEdge>> {
     parts.retain(|part| !part.edges.is_empty());
     let mut from_west: Vec<usize> = (0..parts.len()).collect();
     from_west.sort_by(|&a, &b| parts[a].bounds.0[0].total_cmp(&parts[b].bounds.0[0]));
@@ -585,7 +596,7 @@ mod tests {
                     end: [e, n],
                     place: EdgePlace::default(),
                 };
-                Part {
+                PolygonEdges {
                     edges: vec![edge],
                     bounds: Bounds([w, s, e, n]),
                 }
@@ -621,7 +632,7 @@ mod tests {
                 end: [east, 1.0],
                 place: EdgePlace::default(),
             };
-            Part {
+            PolygonEdges {
                 edges: vec![edge],
                 bounds,
             }

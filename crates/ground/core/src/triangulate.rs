@@ -12,11 +12,11 @@ mod insertion_order;
 use crate::crossings::{self, CrossingPlaces, crossing_places, find_crossings, split_outline};
 use crate::edge::{Degrees, arc_rad};
 use crate::intersection::{Crossing, great_ellipse_crossing, without_underflow};
-use crate::lens::{Sight, WithinRounding, any_in_lens, follow_arcs, sight_of};
+use crate::lens::{LensCorner, WithinRounding, any_in_lens, follow_arcs, sight_of};
 use crate::mesh::{LONGEST_INTERIOR_EDGE_STEPS, index_u32};
 use crate::pieces::{OutlineEdge, bounds};
 use crate::{EdgeRule, MeshOptions};
-use delaunay::{Blocked, Delaunay, FRAME_CORNERS, Place};
+use delaunay::{Blocked, Delaunay, FRAME_CORNERS, PointLocation};
 use insertion_order::{Corners, in_order, odd_edges};
 
 /// Interior edges that span more longitude than this are halved: beyond it, close to a pole, a
@@ -289,9 +289,9 @@ impl Group {
             let corners = corners.flat_map(|triangle| self.mesh.corners(triangle));
             for corner in corners.filter(|corner| !ends.contains(corner)) {
                 match sight_of(arc, self.position(corner)) {
-                    Sight::InLens if corner as usize >= FRAME_CORNERS => return true,
-                    Sight::Clear => {}
-                    Sight::InLens | Sight::Hidden => hidden.push(arc),
+                    LensCorner::InLens if corner as usize >= FRAME_CORNERS => return true,
+                    LensCorner::Clear => {}
+                    LensCorner::InLens | LensCorner::Hidden => hidden.push(arc),
                 }
             }
         }
@@ -440,7 +440,7 @@ impl Group {
 
     /// Whether a place is inside and far enough from the corners and marked edges of its face.
     fn is_clear(&self, position: Degrees, cosine: f64, clearance_deg: f64) -> bool {
-        let Place::Face(triangle) = self.mesh.locate(self.planar(position)) else {
+        let PointLocation::Face(triangle) = self.mesh.locate(self.planar(position)) else {
             return false;
         };
         if !self.mesh.is_inside(triangle) {

@@ -12,7 +12,7 @@ use robust::{Coord3D, orient3d};
 use std::collections::BTreeSet;
 use terrafill_core::{Geodetic, MeshError, MeshOptions, Region, RegionMesh};
 use terrafill_fixtures::check_extruded;
-use terrafill_fixtures::expectations::{Case, Place, Refusal, Stage, accepted, all_cases};
+use terrafill_fixtures::expectations::{Case, FilePlace, Refusal, Stage, accepted, all_cases};
 
 /// Of the body's radius, 20 m on the Earth: fine enough that no point of a case is closer to the
 /// boundary than the boundary is drawn.
@@ -224,14 +224,14 @@ fn the_other_edge_rule_is_noticed() {
 }
 
 /// Message and place of everything that is wrong with a refused case.
-fn refusals(case: &Case, stage: Stage) -> Vec<(String, Place, Option<[f64; 2]>)> {
+fn refusals(case: &Case, stage: Stage) -> Vec<(String, FilePlace, Option<[f64; 2]>)> {
     match (stage, case.read()) {
         (Stage::Read, Ok(_)) => Vec::new(),
         (Stage::Read, Err(error)) => error
             .problems
             .iter()
             .map(|problem| {
-                let place = Place {
+                let place = FilePlace {
                     feature: problem.feature,
                     polygon: problem.polygon,
                     ring: problem.ring,
@@ -252,7 +252,7 @@ fn refusals(case: &Case, stage: Stage) -> Vec<(String, Place, Option<[f64; 2]>)>
                     MeshError::OppositeEnds { place, .. } => Some(*place),
                     _ => None,
                 };
-                let place = Place {
+                let place = FilePlace {
                     feature: error.feature(),
                     polygon: edge.map(|place| place.polygon),
                     ring: edge.map(|place| place.ring),
@@ -285,7 +285,7 @@ fn says(message: &str, parts: &[String]) -> bool {
 }
 
 /// Whether every index that is expected is found.
-fn points_at(found: Place, expected: Place) -> bool {
+fn points_at(found: FilePlace, expected: FilePlace) -> bool {
     let fits =
         |found: Option<usize>, expected: Option<usize>| expected.is_none() || found == expected;
     fits(found.feature, expected.feature)
@@ -363,7 +363,7 @@ fn in_every_refused_case_another_word_or_place_is_noticed() {
         };
         check(&|mutant| mutant.parts[0].push('#'));
         check(&|mutant| mutant.others = vec![Vec::new(); mutant.others.len().max(1) + 1]);
-        if refusal.place != Place::default() {
+        if refusal.place != FilePlace::default() {
             check(&|mutant| {
                 let place = &mut mutant.place;
                 let innermost = [

@@ -41,7 +41,7 @@ pub use geodetic::ExactGeodetic;
 pub use latitude::LatitudeForm;
 pub use lookup::{Filter, LookupTable, Sampler, TexelFormat};
 pub use operations::{Arithmetic, Operations, Program, ProgramBuilder, Step, Value};
-pub use position::{PositionResidual, PositionRoute, VertexFormat, View};
+pub use position::{PerspectiveView, PositionResidual, PositionRoute, VertexFormat};
 pub use region::{MapExtent, MapRegion, MapRegionError, Sample};
 pub use residual::{Residual, ResidualSum, SAMPLING_SLACK};
 pub use rounding::Bounded;

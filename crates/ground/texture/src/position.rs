@@ -17,7 +17,7 @@ use glam::{DMat3, DVec3};
 
 /// A perspective view of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct View {
+pub struct PerspectiveView {
     /// Eye, ECEF metres.
     pub eye_ecef: DVec3,
     /// Unit vector to the right on the screen, ECEF.
@@ -36,7 +36,7 @@ pub struct View {
     pub depth: DepthFormat,
 }
 
-impl View {
+impl PerspectiveView {
     /// Axes in meridian axes, as columns right, up, backward.
     fn meridian_from_view(&self, region: &MapRegion) -> DMat3 {
         let meridian_from_ecef = DMat3::from_rotation_z(-region.anchor_longitude_rad());
@@ -142,7 +142,7 @@ impl PositionRoute {
         clippy::cast_possible_truncation,
         reason = "rounding to what the GPU reads is the purpose"
     )]
-    pub fn constants(&self, view: &View, region: &MapRegion) -> Vec<[f32; 4]> {
+    pub fn constants(&self, view: &PerspectiveView, region: &MapRegion) -> Vec<[f32; 4]> {
         let [width, height] = view.size_px();
         let screen = [
             (0.5 * width) as f32,
@@ -183,7 +183,11 @@ impl PositionRoute {
     ///
     /// With `w = (α depth + β) / near`, position · w is eye · w plus the ray through the pixel.
     /// Logarithmic depth is no projection; it is made reversed depth without a far plane first.
-    fn inverse_columns(view: &View, region: &MapRegion, axes: DMat3) -> ([DVec3; 4], [f64; 4]) {
+    fn inverse_columns(
+        view: &PerspectiveView,
+        region: &MapRegion,
+        axes: DMat3,
+    ) -> ([DVec3; 4], [f64; 4]) {
         let near = view.depth.near_m();
         let ratio = view.depth.near_over_far();
         let (alpha, beta) = match view.depth.mapping() {
@@ -279,7 +283,12 @@ impl PositionRoute {
         clippy::cast_possible_truncation,
         reason = "pixel centres are exact in f32"
     )]
-    pub fn residual(&self, view: &View, region: &MapRegion, distance_m: f64) -> PositionResidual {
+    pub fn residual(
+        &self,
+        view: &PerspectiveView,
+        region: &MapRegion,
+        distance_m: f64,
+    ) -> PositionResidual {
         let constants = self.constants(view, region);
         let program = self.program(&view.depth);
         let mut residual = PositionResidual {

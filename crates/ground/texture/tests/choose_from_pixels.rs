@@ -7,19 +7,19 @@ use glam::DVec3;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_texture::{
     Arithmetic, Chooser, CoordinateRoute, Demand, DepthFormat, MAX_TOLERANCE, MapExtent, MapRegion,
-    PositionRoute, RMS_TOLERANCE, View,
+    PerspectiveView, PositionRoute, RMS_TOLERANCE,
 };
 
 const SIZE: [u32; 2] = [1920, 1080];
 const TEXTURE: [u32; 2] = [4096, 4096];
 
 /// North up, straight down on the anchor from `distance_m`; 60°.
-fn view_from_above(region: &MapRegion, distance_m: f64) -> View {
+fn view_from_above(region: &MapRegion, distance_m: f64) -> PerspectiveView {
     let (longitude, latitude) = (region.anchor_longitude_rad(), region.anchor_latitude_rad());
     let up = region.body().geodetic_surface_normal(longitude, latitude);
     let right = DVec3::new(-longitude.sin(), longitude.cos(), 0.0);
     let focal_y = 1.0 / 30_f64.to_radians().tan();
-    View {
+    PerspectiveView {
         eye_ecef: region.anchor_ecef() + up * distance_m,
         right,
         up: up.cross(right),
@@ -33,7 +33,11 @@ fn view_from_above(region: &MapRegion, distance_m: f64) -> View {
 
 /// The pixel whose centre lies closest to a point, and the point's distance along the view, where
 /// the point is on the screen and on this side of the body.
-fn pixel_of(view: &View, body: &Ellipsoid, position: Geodetic) -> Option<([f32; 2], f64)> {
+fn pixel_of(
+    view: &PerspectiveView,
+    body: &Ellipsoid,
+    position: Geodetic,
+) -> Option<([f32; 2], f64)> {
     let ecef = body.geodetic_to_ecef(position);
     let to_eye = view.eye_ecef - ecef;
     let normal = body.geodetic_surface_normal(position.longitude_rad, position.latitude_rad);

@@ -6,8 +6,8 @@
 use glam::DVec3;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_texture::{
-    Arithmetic, DepthFormat, DepthMapping, DepthStorage, MapExtent, MapRegion, PositionRoute,
-    VertexFormat, View,
+    Arithmetic, DepthFormat, DepthMapping, DepthStorage, MapExtent, MapRegion, PerspectiveView,
+    PositionRoute, VertexFormat,
 };
 
 /// A region of about 1 km at a place, and a point on the ground some 600 m from its anchor.
@@ -27,14 +27,14 @@ fn region_and_target(place: u32) -> (MapRegion, DVec3) {
 const PLACES: u32 = 25;
 
 /// An eye `distance_m` from the target, looking at it aslant; 60° over 1920 × 1080 pixels.
-fn view(target: DVec3, distance_m: f64, depth: DepthFormat) -> View {
+fn view(target: DVec3, distance_m: f64, depth: DepthFormat) -> PerspectiveView {
     let up = target.normalize();
     let east = DVec3::Z.cross(up).normalize();
     let north = up.cross(east);
     let backward = (up * 0.8 - north * 0.5 + east * 0.33).normalize();
     let right = north.cross(backward).normalize();
     let focal_y = 1.0 / 30_f64.to_radians().tan();
-    View {
+    PerspectiveView {
         eye_ecef: target + backward * distance_m,
         right,
         up: backward.cross(right),

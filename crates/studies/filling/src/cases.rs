@@ -21,7 +21,7 @@ use terrafill_variant::Variant;
 
 /// A case's place on a ladder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct LadderPlace {
     /// From 1.
     pub(crate) rung: usize,
     /// What changes, in a word.
@@ -44,9 +44,9 @@ pub(crate) struct FillCase {
     /// What it is for.
     pub(crate) purposes: Vec<Purpose>,
     /// Where it stands on its technique's ladder.
-    pub(crate) place: Option<Place>,
+    pub(crate) place: Option<LadderPlace>,
     /// Where it stands between everything and what the view needs.
-    pub(crate) needs_place: Option<Place>,
+    pub(crate) needs_place: Option<LadderPlace>,
     /// Of bytes by formula: for so many regions.
     pub(crate) regions: Option<usize>,
     /// Timed frames in a process; 0 for a case that is only drawn and compared.
@@ -297,7 +297,7 @@ impl Builder<'_> {
                 for (rung, number) in wishes.rungs(*technique, scene).into_iter().zip(1..) {
                     let subject = Subject::Fill(*technique, rung.variant);
                     let case = self.add(subject, Purpose::Ladder, wishes.few_frames());
-                    case.place = Some(Place {
+                    case.place = Some(LadderPlace {
                         rung: number,
                         step: rung.step,
                         change: rung.change,
@@ -341,7 +341,7 @@ impl Builder<'_> {
             for (rung, number) in rungs.into_iter().zip(1..) {
                 let subject = Subject::Fill(technique, rung.variant);
                 let case = self.add(subject, Purpose::Needs, frames);
-                case.needs_place = has_ladder.then_some(Place {
+                case.needs_place = has_ladder.then_some(LadderPlace {
                     rung: number,
                     step: rung.step,
                     change: rung.change,

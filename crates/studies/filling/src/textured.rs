@@ -193,10 +193,10 @@ pub(crate) fn is_of_2007(switches: &Switches) -> bool {
 /// for. How many copies there are changes nothing that is seen.
 #[derive(Default)]
 pub(crate) struct TexturedReferences {
-    known: RefCell<BTreeMap<[u32; 2], Drawn>>,
+    known: RefCell<BTreeMap<[u32; 2], KnownReference>>,
 }
 
-type Drawn = Result<Rc<TexturedReference>, String>;
+type KnownReference = Result<Rc<TexturedReference>, String>;
 
 /// What the reference says of a textured frame.
 pub(crate) struct TexturedReference {
@@ -205,7 +205,7 @@ pub(crate) struct TexturedReference {
 }
 
 impl TexturedReferences {
-    fn of(&self, input: &FillInput) -> Drawn {
+    fn of(&self, input: &FillInput) -> KnownReference {
         let Some(texture) = &input.scene.texture else {
             return Err("the scene has no picture to compare with".to_owned());
         };

@@ -11,7 +11,7 @@ use crate::sight::{CLEARED_PIXEL, DISTANCE_SPREAD, IMAGE, ProbeView, TIMED_DISTA
 use glam::DVec3;
 use terrafill_results::Status;
 use terrafill_study::StudyError;
-use terrafill_texture::{Arithmetic, MapRegion, PositionRoute, View};
+use terrafill_texture::{Arithmetic, MapRegion, PerspectiveView, PositionRoute};
 
 /// A pixel, its distance, its depth as read back, and where it is.
 struct Seen {
@@ -23,7 +23,7 @@ struct Seen {
     clippy::cast_possible_truncation,
     reason = "pixel centres are exact in f32"
 )]
-fn seen(view: &View, region: &MapRegion, distance_m: f64, count: u32) -> Vec<Seen> {
+fn seen(view: &PerspectiveView, region: &MapRegion, distance_m: f64, count: u32) -> Vec<Seen> {
     let [width, height] = IMAGE.map(f64::from);
     (1..=count)
         .map(|i| {
@@ -85,7 +85,7 @@ pub(crate) fn identity(sight: &ProbeView, route: PositionRoute) -> PrecisionRow 
 /// wrong: the rows say what would come of asking.
 fn cleared_rows(
     sight: &ProbeView,
-    view: &View,
+    view: &PerspectiveView,
     region: &MapRegion,
     kernels: &Kernels,
 ) -> Result<Vec<PrecisionRow>, StudyError> {
@@ -140,7 +140,7 @@ fn rounds_products(
 
 fn drawn_rows(
     sight: &ProbeView,
-    view: &View,
+    view: &PerspectiveView,
     region: &MapRegion,
     points: u32,
     kernels: &Kernels,

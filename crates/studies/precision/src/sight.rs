@@ -6,7 +6,9 @@ use crate::place::{RegionPicture, radical_inverse};
 use glam::DVec3;
 use terrafill_core::Geodetic;
 use terrafill_gpu::EVALUATIONS_PER_DISPATCH;
-use terrafill_texture::{DepthFormat, DepthMapping, DepthStorage, MapRegion, PositionRoute, View};
+use terrafill_texture::{
+    DepthFormat, DepthMapping, DepthStorage, MapRegion, PerspectiveView, PositionRoute,
+};
 
 /// From the eye to what is seen, metres, with the near plane that a camera would have there.
 const DISTANCES_M: [(f64, f64); 6] = [
@@ -212,7 +214,11 @@ impl ProbeView {
     }
 
     /// The region with its anchor; a plan's stands where the very function puts it that a plan calls.
-    pub(crate) fn region(&self, place: &RegionPicture, view: &View) -> Option<MapRegion> {
+    pub(crate) fn region(
+        &self,
+        place: &RegionPicture,
+        view: &PerspectiveView,
+    ) -> Option<MapRegion> {
         if self.anchor == Anchor::Middle {
             return Some(place.region);
         }
@@ -234,7 +240,7 @@ impl ProbeView {
     }
 
     /// Looks at a point of the region half way from its middle to its corner.
-    pub(crate) fn view(&self, place: &RegionPicture) -> View {
+    pub(crate) fn view(&self, place: &RegionPicture) -> PerspectiveView {
         view_of(
             place,
             self.distance_m.unwrap_or(TIMED_DISTANCE_M),
@@ -243,7 +249,7 @@ impl ProbeView {
     }
 }
 
-fn view_of(place: &RegionPicture, distance_m: f64, depth: DepthFormat) -> View {
+fn view_of(place: &RegionPicture, distance_m: f64, depth: DepthFormat) -> PerspectiveView {
     let extent = place.region.extent();
     let [width, height] = extent.size_rad();
     let target = Geodetic {
@@ -264,7 +270,7 @@ fn view_of(place: &RegionPicture, distance_m: f64, depth: DepthFormat) -> View {
     let half = 0.5 * FIELD_OF_VIEW_DEG.to_radians();
     let focal_y = 1.0 / half.tan();
     let aspect = f64::from(IMAGE[0]) / f64::from(IMAGE[1]);
-    View {
+    PerspectiveView {
         eye_ecef: place.region.body().geodetic_to_ecef(target) - forward * distance_m,
         right,
         up: right.cross(forward),

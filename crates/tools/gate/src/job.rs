@@ -16,7 +16,7 @@ use crate::cores::Cores;
 use crate::error::says_machine_failed;
 use crate::hold::{Hold, PROCESS, VERIFY};
 use crate::lockstep::{Ended, Stepped, step};
-use crate::{GateError, GatedTime, Program, Side, Sides, Span, Times, Trio, Watched, Way};
+use crate::{GateError, GatedTime, Program, Side, Sides, Span, Times, TimingOrder, Trio, Watched};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::io::{self, BufRead as _, BufReader};
@@ -101,7 +101,7 @@ pub struct Job<'a> {
     out: PathBuf,
     say: &'a mut dyn FnMut(&str),
     started: Instant,
-    way: Way,
+    way: TimingOrder,
     _hold: Hold,
     /// Where timing processes run; empty: anywhere.
     cores: Cores,
@@ -127,10 +127,10 @@ impl<'a> Job<'a> {
     ) -> Result<Self, GateError> {
         let hold = Hold::take(out, say)?;
         let way = match programs.iter().find(|program| !program.knows("--stepped")) {
-            Some(program) => Way::Turns {
+            Some(program) => TimingOrder::Turns {
                 why: format!("{} was built before lock-step", program.label()),
             },
-            None => Way::LockStep,
+            None => TimingOrder::LockStep,
         };
         Ok(Self {
             _hold: hold,
@@ -176,8 +176,8 @@ impl<'a> Job<'a> {
         command.args(["--processes", "1", "--samples"]);
         // In lock-step the gate counts the samples.
         let samples = match self.way {
-            Way::LockStep => 1,
-            Way::Turns { .. } => self.workload.samples,
+            TimingOrder::LockStep => 1,
+            TimingOrder::Turns { .. } => self.workload.samples,
         };
         command.arg(samples.to_string());
         if self.workload.frames > 1 {
@@ -307,7 +307,7 @@ impl Job<'_> {
 }
 
 impl Sides for Job<'_> {
-    fn way(&self) -> &Way {
+    fn way(&self) -> &TimingOrder {
         &self.way
     }
 

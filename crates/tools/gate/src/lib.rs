@@ -70,5 +70,5 @@ pub use report::{GATE_SCHEMA, GateOptions, GateReport, Rules, gate};
 pub use self_test::{Injection, Proof, Rates, SelfTest, self_test};
 pub use setup::compare_setups;
 pub use shard::merge_gates;
-pub use sides::{Side, Sides, Times, Trio, Way};
+pub use sides::{Side, Sides, Times, TimingOrder, Trio};
 pub use time::{CaseTime, Pace, Stage, TimeGate, TimeOptions, Watched, compare_times};

@@ -3,7 +3,9 @@
 //! The page is in `page`, JUnit in `junit`.
 
 use crate::threshold::MAX_ANNOTATIONS;
-use crate::{Finding, GATE_SCHEMA, Gate, GateError, GateReport, Severity, Span, Verdict, Way};
+use crate::{
+    Finding, GATE_SCHEMA, Gate, GateError, GateReport, Severity, Span, TimingOrder, Verdict,
+};
 use std::fmt::Write as _;
 use std::path::Path;
 use terrafill_results::Shard;
@@ -178,7 +180,7 @@ pub(crate) fn scope(report: &GateReport) -> Vec<String> {
                 let _ = write!(line, "; base against base differed by up to {null:.1} %");
             }
             lines.push(line);
-            if let Way::Turns { why } = &time.way {
+            if let TimingOrder::Turns { why } = &time.way {
                 lines.push(format!(
                     "whole processes by turns, not frames in lock-step, so noise weighs more: {why}"
                 ));

@@ -167,7 +167,7 @@ fn decide(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Span, Trio, Way};
+    use crate::{Span, TimingOrder, Trio};
     use std::collections::{BTreeMap, BTreeSet};
     use terrafill_results::{Clock, SplitMix64};
 
@@ -177,7 +177,7 @@ mod tests {
         noise: f64,
         /// Of the first verification alone, of the new side.
         first: f64,
-        way: Way,
+        way: TimingOrder,
         verified: u32,
     }
 
@@ -187,14 +187,14 @@ mod tests {
                 factor,
                 noise: 0.1,
                 first: 1.0,
-                way: Way::LockStep,
+                way: TimingOrder::LockStep,
                 verified: 1,
             }
         }
     }
 
     impl Sides for MadeUp {
-        fn way(&self) -> &Way {
+        fn way(&self) -> &TimingOrder {
             &self.way
         }
 

@@ -195,7 +195,7 @@ fn join(parts: impl Iterator<Item = GateReport>) -> GateReport {
                 } else {
                     all.confirm.truncate(more.confirm.len());
                 }
-                if let crate::Way::Turns { .. } = more.way {
+                if let crate::TimingOrder::Turns { .. } = more.way {
                     all.way = more.way;
                 }
                 Some(all)

@@ -38,7 +38,7 @@ pub type Times = BTreeMap<String, BTreeMap<u32, BTreeMap<u32, f64>>>;
 /// How the two programs are measured against one another.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Way {
+pub enum TimingOrder {
     /// Frame by frame, their processes all alive.
     #[default]
     LockStep,
@@ -116,21 +116,21 @@ impl Trio {
 /// Two programs that can be measured, process by process.
 pub trait Sides {
     /// How they are measured.
-    fn way(&self) -> &Way;
+    fn way(&self) -> &TimingOrder;
 
     /// Whether all processes of a block run on one core.
     fn is_on_one_core(&self) -> bool {
         false
     }
 
-    /// Runs three processes in lock-step, which time these cases; for [`Way::LockStep`]. Samples
+    /// Runs three processes in lock-step, which time these cases; for [`TimingOrder::LockStep`]. Samples
     /// 2 *k* − 1 and 2 *k* of each make burst *k*.
     ///
     /// # Errors
     /// [`GateError`] when one does not end well.
     fn run_together(&mut self, trio: Trio, cases: &BTreeSet<String>) -> Result<(), GateError>;
 
-    /// Runs one process of a side, which times these cases; for [`Way::Turns`].
+    /// Runs one process of a side, which times these cases; for [`TimingOrder::Turns`].
     ///
     /// # Errors
     /// [`GateError`] when it does not end well.

@@ -19,7 +19,7 @@
 //! on, for up to [`CONFIRM_ROUNDS`] such rounds, as the time budget allows.
 
 use crate::block::{Block, deviation, differences, level, null_differences, percent};
-use crate::sides::{Side, Sides, Times, Trio, Way};
+use crate::sides::{Side, Sides, Times, TimingOrder, Trio};
 use crate::threshold::{
     CONFIRM_BLOCKS, CONFIRM_ROUNDS, COVERAGE, MIN_AGREEMENT, MIN_CONFIRM_BLOCKS,
     MIN_PLAUSIBLE_RATIO, NULL_COVERAGE, SCREEN_BLOCKS, SCREEN_SHARE,
@@ -137,7 +137,7 @@ impl Stage {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct TimeGate {
     /// How the two programs were measured.
-    pub way: Way,
+    pub way: TimingOrder,
     /// Whether all processes of a block ran on one core.
     pub on_one_core: bool,
     /// Every case that was to be timed.
@@ -270,8 +270,8 @@ fn blocks(
         }
         sides.say(&format!("{what}: block {number} of {count}"));
         blocks.push(match sides.way() {
-            Way::LockStep => together(sides, cases, next_process)?,
-            Way::Turns { .. } => by_turns(sides, cases, number, next_process)?,
+            TimingOrder::LockStep => together(sides, cases, next_process)?,
+            TimingOrder::Turns { .. } => by_turns(sides, cases, number, next_process)?,
         });
     }
     Ok(blocks)

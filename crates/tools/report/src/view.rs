@@ -32,7 +32,7 @@ pub(crate) enum Form {
 }
 
 /// A block with everything that the template needs.
-enum View<'a> {
+enum BlockView<'a> {
     Heading {
         level: u8,
         text: &'a str,
@@ -172,7 +172,7 @@ struct FindingView<'a> {
 #[derive(Template)]
 #[template(path = "blocks.html")]
 struct Blocks<'a> {
-    blocks: Vec<View<'a>>,
+    blocks: Vec<BlockView<'a>>,
 }
 
 /// A file of the report: path within the run's folder, and contents.
@@ -234,9 +234,9 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// When a template cannot be rendered.
     pub(crate) fn html(&mut self, blocks: &[Block]) -> Result<String, askama::Error> {
-        let mut views: Vec<View<'_>> = Vec::new();
+        let mut views: Vec<BlockView<'_>> = Vec::new();
         for block in blocks {
-            if let (Block::Finding(finding), Some(View::Findings(findings))) =
+            if let (Block::Finding(finding), Some(BlockView::Findings(findings))) =
                 (block, views.last_mut())
             {
                 findings.push(finding_view(finding));
@@ -247,22 +247,22 @@ impl<'a> Renderer<'a> {
         Blocks { blocks: views }.render()
     }
 
-    fn view<'b>(&mut self, block: &'b Block) -> Result<View<'b>, askama::Error> {
+    fn view<'b>(&mut self, block: &'b Block) -> Result<BlockView<'b>, askama::Error> {
         Ok(match block {
-            Block::Heading { level, text } => View::Heading {
+            Block::Heading { level, text } => BlockView::Heading {
                 level: *level,
                 text,
                 id: self.id(text),
             },
-            Block::Text(text) => View::Text(text),
-            Block::Remark(text) => View::Remark(text),
-            Block::Alarm(text) => View::Alarm(text),
-            Block::List(items) => View::List(items),
-            Block::Table(table) => View::Table(self.table(table)),
-            Block::Plot(plot) => View::Plot(self.plot(plot)),
-            Block::Pictures(pictures) => View::Pictures(self.pictures(pictures)),
-            Block::Finding(finding) => View::Findings(vec![finding_view(finding)]),
-            Block::Choice(choice) => View::Choice {
+            Block::Text(text) => BlockView::Text(text),
+            Block::Remark(text) => BlockView::Remark(text),
+            Block::Alarm(text) => BlockView::Alarm(text),
+            Block::List(items) => BlockView::List(items),
+            Block::Table(table) => BlockView::Table(self.table(table)),
+            Block::Plot(plot) => BlockView::Plot(self.plot(plot)),
+            Block::Pictures(pictures) => BlockView::Pictures(self.pictures(pictures)),
+            Block::Finding(finding) => BlockView::Findings(vec![finding_view(finding)]),
+            Block::Choice(choice) => BlockView::Choice {
                 caption: &choice.caption,
                 id: self.id("choice"),
                 ways: choice
@@ -275,7 +275,7 @@ impl<'a> Renderer<'a> {
                 summary,
                 is_open,
                 blocks,
-            } => View::Folded {
+            } => BlockView::Folded {
                 summary,
                 is_open: *is_open,
                 html: self.html(blocks)?,

@@ -26,7 +26,7 @@ use terrafill_surface::open_surface;
 use terrafill_variant::Variant;
 
 /// What one backend drew.
-struct Drawn {
+struct RenderedPicture {
     rgb: Vec<u8>,
     frame: Frame,
     memory: Option<MemoryUse>,
@@ -255,7 +255,7 @@ fn input(
     })
 }
 
-fn draw_reference(input: &FillInput, is_textured: bool) -> Result<Drawn, Failure> {
+fn draw_reference(input: &FillInput, is_textured: bool) -> Result<RenderedPicture, Failure> {
     let reference = if is_textured {
         ReferenceBackend::textured()
     } else {
@@ -263,7 +263,7 @@ fn draw_reference(input: &FillInput, is_textured: bool) -> Result<Drawn, Failure
     };
     let judged = reference.judge(input).map_err(Failure::bad_input)?;
     let frame = judged.frame;
-    Ok(Drawn {
+    Ok(RenderedPicture {
         rgb: judged.picture.unwrap_or_else(|| paint(&frame)),
         variant: if is_textured { "texture=on" } else { "" }.to_owned(),
         frame,
@@ -278,8 +278,8 @@ fn draw(
     technique: &dyn Technique,
     variant: &Variant,
     arguments: &RenderArguments,
-) -> Result<Drawn, Failure> {
-    let draw = || -> Result<Drawn, DeviceError> {
+) -> Result<RenderedPicture, Failure> {
+    let draw = || -> Result<RenderedPicture, DeviceError> {
         let devices = Rc::new(Devices::new(arguments.adapter.clone()));
         let targets = Targets::new(&devices, input.size);
         let mut backend = technique.open(&targets, variant)?;
@@ -290,7 +290,7 @@ fn draw(
         // What is left out is listed by itself.
         let mut named = variant.clone();
         named.plan = PlanOptions::default();
-        Ok(Drawn {
+        Ok(RenderedPicture {
             rgb: rgb.collect(),
             frame,
             memory: Some(memory),
@@ -305,7 +305,11 @@ fn draw(
     })
 }
 
-fn statistics(arguments: &RenderArguments, input: &FillInput, drawn: &Drawn) -> serde_json::Value {
+fn statistics(
+    arguments: &RenderArguments,
+    input: &FillInput,
+    drawn: &RenderedPicture,
+) -> serde_json::Value {
     let left_out: Vec<_> = input
         .plan
         .left_out

@@ -18,8 +18,8 @@ use terrafill_core::Ellipsoid;
 use terrafill_plan::PlannedRegion;
 use terrafill_scene::SceneTexture;
 use terrafill_texture::{
-    Chart, Chooser, CoordinateRoute, Demand, DepthFormat, MapExtent, MapRegion, PositionRoute,
-    Reason, View,
+    Chart, Chooser, CoordinateRoute, Demand, DepthFormat, MapExtent, MapRegion, PerspectiveView,
+    PositionRoute, Reason,
 };
 use terrafill_variant::{RouteChoice, SwitchError};
 
@@ -475,11 +475,11 @@ fn map_region(
     MapRegion::seen_from(input.scene.body, whole, heights, eye_ecef, pixel_m)
 }
 
-fn view(input: &FillInput, depth: DepthFormat) -> View {
+fn view(input: &FillInput, depth: DepthFormat) -> PerspectiveView {
     let camera = &input.camera;
     let ecef_from_view = camera.view_from_ecef.transpose();
     let focal_y = camera.tan_half_fov().recip();
-    View {
+    PerspectiveView {
         eye_ecef: camera.eye_ecef,
         right: ecef_from_view.x_axis,
         up: ecef_from_view.y_axis,
@@ -560,7 +560,7 @@ fn whole(texels: f64) -> u32 {
 )]
 fn fixed_part(
     input: &FillInput,
-    view: &View,
+    view: &PerspectiveView,
     map: &MapRegion,
     texture: &PlannedTexture,
     sight: &EyeDistance,

@@ -46,7 +46,7 @@ pub(crate) enum Blocked {
 
 /// Where a point lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Place {
+pub(crate) enum PointLocation {
     /// Strictly within a triangle.
     Face(u32),
     /// On the edge of a triangle opposite its corner of that number.
@@ -291,7 +291,7 @@ impl Delaunay {
 
     /// Finds a point, by a walk that turns at random where it may: in a constrained triangulation a
     /// walk by rule can go round for ever (Devillers, Pion & Teillaud 2002).
-    pub(crate) fn locate(&self, point: Point) -> Place {
+    pub(crate) fn locate(&self, point: Point) -> PointLocation {
         let mut random = 0x9e37_79b9_u32;
         let (mut current, mut last) = (self.hint, NONE);
         'walk: loop {
@@ -310,7 +310,7 @@ impl Delaunay {
                 let side = orient(from, to, point);
                 if side < 0.0 {
                     if next == NONE {
-                        return Place::Outside;
+                        return PointLocation::Outside;
                     }
                     (last, current) = (current, next);
                     continue 'walk;
@@ -318,14 +318,14 @@ impl Delaunay {
                 on[i] = side == 0.0;
             }
             return match on {
-                [false, false, false] => Place::Face(current),
-                [true, false, false] => Place::Edge(current, 0),
-                [false, true, false] => Place::Edge(current, 1),
-                [false, false, true] => Place::Edge(current, 2),
+                [false, false, false] => PointLocation::Face(current),
+                [true, false, false] => PointLocation::Edge(current, 0),
+                [false, true, false] => PointLocation::Edge(current, 1),
+                [false, false, true] => PointLocation::Edge(current, 2),
                 // On two edges is on the corner between them.
-                [true, true, _] => Place::Vertex(triangle.corners[2]),
-                [true, _, true] => Place::Vertex(triangle.corners[1]),
-                [_, true, true] => Place::Vertex(triangle.corners[0]),
+                [true, true, _] => PointLocation::Vertex(triangle.corners[2]),
+                [true, _, true] => PointLocation::Vertex(triangle.corners[1]),
+                [_, true, true] => PointLocation::Vertex(triangle.corners[0]),
             };
         }
     }
@@ -337,15 +337,15 @@ impl Delaunay {
     pub(crate) fn insert(&mut self, point: Point) -> Result<u32, Blocked> {
         let vertex = index_u32(self.vertices.len());
         match self.locate(point) {
-            Place::Vertex(known) => {
+            PointLocation::Vertex(known) => {
                 self.hint = self.vertices[known as usize].triangle;
                 return Ok(known);
             }
-            Place::Outside => return Err(Blocked::Outside),
-            Place::Face(triangle) => {
+            PointLocation::Outside => return Err(Blocked::Outside),
+            PointLocation::Face(triangle) => {
                 self.split_face(triangle, vertex, point);
             }
-            Place::Edge(triangle, i) => {
+            PointLocation::Edge(triangle, i) => {
                 if self.triangles[triangle as usize].neighbours[i] == NONE {
                     return Err(Blocked::Outside);
                 }
@@ -787,10 +787,13 @@ mod tests {
         assert_eq!(mesh.vertex_count(), FRAME_CORNERS + distinct.len());
         assert_eq!(
             mesh.locate([2.0 / 32.0, 7.0 / 32.0]),
-            Place::Vertex(mesh_vertex(&mesh, [2.0 / 32.0, 7.0 / 32.0]))
+            PointLocation::Vertex(mesh_vertex(&mesh, [2.0 / 32.0, 7.0 / 32.0]))
         );
-        assert!(matches!(mesh.locate([2.5 / 32.0, 0.0]), Place::Edge(..)));
-        assert_eq!(mesh.locate([9.0, 0.0]), Place::Outside);
+        assert!(matches!(
+            mesh.locate([2.5 / 32.0, 0.0]),
+            PointLocation::Edge(..)
+        ));
+        assert_eq!(mesh.locate([9.0, 0.0]), PointLocation::Outside);
     }
 
     #[test]

@@ -10,7 +10,7 @@ mod samples;
 mod tags;
 
 use self::metadata::Metadata;
-use self::place::Place;
+use self::place::RasterPlace;
 use crate::error::Complaints;
 use crate::{ElevationError, HeightField, MAX_SAMPLES};
 use std::io::Cursor;
@@ -41,7 +41,7 @@ pub(super) fn read(
     let broken = |error: tiff::TiffError| complaints.undecodable("GeoTIFF", error);
     let mut decoder = open(complaints, bytes)?;
     let mut warnings = tags::check(complaints, &mut decoder)?;
-    let place = Place::read(complaints, &mut decoder)?;
+    let place = RasterPlace::read(complaints, &mut decoder)?;
     warnings.extend(place.warnings.iter().cloned());
     let metadata = Metadata::read(complaints, &mut decoder, place.unit_m)?;
     let (columns, rows) = decoder.dimensions().map_err(broken)?;

@@ -5,7 +5,7 @@
 //! Everything is computed from the rows. A fill is a technique with its switches; it competes where its
 //! picture is right and its time was measured.
 
-use super::data::{Data, View, grouped, is_baseline, label};
+use super::data::{Data, ViewCases, grouped, is_baseline, label};
 use super::table::or_dash;
 use super::{fronts, memory, needs, textured};
 use crate::keys::*;
@@ -19,12 +19,12 @@ use terrafill_results::{
 
 /// Fills that compete in a view, fastest first.
 struct Contest<'d, 'a> {
-    view: &'d View<'a>,
+    view: &'d ViewCases<'a>,
     fills: Vec<&'a Case>,
 }
 
 impl<'d, 'a> Contest<'d, 'a> {
-    fn new(data: &Data<'a>, view: &'d View<'a>) -> Self {
+    fn new(data: &Data<'a>, view: &'d ViewCases<'a>) -> Self {
         let timed = view.competing();
         let timed = timed.filter_map(|case| Some((case, data.timings.typical(case)?.middle)));
         let mut timed: Vec<(&Case, f64)> = timed.collect();

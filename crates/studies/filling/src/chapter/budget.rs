@@ -2,7 +2,7 @@
 //! What may be chosen for a scene within the reader's limits: right fills, and approximate ones by the error that they
 //! had in this run. Points of sweeps may not.
 
-use super::data::{Data, View, label};
+use super::data::{Data, ViewCases, label};
 use crate::keys::*;
 use crate::purpose::{is_approximate, is_point};
 use terrafill_conformance::{BAND_RADIUS_PX, MAX_PICTURE_SEARCH_PX};
@@ -19,12 +19,12 @@ pub(super) fn block(data: &Data<'_>, budget: &Budget) -> Option<Block> {
     cheapest_within(data.run, data.timings, budget, scenes)
 }
 
-fn contenders<'a>(views: &[&View<'a>]) -> Vec<Contender<'a>> {
+fn contenders<'a>(views: &[&ViewCases<'a>]) -> Vec<Contender<'a>> {
     let largest = |figures: Vec<Option<f64>>| {
         let known: Option<Vec<f64>> = figures.into_iter().collect();
         known.map(|known| known.into_iter().fold(0.0, f64::max))
     };
-    let of_view = |view: &&View<'a>| view.cases.iter().copied().filter(competes).collect();
+    let of_view = |view: &&ViewCases<'a>| view.cases.iter().copied().filter(competes).collect();
     let of_views: Vec<Vec<&Case>> = views.iter().map(of_view).collect();
     let fills = in_every_group(&of_views, label).into_iter();
     let fills = fills.map(|(name, cases)| Contender {

@@ -16,8 +16,8 @@ use crate::metrics::METRICS;
 use crate::purpose::{Purpose, is_approximate, is_compared};
 use crate::request::STUDY;
 use terrafill_lab::{
-    AblationStep, Answer, Claimed, Comparison, Follows, Told, claims_blocks, claims_table, is_more,
-    sentences, work_exponent,
+    AblationStep, Answer, ClaimAnswer, Claimed, Comparison, Follows, claims_blocks, claims_table,
+    is_more, sentences, work_exponent,
 };
 use terrafill_plot::number::{count, digits, figure, significant, times};
 use terrafill_results::{
@@ -210,7 +210,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
     }
 
     /// All ratios of a claim, and what would settle the first that is open.
-    fn ratio(&self, ratio: &Ratio) -> Told {
+    fn ratio(&self, ratio: &Ratio) -> ClaimAnswer {
         let mut judged = self.judged(ratio);
         if let Pair::Step(step) = &ratio.of
             && step.only == Only::WhereItActs
@@ -219,7 +219,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
                 .of_views(step)
                 .any(|ladder| ladder.step(&step.name).is_some())
         {
-            return Told::unanswered(
+            return ClaimAnswer::unanswered(
                 Standing::NotMeasured,
                 "in these views the eye is inside every volume, or so near that the step changes nothing",
             );
@@ -249,18 +249,18 @@ impl<'r, 'a> Evidence<'r, 'a> {
         });
         let because = because.find(|because| !because.is_empty());
         let reason = sentences([reason.as_str(), because.unwrap_or_default()]);
-        Told::of_views(views.collect(), reason)
+        ClaimAnswer::of_views(views.collect(), reason)
     }
 
     /// What the run says of a claim.
-    fn told(&self, test: &Test) -> Told {
+    fn told(&self, test: &Test) -> ClaimAnswer {
         let views = match test {
             Test::Ratio(ratio) => return self.ratio(ratio),
             Test::SecondPass(step) => return second_pass(&self.rungs(step)),
             Test::LargestGain(step) => {
-                return Told::of_views(self.largest_gain(step), changes(&self.rungs(step)));
+                return ClaimAnswer::of_views(self.largest_gain(step), changes(&self.rungs(step)));
             }
-            Test::No(why) => return Told::unanswered(Standing::CannotBeTested, why),
+            Test::No(why) => return ClaimAnswer::unanswered(Standing::CannotBeTested, why),
             Test::Sum { terms, says } => {
                 let products = terms.iter().map(|factors| factors.iter().product::<u64>());
                 let gives: u64 = products.sum();
@@ -292,7 +292,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
             Test::GeometryShaderBytes(claim) => self.geometry_shader_bytes(*claim),
             Test::SurfaceIndependence => self.surface_independence(),
         };
-        Told::of_views(views, String::new())
+        ClaimAnswer::of_views(views, String::new())
     }
 
     /// Cases with their wrong pixels in words.
@@ -449,7 +449,7 @@ fn changes(rungs: &[&AblationStep<'_>]) -> String {
     most.and_then(of).unwrap_or_default()
 }
 
-fn second_pass(rungs: &[&AblationStep<'_>]) -> Told {
+fn second_pass(rungs: &[&AblationStep<'_>]) -> ClaimAnswer {
     let views = rungs.iter().filter_map(|rung| {
         let share = share(rung.case, COLOUR_GPU_MS, STENCIL_GPU_MS)?;
         let standing = Claim::AtLeast(0.5).standing(&share);
@@ -467,11 +467,11 @@ fn second_pass(rungs: &[&AblationStep<'_>]) -> Told {
             of(FRAGMENT_SHADER_INVOCATIONS)
         )
     });
-    Told::of_views(views.collect(), fragments.unwrap_or_default())
+    ClaimAnswer::of_views(views.collect(), fragments.unwrap_or_default())
 }
 
 /// What the run says of each claim, in order.
-fn all(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Told> {
+fn all(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<ClaimAnswer> {
     let evidence = Evidence::new(data, ladders);
     PAPER.tell(&data.run.environment, STUDY, |test| evidence.told(test))
 }
@@ -479,7 +479,7 @@ fn all(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Told> {
 /// The table, and how many claims ended how; nothing for a run that measured none of it.
 pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Block> {
     let all = all(data, ladders);
-    let is_measured = |(claimed, told): (&Claimed<Test>, &Told)| {
+    let is_measured = |(claimed, told): (&Claimed<Test>, &ClaimAnswer)| {
         told.standing != Standing::NotMeasured
             && !matches!(claimed.test, Test::Sum { .. } | Test::No(_))
     };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pairs of cases that differ in one thing.
 
-use super::data::{Data, View, name};
+use super::data::{Data, ViewCases, name};
 use super::table::section;
 use terrafill_results::{Block, Cell, Row, Table};
 
@@ -32,7 +32,7 @@ const PAIRS: [(&str, &str, &str); 4] = [
 
 /// A row for every view in which a pair was timed.
 pub(super) fn pairs(data: &Data<'_>) -> Vec<Block> {
-    let of = |view: &View<'_>| {
+    let of = |view: &ViewCases<'_>| {
         let find = |wanted: &str| view.cases.iter().find(|case| name(case) == wanted);
         let ratios = PAIRS.map(|(_, case, control)| data.timings.over(find(case)?, find(control)?));
         let why = "one of the two is not right or was not timed in this view";

@@ -47,14 +47,14 @@ pub(super) struct Data<'a> {
     /// Every case that draws, repeats left out, in the plan's order.
     pub(super) cases: Vec<&'a Case>,
     /// The views of a scene follow each other.
-    pub(super) views: Vec<View<'a>>,
+    pub(super) views: Vec<ViewCases<'a>>,
     /// By the fill's time.
     pub(super) timings: Timings,
     palette: OnceCell<Palette>,
 }
 
 /// The cases of one view.
-pub(super) struct View<'a> {
+pub(super) struct ViewCases<'a> {
     pub(super) scene: &'a str,
     pub(super) name: &'a str,
     /// Every one, those that have a section of their own too. The others are in the lists below.
@@ -67,7 +67,7 @@ pub(super) struct View<'a> {
     pub(super) rivals: Vec<&'a Case>,
 }
 
-impl<'a> View<'a> {
+impl<'a> ViewCases<'a> {
     fn new(scene: &'a str, name: &'a str, all: Vec<&'a Case>) -> Self {
         let listed = all.iter().copied().filter(|case| is_listed(case));
         let (baselines, others) = listed.partition(|case| is_baseline(case));
@@ -112,7 +112,7 @@ impl<'a> Data<'a> {
         let of_scenes = grouped(cases.iter().copied(), |case| case.condition(SCENE)).into_iter();
         let views = of_scenes.flat_map(|(scene, cases)| {
             let views = grouped(cases, |case| case.condition(VIEW)).into_iter();
-            views.map(move |(name, all)| View::new(scene, name, all))
+            views.map(move |(name, all)| ViewCases::new(scene, name, all))
         });
         Self {
             views: views.collect(),
@@ -128,7 +128,7 @@ impl<'a> Data<'a> {
     }
 
     /// Views that list cases, those of one scene together.
-    pub(super) fn scenes(&self) -> Vec<(&'a str, Vec<&View<'a>>)> {
+    pub(super) fn scenes(&self) -> Vec<(&'a str, Vec<&ViewCases<'a>>)> {
         let listed = self.views.iter();
         let listed = listed.filter(|view| view.listed().next().is_some());
         grouped(listed, |view| view.scene)
@@ -259,7 +259,7 @@ impl<'a> Data<'a> {
     /// Names of all curves: a curve's place here is its colour and marker in every plot. Those that
     /// most views have come first, as the first ones differ most.
     fn all_series(&self) -> Vec<String> {
-        let of_view = |view: &View<'a>| {
+        let of_view = |view: &ViewCases<'a>| {
             let cases = view.cases.iter().chain(&view.rivals);
             distinct(cases.map(|case| marked(case)))
         };
@@ -344,7 +344,7 @@ pub(super) fn title(case: &Case) -> String {
 }
 
 /// The value by which an approximate case differs from the others of its technique in a view.
-pub(super) fn setting<'a>(case: &'a Case, view: &View<'_>) -> Option<&'a str> {
+pub(super) fn setting<'a>(case: &'a Case, view: &ViewCases<'_>) -> Option<&'a str> {
     let differs = |(key, value): &(&str, &str)| {
         let mut others = view.cases.iter();
         others.any(|other| {

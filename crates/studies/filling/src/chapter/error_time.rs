@@ -4,7 +4,7 @@
 //! One curve per layout through its knob, the boundary tolerance. A wrong case whose error is the
 //! question stands where its figures put it; any other wrong or failed case stands on the edge.
 
-use super::data::{Data, View, grouped, knob_m, series, setting, standing};
+use super::data::{Data, ViewCases, grouped, knob_m, series, setting, standing};
 use crate::keys::{BOUNDARY_DEVIATION_M, MISMATCHED_PX};
 use crate::purpose::{Purpose, is_approximate};
 use terrafill_plot::{
@@ -18,7 +18,10 @@ const CAPTION: &str = "Error against run time; one curve per layout through its 
     joined by dashes: the Pareto front, where at least 95 % of bootstrap resamples of the processes keep it.";
 
 /// Every fill of a view; nothing when neither panel would hold a point.
-pub(super) fn of_view(data: &Data<'_>, view: &View<'_>) -> Result<Option<Block>, ChapterError> {
+pub(super) fn of_view(
+    data: &Data<'_>,
+    view: &ViewCases<'_>,
+) -> Result<Option<Block>, ChapterError> {
     let title = format!("{}: error against run time", view.title());
     let across = format!("fill, {}: median, 5–95 % of samples", data.timings.unit());
     let panel = |title, up, metric| WorkPrecision {
@@ -46,7 +49,7 @@ pub(super) fn of_view(data: &Data<'_>, view: &View<'_>) -> Result<Option<Block>,
 }
 
 /// The cases as curves, one for each layout.
-pub(super) fn curves(data: &Data<'_>, view: &View<'_>, metric: &Metric) -> Vec<Curve> {
+pub(super) fn curves(data: &Data<'_>, view: &ViewCases<'_>, metric: &Metric) -> Vec<Curve> {
     let shown = view.cases.iter().filter(|case| match case.outcome {
         Outcome::Ok => data.timings.samples(case).is_some() && case.value(metric).is_some(),
         Outcome::Wrong | Outcome::Failed => true,
@@ -66,7 +69,7 @@ pub(super) fn curves(data: &Data<'_>, view: &View<'_>, metric: &Metric) -> Vec<C
 }
 
 /// A case by its time and an error. Its label is its setting or the knob's value, and what went wrong where something did.
-fn point(data: &Data<'_>, view: &View<'_>, case: &Case, metric: &Metric) -> Point {
+fn point(data: &Data<'_>, view: &ViewCases<'_>, case: &Case, metric: &Metric) -> Point {
     let time = |spread| Reading::sampled(spread, &data.timings.replicates(case));
     let (setting, knob) = (setting(case, view), knob_m(case));
     let label = match (setting, knob.map(length), case.outcome) {

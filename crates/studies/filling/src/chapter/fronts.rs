@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Error against cost, one panel a scene: the sum over the scene's views, by each clock and by work.
 
-use super::data::{Data, View, label, marked};
+use super::data::{Data, ViewCases, label, marked};
 use crate::keys::*;
 use terrafill_lab::{in_every_group, sums_by_process};
 use terrafill_plot::{FrontPanel, FrontPoint, Fronts};
@@ -48,7 +48,7 @@ pub(super) fn block(data: &Data<'_>) -> Result<Option<Block>, ChapterError> {
     }))
 }
 
-fn panel(data: &Data<'_>, scene: &str, views: &[&View<'_>], metric: &Metric) -> FrontPanel {
+fn panel(data: &Data<'_>, scene: &str, views: &[&ViewCases<'_>], metric: &Metric) -> FrontPanel {
     let of_views = views.iter().map(|view| {
         let right = view.competing().filter(|case| case.counts());
         right.collect()

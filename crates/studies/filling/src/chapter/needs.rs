@@ -24,12 +24,12 @@ const STEPS: [Column; 3] = [
 pub(super) const TITLE: &str = "What each scene needs";
 
 /// What one case says of all features.
-struct Told<'a> {
+struct CaseNeeds<'a> {
     case: &'a Case,
     needs: Vec<Need>,
 }
 
-impl<'a> Told<'a> {
+impl<'a> CaseNeeds<'a> {
     /// `None` of a case that says nothing.
     fn of(case: &'a Case) -> Option<Self> {
         let needs = Feature::ALL.iter();
@@ -57,8 +57,12 @@ fn shown(feature: Feature) -> String {
 }
 
 /// Every case that says what it holds.
-fn all<'a>(data: &Data<'a>) -> Vec<Told<'a>> {
-    data.cases.iter().copied().filter_map(Told::of).collect()
+fn all<'a>(data: &Data<'a>) -> Vec<CaseNeeds<'a>> {
+    data.cases
+        .iter()
+        .copied()
+        .filter_map(CaseNeeds::of)
+        .collect()
 }
 
 /// Whether a case holds only what its view needs: the last of the rungs, or the only one.
@@ -112,7 +116,7 @@ pub(super) fn requirement(data: &Data<'_>) -> Option<Finding> {
 }
 
 /// How sums over features differ from what the device made.
-fn disagreement(told: &Told<'_>) -> Option<String> {
+fn disagreement(told: &CaseNeeds<'_>) -> Option<String> {
     let case = told.case;
     let sum = |figure: fn(&Need) -> u64| told.needs.iter().map(figure).sum::<u64>();
     let declared = [
@@ -133,7 +137,7 @@ fn disagreement(told: &Told<'_>) -> Option<String> {
 }
 
 /// One row for each feature, and for each group of views of which the same is said.
-fn features(technique: &str, needed: &[&Told<'_>]) -> Table {
+fn features(technique: &str, needed: &[&CaseNeeds<'_>]) -> Table {
     let of_feature = |(feature, _): (Feature, _)| {
         let told = needed.iter().filter_map(move |told| {
             let need = told.needs.iter().find(|need| need.feature == feature)?;
@@ -189,13 +193,14 @@ fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, Cha
         "{}, {}: time over depth-pass, from everything to what is needed",
         ladder.scene, ladder.view
     );
-    let changed = |before: &Case, after: &Case| match Told::of(before).zip(Told::of(after)) {
-        None => Cell::absent("one of both says nothing of its features"),
-        Some((told, now)) => Cell {
-            detail: counters(before, after),
-            ..Cell::name(change(&told, &now))
-        },
-    };
+    let changed =
+        |before: &Case, after: &Case| match CaseNeeds::of(before).zip(CaseNeeds::of(after)) {
+            None => Cell::absent("one of both says nothing of its features"),
+            Some((told, now)) => Cell {
+                detail: counters(before, after),
+                ..Cell::name(change(&told, &now))
+            },
+        };
     let heading = Block::part(format!(
         "From everything to what {} needs, by {}",
         ladder.view, ladder.technique
@@ -211,7 +216,7 @@ fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, Cha
 }
 
 /// What a step left out and brought in.
-fn change(before: &Told<'_>, after: &Told<'_>) -> String {
+fn change(before: &CaseNeeds<'_>, after: &CaseNeeds<'_>) -> String {
     let (gone, come) = (before.without(after), after.without(before));
     match (gone.is_empty(), come.is_empty()) {
         (true, true) => "the same features".to_owned(),

@@ -2,7 +2,7 @@
 //! Every scene with its views: plots, tables of all cases, and pictures beside the reference's.
 
 use super::data::{
-    DEPTH_PASS, Data, STENCIL_PASS, View, label, marked, name, reason_or, setting, standing,
+    DEPTH_PASS, Data, STENCIL_PASS, ViewCases, label, marked, name, reason_or, setting, standing,
 };
 use super::error_time;
 use super::table::{STATUS, or_dash};
@@ -98,7 +98,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
 fn ratio_plot(
     data: &Data<'_>,
     scene: &str,
-    views: &[&View<'_>],
+    views: &[&ViewCases<'_>],
 ) -> Result<Option<String>, ChapterError> {
     let groups = views.iter().map(|view| {
         let best = data.timings.fastest(view.competing());
@@ -147,7 +147,7 @@ fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow 
     }
 }
 
-fn cases(data: &Data<'_>, view: &View<'_>) -> Table {
+fn cases(data: &Data<'_>, view: &ViewCases<'_>) -> Table {
     let fastest = data.timings.fastest(view.competing());
     let rows = view.listed().map(|case| {
         let (label, name) = (label(case), name(case));
@@ -180,7 +180,7 @@ fn cases(data: &Data<'_>, view: &View<'_>) -> Table {
 
 /// The reference's picture, then each case's beside its difference and its worst pixel. Wrong cases
 /// of the ladder and the matrix are among them: their own tables have no room for pictures.
-fn pictures(view: &View<'_>) -> Option<Pictures> {
+fn pictures(view: &ViewCases<'_>) -> Option<Pictures> {
     let listed = || view.cases.iter().chain(&view.rivals).copied();
     let wrong = view.all.iter().copied().filter(|case| {
         // Textured fills have their pictures in their own section.

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use terrafill_contract::{FillBackend, FillInput, Frame, MemoryUse, ids_hash, mask_hash};
 
 /// A probe frame with what drew it.
-pub(super) struct Drawn {
+pub(super) struct ProbePicture {
     pub(super) backend: Box<dyn FillBackend>,
     pub(super) memory: MemoryUse,
     pub(super) frame: Frame,
@@ -14,7 +14,7 @@ pub(super) struct Drawn {
     pub(super) prepare_cpu_ms: f64,
 }
 
-impl Drawn {
+impl ProbePicture {
     /// Hashes of the mask and of the ids; the latter is empty where regions are not told apart.
     pub(super) fn hashes(&self) -> (String, String) {
         let ids = if self.backend.tells_regions_apart() {

@@ -2,7 +2,7 @@
 //! What is said of a probe frame: its figures, what speaks against it, and which of its pictures are written.
 
 use super::ViewSession;
-use super::drawn::Drawn;
+use super::drawn::ProbePicture;
 use super::references::Against;
 use crate::cases::FillCase;
 use crate::driver_fault::{Driver, DriverFault};
@@ -33,7 +33,7 @@ impl ViewSession<'_> {
     pub(super) fn compare(
         &mut self,
         case: &FillCase,
-        drawn: &mut Drawn,
+        drawn: &mut ProbePicture,
     ) -> Result<Verdict, Failure> {
         let against = self.references.against(case);
         self.references.of(against)?;

@@ -17,7 +17,7 @@ use crate::rounding::{objection, rounding_px};
 use crate::scenes::{ReadyScene, build_meshes};
 use crate::subject::Subject;
 use crate::textured::{ShownPicture, TexturedReferences};
-use drawn::Drawn;
+use drawn::ProbePicture;
 use pictures::PictureFiles;
 use references::References;
 use std::collections::BTreeMap;
@@ -146,7 +146,7 @@ impl<'a> ViewSession<'a> {
         case: &FillCase,
         bound_px: impl Fn(PositionFormat, &FillInput) -> f64,
         probe: ProbeFrame,
-    ) -> Result<Drawn, Failure> {
+    ) -> Result<ProbePicture, Failure> {
         let Subject::Fill(technique, variant) = &case.subject else {
             return Err(Failure::broken("a full-screen pass fills nothing"));
         };
@@ -168,7 +168,7 @@ impl<'a> ViewSession<'a> {
                     ProbeFrame::Counted => backend.render(&input),
                     ProbeFrame::PictureOnly => backend.render_uncounted(&input),
                 }?;
-                Ok(Drawn {
+                Ok(ProbePicture {
                     backend,
                     memory,
                     frame,
@@ -194,7 +194,7 @@ impl<'a> ViewSession<'a> {
     }
 
     /// Keeps what draws a case's timed frames.
-    fn hold(&mut self, index: usize, drawn: Drawn) {
+    fn hold(&mut self, index: usize, drawn: ProbePicture) {
         let drawer = Drawer::Volumes(drawn.backend, drawn.input);
         self.drawers.insert(index, drawer);
     }

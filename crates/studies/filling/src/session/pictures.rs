@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Files of a view's pictures.
 
-use super::drawn::Drawn;
+use super::drawn::ProbePicture;
 use super::references::Reference;
 use crate::cases::{FillCase, ViewGroup};
 use crate::images::{file_stem, write_rgb, zoomed};
@@ -60,7 +60,7 @@ impl<'a> PictureFiles<'a> {
     pub(super) fn write(
         &self,
         case: &FillCase,
-        drawn: &mut Drawn,
+        drawn: &mut ProbePicture,
         reference: &Reference,
         as_mask: bool,
         probe: &mut Probe,
@@ -132,7 +132,7 @@ impl<'a> PictureFiles<'a> {
     pub(super) fn write_textured(
         &self,
         case: &FillCase,
-        drawn: &mut Drawn,
+        drawn: &mut ProbePicture,
         references: &TexturedReferences,
         probe: &mut Probe,
     ) -> Result<(), StudyError> {

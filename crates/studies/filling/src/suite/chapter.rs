@@ -51,13 +51,13 @@ impl Came {
 }
 
 /// One view with what each technique made of it.
-struct View<'a> {
+struct SuiteView<'a> {
     scene: &'a str,
     name: &'a str,
     cases: Vec<&'a Case>,
 }
 
-impl View<'_> {
+impl SuiteView<'_> {
     /// Why its scene is in the suite.
     fn scene_reason(&self) -> &str {
         let first = self.cases.first();
@@ -93,10 +93,11 @@ impl View<'_> {
 }
 
 /// Views in the plan's order.
-fn views<'a>(run: &'a Run) -> Vec<View<'a>> {
+fn views<'a>(run: &'a Run) -> Vec<SuiteView<'a>> {
     let key = |case: &&'a Case| [SCENE, VIEW].map(|key| case.condition(key));
     let views = grouped(cases(run), key).into_iter();
-    let view = |([scene, name], cases): ([&'a str; 2], Vec<&'a Case>)| View { scene, name, cases };
+    let view =
+        |([scene, name], cases): ([&'a str; 2], Vec<&'a Case>)| SuiteView { scene, name, cases };
     views.map(view).collect()
 }
 
@@ -105,11 +106,11 @@ fn cases(run: &Run) -> impl Iterator<Item = &Case> {
 }
 
 /// Views of one scene after the other.
-fn by_scene<'v, 'a>(views: &'v [View<'a>]) -> impl Iterator<Item = &'v [View<'a>]> {
+fn by_scene<'v, 'a>(views: &'v [SuiteView<'a>]) -> impl Iterator<Item = &'v [SuiteView<'a>]> {
     views.chunk_by(|a, b| a.scene == b.scene)
 }
 
-fn count(views: &[View<'_>], came: Came) -> usize {
+fn count(views: &[SuiteView<'_>], came: Came) -> usize {
     views.iter().filter(|view| view.came() == came).count()
 }
 
@@ -203,7 +204,7 @@ const KEY: &str = "Passed: every technique's picture matches the reference outsi
                    the scene expects.";
 
 /// A line for each technique that failed.
-fn failures(view: &View<'_>) -> Vec<String> {
+fn failures(view: &SuiteView<'_>) -> Vec<String> {
     let failed = view.failed().map(|case| {
         let reason = match case.reason.as_str() {
             "" => "no reason was recorded",
@@ -215,21 +216,21 @@ fn failures(view: &View<'_>) -> Vec<String> {
 }
 
 /// A row for each scene: why it is here and how its views ended.
-fn summary(views: &[View<'_>]) -> Table {
+fn summary(views: &[SuiteView<'_>]) -> Table {
     let ends = [Came::Passed, Came::Refused, Came::Failed];
-    let of = |scene: &[View<'_>]| {
+    let of = |scene: &[SuiteView<'_>]| {
         let name = Cell {
             section: scene[0].scene.to_owned(),
             ..Cell::name(scene[0].scene)
         };
-        let seconds: f64 = scene.iter().map(View::seconds).sum();
+        let seconds: f64 = scene.iter().map(SuiteView::seconds).sum();
         let counts = ends.map(|came| Cell::plain(count(scene, came).to_string()));
         let before = [
             Cell::name(scene[0].scene_reason()),
             Cell::plain(scene.len().to_string()),
         ];
         let after = [Cell::plain(significant(seconds)), scene[0].picture()];
-        let worst = scene.iter().map(View::came).max();
+        let worst = scene.iter().map(SuiteView::came).max();
         Row {
             status: worst.unwrap_or(Came::Missing).name().to_owned(),
             ..Row::named(name, before.into_iter().chain(counts).chain(after))
@@ -253,7 +254,7 @@ fn summary(views: &[View<'_>]) -> Table {
 }
 
 /// A row for each view of a scene.
-fn table(clock: Clock, scene: &[View<'_>]) -> Table {
+fn table(clock: Clock, scene: &[SuiteView<'_>]) -> Table {
     let time = format!("fill, {}", clock.pick("GPU ms", "process CPU ms"));
     let headings = [
         ("view", ""),
@@ -281,7 +282,7 @@ fn table(clock: Clock, scene: &[View<'_>]) -> Table {
     Table::of(headings, rows.collect())
 }
 
-fn row_of(view: &View<'_>, metric: &Metric) -> Row {
+fn row_of(view: &SuiteView<'_>, metric: &Metric) -> Row {
     let came = view.came();
     let first = view.cases.first().copied();
     let text = |of: fn(&Case) -> &str| first.map_or("", of);
@@ -341,8 +342,8 @@ fn row_of(view: &View<'_>, metric: &Metric) -> Row {
 }
 
 /// Each view's picture, and where a technique failed what differs.
-fn pictures(scene: &[View<'_>]) -> Option<Block> {
-    let figure = |view: &View<'_>| {
+fn pictures(scene: &[SuiteView<'_>]) -> Option<Block> {
+    let figure = |view: &SuiteView<'_>| {
         let first = view.cases.first();
         let first = first.and_then(|case| Picture::of(case, "image", "picture"));
         let failed = view.failed().flat_map(|case| {

@@ -34,7 +34,7 @@ struct MadeUp {
     factor: f64,
     base_ms: f64,
     spread: f64,
-    way: Way,
+    way: TimingOrder,
     /// Time of a process that is to be lost: absent, or this value.
     broken: Option<(u32, Option<f64>)>,
     seconds_per_process: u64,
@@ -71,25 +71,25 @@ const BURSTS: u32 = 6;
 const SAMPLE_SPREAD: f64 = 0.03;
 const PROCESS_SPREAD: f64 = 0.01;
 
-fn by_turns() -> Way {
+fn by_turns() -> TimingOrder {
     let why = "made up".to_owned();
-    Way::Turns { why }
+    TimingOrder::Turns { why }
 }
 
 impl MadeUp {
     fn in_lock_step(seed: u64, factor: f64) -> Self {
         Self {
-            way: Way::LockStep,
+            way: TimingOrder::LockStep,
             spread: PROCESS_SPREAD,
             ..Self::new(seed, factor)
         }
     }
 
     /// One whose processes are measured in this way.
-    fn measured(way: &Way, seed: u64, factor: f64) -> Self {
+    fn measured(way: &TimingOrder, seed: u64, factor: f64) -> Self {
         match way {
-            Way::LockStep => Self::in_lock_step(seed, factor),
-            Way::Turns { .. } => Self::new(seed, factor),
+            TimingOrder::LockStep => Self::in_lock_step(seed, factor),
+            TimingOrder::Turns { .. } => Self::new(seed, factor),
         }
     }
 
@@ -108,7 +108,7 @@ impl MadeUp {
 }
 
 impl Sides for MadeUp {
-    fn way(&self) -> &Way {
+    fn way(&self) -> &TimingOrder {
         &self.way
     }
 
@@ -196,7 +196,7 @@ fn cases(count: usize) -> [Watched; 1] {
     [watched(Span::Frame, count)]
 }
 
-fn paces(way: &Way, seed: u64, factor: f64, count: usize) -> Vec<Pace> {
+fn paces(way: &TimingOrder, seed: u64, factor: f64, count: usize) -> Vec<Pace> {
     let mut sides = MadeUp::measured(way, seed, factor);
     let gate = compare_times(&mut sides, &cases(count), &options()).expect("measured");
     gate.cases.iter().map(|case| case.pace).collect()
@@ -208,7 +208,7 @@ fn share(paces: &[Pace], of: Pace) -> f64 {
 
 #[test]
 fn identical_programs_raise_no_alarm_and_five_percent_is_caught_either_way() {
-    for way in [by_turns(), Way::LockStep] {
+    for way in [by_turns(), TimingOrder::LockStep] {
         let same = paces(&way, 1, 1.0, 2000);
         assert!(share(&same, Pace::Slower) + share(&same, Pace::Faster) < 0.0005);
         let quiet = share(&same, Pace::Same);
@@ -381,7 +381,7 @@ fn blocks_go_there_and_back_and_cases_are_decided_by_fresh_ones() {
 
 #[test]
 fn a_collapse_is_no_improvement() {
-    for way in [by_turns(), Way::LockStep] {
+    for way in [by_turns(), TimingOrder::LockStep] {
         let found = paces(&way, 7, 0.1, 3);
         let is_collapsed = |pace: &Pace| *pace == Pace::Collapsed;
         assert!(found.iter().all(is_collapsed), "{found:?}");
@@ -412,8 +412,8 @@ fn a_time_that_is_absent_zero_or_no_number_is_never_a_pass() {
         for (way, process, factor) in [
             (by_turns(), 3, 1.0),
             (by_turns(), 40, 1.2),
-            (Way::LockStep, 2, 1.0),
-            (Way::LockStep, 30, 1.2),
+            (TimingOrder::LockStep, 2, 1.0),
+            (TimingOrder::LockStep, 30, 1.2),
         ] {
             let mut sides = MadeUp::measured(&way, 8, factor);
             sides.broken = Some((process, value));
@@ -427,7 +427,7 @@ fn a_time_that_is_absent_zero_or_no_number_is_never_a_pass() {
 
 #[test]
 fn noise_that_could_hide_a_change_is_no_pass() {
-    for way in [by_turns(), Way::LockStep] {
+    for way in [by_turns(), TimingOrder::LockStep] {
         let mut sides = MadeUp::measured(&way, 9, 1.0);
         sides.spread = 0.3;
         let gate = compare_times(&mut sides, &cases(40), &options()).expect("measured");

@@ -123,7 +123,7 @@ const SURVEY_FEET_UP: [u16; 3] = [6360, 5702, 8052];
 const DOWN: [u16; 9] = [5715, 6357, 6358, 6359, 8051, 8053, 5831, 5861, 5866];
 
 /// What a file says of where it lies.
-pub(super) struct Place {
+pub(super) struct RasterPlace {
     projection: Projection,
     registration: Registration,
     /// Column and row that have a known place.
@@ -207,7 +207,7 @@ fn numbers(decoder: &mut Decoder<Cursor<&[u8]>>, tag: Tag) -> Vec<f64> {
     found.unwrap_or_default()
 }
 
-impl Place {
+impl RasterPlace {
     pub(super) fn read(
         complaints: Complaints<'_>,
         decoder: &mut Decoder<Cursor<&[u8]>>,
