@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT OR Apache-2.0
 #
-# What volumes cost: the last steps of every volume technique's ladder in the views of the countries and of
+# What volumes cost: the last steps of every volume technique's ablation in the views of the countries and of
 # planet-134, in one run. Prints a table per scene and technique: milliseconds (median of processes; by the GPU's
 # clock on hardware, else process CPU time), their ratio to the stencil-pass of the same view, and bytes, draws and
 # vertices of each step. Scenes whose data is missing are skipped. PROCESSES [5], SIZE [1024] and STEP [colours: the first one measured] may be set;
@@ -115,11 +115,11 @@ fi
 cargo build --release --locked --package terrafill
 program=${CARGO_TARGET_DIR:-target}/release/terrafill
 out=out/volume-cost-$(date -u +%Y%m%d-%H%M%S)
-ladders=()
+ablations=()
 for scene in "${scenes[@]}"; do
-    ladders+=(--ladder "$scene:${STEP:-colours}")
+    ablations+=(--ablation "$scene:${STEP:-colours}")
 done
 techniques=(--technique vertex --technique instanced --technique compute --technique native)
-"$program" bench "${scenes[@]}" "${ladders[@]}" "${techniques[@]}" --quick \
+"$program" bench "${scenes[@]}" "${ablations[@]}" "${techniques[@]}" --quick \
     --processes "${PROCESSES:-5}" --samples 3 --size "${SIZE:-1024}" --out "$out"
 tables "$out"

@@ -47,7 +47,7 @@ pub use picture::{MAX_REGIONS, NO_REGION, Picture, ids_of};
 pub use surface_renderer::{SurfaceDevice, SurfaceDraw, SurfaceTriangles};
 pub use surface_view::{SurfaceLook, SurfaceView, ViewConstants};
 pub use targets::{Api, SurfaceInterface, SurfaceTargets, Targets};
-pub use technique::{Role, Rung, Technique, layouts};
+pub use technique::{PlannedStep, Role, Technique, layouts};
 pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
 pub use validation::{POSITIVE_CONTROL, ValidationLog, ValidationMessage};
 pub use work::{WorkCounters, WorkDone};

@@ -26,16 +26,16 @@ pub enum Role {
     Sweep,
 }
 
-/// One rung of a ladder.
+/// One step of an ablation, to be measured.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rung {
-    /// What is changed against the rung before, in one word.
-    pub step: &'static str,
+pub struct PlannedStep {
+    /// What is changed against the step before, in one word.
+    pub name: &'static str,
     /// The same in a sentence.
     pub change: &'static str,
     /// What is drawn.
     pub variant: Variant,
-    /// The next rung is a step from the rung before this one.
+    /// A side step: the next one starts from the step before this one.
     pub is_aside: bool,
 }
 
@@ -95,14 +95,14 @@ pub trait Technique: Sync + Debug {
 
     /// From the un-optimised method to the full plan, one switch at a time; empty for a technique that does
     /// not come from it.
-    fn ladder(&self, overlap: Overlap) -> Vec<Rung>;
+    fn ablation(&self, overlap: Overlap) -> Vec<PlannedStep>;
 
-    /// As it should be used: the top of its ladder with boundaries as they are, then with levels of detail, the
-    /// same picture but for half a pixel. None for a technique without a ladder.
+    /// As it should be used: the top of its ablation with boundaries as they are, then with levels of detail, the
+    /// same picture but for half a pixel. None for a technique without an ablation.
     fn full_plans(&self, overlap: Overlap) -> Vec<Variant> {
-        let mut rungs = self.ladder(overlap);
-        rungs.retain(|rung| !rung.is_aside);
-        let Some(Rung { variant: top, .. }) = rungs.pop() else {
+        let mut steps = self.ablation(overlap);
+        steps.retain(|step| !step.is_aside);
+        let Some(PlannedStep { variant: top, .. }) = steps.pop() else {
             return Vec::new();
         };
         let mut exact = top.clone();

@@ -104,13 +104,13 @@ pub fn missing_steps(steps: &[AblationStep<'_>]) -> Vec<String> {
         let AblationStep {
             number: next, name, ..
         } = step;
-        format!("rung {number} (the ladder goes on with {next}, {name})")
+        format!("step {number} (the ablation goes on with {next}, {name})")
     });
     let absent = steps
         .iter()
         .filter(|step| step.case.outcome == Outcome::Missing);
     let absent =
-        absent.map(|step| format!("rung {}, {}: {}", step.number, step.name, step.case.id()));
+        absent.map(|step| format!("step {}, {}: {}", step.number, step.name, step.case.id()));
     gap.into_iter().chain(absent).collect()
 }
 
@@ -456,8 +456,8 @@ mod tests {
         assert_eq!(missing(&made), [""; 0]);
         // Negative controls: one that was not measured, and one that nobody planned.
         made.cases[0].missing();
-        assert_eq!(missing(&made), ["rung 3, c: study/c"]);
+        assert_eq!(missing(&made), ["step 3, c: study/c"]);
         made.cases.remove(2);
-        assert_eq!(missing(&made)[0], "rung 2 (the ladder goes on with 3, c)");
+        assert_eq!(missing(&made)[0], "step 2 (the ablation goes on with 3, c)");
     }
 }

@@ -153,18 +153,18 @@ mod tests {
             "size=512x256",
             "scenes=hills+planet-134",
             "techniques=vertex+native",
-            "ladder=planet-134",
+            "ablation=planet-134",
             "shard=1/3",
         ]);
         assert_eq!(
             bench_command(&quick, "filling", "", 5),
             "terrafill bench hills planet-134 --study filling --technique vertex --technique native \
-             --quick --size 512x256 --ladder planet-134 --processes 5"
+             --quick --size 512x256 --ablation planet-134 --processes 5"
         );
         assert_eq!(
             bench_command(&quick, "globes", "hills", 9),
             "terrafill bench hills --study globes --technique vertex --technique native --quick --size \
-             512x256 --ladder planet-134 --processes 9"
+             512x256 --ablation planet-134 --processes 9"
         );
         // Control: a run of the default depth names none, and one without options is the default.
         assert_eq!(

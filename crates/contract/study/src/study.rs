@@ -38,7 +38,7 @@ pub struct Request {
     pub names_size: bool,
     /// Where real data lies.
     pub data_dir: Option<PathBuf>,
-    /// Values of `--set`-like options of single studies, `ladder` → `planet-134`.
+    /// Values of `--set`-like options of single studies, `ablation` → `planet-134`.
     pub settings: BTreeMap<String, Vec<String>>,
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The switches of a fill that every volume technique has, each with its own row in the ladder.
+//! The switches of a fill that every volume technique has, each with its own row in the ablation.
 
 use crate::RouteChoice;
 use crate::switch::{self, Switch, SwitchError, Values, one_of};

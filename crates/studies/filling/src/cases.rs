@@ -15,20 +15,20 @@ use terrafill_gpu::BaselineKind;
 use terrafill_plan::{PlanOptions, WallHeights};
 use terrafill_results::{CaseId, ConditionKey, PlannedCase};
 use terrafill_scene::{Scene, View};
-use terrafill_stencil::{matrix_row, needs_ladder};
+use terrafill_stencil::{matrix_row, needs_ablation};
 use terrafill_study::StudyError;
 use terrafill_variant::Variant;
 
-/// A case's place on a ladder.
+/// A case's place in an ablation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct LadderPlace {
+pub(crate) struct AblationPlace {
     /// From 1.
-    pub(crate) rung: usize,
+    pub(crate) number: usize,
     /// What changes, in a word.
-    pub(crate) step: &'static str,
+    pub(crate) name: &'static str,
     /// What changes, in a sentence.
     pub(crate) change: &'static str,
-    /// The next rung is a step from the rung before this one.
+    /// A side step: the next one starts from the step before this one.
     pub(crate) is_aside: bool,
 }
 
@@ -43,10 +43,10 @@ pub(crate) struct FillCase {
     pub(crate) shown: ShownPicture,
     /// What it is for.
     pub(crate) purposes: Vec<Purpose>,
-    /// Where it stands on its technique's ladder.
-    pub(crate) place: Option<LadderPlace>,
+    /// Where it stands in its technique's ablation.
+    pub(crate) place: Option<AblationPlace>,
     /// Where it stands between everything and what the view needs.
-    pub(crate) needs_place: Option<LadderPlace>,
+    pub(crate) needs_place: Option<AblationPlace>,
     /// Of bytes by formula: for so many regions.
     pub(crate) regions: Option<usize>,
     /// Timed frames in a process; 0 for a case that is only drawn and compared.
@@ -190,14 +190,14 @@ impl ViewGroup {
         }
         if let Some(place) = case.needs_place {
             conditions.extend([
-                (NEEDS_RUNG, place.rung.to_string()),
-                (NEEDS_STEP, place.step.to_owned()),
+                (NEEDS_RUNG, place.number.to_string()),
+                (NEEDS_STEP, place.name.to_owned()),
             ]);
         }
         if let Some(place) = case.place {
             conditions.extend([
-                (RUNG, place.rung.to_string()),
-                (STEP, place.step.to_owned()),
+                (RUNG, place.number.to_string()),
+                (STEP, place.name.to_owned()),
             ]);
             if place.is_aside {
                 conditions.push((ASIDE, "yes".to_owned()));
@@ -264,7 +264,7 @@ impl Builder<'_> {
         };
         for technique in &wishes.techniques {
             let full_plans = technique.full_plans(scene.overlap);
-            // A technique without a ladder is used as it is.
+            // A technique without an ablation is used as it is.
             let purpose = if full_plans.is_empty() {
                 Purpose::Main
             } else {
@@ -292,16 +292,16 @@ impl Builder<'_> {
                 self.add(subject, Purpose::Rival, wishes.few_frames());
             }
         }
-        if wishes.wants_ladder(&scene.name) {
+        if wishes.wants_ablation(&scene.name) {
             for technique in &wishes.techniques {
-                for (rung, number) in wishes.rungs(*technique, scene).into_iter().zip(1..) {
-                    let subject = Subject::Fill(*technique, rung.variant);
-                    let case = self.add(subject, Purpose::Ladder, wishes.few_frames());
-                    case.place = Some(LadderPlace {
-                        rung: number,
-                        step: rung.step,
-                        change: rung.change,
-                        is_aside: rung.is_aside,
+                for (step, number) in wishes.steps(*technique, scene).into_iter().zip(1..) {
+                    let subject = Subject::Fill(*technique, step.variant);
+                    let case = self.add(subject, Purpose::Ablation, wishes.few_frames());
+                    case.place = Some(AblationPlace {
+                        number,
+                        name: step.name,
+                        change: step.change,
+                        is_aside: step.is_aside,
                     });
                 }
             }
@@ -318,33 +318,33 @@ impl Builder<'_> {
         }
     }
 
-    /// What the view needs, drawn and not timed; with the scene's ladder, the way there from everything too.
+    /// What the view needs, drawn and not timed; with the scene's ablation, the way there from everything too.
     fn add_needs(&mut self) {
         let (scene, wishes) = (self.scene, self.wishes);
         let techniques = wishes.techniques.iter();
         // One technique says what a view needs; a full run says it of all.
         let told = if wishes.is_full() { usize::MAX } else { 1 };
-        let ladders = techniques.map(|technique| {
+        let ablations = techniques.map(|technique| {
             let has_picture = scene.texture.is_some();
             (
                 *technique,
-                needs_ladder(*technique, scene.overlap, has_picture),
+                needs_ablation(*technique, scene.overlap, has_picture),
             )
         });
-        let ladders = ladders.filter(|(_, rungs)| !rungs.is_empty());
-        for (technique, mut rungs) in ladders.take(told) {
-            let has_ladder = wishes.wants_ladder(&scene.name);
-            let frames = if has_ladder { wishes.few_frames() } else { 0 };
-            if !has_ladder {
-                rungs.drain(..rungs.len() - 1);
+        let ablations = ablations.filter(|(_, steps)| !steps.is_empty());
+        for (technique, mut steps) in ablations.take(told) {
+            let has_ablation = wishes.wants_ablation(&scene.name);
+            let frames = if has_ablation { wishes.few_frames() } else { 0 };
+            if !has_ablation {
+                steps.drain(..steps.len() - 1);
             }
-            for (rung, number) in rungs.into_iter().zip(1..) {
-                let subject = Subject::Fill(technique, rung.variant);
+            for (step, number) in steps.into_iter().zip(1..) {
+                let subject = Subject::Fill(technique, step.variant);
                 let case = self.add(subject, Purpose::Needs, frames);
-                case.needs_place = has_ladder.then_some(LadderPlace {
-                    rung: number,
-                    step: rung.step,
-                    change: rung.change,
+                case.needs_place = has_ablation.then_some(AblationPlace {
+                    number,
+                    name: step.name,
+                    change: step.change,
                     is_aside: false,
                 });
             }

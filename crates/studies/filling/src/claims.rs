@@ -143,21 +143,21 @@ mod tests {
     use terrafill_contract::Technique;
     use terrafill_scene::Overlap;
 
-    /// What each step of the vertex shader's ladder sets, by the last step that is kept before it.
+    /// What each step of the vertex shader's ablation sets, by the last step that is kept before it.
     fn set_by_steps(overlap: Overlap) -> BTreeMap<&'static str, BTreeSet<String>> {
         let technique: &'static dyn Technique = &terrafill_vertex::VertexTechnique;
         let mut kept: BTreeSet<(String, String)> = BTreeSet::new();
         let mut steps = BTreeMap::new();
-        for rung in technique.ladder(overlap) {
-            let settings = Subject::Fill(technique, rung.variant)
+        for step in technique.ablation(overlap) {
+            let settings = Subject::Fill(technique, step.variant)
                 .settings()
                 .into_iter();
             let own: BTreeSet<(String, String)> = settings
                 .map(|(key, value)| (key.name().to_owned(), value))
                 .collect();
             let different = own.symmetric_difference(&kept);
-            steps.insert(rung.step, different.map(|(key, _)| key.clone()).collect());
-            if !rung.is_aside {
+            steps.insert(step.name, different.map(|(key, _)| key.clone()).collect());
+            if !step.is_aside {
                 kept = own;
             }
         }
@@ -165,15 +165,15 @@ mod tests {
     }
 
     #[test]
-    fn what_a_step_changes_is_what_the_ladder_sets_there() {
+    fn what_a_step_changes_is_what_the_ablation_sets_there() {
         let told = PAPER.steps.iter();
         let told: BTreeMap<&str, BTreeSet<String>> = told
             .map(|(step, keys)| (step.as_str(), keys.iter().cloned().collect()))
             .collect();
-        let mut of_ladders = BTreeMap::new();
+        let mut of_ablations = BTreeMap::new();
         for overlap in [Overlap::Disjoint, Overlap::Ordered] {
-            of_ladders.extend(set_by_steps(overlap));
-            // Of ordered regions the ladder has fewer steps, each of which sets the same.
+            of_ablations.extend(set_by_steps(overlap));
+            // Of ordered regions the ablation has fewer steps, each of which sets the same.
             let set = set_by_steps(overlap)
                 .into_iter()
                 .filter(|(step, _)| *step != "start");
@@ -182,8 +182,8 @@ mod tests {
             }
         }
         // The first one sets everything.
-        of_ladders.remove("start");
-        assert_eq!(told, of_ladders);
+        of_ablations.remove("start");
+        assert_eq!(told, of_ablations);
     }
 
     #[test]

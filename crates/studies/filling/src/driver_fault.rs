@@ -184,7 +184,7 @@ mod tests {
         }
         variant.switches.faces = FacePasses::TwoPass;
         variant.plan.horizon_culling = false;
-        FillCase::new(Subject::Fill(technique, variant), Purpose::Ladder, 0)
+        FillCase::new(Subject::Fill(technique, variant), Purpose::Ablation, 0)
     }
 
     fn expected(driver: Driver<'_>, case: &FillCase) -> bool {

@@ -5,7 +5,7 @@
 //! with it. Then all cases and the two full-screen passes are timed in blocks, so that whatever else
 //! the machine does falls on all of them alike.
 //!
-//! Beside the main variants stand the *ladder*, from the un-optimised method to the full plan one
+//! Beside the main variants stand the *ablation*, from the un-optimised method to the full plan one
 //! switch at a time; the *matrix*, every technique, layout and switch on the same view, drawn once; the
 //! bytes of every layout, by formula and as allocated; *sweeps* through the boundary tolerance and the
 //! cap step; and the *textured fill* of scenes with a picture.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a probe frame says about its case, and what of it is written.
 
-use crate::cases::{FillCase, LadderPlace};
+use crate::cases::{AblationPlace, FillCase};
 use crate::purpose::Purpose;
 use std::collections::BTreeMap;
 use terrafill_conformance::{ErrorFigures, TextureErrors};
@@ -46,7 +46,8 @@ impl Probe {
             notes: NOTES.map(|name| (name, String::new())).into(),
             texture_errors: None,
         };
-        let change = |place: Option<LadderPlace>| place.map_or("", |place| place.change).to_owned();
+        let change =
+            |place: Option<AblationPlace>| place.map_or("", |place| place.change).to_owned();
         probe.note("change", change(case.place));
         probe.note("needs_change", change(case.needs_place));
         let texture_bytes = Some(memory.texture_bytes).filter(|_| case.is(Purpose::Texture));

@@ -14,7 +14,7 @@ const NO_SWITCHES: [ConditionKey; 6] = [APPROXIMATE, SCENE, VIEW, TECHNIQUE, LAY
 
 /// Purposes that have a section of their own.
 const UNLISTED: [Purpose; 5] = [
-    Purpose::Ladder,
+    Purpose::Ablation,
     Purpose::Matrix,
     Purpose::Needs,
     Purpose::Subdivision,
@@ -28,7 +28,7 @@ pub(crate) enum Purpose {
     Baseline,
     /// A technique as it should be used.
     Main,
-    /// The same where that is every step of its ladder.
+    /// The same where that is every step of its ablation.
     FullPlan,
     /// A layout without these steps, or one switch beside it: what the full plan is compared with.
     Layout,
@@ -37,8 +37,8 @@ pub(crate) enum Purpose {
     Sweep,
     /// A point of the sweep through the cap step: right, for its walls and its time.
     Subdivision,
-    /// A rung of a ladder.
-    Ladder,
+    /// A step of an ablation.
+    Ablation,
     /// A cell of the matrix.
     Matrix,
     /// A textured fill.
@@ -62,7 +62,7 @@ impl Purpose {
             Self::Layout => "layout",
             Self::Sweep => "sweep",
             Self::Subdivision => "subdivision",
-            Self::Ladder => "ladder",
+            Self::Ablation => "ladder",
             Self::Matrix => "matrix",
             Self::Texture => "texture",
             Self::Memory => "memory",
@@ -149,7 +149,7 @@ mod tests {
         assert_eq!(of(&is_point), [false, true, false, false, false]);
         assert_eq!(of(&is_listed), [true, true, false, true, true]);
         // Negative control: another word that begins alike is another purpose.
-        let is_rung = |case: &Case| Purpose::Ladder.is_of(case);
-        assert_eq!(of(&is_rung), [false, false, true, true, false]);
+        let is_step = |case: &Case| Purpose::Ablation.is_of(case);
+        assert_eq!(of(&is_step), [false, false, true, true, false]);
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::subject::{Surfaces, Techniques};
 use std::path::PathBuf;
-use terrafill_contract::{Rung, Technique};
+use terrafill_contract::{PlannedStep, Technique};
 use terrafill_results::Skipped;
 use terrafill_scene::{ImageSize, Scene};
 use terrafill_study::{Depth, Request, StudyError};
@@ -14,9 +14,9 @@ pub const STUDY: &str = "filling";
 /// Stands for no scene at all.
 pub(crate) const NO_SCENE: &str = "none";
 
-/// The scene whose ladder a full run measures unless others are named: it needs no data, and its
+/// The scene whose ablation a full run measures unless others are named: it needs no data, and its
 /// coasts are fine enough for vertices to matter.
-const LADDER_SCENE: &str = "planet-134";
+const ABLATION_SCENE: &str = "planet-134";
 
 /// Scenes of which a full run draws the matrix unless others are named: islands, one region close by,
 /// and neighbours that share borders.
@@ -27,12 +27,12 @@ const MATRIX_SCENES: [&str; 3] = ["planet-134", "california", "countries-110m"];
 const FRAMES: u32 = 2;
 /// The same in a full run, whose intervals are to be narrow.
 const FULL_FRAMES: u32 = 6;
-/// Timed frames of a rung in a process: few, since the first rungs take seconds where the last take
+/// Timed frames of a step in a process: few, since the first steps take seconds where the last take
 /// milliseconds.
-const LADDER_FRAMES: u32 = 3;
+const ABLATION_FRAMES: u32 = 3;
 
 /// Scene and first step of `SCENE:STEP`; no step where all are wanted.
-pub(crate) fn ladder_part(wanted: &str) -> (&str, Option<&str>) {
+pub(crate) fn ablation_part(wanted: &str) -> (&str, Option<&str>) {
     match wanted.split_once(':') {
         Some((scene, step)) => (scene, Some(step)),
         None => (wanted, None),
@@ -58,7 +58,7 @@ pub(crate) struct Wishes {
     samples: Option<u32>,
     /// Techniques were asked for by name.
     has_named_techniques: bool,
-    pub(crate) ladder: Option<Vec<String>>,
+    pub(crate) ablation: Option<Vec<String>>,
     pub(crate) matrix: Option<Vec<String>>,
 }
 
@@ -114,7 +114,7 @@ impl Wishes {
             data_dir: request.data_dir.clone(),
             samples: request.samples,
             has_named_techniques: !request.techniques.is_empty(),
-            ladder: request.settings.get("ladder").cloned(),
+            ablation: request.settings.get("ablation").cloned(),
             matrix: request.settings.get("matrix").cloned(),
         })
     }
@@ -135,9 +135,9 @@ impl Wishes {
         self.samples.unwrap_or(default)
     }
 
-    /// Timed frames of a rung, or of one of many variants of a textured fill.
+    /// Timed frames of a step, or of one of many variants of a textured fill.
     pub(crate) fn few_frames(&self) -> u32 {
-        self.frames().min(LADDER_FRAMES)
+        self.frames().min(ABLATION_FRAMES)
     }
 
     /// Whether approximate fills of this scene are wanted. Terrain is what they are off by; over the bare body a
@@ -147,28 +147,28 @@ impl Wishes {
         self.is_full() || self.has_named_techniques || is_asked_for || !scene.surface.is_bare()
     }
 
-    /// Whether the ladder of this scene is wanted.
-    pub(crate) fn wants_ladder(&self, scene: &str) -> bool {
-        match &self.ladder {
-            Some(wanted) => wanted.iter().any(|wanted| ladder_part(wanted).0 == scene),
-            None => self.is_full() && scene == LADDER_SCENE,
+    /// Whether the ablation of this scene is wanted.
+    pub(crate) fn wants_ablation(&self, scene: &str) -> bool {
+        match &self.ablation {
+            Some(wanted) => wanted.iter().any(|wanted| ablation_part(wanted).0 == scene),
+            None => self.is_full() && scene == ABLATION_SCENE,
         }
     }
 
-    /// The rungs of `technique` that are wanted of a scene's ladder: all, or those from a step on.
-    pub(crate) fn rungs(&self, technique: &dyn Technique, scene: &Scene) -> Vec<Rung> {
-        let mut rungs = technique.ladder(scene.overlap);
+    /// The steps of `technique` that are wanted of a scene's ablation: all, or those from a step on.
+    pub(crate) fn steps(&self, technique: &dyn Technique, scene: &Scene) -> Vec<PlannedStep> {
+        let mut steps = technique.ablation(scene.overlap);
         let wanted = self
-            .ladder
+            .ablation
             .iter()
             .flatten()
-            .map(|wanted| ladder_part(wanted));
+            .map(|wanted| ablation_part(wanted));
         let first = wanted.filter(|(name, _)| *name == scene.name);
         if let Some(step) = first.filter_map(|(_, step)| step).next() {
-            let place = rungs.iter().position(|rung| rung.step == step);
-            rungs.drain(..place.unwrap_or(0));
+            let place = steps.iter().position(|planned| planned.name == step);
+            steps.drain(..place.unwrap_or(0));
         }
-        rungs
+        steps
     }
 
     /// Whether the matrix of this scene is wanted.

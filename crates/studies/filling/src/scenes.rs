@@ -2,7 +2,7 @@
 //! From names to scenes that can be measured.
 
 use crate::cases::{ViewGroup, view_group};
-use crate::request::{NO_SCENE, Wishes, ladder_part};
+use crate::request::{NO_SCENE, Wishes, ablation_part};
 use crate::subject::Surfaces;
 use crate::textured::left_out;
 use std::cell::{OnceCell, RefCell};
@@ -161,7 +161,7 @@ fn ready(scene: &Arc<Scene>, wishes: &Wishes) -> Result<Rc<ReadyScene>, StudyErr
     Ok(ready)
 }
 
-/// Ladders and matrices exist of scenes of the run only. Those skipped for want of data are among
+/// Ablations and matrices exist of scenes of the run only. Those skipped for want of data are among
 /// them: on another machine the same command measures them.
 fn check_wishes(
     wishes: &Wishes,
@@ -176,10 +176,13 @@ fn check_wishes(
             allowed.push(name);
         }
     }
-    for (option, scenes) in [("--ladder", &wishes.ladder), ("--matrix", &wishes.matrix)] {
+    for (option, scenes) in [
+        ("--ablation", &wishes.ablation),
+        ("--matrix", &wishes.matrix),
+    ] {
         let mut wanted = scenes.iter().flatten();
         let scene_of = |wanted: &str| match option {
-            "--ladder" => ladder_part(wanted).0.to_owned(),
+            "--ablation" => ablation_part(wanted).0.to_owned(),
             _ => wanted.to_owned(),
         };
         if let Some(found) = wanted.find(|name| !allowed.contains(&scene_of(name).as_str())) {
@@ -189,26 +192,26 @@ fn check_wishes(
             )));
         }
     }
-    let ladders = wishes
+    let ablations = wishes
         .techniques
         .iter()
-        .flat_map(|t| t.ladder(Overlap::Disjoint));
+        .flat_map(|t| t.ablation(Overlap::Disjoint));
     let mut steps: Vec<&str> = Vec::new();
-    for rung in ladders {
-        if !steps.contains(&rung.step) {
-            steps.push(rung.step);
+    for step in ablations {
+        if !steps.contains(&step.name) {
+            steps.push(step.name);
         }
     }
     let mut wanted = wishes
-        .ladder
+        .ablation
         .iter()
         .flatten()
-        .map(|wanted| ladder_part(wanted));
+        .map(|wanted| ablation_part(wanted));
     let unknown =
         wanted.find_map(|(scene, step)| Some((scene, step.filter(|s| !steps.contains(s))?)));
     if let Some((scene, step)) = unknown {
         return Err(StudyError::BadInput(format!(
-            "--ladder: found step {step:?} of {scene}, allowed: {}",
+            "--ablation: found step {step:?} of {scene}, allowed: {}",
             steps.join(", ")
         )));
     }

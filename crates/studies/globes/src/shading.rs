@@ -40,9 +40,9 @@ pub(crate) const KIND: &str = "spiral";
 /// Texels along a side of a cube's face.
 const FACE: u32 = 256;
 const QUICK_FACE: u32 = 128;
-/// Vertices of a turn of the ladder, and of the published numbers of triangles: 2,146, 4,294 and 17,058 in view
+/// Vertices of a turn of the ablation, and of the published numbers of triangles: 2,146, 4,294 and 17,058 in view
 /// `globe`, within what whole turns allow.
-const LADDER_N: u32 = 72;
+const ABLATION_N: u32 = 72;
 const TABLE_1_N: [u32; 3] = [47, 66, 132];
 const WINDOWS_PX: [u32; 3] = [600, 800, 1000];
 const REMOVED: u32 = 7;
@@ -80,7 +80,7 @@ fn work(side_px: u32, is_quick: bool) -> Vec<Work> {
     let base = Work {
         view: "globe",
         size_px: side_px,
-        n: LADDER_N,
+        n: ABLATION_N,
         shading: Shading::default(),
         projection: Projection::Globe,
         what: "ladder",

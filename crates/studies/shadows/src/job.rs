@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What cases compute.
 
+use crate::ablation::StencilStep;
 use crate::count::Rule;
 use crate::keys::{CHECKED_PX, SIZE_PX};
-use crate::ladder::Rung;
 use crate::maps::Bias;
 use crate::named::named;
 use crate::near::EyeTest;
@@ -50,7 +50,7 @@ pub(crate) enum Job {
     DeviceMap([f64; 2], f64, Bias),
     Rival([f64; 2], Rival),
     View([f64; 2], Place, Chooser),
-    Rung([f64; 2], Rung),
+    StencilStep([f64; 2], StencilStep),
 }
 
 impl Job {
@@ -76,7 +76,7 @@ impl Job {
                 | Self::DeviceRow(..)
                 | Self::DeviceMap(..)
                 | Self::Rival(..)
-                | Self::Rung(..)
+                | Self::StencilStep(..)
         )
     }
 }

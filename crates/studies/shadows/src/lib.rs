@@ -5,6 +5,7 @@
 //! reference. A volume's mask is the count of its triangles along the ray of each pixel, as a stencil would
 //! hold it; devices draw the same volumes into a stencil. The casters are a procedural port, or a user's model.
 
+mod ablation;
 mod brought;
 mod casting;
 mod chapter;
@@ -16,7 +17,6 @@ mod eyes;
 mod images;
 mod job;
 mod keys;
-mod ladder;
 mod list;
 mod loading;
 mod maps;

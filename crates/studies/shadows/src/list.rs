@@ -4,11 +4,11 @@
 mod planned;
 
 use self::planned::{planned, question};
+use crate::ablation::steps;
 use crate::brought::Brought;
 use crate::count::Rule;
 use crate::device::Interface;
 use crate::job::{Job, Method};
-use crate::ladder::rungs;
 use crate::maps::Bias;
 use crate::near::EyeTest;
 use crate::outline::Way;
@@ -302,7 +302,7 @@ pub(crate) fn questions(
         cross(&MODELS, &Way::ALL, Job::Outline),
         cross(meshes, &Method::ALL, Job::Silhouette),
         cross(device_suns, &of_both(device_ways), Job::Device),
-        cross(device_suns, &of_both(rungs), Job::Rung),
+        cross(device_suns, &of_both(steps), Job::StencilStep),
         cross(device_suns, &Rival::ALL, Job::Rival),
         cross(&DECK_SUNS[1..], &of_both(near_ways), Job::Near),
         cross(&ROWS, &of_both(row_ways), Job::DeviceRow),

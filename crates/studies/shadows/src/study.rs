@@ -244,7 +244,7 @@ impl Measures for Answering<'_> {
             }
             job => {
                 let found_ms = match job {
-                    Job::Rung(sun, rung) => self.volumes_ms(sun, rung)?,
+                    Job::StencilStep(sun, step) => self.volumes_ms(sun, step)?,
                     _ => None,
                 };
                 let channel = self.opened.get_mut(&case);

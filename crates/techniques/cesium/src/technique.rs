@@ -6,8 +6,8 @@ use crate::browser::Browser;
 use crate::way::{CesiumFill, NAME};
 use std::path::{Path, PathBuf};
 use terrafill_contract::{
-    Api, DeviceError, FillBackend, GeometryBytes, Role, Rung, THIS_MACHINE, Targets, Technique,
-    layouts,
+    Api, DeviceError, FillBackend, GeometryBytes, PlannedStep, Role, THIS_MACHINE, Targets,
+    Technique, layouts,
 };
 use terrafill_core::{EdgeRule, Ellipsoid, RegionMesh};
 use terrafill_gpu::shared_targets;
@@ -118,7 +118,7 @@ impl Technique for CesiumTechnique {
         }
     }
 
-    fn ladder(&self, _: Overlap) -> Vec<Rung> {
+    fn ablation(&self, _: Overlap) -> Vec<PlannedStep> {
         Vec::new()
     }
 

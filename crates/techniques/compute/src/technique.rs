@@ -3,12 +3,12 @@
 
 use crate::{ComputeBackend, ComputeVariant, Expansion, GpuCulling, compute_bytes, placed_bytes};
 use terrafill_contract::{
-    Api, DeviceError, FillBackend, GeometryBytes, Role, Rung, Targets, Technique, layouts,
+    Api, DeviceError, FillBackend, GeometryBytes, PlannedStep, Role, Targets, Technique, layouts,
 };
 use terrafill_core::RegionMesh;
 use terrafill_gpu::shared_targets;
 use terrafill_scene::{Overlap, Scene};
-use terrafill_stencil::Climb;
+use terrafill_stencil::AblationBuilder;
 use terrafill_variant::{Parameter, SwitchError, Variant};
 
 /// The geometry shader emulated in compute, on wgpu.
@@ -60,8 +60,8 @@ impl Technique for ComputeTechnique {
         }
     }
 
-    fn ladder(&self, overlap: Overlap) -> Vec<Rung> {
-        Climb::start(
+    fn ablation(&self, overlap: Overlap) -> Vec<PlannedStep> {
+        AblationBuilder::start(
             self.main(overlap),
             "a volume for each region, made every frame; two passes, fragments behind the surface \
              count, nothing culled, colour by drawing the volumes again",
@@ -76,7 +76,7 @@ impl Technique for ComputeTechnique {
         .mesh_lod()
         .rest_of_the_way(overlap)
         .top_of_the_way(overlap)
-        .rungs()
+        .steps()
     }
 
     fn matrix_row(&self, base: &Variant) -> Vec<Variant> {

@@ -3,12 +3,12 @@
 
 use crate::{InstancedBackend, instanced_bytes};
 use terrafill_contract::{
-    Api, DeviceError, FillBackend, GeometryBytes, Role, Rung, Targets, Technique, layouts,
+    Api, DeviceError, FillBackend, GeometryBytes, PlannedStep, Role, Targets, Technique, layouts,
 };
 use terrafill_core::RegionMesh;
 use terrafill_gpu::shared_targets;
 use terrafill_scene::{Overlap, Scene};
-use terrafill_stencil::Climb;
+use terrafill_stencil::AblationBuilder;
 use terrafill_variant::{Parameter, SwitchError, Variant};
 
 /// Walls as instances, on wgpu.
@@ -44,8 +44,8 @@ impl Technique for InstancedTechnique {
         layouts(self, scene.overlap)
     }
 
-    fn ladder(&self, overlap: Overlap) -> Vec<Rung> {
-        Climb::start(
+    fn ablation(&self, overlap: Overlap) -> Vec<PlannedStep> {
+        AblationBuilder::start(
             self.main(overlap),
             "a volume for each region, an instance for each wall; two passes, fragments behind the \
              surface count, nothing culled, colour by drawing the volumes again",
@@ -55,7 +55,7 @@ impl Technique for InstancedTechnique {
         .mesh_lod()
         .rest_of_the_way(overlap)
         .top_of_the_way(overlap)
-        .rungs()
+        .steps()
     }
 
     fn matrix_row(&self, _base: &Variant) -> Vec<Variant> {

@@ -3,12 +3,12 @@
 
 use crate::{NativeBackend, NativeVariant, native_bytes, native_layouts};
 use terrafill_contract::{
-    Api, DeviceError, FillBackend, GeometryBytes, Role, Rung, THIS_MACHINE, Targets, Technique,
-    layouts,
+    Api, DeviceError, FillBackend, GeometryBytes, PlannedStep, Role, THIS_MACHINE, Targets,
+    Technique, layouts,
 };
 use terrafill_core::RegionMesh;
 use terrafill_scene::{Overlap, Scene};
-use terrafill_stencil::Climb;
+use terrafill_stencil::AblationBuilder;
 use terrafill_variant::{Parameter, SwitchError, Variant};
 use terrafill_vulkan::shared_targets;
 
@@ -72,8 +72,8 @@ impl Technique for NativeTechnique {
         }
     }
 
-    fn ladder(&self, overlap: Overlap) -> Vec<Rung> {
-        Climb::start(
+    fn ablation(&self, overlap: Overlap) -> Vec<PlannedStep> {
+        AblationBuilder::start(
             self.main(overlap).with("technique", "gs-per-triangle"),
             "the geometry shader makes a closed volume of every triangle; two passes, fragments \
              behind the surface count, nothing culled, colour by drawing the volumes again",
@@ -103,7 +103,7 @@ impl Technique for NativeTechnique {
         .mesh_lod()
         .rest_of_the_way(overlap)
         .top_of_the_way(overlap)
-        .rungs()
+        .steps()
     }
 
     fn matrix_row(&self, base: &Variant) -> Vec<Variant> {

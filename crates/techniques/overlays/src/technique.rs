@@ -6,7 +6,7 @@ use crate::draped::{self, DrapedMesh};
 use crate::flat::{self, FlatMesh, flat_bytes};
 use crate::mask::{self, MaskTexture};
 use terrafill_contract::{
-    Api, DeviceError, FillBackend, GeometryBytes, Role, Rung, Targets, Technique,
+    Api, DeviceError, FillBackend, GeometryBytes, PlannedStep, Role, Targets, Technique,
 };
 use terrafill_core::RegionMesh;
 use terrafill_gpu::{SharedTargets, shared_targets};
@@ -139,7 +139,7 @@ impl Technique for OverlayTechnique {
     }
 
     /// There is no way here from the method of 2007.
-    fn ladder(&self, _overlap: Overlap) -> Vec<Rung> {
+    fn ablation(&self, _overlap: Overlap) -> Vec<PlannedStep> {
         Vec::new()
     }
 

@@ -7,14 +7,14 @@ use crate::{
     centric_shift_m, shared_flag_bytes, variant_bytes,
 };
 use terrafill_contract::{
-    Api, DeviceError, FillBackend, FillInput, GeometryBytes, Role, Rung, Targets, Technique,
+    Api, DeviceError, FillBackend, FillInput, GeometryBytes, PlannedStep, Role, Targets, Technique,
     layouts,
 };
 use terrafill_core::RegionMesh;
 use terrafill_gpu::shared_targets;
 use terrafill_plan::PlannedRegion;
 use terrafill_scene::{Overlap, Scene};
-use terrafill_stencil::{Climb, PositionFormat};
+use terrafill_stencil::{AblationBuilder, PositionFormat};
 use terrafill_variant::{ColourWay, Parameter, SwitchError, Switches, Values, Variant};
 
 /// Volumes extruded in the vertex shader, on wgpu.
@@ -128,8 +128,8 @@ impl Technique for VertexTechnique {
         }
     }
 
-    fn ladder(&self, overlap: Overlap) -> Vec<Rung> {
-        Climb::start(
+    fn ablation(&self, overlap: Overlap) -> Vec<PlannedStep> {
+        AblationBuilder::start(
             self.main(overlap)
                 .with("layout", "per-triangle")
                 .with("buffers", "streamed"),
@@ -197,7 +197,7 @@ impl Technique for VertexTechnique {
         .mesh_lod()
         .rest_of_the_way(overlap)
         .top_of_the_way(overlap)
-        .rungs()
+        .steps()
     }
 
     fn matrix_row(&self, base: &Variant) -> Vec<Variant> {

@@ -138,7 +138,7 @@ pub(crate) struct BenchArguments {
     pub(crate) study: Vec<String>,
     /// Run a suite of scenes that globes break at instead: extreme
     #[arg(long, value_name = "NAME", value_parser = parse_suite,
-        conflicts_with_all = ["study", "quick", "full", "processes", "shard", "ladder", "matrix"])]
+        conflicts_with_all = ["study", "quick", "full", "processes", "shard", "ablation", "matrix"])]
     pub(crate) suite: Option<String>,
     /// This process runs the suite's scenes: another one started it and outlives its crashes
     #[arg(long, hide = true, requires = "suite")]
@@ -149,10 +149,10 @@ pub(crate) struct BenchArguments {
     /// Main variants in few frames and one process
     #[arg(long, conflicts_with = "full")]
     pub(crate) quick: bool,
-    /// Every study, variant, ladder, matrix and sweep
+    /// Every study, variant, ablation, matrix and sweep
     #[arg(long)]
     pub(crate) full: bool,
-    /// Processes, each a replicate [default: 5, quick 1, ladders to 36]
+    /// Processes, each a replicate [default: 5, quick 1, ablations to 36]
     #[arg(long, value_parser = parse_processes)]
     pub(crate) processes: Option<u32>,
     /// Which of the processes this is: `bench` starts the others with it
@@ -200,8 +200,8 @@ pub(crate) struct BenchArguments {
     /// Seed of the order in which cases are measured
     #[arg(long, default_value = "1")]
     pub(crate) seed: u64,
-    #[arg(long, value_name = "SCENE", help = LADDER_HELP)]
-    pub(crate) ladder: Vec<String>,
+    #[arg(long, value_name = "SCENE", alias = "ladder", help = ABLATION_HELP)]
+    pub(crate) ablation: Vec<String>,
     #[arg(long, value_name = "SCENE", help = MATRIX_HELP)]
     pub(crate) matrix: Vec<String>,
     #[arg(long, value_name = "FILE", requires = "study", help = CASTERS_HELP)]
@@ -294,7 +294,7 @@ const BY_HELP: &str = "\
 device: a column for each kind of machine, times as ratios
 to its own control";
 
-const LADDER_HELP: &str = "\
+const ABLATION_HELP: &str = "\
 Scene to measure switch by switch, from the un-optimised
 method to the full plan, SCENE:STEP from a step on, or
 none; may be repeated

@@ -303,7 +303,7 @@ fn request(arguments: &BenchArguments, depth: Depth) -> Result<Request, Failure>
     };
     let casters = arguments.casters.iter().cloned().collect();
     for (key, values) in [
-        ("ladder", &arguments.ladder),
+        ("ablation", &arguments.ablation),
         ("matrix", &arguments.matrix),
         ("casters", &casters),
     ] {

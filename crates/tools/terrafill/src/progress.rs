@@ -160,7 +160,7 @@ mod tests {
         assert_eq!(title(0, 1, None), "process 1/1");
         assert_eq!(title(0, 5, None), "process 1/5, 4 left");
         assert_eq!(title(4, 5, None), "process 5/5");
-        // A ladder that goes on says its bound.
+        // An ablation that goes on says its bound.
         assert_eq!(
             title(5, 5, Some(36)),
             "process 6/36 at most, 30 at most left"

@@ -130,7 +130,7 @@ mod tests {
 
     use super::*;
     use std::collections::BTreeSet;
-    use terrafill_contract::{Role, Rung, layouts};
+    use terrafill_contract::{PlannedStep, Role, layouts};
     use terrafill_results::made_up::{MadeUpCase, MadeUpRun};
     use terrafill_results::{Block, Clock, Finding, Kind, Metric, Scope, Standing, Status};
     use terrafill_scene::{Overlap, Scene};
@@ -250,7 +250,7 @@ mod tests {
                 study.name()
             );
         }
-        // Negative control: a fill of the ladder's that differs in one thing more.
+        // Negative control: a fill of the ablation's that differs in one thing more.
         let mut studies = STUDIES.iter();
         let filling = studies
             .find(|study| study.name() == "filling")
@@ -413,21 +413,21 @@ mod tests {
         }
     }
 
-    /// Techniques with a ladder and a matrix.
+    /// Techniques with an ablation and a matrix.
     fn by_stencil() -> impl Iterator<Item = &'static &'static dyn Technique> {
         let all = TECHNIQUES.iter();
         all.filter(|technique| technique.has_stencil_switches())
     }
 
     #[test]
-    fn without_a_stencil_there_is_no_ladder_and_every_variant_is_approximate() {
+    fn without_a_stencil_there_is_no_ablation_and_every_variant_is_approximate() {
         let without = TECHNIQUES.iter().filter(|t| !t.has_stencil_switches());
         let mut names = Vec::new();
         for technique in without {
             names.push(technique.name());
             for overlap in OVERLAPS {
                 let main = technique.main(overlap);
-                assert!(technique.ladder(overlap).is_empty());
+                assert!(technique.ablation(overlap).is_empty());
                 assert!(technique.is_approximate(&main));
                 assert_eq!(matrix_row(*technique, &main, overlap).len(), 5);
             }
@@ -456,62 +456,62 @@ mod tests {
         }
     }
 
-    /// Parts of the name that one rung has and the other has not.
-    fn differences(a: &Rung, b: &Rung) -> usize {
-        let parts = |rung: &Rung| -> BTreeSet<String> {
-            rung.variant.name().split(',').map(str::to_owned).collect()
+    /// Parts of the name that one step has and the other has not.
+    fn differences(a: &PlannedStep, b: &PlannedStep) -> usize {
+        let parts = |step: &PlannedStep| -> BTreeSet<String> {
+            step.variant.name().split(',').map(str::to_owned).collect()
         };
         parts(a).symmetric_difference(&parts(b)).count()
     }
 
     #[test]
-    fn every_rung_changes_one_thing() {
+    fn every_step_changes_one_thing() {
         for technique in by_stencil() {
             for overlap in OVERLAPS {
-                let rungs = technique.ladder(overlap);
+                let steps = technique.ablation(overlap);
                 let backend = technique.name();
-                assert!(rungs.len() > 10, "{backend}: {}", rungs.len());
+                assert!(steps.len() > 10, "{backend}: {}", steps.len());
                 let names: BTreeSet<String> =
-                    rungs.iter().map(|rung| rung.variant.name()).collect();
+                    steps.iter().map(|step| step.variant.name()).collect();
                 assert_eq!(
                     names.len(),
-                    rungs.len(),
-                    "{backend}: two rungs are the same"
+                    steps.len(),
+                    "{backend}: two steps are the same"
                 );
-                for rung in &rungs {
+                for step in &steps {
                     assert_eq!(
-                        technique.check(&rung.variant, overlap),
+                        technique.check(&step.variant, overlap),
                         Ok(()),
                         "{}",
-                        rung.step
+                        step.name
                     );
                 }
-                let mut before = &rungs[0];
-                for rung in &rungs[1..] {
+                let mut before = &steps[0];
+                for step in &steps[1..] {
                     // A value that becomes another one is two parts. Walls of single triangles are
                     // always lists, and two edges in a triangle are never strips. Which faces are drawn
                     // as covers has no meaning where none are. Without its bottom cap a volume can be
                     // counted in front of the surface only. Four: single triangles have no
                     // vertex size either.
-                    let allowed = match rung.step {
+                    let allowed = match step.name {
                         "one-volume" => 4,
                         "two-edges" | "screen-cover" | "z-pass" => 3,
                         _ => 2,
                     };
-                    let found = differences(before, rung);
+                    let found = differences(before, step);
                     assert!(
                         (1..=allowed).contains(&found),
                         "{backend}, {}: {} → {}",
-                        rung.step,
+                        step.name,
                         before.variant.name(),
-                        rung.variant.name()
+                        step.variant.name()
                     );
-                    if !rung.is_aside {
-                        before = rung;
+                    if !step.is_aside {
+                        before = step;
                     }
                 }
-                // Negative control: rungs that lie far apart differ in more than one switch.
-                let far = differences(&rungs[0], &rungs[rungs.len() - 1]);
+                // Negative control: steps that lie far apart differ in more than one switch.
+                let far = differences(&steps[0], &steps[steps.len() - 1]);
                 assert!(far > 3, "{backend}: {far}");
             }
         }

@@ -124,7 +124,7 @@ fn find_view<'a>(scene: &'a Scene, name: &str) -> Result<&'a View, Failure> {
     })
 }
 
-/// Word for all that the top of a technique's ladder sets, in place of what was set before.
+/// Word for all that the top of a technique's ablation sets, in place of what was set before.
 const FULL_PLAN: &str = "full-plan";
 
 /// What `--technique` and `--set` ask for.
@@ -423,8 +423,8 @@ mod tests {
         for overlap in [Overlap::Disjoint, Overlap::Ordered] {
             scene.overlap = overlap;
             for technique in TECHNIQUES {
-                let rungs = technique.ladder(overlap).into_iter();
-                let measured = rungs.map(|rung| rung.variant);
+                let steps = technique.ablation(overlap).into_iter();
+                let measured = steps.map(|step| step.variant);
                 let measured = measured.chain(technique.full_plans(overlap));
                 let measured = measured.chain(technique.variants(&scene, Role::Main));
                 let is_drawn = |variant: &Variant| technique.check(variant, overlap).is_ok();

@@ -7,6 +7,7 @@
 //! backend that the two make together. A program takes a list of volumes and does not know what a region is, so
 //! shadows of objects are drawn by it too.
 
+mod ablation;
 mod batches;
 mod bottom_caps;
 mod constants;
@@ -18,11 +19,10 @@ mod fixed_point;
 mod footprint;
 mod held_meshes;
 mod index_lists;
-mod ladder;
 mod laid_out;
 mod matrix;
 mod needs;
-mod needs_ladder;
+mod needs_ablation;
 mod program;
 mod steps;
 mod textured;
@@ -32,6 +32,7 @@ mod uses;
 mod volume_backend;
 mod volumes;
 
+pub use ablation::{AblationBuilder, LOD_PX};
 pub use bottom_caps::BottomCaps;
 pub use constants::{FootprintConstants, VolumeConstants, VolumePlace, changed_words};
 pub use cover_instances::CoverInstance;
@@ -41,11 +42,10 @@ pub use fixed_point::{
     EyeInUnits, FixedPoint, PositionFormat, eye_relative_m, two_float, two_float_difference_m,
 };
 pub use index_lists::IndexLists;
-pub use ladder::{Climb, LOD_PX};
 pub use laid_out::LaidOut;
 pub use matrix::matrix_row;
 pub use needs::{COLOUR_BYTES, DEPTH_STENCIL_BYTES, Holding};
-pub use needs_ladder::needs_ladder;
+pub use needs_ablation::needs_ablation;
 pub use program::{
     CoverShape, DepthRule, FaceEffect, FaceSet, FillCommand, FillPass, FillProgram,
     StencilOperation, StencilRule, StencilTest,

@@ -2,12 +2,12 @@
 //! The table of every claim of Cozzi (2007): what it says, what was measured here, and whether they agree.
 //!
 //! Most claims are of a ratio: two cases in each view, which the document's file selects, by their time or by
-//! counters. The others are a figure or a picture in each view. Steps are those of the vertex shader's ladder,
+//! counters. The others are a figure or a picture in each view. Steps are those of the vertex shader's ablation,
 //! which is the version that the document timed. What is no difference is taken from the run: how far intervals
-//! of identical work reach in the ladder's scene. A claim whose rows are not in the run has an empty cell.
+//! of identical work reach in the ablation's scene. A claim whose rows are not in the run has an empty cell.
 
+use super::ablations::{Ablation, counters};
 use super::data::{Data, Timed, grouped, is_baseline, one_change, title};
-use super::rungs::{Ladder, counters};
 use super::table::or_dash;
 use super::{memory, subdivision, textured};
 use crate::claims::{Conditions, Only, PAPER, Pair, Pictured, Ratio, Step, Test};
@@ -25,7 +25,7 @@ use terrafill_results::{
     ratio, share,
 };
 
-/// The technique whose ladder the document climbed.
+/// The technique whose ablation the document climbed.
 const VOLUMES: &str = "vertex";
 
 /// Scenes whose surface is terrain, which is made by another crate than the bare ellipsoid.
@@ -79,34 +79,40 @@ struct Judged<'a> {
 struct Evidence<'r, 'a> {
     data: &'r Data<'a>,
     /// Of the document's technique, on the first scene that has them.
-    ladders: Vec<&'r Ladder<'a>>,
+    ablations: Vec<&'r Ablation<'a>>,
 }
 
 impl<'r, 'a> Evidence<'r, 'a> {
-    fn new(data: &'r Data<'a>, ladders: &'r [Ladder<'a>]) -> Self {
-        let own = || ladders.iter().filter(|ladder| ladder.technique == VOLUMES);
-        let scene = own().next().map(|ladder| ladder.scene);
+    fn new(data: &'r Data<'a>, ablations: &'r [Ablation<'a>]) -> Self {
+        let own = || {
+            ablations
+                .iter()
+                .filter(|ablation| ablation.technique == VOLUMES)
+        };
+        let scene = own().next().map(|ablation| ablation.scene);
         Self {
             data,
-            ladders: own().filter(|ladder| Some(ladder.scene) == scene).collect(),
+            ablations: own()
+                .filter(|ablation| Some(ablation.scene) == scene)
+                .collect(),
         }
     }
 
-    /// Ladders of a step's views.
-    fn of_views(&self, step: &Step) -> impl Iterator<Item = &'r Ladder<'a>> {
-        let is_of = |ladder: &&Ladder<'_>| step.views.iter().any(|view| view == ladder.view);
-        self.ladders.iter().copied().filter(is_of)
+    /// Ablations of a step's views.
+    fn of_views(&self, step: &Step) -> impl Iterator<Item = &'r Ablation<'a>> {
+        let is_of = |ablation: &&Ablation<'_>| step.views.iter().any(|view| view == ablation.view);
+        self.ablations.iter().copied().filter(is_of)
     }
 
     /// A step in those of its views that say something of the claim.
-    fn rungs(&self, step: &Step) -> Vec<&'r AblationStep<'a>> {
+    fn steps(&self, step: &Step) -> Vec<&'r AblationStep<'a>> {
         let vertices = |case: &Case| case.value(VERTICES);
         let own = self.of_views(step);
-        let own = own.filter_map(|ladder| ladder.step(&step.name));
-        let telling = own.filter(|rung| match step.only {
+        let own = own.filter_map(|ablation| ablation.step(&step.name));
+        let telling = own.filter(|measured| match step.only {
             Only::Any => true,
-            Only::AllInSight => rung.case.value(REGIONS_LEFT_OUT) == Some(0.0),
-            Only::WhereItActs => rung.before.and_then(vertices) != vertices(rung.case),
+            Only::AllInSight => measured.case.value(REGIONS_LEFT_OUT) == Some(0.0),
+            Only::WhereItActs => measured.before.and_then(vertices) != vertices(measured.case),
         });
         telling.collect()
     }
@@ -132,9 +138,9 @@ impl<'r, 'a> Evidence<'r, 'a> {
     fn judged(&self, ratio: &Ratio) -> Vec<Judged<'a>> {
         let pairs = match &ratio.of {
             Pair::Step(step) => {
-                let rungs = self.rungs(step).into_iter();
-                return rungs
-                    .flat_map(|rung| self.judge_step(rung, ratio))
+                let steps = self.steps(step).into_iter();
+                return steps
+                    .flat_map(|measured| self.judge_step(measured, ratio))
                     .collect();
             }
             Pair::Fills([first, second]) => textured::compared(self.data, [first, second]),
@@ -147,17 +153,17 @@ impl<'r, 'a> Evidence<'r, 'a> {
     }
 
     /// A step and the last kept one before it, unless a step that is not right comes between both.
-    fn judge_step(&self, rung: &AblationStep<'a>, ratio: &Ratio) -> Vec<Judged<'a>> {
-        let title = rung.case.condition(VIEW);
-        let (Some(before), None) = (rung.before, rung.skipped) else {
+    fn judge_step(&self, measured: &AblationStep<'a>, ratio: &Ratio) -> Vec<Judged<'a>> {
+        let title = measured.case.condition(VIEW);
+        let (Some(before), None) = (measured.before, measured.skipped) else {
             return vec![Judged {
                 title: title.to_owned(),
                 cases: Vec::new(),
                 answer: Answer::not_measured("what comes before it is not right"),
             }];
         };
-        // What a step sets is the ladder's to say; a test holds this list against it.
-        let set = PAPER.steps.get(rung.name).into_iter().flatten();
+        // What a step sets is the ablation's to say; a test holds this list against it.
+        let set = PAPER.steps.get(measured.name).into_iter().flatten();
         let follows = set.map(|key| Follows {
             key,
             because: "the step sets it",
@@ -174,7 +180,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
             needs,
             ..one_change(STEP)
         };
-        self.judge(title, comparison, [before, rung.case], ratio)
+        self.judge(title, comparison, [before, measured.case], ratio)
     }
 
     /// By the time of the fill, or by each metric that the claim names.
@@ -217,7 +223,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
             && judged.is_empty()
             && self
                 .of_views(step)
-                .any(|ladder| ladder.step(&step.name).is_some())
+                .any(|ablation| ablation.step(&step.name).is_some())
         {
             return ClaimAnswer::unanswered(
                 Standing::NotMeasured,
@@ -239,7 +245,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
             (format!("{title} {ours}"), answer.standing)
         });
         let reason = match &ratio.of {
-            Pair::Step(step) => changes(&self.rungs(step)),
+            Pair::Step(step) => changes(&self.steps(step)),
             Pair::Fills(names) => names.join(" ÷ "),
             Pair::Rival(_) | Pair::CapSteps => String::new(),
         };
@@ -256,9 +262,9 @@ impl<'r, 'a> Evidence<'r, 'a> {
     fn told(&self, test: &Test) -> ClaimAnswer {
         let views = match test {
             Test::Ratio(ratio) => return self.ratio(ratio),
-            Test::SecondPass(step) => return second_pass(&self.rungs(step)),
+            Test::SecondPass(step) => return second_pass(&self.steps(step)),
             Test::LargestGain(step) => {
-                return ClaimAnswer::of_views(self.largest_gain(step), changes(&self.rungs(step)));
+                return ClaimAnswer::of_views(self.largest_gain(step), changes(&self.steps(step)));
             }
             Test::No(why) => return ClaimAnswer::unanswered(Standing::CannotBeTested, why),
             Test::Sum { terms, says } => {
@@ -300,8 +306,9 @@ impl<'r, 'a> Evidence<'r, 'a> {
         let all = self.data.cases.iter().copied();
         let pictured: Vec<(String, &Case)> = match of {
             Pictured::Step(step) => {
-                let rungs = self.rungs(step).into_iter();
-                let named = rungs.map(|rung| (rung.case.condition(VIEW).to_owned(), rung.case));
+                let steps = self.steps(step).into_iter();
+                let named =
+                    steps.map(|measured| (measured.case.condition(VIEW).to_owned(), measured.case));
                 named.collect()
             }
             Pictured::With(conditions) => {
@@ -320,31 +327,34 @@ impl<'r, 'a> Evidence<'r, 'a> {
     }
 
     fn largest_gain(&self, step: &Step) -> Views {
-        let views = self.of_views(step).filter_map(|ladder| {
-            let rung = ladder.step(&step.name)?;
+        let views = self.of_views(step).filter_map(|ablation| {
+            let measured = ablation.step(&step.name)?;
             // The document's own steps, up to what it was at work on.
-            let last = ladder.rungs.iter().position(|rung| rung.name == "z-pass")?;
-            let own = ladder.rungs[..=last].iter();
+            let last = ablation
+                .steps
+                .iter()
+                .position(|measured| measured.name == "z-pass")?;
+            let own = ablation.steps[..=last].iter();
             let others = own.filter(|other| !other.is_aside && other.name != step.name);
             let others = others.filter_map(|other| Some((other.name, other.gain?)));
             let (next, next_gain) = others.max_by(|a, b| a.1.middle.total_cmp(&b.1.middle))?;
-            let standing = is_more(rung.gain.as_ref()?, &next_gain);
+            let standing = is_more(measured.gain.as_ref()?, &next_gain);
             let [gain, next_gain] =
-                [rung.gain?, next_gain].map(|gain| self.data.timings.ratio_text(&gain));
-            let text = format!("{} {gain}, next {next} {next_gain}", ladder.view);
+                [measured.gain?, next_gain].map(|gain| self.data.timings.ratio_text(&gain));
+            let text = format!("{} {gain}, next {next} {next_gain}", ablation.view);
             Some((text, standing))
         });
         views.collect()
     }
 
     fn fill_rate(&self) -> Views {
-        let views = self.ladders.iter().filter_map(|ladder| {
-            let [vertices, fragments] = exponents(&ladder.rungs)?;
+        let views = self.ablations.iter().filter_map(|ablation| {
+            let [vertices, fragments] = exponents(&ablation.steps)?;
             let standing = is_more(&fragments, &vertices);
             let [vertices, fragments] = [vertices, fragments].map(|exponent| figure(&exponent));
             let text = format!(
                 "{}: fragments {fragments}, vertices {vertices}",
-                ladder.view
+                ablation.view
             );
             Some((text, standing))
         });
@@ -425,10 +435,12 @@ fn outside_band(case: &Case) -> Option<f64> {
 ///
 /// For vertices the fragments must be equal, for fragments the vertices. Only steps after culling count that change
 /// nothing else.
-fn exponents(rungs: &[AblationStep<'_>]) -> Option<[Estimate; 2]> {
-    let from = rungs.iter().position(|rung| rung.name == "culling")?;
-    let usable = rungs[from + 1..].iter();
-    let usable = usable.filter(|rung| STEPS_OF_WORK.contains(&rung.name));
+fn exponents(steps: &[AblationStep<'_>]) -> Option<[Estimate; 2]> {
+    let from = steps
+        .iter()
+        .position(|measured| measured.name == "culling")?;
+    let usable = steps[from + 1..].iter();
+    let usable = usable.filter(|measured| STEPS_OF_WORK.contains(&measured.name));
     let vertices = |case: &Case| case.value(VERTICES);
     // Of both passes.
     let fragments = |case: &Case| {
@@ -439,30 +451,31 @@ fn exponents(rungs: &[AblationStep<'_>]) -> Option<[Estimate; 2]> {
 }
 
 /// What the step that moved most changed in counters.
-fn changes(rungs: &[&AblationStep<'_>]) -> String {
-    let moved = |rung: &AblationStep<'_>| rung.gain.map_or(0.0, |gain| gain.middle.ln().abs());
-    let most = rungs.iter().max_by(|a, b| moved(a).total_cmp(&moved(b)));
-    let of = |rung: &&AblationStep<'_>| {
-        let changed = counters(rung.before?, rung.case);
-        Some(format!("{}: {changed}", rung.case.condition(VIEW)))
+fn changes(steps: &[&AblationStep<'_>]) -> String {
+    let moved =
+        |measured: &AblationStep<'_>| measured.gain.map_or(0.0, |gain| gain.middle.ln().abs());
+    let most = steps.iter().max_by(|a, b| moved(a).total_cmp(&moved(b)));
+    let of = |measured: &&AblationStep<'_>| {
+        let changed = counters(measured.before?, measured.case);
+        Some(format!("{}: {changed}", measured.case.condition(VIEW)))
     };
     most.and_then(of).unwrap_or_default()
 }
 
-fn second_pass(rungs: &[&AblationStep<'_>]) -> ClaimAnswer {
-    let views = rungs.iter().filter_map(|rung| {
-        let share = share(rung.case, COLOUR_GPU_MS, STENCIL_GPU_MS)?;
+fn second_pass(steps: &[&AblationStep<'_>]) -> ClaimAnswer {
+    let views = steps.iter().filter_map(|measured| {
+        let share = share(measured.case, COLOUR_GPU_MS, STENCIL_GPU_MS)?;
         let standing = Claim::AtLeast(0.5).standing(&share);
         Some((
-            format!("{} {}", rung.case.condition(VIEW), figure(&share)),
+            format!("{} {}", measured.case.condition(VIEW), figure(&share)),
             standing,
         ))
     });
-    let fragments = rungs.first().map(|rung| {
-        let of = |metric| or_dash(rung.case.value(metric).map(digits));
+    let fragments = steps.first().map(|measured| {
+        let of = |metric| or_dash(measured.case.value(metric).map(digits));
         format!(
             "{}: {} fragments in the first pass, {} shaded in the second",
-            rung.case.condition(VIEW),
+            measured.case.condition(VIEW),
             of(STENCIL_FRAGMENTS),
             of(FRAGMENT_SHADER_INVOCATIONS)
         )
@@ -471,14 +484,14 @@ fn second_pass(rungs: &[&AblationStep<'_>]) -> ClaimAnswer {
 }
 
 /// What the run says of each claim, in order.
-fn all(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<ClaimAnswer> {
-    let evidence = Evidence::new(data, ladders);
+fn all(data: &Data<'_>, ablations: &[Ablation<'_>]) -> Vec<ClaimAnswer> {
+    let evidence = Evidence::new(data, ablations);
     PAPER.tell(&data.run.environment, STUDY, |test| evidence.told(test))
 }
 
 /// The table, and how many claims ended how; nothing for a run that measured none of it.
-pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Block> {
-    let all = all(data, ladders);
+pub(super) fn blocks(data: &Data<'_>, ablations: &[Ablation<'_>]) -> Vec<Block> {
+    let all = all(data, ablations);
     let is_measured = |(claimed, told): (&Claimed<Test>, &ClaimAnswer)| {
         told.standing != Standing::NotMeasured
             && !matches!(claimed.test, Test::Sum { .. } | Test::No(_))
@@ -486,23 +499,26 @@ pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<Block> {
     if !PAPER.claims.iter().zip(&all).any(is_measured) {
         return Vec::new();
     }
-    let bound = data.band_sentence(ladders.first().map(|ladder| ladder.scene));
+    let bound = data.band_sentence(ablations.first().map(|ablation| ablation.scene));
     claims_blocks("The claims of 2007", &PAPER, &all, &bound)
 }
 
 /// `claims.csv`: the table as data.
-pub(super) fn table(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<DerivedTable, ChapterError> {
-    claims_table(&PAPER, &all(data, ladders))
+pub(super) fn table(
+    data: &Data<'_>,
+    ablations: &[Ablation<'_>],
+) -> Result<DerivedTable, ChapterError> {
+    claims_table(&PAPER, &all(data, ablations))
 }
 
 /// Keys of the cases that further processes may decide a claim by: what is undecided, or all steps while
 /// noise is larger than [`MAX_BAND`].
-pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> {
-    let evidence = Evidence::new(data, ladders);
-    let Some(ladder) = evidence.ladders.first() else {
+pub(super) fn undecided(data: &Data<'_>, ablations: &[Ablation<'_>]) -> Vec<String> {
+    let evidence = Evidence::new(data, ablations);
+    let Some(ablation) = evidence.ablations.first() else {
         return Vec::new();
     };
-    let noise = data.noise_on(ladder.scene, data.timings.metric);
+    let noise = data.noise_on(ablation.scene, data.timings.metric);
     let is_noisy = noise.is_some_and(|noise| noise.reach_factor() > MAX_BAND);
     let mut keys = Vec::new();
     for claimed in &PAPER.claims {
@@ -519,7 +535,7 @@ pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> 
     }
     keys.sort_unstable();
     keys.dedup();
-    let repeats = data.ladder_repeats(&keys);
+    let repeats = data.ablation_repeats(&keys);
     keys.extend(repeats);
     keys
 }

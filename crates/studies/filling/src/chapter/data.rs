@@ -169,7 +169,7 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// What two cases say of a claim, by the noise of their scene's ladder.
+    /// What two cases say of a claim, by the noise of their scene's ablation.
     pub(super) fn judge(
         &self,
         comparison: Comparison<'_>,
@@ -226,29 +226,31 @@ impl<'a> Data<'a> {
         why.to_owned()
     }
 
-    /// By how much identical work differed on a scene's ladder; anywhere in the scene where none of the
-    /// ladder was measured twice.
+    /// By how much identical work differed on a scene's ablation; anywhere in the scene where none of the
+    /// ablation was measured twice.
     pub(super) fn noise_on(&self, scene: &str, metric: &Metric) -> Option<Noise> {
         let own = self.run.of_study(STUDY);
         let of_scene = own.filter(|case| case.condition(SCENE) == scene);
-        let of_ladder = of_scene.clone().filter(|case| Purpose::Ladder.is_of(case));
-        Noise::of(of_ladder, metric).or_else(|| Noise::of(of_scene, metric))
+        let of_ablation = of_scene
+            .clone()
+            .filter(|case| Purpose::Ablation.is_of(case));
+        Noise::of(of_ablation, metric).or_else(|| Noise::of(of_scene, metric))
     }
 
-    /// What is taken as no difference in a scene's ladder, in a sentence.
+    /// What is taken as no difference in a scene's ablation, in a sentence.
     pub(super) fn band_sentence(&self, scene: Option<&str>) -> String {
         let noise = |scene| self.noise_on(scene, self.timings.metric);
         scene.map_or_else(String::new, |scene| band_sentence(noise(scene)))
     }
 
-    /// Repeats of the cases with these keys, and of what else stands on their ladder.
-    pub(super) fn ladder_repeats(&self, keys: &[String]) -> Vec<String> {
+    /// Repeats of the cases with these keys, and of what else stands on their ablation.
+    pub(super) fn ablation_repeats(&self, keys: &[String]) -> Vec<String> {
         let own = self.cases.iter();
         let own = own.filter(|case| keys.contains(&case.id().key()));
         let scenes = distinct(own.map(|case| case.condition(SCENE)));
         let repeats = self.run.of_study(STUDY).filter(|case| {
             case.is_repeat()
-                && Purpose::Ladder.is_of(case)
+                && Purpose::Ablation.is_of(case)
                 && scenes.contains(&case.condition(SCENE))
         });
         let both =

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The chapter on filling: scenes with their techniques, the ladder from 2007, the matrix of switches,
+//! The chapter on filling: scenes with their techniques, the ablation from 2007, the matrix of switches,
 //! bytes of layouts, textured fills, and what the measurements say of published claims.
 //!
 //! It reads cases, metrics and notes of a run and nothing else. Ratios, rankings and plots use the
 //! run's clock: [`Run::clock`].
 
+mod ablations;
 mod answers;
 mod approximate;
 mod budget;
@@ -12,13 +13,12 @@ mod claims;
 mod comparisons;
 mod data;
 mod error_time;
+mod from_2007;
 mod fronts;
-mod ladder;
 mod matrix;
 mod memory;
 mod needs;
 mod rivals;
-mod rungs;
 mod scenes;
 mod subdivision;
 mod summary;
@@ -30,8 +30,8 @@ mod textured;
 use crate::keys::{FILL_CPU_MS, FILL_GPU_MS};
 use crate::purpose::never_right;
 use crate::request::STUDY;
+use ablations::FULL_PLAN;
 use data::{Data, is_baseline};
-use rungs::FULL_PLAN;
 use terrafill_lab::{answers_with_commands, with_commands};
 use terrafill_results::{
     Answers, Block, Budget, Case, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run,
@@ -56,11 +56,11 @@ impl Chapter for FillingChapter {
 
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
         let data = Data::new(run);
-        let ladders = rungs::ladders(&data, FULL_PLAN);
+        let ablations = ablations::measured(&data, FULL_PLAN);
         let sections = [
             approximate::blocks(&data),
-            claims::blocks(&data, &ladders),
-            ladder::blocks(&data, &ladders)?,
+            claims::blocks(&data, &ablations),
+            from_2007::blocks(&data, &ablations)?,
             rivals::blocks(&data),
             comparisons::pairs(&data),
             matrix::blocks(&data),
@@ -97,16 +97,16 @@ impl Chapter for FillingChapter {
         if data.cases.is_empty() {
             return Ok(Vec::new());
         }
-        let ladders = rungs::ladders(&data, FULL_PLAN);
+        let ablations = ablations::measured(&data, FULL_PLAN);
         Ok(vec![
             summary::table(&data)?,
-            claims::table(&data, &ladders)?,
+            claims::table(&data, &ablations)?,
         ])
     }
 
     fn undecided(&self, run: &Run) -> Vec<String> {
         let data = Data::new(run);
-        claims::undecided(&data, &rungs::ladders(&data, FULL_PLAN))
+        claims::undecided(&data, &ablations::measured(&data, FULL_PLAN))
     }
 }
 

@@ -4,8 +4,8 @@
 //!
 //! Every figure is what the backend held and the device made; that sums agree is a requirement.
 
+use super::ablations::{Ablation, NEEDS, counters, measured};
 use super::data::{DEPTH_PASS, Data, distinct, grouped, name, title};
-use super::rungs::{Ladder, NEEDS, counters, ladders};
 use super::table::{STATUS, head};
 use crate::keys::*;
 use crate::purpose::Purpose;
@@ -65,16 +65,16 @@ fn all<'a>(data: &Data<'a>) -> Vec<CaseNeeds<'a>> {
         .collect()
 }
 
-/// Whether a case holds only what its view needs: the last of the rungs, or the only one.
+/// Whether a case holds only what its view needs: the last of the steps, or the only one.
 fn is_needed(data: &Data<'_>, case: &Case) -> bool {
-    let rung = |case: &Case| case.condition(NEEDS_RUNG).parse::<u32>().ok();
+    let number = |case: &Case| case.condition(NEEDS_RUNG).parse::<u32>().ok();
     let technique = case.condition(TECHNIQUE);
     let mut others = data.beside(case).iter();
     Purpose::Needs.is_of(case)
         && others.all(|other| {
             other.condition(TECHNIQUE) != technique
                 || !Purpose::Needs.is_of(other)
-                || rung(other) <= rung(case)
+                || number(other) <= number(case)
         })
 }
 
@@ -89,9 +89,9 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         "What a fill holds for a view, and what it leaves out, each with the value that decided it. \
              Bytes are those of buffers and textures that the device was asked to make, pipelines likewise. \
              “Only what is needed” is the variant that decides by itself what each view needs: `terrafill \
-             bench SCENE --ladder SCENE` measures the way there from everything that a fill can hold.",
+             bench SCENE --ablation SCENE` measures the way there from everything that a fill can hold.",
     );
-    let ladders = ladders(data, NEEDS);
+    let ablations = measured(data, NEEDS);
     for (scene, own) in grouped(&all, |told| told.case.condition(SCENE)) {
         blocks.push(Block::part(format!("Needs of {scene}")));
         let needed = own.iter().copied();
@@ -99,8 +99,8 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         for (technique, own) in grouped(needed, |told| told.case.condition(TECHNIQUE)) {
             blocks.push(Block::Table(features(technique, &own)));
         }
-        for ladder in ladders.iter().filter(|ladder| ladder.scene == scene) {
-            blocks.extend(ladder_blocks(data, ladder)?);
+        for ablation in ablations.iter().filter(|ablation| ablation.scene == scene) {
+            blocks.extend(ablation_blocks(data, ablation)?);
         }
     }
     Ok(blocks)
@@ -188,10 +188,10 @@ fn features(technique: &str, needed: &[&CaseNeeds<'_>]) -> Table {
 }
 
 /// The way from everything to what is needed.
-fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, ChapterError> {
+fn ablation_blocks(data: &Data<'_>, ablation: &Ablation<'_>) -> Result<Vec<Block>, ChapterError> {
     let title = format!(
         "{}, {}: time over depth-pass, from everything to what is needed",
-        ladder.scene, ladder.view
+        ablation.scene, ablation.view
     );
     let changed =
         |before: &Case, after: &Case| match CaseNeeds::of(before).zip(CaseNeeds::of(after)) {
@@ -203,7 +203,7 @@ fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, Cha
         };
     let heading = Block::part(format!(
         "From everything to what {} needs, by {}",
-        ladder.view, ladder.technique
+        ablation.view, ablation.technique
     ));
     let section = StepsSection {
         title: &title,
@@ -211,7 +211,7 @@ fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, Cha
         columns: &STEPS,
         is_main: true,
     };
-    let blocks = ladder.blocks(data, section, changed)?;
+    let blocks = ablation.blocks(data, section, changed)?;
     Ok([vec![heading], blocks].concat())
 }
 

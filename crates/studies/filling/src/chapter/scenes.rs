@@ -179,7 +179,7 @@ fn cases(data: &Data<'_>, view: &ViewCases<'_>) -> Table {
 }
 
 /// The reference's picture, then each case's beside its difference and its worst pixel. Wrong cases
-/// of the ladder and the matrix are among them: their own tables have no room for pictures.
+/// of the ablation and the matrix are among them: their own tables have no room for pictures.
 fn pictures(view: &ViewCases<'_>) -> Option<Pictures> {
     let listed = || view.cases.iter().chain(&view.rivals).copied();
     let wrong = view.all.iter().copied().filter(|case| {

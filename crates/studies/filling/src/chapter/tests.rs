@@ -132,7 +132,7 @@ fn words(blocks: &[Block]) -> String {
     format!("{blocks:?}").replace("\\u{202f}", "\u{202f}")
 }
 
-/// A ladder whose steps take these times, beside a depth-pass of 10 ms.
+/// An ablation whose steps take these times, beside a depth-pass of 10 ms.
 fn climbed(view: &str, steps: &[(&str, f64)]) -> MadeUpRun {
     let mut run = on_cpu();
     timed(
@@ -155,7 +155,7 @@ fn climbed(view: &str, steps: &[(&str, f64)]) -> MadeUpRun {
     run
 }
 
-const LADDER: &str = "From 2007 to the full plan";
+const ABLATION: &str = "From 2007 to the full plan";
 
 #[test]
 fn gains_are_paired_by_process_and_claims_follow_them() {
@@ -166,7 +166,7 @@ fn gains_are_paired_by_process_and_claims_follow_them() {
         ("z-pass", 100.0),
     ];
     let run = climbed("globe", &steps);
-    let chapter = section(&run, LADDER);
+    let chapter = section(&run, ABLATION);
     // Processes differ threefold; the ratio within a process does not.
     let overview = tables(&chapter)[0];
     assert_eq!(
@@ -199,13 +199,13 @@ fn gains_are_paired_by_process_and_claims_follow_them() {
     ];
     let run = climbed("globe", &steps);
     assert_eq!(verdicts(&run), ["no difference", "does not hold", "holds"]);
-    let chapter = section(&run, LADDER);
+    let chapter = section(&run, ABLATION);
     let most = texts(tables(&chapter)[0], 0)[2];
     assert!(most.starts_with("z-pass: 2.50 ×"), "{most}");
 }
 
 #[test]
-fn a_wrong_rung_has_no_gain_and_the_next_is_compared_with_the_last_right_one() {
+fn a_wrong_step_has_no_gain_and_the_next_is_compared_with_the_last_right_one() {
     let steps = [
         ("start", 100.0),
         ("back-faces", 80.0),
@@ -214,7 +214,7 @@ fn a_wrong_rung_has_no_gain_and_the_next_is_compared_with_the_last_right_one() {
     ];
     let mut run = climbed("globe", &steps);
     run.cases[2].ended(Status::Wrong, "9 pixels");
-    let chapter = section(&run, LADDER);
+    let chapter = section(&run, ABLATION);
     let gains = |row: usize| tables(&chapter)[1].rows[row].cells[1].text.clone();
     assert_eq!(
         [gains(1), gains(2)],
@@ -249,23 +249,23 @@ fn a_step_that_changes_more_than_it_says_is_refused() {
 }
 
 #[test]
-fn a_missing_rung_is_named() {
+fn a_missing_step_is_named() {
     let mut run = climbed("globe", &[("start", 9.0), ("culling", 5.0)]);
-    assert!(!words(&section(&run, LADDER)).contains("Rungs without a result"));
+    assert!(!words(&section(&run, ABLATION)).contains("Steps without a result"));
     // One that was planned and not measured, and one that nobody planned.
     run.cases[2].missing();
-    let named = "Rungs without a result: rung 2, culling: filling/s/globe/vertex/culling.";
-    assert!(words(&section(&run, LADDER)).contains(named));
+    let named = "Steps without a result: step 2, culling: filling/s/globe/vertex/culling.";
+    assert!(words(&section(&run, ABLATION)).contains(named));
     run.cases[2].ended(Status::Ok, "");
     run.cases[2]
         .id
         .conditions
         .insert("rung".to_owned(), "3".to_owned());
-    let named = "rung 2 (the ladder goes on with 3, culling)";
-    assert!(words(&section(&run, LADDER)).contains(named));
+    let named = "step 2 (the ablation goes on with 3, culling)";
+    assert!(words(&section(&run, ABLATION)).contains(named));
 }
 
-/// Drawn figures of the ladder's plot: each row's ratio to the depth-pass, and where its bar begins.
+/// Drawn figures of the ablation's plot: each row's ratio to the depth-pass, and where its bar begins.
 fn drawn_bars(chapter: &[Block]) -> Vec<(f64, Option<f64>)> {
     let svg = chapter.iter().find_map(|block| match block {
         Block::Plot(plot) if plot.svg.contains("bar begins") => Some(plot.svg.as_str()),
@@ -288,7 +288,10 @@ fn drawn_bars(chapter: &[Block]) -> Vec<(f64, Option<f64>)> {
 
 /// Rows whose bar is not as long as the printed gain, or has a gain and no bar.
 fn false_bars(bars: &[(f64, Option<f64>)], chapter: &[Block]) -> Vec<usize> {
-    let table = tables(chapter).into_iter().next_back().expect("a ladder");
+    let table = tables(chapter)
+        .into_iter()
+        .next_back()
+        .expect("an ablation");
     let gain = |row: usize| {
         let text = &table.rows[row].cells[1].text;
         text.split(' ')
@@ -321,7 +324,7 @@ fn a_bar_is_as_long_as_the_gain_that_is_printed() {
     conditions.insert("aside".to_owned(), "yes".to_owned());
     // Processes that differ: the median of ratios is no ratio of medians.
     run.cases[4].timed(TIME, &[28.0, 90.0, 25.0, 31.0, 60.0, 30.0, 36.0, 20.0]);
-    let chapter = section(&run, LADDER);
+    let chapter = section(&run, ABLATION);
     let bars = drawn_bars(&chapter);
     assert_eq!(bars.len(), 5);
     assert_eq!(false_bars(&bars, &chapter), [0; 0], "{bars:?}");
@@ -341,11 +344,11 @@ fn what_stands_aside_is_measured_and_nothing_is_measured_against_it() {
     ];
     let mut run = climbed("globe", &steps);
     let gains = |run: &MadeUpRun| {
-        let chapter = section(run, LADDER);
+        let chapter = section(run, ABLATION);
         let table = tables(&chapter)
             .into_iter()
             .next_back()
-            .expect("a ladder")
+            .expect("an ablation")
             .clone();
         [1, 2].map(|row: usize| table.rows[row].cells[1].text.clone())
     };
@@ -354,7 +357,7 @@ fn what_stands_aside_is_measured_and_nothing_is_measured_against_it() {
     conditions.insert("aside".to_owned(), "yes".to_owned());
     let aside = gains(&run);
     assert_eq!(aside, ["0.500 × [0.500–0.500]", "2.00 × [2.00–2.00]"]);
-    let chapter = section(&run, LADDER);
+    let chapter = section(&run, ABLATION);
     assert!(words(&chapter).contains("aside, first-pass-colour"));
     // What cuts performance in half is what the document says of it.
     const HALVES: &str =
@@ -373,7 +376,7 @@ fn what_is_no_difference_follows_from_identical_work() {
                 .timed(TIME, &PROCESSES.map(|factor| factor * ms));
         }
         let verdict = claim_row(&run, STRIPS)[5].clone();
-        (verdict, words(&section(&run, LADDER)))
+        (verdict, words(&section(&run, ABLATION)))
     };
     // Without twins 5 % are nothing; with quiet ones 3 % are something, with noisy ones nothing again.
     let (unknown, text) = standing(None);
@@ -454,7 +457,7 @@ fn a_step_shows_its_walls_its_work_and_its_wrong_pixels() {
         .figure("stencil_fragments", 20_000.0)
         .figure("mismatched_px", 11.0);
     let row = |run: &MadeUpRun, row: usize| {
-        let chapter = section(run, LADDER);
+        let chapter = section(run, ABLATION);
         let cells = texts(tables(&chapter)[1], row).join(" | ");
         cells.replace('\u{202f}', ",")
     };
@@ -666,7 +669,7 @@ fn quotations() -> impl Iterator<Item = (&'static str, &'static str)> {
 fn quoted() -> Vec<&'static str> {
     let sources = [
         include_str!("claims.rs"),
-        include_str!("ladder.rs"),
+        include_str!("from_2007.rs"),
         include_str!("memory.rs"),
         include_str!("mod.rs"),
         include_str!("comparisons.rs"),
@@ -1735,7 +1738,7 @@ fn every_wrong_case_is_pictured_with_its_worst_pixel() {
         ["picture", "difference", "worst pixel (503, 451)"]
     );
     assert!(last.notes[0].contains("(wrong): 9 px differ, 3 of them outside the band"));
-    // Negative control: a right rung has no picture beside those of its scene.
+    // Negative control: a right step has no picture beside those of its scene.
     assert_eq!(pictured(Status::Ok).len(), wrong.len() - 1);
 }
 

@@ -15,7 +15,7 @@ use terrafill_core::Ellipsoid;
 use terrafill_native::{Extrusion, NativeVariant};
 use terrafill_plan::{NearRectangle, PlanOptions};
 use terrafill_scene::Overlap;
-use terrafill_stencil::needs_ladder;
+use terrafill_stencil::needs_ablation;
 use terrafill_variant::{BottomCap, ColourWay, CoverArea, DepthRuleChoice, Switches};
 use terrafill_vertex::{Layout, VertexVariant};
 
@@ -425,7 +425,7 @@ fn views_in_turn_show_what_a_backend_of_their_own_shows() {
 }
 
 #[test]
-fn every_rung_from_everything_to_what_is_needed_shows_the_same() {
+fn every_step_from_everything_to_what_is_needed_shows_the_same() {
     let Some(devices) = Devices::open_both() else {
         return;
     };
@@ -434,14 +434,14 @@ fn every_rung_from_everything_to_what_is_needed_shows_the_same() {
     let shared = std::rc::Rc::new(terrafill_contract::Devices::default());
     let targets = terrafill_contract::Targets::new(&shared, SIZE);
     for technique in TECHNIQUES {
-        let rungs = needs_ladder(*technique, california.overlap, true);
-        assert!(rungs.len() >= 9, "{}: {}", technique.name(), rungs.len());
+        let steps = needs_ablation(*technique, california.overlap, true);
+        assert!(steps.len() >= 9, "{}: {}", technique.name(), steps.len());
         for view in &views {
             let (mut first, mut bytes) = (None, Vec::new());
-            for rung in &rungs {
-                let input = FillInput::new(&california, view, SIZE, rung.variant.plan);
+            for step in &steps {
+                let input = FillInput::new(&california, view, SIZE, step.variant.plan);
                 let input = input.expect("a surface");
-                let mut backend = technique.open(&targets, &rung.variant).expect("opens");
+                let mut backend = technique.open(&targets, &step.variant).expect("opens");
                 let frame = draw_with(&mut *backend, &input);
                 let needs = told(&*backend, &input);
                 assert_eq!(
@@ -449,7 +449,7 @@ fn every_rung_from_everything_to_what_is_needed_shows_the_same() {
                     None,
                     "{} {}",
                     technique.name(),
-                    rung.step
+                    step.name
                 );
                 bytes.push(needs.held_bytes());
                 let first = first.get_or_insert_with(|| frame.clone());
@@ -458,7 +458,7 @@ fn every_rung_from_everything_to_what_is_needed_shows_the_same() {
                     0,
                     "{} {}",
                     technique.name(),
-                    rung.step
+                    step.name
                 );
             }
             // Negative control: what is left out on the way was there.

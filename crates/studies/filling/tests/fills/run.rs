@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Whole small runs of the study: broken off and resumed; with ladder, matrix, sweeps and bytes.
+//! Whole small runs of the study: broken off and resumed; with ablation, matrix, sweeps and bytes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -248,27 +248,27 @@ fn wrong_requests_are_refused_when_they_are_planned() {
     let mut wrong = request(&["california"]);
     wrong
         .settings
-        .extend([setting("ladder", "california:sideways")]);
+        .extend([setting("ablation", "california:sideways")]);
     let error = refused(&wrong);
     assert!(
         error.starts_with(
-            "--ladder: found step \"sideways\" of california, allowed: start, one-volume"
+            "--ablation: found step \"sideways\" of california, allowed: start, one-volume"
         ),
         "{error}"
     );
-    // Negative control: from a step that there is on, there are fewer rungs, numbered anew.
-    let rungs = |wanted: &str| {
+    // Negative control: from a step that there is on, there are fewer steps, numbered anew.
+    let steps = |wanted: &str| {
         let mut request = request(&["california"]);
-        request.settings.extend([setting("ladder", wanted)]);
+        request.settings.extend([setting("ablation", wanted)]);
         let plan = planned(&request);
         let cases = plan.run_plan().cases.iter();
         cases
             .filter(|case| !case.id.condition("rung").is_empty())
             .count()
     };
-    let some = rungs("california:colours");
-    assert!(some > 0 && 2 * some < rungs("california"), "{some}");
-    for key in ["ladder", "matrix"] {
+    let some = steps("california:colours");
+    assert!(some > 0 && 2 * some < steps("california"), "{some}");
+    for key in ["ablation", "matrix"] {
         let mut wrong = request(&["california"]);
         wrong.settings.extend([setting(key, "planet-134")]);
         assert_eq!(
@@ -325,17 +325,17 @@ fn roles(case: &Case) -> Vec<&str> {
     case.condition("role").split('+').collect()
 }
 
-fn check_ladders(run: &Run) {
+fn check_ablations(run: &Run) {
     for technique in TECHNIQUES.iter().map(|technique| technique.name()) {
         let of = |case: &&Case| {
             !case.is_repeat()
                 && roles(case).contains(&"ladder")
                 && case.condition("technique") == technique
         };
-        let mut rungs: Vec<&Case> = run.cases.iter().filter(of).collect();
-        rungs.sort_by_key(|case| case.condition("rung").parse::<usize>().expect("a number"));
-        assert!(rungs.len() >= 13, "{technique}: {}", rungs.len());
-        for (case, number) in rungs.into_iter().zip(1..) {
+        let mut steps: Vec<&Case> = run.cases.iter().filter(of).collect();
+        steps.sort_by_key(|case| case.condition("rung").parse::<usize>().expect("a number"));
+        assert!(steps.len() >= 13, "{technique}: {}", steps.len());
+        for (case, number) in steps.into_iter().zip(1..) {
             assert_eq!(
                 case.condition("rung"),
                 number.to_string(),
@@ -415,7 +415,7 @@ fn check_bytes(run: &Run) {
 }
 
 #[test]
-fn ladder_matrix_and_bytes_of_every_technique() {
+fn ablation_matrix_and_bytes_of_every_technique() {
     if !has_device() {
         return;
     }
@@ -423,13 +423,13 @@ fn ladder_matrix_and_bytes_of_every_technique() {
     let mut wanted = small(place.path(), SMALL_SCENE);
     wanted
         .settings
-        .extend([setting("ladder", "small"), setting("matrix", "small")]);
+        .extend([setting("ablation", "small"), setting("matrix", "small")]);
     let out = place.path().join("run");
     let run = measured(&out, &wanted);
     for outcome in [Outcome::Wrong, Outcome::Failed, Outcome::Missing] {
         assert_eq!(run.count(outcome), 0, "{}", outcome.name());
     }
-    check_ladders(&run);
+    check_ablations(&run);
     check_matrix(&run);
     check_bytes(&run);
     // Going on with a whole run draws nothing again.
@@ -538,7 +538,7 @@ fn every_switch_is_a_column_and_tells_cases_apart_without_their_variant() {
     let mut wanted = request(&["california"]);
     wanted.depth = Depth::Full;
     wanted.settings.extend([
-        setting("ladder", "california"),
+        setting("ablation", "california"),
         setting("matrix", "california"),
     ]);
     let plan = planned(&wanted);
@@ -563,7 +563,7 @@ fn every_switch_is_a_column_and_tells_cases_apart_without_their_variant() {
         }
     }
     assert!(checked > 500, "{checked}");
-    // A rung's number and name are no switches.
+    // A step's number and name are no switches.
     let ignored = ["variant", "rung", "step", "needs-rung", "needs-step"];
     assert_eq!(confused(&cases, &ignored), [""; 0]);
     // Negative control: without a switch's column two cases are one.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The sections on layers: the ladder of features, pictures, faults, projections, and triangles against pixels.
+//! The sections on layers: the ablation of features, pictures, faults, projections, and triangles against pixels.
 
 use super::{ALLOWED, FAULTS, PART, is_of, tessellation};
 use crate::clock::{compared_in, draw, whole};
@@ -42,7 +42,7 @@ pub(crate) const SECTIONS: [Section<'static>; 5] = [
                largest channel's difference, 1 being white. A frame makes the mesh, sends it and draws it.",
         cases: Select::Fitting(|case| is_of(case, "ladder")),
         findings: &[bumps_cost_most],
-        more: &[ladder],
+        more: &[ablation],
         ..Section::EMPTY
     },
     Section {
@@ -90,7 +90,7 @@ fn shown(case: &Case) -> String {
     format!("{}, {}", case.condition(key), case.condition(VIEW))
 }
 
-fn ladder(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
+fn ablation(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
     let [whole, draw] = [whole(cases.clock()), draw(cases.clock())];
     let first = cases.first().and_then(|case| measured(case, draw));
     let mut before = first;
@@ -170,7 +170,7 @@ fn bumps_cost_most(cases: &Cases<'_>) -> Finding {
     let most = others.max_by(|a, b| a.2.total_cmp(&b.2));
     let claim = "Gebbie & Bailey: bump mapping costs most of the layers";
     let Some(((_, pair, ms), (other, other_pair, other_ms))) = bumps.zip(most) else {
-        return finding(claim, None, "The ladder was not timed.");
+        return finding(claim, None, "The ablation was not timed.");
     };
     let comparison = compared_in(REMOVED, metric, Scope::DRAW);
     let noise = cases.noise(metric);
@@ -242,7 +242,7 @@ mod tests {
     use terrafill_results::Clock;
     use terrafill_results::made_up::{MadeUpRun, case_id};
 
-    /// The finding on a ladder whose frame lasts 10 ms, with a repeat that lasts 2 % longer. Clouds save 0.1 ms,
+    /// The finding on an ablation whose frame lasts 10 ms, with a repeat that lasts 2 % longer. Clouds save 0.1 ms,
     /// bumps as much and `more`.
     fn found(more: f64, processes: usize) -> Finding {
         let metric = draw(Clock::ProcessCpu);

@@ -97,8 +97,8 @@ fn device_run(cases: &[(&[(&'static str, &'static str)], f64)]) -> MadeUpRun {
 }
 
 #[test]
-fn a_ladder_compares_each_step_with_the_last_that_was_drawn() {
-    let ladder = |two_sided: f64| {
+fn a_ablation_compares_each_step_with_the_last_that_was_drawn() {
+    let ablation = |two_sided: f64| {
         let step = |step, paper| {
             [
                 ("question", "ladder"),
@@ -114,11 +114,11 @@ fn a_ladder_compares_each_step_with_the_last_that_was_drawn() {
             (&step("3 two-sided", "anticipated: faster"), two_sided),
             (&step("4 closed", "not in the paper"), 4.0),
         ]);
-        finding(&run, "Each step of the ladder")
+        finding(&run, "Each step of the ablation")
     };
-    assert_eq!(ladder(2.0), Some(Standing::Holds));
+    assert_eq!(ablation(2.0), Some(Standing::Holds));
     // Negative control: slower than the step before, not than the first.
-    assert_eq!(ladder(5.0), Some(Standing::DoesNotHold));
+    assert_eq!(ablation(5.0), Some(Standing::DoesNotHold));
 }
 
 #[test]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What is faster than what: ways of a device, steps of the ladder, rivals, shadow maps.
+//! What is faster than what: ways of a device, steps of the ablation, rivals, shadow maps.
 
 use super::Own;
 use super::findings::number;
@@ -136,7 +136,7 @@ impl<'a> Own<'a> {
     /// What is said to be faster, in order.
     pub(super) fn times(&self) -> Vec<Option<Finding>> {
         let faster = FASTER.map(|(claim, two)| self.faster(claim, two));
-        let others = [self.bounded(), self.ladder(), self.rivals()];
+        let others = [self.bounded(), self.ablation(), self.rivals()];
         faster.into_iter().chain(others).collect()
     }
 
@@ -187,8 +187,8 @@ impl<'a> Own<'a> {
         (!answers.is_empty()).then(|| finding(claim, &answers, because))
     }
 
-    /// What each step of the ladder gains over the last one that could be drawn.
-    fn ladder(&self) -> Option<Finding> {
+    /// What each step of the ablation gains over the last one that could be drawn.
+    fn ablation(&self) -> Option<Finding> {
         let drawn: Vec<&Case> = self.of_question("ladder").filter(is_ok).collect();
         let is_next = |pair: &[&Case; 2]| {
             let [before, case] = pair;
@@ -218,7 +218,7 @@ impl<'a> Own<'a> {
             self.0.clock().name(),
             text.collect::<Vec<_>>().join("; ")
         );
-        let claim = "Each step of the ladder that was anticipated to be faster is (Yang & Jin, 2006, anticipated).";
+        let claim = "Each step of the ablation that was anticipated to be faster is (Yang & Jin, 2006, anticipated).";
         (!anticipated.is_empty()).then(|| finding(claim.to_owned(), &anticipated, because))
     }
 

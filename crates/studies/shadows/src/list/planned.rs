@@ -100,9 +100,9 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
             let conditions = vec![under(sun), is(API, rival.api()), is(RIVAL, rival.name())];
             ("rivals", conditions, false)
         }
-        Job::Rung(sun, rung) => {
-            let step = is(STEP, format!("{} {}", rung.number, rung.name));
-            let conditions = vec![under(sun), by(rung.way), step, is(PAPER, rung.paper)];
+        Job::StencilStep(sun, step) => {
+            let named = is(STEP, format!("{} {}", step.number, step.name));
+            let conditions = vec![under(sun), by(step.way), named, is(PAPER, step.paper)];
             ("ladder", conditions, false)
         }
         Job::Origin(sun, eyes, way) => {

@@ -3,12 +3,12 @@
 
 use super::answers::{map_figures, percent, seen_figures, verdict_of};
 use super::{Answering, MAX_DIFFERS};
+use crate::ablation::StencilStep;
 use crate::count::Wrong;
 use crate::device_map::{DeviceMap, differing};
 use crate::drawing::DeviceDrawn;
 use crate::images;
 use crate::job::Job;
-use crate::ladder::Rung;
 use crate::maps::Bias;
 use crate::views::Eyes;
 use crate::work::{Pixels, Scene};
@@ -120,7 +120,7 @@ impl Answering<'_> {
                 let make = || Scene::of_place(place, sun, size);
                 (self.scene(place.name(), make)?, Some(way))
             }
-            Job::Rung(sun, rung) => (self.of_end(sun, rung.way.end)?, Some(rung.way)),
+            Job::StencilStep(sun, step) => (self.of_end(sun, step.way.end)?, Some(step.way)),
             Job::Facing(sun, is_edge_on, way) => {
                 let make = || Scene::of_boxes(sun, is_edge_on, size);
                 (
@@ -147,8 +147,8 @@ impl Answering<'_> {
         let mut drawn = draw(scene)?;
         let figures = device_figures(&drawn, scene.pixels(), way.is_some());
         let mut verdict = verdict_of(drawn.wrong, figures);
-        if let Job::Rung(_, rung) = job {
-            let share = scene.writes_of(rung.way)? as f64 / scene.pixels().all as f64;
+        if let Job::StencilStep(_, step) = job {
+            let share = scene.writes_of(step.way)? as f64 / scene.pixels().all as f64;
             verdict.figures.push(("shadow_updates", share));
         }
         if way.is_some_and(|way| way.silhouettes.decides_by_corners()) {
@@ -179,19 +179,23 @@ impl Answering<'_> {
         Ok(verdict)
     }
 
-    /// Time of finding the volumes of a rung, unless they are kept.
-    pub(super) fn volumes_ms(&mut self, sun: [f64; 2], rung: Rung) -> Result<Option<f64>, String> {
-        if rung.is_kept {
+    /// Time of finding the volumes of a step, unless they are kept.
+    pub(super) fn volumes_ms(
+        &mut self,
+        sun: [f64; 2],
+        step: StencilStep,
+    ) -> Result<Option<f64>, String> {
+        if step.is_kept {
             return Ok(None);
         }
         let known = self.edges.take();
-        let scene = self.of_end(sun, rung.way.end)?;
-        let name = format!("{sun:?} {:?}", rung.way.end.feet_m());
+        let scene = self.of_end(sun, step.way.end)?;
+        let name = format!("{sun:?} {:?}", step.way.end.feet_m());
         let table = match known {
             Some((own, table)) if own == name => table,
             _ => EdgeTable::of(scene.mesh()),
         };
-        let cpu_ms = scene.time_volumes(rung.way, &table);
+        let cpu_ms = scene.time_volumes(step.way, &table);
         self.edges = Some((name, table));
         cpu_ms.map(Some)
     }

@@ -219,7 +219,7 @@ fn emulated_depth_bounds_save_what_they_are_for() {
 }
 
 #[test]
-fn rungs_of_the_ladder_have_the_same_mask_and_fewer_writes() {
+fn steps_of_the_ablation_have_the_same_mask_and_fewer_writes() {
     let is_kept = |name: &str| {
         name.contains("10° from -60°/wgpu/")
             && ["/2 ", "/4 ", "/7 ", "/9 "]

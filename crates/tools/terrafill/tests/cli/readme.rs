@@ -40,13 +40,13 @@ fn clone() -> Desk {
 }
 
 /// What a bench of the README is cut to a moment by, unless the line says it itself: a small picture,
-/// one sample, one process, one study, no ladder and no matrix.
+/// one sample, one process, one study, no ablation and no matrix.
 const HASTE: [(&str, &str); 6] = [
     ("--size", "48"),
     ("--samples", "1"),
     ("--processes", "1"),
     ("--study", "filling"),
-    ("--ladder", "none"),
+    ("--ablation", "none"),
     ("--matrix", "none"),
 ];
 

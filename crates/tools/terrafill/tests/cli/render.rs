@@ -581,7 +581,7 @@ fn switches_of_another_backend_are_refused_with_the_backends_own() {
     ];
     desk.run(&[&SCENE[..], &more].concat())
         .refused(&[&["--set: indices: found strip with technique=gs-line"]]);
-    // What has no ladder has no full plan.
+    // What has no ablation has no full plan.
     let more = ["--technique", "flat-mesh", "--set", "full-plan"];
     desk.run(&[&SCENE[..], &more].concat())
         .refused(&[&["--set: found \"full-plan\", allowed: "]]);

@@ -57,7 +57,7 @@ fn add<'a>(
     case.timed("fill_cpu_ms", &PROCESSES.map(|factor| factor * ms))
 }
 
-/// Two views, of which one needs bottom caps; a ladder of the other.
+/// Two views, of which one needs bottom caps; an ablation of the other.
 fn run() -> MadeUpRun {
     let mut run = MadeUpRun {
         environment: RunEnvironment {
@@ -82,16 +82,16 @@ fn run() -> MadeUpRun {
         told(Feature::CountBehind, 0, 0),
         told(Feature::Walls, 100, 0),
     ];
-    let rung = |number, step| {
+    let step = |number, step| {
         [
             ("role", "needs"),
             ("needs-rung", number),
             ("needs-step", step),
         ]
     };
-    let first = rung("1", "everything");
+    let first = step("1", "everything");
     add(&mut run, ("far", "doubled,a=b"), &first, &everything, 8.0);
-    let last = rung("2", "bottom-caps");
+    let last = step("2", "bottom-caps");
     add(&mut run, ("far", "doubled,c=d"), &last, &needed, 2.0);
     let near = [("role", "needs")];
     add(&mut run, ("near", "doubled,c=d"), &near, &everything, 4.0);

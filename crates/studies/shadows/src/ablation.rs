@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One optimisation after the other, each on top of those before, and what each costs.
 //!
-//! Writes of the stencil are counted along the rays of pixels, as a device with this rung would make them.
+//! Writes of the stencil are counted along the rays of pixels, as a device with this step would make them.
 
 use crate::count::Rule;
 use crate::device::Interface;
@@ -14,9 +14,9 @@ use terrafill_casters::{EdgeTable, Side, Volume};
 use terrafill_contract::CpuStopwatch;
 use terrafill_variant::FacePasses;
 
-/// A rung: what it adds, and what the paper says of that.
+/// A step: what it adds, and what the paper says of that.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Rung {
+pub(crate) struct StencilStep {
     pub(crate) number: usize,
     pub(crate) name: &'static str,
     /// Of Yang & Jin (2006).
@@ -30,7 +30,7 @@ const NOT_SAID: &str = "not in the paper";
 const ANTICIPATED: &str = "anticipated: faster";
 
 /// From the bottom.
-pub(crate) fn rungs(interface: Interface) -> Vec<Rung> {
+pub(crate) fn steps(interface: Interface) -> Vec<StencilStep> {
     let mut way = DeviceWay {
         interface,
         silhouettes: Silhouettes::EachTriangle,
@@ -42,10 +42,10 @@ pub(crate) fn rungs(interface: Interface) -> Vec<Rung> {
         counting: Counting::Casters,
         bounds: Bounds::Off,
     };
-    let mut rungs = Vec::new();
+    let mut steps = Vec::new();
     let mut add = |name, paper, way: DeviceWay, is_kept| {
-        rungs.push(Rung {
-            number: rungs.len() + 1,
+        steps.push(StencilStep {
+            number: steps.len() + 1,
             name,
             paper,
             way,
@@ -78,7 +78,7 @@ pub(crate) fn rungs(interface: Interface) -> Vec<Rung> {
     add("volumes kept", NOT_SAID, way, true);
     way.bounds = Bounds::Native;
     add("depth bounds", ANTICIPATED, way, true);
-    rungs
+    steps
 }
 
 impl Scene {
@@ -180,16 +180,16 @@ mod tests {
     use crate::view::DeckCamera;
 
     #[test]
-    fn silhouettes_rules_and_depth_bounds_write_less_and_the_other_rungs_as_much() {
+    fn silhouettes_rules_and_depth_bounds_write_less_and_the_other_steps_as_much() {
         let scene = Scene::new([10.0, -60.0], [64, 48]).expect("a port");
-        let rungs = rungs(Interface::Wgpu);
-        let writes: Vec<u64> = rungs
+        let steps = steps(Interface::Wgpu);
+        let writes: Vec<u64> = steps
             .iter()
-            .map(|rung| scene.writes_of(rung.way).expect("above"))
+            .map(|step| scene.writes_of(step.way).expect("above"))
             .collect();
         let of = |name: &str| {
-            let at = rungs.iter().position(|rung| rung.name == name);
-            writes[at.expect("a rung")]
+            let at = steps.iter().position(|step| step.name == name);
+            writes[at.expect("a step")]
         };
         // Shared edges of lit triangles are sides twice.
         assert!(of("each triangle") > of("silhouette"), "{writes:?}");

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The ladder: what each switch gives on the way from the method of 2007 to the full plan. What the document
+//! The ablation: what each switch gives on the way from the method of 2007 to the full plan. What the document
 //! says of these steps stands in the table of its claims.
 
+use super::ablations::{Ablation, counters};
 use super::data::{DEPTH_PASS, Data};
-use super::rungs::{Ladder, counters};
 use super::table::{STATUS, head};
 use crate::keys::*;
 use terrafill_lab::{Column, StepsSection, gains_table, missing_steps};
@@ -21,9 +21,12 @@ const COLUMNS: [Column; 8] = [
     Column::metric("outside band", MISMATCHED_PX_OUTSIDE_BAND),
 ];
 
-/// Every ladder of the run.
-pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Block>, ChapterError> {
-    if ladders.is_empty() {
+/// Every ablation of the run.
+pub(super) fn blocks(
+    data: &Data<'_>,
+    ablations: &[Ablation<'_>],
+) -> Result<Vec<Block>, ChapterError> {
+    if ablations.is_empty() {
         return Ok(Vec::new());
     }
     let mut blocks = head(
@@ -34,35 +37,35 @@ pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Bloc
              unless its picture is wrong or it stands aside: an experiment that the next step does not \
              start from. A bar's length is the printed gain. {}",
             data.run.clock().name(),
-            data.band_sentence(ladders.first().map(|ladder| ladder.scene)),
+            data.band_sentence(ablations.first().map(|ablation| ablation.scene)),
         ),
     );
-    let named = ladders.iter();
-    let named = named.map(|ladder| (ladder.title.as_str(), ladder.rungs.as_slice()));
+    let named = ablations.iter();
+    let named = named.map(|ablation| (ablation.title.as_str(), ablation.steps.as_slice()));
     let gains = gains_table(data.timings, "scene, view: technique", named);
     blocks.push(Block::Table(gains));
-    for ladder in ladders {
-        blocks.extend(ladder_blocks(data, ladder)?);
+    for ablation in ablations {
+        blocks.extend(ablation_blocks(data, ablation)?);
     }
     Ok(blocks)
 }
 
-fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, ChapterError> {
-    let mut blocks = vec![Block::part(&ladder.title)];
-    let missing = missing_steps(&ladder.rungs);
+fn ablation_blocks(data: &Data<'_>, ablation: &Ablation<'_>) -> Result<Vec<Block>, ChapterError> {
+    let mut blocks = vec![Block::part(&ablation.title)];
+    let missing = missing_steps(&ablation.steps);
     if !missing.is_empty() {
         blocks.push(Block::Alarm(format!(
-            "Rungs without a result: {}.",
+            "Steps without a result: {}.",
             missing.join("; ")
         )));
     }
     let section = StepsSection {
-        title: &format!("{}: time over depth-pass, step by step", ladder.title),
+        title: &format!("{}: time over depth-pass, step by step", ablation.title),
         baseline: DEPTH_PASS,
         columns: &COLUMNS,
         is_main: false,
     };
     let changed = |before: &Case, after: &Case| Cell::name(counters(before, after));
-    blocks.extend(ladder.blocks(data, section, changed)?);
+    blocks.extend(ablation.blocks(data, section, changed)?);
     Ok(blocks)
 }

@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Ladders as they were measured: ablations of one technique on one view.
+//! Ablations as they were measured: ablations of one technique on one view.
 
 use super::data::{Data, grouped, name};
 use crate::keys::*;
 use terrafill_lab::{AblationStep, ShownStep, StepKeys, StepsSection, ablation, changed_work};
 use terrafill_results::{Block, Case, Cell, ChapterError};
 
-/// A ladder on one view.
-pub(super) struct Ladder<'a> {
+/// An ablation on one view.
+pub(super) struct Ablation<'a> {
     pub(super) title: String,
     pub(super) scene: &'a str,
     pub(super) view: &'a str,
     pub(super) technique: &'a str,
-    pub(super) rungs: Vec<AblationStep<'a>>,
+    pub(super) steps: Vec<AblationStep<'a>>,
 }
 
-impl<'a> Ladder<'a> {
-    /// The rung of a step.
-    pub(super) fn step(&self, step: &str) -> Option<&AblationStep<'a>> {
-        self.rungs.iter().find(|rung| rung.name == step)
+impl<'a> Ablation<'a> {
+    /// The step of that name.
+    pub(super) fn step(&self, name: &str) -> Option<&AblationStep<'a>> {
+        self.steps.iter().find(|step| step.name == name)
     }
 
-    /// Its rungs over the depth-pass, as a plot and a table.
+    /// Its steps over the depth-pass, as a plot and a table.
     ///
-    /// - `changed`: what a rung changed of the work
+    /// - `changed`: what a step changed of the work
     pub(super) fn blocks(
         &self,
         data: &Data<'_>,
@@ -35,18 +35,18 @@ impl<'a> Ladder<'a> {
             over_baseline: data.spread_over_depth_pass(case),
             command: data.command(case),
         };
-        section.blocks(&data.study, data.timings, &self.rungs, show, changed)
+        section.blocks(&data.study, data.timings, &self.steps, show, changed)
     }
 }
 
-/// Rungs of the way from the method of 2007 to the full plan.
+/// Steps of the way from the method of 2007 to the full plan.
 pub(super) const FULL_PLAN: StepKeys = StepKeys {
     number: RUNG,
     name: STEP,
     aside: Some(ASIDE),
     change: "change",
 };
-/// Rungs of the way from everything that a fill can hold to what its view needs.
+/// Steps of the way from everything that a fill can hold to what its view needs.
 pub(super) const NEEDS: StepKeys = StepKeys {
     number: NEEDS_RUNG,
     name: NEEDS_STEP,
@@ -54,20 +54,20 @@ pub(super) const NEEDS: StepKeys = StepKeys {
     change: "needs_change",
 };
 
-/// Every ladder of the run.
-pub(super) fn ladders<'a>(data: &Data<'a>, keys: StepKeys) -> Vec<Ladder<'a>> {
+/// Every ablation of the run.
+pub(super) fn measured<'a>(data: &Data<'a>, keys: StepKeys) -> Vec<Ablation<'a>> {
     let cases = data.cases.iter().copied();
-    let of_ladders = cases.filter(|case| !case.condition(keys.number).is_empty());
+    let of_ablations = cases.filter(|case| !case.condition(keys.number).is_empty());
     let key = |case: &&'a Case| [SCENE, VIEW, TECHNIQUE].map(|key| case.condition(key));
-    let ladders = grouped(of_ladders, key).into_iter();
-    let ladders = ladders.map(|([scene, view, technique], cases)| Ladder {
+    let ablations = grouped(of_ablations, key).into_iter();
+    let ablations = ablations.map(|([scene, view, technique], cases)| Ablation {
         title: format!("{scene}, {view}: {technique}"),
         scene,
         view,
         technique,
-        rungs: ablation(data.timings, keys, cases),
+        steps: ablation(data.timings, keys, cases),
     });
-    ladders.collect()
+    ablations.collect()
 }
 
 /// What a step changes of the work that is done, in a sentence: why its gain may be what it is.

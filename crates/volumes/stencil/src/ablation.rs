@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Ladders: from the un-optimised method to the full plan, one switch at a time.
+//! Ablations: from the un-optimised method to the full plan, one switch at a time.
 //!
 //! Order and means are those of Cozzi (2007, 4.5): one volume for each region, frustum culling, back
 //! faces culled in the colouring pass, buffers kept on the device, wall strips, vertex order, vertex size,
 //! no bottom cap in the colouring pass; then what the document left for later, counting in front of the
 //! surface and the order of triangles; then this project's own steps. What it tried and did not keep, what
 //! it tried to learn something, and what only lies beside the way stands *aside*: measured against the
-//! rung before it, which is the one that the next rung is measured against as well.
+//! step before it, which is the one that the next step is measured against as well.
 //!
-//! All rungs before the last two fill every region in one colour, as the document's did. A technique puts
-//! its own rungs between those that all techniques share.
+//! All steps before the last two fill every region in one colour, as the document's did. A technique puts
+//! its own steps between those that all techniques share.
 
-use terrafill_contract::Rung;
+use terrafill_contract::PlannedStep;
 use terrafill_plan::{PartCulling, PlanOptions, WallHeights};
 use terrafill_scene::Overlap;
 use terrafill_variant::{
@@ -22,15 +22,15 @@ use terrafill_variant::{
 /// within the band in which rounding decides as well.
 pub const LOD_PX: f64 = 0.5;
 
-/// A ladder being climbed.
+/// An ablation in the making.
 #[derive(Debug)]
-pub struct Climb {
-    rungs: Vec<Rung>,
+pub struct AblationBuilder {
+    steps: Vec<PlannedStep>,
     variant: Variant,
 }
 
-impl Climb {
-    /// The first rung: `variant` with every optimisation of fill and plan switched off.
+impl AblationBuilder {
+    /// The first step: `variant` with every optimisation of fill and plan switched off.
     #[must_use]
     pub fn start(mut variant: Variant, change: &'static str) -> Self {
         variant.plan = PlanOptions {
@@ -45,8 +45,8 @@ impl Climb {
             ..Switches::default()
         };
         Self {
-            rungs: vec![Rung {
-                step: "start",
+            steps: vec![PlannedStep {
+                name: "start",
                 change,
                 variant: variant.clone(),
                 is_aside: false,
@@ -55,18 +55,18 @@ impl Climb {
         }
     }
 
-    /// An experiment beside the way: the next rung does not keep it.
+    /// An experiment beside the way: the next step does not keep it.
     #[must_use]
     pub fn aside(
         mut self,
-        step: &'static str,
+        name: &'static str,
         change: &'static str,
         set: impl FnOnce(&mut Variant),
     ) -> Self {
         let mut variant = self.variant.clone();
         set(&mut variant);
-        self.rungs.push(Rung {
-            step,
+        self.steps.push(PlannedStep {
+            name,
             change,
             variant,
             is_aside: true,
@@ -78,25 +78,25 @@ impl Climb {
     #[must_use]
     pub fn own_aside(
         self,
-        step: &'static str,
+        name: &'static str,
         change: &'static str,
         values: &[(&'static str, &'static str)],
     ) -> Self {
-        self.aside(step, change, |variant| *variant = set_all(variant, values))
+        self.aside(name, change, |variant| *variant = set_all(variant, values))
     }
 
-    /// One rung up.
+    /// One step further.
     #[must_use]
     pub fn step(
         mut self,
-        step: &'static str,
+        name: &'static str,
         change: &'static str,
         set: impl FnOnce(&mut Variant),
     ) -> Self {
         set(&mut self.variant);
         let variant = self.variant.clone();
-        self.rungs.push(Rung {
-            step,
+        self.steps.push(PlannedStep {
+            name,
             change,
             variant,
             is_aside: false,
@@ -104,29 +104,29 @@ impl Climb {
         self
     }
 
-    /// One rung up by parameters of the technique's own, `(key, value)`.
+    /// One step further by parameters of the technique's own, `(key, value)`.
     #[must_use]
     pub fn own(
         self,
-        step: &'static str,
+        name: &'static str,
         change: &'static str,
         values: &[(&'static str, &'static str)],
     ) -> Self {
-        self.step(step, change, |variant| *variant = set_all(variant, values))
+        self.step(name, change, |variant| *variant = set_all(variant, values))
     }
 
-    /// One rung up by a switch of the fill.
+    /// One step further by a switch of the fill.
     #[must_use]
     pub fn switch(
         self,
-        step: &'static str,
+        name: &'static str,
         change: &'static str,
         set: impl FnOnce(&mut Switches),
     ) -> Self {
-        self.step(step, change, |variant| set(&mut variant.switches))
+        self.step(name, change, |variant| set(&mut variant.switches))
     }
 
-    /// The two rungs that follow the first volumes of whole regions.
+    /// The two steps that follow the first volumes of whole regions.
     #[must_use]
     pub fn culling(self) -> Self {
         self.step(
@@ -317,10 +317,10 @@ impl Climb {
         )
     }
 
-    /// All rungs, the first one first.
+    /// All steps, the first one first.
     #[must_use]
-    pub fn rungs(self) -> Vec<Rung> {
-        self.rungs
+    pub fn steps(self) -> Vec<PlannedStep> {
+        self.steps
     }
 }
 

@@ -1,36 +1,40 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! From everything that a fill can hold to what the view at hand needs, one thing left out at a time.
 //!
-//! Every rung shows the same picture. What comes last decides by itself what each view needs.
+//! Every step shows the same picture. What comes last decides by itself what each view needs.
 
-use terrafill_contract::{Rung, Technique};
+use terrafill_contract::{PlannedStep, Technique};
 use terrafill_plan::PlanOptions;
 use terrafill_scene::Overlap;
 use terrafill_variant::{BottomCap, ColourWay, CoverArea, DepthRuleChoice, Switches, Variant};
 
-/// The rungs that `technique` can draw on scenes of this kind; none for a technique without these switches.
+/// The steps that `technique` can draw on scenes of this kind; none for a technique without these switches.
 ///
 /// - `has_picture`: the scene has one, so that a plain fill can hold what a textured one needs
 #[must_use]
-pub fn needs_ladder(technique: &dyn Technique, overlap: Overlap, has_picture: bool) -> Vec<Rung> {
+pub fn needs_ablation(
+    technique: &dyn Technique,
+    overlap: Overlap,
+    has_picture: bool,
+) -> Vec<PlannedStep> {
     if !technique.has_stencil_switches() {
         return Vec::new();
     }
-    let mut rungs: Vec<Rung> = Vec::new();
+    let mut steps: Vec<PlannedStep> = Vec::new();
     let mut variant = everything(technique.main(overlap), has_picture);
-    for (step, change, leave_out) in STEPS {
+    for (name, change, leave_out) in STEPS {
         leave_out(&mut variant, overlap);
-        let is_new = rungs.iter().all(|rung| rung.variant != variant);
+        let is_new = steps.iter().all(|step| step.variant != variant);
         if is_new && technique.check(&variant, overlap).is_ok() {
-            rungs.push(Rung {
-                step,
+            steps.push(PlannedStep {
+                name,
                 change,
                 variant: variant.clone(),
                 is_aside: false,
             });
         }
     }
-    rungs
+    steps
 }
 
 /// All that a switch can turn on and that changes no pixel.
