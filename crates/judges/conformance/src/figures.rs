@@ -13,8 +13,8 @@ pub struct ErrorFigures {
     /// Symmetric boundary Hausdorff distance, pixels; `None` when either picture lacks a boundary.
     pub hausdorff_px: Option<f64>,
     /// The farthest that a mismatched pixel's centre is from where the reference shows the id that the
-    /// frame shows there, pixels. `None` unless boundaries are moved on purpose or farther apart than rounding
-    /// takes most of them, and where too many pixels mismatch to be searched for.
+    /// frame shows there, pixels. `None` unless boundaries are moved on purpose or their Hausdorff distance is
+    /// beyond its limit, and where too many pixels mismatch to be searched for.
     pub boundary_moved_px: Option<f64>,
     /// Mismatched pixels that show an id which the reference shows nowhere near them; `None` as above.
     pub foreign_px: Option<u64>,

@@ -57,8 +57,7 @@ pub fn verdict_of_moved(figures: &ErrorFigures, moved_px: f64) -> Verdict {
         reasons.extend(objection_to_movement(figures, allowed_moved_px(moved_px)));
         reasons.extend(objection_to_foreign(figures));
     } else if let Some(objection) = objection_to_distance(figures) {
-        let is_by_rounding = figures.boundary_moved_px.is_some()
-            && objection_to_movement(figures, MAX_ROUNDED_PX).is_none()
+        let is_by_rounding = objection_to_movement(figures, MAX_ROUNDED_PX).is_none()
             && objection_to_foreign(figures).is_none();
         reasons.extend((!is_by_rounding).then_some(objection));
     }

@@ -218,8 +218,8 @@ pub(crate) const METRICS: [Metric; 74] = [
     ).or("one of the two pictures has no boundary, or they were not compared"),
     Metric::error_px(
 "boundary_moved_px",
-        "How far boundaries moved that levels of detail simplify on purpose: the farthest that the centre of a mismatched pixel is from a place where the reference shows the id of the frame, pixels, found in steps of 1/16. Of approximate fills: to the centre of such a pixel, and empty beyond 64 pixels.",
-    ).or("only levels of detail move boundaries on purpose; or too many pixels mismatch to compare"),
+        "How far boundaries moved that levels of detail simplify on purpose: the farthest that the centre of a mismatched pixel is from a place where the reference shows the id of the frame, pixels, found in steps of 1/16. Of other boundaries it is measured where their Hausdorff distance is beyond a pixel, in steps of 1/256. Of approximate fills: to the centre of such a pixel, and empty beyond 64 pixels.",
+    ).or("nothing moves boundaries on purpose, and they lie within a pixel of the reference's; or too many pixels mismatch to compare"),
     Metric::error_px(
 "moved_px_true",
         "How far the surface's triangles move a boundary: the farthest that a place seen on one lies from where the surface at its full resolution has the same place. What hides what is left aside. The same for every technique of a view. Empty where the surface cannot say, and of rivals that draw a surface of their own.",

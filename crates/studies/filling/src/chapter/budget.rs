@@ -5,7 +5,7 @@
 use super::data::{Data, ViewCases, label};
 use crate::keys::*;
 use crate::purpose::{is_approximate, is_point};
-use terrafill_conformance::{BAND_RADIUS_PX, MAX_PICTURE_SEARCH_PX};
+use terrafill_conformance::{BAND_RADIUS_PX, MAX_PICTURE_SEARCH_PX, MAX_ROUNDED_PX};
 use terrafill_lab::{Contender, cheapest_within, in_every_group};
 use terrafill_results::{Block, Budget, Case, Metric, Outcome};
 
@@ -45,7 +45,8 @@ fn contenders<'a>(views: &[&ViewCases<'a>]) -> Vec<Contender<'a>> {
 fn error_px(case: &Case) -> Option<f64> {
     let moved = case.value(BOUNDARY_MOVED_PX);
     if !is_approximate(case) {
-        return Some(moved.unwrap_or(0.0));
+        let simplified = moved.filter(|px| *px > MAX_ROUNDED_PX);
+        return Some(simplified.unwrap_or(0.0));
     }
     // Both ways: what the picture has too much of, and what it lacks.
     let lacks = case.value(HAUSDORFF_PX).unwrap_or(0.0);

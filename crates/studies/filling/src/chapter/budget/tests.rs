@@ -56,7 +56,10 @@ fn made() -> MadeUpRun {
     fill(&mut run, "vertex/levels", [4.0, 1e6], |case| {
         case.figure("boundary_moved_px", 0.5);
     });
-    fill(&mut run, "vertex/exact", [8.0, 2e6], |_| ());
+    // Of teeth thinner than a pixel rounding was measured: it moves nothing on purpose.
+    fill(&mut run, "vertex/exact", [8.0, 2e6], |case| {
+        case.figure("boundary_moved_px", 1.0 / 64.0);
+    });
     fill(&mut run, "vertex/wrong", [0.1, 10.0], |case| {
         case.ended(Status::Wrong, "9 pixels outside the band");
     });
