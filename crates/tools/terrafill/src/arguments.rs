@@ -562,6 +562,24 @@ mod tests {
     }
 
     #[test]
+    fn an_ablation_has_its_old_name_too_and_no_other() {
+        let scenes = |option: &str| {
+            let line = ["terrafill", "bench", option, "california:colours"];
+            match Arguments::try_parse_from(line) {
+                Ok(Arguments {
+                    verb: Verb::Bench(arguments),
+                    ..
+                }) => Some(arguments.ablation),
+                _ => None,
+            }
+        };
+        let expected = Some(vec!["california:colours".to_owned()]);
+        assert_eq!(scenes("--ablation"), expected);
+        assert_eq!(scenes("--ladder"), expected);
+        assert_eq!(scenes("--rungs"), None);
+    }
+
+    #[test]
     fn sizes_are_read_and_refused() {
         assert_eq!(parse_size("1024"), Ok((1024, 1024)));
         assert_eq!(parse_size("1920x1080"), Ok((1920, 1080)));
