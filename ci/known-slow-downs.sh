@@ -8,31 +8,14 @@
 # hour of a machine that does nothing else.
 #
 # usage: ci/known-slow-downs.sh OUT [GATES]
+#        ci/known-slow-downs.sh --check     whether the loops still find their places, in a second
 #   GATES: v, f or c, work in the vertex shader, in the fragment shader or on the CPU, with a number of rounds
 #   [default: v42 v70 v100 f2 f4 f6 c60000 c100000 c150000]
 set -euo pipefail
 
-[ $# -ge 1 ] && [ ! -e "$1" ] || {
-    echo "usage: $0 OUT [GATES], OUT a folder that is not there yet" >&2
-    exit 2
-}
-mkdir -p "$1"
-out=$(realpath "$1")
-shift
-gates=("$@")
-[ ${#gates[@]} -gt 0 ] || gates=(v42 v70 v100 f2 f4 f6 c60000 c100000 c150000)
-cd "$(dirname "$0")/.."
-target=$(realpath "${CARGO_TARGET_DIR:-target}")
-
-cargo build --release --locked --package terrafill
-gate=$out/gate-program
-cp "$target/release/terrafill" "$gate"
-
-# The program with the loops: a tree of its own, whose libraries are copies.
-tree=$out/tree
-git worktree add --detach --force "$tree" HEAD >/dev/null
-trap 'git worktree remove --force "$tree"' EXIT
-python3 - "$tree" <<'PYTHON'
+# Puts the loops into a tree of sources.
+add_loops() {
+    python3 - "$1" <<'PYTHON'
 import pathlib, sys
 tree = pathlib.Path(sys.argv[1])
 def edit(path, before, after):
@@ -53,12 +36,12 @@ edit("shaders/instanced/fill.wgsl",
 edit("shaders/vertex/cover.wgsl", "    return in.colour;\n",
      loop.format(start="in.colour.x", mark="1000002", zero="bitcast<u32>(in.clip.x)")
      + "    return in.colour + vec4<f32>(select(0.0, 1.0, waste > 1e30));\n")
-edit("crates/devices/gpu/src/fill.rs", "        let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;\n        let StencilWork",
+edit("crates/devices/gpu/src/fill.rs", "        let mut counters = Counters::default();\n",
      """        for round in 0..hidden_rounds() {
             std::hint::black_box(round.wrapping_mul(6_364_136_223_846_793_005));
         }
-        let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
-        let StencilWork""")
+        let mut counters = Counters::default();
+""")
 with (tree / "crates/devices/gpu/src/fill.rs").open("a") as file:
     file.write("""
 #[used]
@@ -70,6 +53,40 @@ fn hidden_rounds() -> u64 {
 }
 """)
 PYTHON
+}
+
+repository=$(realpath "$(dirname "$0")/..")
+if [ "${1:-}" = --check ]; then
+    tree=$(mktemp -d)
+    trap 'rm -rf "$tree"' EXIT
+    cd "$repository"
+    cp --parents shaders/instanced/fill.wgsl shaders/vertex/cover.wgsl crates/devices/gpu/src/fill.rs "$tree"
+    add_loops "$tree"
+    echo "the loops find their places"
+    exit
+fi
+
+[ $# -ge 1 ] && [ ! -e "$1" ] || {
+    echo "usage: $0 OUT [GATES], OUT a folder that is not there yet" >&2
+    exit 2
+}
+mkdir -p "$1"
+out=$(realpath "$1")
+shift
+gates=("$@")
+[ ${#gates[@]} -gt 0 ] || gates=(v42 v70 v100 f2 f4 f6 c60000 c100000 c150000)
+cd "$repository"
+target=$(realpath "${CARGO_TARGET_DIR:-target}")
+
+cargo build --release --locked --package terrafill
+gate=$out/gate-program
+cp "$target/release/terrafill" "$gate"
+
+# The program with the loops: a tree of its own, whose libraries are copies.
+tree=$out/tree
+git worktree add --detach --force "$tree" HEAD >/dev/null
+trap 'git worktree remove --force "$tree"' EXIT
+add_loops "$tree"
 mkdir -p "$out/target/release"
 cp -a "$target"/release/{deps,build,.fingerprint} "$out/target/release/"
 (cd "$tree" && CARGO_TARGET_DIR=$out/target cargo build --release --locked --package terrafill)

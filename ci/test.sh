@@ -72,6 +72,11 @@ for script in "${scripts[@]}"; do
     }
 done
 echo "${#scripts[@]} scripts parse"
+if command -v python3 >/dev/null; then
+    ci/known-slow-downs.sh --check
+else
+    echo "known-slow-downs.sh: python3 is not installed, not checked"
+fi
 
 section "text"
 # None of these is needed to build; where one is missing, the line says so.
