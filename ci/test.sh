@@ -99,12 +99,13 @@ cargo fmt --all --check
 section "lints"
 cargo clippy --workspace --all-targets --locked -- -D warnings
 
-section "dependencies, cycles, data, keys, shaders"
+section "dependencies, cycles, data, keys, lines, shaders"
 cargo xtask check-deps
 cargo xtask check-cycles
 cargo xtask check-data-tests
 cargo xtask check-docs
 cargo xtask check-keys
+cargo xtask check-lines
 cargo xtask check-shaders
 
 section "tests"

@@ -2,13 +2,16 @@
 //! How much source each package ships: lines outside tests, benches and examples.
 
 use crate::source::{crates, fill_tests, without_comments};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
 /// Stands for every character of a test.
 const IN_TEST: char = '\u{1}';
+
+/// Lines of a file at most, tests that stand in it counted.
+const MAX_LINES: usize = 700;
 
 /// Lines of source outside tests.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -52,6 +55,31 @@ pub(crate) fn count(root: &Path) -> Result<String> {
         );
     }
     Ok(text)
+}
+
+/// No file outside tests is longer than [`MAX_LINES`].
+pub(crate) fn check(root: &Path) -> Result<String> {
+    let (mut files, mut longest, mut too_long) = (0, 0, Vec::new());
+    for one in crates(root)? {
+        for file in &one.files {
+            let lines = file.text.lines().count();
+            files += 1;
+            longest = longest.max(lines);
+            if lines > MAX_LINES {
+                let module = file.module.join("::");
+                too_long.push(format!("{}, module {module:?}: {lines} lines", one.name));
+            }
+        }
+    }
+    if !too_long.is_empty() {
+        bail!(
+            "{}\nallowed: {MAX_LINES} lines; tests may stand in a file of their own",
+            too_long.join("\n")
+        );
+    }
+    Ok(format!(
+        "{files} files outside tests, the longest has {longest} lines of at most {MAX_LINES}"
+    ))
 }
 
 fn lines_of(text: &str) -> Lines {
@@ -111,5 +139,25 @@ mod tests {
             .collect();
         assert_eq!(rows[1], ["12", "4", "2", "crates/layer/one"], "{table}");
         assert_eq!(rows[2], ["12", "4", "2", "total"], "{table}");
+    }
+
+    #[test]
+    fn a_file_may_have_so_many_lines_and_no_more() {
+        let root = tempfile::tempdir().expect("a folder");
+        let package = root.path().join("xtask");
+        std::fs::create_dir_all(package.join("src")).expect("a folder");
+        std::fs::create_dir_all(root.path().join("crates")).expect("a folder");
+        std::fs::write(package.join("Cargo.toml"), "").expect("written");
+        let with = |lines: usize| {
+            std::fs::write(package.join("src/lib.rs"), "\n".repeat(lines)).expect("written");
+            check(root.path())
+        };
+        let said = with(MAX_LINES).expect("short enough");
+        assert!(said.starts_with("1 files outside tests"), "{said}");
+        let refused = with(MAX_LINES + 1).expect_err("too long").to_string();
+        assert!(
+            refused.contains("xtask/src/lib.rs, module \"\": 701 lines"),
+            "{refused}"
+        );
     }
 }

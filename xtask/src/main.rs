@@ -30,6 +30,7 @@ usage: cargo xtask COMMAND
   check-data-tests             tests that read data say so, and none passes because data is missing
   check-docs                   links of pages lead somewhere, and the code that guides quote is the code
   check-keys                   studies read conditions and metrics by constants, not by names in quotes
+  check-lines                  no file outside tests has more lines than a newcomer reads at a sitting
   check-shaders                shaders on disk, embedded and documented are the same, and valid
   compile-shaders              write the SPIR-V of the geometry shaders anew
   check-validation-log FILE    the Vulkan layer was at work and reported nothing unexpected
@@ -51,6 +52,7 @@ fn main() -> ExitCode {
         ["check-data-tests"] => data_tests::check(&root()),
         ["check-docs"] => docs::check(&root()),
         ["check-keys"] => keys::check(&root()),
+        ["check-lines"] => lines::check(&root()),
         ["check-shaders"] => shaders::check(&root().join("shaders")),
         ["compile-shaders"] => geometry::compile(&root().join("shaders")),
         ["check-validation-log", file] => validation_log::check(Path::new(file)),

@@ -12,6 +12,7 @@
 
 mod files_read;
 mod picture;
+mod plan;
 mod run;
 mod schedule;
 mod session;
@@ -23,10 +24,8 @@ mod turns;
 
 pub use files_read::files_read;
 pub use picture::{file_stem, write_rgb};
-pub use run::{
-    FramesPerSample, Plan, Progress, RunOptions, RunOutcome, Silent, plan, plan_shared, run,
-    run_by_turns,
-};
+pub use plan::{FramesPerSample, Plan, RunOptions, plan, plan_shared};
+pub use run::{Progress, RunOutcome, Silent, run, run_by_turns};
 pub use session::{
     CaseGroup, CaseSession, Failure, Figures, Measures, OpenSession, judged, planned_case, verified,
 };
