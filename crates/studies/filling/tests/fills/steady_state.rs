@@ -284,9 +284,16 @@ fn every_fragment_of_the_stencil_work_is_counted() {
 fn nothing_is_made_past_the_counters() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut checked = 0;
-    for folder in ["devices/gpu/src", "techniques/vertex/src"] {
-        for entry in std::fs::read_dir(root.join(folder)).expect("readable") {
+    let mut folders = ["devices/gpu/src", "techniques/vertex/src"]
+        .map(|folder| root.join(folder))
+        .to_vec();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("readable") {
             let path = entry.expect("readable").path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
             let text = std::fs::read_to_string(&path).expect("readable");
             let name = path
                 .file_name()

@@ -790,7 +790,7 @@ fn the_side_of_a_pole_ring_and_the_way_of_long_edges_can_be_chosen() {
         let ran = desk.run(&[&arguments[..], &["--inside", inside]].concat());
         assert_eq!(ran.stdout, format!("lon,lat,regions\n{expected}"));
         assert!(
-            ran.stderr.contains("feature 0, polygon 0, ring 0"),
+            ran.stderr.contains("feature 0: polygon 0, ring 0"),
             "{}",
             ran.stderr
         );
