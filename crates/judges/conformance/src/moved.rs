@@ -80,9 +80,8 @@ pub fn boundary_movement(
 /// How far boundaries are off that nobody moved, pixels: as [`boundary_movement`], in steps of
 /// [`RASTERISER_PX`] up to [`MAX_ROUNDED_PX`].
 ///
-/// Features thinner than a pixel leave boundary pixels far apart, and one centre that rounds to the other side
-/// is then more than a pixel from the next boundary pixel of the other picture. It still is within rounding of
-/// what it shows.
+/// Features thinner than a pixel leave boundary pixels far apart. A centre that rounds to the other side is then more
+/// than a pixel from the next boundary pixel of the other picture, and still within rounding of what it shows.
 ///
 /// # Errors
 /// As [`boundary_movement`].
@@ -216,8 +215,8 @@ impl Rings {
                 return Some(radius_px);
             }
             ring += 1;
-            // Half a step apart: a straight boundary that a ring has passed by a thousandth of a pixel is
-            // then met by one of its places, from a quarter of a pixel on (step² / 32 d).
+            // Half a step apart. A straight boundary that a ring has passed by step² / 32 d is then met by one of
+            // its places: by a thousandth of a pixel at steps of 1/16, from a quarter of a pixel on.
             places = 13 * ring;
         }
     }

@@ -33,12 +33,7 @@ impl AblationBuilder {
     /// The first step: `variant` with every optimisation of fill and plan switched off.
     #[must_use]
     pub fn start(mut variant: Variant, change: &'static str) -> Self {
-        variant.plan = PlanOptions {
-            frustum_culling: false,
-            horizon_culling: false,
-            too_small_culling: false,
-            ..PlanOptions::default()
-        };
+        variant.plan = without_culling();
         variant.switches = Switches {
             colour: ColourWay::OneColourVolumes,
             faces: FacePasses::TwoPass,
@@ -55,7 +50,7 @@ impl AblationBuilder {
         }
     }
 
-    /// An experiment beside the way: the next step does not keep it.
+    /// A side step: the next one does not keep it.
     #[must_use]
     pub fn aside(
         mut self,
@@ -321,6 +316,16 @@ impl AblationBuilder {
     #[must_use]
     pub fn steps(self) -> Vec<PlannedStep> {
         self.steps
+    }
+}
+
+/// A plan that draws every region.
+pub(crate) fn without_culling() -> PlanOptions {
+    PlanOptions {
+        frustum_culling: false,
+        horizon_culling: false,
+        too_small_culling: false,
+        ..PlanOptions::default()
     }
 }
 

@@ -3,8 +3,8 @@
 //!
 //! Every step shows the same picture. What comes last decides by itself what each view needs.
 
+use crate::ablation::without_culling;
 use terrafill_contract::{PlannedStep, Technique};
-use terrafill_plan::PlanOptions;
 use terrafill_scene::Overlap;
 use terrafill_variant::{BottomCap, ColourWay, CoverArea, DepthRuleChoice, Switches, Variant};
 
@@ -39,12 +39,7 @@ pub fn needs_ablation(
 
 /// All that a switch can turn on and that changes no pixel.
 fn everything(mut variant: Variant, has_picture: bool) -> Variant {
-    variant.plan = PlanOptions {
-        frustum_culling: false,
-        horizon_culling: false,
-        too_small_culling: false,
-        ..PlanOptions::default()
-    };
+    variant.plan = without_culling();
     variant.switches = Switches {
         colour: ColourWay::Rectangle,
         cover_area: CoverArea::Screen,
