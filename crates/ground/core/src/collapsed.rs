@@ -68,32 +68,33 @@ fn is_collapsed(rule: EdgeRule, ring: &Ring) -> bool {
     }
     let vertices = ring.vertices_deg();
     let count = vertices.len();
-    let is_tip = |i: usize| vertices[i] == vertices[(i + 2) % count];
-    if (0..count).any(is_tip) {
-        let left = without_tips(vertices);
+    let at = |i: usize| vertices[i % count].map(without_underflow);
+    let is_repeat_or_tip = |i: usize| at(i) == at(i + 1) || at(i) == at(i + 2);
+    if (0..count).any(is_repeat_or_tip) {
+        let left = without_tips((0..count).map(at));
         left.len() < 3 || is_on_one_line(rule, &left)
     } else {
         is_on_one_line(rule, vertices)
     }
 }
 
-/// What is left of a ring when every edge that leads straight back along the one before goes with it.
-fn without_tips(vertices: &[Degrees]) -> Vec<Degrees> {
-    let mut left: Vec<Degrees> = Vec::with_capacity(vertices.len());
+/// What is left of a ring when repeats go, and every edge that leads straight back along the one before.
+fn without_tips(vertices: impl Iterator<Item = Degrees>) -> Vec<Degrees> {
+    let mut left: Vec<Degrees> = Vec::new();
     for vertex in vertices {
-        if left.len() > 1 && left[left.len() - 2] == *vertex {
+        if left.len() > 1 && left[left.len() - 2] == vertex {
             left.pop();
-        } else if left.last() != Some(vertex) {
-            left.push(*vertex);
+        } else if left.last() != Some(&vertex) {
+            left.push(vertex);
         }
     }
     // The end goes on at the start.
     let mut start = 0;
     while left.len() - start > 2 {
         let (first, last) = (left[start], left[left.len() - 1]);
-        if first == last || left[start + 1] == last {
+        if first == last || left[left.len() - 2] == first {
             left.pop();
-        } else if left[left.len() - 2] == first {
+        } else if left[start + 1] == last {
             start += 1;
         } else {
             break;
@@ -143,13 +144,27 @@ mod tests {
             }
             branched.rotate_left(1);
         }
+        // Two branches from one place, the second where the ring closes.
+        let mut forked = [[0.0, 0.0], [4.0, -5.0], [0.0, 0.0], [-8.0, -8.0]];
+        for _ in 0..forked.len() {
+            assert!(
+                BOTH.iter().all(|rule| is_dropped(*rule, &forked)),
+                "{forked:?}"
+            );
+            forked.rotate_left(1);
+        }
         let meridian = [[2.0, 2.0], [2.0, 4.0], [2.0, 6.0]];
         assert!(BOTH.iter().all(|rule| is_dropped(*rule, &meridian)));
         // On a line of the plane, which is none of great ellipses.
         let parallel = [[2.0, 2.0], [4.0, 2.0], [6.0, 2.0]];
         assert!(is_dropped(EdgeRule::Planar, &parallel));
         assert!(!is_dropped(EdgeRule::GreatEllipse, &parallel));
-        // Negative controls: a last bit wide; with a tip, and something else.
+        // There and back by way of a place that is the same but for underflow.
+        let underflown = [[0.0, 0.0], [4.0, -5.0], [-2.5e-323, 3.5e-323], [-8.0, -8.0]];
+        assert!(is_dropped(EdgeRule::Planar, &underflown));
+        // Negative controls: a last bit wide; with a tip, and something else; wide, and its first two
+        // places the same but for underflow.
+        let wide = [[0.0, 0.0], [1e-323, 0.0], [4.0, 0.0], [4.0, 3.0]];
         let hair = [[2.0, 2.0], [4.0, 2.0_f64.next_up()], [6.0, 2.0]];
         let tipped = [
             [2.0, 2.0],
@@ -162,6 +177,7 @@ mod tests {
         for rule in BOTH {
             assert!(!is_dropped(rule, &hair));
             assert!(!is_dropped(rule, &tipped));
+            assert!(!is_dropped(rule, &wide));
         }
     }
 }
