@@ -24,17 +24,27 @@ fn commands(readme: &str) -> Vec<&str> {
         .collect()
 }
 
+/// The second block of shell lines: how to build, and how to measure data of one's own.
+fn second_block(readme: &str) -> &str {
+    let block = readme.split("```sh\n").nth(2);
+    block
+        .and_then(|block| block.split("```").next())
+        .expect("two blocks")
+}
+
 /// A folder with what a clone has and the commands need.
 fn clone() -> Desk {
     let desk = Desk::new();
-    for entry in std::fs::read_dir(repository().join("bench-scenes")).expect("scenes") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            continue;
+    for folder in ["bench-scenes", "bench-scenes/extreme"] {
+        for entry in std::fs::read_dir(repository().join(folder)).expect(folder) {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                continue;
+            }
+            let name = path.file_name().expect("a name").to_string_lossy();
+            let content = std::fs::read(&path).expect("readable");
+            desk.write(&format!("{folder}/{name}"), content);
         }
-        let name = path.file_name().expect("a name").to_string_lossy();
-        let content = std::fs::read(&path).expect("readable");
-        desk.write(&format!("bench-scenes/{name}"), content);
     }
     desk
 }
@@ -80,7 +90,10 @@ fn every_command_of_the_tables_runs_as_written() {
         return;
     }
     let pages = ["README.md", "docs/using.md"].map(page);
-    let commands: Vec<&str> = pages.iter().flat_map(|page| commands(page)).collect();
+    let mut commands: Vec<&str> = pages.iter().flat_map(|page| commands(page)).collect();
+    let own_data = second_block(&pages[0]).lines().last().expect("a line");
+    assert!(own_data.contains(" --terrain "), "{own_data}");
+    commands.push(own_data);
     for verb in [
         "data",
         "scenes",
@@ -104,6 +117,7 @@ fn every_command_of_the_tables_runs_as_written() {
     }
     for output in [
         "out/first/index.html",
+        "out/mine/index.html",
         "out/quick/index.html",
         "out/run/index.html",
         "california.png",
