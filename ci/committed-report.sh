@@ -38,7 +38,7 @@ pack() {
     mkdir -p "$scratch/run/images"
     cp "$measured"/{cases,measurements,metrics}.csv "$measured"/{environment,plan,schema}.json "$scratch/run"
     # Not every run has them.
-    for file in clocks.csv inputs.csv budget.json; do
+    for file in clocks.csv features.csv inputs.csv budget.json; do
         [ ! -e "$measured/$file" ] || cp "$measured/$file" "$scratch/run"
     done
     if [ "$1" = all ]; then

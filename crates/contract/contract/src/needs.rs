@@ -62,41 +62,41 @@ pub enum Feature {
 }
 
 impl Feature {
-    /// Every feature, with its name in `notes.csv`.
+    /// Every feature, with its name in `features.csv`.
     pub const ALL: [(Self, &'static str); 26] = [
-        (Self::Positions, "need_positions"),
-        (Self::TopCaps, "need_top_caps"),
-        (Self::BottomCaps, "need_bottom_caps"),
-        (Self::Walls, "need_walls"),
-        (Self::RegionConstants, "need_region_constants"),
-        (Self::Expansion, "need_expansion"),
-        (Self::CountBehind, "need_count_behind"),
-        (Self::CountBefore, "need_count_before"),
-        (Self::StencilBits, "need_stencil_bits"),
-        (Self::Covers, "need_covers"),
-        (Self::FlatMeshes, "need_flat_meshes"),
-        (Self::NumberTarget, "need_number_target"),
-        (Self::FirstPassColours, "need_first_pass_colours"),
-        (Self::Order, "need_order"),
-        (Self::Rectangles, "need_rectangles"),
-        (Self::Picture, "need_picture"),
-        (Self::TextureCode, "need_texture_code"),
-        (Self::TextureConstants, "need_texture_constants"),
-        (Self::ReadableDepth, "need_readable_depth"),
-        (Self::DepthCopy, "need_depth_copy"),
-        (Self::Measuring, "need_measuring"),
-        (Self::NearPlaneTest, "need_near_plane_test"),
-        (Self::FrustumCulling, "need_frustum_culling"),
-        (Self::HorizonCulling, "need_horizon_culling"),
-        (Self::TooSmallCulling, "need_too_small_culling"),
-        (Self::BoundaryLevels, "need_boundary_levels"),
+        (Self::Positions, "positions"),
+        (Self::TopCaps, "top caps"),
+        (Self::BottomCaps, "bottom caps"),
+        (Self::Walls, "walls"),
+        (Self::RegionConstants, "region constants"),
+        (Self::Expansion, "expansion"),
+        (Self::CountBehind, "count behind"),
+        (Self::CountBefore, "count before"),
+        (Self::StencilBits, "stencil bits"),
+        (Self::Covers, "covers"),
+        (Self::FlatMeshes, "flat meshes"),
+        (Self::NumberTarget, "number target"),
+        (Self::FirstPassColours, "first pass colours"),
+        (Self::Order, "order"),
+        (Self::Rectangles, "rectangles"),
+        (Self::Picture, "picture"),
+        (Self::TextureCode, "texture code"),
+        (Self::TextureConstants, "texture constants"),
+        (Self::ReadableDepth, "readable depth"),
+        (Self::DepthCopy, "depth copy"),
+        (Self::Measuring, "measuring"),
+        (Self::NearPlaneTest, "near plane test"),
+        (Self::FrustumCulling, "frustum culling"),
+        (Self::HorizonCulling, "horizon culling"),
+        (Self::TooSmallCulling, "too small culling"),
+        (Self::BoundaryLevels, "boundary levels"),
     ];
 
-    /// Its name in `notes.csv`.
+    /// Its name in `features.csv`.
     #[must_use]
-    pub fn note(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         let named = Self::ALL.iter().find(|(feature, _)| *feature == self);
-        named.map_or("", |(_, note)| note)
+        named.map_or("", |(_, name)| name)
     }
 }
 
@@ -115,44 +115,6 @@ pub struct Need {
     pub pipelines: u64,
     /// Why, with the value that decided it.
     pub reason: String,
-}
-
-impl Need {
-    /// As one line of text: the inverse of [`Need::read`].
-    #[must_use]
-    pub fn line(&self) -> String {
-        format!(
-            "{}; bytes {}; spared bytes {}; pipelines {}; {}",
-            if self.is_held { "held" } else { "left out" },
-            self.bytes,
-            self.spared_bytes,
-            self.pipelines,
-            self.reason
-        )
-    }
-
-    /// What a line says of `feature`; `None` of any other text.
-    #[must_use]
-    pub fn read(feature: Feature, line: &str) -> Option<Self> {
-        let mut parts = line.splitn(5, "; ");
-        let is_held = match parts.next()? {
-            "held" => true,
-            "left out" => false,
-            _ => return None,
-        };
-        let mut number = |name: &str| {
-            let value = parts.next()?.strip_prefix(name)?.strip_prefix(' ')?;
-            value.parse::<u64>().ok()
-        };
-        Some(Self {
-            feature,
-            is_held,
-            bytes: number("bytes")?,
-            spared_bytes: number("spared bytes")?,
-            pipelines: number("pipelines")?,
-            reason: parts.next()?.to_owned(),
-        })
-    }
 }
 
 /// Everything that a view holds and leaves out.
@@ -216,30 +178,12 @@ mod tests {
     }
 
     #[test]
-    fn a_line_says_it_all() {
-        for found in [need(Feature::Walls, 12, 0), need(Feature::Picture, 0, 0)] {
-            let line = found.line();
-            assert_eq!(Need::read(found.feature, &line), Some(found), "{line}");
-        }
-        for wrong in [
-            "",
-            "held",
-            "here; bytes 1; spared bytes 0; pipelines 0; why",
-            "held; bytes x; spared bytes 0; pipelines 0; why",
-            "held; spared bytes 0; bytes 1; pipelines 0; why",
-        ] {
-            assert_eq!(Need::read(Feature::Walls, wrong), None, "{wrong}");
-        }
-    }
-
-    #[test]
     fn every_feature_has_a_name_of_its_own() {
         let names: std::collections::BTreeSet<_> = Feature::ALL
             .iter()
-            .map(|(feature, _)| feature.note())
+            .map(|(feature, _)| feature.name())
             .collect();
         assert_eq!(names.len(), Feature::ALL.len());
-        assert!(names.iter().all(|name| name.starts_with("need_")));
         let mut sorted = Feature::ALL.map(|(feature, _)| feature);
         sorted.sort_unstable();
         assert_eq!(sorted, Feature::ALL.map(|(feature, _)| feature));

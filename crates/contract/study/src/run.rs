@@ -418,6 +418,7 @@ impl Running<'_> {
                 })
                 .collect();
             self.folder.append_notes(&notes)?;
+            self.folder.append_features(&key, &verdict.features)?;
         }
         Ok(self
             .folder

@@ -83,6 +83,7 @@ pub fn judged(reason: String, figures: Figures, notes: Vec<(&'static str, String
         reason,
         figures,
         notes,
+        features: Vec::new(),
     }
 }
 

@@ -176,6 +176,7 @@ impl Session for MadeUpSession {
             },
             figures: vec![("draws", 7.0)],
             notes: vec![("picture", format!("{case}.png"))],
+            ..Verdict::default()
         })
     }
 

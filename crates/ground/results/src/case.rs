@@ -97,6 +97,8 @@ pub struct Verdict {
     pub figures: Vec<(&'static str, f64)>,
     /// Texts by name: picture paths, hashes, what was left out.
     pub notes: Vec<(&'static str, String)>,
+    /// What the case holds and leaves out, if it says so.
+    pub features: Vec<CaseFeature>,
 }
 
 impl Verdict {
@@ -119,6 +121,23 @@ impl Verdict {
             ..Self::default()
         }
     }
+}
+
+/// Something that a case holds on the device, or leaves out.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct CaseFeature {
+    /// Its name.
+    pub feature: String,
+    /// It is built in; else it is left out.
+    pub is_held: bool,
+    /// Bytes of its buffers and textures.
+    pub bytes: u64,
+    /// Pipelines made for it.
+    pub pipelines: u64,
+    /// Bytes that it would take beside these.
+    pub spared_bytes: u64,
+    /// Why, with the value that decided it.
+    pub reason: String,
 }
 
 /// A row of `cases.csv`.

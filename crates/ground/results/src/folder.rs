@@ -211,13 +211,7 @@ impl RunFolder {
             return Err(differs(message.to_owned()));
         }
         for file in [MEASUREMENTS, CASES, NOTES] {
-            let path = path.join(file);
-            let mut text = read_text(&path, "")?;
-            let whole = whole_rows_len(&text);
-            if whole < text.len() {
-                text.truncate(whole);
-                write_whole(&path, text.as_bytes())?;
-            }
+            cut_torn_row(&path.join(file))?;
         }
         Ok(folder)
     }
@@ -339,6 +333,33 @@ impl RunFolder {
             rows.iter().try_for_each(|row| writer.serialize(row))
         })?;
         append_bytes(&path, &text)
+    }
+}
+
+/// Cuts what a killed process left of a table's last row.
+pub(crate) fn cut_torn_row(path: &Path) -> Result<(), RunError> {
+    let mut text = read_text(path, "")?;
+    let whole = whole_rows_len(&text);
+    if whole < text.len() {
+        text.truncate(whole);
+        write_whole(path, text.as_bytes())?;
+    }
+    Ok(())
+}
+
+pub(crate) fn cell(
+    path: &Path,
+    row: u64,
+    column: &str,
+    found: &str,
+    expected: impl Into<String>,
+) -> RunError {
+    RunError::Cell {
+        path: path.to_owned(),
+        row,
+        column: column.to_owned(),
+        found: found.to_owned(),
+        expected: expected.into(),
     }
 }
 

@@ -5,7 +5,7 @@
 //! A run is a folder of plain tables. `plan.json` names every case before the first is measured, so
 //! that a reader can say what is missing; `cases.csv` has a row for each case that was verified, with
 //! a column for each condition; `measurements.csv` has a row for each measured value; `notes.csv` has
-//! texts, such as paths of pictures; `metrics.csv` and `schema.json` say what all of it means. An
+//! texts, such as paths of pictures; `features.csv` has what cases hold and leave out; `metrics.csv` and `schema.json` say what all of it means. An
 //! absent value is an absent row, and `reason` says why; it is never 0.
 
 mod block;
@@ -15,6 +15,7 @@ pub mod condition;
 mod device_clock;
 mod duration;
 mod environment;
+mod feature;
 mod folder;
 mod front;
 mod input;
@@ -41,7 +42,9 @@ pub use block::{
     Picture, PictureFigure, Pictures, Plot, Row, Standing, Table, TableLayout,
 };
 pub use budget::Budget;
-pub use case::{CaseId, CaseRow, Measurement, Note, PlannedCase, Status, UNSTEADY_CLOCK, Verdict};
+pub use case::{
+    CaseFeature, CaseId, CaseRow, Measurement, Note, PlannedCase, Status, UNSTEADY_CLOCK, Verdict,
+};
 pub use condition::{ConditionKey, REPEATS};
 pub use device_clock::{CLOCK_COLUMNS, DeviceClock, Moment, append_clocks, read_clocks};
 pub use duration::{DURATION_COLUMNS, GroupDuration, append_durations, read_durations};

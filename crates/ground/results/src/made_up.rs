@@ -2,8 +2,8 @@
 //! Made-up runs, for the tests of everything that reads one: figures in, a run folder out.
 
 use crate::{
-    CaseId, Measurement, Metric, Note, PlannedCase, Run, RunEnvironment, RunError, RunFolder,
-    RunPlan, Skipped, Status,
+    CaseFeature, CaseId, Measurement, Metric, Note, PlannedCase, Run, RunEnvironment, RunError,
+    RunFolder, RunPlan, Skipped, Status,
 };
 use std::path::Path;
 
@@ -44,6 +44,8 @@ pub struct MadeUpCase {
     pub figures: Vec<(&'static str, u32, Vec<Vec<f64>>)>,
     /// Texts by name.
     pub notes: Vec<(&'static str, String)>,
+    /// What it holds and leaves out.
+    pub features: Vec<CaseFeature>,
 }
 
 impl MadeUpRun {
@@ -56,6 +58,7 @@ impl MadeUpRun {
             row: Some((Status::Ok, String::new())),
             figures: Vec::new(),
             notes: Vec::new(),
+            features: Vec::new(),
         });
         let last = self.cases.len() - 1;
         &mut self.cases[last]
@@ -97,6 +100,7 @@ impl MadeUpRun {
                 text: text.clone(),
             });
             folder.append_notes(&notes.collect::<Vec<_>>())?;
+            folder.append_features(&case.id.key(), &case.features)?;
             if let Some((status, reason)) = &case.row {
                 folder.append_case(planned, *status, reason)?;
             }

@@ -213,6 +213,7 @@ fn copy_rows(run: &Run, folder: &RunFolder) -> Result<(), RunError> {
             })
             .collect();
         folder.append_notes(&notes)?;
+        folder.append_features(&key, case.features())?;
         if let Some(status) = case.status() {
             folder.append_case(&case.planned, status, &case.reason)?;
         }

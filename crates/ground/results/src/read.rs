@@ -5,14 +5,15 @@
 //! row of another commit, or a value of a metric that was never declared is an error that names the
 //! file and the place. Only a torn last row is let pass, since a killed run leaves one.
 
+use crate::feature::read_features;
 use crate::folder::{
     CASE_COLUMNS, CASES, ENVIRONMENT, MEASUREMENT_COLUMNS, MEASUREMENTS, METRIC_COLUMNS, METRICS,
-    NOTE_COLUMNS, NOTES, OLD_METRIC_COLUMNS, PLAN, RunError, check_schema, duplicates, each_row,
-    read_json, read_table,
+    NOTE_COLUMNS, NOTES, OLD_METRIC_COLUMNS, PLAN, RunError, cell, check_schema, duplicates,
+    each_row, read_json, read_table,
 };
 use crate::{
-    CaseId, Clock, Measurement, MetricRow, Note, Numbered, PlannedCase, REPEATS, RunEnvironment,
-    RunPlan, Status, median,
+    CaseFeature, CaseId, Clock, Measurement, MetricRow, Note, Numbered, PlannedCase, REPEATS,
+    RunEnvironment, RunPlan, Status, median,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -65,6 +66,7 @@ pub struct Case {
     status: Option<Status>,
     figures: BTreeMap<Arc<str>, Samples>,
     notes: BTreeMap<String, String>,
+    features: Vec<CaseFeature>,
 }
 
 impl Case {
@@ -78,6 +80,12 @@ impl Case {
     #[must_use]
     pub fn notes(&self) -> &BTreeMap<String, String> {
         &self.notes
+    }
+
+    /// What it holds and leaves out; empty of a case that does not say.
+    #[must_use]
+    pub fn features(&self) -> &[CaseFeature] {
+        &self.features
     }
 
     /// Numbers of the timed samples that a process took, from 1.
@@ -221,6 +229,7 @@ impl Run {
         let planned: BTreeSet<String> = plan.cases.iter().map(|case| case.id.key()).collect();
         let mut figures = read_measurements(&path.join(MEASUREMENTS), &planned, &names)?;
         let mut notes = read_notes(&path.join(NOTES), &planned)?;
+        let mut features = read_features(path, &planned)?;
         let cases: Vec<Case> = plan
             .cases
             .iter()
@@ -237,6 +246,7 @@ impl Run {
                     reason,
                     figures,
                     notes: notes.remove(&key).unwrap_or_default(),
+                    features: features.remove(&key).unwrap_or_default(),
                 }
             })
             .collect();
@@ -356,16 +366,6 @@ fn strings(columns: &[&str]) -> Vec<String> {
 /// A row number as people count them: the header is 1.
 fn numbered<T>(rows: Vec<T>) -> impl Iterator<Item = (u64, T)> {
     (2..).zip(rows)
-}
-
-fn cell(path: &Path, row: u64, column: &str, found: &str, expected: impl Into<String>) -> RunError {
-    RunError::Cell {
-        path: path.to_owned(),
-        row,
-        column: column.to_owned(),
-        found: found.to_owned(),
-        expected: expected.into(),
-    }
 }
 
 fn read_metrics(path: &Path) -> Result<Vec<MetricRow>, RunError> {

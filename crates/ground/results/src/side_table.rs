@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Tables beside a run's results: no part of the schema, and a run without them is whole.
 
-use crate::folder::{RunError, append_bytes, encode, read_table, write_whole};
+use crate::folder::{RunError, append_bytes, cut_torn_row, encode, read_table, write_whole};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -22,6 +22,7 @@ impl SideTable {
             let header = encode(&path, |writer| writer.write_record(self.columns))?;
             write_whole(&path, &header)?;
         }
+        cut_torn_row(&path)?;
         let text = encode(&path, |writer| {
             rows.iter().try_for_each(|row| writer.serialize(row))
         })?;

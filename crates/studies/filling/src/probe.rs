@@ -5,9 +5,9 @@ use crate::cases::{AblationPlace, FillCase};
 use crate::purpose::Purpose;
 use std::collections::BTreeMap;
 use terrafill_conformance::{ErrorFigures, TextureErrors};
-use terrafill_contract::{Counters, DeviceError, FillInput, Frame, MemoryUse, Needs};
+use terrafill_contract::{Counters, DeviceError, FillInput, Frame, MemoryUse, Need, Needs};
 use terrafill_core::{MeshOptions, VolumeHeights};
-use terrafill_results::{Status, Verdict};
+use terrafill_results::{CaseFeature, Status, Verdict};
 use terrafill_study::Failure;
 use terrafill_surface::HeightRange;
 
@@ -34,6 +34,7 @@ pub(crate) struct Probe {
     pub(crate) reason: String,
     figures: Vec<(&'static str, f64)>,
     notes: BTreeMap<&'static str, String>,
+    features: Vec<CaseFeature>,
     pub(crate) texture_errors: Option<TextureErrors>,
 }
 
@@ -44,6 +45,7 @@ impl Probe {
             reason: String::new(),
             figures: Vec::new(),
             notes: NOTES.map(|name| (name, String::new())).into(),
+            features: Vec::new(),
             texture_errors: None,
         };
         let change =
@@ -127,9 +129,15 @@ impl Probe {
             ("held_pipelines", Some(needs.pipelines())),
             ("made_pipelines", Some(needs.made.pipeline_creations)),
         ]);
-        for need in &needs.list {
-            self.note(need.feature.note(), need.line());
-        }
+        let row = |need: &Need| CaseFeature {
+            feature: need.feature.name().to_owned(),
+            is_held: need.is_held,
+            bytes: need.bytes,
+            pipelines: need.pipelines,
+            spared_bytes: need.spared_bytes,
+            reason: need.reason.clone(),
+        };
+        self.features = needs.list.iter().map(row).collect();
     }
 
     /// Of the same frame drawn once more.
@@ -217,6 +225,7 @@ impl Probe {
             reason: self.reason,
             figures: self.figures,
             notes: self.notes.into_iter().collect(),
+            features: self.features,
         }
     }
 }

@@ -143,6 +143,7 @@ impl PrecisionRow {
                 ("device_answer", self.device_answer.clone()),
                 ("emulated_answer", self.emulated_answer.clone()),
             ],
+            ..Verdict::default()
         }
     }
 }

@@ -9,10 +9,9 @@ use super::data::{DEPTH_PASS, Data, distinct, grouped, name, title};
 use super::table::{STATUS, head};
 use crate::keys::*;
 use crate::purpose::Purpose;
-use terrafill_contract::{Feature, Need};
 use terrafill_lab::{Column, StepsSection, none_differs};
 use terrafill_plot::number::{count, digits};
-use terrafill_results::{Block, Case, Cell, ChapterError, Finding, Row, Table};
+use terrafill_results::{Block, Case, CaseFeature, Cell, ChapterError, Finding, Row, Table};
 
 const STEPS: [Column; 3] = [
     STATUS,
@@ -23,46 +22,21 @@ const STEPS: [Column; 3] = [
 /// Title of the section.
 pub(super) const TITLE: &str = "What each scene needs";
 
-/// What one case says of all features.
-struct CaseNeeds<'a> {
-    case: &'a Case,
-    needs: Vec<Need>,
-}
-
-impl<'a> CaseNeeds<'a> {
-    /// `None` of a case that says nothing.
-    fn of(case: &'a Case) -> Option<Self> {
-        let needs = Feature::ALL.iter();
-        let needs = needs.filter_map(|&(feature, note)| Need::read(feature, case.note(note)));
-        let needs: Vec<Need> = needs.collect();
-        (!needs.is_empty()).then_some(Self { case, needs })
-    }
-
-    /// Names of features that are built in here and not there.
-    fn without(&self, other: &Self) -> Vec<String> {
-        let held = |told: &Self, feature| {
-            let mut needs = told.needs.iter();
-            needs.any(|need| need.feature == feature && need.is_held)
-        };
-        let own = self.needs.iter().filter(|need| need.is_held);
-        let gone = own.filter(|need| !held(other, need.feature));
-        gone.map(|need| shown(need.feature)).collect()
-    }
-}
-
-/// A feature's name as it is read.
-fn shown(feature: Feature) -> String {
-    let name = feature.note();
-    name.trim_start_matches("need_").replace('_', " ")
+/// Names of features that `case` holds and `other` does not.
+fn without(case: &Case, other: &Case) -> Vec<String> {
+    let is_held = |of: &CaseFeature| {
+        let mut others = other.features().iter();
+        others.any(|found| found.feature == of.feature && found.is_held)
+    };
+    let own = case.features().iter().filter(|of| of.is_held);
+    let gone = own.filter(|of| !is_held(of));
+    gone.map(|of| of.feature.clone()).collect()
 }
 
 /// Every case that says what it holds.
-fn all<'a>(data: &Data<'a>) -> Vec<CaseNeeds<'a>> {
-    data.cases
-        .iter()
-        .copied()
-        .filter_map(CaseNeeds::of)
-        .collect()
+fn all<'a>(data: &Data<'a>) -> Vec<&'a Case> {
+    let cases = data.cases.iter().copied();
+    cases.filter(|case| !case.features().is_empty()).collect()
 }
 
 /// Whether a case holds only what its view needs: the last of the steps, or the only one.
@@ -92,11 +66,10 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
              bench SCENE --ablation SCENE` measures the way there from everything that a fill can hold.",
     );
     let ablations = measured(data, NEEDS);
-    for (scene, own) in grouped(&all, |told| told.case.condition(SCENE)) {
+    for (scene, own) in grouped(all, |case| case.condition(SCENE)) {
         blocks.push(Block::part(format!("Needs of {scene}")));
-        let needed = own.iter().copied();
-        let needed = needed.filter(|told| is_needed(data, told.case));
-        for (technique, own) in grouped(needed, |told| told.case.condition(TECHNIQUE)) {
+        let needed = own.iter().copied().filter(|case| is_needed(data, case));
+        for (technique, own) in grouped(needed, |case| case.condition(TECHNIQUE)) {
             blocks.push(Block::Table(features(technique, &own)));
         }
         for ablation in ablations.iter().filter(|ablation| ablation.scene == scene) {
@@ -109,19 +82,18 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
 /// Everything that is made is declared; `None` for a run that tells nothing.
 pub(super) fn requirement(data: &Data<'_>) -> Option<Finding> {
     let all = all(data);
-    let differing: Vec<String> = all.iter().filter_map(disagreement).collect();
+    let differing: Vec<String> = all.iter().copied().filter_map(disagreement).collect();
     let claim = "Every byte and pipeline that a fill holds belongs to a feature that says why.";
     let what = "fills declare what the device made for them";
     (!all.is_empty()).then(|| none_differs(claim, all.len(), &differing, what))
 }
 
 /// How sums over features differ from what the device made.
-fn disagreement(told: &CaseNeeds<'_>) -> Option<String> {
-    let case = told.case;
-    let sum = |figure: fn(&Need) -> u64| told.needs.iter().map(figure).sum::<u64>();
+fn disagreement(case: &Case) -> Option<String> {
+    let sum = |figure: fn(&CaseFeature) -> u64| case.features().iter().map(figure).sum::<u64>();
     let declared = [
-        ("bytes", MADE_BYTES, sum(|need| need.bytes)),
-        ("pipelines", MADE_PIPELINES, sum(|need| need.pipelines)),
+        ("bytes", MADE_BYTES, sum(|of| of.bytes)),
+        ("pipelines", MADE_PIPELINES, sum(|of| of.pipelines)),
     ];
     let differing =
         declared
@@ -137,18 +109,23 @@ fn disagreement(told: &CaseNeeds<'_>) -> Option<String> {
 }
 
 /// One row for each feature, and for each group of views of which the same is said.
-fn features(technique: &str, needed: &[&CaseNeeds<'_>]) -> Table {
-    let of_feature = |(feature, _): (Feature, _)| {
-        let told = needed.iter().filter_map(move |told| {
-            let need = told.needs.iter().find(|need| need.feature == feature)?;
-            Some((need, told.case.condition(VIEW)))
-        });
-        grouped(told, |(need, _)| need.line()).into_iter()
+fn features(technique: &str, needed: &[&Case]) -> Table {
+    let told = || {
+        let needed = needed.iter();
+        needed.map(|case| (case.condition(VIEW), case.features()))
     };
-    let rows = Feature::ALL.into_iter().flat_map(of_feature);
-    let rows = rows.map(|(_, same)| {
+    let names =
+        distinct(told().flat_map(|(_, features)| features.iter().map(|of| of.feature.as_str())));
+    let of_name = |name: &str| {
+        let own = told().filter_map(|(view, features)| {
+            let found = features.iter().find(|of| of.feature == name)?;
+            Some((found, view))
+        });
+        grouped(own, |(found, _)| (*found).clone())
+    };
+    let rows = names.into_iter().flat_map(of_name);
+    let rows = rows.map(|(of, same)| {
         let views: Vec<&str> = same.iter().map(|(_, view)| *view).collect();
-        let need = same[0].0;
         let some =
             |number: u64, why: &str| Cell::or_absent((number > 0).then(|| count(number)), why);
         let cells = [
@@ -157,15 +134,15 @@ fn features(technique: &str, needed: &[&CaseNeeds<'_>]) -> Table {
             } else {
                 views.join(", ")
             }),
-            Cell::name(if need.is_held { "yes" } else { "left out" }),
-            some(need.bytes, "it has no buffer and no texture of its own"),
-            some(need.pipelines, "no pipeline was made for it"),
-            some(need.spared_bytes, "it is built in, or would take no bytes"),
-            Cell::name(&need.reason),
+            Cell::name(if of.is_held { "yes" } else { "left out" }),
+            some(of.bytes, "it has no buffer and no texture of its own"),
+            some(of.pipelines, "no pipeline was made for it"),
+            some(of.spared_bytes, "it is built in, or would take no bytes"),
+            Cell::name(&of.reason),
         ];
-        Row::named(Cell::name(shown(need.feature)), cells)
+        Row::named(Cell::name(&of.feature), cells)
     });
-    let variants = distinct(needed.iter().map(|told| told.case.condition(VARIANT)));
+    let variants = distinct(needed.iter().map(|case| case.condition(VARIANT)));
     let headings = [
         ("feature", ""),
         ("views", ""),
@@ -193,14 +170,15 @@ fn ablation_blocks(data: &Data<'_>, ablation: &Ablation<'_>) -> Result<Vec<Block
         "{}, {}: time over depth-pass, from everything to what is needed",
         ablation.scene, ablation.view
     );
-    let changed =
-        |before: &Case, after: &Case| match CaseNeeds::of(before).zip(CaseNeeds::of(after)) {
-            None => Cell::absent("one of both says nothing of its features"),
-            Some((told, now)) => Cell {
-                detail: counters(before, after),
-                ..Cell::name(change(&told, &now))
-            },
-        };
+    let changed = |before: &Case, after: &Case| {
+        if before.features().is_empty() || after.features().is_empty() {
+            return Cell::absent("one of both says nothing of its features");
+        }
+        Cell {
+            detail: counters(before, after),
+            ..Cell::name(change(before, after))
+        }
+    };
     let heading = Block::part(format!(
         "From everything to what {} needs, by {}",
         ablation.view, ablation.technique
@@ -216,8 +194,8 @@ fn ablation_blocks(data: &Data<'_>, ablation: &Ablation<'_>) -> Result<Vec<Block
 }
 
 /// What a step left out and brought in.
-fn change(before: &CaseNeeds<'_>, after: &CaseNeeds<'_>) -> String {
-    let (gone, come) = (before.without(after), after.without(before));
+fn change(before: &Case, after: &Case) -> String {
+    let (gone, come) = (without(before, after), without(after, before));
     match (gone.is_empty(), come.is_empty()) {
         (true, true) => "the same features".to_owned(),
         (false, true) => format!("without {}", gone.join(", ")),

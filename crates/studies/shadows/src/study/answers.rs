@@ -24,7 +24,7 @@ fn verdict(is_right: bool, reason: String, figures: Figures) -> Verdict {
         status: if is_right { Status::Ok } else { Status::Wrong },
         reason: if is_right { String::new() } else { reason },
         figures,
-        notes: Vec::new(),
+        ..Verdict::default()
     }
 }
 
@@ -201,7 +201,7 @@ impl Answering<'_> {
                         ("shadow_mesh_models", mesh.casters.len() as f64),
                         ("shadow_mesh_parts", mesh.parts.len() as f64),
                     ],
-                    notes: Vec::new(),
+                    ..Verdict::default()
                 })
             }
             Job::Map(sun, texel_m, bias) => {

@@ -15,11 +15,12 @@ const STABLE_COLUMNS: &str = "scene,view,backend,variant,status,reason,surface_g
 const REGION_COUNTS: usize = 12;
 
 /// Every file of a run and its report.
-const FILES: [&str; 14] = [
+const FILES: [&str; 15] = [
     "cases.csv",
     "clocks.csv",
     "durations.csv",
     "environment.json",
+    "features.csv",
     "index.html",
     "inputs.csv",
     "measurements.csv",

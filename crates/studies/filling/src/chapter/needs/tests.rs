@@ -8,14 +8,14 @@ use terrafill_results::{Chapter as _, Row, RunEnvironment, Standing};
 
 const PROCESSES: [f64; 4] = [1.0, 1.1, 0.9, 1.05];
 
-fn told(feature: Feature, bytes: u64, pipelines: u64) -> Need {
-    Need {
-        feature,
+fn told(feature: &str, bytes: u64, pipelines: u64) -> CaseFeature {
+    CaseFeature {
+        feature: feature.to_owned(),
         is_held: bytes + pipelines > 0,
         bytes,
         spared_bytes: if bytes == 0 { 64 } else { 0 },
         pipelines,
-        reason: format!("{} because of {bytes}", shown(feature)),
+        reason: format!("{} because of {bytes}", feature),
     }
 }
 
@@ -24,7 +24,7 @@ fn add<'a>(
     run: &'a mut MadeUpRun,
     (view, variant): (&str, &str),
     more: &[(&str, &str)],
-    needs: &[Need],
+    needs: &[CaseFeature],
     ms: f64,
 ) -> &'a mut MadeUpCase {
     let key = format!("s/{view}/vertex/{variant}");
@@ -51,9 +51,7 @@ fn add<'a>(
     ] {
         case.figure(metric, value as f64);
     }
-    for need in needs {
-        case.note(need.feature.note(), &need.line());
-    }
+    case.features = needs.to_vec();
     case.timed("fill_cpu_ms", &PROCESSES.map(|factor| factor * ms))
 }
 
@@ -73,14 +71,14 @@ fn run() -> MadeUpRun {
     );
     run.case(depth_pass).timed("fill_cpu_ms", &PROCESSES);
     let everything = [
-        told(Feature::BottomCaps, 300, 0),
-        told(Feature::CountBehind, 0, 2),
-        told(Feature::Walls, 100, 0),
+        told("bottom caps", 300, 0),
+        told("walls", 100, 0),
+        told("count behind", 0, 2),
     ];
     let needed = [
-        told(Feature::BottomCaps, 0, 0),
-        told(Feature::CountBehind, 0, 0),
-        told(Feature::Walls, 100, 0),
+        told("bottom caps", 0, 0),
+        told("walls", 100, 0),
+        told("count behind", 0, 0),
     ];
     let step = |number, step| {
         [
