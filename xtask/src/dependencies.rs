@@ -44,6 +44,7 @@ const LAYERS: &[(&str, &[&str])] = &[
 /// What a crate may need within its own layer.
 const WITHIN: &[(&str, &[&str])] = &[
     ("casters", &["results"]),
+    ("core", &["planar"]),
     ("texture", &["core"]),
     ("elevation", &["core"]),
     ("maps", &["core"]),
@@ -63,7 +64,8 @@ const WITHIN: &[(&str, &[&str])] = &[
 /// results and the kit that plots are drawn with. `gate` starts programs that do, and sees results alone.
 /// `history` compares runs as `gate` does. `data` reads what scenes need. `growth` runs on the CPU alone.
 const LESS: &[(&str, &[&str])] = &[
-    ("core", &[]),
+    ("core", &["planar"]),
+    ("planar", &[]),
     ("results", &[]),
     ("scene", &["core", "texture"]),
     (

@@ -2,10 +2,10 @@
 //! Crossings that lie on the antimeridian, where pieces of the crossing edges end.
 
 use crate::edge::Degrees;
-use crate::intersection::Crossing;
-use crate::intersection::{edges_cross, great_ellipse_crossing};
 use crate::pieces::Piece;
 use crate::{EdgeRule, Ring};
+use terrafill_planar::intersection::Crossing;
+use terrafill_planar::intersection::{edges_cross, great_ellipse_crossing};
 
 /// An edge where it is cut at the antimeridian, or one that runs along it.
 ///

@@ -6,8 +6,8 @@
 //! exactly: whether a ring a rounding wide is one is for the triangulation to say.
 
 use crate::edge::Degrees;
-use crate::intersection::{orient, without_underflow};
 use crate::{EdgeRule, Polygon, Region, Ring, WarningSubject};
+use terrafill_planar::intersection::{orient, without_underflow};
 
 impl Region {
     /// The region without holes that have no width, and without parts of which the shell has none beside

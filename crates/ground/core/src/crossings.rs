@@ -5,14 +5,14 @@
 //! edges' boxes: O(n log n + pairs whose boxes overlap). Where those are very many, edges are swept
 //! instead (see `sweep`), great ellipses in a chart in which they are straight.
 
-use crate::box_tree::{AxisBox, BoxTree};
 use crate::edge::{Degrees, normal};
-use crate::intersection::{Crossing, planar_crossing, unit_arcs_crossing};
 use crate::pieces::OutlineEdge;
-use crate::sweep::sweep_crossings;
 use crate::{EdgePlace, EdgeRule};
 use glam::DVec3;
 use std::ops::ControlFlow;
+use terrafill_planar::box_tree::{AxisBox, BoxTree};
+use terrafill_planar::intersection::{Crossing, planar_crossing, unit_arcs_crossing};
+use terrafill_planar::sweep::sweep_crossings;
 
 /// Rounds after which the search gives up: a crossing is rounded to the nearest number, which can
 /// bend an edge over another one close by, but only by the last bit. What is left of them then is
@@ -193,8 +193,8 @@ pub(crate) fn distance(rule: EdgeRule, a: Degrees, b: Degrees) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::intersection::great_ellipse_crossing;
     use proptest::prelude::*;
+    use terrafill_planar::intersection::great_ellipse_crossing;
 
     fn slow_crossings(edges: &[[Degrees; 2]]) -> Vec<Crossing> {
         let all = (0..edges.len()).flat_map(|a| (a + 1..edges.len()).map(move |b| [a, b]));

@@ -14,9 +14,7 @@ pub(crate) mod area;
 
 use crate::{EdgeRule, Ellipsoid, Geodetic, MeshOptions};
 use glam::DVec3;
-
-/// Longitude and latitude, degrees.
-pub(crate) type Degrees = [f64; 2];
+pub(crate) use terrafill_planar::{Degrees, in_order, normal};
 
 /// Ratio of the deviation of an edge to its length above which it is split however small it is. Beyond
 /// it a triangle next to the edge can be turned over. That happens only near poles and on small bodies,
@@ -276,25 +274,9 @@ fn places_along_pole(start: Degrees, end: Degrees) -> impl Iterator<Item = Degre
         .map(move |x| [x, start[1]])
 }
 
-/// Same result for an edge and its reverse.
-pub(crate) fn in_order(start: Degrees, end: Degrees) -> (Degrees, Degrees) {
-    if (end[0], end[1]) < (start[0], start[1]) {
-        (end, start)
-    } else {
-        (start, end)
-    }
-}
-
 /// Latitude of the pole that both ends lie at.
 pub(crate) fn along_pole(start: Degrees, end: Degrees) -> Option<f64> {
     (start[1].abs() == 90.0 && start[1] == end[1]).then_some(start[1])
-}
-
-/// Unit normal of the body at a position.
-pub(crate) fn normal([longitude_deg, latitude_deg]: Degrees) -> DVec3 {
-    let (sin_lon, cos_lon) = longitude_deg.to_radians().sin_cos();
-    let (sin_lat, cos_lat) = latitude_deg.to_radians().sin_cos();
-    DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat)
 }
 
 /// Angle between the normals of two positions. From the chord: an arc cosine has no digits left

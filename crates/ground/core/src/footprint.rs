@@ -16,7 +16,7 @@ mod error;
 
 use crate::edge::area::{ZoneArea, compensated_sum};
 use crate::edge::{Degrees, edge_bounds_m};
-use crate::mesh::{index_u32, sagitta_m, wrapped_deg};
+use crate::mesh::{sagitta_m, wrapped_deg};
 use crate::{EdgeRule, Ellipsoid, Extent, Inside, Polygon, Region, RegionMesh, Ring};
 use cone::ConeOverBody;
 pub use cone::SensorCone;
@@ -25,6 +25,7 @@ pub use cone_edge::{ConeEdge, MovingFootprint};
 pub use error::FootprintError;
 use glam::DVec3;
 use std::f64::consts::TAU;
+use terrafill_planar::index_u32;
 
 /// A triangle has the fewest; as many as 16-bit indices can name is the most.
 const STEPS: std::ops::RangeInclusive<u32> = 3..=65_535;

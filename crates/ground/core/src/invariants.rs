@@ -7,9 +7,9 @@
 
 use crate::edge::area::ZoneArea;
 use crate::edge::{Degrees, normal, surface_point};
-use crate::intersection::orient;
 use crate::triangulate::WIDEST_INTERIOR_EDGE_DEG;
 use crate::{EdgeRule, Ellipsoid, RegionMesh};
+use terrafill_planar::intersection::orient;
 
 /// Relative difference allowed between the triangles' area and the rings', from rounding alone.
 const AREA_TOLERANCE: f64 = 1e-9;

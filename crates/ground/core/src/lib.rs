@@ -6,7 +6,6 @@
 
 mod antimeridian;
 mod body;
-mod box_tree;
 mod build;
 mod collapsed;
 mod crossings;
@@ -14,7 +13,6 @@ mod edge;
 mod footprint;
 mod geojson;
 mod inside;
-mod intersection;
 mod invariants;
 mod lens;
 mod level_of_detail;
@@ -28,7 +26,6 @@ mod repair;
 mod shape_family;
 mod snap;
 mod stitch;
-mod sweep;
 mod triangulate;
 mod warning;
 

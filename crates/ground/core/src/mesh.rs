@@ -340,16 +340,6 @@ fn enclosing_radius_squared([a, b, c]: [DVec3; 3]) -> f64 {
     }
 }
 
-/// A vertex index as meshes store it.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "four billion vertices need 64 GiB for their positions alone"
-)]
-pub(crate) fn index_u32(index: usize) -> u32 {
-    debug_assert!(index < u32::MAX as usize);
-    index as u32
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

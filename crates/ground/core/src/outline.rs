@@ -12,7 +12,6 @@
 //! point of the body.
 
 use crate::antimeridian::{AtAntimeridian, crossings_at_antimeridian};
-use crate::box_tree::{AxisBox, BoxTree};
 use crate::crossings::{CrossingPlaces, crossing_places, find_crossings};
 use crate::edge::{Degrees, EdgeSplitter};
 use crate::inside::SideChoice;
@@ -20,6 +19,7 @@ use crate::mesh::Extent;
 use crate::pieces::{OutlineEdge, Piece, is_uncut, ring_pieces};
 use crate::{EdgePlace, EdgeRule, Inside, Polygon, Region, Repair, Ring};
 use std::collections::BTreeMap;
+use terrafill_planar::box_tree::{AxisBox, BoxTree};
 
 /// A region's edges, ready to triangulate.
 pub(crate) struct Outline {

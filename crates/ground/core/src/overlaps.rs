@@ -14,14 +14,14 @@
 
 use crate::edge::area::Sum;
 use crate::edge::{Degrees, along_pole};
-use crate::intersection::{orient, without_underflow};
-use crate::mesh::index_u32;
 use crate::pieces::{OutlineEdge, bounds};
 use crate::snap::snap_rounded;
 use crate::triangulate::GroupMesh;
-use crate::triangulate::delaunay::{Delaunay, FRAME_CORNERS};
 use crate::{EdgePlace, EdgeRule};
 use std::collections::BTreeMap;
+use terrafill_planar::delaunay::{Delaunay, FRAME_CORNERS};
+use terrafill_planar::index_u32;
+use terrafill_planar::intersection::{orient, without_underflow};
 
 /// What two rings cover that they should not cover both.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,9 +9,9 @@
 use crate::antimeridian::{AtAntimeridian, crossings_at_antimeridian};
 use crate::crossings::{CrossingPlaces, MAX_ROUNDS, distance, find_crossings};
 use crate::edge::Degrees;
-use crate::intersection::Crossing;
 use crate::pieces::{Piece, pieces_as_compared};
 use crate::{EdgePlace, EdgeRule, Polygon, Region, Repair, Ring, WarningSubject};
+use terrafill_planar::intersection::Crossing;
 
 /// Crossings to those of an earlier round from which on there is no end of them.
 const MAX_GROWTH: usize = 2;

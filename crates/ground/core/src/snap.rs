@@ -14,12 +14,12 @@
 //! not there is moved onto the antimeridian.
 
 use crate::EdgeRule;
-use crate::box_tree::{AxisBox, BoxTree};
 use crate::edge::Degrees;
-use crate::intersection::{SMALLEST_COORDINATE_DEG, orient};
 use crate::pieces::{OutlineEdge, or_at_pole};
 use glam::DVec3;
 use std::ops::ControlFlow;
+use terrafill_planar::box_tree::{AxisBox, BoxTree};
+use terrafill_planar::intersection::{SMALLEST_COORDINATE_DEG, orient};
 
 /// Middle of a cell, in halves of its sides: even numbers, below 2⁵⁴.
 type Cell = [i64; 2];
@@ -325,9 +325,8 @@ mod tests {
 
     /// From the line through both ends.
     fn distance([from, to]: [Degrees; 2], place: Degrees) -> f64 {
-        let coord = |[x, y]: Degrees| robust::Coord { x, y };
         let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-        robust::orient2d(coord(from), coord(to), coord(place)).abs() / length
+        orient(from, to, place).abs() / length
     }
 
     #[test]

@@ -7,10 +7,10 @@
 
 use crate::Ellipsoid;
 use crate::edge::{Degrees, normal, surface_point};
-use crate::mesh::index_u32;
 use crate::triangulate::GroupMesh;
 use glam::DVec3;
 use std::collections::HashMap;
+use terrafill_planar::index_u32;
 
 fn append<T>(list: &mut Vec<T>, mut more: Vec<T>) {
     if list.is_empty() {

@@ -20,14 +20,16 @@ const CELL_BITS: u32 = 21;
 
 /// A box along the axes; touching counts as overlapping.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct AxisBox {
-    pub(crate) low: DVec3,
-    pub(crate) high: DVec3,
+pub struct AxisBox {
+    /// Least coordinates.
+    pub low: DVec3,
+    /// Greatest ones.
+    pub high: DVec3,
 }
 
 impl AxisBox {
     /// Round planar places.
-    pub(crate) fn of<const COUNT: usize>(places: [[f64; 2]; COUNT]) -> Self {
+    pub fn of<const COUNT: usize>(places: [[f64; 2]; COUNT]) -> Self {
         let places = places.map(|[x, y]| DVec3::new(x, y, 0.0));
         Self {
             low: places.into_iter().fold(DVec3::INFINITY, DVec3::min),
@@ -48,7 +50,7 @@ impl AxisBox {
 }
 
 /// A tree over boxes.
-pub(crate) struct BoxTree<'a> {
+pub struct BoxTree<'a> {
     boxes: &'a [AxisBox],
     /// Indices of boxes, leaf by leaf.
     order: Vec<usize>,
@@ -65,7 +67,9 @@ struct Node {
 }
 
 impl<'a> BoxTree<'a> {
-    pub(crate) fn new(boxes: &'a [AxisBox]) -> Self {
+    /// Over these boxes, which are found by their indices.
+    #[must_use]
+    pub fn new(boxes: &'a [AxisBox]) -> Self {
         let cells = cells_of(boxes);
         let mut tree = Self {
             boxes,
@@ -126,7 +130,7 @@ impl<'a> BoxTree<'a> {
     }
 
     /// Calls `visit` once for every two boxes that overlap, until it breaks.
-    pub(crate) fn overlapping_pairs(
+    pub fn overlapping_pairs(
         &self,
         visit: &mut impl FnMut(usize, usize) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
@@ -156,7 +160,7 @@ impl<'a> BoxTree<'a> {
     }
 
     /// Calls `visit` with each box that `may_meet` holds for, as it does for those around it.
-    pub(crate) fn visit(
+    pub fn visit(
         &self,
         may_meet: &mut impl FnMut(&AxisBox) -> bool,
         visit: &mut impl FnMut(usize),
@@ -183,7 +187,7 @@ impl<'a> BoxTree<'a> {
     }
 
     /// Whether any box overlaps another one.
-    pub(crate) fn meets(&self, other: &AxisBox) -> bool {
+    pub fn meets(&self, other: &AxisBox) -> bool {
         let found = Cell::new(false);
         self.visit(
             &mut |bounds| !found.get() && bounds.overlaps(other),

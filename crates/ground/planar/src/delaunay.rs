@@ -13,15 +13,15 @@
 
 mod constraints;
 
+use crate::index_u32;
 use crate::intersection;
-use crate::mesh::index_u32;
 use robust::Coord;
 
 /// A position in the plane.
-pub(crate) type Point = [f64; 2];
+pub type Point = [f64; 2];
 
 /// Corners of the frame; they are the first vertices.
-pub(crate) const FRAME_CORNERS: usize = 4;
+pub const FRAME_CORNERS: usize = 4;
 /// No triangle: what is beyond the frame.
 const NONE: u32 = u32::MAX;
 /// Mark of an edge that must stay.
@@ -35,7 +35,7 @@ const INCIRCLE_BOUND: f64 = 1.110_223_024_625_157_7e-15;
 
 /// Why a point or an edge cannot be had.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Blocked {
+pub enum Blocked {
     /// The edge crosses another constraint.
     Crossing,
     /// The point is outside the frame.
@@ -46,7 +46,7 @@ pub(crate) enum Blocked {
 
 /// Where a point lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum PointLocation {
+pub enum PointLocation {
     /// Strictly within a triangle.
     Face(u32),
     /// On the edge of a triangle opposite its corner of that number.
@@ -119,7 +119,7 @@ struct Vertex {
 }
 
 /// The triangulation.
-pub(crate) struct Delaunay {
+pub struct Delaunay {
     vertices: Vec<Vertex>,
     triangles: Vec<Triangle>,
     /// Where the search for the next point starts: where the last one went.
@@ -132,7 +132,7 @@ pub(crate) struct Delaunay {
 
 impl Delaunay {
     /// An empty frame round `[west, south, east, north]`, with room for so many vertices.
-    pub(crate) fn new([west, south, east, north]: [f64; 4], vertex_count: usize) -> Self {
+    pub fn new([west, south, east, north]: [f64; 4], vertex_count: usize) -> Self {
         // As wide again on every side, so that no triangle between an outline and the frame is
         // much thinner than the outline itself makes it.
         let margin = (east - west).max(north - south).max(1.0);
@@ -170,7 +170,7 @@ impl Delaunay {
     /// Tells inside from outside: whether an odd number of constraints separates a triangle from the
     /// frame. To be called when all constraints are in; points that are inserted later keep it, so
     /// that the triangles need to be gone through only once.
-    pub(crate) fn find_inside(&mut self) {
+    pub fn find_inside(&mut self) {
         // Nothing is constrained at the frame, so the triangles there are outside.
         let outside = self.vertices[0].triangle;
         self.triangles[outside as usize].side = Side::Outside;
@@ -191,57 +191,59 @@ impl Delaunay {
     }
 
     /// Whether a triangle is inside, once [`Delaunay::find_inside`] has told.
-    pub(crate) fn is_inside(&self, triangle: u32) -> bool {
+    pub fn is_inside(&self, triangle: u32) -> bool {
         self.triangles[triangle as usize].side == Side::Inside
     }
 
     /// Those of the frame included.
-    pub(crate) fn vertex_count(&self) -> usize {
+    pub fn vertex_count(&self) -> usize {
         self.vertices.len()
     }
 
-    pub(crate) fn triangle_count(&self) -> usize {
+    /// Those at the frame included.
+    pub fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
 
-    pub(crate) fn point(&self, vertex: u32) -> Point {
+    /// Where a vertex is.
+    pub fn point(&self, vertex: u32) -> Point {
         self.vertices[vertex as usize].point
     }
 
     /// Corners of a triangle, counter-clockwise.
-    pub(crate) fn corners(&self, triangle: u32) -> [u32; 3] {
+    pub fn corners(&self, triangle: u32) -> [u32; 3] {
         self.triangles[triangle as usize].corners
     }
 
     /// Ends of the edge opposite corner `i`, the triangle on their left.
-    pub(crate) fn ends(&self, triangle: u32, i: usize) -> [u32; 2] {
+    pub fn ends(&self, triangle: u32, i: usize) -> [u32; 2] {
         let corners = self.triangles[triangle as usize].corners;
         [corners[AFTER[i]], corners[BEFORE[i]]]
     }
 
     /// The triangle across the edge opposite corner `i`; none beyond the frame.
-    pub(crate) fn neighbour(&self, triangle: u32, i: usize) -> Option<u32> {
+    pub fn neighbour(&self, triangle: u32, i: usize) -> Option<u32> {
         let neighbour = self.triangles[triangle as usize].neighbours[i];
         (neighbour != NONE).then_some(neighbour)
     }
 
     /// Whether the edge opposite corner `i` must stay.
-    pub(crate) fn is_constraint(&self, triangle: u32, i: usize) -> bool {
+    pub fn is_constraint(&self, triangle: u32, i: usize) -> bool {
         self.triangles[triangle as usize].marks[i] & CONSTRAINT != 0
     }
 
     /// Whether an odd number of constraints run along the edge opposite corner `i`.
-    pub(crate) fn is_odd(&self, triangle: u32, i: usize) -> bool {
+    pub fn is_odd(&self, triangle: u32, i: usize) -> bool {
         self.triangles[triangle as usize].marks[i] & ODD != 0
     }
 
     /// Whether a vertex lies on a constraint, between its ends.
-    pub(crate) fn has_touches(&self) -> bool {
+    pub fn has_touches(&self) -> bool {
         self.touches
     }
 
     /// Every edge once, as a triangle and the corner opposite.
-    pub(crate) fn edges(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
+    pub fn edges(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
         (0..).zip(&self.triangles).flat_map(|(index, triangle)| {
             let once = move |i: &usize| {
                 let neighbour = triangle.neighbours[*i];
@@ -252,7 +254,7 @@ impl Delaunay {
     }
 
     /// Every edge once that may be flipped, of triangles inside.
-    pub(crate) fn inner_edges(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
+    pub fn inner_edges(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
         let inside = (0..).zip(&self.triangles);
         let inside = inside.filter(|(_, triangle)| triangle.side == Side::Inside);
         inside.flat_map(|(index, triangle)| {
@@ -263,7 +265,7 @@ impl Delaunay {
     }
 
     /// Every edge once along which an odd number of constraints run.
-    pub(crate) fn odd_edges(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
+    pub fn odd_edges(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
         let marked = (0..).zip(&self.triangles);
         let marked = marked.filter(|(_, triangle)| triangle.marks != [0; 3]);
         marked.flat_map(|(index, triangle)| {
@@ -274,12 +276,12 @@ impl Delaunay {
     }
 
     /// Has the search for the next point start at a vertex.
-    pub(crate) fn start_at(&mut self, vertex: u32) {
+    pub fn start_at(&mut self, vertex: u32) {
         self.hint = self.vertices[vertex as usize].triangle;
     }
 
     /// Every edge at a vertex within the frame, as a triangle and the corner opposite.
-    pub(crate) fn edges_at(&self, vertex: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
+    pub fn edges_at(&self, vertex: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
         let mut fan = Some(Fan::new(self, vertex));
         std::iter::from_fn(move || {
             let here = fan?;
@@ -291,7 +293,7 @@ impl Delaunay {
 
     /// Finds a point, by a walk that turns at random where it may: in a constrained triangulation a
     /// walk by rule can go round for ever (Devillers, Pion & Teillaud 2002).
-    pub(crate) fn locate(&self, point: Point) -> PointLocation {
+    pub fn locate(&self, point: Point) -> PointLocation {
         let mut random = 0x9e37_79b9_u32;
         let (mut current, mut last) = (self.hint, NONE);
         'walk: loop {
@@ -334,7 +336,7 @@ impl Delaunay {
     ///
     /// # Errors
     /// [`Blocked::Outside`].
-    pub(crate) fn insert(&mut self, point: Point) -> Result<u32, Blocked> {
+    pub fn insert(&mut self, point: Point) -> Result<u32, Blocked> {
         let vertex = index_u32(self.vertices.len());
         match self.locate(point) {
             PointLocation::Vertex(known) => {
@@ -484,7 +486,7 @@ impl Delaunay {
     ///
     /// Ends, as by the first stage alone: each flip lowers the lifted triangulation. Of two triangles
     /// that an illegal edge lies between, the four corners are strictly convex.
-    pub(crate) fn legalise_exactly(&mut self, vertex: u32) -> Vec<u32> {
+    pub fn legalise_exactly(&mut self, vertex: u32) -> Vec<u32> {
         let across = |(triangle, i): (u32, usize)| self.ends(triangle, (i + 1) % 3);
         let mut waiting: Vec<[u32; 2]> = self.edges_at(vertex).map(across).collect();
         let mut made = Vec::new();
@@ -545,7 +547,7 @@ impl Delaunay {
     /// The edge between two vertices, as a triangle and the corner opposite; the end with fewer
     /// triangles if there is none. Both ends are searched in step: a vertex may have as many
     /// triangles as there are others.
-    pub(crate) fn edge_between(&self, a: u32, b: u32) -> Result<(u32, usize), u32> {
+    pub fn edge_between(&self, a: u32, b: u32) -> Result<(u32, usize), u32> {
         let mut fans = [(Fan::new(self, a), b), (Fan::new(self, b), a)];
         loop {
             for (fan, other) in &mut fans {

@@ -4,21 +4,21 @@
 //! Degrees for planar edges, unit normals for great ellipses. Planar decisions are exact
 //! (`robust::orient2d`); arcs cross only where rounding cannot feign it.
 
-use crate::edge::{Degrees, normal};
+use crate::{Degrees, normal};
 use glam::DVec3;
 
 /// Two edges, by index, the lower first, and where they cross.
-pub(crate) type Crossing = ([usize; 2], Degrees);
+pub type Crossing = ([usize; 2], Degrees);
 
 /// Coordinates below this are 0, since the exact predicates must not underflow. A billionth of an
 /// atom, in degrees of the Earth.
-pub(crate) const SMALLEST_COORDINATE_DEG: f64 = 1e-25;
+pub const SMALLEST_COORDINATE_DEG: f64 = 1e-25;
 
 /// Turns that two longitudes within ±540 can be apart, degrees.
 const TURNS_APART_DEG: [f64; 5] = [-720.0, -360.0, 0.0, 360.0, 720.0];
 
 /// A coordinate, or 0 below [`SMALLEST_COORDINATE_DEG`].
-pub(crate) fn without_underflow(coordinate: f64) -> f64 {
+pub fn without_underflow(coordinate: f64) -> f64 {
     if coordinate.abs() < SMALLEST_COORDINATE_DEG {
         0.0
     } else {
@@ -27,7 +27,7 @@ pub(crate) fn without_underflow(coordinate: f64) -> f64 {
 }
 
 /// Twice the area of a triangle, positive if it turns left; exact in its sign.
-pub(crate) fn orient(a: Degrees, b: Degrees, c: Degrees) -> f64 {
+pub fn orient(a: Degrees, b: Degrees, c: Degrees) -> f64 {
     let coord = |[x, y]: Degrees| robust::Coord { x, y };
     robust::orient2d(coord(a), coord(b), coord(c))
 }
@@ -36,7 +36,7 @@ pub(crate) fn orient(a: Degrees, b: Degrees, c: Degrees) -> f64 {
 ///
 /// Rounded, but into the box of either edge: a repair makes a vertex of it, which must not lie
 /// beyond a pole.
-pub(crate) fn planar_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degrees> {
+pub fn planar_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degrees> {
     let [a, b] = [a, b].map(|ends| ends.map(|end| end.map(without_underflow)));
     // Only the signs are exact. Their sizes, which say where, have the rounding of differences from the
     // third place: from an end of the edge itself they are as good as the edge is short.
@@ -54,12 +54,12 @@ pub(crate) fn planar_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degree
 }
 
 /// Where two arcs cross, each strictly between its ends and by more than rounding can feign.
-pub(crate) fn great_ellipse_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degrees> {
+pub fn great_ellipse_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degrees> {
     unit_arcs_crossing(a.map(normal), b.map(normal))
 }
 
 /// As [`great_ellipse_crossing`], by the normals at the ends.
-pub(crate) fn unit_arcs_crossing(a: [DVec3; 2], b: [DVec3; 2]) -> Option<Degrees> {
+pub fn unit_arcs_crossing(a: [DVec3; 2], b: [DVec3; 2]) -> Option<Degrees> {
     let off_b = a.map(|end| certain_side(b, end));
     let apart =
         opposite(off_b[0], off_b[1]) && opposite(certain_side(a, b[0]), certain_side(a, b[1]));
@@ -100,7 +100,7 @@ fn opposite(a: f64, b: f64) -> bool {
 
 /// Whether two planar edges of the file cross between their ends, whichever turn each was written
 /// in.
-pub(crate) fn edges_cross(a: [Degrees; 2], b: [Degrees; 2]) -> bool {
+pub fn edges_cross(a: [Degrees; 2], b: [Degrees; 2]) -> bool {
     TURNS_APART_DEG.into_iter().any(|turns_deg| {
         let b = b.map(|[x, y]| [x + turns_deg, y]);
         planar_crossing(a, b).is_some()

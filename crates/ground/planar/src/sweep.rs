@@ -6,8 +6,8 @@
 //! the order in which the line meets them only neighbours need to be compared (Shamos & Hoey 1976).
 //! Sides are decided exactly (`robust::orient2d`), so the order is right whatever touches.
 
-use crate::edge::{Degrees, in_order};
 use crate::intersection::{Crossing, orient, planar_crossing, without_underflow};
+use crate::{Degrees, in_order};
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::ops::Bound::{Excluded, Unbounded};
@@ -23,7 +23,7 @@ const MAX_SET_ASIDE: usize = 256;
 /// - returns: crossings, and whether these are all; `None` where more than 256 edges have to be set
 ///   aside for the others to cross nowhere
 /// - cost: O(n log n), and n for each edge set aside
-pub(crate) fn sweep_crossings(
+pub fn sweep_crossings(
     edges: &[[Degrees; 2]],
     crossing_at: &impl Fn(usize, usize) -> Option<Degrees>,
     most: usize,

@@ -9,12 +9,12 @@
 //! decided for all of them.
 
 use crate::edge::{Degrees, normal};
-use crate::mesh::index_u32;
 use crate::pieces::ANTIMERIDIAN_SNAP_DEG;
 use crate::{EdgeRule, Ellipsoid, Region, Ring};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
+use terrafill_planar::index_u32;
 
 /// Planar edges that span more longitude than this keep both ends, degrees: from there on two
 /// spellings of one place can mean two edges.

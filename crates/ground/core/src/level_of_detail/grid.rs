@@ -3,7 +3,7 @@
 
 use super::arcs::Vertex;
 use crate::edge::Degrees;
-use crate::mesh::index_u32;
+use terrafill_planar::index_u32;
 
 /// Cells per side at most: 2²² cells are 16 MB.
 const MAX_CELLS_A_SIDE: f64 = 2048.0;

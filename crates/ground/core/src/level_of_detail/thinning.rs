@@ -10,12 +10,12 @@ use super::grid::VertexGrid;
 use super::shared::SharedBoundaries;
 use crate::EdgeRule;
 use crate::edge::Degrees;
-use crate::intersection::orient;
-use crate::mesh::index_u32;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::cmp::{Ordering, Reverse};
 use std::collections::{BinaryHeap, HashSet};
+use terrafill_planar::index_u32;
+use terrafill_planar::intersection::orient;
 
 /// Vertices that every ring keeps.
 const FEWEST_VERTICES: u32 = 3;

@@ -2,9 +2,9 @@
 //! In which order an outline's corners and edges are inserted.
 
 use crate::edge::Degrees;
-use crate::intersection::without_underflow;
-use crate::mesh::index_u32;
 use crate::pieces::OutlineEdge;
+use terrafill_planar::index_u32;
+use terrafill_planar::intersection::without_underflow;
 
 /// Edges below which they are put in order by comparing them.
 const COUNTED_FROM: usize = 64;

@@ -11,7 +11,7 @@ impl Delaunay {
     ///
     /// # Errors
     /// [`Blocked::Crossing`] if it crosses another constraint; some of it may be in place then.
-    pub(crate) fn constrain(&mut self, from: u32, to: u32) -> Result<(), Blocked> {
+    pub fn constrain(&mut self, from: u32, to: u32) -> Result<(), Blocked> {
         let (mut from, mut to) = (from, to);
         while from != to {
             let next = match self.edge_between(from, to) {
