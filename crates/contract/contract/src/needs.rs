@@ -155,10 +155,10 @@ impl Needs {
             ("pipelines", self.pipelines(), self.made.pipeline_creations),
         ];
         let differing = sums.iter().filter(|(_, held, made)| held != made);
-        let told: Vec<String> = differing
+        let messages: Vec<String> = differing
             .map(|(what, held, made)| format!("{held} {what} are declared, {made} were made"))
             .collect();
-        (!told.is_empty()).then(|| told.join("; "))
+        (!messages.is_empty()).then(|| messages.join("; "))
     }
 }
 

@@ -162,18 +162,18 @@ impl<T: DeserializeOwned + Tested> Paper<T> {
 
 fn problem<T: Tested>(claimed: &Claimed<T>, earlier: &[Claimed<T>]) -> Option<&'static str> {
     let is_factor = matches!(claimed.test.expects(), Some(Claim::Factor { .. }));
-    let is_told_again = || {
+    let is_repeated = || {
         let is_same =
             |other: &Claimed<T>| (&other.words, &other.place) == (&claimed.words, &claimed.place);
         earlier.iter().any(is_same)
     };
     match claimed.test.cannot() {
         _ if claimed.words.is_empty() => Some("has no words"),
-        _ if is_told_again() => Some("stands here twice"),
+        _ if is_repeated() => Some("stands here twice"),
         Some("") => Some("cannot be tested and does not say why"),
         Some(_) if !claimed.experiment.is_empty() => Some("cannot be tested and has an experiment"),
         None if claimed.experiment.is_empty() => {
-            Some("is tested by an experiment that is not told")
+            Some("is tested by an experiment that is not described")
         }
         None if is_factor && claimed.tolerance.is_empty() => {
             Some("is of a factor and does not say why its tolerance is as wide as it is")
@@ -226,22 +226,22 @@ impl<T> Paper<T> {
     /// What a run says of each claim, in order, with what explains it or the command that would measure it.
     ///
     /// - `study`: that tests the claims
-    pub fn tell(
+    pub fn answers(
         &self,
         environment: &RunEnvironment,
         study: &str,
-        told: impl Fn(&T) -> ClaimAnswer,
+        answer: impl Fn(&T) -> ClaimAnswer,
     ) -> Vec<ClaimAnswer> {
         let command = full_command(environment, study);
         let all = self.claims.iter().map(|claimed| {
-            let told = told(&claimed.test);
-            let reason = match told.standing {
+            let answer = answer(&claimed.test);
+            let reason = match answer.standing {
                 Standing::NotMeasured => {
-                    sentences([told.reason.as_str(), &format!("To measure it: {command}")])
+                    sentences([answer.reason.as_str(), &format!("To measure it: {command}")])
                 }
-                _ => sentences([&claimed.because, &told.reason]),
+                _ => sentences([&claimed.because, &answer.reason]),
             };
-            ClaimAnswer { reason, ..told }
+            ClaimAnswer { reason, ..answer }
         });
         all.collect()
     }
@@ -249,23 +249,23 @@ impl<T> Paper<T> {
 
 /// A section with the table of claims, and how many of them ended how; nothing for a run that measured none.
 ///
-/// - `told`: one for each claim of the paper
+/// - `answers`: one for each claim of the paper
 /// - `bound`: what is taken as no difference, in a sentence
 #[must_use]
 pub fn claims_blocks<T: Tested>(
     title: &str,
     paper: &Paper<T>,
-    told: &[ClaimAnswer],
+    answers: &[ClaimAnswer],
     bound: &str,
 ) -> Vec<Block> {
-    let rows = || paper.claims.iter().zip(told);
+    let rows = || paper.claims.iter().zip(answers);
     vec![
         Block::section(title),
         Block::Text(format!(
             "Every claim of {}, quoted to the letter, in the document's order. {} {bound} {}",
             paper.source,
             paper.remark,
-            tally(paper, told)
+            tally(paper, answers)
         )),
         Block::Table(Table {
             headings: [
@@ -279,20 +279,22 @@ pub fn claims_blocks<T: Tested>(
             ]
             .map(Heading::plain)
             .into(),
-            rows: rows().map(|(claimed, told)| row(claimed, told)).collect(),
+            rows: rows()
+                .map(|(claimed, answer)| row(claimed, answer))
+                .collect(),
             layout: TableLayout::Cards,
             ..Table::default()
         }),
     ]
 }
 
-fn row<T>(claimed: &Claimed<T>, told: &ClaimAnswer) -> Row {
+fn row<T>(claimed: &Claimed<T>, answer: &ClaimAnswer) -> Row {
     let or_absent = |text: &str, why: &str| match text {
         "" => Cell::absent(why),
         text => Cell::name(text),
     };
-    let cannot = match told.standing {
-        Standing::CannotBeTested | Standing::NotMeasured => told.reason.as_str(),
+    let cannot = match answer.standing {
+        Standing::CannotBeTested | Standing::NotMeasured => answer.reason.as_str(),
         _ => "none",
     };
     let figure = or_absent(&claimed.figure, "the document's text has none");
@@ -307,26 +309,26 @@ fn row<T>(claimed: &Claimed<T>, told: &ClaimAnswer) -> Row {
             ..figure
         },
         or_absent(&claimed.experiment, cannot),
-        or_absent(&told.ours, cannot),
+        or_absent(&answer.ours, cannot),
         Cell {
-            class: match told.standing {
+            class: match answer.standing {
                 Standing::Holds => CellClass::Good,
                 Standing::DoesNotHold => CellClass::Bad,
                 _ => CellClass::Plain,
             },
-            ..Cell::plain(told.standing.name())
+            ..Cell::plain(answer.standing.name())
         },
-        Cell::name(&told.reason),
+        Cell::name(&answer.reason),
     ])
 }
 
-fn tally<T>(paper: &Paper<T>, told: &[ClaimAnswer]) -> String {
+fn tally<T>(paper: &Paper<T>, answers: &[ClaimAnswer]) -> String {
     let bases = Basis::ALL.map(|basis| {
         let of_basis = paper.claims.iter().filter(|claimed| claimed.basis == basis);
         format!("{} {}", of_basis.count(), basis.name())
     });
     let verdicts = Standing::ALL.map(|standing| {
-        let ended = told.iter().filter(|told| told.standing == standing);
+        let ended = answers.iter().filter(|answer| answer.standing == standing);
         format!("{}: {}", standing.name(), ended.count())
     });
     format!(
@@ -343,7 +345,7 @@ fn tally<T>(paper: &Paper<T>, told: &[ClaimAnswer]) -> String {
 /// [`ChapterError`] when it cannot be written.
 pub fn claims_table<T>(
     paper: &Paper<T>,
-    told: &[ClaimAnswer],
+    answers: &[ClaimAnswer],
 ) -> Result<DerivedTable, ChapterError> {
     let header = [
         "words",
@@ -355,16 +357,16 @@ pub fn claims_table<T>(
         "verdict",
         "reason",
     ];
-    let rows = paper.claims.iter().zip(told).map(|(claimed, told)| {
+    let rows = paper.claims.iter().zip(answers).map(|(claimed, answer)| {
         vec![
             claimed.words.clone(),
             claimed.place.clone(),
             claimed.basis.name().to_owned(),
             claimed.figure.clone(),
             claimed.experiment.clone(),
-            told.ours.clone(),
-            told.standing.name().to_owned(),
-            told.reason.clone(),
+            answer.ours.clone(),
+            answer.standing.name().to_owned(),
+            answer.reason.clone(),
         ]
     });
     DerivedTable::new("claims.csv", &header, rows)
@@ -423,7 +425,7 @@ mod tests {
             (&[FASTER, FASTER], "stands here twice"),
             (
                 &[&FASTER.replace("experiment = 'time'\n", "")],
-                "is not told",
+                "is not described",
             ),
             (
                 &[&UNTESTED.replace("no figure says so", "")],
@@ -444,22 +446,22 @@ mod tests {
     #[test]
     fn an_answer_is_of_all_views_and_what_was_not_measured_says_how() {
         let paper = parsed(&[FASTER, UNTESTED]).expect("two claims");
-        let tell = |views: &[(&str, Standing)]| {
-            let told = |test: &Test| match test {
+        let answers_of = |views: &[(&str, Standing)]| {
+            let answer = |test: &Test| match test {
                 Test::No(why) => ClaimAnswer::unanswered(Standing::CannotBeTested, why),
                 Test::Ratio(_) => {
                     let views = views.iter().map(|(text, of)| ((*text).to_owned(), *of));
                     ClaimAnswer::of_views(views.collect(), "fewer draws".to_owned())
                 }
             };
-            paper.tell(&RunEnvironment::default(), "study", told)
+            paper.answers(&RunEnvironment::default(), "study", answer)
         };
-        let told = tell(&[
+        let answers = answers_of(&[
             ("globe 2 ×", Standing::Holds),
             ("horizon 3 ×", Standing::Holds),
         ]);
-        let [faster, nice] = &told[..] else {
-            panic!("one for each claim: {told:?}");
+        let [faster, nice] = &answers[..] else {
+            panic!("one for each claim: {answers:?}");
         };
         assert_eq!(faster.ours, "globe 2 ×; horizon 3 ×");
         assert_eq!(
@@ -468,18 +470,18 @@ mod tests {
         );
         assert_eq!(nice.reason, "no figure says so");
         // Negative controls: one view that does not hold, and none at all.
-        let told = tell(&[("a", Standing::Holds), ("b", Standing::DoesNotHold)]);
-        assert_eq!(told[0].standing, Standing::DoesNotHold);
-        let told = tell(&[]);
-        assert_eq!(told[0].standing, Standing::NotMeasured);
+        let answers = answers_of(&[("a", Standing::Holds), ("b", Standing::DoesNotHold)]);
+        assert_eq!(answers[0].standing, Standing::DoesNotHold);
+        let answers = answers_of(&[]);
+        assert_eq!(answers[0].standing, Standing::NotMeasured);
         let how = "its rows are not in this run. To measure it: terrafill bench --study study";
-        assert!(told[0].reason.starts_with(how), "{}", told[0].reason);
+        assert!(answers[0].reason.starts_with(how), "{}", answers[0].reason);
     }
 
     #[test]
     fn every_claim_has_its_row_and_every_verdict_is_counted() {
         let paper = parsed(&[FASTER, UNTESTED]).expect("two claims");
-        let told = [
+        let answers = [
             ClaimAnswer {
                 ours: "1.01 ×".to_owned(),
                 standing: Standing::NoDifference,
@@ -491,7 +493,7 @@ mod tests {
                 reason: "no figure says so".to_owned(),
             },
         ];
-        let blocks = claims_blocks("Claims", &paper, &told, "Less than 1 % is none.");
+        let blocks = claims_blocks("Claims", &paper, &answers, "Less than 1 % is none.");
         let [_, Block::Text(text), Block::Table(table)] = &blocks[..] else {
             panic!("a heading, a text and a table: {blocks:?}");
         };
@@ -506,7 +508,7 @@ mod tests {
             (absent.class, absent.title.as_str()),
             (CellClass::Absent, "no figure says so")
         );
-        let table = claims_table(&paper, &told).expect("a table");
+        let table = claims_table(&paper, &answers).expect("a table");
         assert!(
             table
                 .text

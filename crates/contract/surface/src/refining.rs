@@ -77,12 +77,12 @@ impl InBackground {
     #[must_use]
     pub fn start(surface: Arc<dyn Surface>) -> Self {
         let is_over = Arc::new(AtomicBool::new(false));
-        let told = Arc::clone(&is_over);
+        let is_over_there = Arc::clone(&is_over);
         let thread = std::thread::spawn(move || {
             let Some(refining) = surface.refining() else {
                 return;
             };
-            while !told.load(Ordering::Relaxed) {
+            while !is_over_there.load(Ordering::Relaxed) {
                 // One by one, so that a new frame's wishes are heard soon.
                 if refining.refine(1) == 0 {
                     std::thread::sleep(REST);

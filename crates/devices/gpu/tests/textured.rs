@@ -540,13 +540,13 @@ fn the_chosen_route_is_within_tolerance_wherever_the_region_lies() {
         let plan = plan_of(&sight.input, "chosen");
         let drawn = draw(&gpu, &sight.input, &plan).expect("draws");
         let errors = Errors::of(&sight, &drawn);
-        let told = format!("{}: {} {errors:?}", sight.name, plan.note());
-        eprintln!("{told}");
+        let message = format!("{}: {} {errors:?}", sight.name, plan.note());
+        eprintln!("{message}");
         let surface = drawn.depth.iter().filter(|&&depth| depth > 0.0).count();
-        assert_eq!(errors.pixels, surface, "{told}");
-        assert!(errors.compared > surface / 10, "{told}");
-        assert!(errors.is_within(), "{told}");
-        assert!(errors.level_max <= 0.01, "{told}");
+        assert_eq!(errors.pixels, surface, "{message}");
+        assert!(errors.compared > surface / 10, "{message}");
+        assert!(errors.is_within(), "{message}");
+        assert!(errors.level_max <= 0.01, "{message}");
     }
 }
 
@@ -674,19 +674,19 @@ fn a_magnified_region_looks_the_same_without_looking_for_levels() {
         assert_eq!(said.probed, other.probed);
         let places = said.probed.iter().flatten().map(|probed| probed.place);
         let largest = places.fold(0.0, |largest: f64, at| largest.max(at.footprint_texels));
-        let told = format!("{height_m} m, {pitch_deg}°: {largest} texels");
-        eprintln!("{told}, magnified: {is_magnified}");
+        let message = format!("{height_m} m, {pitch_deg}°: {largest} texels");
+        eprintln!("{message}, magnified: {is_magnified}");
         kinds[usize::from(is_magnified)] += 1;
         if is_magnified {
-            assert!(largest < 1.0, "{told}");
-            assert_eq!(said.rgba, other.rgba, "{told}");
+            assert!(largest < 1.0, "{message}");
+            assert_eq!(said.rgba, other.rgba, "{message}");
         } else if largest > 2.0 {
             // Negative control: level 0 where a pixel spans more than its texels shows.
-            assert_ne!(said.rgba, other.rgba, "{told}");
+            assert_ne!(said.rgba, other.rgba, "{message}");
         }
         // The bound says so of what is looked at from straight above, well before it is so.
         let is_plain = pitch_deg == -90.0 && largest < 0.5;
-        assert!(is_magnified || !is_plain, "{told}");
+        assert!(is_magnified || !is_plain, "{message}");
     }
     assert!(kinds.iter().all(|&count| count >= 2), "{kinds:?}");
 }
@@ -903,7 +903,7 @@ fn a_second_view_of_as_many_regions_makes_nothing_and_writes_what_changed() {
     };
     fill.ensure(&gpu, another, CoverPurpose::Colour, &[0]);
     assert_eq!((gpu.work_done() - before).pipeline_creations, 1);
-    // Negative control: what the pipeline has to be told makes another one.
+    // Negative control: what the pipeline is given makes another one.
     let masked = StencilTest {
         read_mask: EVERYWHERE.read_mask ^ 1,
         ..EVERYWHERE

@@ -259,7 +259,7 @@ fn assert_as_reported(body: &Ellipsoid) {
                 let walls = Walls::of_mesh(body, &mesh);
                 let measured_m = largest_m(body, rule, &region, &walls);
                 let reported_m = mesh.boundary_deviation_m;
-                let told = format!(
+                let message = format!(
                     "{}, {}, {name}, {tolerance_m} m: measured {measured_m} m, reported \
                      {reported_m} m",
                     body.name(),
@@ -267,12 +267,12 @@ fn assert_as_reported(body: &Ellipsoid) {
                 );
                 // Of ECEF coordinates, and what the search for the foot leaves.
                 let rounding_m = 2e-13 * body.equatorial_radius_m();
-                assert!(measured_m <= tolerance_m, "{told}");
+                assert!(measured_m <= tolerance_m, "{message}");
                 assert!(
                     reported_m >= measured_m * (1.0 - 1e-3) - rounding_m,
-                    "{told}"
+                    "{message}"
                 );
-                assert!(reported_m <= measured_m * 1.05 + rounding_m, "{told}");
+                assert!(reported_m <= measured_m * 1.05 + rounding_m, "{message}");
                 assert_same_length(body, rule, &region, &walls);
                 closest_to_tolerance = closest_to_tolerance.max(measured_m / tolerance_m);
             }

@@ -25,7 +25,7 @@ fn inputs(folder: &Path) -> Vec<PathBuf> {
     paths
 }
 
-/// Runs every file below `root`; the finds, told with their file.
+/// Runs every file below `root`; the finds, with their file.
 fn replay(root: &Path, target: &str, check: Check, reached: &mut Reached) -> Vec<String> {
     let mut finds = Vec::new();
     for kind in ["seeds", "regressions"] {
@@ -302,12 +302,12 @@ fn a_refusal_without_a_reason_is_found_out() {
             rule,
             ..bow_tie.clone()
         };
-        let mut told = refused(&bow_tie);
-        assert_eq!(find(&bow_tie, &Err(told.clone())), Ok(()));
-        if let MeshError::SelfCrossing { latitude_deg, .. } = &mut told {
+        let mut error = refused(&bow_tie);
+        assert_eq!(find(&bow_tie, &Err(error.clone())), Ok(()));
+        if let MeshError::SelfCrossing { latitude_deg, .. } = &mut error {
             *latitude_deg += 1e-8;
         }
-        let said = find(&bow_tie, &Err(told)).expect_err("is not there");
+        let said = find(&bow_tie, &Err(error)).expect_err("is not there");
         assert!(said.contains("° from the edge"), "{said}");
     }
     let mut repaired = bow_tie.clone();

@@ -209,11 +209,11 @@ impl ViewGroup {
 
 /// The cases of `scene` seen by `view`.
 ///
-/// - `told`: how many regions the scene has, in the view that tells the bytes of its layouts
+/// - `memory_regions`: how many regions the scene has, in the view whose cases give the bytes of its layouts
 pub(crate) fn view_group(
     scene: &Arc<Scene>,
     view: &View,
-    told: Option<usize>,
+    memory_regions: Option<usize>,
     wishes: &Wishes,
 ) -> ViewGroup {
     let mut builder = Builder {
@@ -229,7 +229,7 @@ pub(crate) fn view_group(
         }
     } else {
         builder.add_all();
-        if let Some(regions) = told {
+        if let Some(regions) = memory_regions {
             builder.add_memory(regions);
         }
     }
@@ -323,7 +323,7 @@ impl Builder<'_> {
         let (scene, wishes) = (self.scene, self.wishes);
         let techniques = wishes.techniques.iter();
         // One technique says what a view needs; a full run says it of all.
-        let told = if wishes.is_full() { usize::MAX } else { 1 };
+        let count = if wishes.is_full() { usize::MAX } else { 1 };
         let ablations = techniques.map(|technique| {
             let has_picture = scene.texture.is_some();
             (
@@ -332,7 +332,7 @@ impl Builder<'_> {
             )
         });
         let ablations = ablations.filter(|(_, steps)| !steps.is_empty());
-        for (technique, mut steps) in ablations.take(told) {
+        for (technique, mut steps) in ablations.take(count) {
             let has_ablation = wishes.wants_ablation(&scene.name);
             let frames = if has_ablation { wishes.few_frames() } else { 0 };
             if !has_ablation {

@@ -57,8 +57,8 @@ pub(crate) fn plan_scenes(
                         let views = scene.views.iter().enumerate();
                         groups.extend(views.map(|(index, view)| {
                             let is_last = index + 1 == scene.views.len();
-                            let told = is_last.then_some(regions);
-                            view_group(&scene, view, told, wishes)
+                            let memory_regions = is_last.then_some(regions);
+                            view_group(&scene, view, memory_regions, wishes)
                         }));
                     }
                     Err(error) => errors.push(error.to_string()),

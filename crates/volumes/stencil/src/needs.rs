@@ -129,7 +129,7 @@ pub(crate) fn needs_of(
     (meshes, bottoms): (&HeldMeshes, &BottomCaps),
     (holdings, made): (&[Holding], WorkDone),
 ) -> Needs {
-    let told = NeedReasons {
+    let reasons = NeedReasons {
         input,
         switches,
         uses,
@@ -151,7 +151,7 @@ pub(crate) fn needs_of(
             need.pipelines += held.pipelines;
             need.spared_bytes += held.spared_bytes;
         }
-        told.tell(need)
+        reasons.explain(need)
     };
     Needs {
         list: Feature::ALL.iter().map(need).collect(),
@@ -170,7 +170,7 @@ struct NeedReasons<'a> {
 
 impl NeedReasons<'_> {
     /// Completes a feature whose bytes and pipelines are known.
-    fn tell(&self, mut need: Need) -> Need {
+    fn explain(&self, mut need: Need) -> Need {
         let exists = need.bytes > 0 || need.pipelines > 0;
         let (is_used, reason) = self.used(&need, exists);
         need.is_held = exists || is_used;
@@ -204,12 +204,12 @@ impl NeedReasons<'_> {
             Feature::BottomCaps => self.bottom_caps(need),
             Feature::RegionConstants => (true, format!("of the {drawn} regions drawn")),
             Feature::Expansion => {
-                let told = if exists {
+                let reason = if exists {
                     "volumes are made on the device from these"
                 } else {
                     "volumes are stored, none is made on the device"
                 };
-                (exists, told.to_owned())
+                (exists, reason.to_owned())
             }
             Feature::CountBehind => (uses.behind > 0, self.count_behind()),
             Feature::CountBefore => (uses.before > 0, self.count_before()),
@@ -272,12 +272,12 @@ impl NeedReasons<'_> {
                 false => (false, "nothing reads depth".to_owned()),
             },
             Feature::Measuring => {
-                let told = if exists {
+                let reason = if exists {
                     "fragments were counted or texels probed"
                 } else {
                     "neither fragments were counted nor texels probed"
                 };
-                (exists, told.to_owned())
+                (exists, reason.to_owned())
             }
             Feature::NearPlaneTest => self.near_plane_test(),
             Feature::FrustumCulling

@@ -109,12 +109,12 @@ impl<'r, 'a> Evidence<'r, 'a> {
         let vertices = |case: &Case| case.value(VERTICES);
         let own = self.of_views(step);
         let own = own.filter_map(|ablation| ablation.step(&step.name));
-        let telling = own.filter(|measured| match step.only {
+        let left = own.filter(|measured| match step.only {
             Only::Any => true,
             Only::AllInSight => measured.case.value(REGIONS_LEFT_OUT) == Some(0.0),
             Only::WhereItActs => measured.before.and_then(vertices) != vertices(measured.case),
         });
-        telling.collect()
+        left.collect()
     }
 
     /// Each case of a rival with that of volumes of the same view.
@@ -259,7 +259,7 @@ impl<'r, 'a> Evidence<'r, 'a> {
     }
 
     /// What the run says of a claim.
-    fn told(&self, test: &Test) -> ClaimAnswer {
+    fn answer(&self, test: &Test) -> ClaimAnswer {
         let views = match test {
             Test::Ratio(ratio) => return self.ratio(ratio),
             Test::SecondPass(step) => return second_pass(&self.steps(step)),
@@ -316,14 +316,14 @@ impl<'r, 'a> Evidence<'r, 'a> {
                 own.map(|case| (title(case), case)).collect()
             }
         };
-        let told = |(title, case): (String, &'a Case)| {
+        let picture = |(title, case): (String, &'a Case)| {
             let px = or_dash(outside_band(case).map(digits));
             let shift = case.value(WALL_SHIFT_M).map(significant);
             let shift = shift.map(|shift| format!(", walls off by up to {shift} m"));
             let shift = shift.unwrap_or_default();
             (format!("{title}: {px} px outside the band{shift}"), case)
         };
-        pictured.into_iter().map(told).collect()
+        pictured.into_iter().map(picture).collect()
     }
 
     fn largest_gain(&self, step: &Step) -> Views {
@@ -486,14 +486,14 @@ fn second_pass(steps: &[&AblationStep<'_>]) -> ClaimAnswer {
 /// What the run says of each claim, in order.
 fn all(data: &Data<'_>, ablations: &[Ablation<'_>]) -> Vec<ClaimAnswer> {
     let evidence = Evidence::new(data, ablations);
-    PAPER.tell(&data.run.environment, STUDY, |test| evidence.told(test))
+    PAPER.answers(&data.run.environment, STUDY, |test| evidence.answer(test))
 }
 
 /// The table, and how many claims ended how; nothing for a run that measured none of it.
 pub(super) fn blocks(data: &Data<'_>, ablations: &[Ablation<'_>]) -> Vec<Block> {
     let all = all(data, ablations);
-    let is_measured = |(claimed, told): (&Claimed<Test>, &ClaimAnswer)| {
-        told.standing != Standing::NotMeasured
+    let is_measured = |(claimed, answer): (&Claimed<Test>, &ClaimAnswer)| {
+        answer.standing != Standing::NotMeasured
             && !matches!(claimed.test, Test::Sum { .. } | Test::No(_))
     };
     if !PAPER.claims.iter().zip(&all).any(is_measured) {

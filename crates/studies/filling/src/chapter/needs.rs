@@ -110,14 +110,14 @@ fn disagreement(case: &Case) -> Option<String> {
 
 /// One row for each feature, and for each group of views of which the same is said.
 fn features(technique: &str, needed: &[&Case]) -> Table {
-    let told = || {
+    let said = || {
         let needed = needed.iter();
         needed.map(|case| (case.condition(VIEW), case.features()))
     };
     let names =
-        distinct(told().flat_map(|(_, features)| features.iter().map(|of| of.feature.as_str())));
+        distinct(said().flat_map(|(_, features)| features.iter().map(|of| of.feature.as_str())));
     let of_name = |name: &str| {
-        let own = told().filter_map(|(view, features)| {
+        let own = said().filter_map(|(view, features)| {
             let found = features.iter().find(|of| of.feature == name)?;
             Some((found, view))
         });

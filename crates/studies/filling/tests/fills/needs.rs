@@ -99,13 +99,13 @@ fn stores_bottoms(technique: &Technique) -> bool {
     }
 }
 
-fn told(backend: &dyn FillBackend, input: &FillInput) -> Needs {
+fn needs_of(backend: &dyn FillBackend, input: &FillInput) -> Needs {
     let needs = backend.needs(input).expect("prepared");
     needs.expect("volumes say what they hold")
 }
 
 fn need(needs: &Needs, feature: Feature) -> &Need {
-    needs.of(feature).expect("every feature is told of")
+    needs.of(feature).expect("every feature is listed")
 }
 
 /// A record, and what the device itself counted while the backend was opened, prepared and drawn.
@@ -128,7 +128,7 @@ fn record(
     let before = done();
     let mut backend = targets.open(technique);
     backend.prepare(input).expect("fits");
-    let needs = told(&*backend, input);
+    let needs = needs_of(&*backend, input);
     (needs, done() - before)
 }
 
@@ -398,7 +398,7 @@ fn views_in_turn_show_what_a_backend_of_their_own_shows() {
             assert_eq!(differing(&frame, &alone), 0, "{name}, view {index}");
             let is_filled = frame.filled_px() > 100;
             assert_eq!(is_filled, index != 2, "{name}, view {index}");
-            let needs = told(&*backend, input);
+            let needs = needs_of(&*backend, input);
             let bottoms = need(&needs, Feature::BottomCaps);
             let drawn = counters(&frame);
             match index {
@@ -443,7 +443,7 @@ fn every_step_from_everything_to_what_is_needed_shows_the_same() {
                 let input = input.expect("a surface");
                 let mut backend = technique.open(&targets, &step.variant).expect("opens");
                 let frame = draw_with(&mut *backend, &input);
-                let needs = told(&*backend, &input);
+                let needs = needs_of(&*backend, &input);
                 assert_eq!(
                     needs.undeclared(),
                     None,

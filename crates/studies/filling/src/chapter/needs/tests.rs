@@ -8,14 +8,14 @@ use terrafill_results::{Chapter as _, Row, RunEnvironment, Standing};
 
 const PROCESSES: [f64; 4] = [1.0, 1.1, 0.9, 1.05];
 
-fn told(feature: &str, bytes: u64, pipelines: u64) -> CaseFeature {
+fn feature(name: &str, bytes: u64, pipelines: u64) -> CaseFeature {
     CaseFeature {
-        feature: feature.to_owned(),
+        feature: name.to_owned(),
         is_held: bytes + pipelines > 0,
         bytes,
         spared_bytes: if bytes == 0 { 64 } else { 0 },
         pipelines,
-        reason: format!("{} because of {bytes}", feature),
+        reason: format!("{name} because of {bytes}"),
     }
 }
 
@@ -71,14 +71,14 @@ fn run() -> MadeUpRun {
     );
     run.case(depth_pass).timed("fill_cpu_ms", &PROCESSES);
     let everything = [
-        told("bottom caps", 300, 0),
-        told("walls", 100, 0),
-        told("count behind", 0, 2),
+        feature("bottom caps", 300, 0),
+        feature("walls", 100, 0),
+        feature("count behind", 0, 2),
     ];
     let needed = [
-        told("bottom caps", 0, 0),
-        told("walls", 100, 0),
-        told("count behind", 0, 0),
+        feature("bottom caps", 0, 0),
+        feature("walls", 100, 0),
+        feature("count behind", 0, 0),
     ];
     let step = |number, step| {
         [
