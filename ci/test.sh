@@ -101,6 +101,8 @@ cargo clippy --workspace --all-targets --locked -- -D warnings
 
 section "dependencies, cycles, data, keys, lines, shaders"
 cargo xtask check-deps
+# The fuzz targets are a workspace of their own, with a lock file of its own.
+cargo metadata --locked --manifest-path crates/ground/core/fuzz/Cargo.toml --format-version 1 >/dev/null
 cargo xtask check-cycles
 cargo xtask check-data-tests
 cargo xtask check-docs
