@@ -28,7 +28,7 @@ pub use fronts::{FrontPanel, FrontPoint, Fronts};
 pub use palette::{Palette, dark_rules};
 pub use panels::{Arrangement, named_aside, panels};
 pub use processes::{DOTS_FACTOR, TWO_GROUPS, dotted};
-pub use ratio::{RatioAxis, RatioGroup, RatioPlot, RatioRow};
+pub use ratio::{DOTS_OF_PROCESSES, RatioAxis, RatioGroup, RatioPlot, RatioRow};
 pub use scale::length;
 pub use sparkline::Sparkline;
 pub use steps::{Step, Steps};

@@ -143,12 +143,18 @@ impl Palette {
         )
     }
 
-    /// How `series` is drawn. Curves repeat from the 85th on; a name that is not in the palette is
-    /// drawn like what stands before its first comma, or like the first.
-    pub(crate) fn stroke(&self, series: &str) -> Stroke {
+    /// Where `series` stands. A name that is not in the palette stands where what is before its first comma does, or
+    /// first.
+    #[must_use]
+    pub fn place(&self, series: &str) -> usize {
         let place = |wanted: &str| self.series.iter().position(|name| name == wanted);
         let plain = series.split(',').next().unwrap_or_default();
-        let index = place(series).or_else(|| place(plain)).unwrap_or_default();
+        place(series).or_else(|| place(plain)).unwrap_or_default()
+    }
+
+    /// How `series` is drawn. Curves repeat from the 85th on.
+    pub(crate) fn stroke(&self, series: &str) -> Stroke {
+        let index = self.place(series);
         Stroke {
             colour: HUES[index % HUES.len()][0],
             marker: MARKERS[index % MARKERS.len()],

@@ -25,6 +25,9 @@ const VALUE_COLUMN_PX: f64 = 210.0;
 /// Seen, and no obstacle to what is drawn on it.
 const TIE_OPACITY: f64 = 0.09;
 
+/// What dots are where each is one process's.
+pub const DOTS_OF_PROCESSES: &str = "small dots: one for each process";
+
 /// What an axis of ratios says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RatioAxis<'a> {
@@ -41,6 +44,8 @@ pub struct RatioPlot<'a> {
     pub title: String,
     /// What the axis says.
     pub axis: RatioAxis<'a>,
+    /// What small dots are, below the axis.
+    pub dots: &'a str,
     /// Shaded: ratios from one over this factor to the factor, which are ties.
     pub tie_factor: Option<f64>,
     /// Top to bottom.
@@ -67,7 +72,7 @@ pub struct RatioRow {
     pub series: String,
     /// The ratio with its whisker, or why there is none.
     pub ratio: Result<Spread, String>,
-    /// The ratio of each process; empty where they are not known.
+    /// The ratio of each process, or of each of what else the row is of; empty where they are not known.
     pub processes: Vec<f64>,
     /// At the right of a row with a ratio, behind it; empty for nothing.
     pub value: String,
@@ -103,11 +108,7 @@ impl RatioPlot<'_> {
             }
             frame.draw(canvas)?;
             if rows().any(|row| !row.processes.is_empty()) {
-                frame.draw_value(
-                    canvas,
-                    "small dots: one for each process",
-                    frame.bottom + 34.0,
-                )?;
+                frame.draw_value(canvas, self.dots, frame.bottom + 34.0)?;
             }
             let mut y = TOP_PX + ROW_PX * 0.5;
             for group in &self.groups {
@@ -311,6 +312,7 @@ mod tests {
         RatioPlot {
             title: "ratios \"quoted\"".to_owned(),
             axis: AXIS,
+            dots: DOTS_OF_PROCESSES,
             tie_factor: Some(1.1),
             groups: vec![RatioGroup {
                 name: "globe".to_owned(),

@@ -130,6 +130,8 @@ pub enum Block {
         /// Its words.
         text: String,
     },
+    /// The answer, before anything else.
+    Lead(String),
     /// A paragraph.
     Text(String),
     /// A remark in small print, such as what a figure leaves out.

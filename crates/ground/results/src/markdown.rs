@@ -16,7 +16,9 @@ pub fn markdown(blocks: &[Block]) -> String {
             Block::Heading { level, text } => {
                 format!("{} {}\n", "#".repeat(usize::from(*level)), escaped(text))
             }
-            Block::Text(words) | Block::Remark(words) => format!("{}\n", escaped(words)),
+            Block::Lead(words) | Block::Text(words) | Block::Remark(words) => {
+                format!("{}\n", escaped(words))
+            }
             Block::Alarm(words) => format!("**{}**\n", escaped(words)),
             Block::List(items) => markdown_list(items),
             Block::Table(table) => markdown_table(table),

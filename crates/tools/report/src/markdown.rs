@@ -36,6 +36,7 @@ pub(crate) fn chapter(text: &mut String, title: &str, blocks: &[Block]) {
                 continue;
             }
             Block::Finding(finding) => markdown_finding(finding),
+            Block::Lead(answer) => format!("\n{}\n", escaped(answer)),
             Block::Table(main) if main.is_main => format!("\n{}", markdown_table(main)),
             _ => continue,
         };

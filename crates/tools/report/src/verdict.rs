@@ -173,10 +173,10 @@ pub(crate) fn sentences(run: &Run, counts: &Counts, noise: &[StudyNoise]) -> Sen
         "{}: {} right, {} wrong{}, {} skipped, {} failed, {} missing{}.",
         plural(total, "case"),
         count(counts.ok as u64),
-        count(counts.wrong as u64),
+        count((counts.wrong - counts.wrong_as_result) as u64),
         match counts.wrong_as_result {
             0 => String::new(),
-            some => format!(" ({some} of them where the error is the question)"),
+            some => format!(", {some} wrong whose error is what is measured"),
         },
         count(counts.skipped as u64),
         count(counts.failed as u64),

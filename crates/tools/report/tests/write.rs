@@ -267,7 +267,7 @@ fn a_wrong_answer_that_is_the_question_does_not_spoil_the_verdict() {
     run.cases[1].may_be_wrong = true;
     let found = report(&run);
     assert_eq!(found.written.verdict, Verdict::Good);
-    let sentence = "1 wrong (1 of them where the error is the question)";
+    let sentence = "0 wrong, 1 wrong whose error is what is measured";
     assert!(found.html.contains(sentence));
 }
 

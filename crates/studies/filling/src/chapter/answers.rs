@@ -7,9 +7,10 @@
 
 use super::data::{Data, ViewCases, grouped, is_baseline, label};
 use super::table::or_dash;
-use super::{fronts, memory, needs, textured};
+use super::{fronts, memory, needs, take, textured};
 use crate::keys::*;
 use crate::purpose::{Purpose, is_approximate};
+use terrafill_conformance::MAX_ROUNDED_PX;
 use terrafill_lab::{in_every_group, none_differs, some_of};
 use terrafill_plot::dotted;
 use terrafill_plot::number::{count, digits, figure, measured_bytes, significant};
@@ -18,9 +19,9 @@ use terrafill_results::{
 };
 
 /// Fills that compete in a view, fastest first.
-struct Contest<'d, 'a> {
-    view: &'d ViewCases<'a>,
-    fills: Vec<&'a Case>,
+pub(super) struct Contest<'d, 'a> {
+    pub(super) view: &'d ViewCases<'a>,
+    pub(super) fills: Vec<&'a Case>,
 }
 
 impl<'d, 'a> Contest<'d, 'a> {
@@ -74,15 +75,18 @@ const KINDS: [Kind; 4] = [
     ("Over all views", |_| true),
 ];
 
+/// Stands for the recommended fill in other columns.
+const SAME: &str = "the same";
+
 /// What the chapter offers for the first page.
 pub(super) fn answers(data: &Data<'_>) -> Result<Answers, ChapterError> {
     let contests = data.views.iter().map(|view| Contest::new(data, view));
     let contests: Vec<Contest<'_, '_>> = contests.collect();
     let rows = contests.iter().filter_map(|contest| row(data, contest));
-    let rows: Vec<Row> = rows.collect();
+    let mut rows: Vec<Row> = rows.collect();
     let mut blocks = Vec::new();
     if !rows.is_empty() {
-        let headings = [
+        let mut headings = vec![
             "scene, view",
             "recommended",
             "fastest",
@@ -90,15 +94,24 @@ pub(super) fn answers(data: &Data<'_>) -> Result<Answers, ChapterError> {
             "smallest",
             "most exact",
         ];
+        for column in (1..headings.len()).rev() {
+            if rows.iter().all(|row| row.cells[column].text == SAME) {
+                headings.remove(column);
+                rows.iter_mut()
+                    .for_each(|row| drop(row.cells.remove(column)));
+            }
+        }
         let caption = format!(
             "Every view with its best fills. Recommended: of the fastest fill and its ties, which differ from it by no \
              more than identical work did, the one with the fewest bytes. Smallest: fewest bytes of geometry. Most \
-             exact: least boundary distance, then fewest mismatched pixels. Of several the fastest is named. A cell: \
+             exact: least boundary distance, then fewest mismatched pixels. Of several the fastest is named. The same: as \
+             recommended; a column without another is left out. A cell: \
              technique, {} with its 95 % interval where there are processes enough, bytes, Hausdorff distance of the \
              boundary from the reference's, by how much levels of detail moved it, and mismatched pixels. Point at a \
              cell for the command that draws it.",
             data.timings.unit(),
         );
+        blocks.extend(take::blocks(data, &contests)?);
         blocks.push(Block::Table(Table {
             caption,
             is_main: true,
@@ -127,6 +140,7 @@ fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
     let bytes = |case: &Case| case.value(GEOMETRY_BYTES);
     let recommended = least([fastest].iter().chain(&ties), bytes).unwrap_or(fastest);
     let cell = |fill: Option<&Case>| match fill {
+        Some(fill) if std::ptr::eq(fill, recommended) => Cell::name(SAME),
         Some(fill) => winner(data, fill),
         None => Cell::absent("no fill of this view has such a figure"),
     };
@@ -149,7 +163,7 @@ fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
         },
     };
     let cells = [
-        cell(Some(recommended)),
+        winner(data, recommended),
         cell(Some(fastest)),
         ties,
         cell(least(fills, bytes)),
@@ -194,29 +208,55 @@ fn winner(data: &Data<'_>, case: &Case) -> Cell {
     dotted(cell, case, data.timings.metric)
 }
 
-/// A fill that is right in all of some views: geometric mean and maximum of its time over each view's best.
-struct Ranked {
-    name: String,
-    mean: f64,
-    most: f64,
+/// A fill that is right in all of some views.
+pub(super) struct Ranked<'a> {
+    pub(super) name: String,
+    /// A case for each view.
+    pub(super) cases: Vec<&'a Case>,
+    /// Its time over that of each view's best.
+    pub(super) ratios: Vec<f64>,
+    /// Their geometric mean.
+    pub(super) mean: f64,
+    /// The largest of them.
+    pub(super) most: f64,
+}
+
+impl Ranked<'_> {
+    /// The largest of a figure over the views; `None` where one has none.
+    pub(super) fn most_of(&self, metric: &Metric) -> Option<f64> {
+        let figures = self.cases.iter().map(|case| case.value(metric));
+        let figures: Option<Vec<f64>> = figures.collect();
+        figures?.into_iter().reduce(f64::max)
+    }
+
+    /// By how much levels of detail move boundaries at most, pixels; `None` where none is moved on purpose.
+    pub(super) fn moved_px(&self) -> Option<f64> {
+        let moved = self
+            .cases
+            .iter()
+            .filter_map(|case| case.value(BOUNDARY_MOVED_PX));
+        moved.filter(|px| *px > MAX_ROUNDED_PX).reduce(f64::max)
+    }
 }
 
 /// By the mean of how much longer they take than the best.
-fn ranked(data: &Data<'_>, contests: &[&Contest<'_, '_>]) -> Vec<Ranked> {
+pub(super) fn ranked<'a>(data: &Data<'a>, contests: &[&Contest<'_, 'a>]) -> Vec<Ranked<'a>> {
     let fills = contests.iter().map(|contest| contest.fills.clone());
     let fills = in_every_group(&fills.collect::<Vec<_>>(), label).into_iter();
     let ranked = fills.filter_map(|(name, cases)| {
-        let ratios = contests.iter().zip(cases);
+        let ratios = contests.iter().zip(&cases);
         let ratios = ratios.map(|(contest, case)| contest.over_fastest(data, case));
         let ratios: Vec<f64> = ratios.collect::<Option<_>>()?;
         let logs = ratios.iter().map(|ratio| ratio.ln());
         Some(Ranked {
             name,
+            cases,
             mean: (logs.sum::<f64>() / ratios.len() as f64).exp(),
-            most: ratios.into_iter().fold(0.0, f64::max),
+            most: ratios.iter().copied().fold(0.0, f64::max),
+            ratios,
         })
     });
-    let mut ranked: Vec<Ranked> = ranked.collect();
+    let mut ranked: Vec<Ranked<'_>> = ranked.collect();
     ranked.sort_by(|a, b| a.mean.total_cmp(&b.mean));
     ranked
 }

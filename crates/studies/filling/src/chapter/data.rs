@@ -5,7 +5,6 @@ use crate::keys::*;
 use crate::purpose::{BOOKKEEPING, Purpose, is_approximate, is_listed, is_point, switches};
 use crate::request::STUDY;
 use std::cell::OnceCell;
-use std::cmp::Reverse;
 use terrafill_lab::{Answer, Cases, Comparison, Follows, Timings, band_sentence};
 pub(super) use terrafill_lab::{distinct, grouped};
 use terrafill_plot::Palette;
@@ -21,6 +20,27 @@ pub(super) const STENCIL_PASS: &str = "stencil-pass";
 
 /// Pixels of a picture that `render` draws unless it is given a size.
 const DEFAULT_SIZE: (u32, u32) = (1024, 1024);
+
+/// Fills that ship, in the order of reports: volumes, then what is approximate, then what others do. The first ones
+/// differ most in colour and marker.
+const SHIPPED: [&str; 16] = [
+    "vertex/doubled",
+    "instanced/instanced",
+    "compute/per-frame",
+    "compute/cached",
+    "native/gs-degenerate",
+    "native/gs-line",
+    "native/vs-control",
+    "vertex/pulled",
+    "native/gs-two-edges",
+    "native/gs-adjacency",
+    "native/gs-per-triangle",
+    "vertex/separate",
+    "vertex/per-triangle",
+    "flat-mesh/flat",
+    "draped-mesh/draped",
+    "mask-texture/texture",
+];
 
 /// Two cases that differ in one condition; which of their figures is compared is chosen with the claim.
 pub(super) const fn one_change(changed: ConditionKey) -> Comparison<'static> {
@@ -258,16 +278,19 @@ impl<'a> Data<'a> {
         distinct(both.filter(|key| !keys.contains(key)))
     }
 
-    /// Names of all curves: a curve's place here is its colour and marker in every plot. Those that
-    /// most views have come first, as the first ones differ most.
+    /// Names of all curves: a curve's place here is its colour and marker in every plot, and where it stands among
+    /// others. Those that ship have the same place in every report.
     fn all_series(&self) -> Vec<String> {
         let of_view = |view: &ViewCases<'a>| {
             let cases = view.cases.iter().chain(&view.rivals);
             distinct(cases.map(|case| marked(case)))
         };
-        let mut series = grouped(self.views.iter().flat_map(of_view), String::clone);
-        series.sort_by_key(|(name, views)| (Reverse(views.len()), name.clone()));
-        series.into_iter().map(|(series, _)| series).collect()
+        let mut series: Vec<String> = SHIPPED.map(str::to_owned).to_vec();
+        let mut others = distinct(self.views.iter().flat_map(of_view));
+        others.retain(|name| !series.contains(name));
+        others.sort();
+        series.extend(others);
+        series
     }
 
     /// What a reader types to see a case; empty for what `render` does not draw.

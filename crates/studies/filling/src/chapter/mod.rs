@@ -23,6 +23,7 @@ mod scenes;
 mod subdivision;
 mod summary;
 mod table;
+mod take;
 #[cfg(test)]
 mod tests;
 mod textured;
@@ -78,7 +79,13 @@ impl Chapter for FillingChapter {
         let data = Data::new(run);
         let mut answers = answers::answers(&data)?;
         let within = budget::block(&data, &Budget::read(&run.path)?);
-        answers.blocks.splice(0..0, within);
+        // Behind the answer in a sentence and its picture.
+        let place = answers
+            .blocks
+            .iter()
+            .position(|block| matches!(block, Block::Table(_)));
+        let place = place.unwrap_or(0);
+        answers.blocks.splice(place..place, within);
         Ok(answers_with_commands(answers, run, STUDY))
     }
 

@@ -10,7 +10,7 @@ use crate::keys::*;
 use crate::purpose::{Purpose, is_approximate};
 use terrafill_lab::{Column, case_table};
 use terrafill_plot::number::{digits, significant, times};
-use terrafill_plot::{RatioAxis, RatioGroup, RatioPlot, RatioRow};
+use terrafill_plot::{DOTS_OF_PROCESSES, RatioAxis, RatioGroup, RatioPlot, RatioRow};
 use terrafill_results::{
     Block, Case, Cell, ChapterError, Estimate, Heading, Outcome, Picture, PictureFigure, Pictures,
     Table, over_typical,
@@ -130,6 +130,7 @@ fn ratio_plot(
             title: &title,
             one: "fastest = 1",
         },
+        dots: DOTS_OF_PROCESSES,
         tie_factor: data.timings.noise.map(|noise| noise.max_factor()),
         groups: groups.collect(),
     };
