@@ -58,16 +58,11 @@ pub fn growth_sample(file: &Path) -> Result<String, String> {
     Ok(format!("{vertices} {cpu_ms}\n"))
 }
 
-/// The same in this process.
+/// The same in this process: vertices of the outline and CPU time from its text to its mesh.
 pub(crate) fn measure_here(file: &Path) -> Result<(u64, f64), String> {
     let text = std::fs::read(file).map_err(|error| error.to_string())?;
-    mesh_ready(&text)
-}
-
-/// Vertices of the outline and CPU time from its text to its mesh.
-fn mesh_ready(text: &[u8]) -> Result<(u64, f64), String> {
     let watch = CpuStopwatch::start();
-    let regions = parse_regions(text, "shape").map_err(|error| error.to_string())?;
+    let regions = parse_regions(&text, "shape").map_err(|error| error.to_string())?;
     let region = regions.first().ok_or("no region")?;
     let (body, options) = (Ellipsoid::WGS84, MeshOptions::default());
     let mesh = RegionMesh::build(region, &body, EdgeRule::Planar, &options);

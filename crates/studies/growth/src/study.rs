@@ -52,8 +52,7 @@ impl Study for GrowthStudy {
         let is_quick = request.depth == Depth::Quick;
         let sizes = &SIZES[..if is_quick { QUICK_SIZES } else { SIZES.len() }];
         let shapes = sizes.iter().flat_map(|&size| {
-            let program = &program;
-            ShapeFamily::ALL.map(move |family| Shape {
+            ShapeFamily::ALL.map(|family| Shape {
                 family,
                 size,
                 program: program.clone(),

@@ -5,7 +5,6 @@
 //! reference finds the same texels by arithmetic of integers.
 
 mod keep;
-mod keeps;
 mod on_vulkan;
 mod on_wgpu;
 mod queries;

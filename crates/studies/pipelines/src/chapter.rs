@@ -42,15 +42,12 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
 };
 
 fn answers(cases: &Cases<'_>) -> Answers {
-    let sentences = [
-        grids::recommended(cases),
-        amplification::recommended(cases),
-        culling::recommended(cases),
-        cache::recommended(cases),
-        lights::recommended(cases),
-        layered::recommended(cases),
-    ];
-    let sentences = sentences.concat();
+    let mut sentences = grids::recommended(cases);
+    sentences.extend(amplification::recommended(cases));
+    sentences.extend(culling::recommended(cases));
+    sentences.extend(cache::recommended(cases));
+    sentences.extend(lights::recommended(cases));
+    sentences.extend(layered::recommended(cases));
     let blocks = (!sentences.is_empty()).then_some(Block::List(sentences));
     Answers {
         blocks: blocks.into_iter().collect(),
@@ -138,43 +135,18 @@ mod tests {
         run(&plan, &run_folder, &devices, &options, &mut Silent).expect("measured");
         let run = Run::load(&path).expect("a run");
         for case in run.cases.iter().filter(|case| !is_wrong_by_design(case)) {
-            assert_ne!(
-                case.outcome,
-                Outcome::Wrong,
-                "{}: {}",
-                case.id(),
-                case.reason
-            );
-            assert_ne!(
-                case.outcome,
-                Outcome::Failed,
-                "{}: {}",
-                case.id(),
-                case.reason
-            );
+            let is_good = !matches!(case.outcome, Outcome::Wrong | Outcome::Failed);
+            assert!(is_good, "{}: {}", case.id(), case.reason);
         }
         let blocks = CHAPTER.blocks(&run).expect("a chapter");
         let answers = CHAPTER.answers(&run).expect("answers");
         for finding in &answers.requirements {
-            let Finding {
-                claim,
-                standing,
-                because,
-            } = finding;
-            eprintln!("{standing:?}: {claim} {because}");
+            eprintln!("{finding:?}");
+            assert_ne!(finding.standing, Standing::DoesNotHold);
         }
-        let does_not_hold = answers
-            .requirements
-            .iter()
-            .filter(|finding| finding.standing == Standing::DoesNotHold);
-        assert_eq!(does_not_hold.collect::<Vec<_>>(), Vec::<&Finding>::new());
-        let sections = blocks
-            .iter()
-            .filter(|block| matches!(block, Block::Heading { .. }));
-        let plots = blocks
-            .iter()
-            .filter(|block| matches!(block, Block::Plot(_)));
-        assert!(sections.count() >= 3 && plots.count() >= 3);
+        let count = |is: fn(&Block) -> bool| blocks.iter().filter(|block| is(block)).count();
+        assert!(count(|block| matches!(block, Block::Heading { .. })) >= 3);
+        assert!(count(|block| matches!(block, Block::Plot(_))) >= 3);
         let holds = |words| finding(&answers.requirements, words).standing == Standing::Holds;
         assert!(holds("receiver subtracted"));
     }

@@ -117,6 +117,11 @@ pub(crate) fn differing<T: PartialEq>(one: &[T], other: &[T]) -> usize {
     differ + one.len().abs_diff(other.len())
 }
 
+/// How many there are: no list here is longer than a device can count.
+pub(crate) fn count<T>(items: &[T]) -> u32 {
+    u32::try_from(items.len()).unwrap_or(u32::MAX)
+}
+
 /// Depths bit by bit.
 pub(crate) fn bits(depths: &[f32]) -> Vec<u32> {
     depths.iter().map(|depth| depth.to_bits()).collect()

@@ -17,6 +17,12 @@ pub(crate) const NEAR_M: f64 = 1.0;
 const EYE: DVec3 = DVec3::new(930.0, -1_500.0, 1_200.0);
 const TARGET: DVec3 = DVec3::new(1_000.0, 600.0, 0.0);
 
+/// The nearest number that a device can read.
+#[allow(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
+pub(crate) fn nearest(value: f64) -> f32 {
+    value as f32
+}
+
 /// Heights of (cells + 1)² vertices, so that no cell reaches beyond the grid.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Grid {
@@ -29,17 +35,13 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     pub(crate) fn new(cells: u32) -> Self {
         let step_m = SIDE_M / f64::from(cells);
         let vertices = (0..=cells).flat_map(|row| (0..=cells).map(move |column| (column, row)));
         let height = |(column, row)| {
             let (x, y) = (f64::from(column) * step_m, f64::from(row) * step_m);
             let wave = |length: f64| (TAU * x / length).sin() * (TAU * y / length + 0.3).sin();
-            (100.0 * wave(1_000.0) + 10.0 * wave(250.0)) as f32
+            nearest(100.0 * wave(1_000.0) + 10.0 * wave(250.0))
         };
         Self {
             cells,
@@ -57,10 +59,6 @@ impl Grid {
     }
 
     /// Column, row and height of a vertex, as they are sent.
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "grids are far smaller than 2^24 cells a side"
-    )]
     pub(crate) fn vertex(&self, column: u32, row: u32) -> [f32; 3] {
         let height = self.heights[self.index(column, row)];
         [column as f32, row as f32, height]
@@ -120,8 +118,8 @@ pub(crate) struct GridConstants {
 }
 
 impl GridConstants {
-    pub(crate) fn new(grid: &Grid, view: &GridCamera) -> Self {
-        let clip = view.clip_from_world();
+    pub(crate) fn new(grid: &Grid) -> Self {
+        let clip = GridCamera::new().clip_from_world();
         let step_m = grid.step_m();
         let column = |of: DVec4| of.as_vec4().to_array();
         Self {
@@ -138,16 +136,14 @@ impl GridConstants {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tested::offset;
     use std::mem::offset_of;
     use terrafill_shaders::struct_layout;
 
     #[test]
     fn constants_lie_as_the_shader_reads_them() {
         let layout = struct_layout("pipelines/grid.wgsl", "GridConstants").expect("a struct");
-        let offset = |name: &str| {
-            let member = layout.members.iter().find(|member| member.0 == name);
-            member.expect("a member").1 as usize
-        };
+        let offset = |name: &str| offset(&layout, name);
         assert_eq!(offset("column"), offset_of!(GridConstants, column));
         assert_eq!(offset("row"), offset_of!(GridConstants, row));
         assert_eq!(offset("height"), offset_of!(GridConstants, height));

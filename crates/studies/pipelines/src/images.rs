@@ -9,19 +9,19 @@ use terrafill_scene::ImageSize;
 use terrafill_study::{Request, StudyError, file_stem, size_name, write_rgb};
 
 /// Of a quick run that names no size: the published one is not known.
-pub(crate) const PICTURE: ImageSize = ImageSize {
-    width: 256,
-    height: 256,
-};
+pub(crate) const PICTURE: ImageSize = square(256);
 
-/// Size of the request's pictures: square, of its smaller side.
-pub(crate) fn size_of(request: &Request) -> ImageSize {
-    let [width, height] = request.size_or([PICTURE.width, PICTURE.height]);
-    let side = width.min(height);
+pub(crate) const fn square(side: u32) -> ImageSize {
     ImageSize {
         width: side,
         height: side,
     }
+}
+
+/// Size of the request's pictures: square, of its smaller side.
+pub(crate) fn size_of(request: &Request) -> ImageSize {
+    let [width, height] = request.size_or([PICTURE.width, PICTURE.height]);
+    square(width.min(height))
 }
 
 /// The size as a condition.
@@ -89,11 +89,7 @@ pub(crate) fn of_lights(numbers: &[u32], lights: usize) -> impl Iterator<Item = 
 pub(crate) fn of_shares(shares: &[f32]) -> impl Iterator<Item = [u8; 3]> {
     shares.iter().map(|share| {
         if share.is_finite() {
-            #[allow(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "held between 0 and 255"
-            )]
+            #[allow(clippy::cast_possible_truncation, reason = "held between 0 and 255")]
             let grey = (255.0 * share.clamp(0.0, 1.0)) as u8;
             [grey; 3]
         } else {

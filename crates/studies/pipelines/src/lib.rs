@@ -25,7 +25,6 @@ mod metrics;
 mod numbers;
 mod on_vulkan;
 mod on_wgpu;
-mod open;
 mod rays;
 mod study;
 #[cfg(test)]

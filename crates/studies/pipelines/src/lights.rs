@@ -10,7 +10,7 @@ mod scene;
 mod study;
 mod way;
 
-pub(crate) use on_vulkan::{LayerParts, OnVulkan, known};
+pub(crate) use on_vulkan::{LayerParts, OnVulkan};
 pub(crate) use scene::LightColumns;
 pub(crate) use study::groups;
 pub(crate) use way::LightWay;

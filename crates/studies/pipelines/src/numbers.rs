@@ -10,7 +10,7 @@ use crate::variance::{DepthFormat, Moments};
 use blurs::{blur_error, resolve_error};
 use geometry_image::{CellCut, Texels, image_error};
 use shadows::{NO_FLOOR, bleeding, hard_shadow, lit_plane, noise, worst_bleeding};
-use terrafill_fixtures::page::{assert_tables, markdown_table as table};
+use terrafill_fixtures::page::{assert_tables, markdown_table};
 use terrafill_plot::number::significant;
 
 fn percent(share: f64) -> String {
@@ -115,69 +115,43 @@ fn tables() -> [String; 7] {
         row.extend(figures.map(significant));
         row
     });
-    let images = [
-        "cut",
-        "stored in",
-        "texels a side",
-        "largest distance, m",
-        "rms, m",
-        "largest, px of 1,024",
-        "normals, rms °",
-    ];
-    let noise = [
-        "moments",
-        "spread of depths",
-        "relative, rms",
-        "absolute, rms",
-        "absolute, largest",
-    ];
-    let lit = [
-        "moments",
-        "depth",
-        "floor",
-        "below 0.99 of the light, %",
-        "below 0.01, %",
-        "outside of 0 to 1, %",
-    ];
-    let blurs = [
-        "layers",
-        "point, middle",
-        "point, end",
-        "point, stratified",
-        "point, random",
-        "share, middle",
-        "share, end",
-        "share, stratified",
-        "share, random",
-    ];
     [
-        table(&images, image_rows()),
-        table(&noise, noise_rows()),
-        table(&lit, lit_rows()),
         table(
-            &["gaps", "largest light of 25 taps", "(r / (r + 2))²"],
-            bleeding,
+            "cut | stored in | texels a side | largest distance, m | rms, m | largest, px of 1,024 \
+             | normals, rms °",
+            image_rows(),
         ),
         table(
-            &[
-                "texels a side",
-                "wrong area, share of the map",
-                "over perimeter · texel",
-                "largest deviation, texels",
-            ],
+            "moments | spread of depths | relative, rms | absolute, rms | absolute, largest",
+            noise_rows(),
+        ),
+        table(
+            "moments | depth | floor | below 0.99 of the light, % | below 0.01, % \
+             | outside of 0 to 1, %",
+            lit_rows(),
+        ),
+        table("gaps | largest light of 25 taps | (r / (r + 2))²", bleeding),
+        table(
+            "texels a side | wrong area, share of the map | over perimeter · texel \
+             | largest deviation, texels",
             hard,
         ),
-        table(&blurs, blur_rows()),
         table(
-            &[
-                "layers",
-                "published",
-                "over an opaque background",
-                "current pose first",
-            ],
+            "layers | point, middle | point, end | point, stratified | point, random \
+             | share, middle | share, end | share, stratified | share, random",
+            blur_rows(),
+        ),
+        table(
+            "layers | published | over an opaque background | current pose first",
             resolve_rows(),
         ),
     ]
+}
+
+/// - `headings`: as the page's line has them
+fn table(headings: &str, rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let headings: Vec<&str> = headings.split(" | ").collect();
+    markdown_table(&headings, rows)
 }
 
 #[test]

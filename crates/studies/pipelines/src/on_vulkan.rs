@@ -2,10 +2,10 @@
 //! Grids on Vulkan itself, which has every stage.
 
 use crate::draws::{Counted, Draws, Times};
-use crate::grid::{Grid, GridCamera, GridConstants};
+use crate::grid::{Grid, GridConstants};
 use crate::way::{
-    ARGUMENT_BYTES, MESH_CELLS, PATCH_CELLS, Source, Submission, emitted_by_point, geometry_shader,
-    patch_indices, points, strip_ranges, strips,
+    ARGUMENT_BYTES, MESH_CELLS, PATCH_CELLS, Submission, emitted_by_point, geometry_shader,
+    patch_indices,
 };
 use std::ops::Range;
 use std::sync::Arc;
@@ -24,8 +24,22 @@ const EXPAND: &str = "pipelines/expand.wgsl";
 /// Of a vertex: a position, and a number, whose location counts as a whole of four.
 const COMPONENTS: u32 = 8;
 
-fn wgsl(path: &'static str, entry_point: &'static str) -> Shader {
+pub(crate) fn wgsl(path: &'static str, entry_point: &'static str) -> Shader {
     Shader::Wgsl { path, entry_point }
+}
+
+/// Stages of vertices that have nothing but numbers.
+pub(crate) fn numbered(
+    vertex: Shader,
+    geometry: Option<GeometryOutput>,
+    topology: Topology,
+) -> PrimitiveStages {
+    PrimitiveStages::Vertices {
+        vertex,
+        geometry,
+        format: VertexFormat::Number,
+        topology,
+    }
 }
 
 /// A uniform block.
@@ -46,16 +60,7 @@ pub(crate) fn heights(gpu: &Arc<Gpu>, grid: &Grid) -> Result<Arc<SampledImage>, 
     Ok(Arc::new(SampledImage::route(gpu, &texels)?))
 }
 
-/// What the first stage reads.
-enum Feed {
-    Nothing,
-    /// Vertices or points in device memory.
-    Stored(Buffer),
-    /// Written by the CPU before each frame.
-    Sent(Buffer, Vec<u8>),
-}
-
-/// What is drawn of it.
+/// What is drawn.
 enum Call {
     Ranges(Vec<Range<u32>>),
     Patches(Buffer, u32),
@@ -67,7 +72,10 @@ enum Call {
 pub(crate) struct OnVulkan {
     targets: RenderTargets,
     pipeline: DrawPipeline,
-    feed: Feed,
+    /// Vertices or points, where the first stage reads any.
+    vertices: Option<Buffer>,
+    /// Written into `vertices` before each frame.
+    sent: Option<Vec<u8>>,
     call: Call,
 }
 
@@ -76,10 +84,9 @@ impl OnVulkan {
         gpu: &Arc<Gpu>,
         way: Submission,
         grid: &Grid,
-        view: &GridCamera,
         size: ImageSize,
     ) -> Result<Self, DeviceError> {
-        let constants = GridConstants::new(grid, view);
+        let constants = GridConstants::new(grid);
         let side = grid.cells + 1;
         let mut resources = vec![
             uniform(gpu, "grid constants", bytemuck::bytes_of(&constants))?,
@@ -99,51 +106,43 @@ impl OnVulkan {
         let resources = Resources::new(gpu, resources)?;
         let (stages, fragment) = stages(way, &gpu.facts.name)?;
         let pipeline = DrawPipeline::new(gpu, &resources, stages, fragment)?;
-        let all = grid.cells * grid.cells;
-        let (feed, call) = match way {
-            Submission::SentPoints => (sent(gpu, bytemuck::cast_slice(&points(grid)))?, whole(all)),
-            Submission::SentStrips => (
-                sent(gpu, bytemuck::cast_slice(&strips(grid)))?,
-                Call::Ranges(strip_ranges(grid)),
-            ),
-            Submission::FetchedPoints => (numbers(gpu, all, Source::Stored)?, whole(all)),
-            Submission::Geometry { cells, source, .. } => {
-                let points = all / (cells * cells);
-                (numbers(gpu, points, source)?, whole(points))
+        let bytes = way.vertices(grid);
+        let vertices = if bytes.is_empty() {
+            None
+        } else if way.is_sent() {
+            let size = bytes.len() as u64;
+            let buffer = Buffer::streamed(gpu, "sent vertices", size, BufferUse::Vertex)?;
+            Some(buffer)
+        } else {
+            Some(Buffer::upload(gpu, "points", &bytes, BufferUse::Vertex)?)
+        };
+        let call = match (way, arguments) {
+            (_, Some(arguments)) => {
+                let compute = ComputePipeline::new(gpu, &resources, wgsl(EXPAND, "compute_main"))?;
+                Call::Indirect(arguments, compute, side.div_ceil(8))
             }
-            Submission::NoBuffer => (Feed::Nothing, whole(6 * all)),
-            Submission::IndexedPatch => {
+            (Submission::IndexedPatch, _) => {
                 let indices = patch_indices();
                 let bytes = bytemuck::cast_slice(&indices);
                 let indices = Buffer::upload(gpu, "patch", bytes, BufferUse::Index)?;
-                let patches = all / (PATCH_CELLS * PATCH_CELLS);
-                (Feed::Nothing, Call::Patches(indices, patches))
+                Call::Patches(indices, (grid.cells / PATCH_CELLS).pow(2))
             }
-            Submission::ComputeIndirect => {
-                let compute = ComputePipeline::new(gpu, &resources, wgsl(EXPAND, "compute_main"))?;
-                let arguments = arguments.ok_or(DeviceError::Missing("buffer of arguments"))?;
-                let groups = side.div_ceil(8);
-                (Feed::Nothing, Call::Indirect(arguments, compute, groups))
-            }
-            Submission::Mesh => (Feed::Nothing, Call::Groups(grid.cells / MESH_CELLS)),
+            (Submission::Mesh, _) => Call::Groups(grid.cells / MESH_CELLS),
+            _ => Call::Ranges(way.ranges(grid)),
         };
         Ok(Self {
             targets: RenderTargets::new(gpu, size)?,
             pipeline,
-            feed,
+            vertices,
+            sent: way.is_sent().then_some(bytes),
             call,
         })
     }
 
     fn frame(&mut self, measured: Measured) -> Result<DirectReport, DeviceError> {
-        let vertices = match &self.feed {
-            Feed::Nothing => None,
-            Feed::Stored(buffer) => Some(buffer),
-            Feed::Sent(buffer, bytes) => {
-                buffer.stream(bytes)?;
-                Some(buffer)
-            }
-        };
+        if let (Some(buffer), Some(bytes)) = (&self.vertices, &self.sent) {
+            buffer.stream(bytes)?;
+        }
         let mut dispatch = None;
         let call = match &self.call {
             Call::Ranges(ranges) => DrawCall::Vertices(ranges),
@@ -164,93 +163,53 @@ impl OnVulkan {
         };
         let draw = DirectDraw {
             pipeline: &self.pipeline,
-            vertices,
+            vertices: self.vertices.as_ref(),
             call,
         };
         self.targets.draw_directly(dispatch, &draw, measured)
     }
 }
 
-fn whole(vertices: u32) -> Call {
-    Call::Ranges(std::iter::once(0..vertices).collect())
-}
-
-fn sent(gpu: &Arc<Gpu>, bytes: &[u8]) -> Result<Feed, DeviceError> {
-    let size = bytes.len() as u64;
-    let buffer = Buffer::streamed(gpu, "sent vertices", size, BufferUse::Vertex)?;
-    Ok(Feed::Sent(buffer, bytes.to_vec()))
-}
-
-/// Numbers of points, one after the other.
-fn numbers(gpu: &Arc<Gpu>, points: u32, source: Source) -> Result<Feed, DeviceError> {
-    let numbers: Vec<u32> = (0..points).collect();
-    let bytes = bytemuck::cast_slice(&numbers);
-    match source {
-        Source::Sent => sent(gpu, bytes),
-        Source::Stored => {
-            let buffer = Buffer::upload(gpu, "points", bytes, BufferUse::Vertex)?;
-            Ok(Feed::Stored(buffer))
-        }
-    }
-}
-
 /// Shaders of a way.
 fn stages(way: Submission, adapter: &str) -> Result<(PrimitiveStages, Shader), DeviceError> {
-    let vertices = |entry_point, format, topology| PrimitiveStages::Vertices {
+    let vertices = |entry_point, geometry, format, topology| PrimitiveStages::Vertices {
         vertex: wgsl(GRID, entry_point),
-        geometry: None,
+        geometry,
         format,
         topology,
     };
-    let (metres, word, none) = (
-        VertexFormat::Metres,
-        VertexFormat::Word,
-        VertexFormat::Number,
-    );
-    let fragment = wgsl(GRID, "fragment_main");
-    Ok(match way {
-        Submission::SentPoints => (vertices("sent_point", metres, Topology::Points), fragment),
-        Submission::SentStrips => (vertices("sent_strip", metres, Topology::Strips), fragment),
-        Submission::FetchedPoints => (vertices("fetched_point", word, Topology::Points), fragment),
-        Submission::NoBuffer => (vertices("no_buffer", none, Topology::Triangles), fragment),
-        Submission::ComputeIndirect => (
-            vertices("placed_before", none, Topology::Triangles),
-            fragment,
-        ),
+    let (metres, word) = (VertexFormat::Metres, VertexFormat::Word);
+    let triangles = Topology::Triangles;
+    let stages = match way {
+        Submission::SentPoints => vertices("sent_point", None, metres, Topology::Points),
+        Submission::SentStrips => vertices("sent_strip", None, metres, Topology::Strips),
+        Submission::FetchedPoints => vertices("fetched_point", None, word, Topology::Points),
+        Submission::NoBuffer => numbered(wgsl(GRID, "no_buffer"), None, triangles),
+        Submission::ComputeIndirect => numbered(wgsl(GRID, "placed_before"), None, triangles),
+        Submission::IndexedPatch => numbered(wgsl(PATCH, "vertex_main"), None, triangles),
         Submission::Geometry { cells, strips, .. } => {
             let name = geometry_shader(cells, strips).ok_or_else(|| {
                 let what = format!("a geometry shader of {cells} × {cells} cells");
                 DeviceError::unsupported(&what, adapter)
             })?;
-            let stages = PrimitiveStages::Vertices {
-                vertex: wgsl(GRID, "numbered_point"),
-                geometry: Some(GeometryOutput {
-                    name,
-                    vertices: emitted_by_point(cells, strips),
-                    components: COMPONENTS,
-                }),
-                format: word,
-                topology: Topology::Points,
+            let output = GeometryOutput {
+                name,
+                vertices: emitted_by_point(cells, strips),
+                components: COMPONENTS,
             };
-            (stages, fragment)
+            vertices("numbered_point", Some(output), word, Topology::Points)
         }
-        Submission::IndexedPatch => {
-            let stages = PrimitiveStages::Vertices {
-                vertex: wgsl(PATCH, "vertex_main"),
-                geometry: None,
-                format: none,
-                topology: Topology::Triangles,
-            };
-            (stages, wgsl(PATCH, "fragment_main"))
-        }
-        Submission::Mesh => (
-            PrimitiveStages::Mesh {
-                task: None,
-                mesh: "native/grid.mesh.spv",
-            },
-            Shader::Compiled("native/grid.frag.spv"),
-        ),
-    })
+        Submission::Mesh => PrimitiveStages::Mesh {
+            task: None,
+            mesh: "native/grid.mesh.spv",
+        },
+    };
+    let fragment = match way {
+        Submission::IndexedPatch => wgsl(PATCH, "fragment_main"),
+        Submission::Mesh => Shader::Compiled("native/grid.frag.spv"),
+        _ => wgsl(GRID, "fragment_main"),
+    };
+    Ok((stages, fragment))
 }
 
 impl Draws for OnVulkan {

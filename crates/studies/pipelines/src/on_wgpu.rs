@@ -2,10 +2,8 @@
 //! Grids on wgpu, which has no geometry shaders and, in WGSL, no mesh shaders.
 
 use crate::draws::{Counted, Draws, Times};
-use crate::grid::{Grid, GridCamera, GridConstants};
-use crate::way::{
-    ARGUMENT_BYTES, PATCH_CELLS, Submission, patch_indices, points, strip_ranges, strips,
-};
+use crate::grid::{Grid, GridConstants};
+use crate::way::{ARGUMENT_BYTES, PATCH_CELLS, Submission, patch_indices};
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError, Picture};
@@ -108,24 +106,18 @@ impl OnWgpu {
         gpu: &Arc<Gpu>,
         way: Submission,
         grid: &Grid,
-        view: &GridCamera,
         size: ImageSize,
     ) -> Result<Self, DeviceError> {
         let stages = stages(way, gpu)?;
-        let constants = GridConstants::new(grid, view);
+        let constants = GridConstants::new(grid);
         let bytes = bytemuck::bytes_of(&constants);
         let constants = gpu.upload("grid constants", bytes, wgpu::BufferUsages::UNIFORM)?;
         let heights = heights(gpu, grid)?;
         let side = grid.cells + 1;
         let is_placed = way == Submission::ComputeIndirect;
-        let kept = is_placed.then(|| {
-            gpu.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("clip positions"),
-                size: u64::from(side).pow(2) * 16,
-                usage: wgpu::BufferUsages::STORAGE,
-                mapped_at_creation: false,
-            })
-        });
+        let storage = wgpu::BufferUsages::STORAGE;
+        let kept_bytes = u64::from(side).pow(2) * 16;
+        let kept = is_placed.then(|| unwritten(gpu, "clip positions", kept_bytes, storage));
         let stage = wgpu::ShaderStages::VERTEX | wgpu::ShaderStages::COMPUTE;
         // Fragments number triangles by the grid's cells.
         let all = stage | wgpu::ShaderStages::FRAGMENT;
@@ -148,34 +140,22 @@ impl OnWgpu {
             format: stages.format,
             layout: &layout,
         })?;
-        let cells = grid.cells * grid.cells;
-        let numbers: Vec<u32> = (0..cells).collect();
-        let source: Option<Vec<u8>> = match way {
-            Submission::SentPoints => Some(bytemuck::cast_slice(&points(grid)).to_vec()),
-            Submission::SentStrips => Some(bytemuck::cast_slice(&strips(grid)).to_vec()),
-            Submission::FetchedPoints => Some(bytemuck::cast_slice(&numbers).to_vec()),
-            _ => None,
-        };
-        let vertices = match &source {
-            Some(bytes) => Some(gpu.upload("vertices", bytes, wgpu::BufferUsages::VERTEX)?),
-            None => None,
+        let bytes = way.vertices(grid);
+        let vertices = if bytes.is_empty() {
+            None
+        } else {
+            Some(gpu.upload("vertices", &bytes, wgpu::BufferUsages::VERTEX)?)
         };
         let call = match way {
-            Submission::SentStrips => Call::Ranges(strip_ranges(grid)),
-            Submission::NoBuffer => whole(6 * cells),
             Submission::IndexedPatch => {
                 let indices = patch_indices();
                 let bytes = bytemuck::cast_slice(&indices);
                 let indices = gpu.upload("patch", bytes, wgpu::BufferUsages::INDEX)?;
-                Call::Patches(indices, cells / (PATCH_CELLS * PATCH_CELLS))
+                Call::Patches(indices, (grid.cells / PATCH_CELLS).pow(2))
             }
             Submission::ComputeIndirect => {
-                let arguments = gpu.create_buffer(&wgpu::BufferDescriptor {
-                    label: Some("draw arguments"),
-                    size: ARGUMENT_BYTES,
-                    usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT,
-                    mapped_at_creation: false,
-                });
+                let usage = storage | wgpu::BufferUsages::INDIRECT;
+                let arguments = unwritten(gpu, "draw arguments", ARGUMENT_BYTES, usage);
                 let kept = kept
                     .as_ref()
                     .ok_or(DeviceError::Missing("buffer of vertices"))?;
@@ -192,7 +172,7 @@ impl OnWgpu {
                     groups: side.div_ceil(8),
                 }
             }
-            _ => whole(cells),
+            _ => Call::Ranges(way.ranges(grid)),
         };
         Ok(Self {
             gpu: Arc::clone(gpu),
@@ -200,7 +180,7 @@ impl OnWgpu {
             pipeline,
             bound,
             vertices,
-            sent: source.filter(|_| way.sent_bytes(grid) > 0),
+            sent: way.is_sent().then_some(bytes),
             call,
         })
     }
@@ -246,8 +226,19 @@ impl OnWgpu {
     }
 }
 
-fn whole(vertices: u32) -> Call {
-    Call::Ranges(std::iter::once(0..vertices).collect())
+/// A buffer that the device writes, or that is written before each frame.
+pub(crate) fn unwritten(
+    gpu: &Gpu,
+    label: &str,
+    size: u64,
+    usage: wgpu::BufferUsages,
+) -> wgpu::Buffer {
+    gpu.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size,
+        usage,
+        mapped_at_creation: false,
+    })
 }
 
 pub(crate) fn heights(gpu: &Gpu, grid: &Grid) -> Result<wgpu::TextureView, DeviceError> {

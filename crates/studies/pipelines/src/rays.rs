@@ -8,6 +8,7 @@
 
 use crate::grid::{Grid, GridCamera};
 use glam::{DVec2, DVec3};
+use terrafill_scene::ImageSize;
 
 /// Half a step of the coarsest grid that vertices may be snapped to.
 pub(crate) const BAND_PX: f64 = 1.0 / 32.0;
@@ -20,7 +21,7 @@ const SHOWN: u32 = 0xff_ffff;
 
 /// How the cells of a grid are cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Cut {
+enum Cut {
     /// From (column + 1, row) to (column, row + 1), as published.
     Published,
     /// The other diagonal: what a wrong picture shows.
@@ -73,13 +74,13 @@ struct Hit {
 }
 
 impl<'a> Rays<'a> {
-    pub(crate) fn new(grid: &'a Grid, view: GridCamera, size: [u32; 2], cut: Cut) -> Self {
+    pub(crate) fn new(grid: &'a Grid, view: GridCamera, size: ImageSize) -> Self {
         let heights = grid.heights.iter().copied().map(f64::from);
         Self {
             grid,
             view,
-            size,
-            cut,
+            size: [size.width, size.height],
+            cut: Cut::Published,
             lowest: heights.clone().fold(f64::INFINITY, f64::min),
             highest: heights.fold(f64::NEG_INFINITY, f64::max),
         }
@@ -89,11 +90,11 @@ impl<'a> Rays<'a> {
         f64::from(self.grid.heights[self.grid.index(column, row)])
     }
 
-    /// Numbers of triangles at all pixels' centres, 0 for none.
-    pub(crate) fn picture(&self) -> Vec<u32> {
-        let centres = self.centres();
+    /// Numbers of triangles at the centres of every so many pixels, 0 for none, each behind its pixel's number.
+    pub(crate) fn picture(&self, every: usize) -> Vec<(usize, u32)> {
+        let centres = self.centres().enumerate().step_by(every);
         centres
-            .map(|at| self.meet(at).map_or(0, |hit| hit.number))
+            .map(|(pixel, at)| (pixel, self.meet(at).map_or(0, |hit| hit.number)))
             .collect()
     }
 
@@ -161,7 +162,6 @@ impl<'a> Rays<'a> {
             // Floor of what lies in the grid.
             #[allow(
                 clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
                 reason = "held between 0 and the number of cells"
             )]
             let cell = value.floor().clamp(0.0, f64::from(last)) as u32;
@@ -259,28 +259,10 @@ impl<'a> Rays<'a> {
         (at, away)
     }
 
-    /// Holds a picture of triangles' numbers against the rays.
+    /// Holds a picture of triangles' numbers against the rays. Of numbers, what a picture holds is compared.
     ///
     /// - `truth`: [`Rays::picture`]
-    pub(crate) fn judge_triangles(&self, numbers: &[u32], truth: &[u32]) -> Judged {
-        let mut judged = Judged::default();
-        for ((at, &shown), &met) in self.centres().zip(numbers).zip(truth) {
-            judged.add(shown, met, || self.may_show(at, shown));
-        }
-        judged
-    }
-
-    /// As [`Rays::picture`], of every so many pixels, each with its number in the picture.
-    pub(crate) fn picture_every(&self, every: usize) -> Vec<(usize, u32)> {
-        let centres = self.centres().enumerate().step_by(every);
-        centres
-            .map(|(pixel, at)| (pixel, self.meet(at).map_or(0, |hit| hit.number)))
-            .collect()
-    }
-
-    /// As [`Rays::judge_triangles`], of the pixels of [`Rays::picture_every`]. Of numbers, what a picture holds is
-    /// compared.
-    pub(crate) fn judge_some(&self, numbers: &[u32], truth: &[(usize, u32)]) -> Judged {
+    pub(crate) fn judge_triangles(&self, numbers: &[u32], truth: &[(usize, u32)]) -> Judged {
         let mut judged = Judged::default();
         for &(pixel, met) in truth {
             let [width, _] = self.size.map(|size| size as usize);
@@ -293,9 +275,7 @@ impl<'a> Rays<'a> {
 
     /// Whether the border of what is shown passes within the band of a place, and nothing hides it there.
     fn may_show(&self, at: DVec2, shown: u32) -> bool {
-        let ring = [-1.0, 0.0, 1.0].into_iter();
-        let ring = ring.flat_map(|x| [-1.0, 0.0, 1.0].map(|y| DVec2::new(x, y)));
-        let hits: Vec<Option<Hit>> = ring.map(|way| self.meet(at + way * BAND_PX)).collect();
+        let hits: Vec<Option<Hit>> = around(BAND_PX).map(|off| self.meet(at + off)).collect();
         if hits
             .iter()
             .any(|hit| hit.map_or(0, |hit| hit.number & SHOWN) == shown)
@@ -367,14 +347,18 @@ impl<'a> Rays<'a> {
     }
 }
 
+/// A place and its eight neighbours so far away.
+pub(crate) fn around(distance: f64) -> impl Iterator<Item = DVec2> {
+    let steps = [-distance, 0.0, distance];
+    steps
+        .into_iter()
+        .flat_map(move |x| steps.map(|y| DVec2::new(x, y)))
+}
+
 /// Number of the pixel that a place lies in.
 fn pixel_of(at: DVec2, [width, height]: [u32; 2]) -> Option<usize> {
     let is_inside = at.min_element() >= 0.0 && at.x < f64::from(width) && at.y < f64::from(height);
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "inside the picture"
-    )]
+    #[allow(clippy::cast_possible_truncation, reason = "inside the picture")]
     let number = |at: DVec2| at.y as usize * width as usize + at.x as usize;
     is_inside.then(|| number(at))
 }

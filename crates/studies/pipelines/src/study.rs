@@ -7,12 +7,13 @@ use crate::grid::{Grid, GridCamera};
 use crate::images::{of_numbers, size_of, size_px, write};
 use crate::keys::{self, API, EXPERIMENT, SOURCE, STRIP, WAY};
 use crate::metrics::METRICS;
-use crate::open::open;
-use crate::rays::{Cut, Rays};
+use crate::on_vulkan::OnVulkan;
+use crate::on_wgpu::OnWgpu;
+use crate::rays::{Judged, Rays};
 use crate::way::{GRID_WAYS, Interface, Source, Strips, Submission};
 use crate::{STUDY, cache, culling, layered, lights};
 use std::collections::BTreeMap;
-use terrafill_contract::ids_of;
+use terrafill_contract::{DeviceError, Devices, ids_of};
 use terrafill_results::{ConditionKey, Verdict};
 use terrafill_scene::ImageSize;
 use terrafill_study::{
@@ -20,9 +21,9 @@ use terrafill_study::{
     Study, StudyError, planned_case, verified,
 };
 
-/// Cells a side; a quick run draws the first two.
-const GRID_CELLS: [u32; 6] = [64, 256, 512, 1_024, 2_048, 128];
-const QUICK_GRIDS: usize = 2;
+/// Cells a side.
+const GRID_CELLS: [u32; 6] = [64, 128, 256, 512, 1_024, 2_048];
+const QUICK_GRID_CELLS: [u32; 2] = [64, 256];
 /// The size whose pictures are kept.
 const PICTURED_CELLS: u32 = 64;
 /// Cells a side of amplified grids, those published; a quick run has a smaller one instead.
@@ -55,38 +56,29 @@ impl Study for PipelinesStudy {
         let is_quick = request.depth == Depth::Quick;
         let samples = request.samples.unwrap_or(SAMPLES);
         let pictures = (size_of(request), samples);
-        let (mut sizes, amplified): (Vec<u32>, &[u32]) = if is_quick {
-            (GRID_CELLS[..QUICK_GRIDS].to_vec(), &QUICK_AMPLIFIED_CELLS)
+        let (sizes, amplified): (&[u32], &[u32]) = if is_quick {
+            (&QUICK_GRID_CELLS, &QUICK_AMPLIFIED_CELLS)
         } else {
-            (GRID_CELLS.to_vec(), &AMPLIFIED_CELLS)
+            (&GRID_CELLS, &AMPLIFIED_CELLS)
         };
-        sizes.sort_unstable();
-        let mut groups: Vec<Box<dyn Group>> = Vec::new();
-        for cells in sizes {
-            groups.push(Box::new(grids("grid", cells, grid_ways(), pictures)));
-        }
-        for &cells in amplified {
-            groups.push(Box::new(grids(
-                "amplify",
-                cells,
-                amplified_ways(),
-                pictures,
-            )));
-        }
-        for culling in culling::groups(is_quick, pictures) {
-            groups.push(Box::new(culling));
-        }
-        groups.push(Box::new(cache::group(is_quick, samples)));
-        for lights in lights::groups(is_quick, pictures) {
-            groups.push(Box::new(lights));
-        }
-        groups.push(Box::new(layered::shades(is_quick, samples)));
-        groups.push(Box::new(layered::blurs(is_quick, samples)));
+        let of_size = |cells: &u32| boxed(grids("grid", *cells, grid_ways(), pictures));
+        let amplify = |cells: &u32| boxed(grids("amplify", *cells, amplified_ways(), pictures));
+        let mut groups: Vec<Box<dyn Group>> = sizes.iter().map(of_size).collect();
+        groups.extend(amplified.iter().map(amplify));
+        groups.extend(culling::groups(is_quick, pictures).into_iter().map(boxed));
+        groups.push(boxed(cache::group(is_quick, samples)));
+        groups.extend(lights::groups(is_quick, pictures).into_iter().map(boxed));
+        groups.push(boxed(layered::shades(is_quick, samples)));
+        groups.push(boxed(layered::blurs(is_quick, samples)));
         Ok(Planned {
             groups,
             ..Planned::default()
         })
     }
+}
+
+fn boxed(group: impl Group + 'static) -> Box<dyn Group> {
+    Box::new(group)
 }
 
 /// Every way on every interface.
@@ -129,14 +121,12 @@ fn conditions(
         (API, interface.name().to_owned()),
         (WAY, way.name().to_owned()),
     ];
-    if let (
-        "amplify",
-        Submission::Geometry {
+    if experiment == "amplify"
+        && let Submission::Geometry {
             cells,
             strips,
             source,
-        },
-    ) = (experiment, way)
+        } = way
     {
         let strips = match strips {
             Strips::Cell => "cell",
@@ -185,7 +175,7 @@ fn grids(
         open: |group, context| {
             let grid = Grid::new(group.work.cells);
             Ok(Box::new(CaseSession(GridSession {
-                truth: rays(&grid, group.work.size).picture(),
+                truth: rays(&grid, group.work.size).picture(1),
                 group,
                 context,
                 grid,
@@ -196,17 +186,43 @@ fn grids(
     }
 }
 
+fn open(
+    devices: &Devices,
+    interface: Interface,
+    way: Submission,
+    grid: &Grid,
+    size: ImageSize,
+) -> Result<Box<dyn Draws>, DeviceError> {
+    Ok(match interface {
+        Interface::Wgpu => {
+            let gpu = terrafill_gpu::shared_gpu(devices)?;
+            Box::new(OnWgpu::new(&gpu, way, grid, size)?)
+        }
+        Interface::Vulkan => {
+            let gpu = terrafill_vulkan::shared_gpu(devices)?;
+            Box::new(OnVulkan::new(&gpu, way, grid, size)?)
+        }
+    })
+}
+
 fn rays(grid: &Grid, size: ImageSize) -> Rays<'_> {
-    let size = [size.width, size.height];
-    Rays::new(grid, GridCamera::new(), size, Cut::Published)
+    Rays::new(grid, GridCamera::new(), size)
+}
+
+fn judge(way: Submission, rays: &Rays<'_>, numbers: &[u32], truth: &[(usize, u32)]) -> Judged {
+    if way.draws_points() {
+        rays.judge_points(numbers)
+    } else {
+        rays.judge_triangles(numbers, truth)
+    }
 }
 
 struct GridSession<'a> {
     group: &'a CaseGroup<Grids>,
     context: Context<'a>,
     grid: Grid,
-    /// Triangles' numbers by rays.
-    truth: Vec<u32>,
+    /// Of each pixel, its triangle's number by a ray.
+    truth: Vec<(usize, u32)>,
     /// Of the first way on each interface, by whether it draws points.
     first: BTreeMap<(Interface, bool), Vec<u32>>,
     /// By case.
@@ -222,23 +238,10 @@ impl Measures for GridSession<'_> {
             ..
         } = self.group.work;
         let (interface, way) = ways[case];
-        let devices = self.context.devices;
-        let mut opened = open(
-            devices,
-            interface,
-            way,
-            &self.grid,
-            &GridCamera::new(),
-            size,
-        )?;
+        let mut opened = open(self.context.devices, interface, way, &self.grid, size)?;
         let (picture, counted) = opened.draw()?;
         let numbers = ids_of(&picture);
-        let rays = rays(&self.grid, size);
-        let judged = if way.draws_points() {
-            rays.judge_points(&numbers)
-        } else {
-            rays.judge_triangles(&numbers, &self.truth)
-        };
+        let judged = judge(way, &rays(&self.grid, size), &numbers, &self.truth);
         let first = self.first.entry((interface, way.draws_points()));
         let differing = differing(&numbers, first.or_insert_with(|| numbers.clone()));
         self.opened.insert(case, opened);
@@ -327,7 +330,7 @@ mod tests {
             return;
         };
         let grid = Grid::new(64);
-        let truth = rays(&grid, PICTURE).picture();
+        let truth = rays(&grid, PICTURE).picture(1);
         for interface in Interface::ALL {
             for way in [
                 Submission::SentStrips,
@@ -335,15 +338,9 @@ mod tests {
                 Submission::SentPoints,
             ] {
                 let judge = |drawn: &Grid| {
-                    let view = GridCamera::new();
-                    let opened = open(&tested.devices, interface, way, drawn, &view, PICTURE);
+                    let opened = open(&tested.devices, interface, way, drawn, PICTURE);
                     let (picture, _) = opened.expect("opens").draw().expect("draws");
-                    let numbers = ids_of(&picture);
-                    if way.draws_points() {
-                        rays(&grid, PICTURE).judge_points(&numbers)
-                    } else {
-                        rays(&grid, PICTURE).judge_triangles(&numbers, &truth)
-                    }
+                    super::judge(way, &rays(&grid, PICTURE), &ids_of(&picture), &truth)
                 };
                 assert_eq!(judge(&grid).mismatched, 0, "{interface:?} {way:?}");
                 let mut changed = grid.clone();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How variance shadows sum depths, and how maps store them. Depths are from 0 to 1.
 
+use crate::grid::nearest;
 use terrafill_results::SplitMix64;
 
 /// How moments are summed.
@@ -59,17 +60,13 @@ impl DepthFormat {
         }
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what shaders read is the purpose"
-    )]
     pub(crate) fn stored(self, depth: f64) -> f32 {
-        match self {
+        nearest(match self {
             Self::Bits(bits) => {
                 let steps = f64::from(bits).exp2() - 1.0;
-                ((depth * steps).round() / steps) as f32
+                (depth * steps).round() / steps
             }
-            Self::F32 => depth as f32,
-        }
+            Self::F32 => depth,
+        })
     }
 }

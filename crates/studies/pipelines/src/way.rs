@@ -2,6 +2,7 @@
 //! The ways in which vertices of a grid may come, and what each costs before anything is drawn.
 
 use crate::grid::Grid;
+use std::ops::Range;
 
 /// A side of the patch that `patch.wgsl` draws, cells.
 pub(crate) const PATCH_CELLS: u32 = 64;
@@ -123,16 +124,49 @@ impl Submission {
         }
     }
 
+    /// Whether the CPU sends vertices or points each frame.
+    pub(crate) fn is_sent(self) -> bool {
+        match self {
+            Self::SentPoints | Self::SentStrips => true,
+            Self::Geometry { source, .. } => source == Source::Sent,
+            _ => false,
+        }
+    }
+
     /// Vertices or points that the CPU sends each frame, bytes.
     pub(crate) fn sent_bytes(self, grid: &Grid) -> u64 {
-        match self {
-            Self::SentPoints | Self::SentStrips => self.source_bytes(grid),
-            Self::Geometry {
-                source: Source::Sent,
-                ..
-            } => self.source_bytes(grid),
-            _ => 0,
+        if self.is_sent() {
+            self.source_bytes(grid)
+        } else {
+            0
         }
+    }
+
+    /// What a buffer holds of its vertices: places and heights, or numbers of points. Nothing where it needs none.
+    pub(crate) fn vertices(self, grid: &Grid) -> Vec<u8> {
+        match self {
+            Self::SentPoints => bytemuck::cast_slice(&points(grid)).to_vec(),
+            Self::SentStrips => bytemuck::cast_slice(&strips(grid)).to_vec(),
+            Self::FetchedPoints | Self::Geometry { .. } => {
+                let numbers = self.ranges(grid).into_iter().flatten();
+                bytemuck::cast_slice(&numbers.collect::<Vec<u32>>()).to_vec()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// First and last vertex of each draw, where there are neither indices nor arguments.
+    pub(crate) fn ranges(self, grid: &Grid) -> Vec<Range<u32>> {
+        let cells = grid.cells * grid.cells;
+        let vertices = match self {
+            Self::SentStrips => return strip_ranges(grid),
+            Self::NoBuffer => 6 * cells,
+            Self::Geometry {
+                cells: per_point, ..
+            } => cells / (per_point * per_point),
+            _ => cells,
+        };
+        std::iter::once(0..vertices).collect()
     }
 
     /// Of what the first stage reads: vertices, points or indices.
@@ -222,14 +256,14 @@ pub(crate) fn geometry_shader(cells: u32, strips: Strips) -> Option<&'static str
 }
 
 /// Points of a grid, as the CPU sends them.
-pub(crate) fn points(grid: &Grid) -> Vec<[f32; 3]> {
+fn points(grid: &Grid) -> Vec<[f32; 3]> {
     let rows = 0..grid.cells;
     rows.flat_map(|row| (0..grid.cells).map(move |column| grid.vertex(column, row)))
         .collect()
 }
 
 /// Strips of a grid, one a row of cells, as the CPU sends them.
-pub(crate) fn strips(grid: &Grid) -> Vec<[f32; 3]> {
+fn strips(grid: &Grid) -> Vec<[f32; 3]> {
     let rows = 0..grid.cells;
     rows.flat_map(|row| {
         (0..=grid.cells).flat_map(move |column| [row, row + 1].map(|row| grid.vertex(column, row)))
@@ -238,7 +272,7 @@ pub(crate) fn strips(grid: &Grid) -> Vec<[f32; 3]> {
 }
 
 /// First and last vertex of each strip.
-pub(crate) fn strip_ranges(grid: &Grid) -> Vec<std::ops::Range<u32>> {
+fn strip_ranges(grid: &Grid) -> Vec<Range<u32>> {
     let length = 2 * (grid.cells + 1);
     let rows = 0..grid.cells;
     rows.map(|row| row * length..(row + 1) * length).collect()

@@ -13,7 +13,7 @@ use terrafill_texture::SuiteFinding;
     reason = "a command-line tool reports on standard output"
 )]
 fn main() -> anyhow::Result<()> {
-    let rows = measure_suite(None)?;
+    let rows = measure_suite()?;
     anyhow::ensure!(!rows.is_empty(), "no rows of the suite");
     print!("{}", SuiteFinding::table(&suite_findings(&rows)));
     Ok(())

@@ -47,19 +47,18 @@ pub(crate) fn rows(
         put_operations(&mut row, &kernel.program.operations());
         row.put(POINTS, samples.len() as f64);
         row.put(TEXTURE_PX, f64::from(place.texture_px()));
-        row.put(PIXEL_M, place.pixel_m());
         let is_chosen = chosen == Some(kernel.route);
         row.put(CHOSEN, f64::from(u8::from(is_chosen)));
         put_cpu(&mut row, cpu);
-        match ask(&kernel.device, &cpu.constants, &inputs)? {
-            Ok(answers) => put_device(&mut row, place, &samples, &answers.values),
-            Err(why) => row.reason = why,
+        let device = ask(&kernel.device, &cpu.constants, &inputs)?;
+        if let Ok(answers) = &device {
+            put_device(&mut row, place, &samples, &answers.values);
         }
-        let unmeasured = std::mem::take(&mut row.reason);
+        row.put_pixels(place.pixel_m(), [DEVICE_MAX_M, DEVICE_RMS_M]);
         let exact = cpu.residual.approximation_max_rad / cpu.residual.expected_max_rad;
         judge(&mut row, 1.0 - exact);
-        if !unmeasured.is_empty() {
-            (row.status, row.reason) = (Status::Skipped, unmeasured);
+        if let Err(why) = device {
+            (row.status, row.reason) = (Status::Skipped, why);
         }
         rows.push(row);
     }
@@ -165,10 +164,8 @@ fn errors_of(
 }
 
 fn put_cpu(row: &mut PrecisionRow, cpu: &OnCpu) {
-    row.put(NON_FINITE_EMULATED, cpu.errors.non_finite as f64);
-    let figures = cpu.errors.figures();
-    row.put(EMULATED_MAX_M, figures.map(|f| f.max_m));
-    row.put(EMULATED_RMS_M, figures.map(|f| f.rms_m));
+    let emulated = &cpu.errors.ground;
+    emulated.put(row, NON_FINITE_EMULATED, [EMULATED_MAX_M, EMULATED_RMS_M]);
     row.put(RESIDUAL_MAX_M, cpu.residual.max_m);
     row.put(RESIDUAL_MAX_RAD, cpu.residual.max_rad);
     row.put(RESIDUAL_RMS_RAD, cpu.residual.rms_rad);
@@ -183,15 +180,8 @@ fn put_device(
 ) {
     let answers = values.iter().map(|value| [value[0], value[1]]);
     let errors = errors_of(place, samples, answers);
-    row.put(NON_FINITE_DEVICE, errors.non_finite as f64);
-    if let Some(found) = errors.figures() {
-        row.put(DEVICE_MAX_M, found.max_m);
-        row.put(DEVICE_RMS_M, found.rms_m);
-        row.put(DEVICE_MAX_RAD, found.max_rad);
-        row.put(DEVICE_RMS_RAD, found.rms_rad);
-        row.put(MAX_TEXELS, found.max_texels);
-        row.put(RMS_TEXELS, found.rms_texels);
-        row.put(MAX_PX, found.max_m / place.pixel_m());
-        row.put(RMS_PX, found.rms_m / place.pixel_m());
-    }
+    let ground = [DEVICE_MAX_M, DEVICE_RMS_M];
+    errors.ground.put(row, NON_FINITE_DEVICE, ground);
+    row.put_both([DEVICE_MAX_RAD, DEVICE_RMS_RAD], errors.rad());
+    row.put_both([MAX_TEXELS, RMS_TEXELS], errors.texels());
 }

@@ -10,29 +10,51 @@ use terrafill_texture::{SAMPLING_SLACK, Sample};
 /// Measured and computed error that differ by more need a reason.
 pub(crate) const AGREEMENT: f64 = 2.0;
 
+/// Errors over places, all of one unit.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ErrorSum {
+    non_finite: u64,
+    count: f64,
+    max: f64,
+    squares: f64,
+}
+
+impl ErrorSum {
+    pub(crate) fn add(&mut self, error: f64) {
+        if !error.is_finite() {
+            self.non_finite += 1;
+            return;
+        }
+        self.count += 1.0;
+        self.max = self.max.max(error);
+        self.squares += error * error;
+    }
+
+    /// Into a row: how many are not finite, and the others' largest and root mean square.
+    pub(crate) fn put(
+        &self,
+        row: &mut PrecisionRow,
+        non_finite: &'static Metric,
+        max_and_rms: [&'static Metric; 2],
+    ) {
+        row.put(non_finite, self.non_finite as f64);
+        row.put_both(max_and_rms, self.figures());
+    }
+
+    /// Largest and root mean square; `None` without a finite error.
+    pub(crate) fn figures(&self) -> Option<[f64; 2]> {
+        (self.count > 0.0).then(|| [self.max, (self.squares / self.count).sqrt()])
+    }
+}
+
 /// Errors of angles over places.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct AngleErrors {
-    pub(crate) non_finite: u64,
-    count: f64,
-    max_m: f64,
-    squares_m: f64,
-    max_rad: [f64; 2],
-    squares_rad: [f64; 2],
-    textured: f64,
-    max_texels: f64,
-    squares_texels: [f64; 2],
-}
-
-/// What a set of errors came to.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct AngleFigures {
-    pub(crate) max_m: f64,
-    pub(crate) rms_m: f64,
-    pub(crate) max_rad: f64,
-    pub(crate) rms_rad: f64,
-    pub(crate) max_texels: f64,
-    pub(crate) rms_texels: f64,
+    /// Metres. Answers that are not finite are counted here and nowhere else.
+    pub(crate) ground: ErrorSum,
+    /// Of longitude and latitude.
+    rad: [ErrorSum; 2],
+    texels: [ErrorSum; 2],
 }
 
 impl AngleErrors {
@@ -49,7 +71,7 @@ impl AngleErrors {
         is_polar: bool,
     ) {
         if answer.iter().any(|angle| !angle.is_finite()) {
-            self.non_finite += 1;
+            self.ground.non_finite += 1;
             return;
         }
         let [longitude, latitude] = answer.map(f64::from);
@@ -63,74 +85,30 @@ impl AngleErrors {
         ];
         let metres = (errors[0] * sample.metres_per_radian[0])
             .hypot(errors[1] * sample.metres_per_radian[1]);
-        self.count += 1.0;
-        self.max_m = self.max_m.max(metres);
-        self.squares_m += metres * metres;
-        self.textured += f64::from(u8::from(!is_polar));
+        self.ground.add(metres);
         for axis in 0..2 {
-            self.max_rad[axis] = self.max_rad[axis].max(errors[axis]);
-            self.squares_rad[axis] += errors[axis].powi(2);
+            self.rad[axis].add(errors[axis]);
             if !is_polar {
-                let texels = errors[axis] / texel_rad[axis];
-                self.max_texels = self.max_texels.max(texels);
-                self.squares_texels[axis] += texels * texels;
+                self.texels[axis].add(errors[axis] / texel_rad[axis]);
             }
         }
     }
 
-    /// `None` without a finite answer.
-    pub(crate) fn figures(&self) -> Option<AngleFigures> {
-        if self.count < 1.0 {
-            return None;
-        }
-        let rms = |squares: [f64; 2], count: f64| (squares[0].max(squares[1]) / count).sqrt();
-        Some(AngleFigures {
-            max_m: self.max_m,
-            rms_m: (self.squares_m / self.count).sqrt(),
-            max_rad: self.max_rad[0].max(self.max_rad[1]),
-            rms_rad: rms(self.squares_rad, self.count),
-            max_texels: self.max_texels,
-            rms_texels: rms(self.squares_texels, self.textured.max(1.0)),
-        })
+    /// Largest and root mean square in radians, of the axis that has the larger; `None` without a finite answer.
+    pub(crate) fn rad(&self) -> Option<[f64; 2]> {
+        larger(&self.rad)
+    }
+
+    /// The same in texels; 0 where every answer is polar.
+    pub(crate) fn texels(&self) -> Option<[f64; 2]> {
+        let is_answered = self.ground.figures().is_some();
+        is_answered.then(|| larger(&self.texels).unwrap_or_default())
     }
 }
 
-/// Errors of positions, metres.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct LengthErrors {
-    pub(crate) non_finite: u64,
-    count: f64,
-    max: f64,
-    squares: f64,
-}
-
-impl LengthErrors {
-    pub(crate) fn add(&mut self, error_m: f64) {
-        if !error_m.is_finite() {
-            self.non_finite += 1;
-            return;
-        }
-        self.count += 1.0;
-        self.max = self.max.max(error_m);
-        self.squares += error_m * error_m;
-    }
-
-    /// Into a row: how many are not finite, and the others' largest and root mean square.
-    pub(crate) fn put(
-        &self,
-        row: &mut PrecisionRow,
-        non_finite: &'static Metric,
-        [max, rms]: [&'static Metric; 2],
-    ) {
-        row.put(non_finite, self.non_finite as f64);
-        row.put(max, self.figures().map(|[max, _]| max));
-        row.put(rms, self.figures().map(|[_, rms]| rms));
-    }
-
-    /// Largest and root mean square; `None` without a finite error.
-    pub(crate) fn figures(&self) -> Option<[f64; 2]> {
-        (self.count > 0.0).then(|| [self.max, (self.squares / self.count).sqrt()])
-    }
+fn larger(axes: &[ErrorSum; 2]) -> Option<[f64; 2]> {
+    let (longitude, latitude) = (axes[0].figures()?, axes[1].figures()?);
+    Some([0, 1].map(|figure: usize| longitude[figure].max(latitude[figure])))
 }
 
 /// Magnitude of a difference of longitudes, the short way round.
@@ -180,7 +158,7 @@ pub(crate) fn judge(row: &mut PrecisionRow, rounding_share: f64) {
     };
 }
 
-fn agrees(ratio: f64) -> bool {
+pub(crate) fn agrees(ratio: f64) -> bool {
     (1.0 / AGREEMENT..=AGREEMENT).contains(&ratio)
 }
 
@@ -225,14 +203,14 @@ mod tests {
         let mut errors = AngleErrors::default();
         errors.add([0.5, 0.25], &sample([0.5, 0.25]), [1e-3; 2], false);
         errors.add([0.5, 0.25], &sample([0.5, 0.25 - 1e-6]), [1e-3; 2], false);
-        let figures = errors.figures().expect("finite");
-        assert!((figures.max_m - 6.0).abs() < 1e-6);
-        assert!((figures.rms_m - 6.0 / 2.0_f64.sqrt()).abs() < 1e-6);
-        assert!((figures.max_texels - 1e-3).abs() < 1e-9);
+        let [max_m, rms_m] = errors.ground.figures().expect("finite");
+        assert!((max_m - 6.0).abs() < 1e-6);
+        assert!((rms_m - 6.0 / 2.0_f64.sqrt()).abs() < 1e-6);
+        assert!((errors.texels().expect("finite")[0] - 1e-3).abs() < 1e-9);
         // Negative control: longitude and latitude swapped are far off.
         let mut swapped = AngleErrors::default();
         swapped.add([0.25, 0.5], &sample([0.5, 0.25]), [1e-3; 2], false);
-        assert!(swapped.figures().expect("finite").max_m > 1e5);
+        assert!(swapped.ground.figures().expect("finite")[0] > 1e5);
     }
 
     #[test]
@@ -240,11 +218,11 @@ mod tests {
         let mut errors = AngleErrors::default();
         let pi = std::f32::consts::PI;
         errors.add([-pi, 0.0], &sample([f64::from(pi), 0.0]), [1e-3; 2], false);
-        assert!(errors.figures().expect("finite").max_m < 1.0);
+        assert!(errors.ground.figures().expect("finite")[0] < 1.0);
         // Negative control: the same in latitude is not.
         let mut wrong = AngleErrors::default();
         wrong.add([0.0, -pi], &sample([0.0, f64::from(pi)]), [1e-3; 2], false);
-        assert!(wrong.figures().expect("finite").max_m > 1e6);
+        assert!(wrong.ground.figures().expect("finite")[0] > 1e6);
     }
 
     #[test]
@@ -252,15 +230,13 @@ mod tests {
         let mut errors = AngleErrors::default();
         errors.add([f32::NAN, 0.0], &sample([0.0; 2]), [1e-3; 2], false);
         errors.add([0.0, f32::INFINITY], &sample([0.0; 2]), [1e-3; 2], false);
-        assert_eq!(errors.non_finite, 2);
-        assert!(errors.figures().is_none());
+        assert_eq!(errors.ground.non_finite, 2);
+        assert!(errors.ground.figures().is_none() && errors.texels().is_none());
         errors.add([1e-3, 0.0], &sample([0.0; 2]), [1e-3; 2], true);
-        let figures = errors.figures().expect("one answer");
-        assert!(
-            (figures.max_m - 3000.0).abs() < 0.01,
-            "metres count at a pole too"
-        );
-        assert!(figures.max_texels <= 0.0, "texels do not");
+        let [max_m, _] = errors.ground.figures().expect("one answer");
+        assert!((max_m - 3000.0).abs() < 0.01, "metres count at a pole too");
+        let texels = errors.texels().expect("one answer");
+        assert_eq!(texels, [0.0; 2], "texels do not");
     }
 
     fn row(device: f64, bound: f64, non_finite: u64) -> PrecisionRow {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Routes on the device: the text of each, compiled once and asked for every region.
 
-use crate::failure::broken;
-use crate::place::{RegionPicture, radical_inverse};
+use crate::place::{RegionPicture, halton};
 use crate::row::PrecisionPart;
-use crate::sight::{self, MAPPINGS};
-use crate::timing::LoopTime;
+use crate::sight;
+use glam::DVec3;
 use std::sync::Arc;
 use terrafill_gpu::{
     EVALUATIONS_PER_DISPATCH, Evaluation, EvaluationTime, Evaluator, Gpu, Kernel, RouteTexels,
 };
+use terrafill_results::median;
 use terrafill_study::StudyError;
 use terrafill_texture::{
     CoordinateRoute, DepthMapping, Filter, LookupTable, PositionRoute, Program, Sampler,
@@ -18,6 +18,9 @@ use terrafill_texture::{
 
 /// Turns of the timed loop: some milliseconds of the native arctangents on a software device.
 const TURNS: u32 = 48;
+
+/// Passes of the empty formula per round: every other time is held against their median.
+const EMPTY_PASSES: usize = 3;
 
 /// Region whose fragments are timed, degrees: what a formula costs does not depend on its constants.
 const TIMED_EXTENT_DEG: f64 = 1.0;
@@ -48,6 +51,20 @@ pub(crate) struct Kernels {
     pub(crate) coordinate: Vec<CoordinateKernel>,
     pub(crate) position: Vec<PositionKernel>,
     empty: Result<Evaluator, String>,
+}
+
+/// What the loop alone took in a round.
+pub(crate) struct LoopTime {
+    pub(crate) cpu_ms: f64,
+    pub(crate) gpu_ms: Option<f64>,
+}
+
+/// A device's failure, with which the study cannot go on.
+fn broken(why: impl ToString) -> StudyError {
+    StudyError::Broken {
+        place: crate::STUDY.to_owned(),
+        message: why.to_string(),
+    }
 }
 
 /// What the device's linear sampler does with each format of a table.
@@ -142,7 +159,7 @@ impl Kernels {
             }
         });
         let position = PositionRoute::ALL.into_iter().flat_map(|route| {
-            MAPPINGS.map(|mapping| PositionKernel {
+            DepthMapping::ALL.map(|mapping| PositionKernel {
                 route,
                 mapping,
                 device: position_evaluator(gpu, route, mapping),
@@ -185,7 +202,16 @@ impl Kernels {
     /// What the loop alone takes now.
     pub(crate) fn time_empty(&self) -> Result<LoopTime, StudyError> {
         let empty = self.empty.as_ref().map_err(broken)?;
-        LoopTime::of_empty(empty, TURNS)
+        let (mut cpu_ms, mut gpu_ms) = (Vec::new(), Vec::new());
+        for _ in 0..EMPTY_PASSES {
+            let time = empty.time(TURNS).map_err(broken)?;
+            cpu_ms.push(time.cpu_ms);
+            gpu_ms.extend(time.gpu_ms);
+        }
+        Ok(LoopTime {
+            cpu_ms: median(&cpu_ms).unwrap_or(f64::NAN),
+            gpu_ms: median(&gpu_ms),
+        })
     }
 
     /// The device's program of a timed formula, or why there is none.
@@ -230,7 +256,7 @@ impl TimedFormula {
         let coordinate = routes.iter().copied().map(Self::Coordinate);
         let position = PositionRoute::ALL
             .into_iter()
-            .flat_map(|route| MAPPINGS.map(|mapping| Self::Position(route, mapping)));
+            .flat_map(|route| DepthMapping::ALL.map(|mapping| Self::Position(route, mapping)));
         coordinate.chain(position).collect()
     }
 
@@ -250,19 +276,11 @@ impl TimedFormula {
 }
 
 /// Offsets of fragments, as many as a dispatch takes.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "offsets as a shader has them"
-)]
 fn timed_offsets() -> Vec<[f32; 4]> {
     let metres = TIMED_EXTENT_DEG.to_radians() * 6.4e6 * 0.5;
-    let at = |index: usize, base: u32| {
-        let index = u32::try_from(index).unwrap_or(u32::MAX);
-        ((2.0 * radical_inverse(index, base) - 1.0) * metres) as f32
-    };
-    (1..=EVALUATIONS_PER_DISPATCH)
-        .map(|i| [at(i, 2), at(i, 3), at(i, 5), 0.0])
-        .collect()
+    let places = (1..).map(halton).take(EVALUATIONS_PER_DISPATCH);
+    let offset = |at: DVec3| ((2.0 * at - 1.0) * metres).as_vec3();
+    places.map(|at| offset(at).extend(0.0).to_array()).collect()
 }
 
 /// The route's evaluator, or why there is none.

@@ -12,7 +12,6 @@
 mod chapter;
 mod coordinate;
 mod error;
-mod failure;
 mod findings;
 mod kernel;
 mod keys;
@@ -25,7 +24,6 @@ mod sight;
 mod special;
 mod study;
 mod suite;
-mod timing;
 mod vertex;
 
 pub use chapter::PrecisionChapter;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Regions at which coordinate routes are measured: extent × latitude × heights.
 
+use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_texture::{
@@ -29,7 +30,7 @@ const GLOBE_TEXTURE_PX: u32 = 16_384;
 const GLOBE_FROM_DEG: f64 = 90.0;
 
 /// Rows of the view that a region's height just fills.
-const VIEW_ROWS: f64 = 1080.0;
+pub(crate) const VIEW_ROWS: f64 = 1080.0;
 
 /// A region, its picture and its view.
 #[derive(Debug, Clone)]
@@ -140,13 +141,7 @@ impl RegionPicture {
     pub(crate) fn points(&self, count: u32) -> Vec<Sample> {
         let corner = |i: u32, bit: u32| f64::from((i >> bit) & 1);
         let corners = (0..8).map(|i| [corner(i, 0), corner(i, 1), corner(i, 2)]);
-        let spread = (1..=count).map(|i| {
-            [
-                radical_inverse(i, 2),
-                radical_inverse(i, 3),
-                radical_inverse(i, 5),
-            ]
-        });
+        let spread = (1..=count).map(|index| halton(index).to_array());
         corners.chain(spread).map(|at| self.point(at)).collect()
     }
 
@@ -162,8 +157,13 @@ impl RegionPicture {
     }
 }
 
-/// Digits of `index` in `base`, mirrored at the point: a coordinate of Halton's sequence (1960).
-pub(crate) fn radical_inverse(mut index: u32, base: u32) -> f64 {
+/// Places spread evenly from 0 to 1 along each axis: Halton's sequence (1960).
+pub(crate) fn halton(index: u32) -> DVec3 {
+    DVec3::from_array([2, 3, 5].map(|base| radical_inverse(index, base)))
+}
+
+/// Digits of `index` in `base`, mirrored at the point.
+fn radical_inverse(mut index: u32, base: u32) -> f64 {
     let (mut value, mut digit) = (0.0, 1.0);
     while index > 0 {
         digit /= f64::from(base);

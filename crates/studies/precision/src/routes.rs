@@ -23,16 +23,9 @@ const FINEST: AngleCore = AngleCore::Odd {
 /// The routes of the suite: of absolute angles every family, of recentred ones the two that span the
 /// others, forms of latitude on one core.
 pub(crate) fn coordinate_routes(quick: bool) -> Vec<CoordinateRoute> {
-    let all = CoordinateRoute::all();
-    all.into_iter()
-        .filter(|route| {
-            if quick {
-                is_quick(route)
-            } else {
-                is_main(route)
-            }
-        })
-        .collect()
+    let mut routes = CoordinateRoute::all();
+    routes.retain(if quick { is_quick } else { is_main });
+    routes
 }
 
 /// What a frame plan takes in each region.
@@ -125,19 +118,18 @@ pub(crate) fn family(route: &CoordinateRoute) -> (String, Option<f64>) {
             core,
             latitude,
         } => {
-            if *latitude != LatitudeForm::Bowring1 {
-                // One core through the forms of latitude; of others, those that a plan takes.
-                if *core == FINEST {
-                    let name = format!("{}{}, forms of latitude", form.prefix(), core.name());
-                    let place = LatitudeForm::ALL.iter().position(|form| form == latitude);
-                    return (name, place.map(|place| place as f64));
-                }
-                let (name, knob) = core_family(core);
-                let name = format!("{}{name}+{}", form.prefix(), latitude.name());
-                return (name, knob);
-            }
+            let prefix = form.prefix();
             let (name, knob) = core_family(core);
-            (format!("{}{name}", form.prefix()), knob)
+            if *latitude == LatitudeForm::Bowring1 {
+                (format!("{prefix}{name}"), knob)
+            } else if *core == FINEST {
+                // One core through the forms of latitude; of others, those that a plan takes.
+                let place = LatitudeForm::ALL.iter().position(|form| form == latitude);
+                let name = format!("{prefix}{}, forms of latitude", core.name());
+                (name, place.map(|place| place as f64))
+            } else {
+                (format!("{prefix}{name}+{}", latitude.name()), knob)
+            }
         }
         _ => (route.name(), None),
     }

@@ -96,6 +96,21 @@ impl PrecisionRow {
         self.figures.extend(figure);
     }
 
+    /// Sets two figures, or neither.
+    pub(crate) fn put_both(&mut self, metrics: [&'static Metric; 2], values: Option<[f64; 2]>) {
+        for (metric, value) in metrics.into_iter().zip(values.into_iter().flatten()) {
+            self.put(metric, value);
+        }
+    }
+
+    /// Sets the size of a pixel, and the largest and root mean square error in pixels, of these in metres.
+    pub(crate) fn put_pixels(&mut self, pixel_m: f64, errors_m: [&'static Metric; 2]) {
+        self.put(PIXEL_M, pixel_m);
+        for (metric, metres) in [MAX_PX, RMS_PX].into_iter().zip(errors_m) {
+            self.put(metric, self.figure(metres).map(|metres| metres / pixel_m));
+        }
+    }
+
     /// Answers that are not finite, emulated or on the device.
     #[must_use]
     pub fn non_finite(&self) -> u64 {
@@ -151,7 +166,6 @@ impl PrecisionRow {
 /// A figure that counts something.
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "counts are whole, not negative and far below 2^53"
 )]
 pub(crate) fn whole(value: f64) -> Option<u64> {

@@ -2,8 +2,8 @@
 //! What position routes are measured on: distance, depth format and distance of the anchor; and what
 //! they are timed on.
 
-use crate::place::{RegionPicture, radical_inverse};
-use glam::DVec3;
+use crate::place::{RegionPicture, halton};
+use glam::{DVec3, Vec3};
 use terrafill_core::Geodetic;
 use terrafill_gpu::EVALUATIONS_PER_DISPATCH;
 use terrafill_texture::{
@@ -35,17 +35,10 @@ const DEFAULT_EXTENTS_DEG: [f64; 5] = [1e-3, 0.1, 1.0, 10.0, 360.0];
 const DEFAULT_LATITUDES_DEG: [f64; 4] = [0.0, 45.0, 85.0, 90.0];
 
 pub(crate) const IMAGE: [u32; 2] = [1920, 1080];
-const FIELD_OF_VIEW_DEG: f64 = 60.0;
+pub(crate) const FIELD_OF_VIEW_DEG: f64 = 60.0;
 /// The view looks down by this much, turned away from north by that.
 const PITCH_DEG: f64 = 40.0;
 const HEADING_DEG: f64 = 30.0;
-
-/// Every mapping: what a route's text depends on.
-pub(crate) const MAPPINGS: [DepthMapping; 3] = [
-    DepthMapping::Standard,
-    DepthMapping::Reversed,
-    DepthMapping::Logarithmic,
-];
 
 /// How far pixel and depth move between two timed evaluations.
 pub(crate) const TIMED_STEP: [f32; 4] = [1e-3, 1e-3, 1e-7, 0.0];
@@ -148,7 +141,7 @@ const ON_THE_SURFACE: (&str, f64, f64) = ("0", 0.0, 0.0);
 
 fn formats(near_m: f64) -> Vec<DepthFormat> {
     let mut formats = Vec::new();
-    for mapping in MAPPINGS {
+    for mapping in DepthMapping::ALL {
         for storage in [DepthStorage::Float32, DepthStorage::Unorm24] {
             for far_m in [f64::INFINITY, FAR_M] {
                 // A logarithm has no end to be divided by: no such format.
@@ -284,12 +277,7 @@ fn view_of(place: &RegionPicture, distance_m: f64, depth: DepthFormat) -> Perspe
 
 /// What a route of a mapping is called among the times.
 pub(crate) fn timed_name(route: PositionRoute, mapping: DepthMapping) -> String {
-    let mapping = match mapping {
-        DepthMapping::Standard => "standard",
-        DepthMapping::Reversed => "reversed",
-        DepthMapping::Logarithmic => "logarithmic",
-    };
-    format!("{}+{mapping}", route.name())
+    format!("{}+{}", route.name(), mapping.name())
 }
 
 /// A format of the mapping: storage and planes are no part of a route's text.
@@ -309,23 +297,9 @@ pub(crate) fn timed_constants(route: PositionRoute, mapping: DepthMapping) -> Ve
 }
 
 /// Pixels and depths that are timed.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "inputs as a shader has them"
-)]
 pub(crate) fn timed_inputs() -> Vec<[f32; 4]> {
-    let at = |index: usize, base: u32| {
-        radical_inverse(u32::try_from(index).unwrap_or(u32::MAX), base) as f32
-    };
-    let [width, height] = [1920.0, 1080.0];
-    (1..=EVALUATIONS_PER_DISPATCH)
-        .map(|i| {
-            [
-                at(i, 2) * width,
-                at(i, 3) * height,
-                0.1 + 0.8 * at(i, 5),
-                0.0,
-            ]
-        })
-        .collect()
+    let places = (1..).map(halton).take(EVALUATIONS_PER_DISPATCH);
+    let (nearest, size) = (Vec3::Z * 0.1, Vec3::new(1920.0, 1080.0, 0.8));
+    let inputs = places.map(|at| at.as_vec3() * size + nearest);
+    inputs.map(|at| at.extend(0.0).to_array()).collect()
 }

@@ -7,6 +7,8 @@ use crate::kernel::{CoordinateKernel, Kernels, ask};
 use crate::keys::{NON_FINITE_DEVICE, NON_FINITE_EMULATED, POINTS};
 use crate::place::RegionPicture;
 use crate::row::{PrecisionPart, PrecisionRow};
+use glam::DVec3;
+use terrafill_gpu::Evaluation;
 use terrafill_results::Status;
 use terrafill_study::StudyError;
 use terrafill_texture::{Arithmetic, CoordinateRoute, MapRegion};
@@ -35,13 +37,9 @@ impl Special {
 }
 
 /// The position, meridian axes, from the body's centre, as an offset.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "offsets as a shader has them"
-)]
 fn from_centre(region: &MapRegion, position: [f64; 3]) -> [f32; 3] {
-    let anchor = region.anchor_meridian().to_array();
-    [0, 1, 2].map(|axis: usize| (position[axis] - anchor[axis]) as f32)
+    let offset = DVec3::from_array(position) - region.anchor_meridian();
+    offset.as_vec3().to_array()
 }
 
 fn radius(region: &MapRegion) -> f64 {
@@ -52,6 +50,12 @@ fn radius(region: &MapRegion) -> f64 {
 fn on_equator(region: &MapRegion, longitude_deg: f64) -> [f32; 3] {
     let (sin, cos) = longitude_deg.to_radians().sin_cos();
     from_centre(region, [radius(region) * cos, radius(region) * sin, 0.0])
+}
+
+/// The same with this zero in place of the sine.
+fn on_meridian(region: &MapRegion, longitude_deg: f64, zero: f32) -> [f32; 3] {
+    let [x, _, z] = on_equator(region, longitude_deg);
+    [x, zero, z]
 }
 
 fn pole(region: &MapRegion, sign: f64) -> [f32; 3] {
@@ -67,29 +71,20 @@ pub(crate) static INPUTS: [Special; 24] = [
     inside("smallest subnormal offset", |_| [f32::from_bits(1); 3]),
     inside("1 m north", |_| [0.0, 0.0, 1.0]),
     inside("1 m east", |_| [0.0, 1.0, 0.0]),
-    globe("meridian, +0", |region| {
-        let [x, _, z] = on_equator(region, 0.0);
-        [x, 0.0, z]
-    }),
+    globe("meridian, +0", |region| on_meridian(region, 0.0, 0.0)),
     globe("octant seam 45°", |region| on_equator(region, 45.0)),
     globe("octant seam -45°", |region| on_equator(region, -45.0)),
     globe("octant seam 90°", |region| on_equator(region, 90.0)),
     globe("octant seam 135°", |region| on_equator(region, 135.0)),
     globe("octant seam -135°", |region| on_equator(region, -135.0)),
-    globe("antimeridian, +0", |region| {
-        let [x, _, z] = on_equator(region, 180.0);
-        [x, 0.0, z]
-    }),
+    globe("antimeridian, +0", |region| on_meridian(region, 180.0, 0.0)),
     globe("antimeridian, -0", |region| {
-        let [x, _, z] = on_equator(region, 180.0);
-        [x, -0.0, z]
+        on_meridian(region, 180.0, -0.0)
     }),
     globe("north pole", |region| pole(region, 1.0)),
     globe("south pole", |region| pole(region, -1.0)),
     globe("1 mm beside the north pole", |region| {
-        let mut position = [1e-3, 0.0, 0.0];
-        position[2] = region.body().polar_radius_m();
-        from_centre(region, position)
+        from_centre(region, [1e-3, 0.0, region.body().polar_radius_m()])
     }),
     beyond("body's centre", |region| from_centre(region, [0.0; 3])),
     beyond("+∞", |_| [f32::INFINITY, 0.0, 0.0]),
@@ -101,10 +96,8 @@ pub(crate) static INPUTS: [Special; 24] = [
 
 const fn inside(name: &'static str, offset: fn(&MapRegion) -> [f32; 3]) -> Special {
     Special {
-        name,
         on_globe: false,
-        is_fragment: true,
-        offset,
+        ..globe(name, offset)
     }
 }
 
@@ -120,10 +113,8 @@ const fn globe(name: &'static str, offset: fn(&MapRegion) -> [f32; 3]) -> Specia
 /// Where no fragment is: what cleared depth or a broken position would give.
 const fn beyond(name: &'static str, offset: fn(&MapRegion) -> [f32; 3]) -> Special {
     Special {
-        name,
-        on_globe: true,
         is_fragment: false,
-        offset,
+        ..globe(name, offset)
     }
 }
 
@@ -154,24 +145,14 @@ fn row(
 ) -> Result<PrecisionRow, StudyError> {
     let mut row = identity(special, &kernel.route);
     put_operations(&mut row, &kernel.program.operations());
-    row.put(POINTS, 1.0);
     let offset = (special.offset)(&place.region);
     let constants = kernel.route.constants(&place.region);
-    let emulated = kernel
-        .program
-        .emulate(&constants, offset, Arithmetic::Fused);
-    row.emulated_answer = text(emulated);
-    row.put(NON_FINITE_EMULATED, count(emulated));
+    let program = &kernel.program;
+    let emulated = program.emulate(&constants, offset, Arithmetic::Fused);
     let [x, y, z] = offset;
-    row.status = Status::Ok;
-    match ask(&kernel.device, &constants, &[[x, y, z, 0.0]])? {
-        Ok(answers) => {
-            let [longitude, latitude, ..] = answers.values[0];
-            row.device_answer = text([longitude, latitude]);
-            row.put(NON_FINITE_DEVICE, count([longitude, latitude]));
-        }
-        Err(why) => (row.status, row.reason) = (Status::Skipped, why),
-    }
+    let device = ask(&kernel.device, &constants, &[[x, y, z, 0.0]])?;
+    let text = |[longitude, latitude]: [f32; 2]| format!("{longitude:?} {latitude:?}");
+    put_answers(&mut row, emulated, device, text);
     if row.non_finite() > 0 && special.is_fragment {
         (row.status, row.reason) = (Status::Wrong, "not finite".to_owned());
     } else if !special.is_fragment && row.reason.is_empty() {
@@ -180,10 +161,24 @@ fn row(
     Ok(row)
 }
 
-fn count(answer: [f32; 2]) -> f64 {
-    f64::from(u8::from(answer.iter().any(|angle| !angle.is_finite())))
-}
-
-fn text([longitude, latitude]: [f32; 2]) -> String {
-    format!("{longitude:?} {latitude:?}")
+/// What the emulation and the device answer to one input, or why the device does not.
+pub(crate) fn put_answers<const N: usize>(
+    row: &mut PrecisionRow,
+    emulated: [f32; N],
+    device: Result<Evaluation, String>,
+    text: fn([f32; N]) -> String,
+) {
+    let is_lost = |answer: [f32; N]| answer.iter().any(|value| !value.is_finite());
+    row.put(POINTS, 1.0);
+    row.emulated_answer = text(emulated);
+    row.put(NON_FINITE_EMULATED, f64::from(is_lost(emulated)));
+    row.status = Status::Ok;
+    match device {
+        Ok(answers) => {
+            let answer = std::array::from_fn(|at| answers.values[0][at]);
+            row.device_answer = text(answer);
+            row.put(NON_FINITE_DEVICE, f64::from(is_lost(answer)));
+        }
+        Err(why) => (row.status, row.reason) = (Status::Skipped, why),
+    }
 }

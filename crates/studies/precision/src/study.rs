@@ -2,12 +2,11 @@
 //! The suite as a study: a group of all formulas that are timed together, and one for each condition.
 
 use crate::STUDY;
-use crate::kernel::{Kernels, TimedFormula};
+use crate::kernel::{Kernels, LoopTime, TimedFormula};
 use crate::keys::{OF_PART, PART, ROUTE};
 use crate::metrics::METRICS;
 use crate::row::PrecisionRow;
 use crate::suite::{Condition, Suite};
-use crate::timing::LoopTime;
 use std::cell::RefCell;
 use std::rc::Rc;
 use terrafill_gpu::shared_gpu;
@@ -63,7 +62,7 @@ fn kernels(suite: &Suite, context: Context<'_>) -> Result<SharedKernels, StudyEr
 
 /// Formulas that are timed together.
 fn times(suite: &Rc<Suite>, samples: u32) -> CaseGroup<(Rc<Suite>, Vec<TimedFormula>)> {
-    let formulas = suite.timed();
+    let formulas = TimedFormula::all(&suite.routes);
     let case = |formula: &TimedFormula| {
         let conditions = [
             (PART, "time".to_owned()),

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the study measures: formulas, regions, views and how many places of each.
 
-use crate::kernel::{Kernels, TimedFormula};
+use crate::kernel::Kernels;
 use crate::row::PrecisionRow;
 use crate::{coordinate, place, position, routes, sight, special, vertex};
-use std::sync::Arc;
 use terrafill_gpu::{Gpu, GpuOptions};
 use terrafill_study::StudyError;
 use terrafill_texture::{CoordinateRoute, PositionRoute, VertexFormat};
@@ -72,26 +71,26 @@ impl Suite {
 
     /// Rows of a condition before anything is measured.
     pub(crate) fn identities(&self, condition: &Condition) -> Vec<PrecisionRow> {
-        let of_routes = |identity: &dyn Fn(&CoordinateRoute) -> PrecisionRow| {
-            self.routes.iter().map(identity).collect()
-        };
+        let routes = self.routes.iter();
         match condition {
             Condition::Place(index) => {
-                of_routes(&|route| coordinate::identity(&self.places[*index], route))
+                let place = &self.places[*index];
+                let identity = |route| coordinate::identity(place, route);
+                routes.map(identity).collect()
             }
-            Condition::Special(input) => of_routes(&|route| special::identity(input, route)),
+            Condition::Special(input) => {
+                let identity = |route| special::identity(input, route);
+                routes.map(identity).collect()
+            }
             Condition::Sight(index) => {
                 let sight = &self.sights[*index];
-                let routes = PositionRoute::ALL.into_iter();
-                routes
+                PositionRoute::ALL
                     .map(|route| position::identity(sight, route))
-                    .collect()
+                    .into()
             }
-            Condition::Vertex(seen) => {
-                let formats = VertexFormat::ALL.iter();
-                let identity = |format: &VertexFormat| vertex::identity(*format, *seen);
-                formats.map(identity).collect()
-            }
+            Condition::Vertex(seen) => VertexFormat::ALL
+                .map(|format| vertex::identity(format, *seen))
+                .into(),
         }
     }
 
@@ -114,25 +113,15 @@ impl Suite {
             Condition::Vertex(seen) => Ok(vertex::rows(*seen)),
         }
     }
-
-    /// Every formula whose time is measured.
-    pub(crate) fn timed(&self) -> Vec<TimedFormula> {
-        TimedFormula::all(&self.routes)
-    }
 }
 
-/// Errors of the whole suite, without times.
-///
-/// - `adapter`: part of the adapter's name
+/// Errors of the whole suite, without times, on the device there is.
 ///
 /// # Errors
 /// [`StudyError::NoDevice`], or a device that is lost.
-pub fn measure_suite(adapter: Option<String>) -> Result<Vec<PrecisionRow>, StudyError> {
-    let gpu: Arc<Gpu> = Gpu::open(&GpuOptions {
-        adapter,
-        ..GpuOptions::default()
-    })
-    .map_err(|error| StudyError::NoDevice(error.to_string()))?;
+pub fn measure_suite() -> Result<Vec<PrecisionRow>, StudyError> {
+    let gpu = Gpu::open(&GpuOptions::default());
+    let gpu = gpu.map_err(|error| StudyError::NoDevice(error.to_string()))?;
     let suite = Suite::new(false);
     let kernels = Kernels::new(&gpu, &suite.routes);
     let mut rows = Vec::new();
@@ -145,7 +134,7 @@ pub fn measure_suite(adapter: Option<String>) -> Result<Vec<PrecisionRow>, Study
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::coordinate_evaluator;
+    use crate::kernel::{TimedFormula, coordinate_evaluator};
     use crate::keys::{
         CHOSEN, DEVICE_MAX_M, EMULATED_MAX_M, EXPECTED_MAX_RAD, MAX_PX, NON_FINITE_DEVICE,
         NON_FINITE_EMULATED, OPERATIONS_COST,
@@ -249,7 +238,7 @@ mod tests {
         let mut kernels = Kernels::new(&gpu, &suite.routes);
         kernels.prepare_timing().expect("fits");
         assert!(kernels.time_empty().expect("runs").cpu_ms > 0.0);
-        let timed = suite.timed();
+        let timed = TimedFormula::all(&suite.routes);
         assert_eq!(
             timed.len(),
             5 + 9,

@@ -2,10 +2,11 @@
 //! Formats of vertex positions: what is left of a vertex relative to the eye. By emulation: on the
 //! device they are drawn by the backends' own variants.
 
-use crate::error::{AGREEMENT, LengthErrors};
+use crate::error::{AGREEMENT, ErrorSum};
 use crate::keys::*;
-use crate::place::{RegionPicture, radical_inverse};
+use crate::place::{RegionPicture, VIEW_ROWS, halton};
 use crate::row::{PrecisionPart, PrecisionRow};
+use crate::sight::FIELD_OF_VIEW_DEG;
 use terrafill_core::Geodetic;
 use terrafill_results::Status;
 use terrafill_texture::VertexFormat;
@@ -21,10 +22,6 @@ const LATITUDE_DEG: f64 = 45.0;
 
 /// Vertices of a condition.
 const VERTICES: u32 = 2000;
-
-/// Rows and field of view of the pixels that errors are counted in.
-const VIEW_ROWS: f64 = 1080.0;
-const FIELD_OF_VIEW_DEG: f64 = 60.0;
 
 /// From where vertices of which region are seen.
 #[derive(Debug, Clone, Copy)]
@@ -58,13 +55,11 @@ pub(crate) fn identity(format: VertexFormat, seen: Seen) -> PrecisionRow {
 /// Rows of every format.
 pub(crate) fn rows(seen: Seen) -> Vec<PrecisionRow> {
     let place = RegionPicture::new(seen.extent_deg, LATITUDE_DEG, ("0", 0.0, 0.0));
-    let of = |place: RegionPicture| {
-        let rows = VertexFormat::ALL
-            .iter()
-            .map(|format| row(*format, seen, &place));
-        rows.collect()
-    };
-    place.map_or_else(Vec::new, of)
+    place.map_or_else(Vec::new, |place| {
+        VertexFormat::ALL
+            .map(|format| row(format, seen, &place))
+            .into()
+    })
 }
 
 fn row(format: VertexFormat, seen: Seen, place: &RegionPicture) -> PrecisionRow {
@@ -74,18 +69,18 @@ fn row(format: VertexFormat, seen: Seen, place: &RegionPicture) -> PrecisionRow 
     let [width, height] = extent.size_rad();
     let origin = place.region.anchor_ecef();
     let extent_m = 0.75 * width.max(height) * body.equatorial_radius_m();
-    let mut errors = LengthErrors::default();
+    let mut errors = ErrorSum::default();
     for i in 1..=VERTICES {
-        let at = |base| radical_inverse(i, base);
+        let at = halton(i);
         let place_of = |height_m| {
             body.geodetic_to_ecef(Geodetic {
-                longitude_rad: extent.west_rad + at(2) * width,
-                latitude_rad: extent.south_rad + at(3) * height,
+                longitude_rad: extent.west_rad + at.x * width,
+                latitude_rad: extent.south_rad + at.y * height,
                 height_m,
             })
         };
         // The eye stands above the vertex; both move, so that every rounding is met.
-        let (vertex, eye) = (place_of(0.0), place_of(distance_m * (1.0 - 0.01 * at(5))));
+        let (vertex, eye) = (place_of(0.0), place_of(distance_m * (1.0 - 0.01 * at.z)));
         let found = format.emulate(vertex, eye, origin, extent_m);
         let exact = (vertex - eye).to_array();
         for axis in 0..3 {
@@ -105,14 +100,9 @@ fn row(format: VertexFormat, seen: Seen, place: &RegionPicture) -> PrecisionRow 
         ..identity(format, seen)
     };
     row.put(POINTS, f64::from(VERTICES));
-    errors.put(
-        &mut row,
-        NON_FINITE_EMULATED,
-        [EMULATED_MAX_M, EMULATED_RMS_M],
-    );
-    row.put(PIXEL_M, pixel_m);
-    row.put(MAX_PX, figures.map(|[max, _]| max / pixel_m));
-    row.put(RMS_PX, figures.map(|[_, rms]| rms / pixel_m));
+    let emulated = [EMULATED_MAX_M, EMULATED_RMS_M];
+    errors.put(&mut row, NON_FINITE_EMULATED, emulated);
+    row.put_pixels(pixel_m, emulated);
     row.put(RESIDUAL_MAX_M, bound);
     row.put(RESIDUAL_RMS_M, expected_rms);
     row.put(MAX_OVER_RESIDUAL, ratio);

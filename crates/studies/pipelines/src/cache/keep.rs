@@ -2,6 +2,8 @@
 //! What may keep the blocks, and how a texel of them is found.
 
 use super::queries::{Blocks, SIDE};
+use crate::draws::Times;
+use terrafill_contract::DeviceError;
 
 /// What keeps blocks, and how it is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -113,4 +115,19 @@ impl Store {
             Self::Each | Self::Buffer => [0; 3],
         }
     }
+}
+
+/// Blocks kept in one way.
+pub(super) trait Keeps {
+    /// Looks everything up and waits.
+    fn look_up(&self) -> Result<Times, DeviceError>;
+
+    /// Writes a block and waits until the device has it.
+    fn update(&self, block: u32, texels: &[f32]) -> Result<Times, DeviceError>;
+
+    /// What was found last.
+    fn read(&self) -> Result<Vec<f32>, DeviceError>;
+
+    /// Bind groups or descriptor sets of a frame, and dispatches.
+    fn binds(&self) -> usize;
 }

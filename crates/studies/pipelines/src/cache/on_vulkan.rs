@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Blocks on Vulkan itself: texels loaded from all that may keep them, bindless by descriptor indexing.
 
-use super::keep::{Keep, Store};
-use super::keeps::Keeps;
+use super::keep::{Keep, Keeps, Store};
 use super::queries::{Blocks, CacheConstants, SIDE, TexelQuery};
 use crate::draws::Times;
 use crate::on_vulkan::uniform;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Blocks on wgpu, which has all that may keep them; bindless arrays where the device indexes them freely.
 
-use super::keep::{Keep, Store};
-use super::keeps::Keeps;
+use super::keep::{Keep, Keeps, Store};
 use super::queries::{Blocks, CacheConstants, SIDE, TexelQuery};
 use crate::draws::Times;
-use crate::on_wgpu::{compute_pipeline, storage_type, texture_type, uniform_type};
+use crate::on_wgpu::{compute_pipeline, storage_type, texture_type, uniform_type, unwritten};
 use std::num::NonZeroU32;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError};
@@ -83,12 +82,9 @@ impl Cache {
         check(gpu, keep, blocks)?;
         let storage = wgpu::BufferUsages::STORAGE;
         let asked = gpu.upload("queries", bytemuck::cast_slice(queries), storage)?;
-        let answers = gpu.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("answers"),
-            size: 4 * queries.len() as u64,
-            usage: storage | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
+        let answer_bytes = 4 * queries.len() as u64;
+        let copied = storage | wgpu::BufferUsages::COPY_SRC;
+        let answers = unwritten(gpu, "answers", answer_bytes, copied);
         let texels = texels(gpu, keep, blocks)?;
         let layout = layout(gpu, keep);
         let of_array = (keep == Keep::Bindless).then(|| array_layout(gpu, blocks));
@@ -180,10 +176,8 @@ impl Cache {
             }
         };
         let place = wgpu::TexelCopyTextureInfo {
-            texture,
-            mip_level: 0,
             origin,
-            aspect: wgpu::TextureAspect::All,
+            ..texture.as_image_copy()
         };
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 0,
@@ -314,12 +308,8 @@ fn texels(gpu: &Gpu, keep: Keep, blocks: Blocks) -> Result<Texels, DeviceError> 
             let size = u64::from(count * SIDE * SIDE * TEXEL_BYTES);
             let allowed = gpu.device.limits().max_storage_buffer_binding_size;
             DeviceError::check_capacity("bytes of blocks", size, allowed)?;
-            Texels::Buffer(gpu.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("blocks"),
-                size,
-                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            }))
+            let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+            Texels::Buffer(unwritten(gpu, "blocks", size, usage))
         }
     })
 }

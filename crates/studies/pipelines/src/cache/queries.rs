@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Ground in blocks, what is looked up in it, and which texel that is, by integers.
 
+use crate::grid::nearest;
 use bytemuck::{Pod, Zeroable};
 
 /// A side of a block, texels.
@@ -41,10 +42,6 @@ impl Blocks {
 }
 
 /// A number of 24 bits, which f32 holds exactly, different for neighbours.
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "24 bits are what f32 holds exactly"
-)]
 fn texel(block: u32, inner: u32, version: u32) -> f32 {
     (scatter(block * SIDE * SIDE + inner, version) >> 8) as f32
 }
@@ -99,10 +96,6 @@ pub(crate) struct CacheConstants {
 }
 
 impl CacheConstants {
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "a whole number far below 2^24"
-    )]
     pub(crate) fn new(blocks: Blocks, queries: std::ops::Range<u32>) -> Self {
         Self {
             blocks_across: blocks.across,
@@ -110,17 +103,14 @@ impl CacheConstants {
             first: queries.start,
             count: queries.end - queries.start,
             blocks: blocks.count(),
-            block_m: (f64::from(SIDE) * TEXEL_M) as f32,
+            // A whole number far below 2^24.
+            block_m: nearest(f64::from(SIDE) * TEXEL_M),
         }
     }
 }
 
 /// Places within a block along one axis, of its side: anywhere, and every fourth on a border of texels or of blocks, or
-/// one last place beside it.
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "numerators are below 2^24, and the quotients by powers of two exact"
-)]
+/// one last place beside it. Numerators are below 2²⁴ and divisors powers of two, so quotients are exact.
 fn share(bits: u32) -> f32 {
     let border = (bits >> 8) % (SIDE + 1);
     let border = border as f32 / SIDE as f32;
@@ -134,39 +124,27 @@ fn share(bits: u32) -> f32 {
 }
 
 /// What is looked up.
+///
+/// - `count`: a multiple of the number of blocks
 pub(crate) fn queries(blocks: Blocks, access: Access, count: u32) -> Vec<TexelQuery> {
     let query = |number: u32| {
         let bits = [1, 2, 3].map(|seed| scatter(number, seed));
+        let mut share = [share(bits[0]), share(bits[1])];
         let at = match access {
             Access::Coherent => {
-                // Product below 2^64.
-                #[allow(
-                    clippy::cast_possible_truncation,
-                    reason = "below the number of blocks"
-                )]
-                let at = (u64::from(number) * u64::from(blocks.count()) / u64::from(count)) as u32;
-                at
+                // Rows of a block one after the other.
+                let in_block = count / blocks.count();
+                let row = f64::from(number % in_block) / f64::from(in_block);
+                share[1] = nearest(row).min(1.0_f32.next_down());
+                number / in_block
             }
             Access::Random => bits[2] % blocks.count(),
         };
         let block = [at % blocks.across, at / blocks.across];
-        let mut share = [share(bits[0]), share(bits[1])];
-        if access == Access::Coherent {
-            // Rows of a block one after the other.
-            let in_block = count / blocks.count();
-            let row = f64::from(number % in_block.max(1)) / f64::from(in_block.max(1));
-            #[allow(clippy::cast_possible_truncation, reason = "rounding is meant")]
-            let row = row as f32;
-            share[1] = row.min(1.0_f32.next_down());
-        }
         let world_m = [0, 1].map(|axis| {
             let place = f64::from(block[axis]) + f64::from(share[axis]);
-            #[allow(
-                clippy::cast_possible_truncation,
-                reason = "rounding to one f32 for the whole ground is what is asked about"
-            )]
-            let world_m = (place * f64::from(SIDE) * TEXEL_M) as f32;
-            world_m
+            // Rounding to one f32 for the whole ground is what is asked about.
+            nearest(place * f64::from(SIDE) * TEXEL_M)
         });
         TexelQuery {
             block,
@@ -185,11 +163,7 @@ pub(crate) fn answer(blocks: Blocks, query: &TexelQuery, versions: impl Fn(u32) 
     let [column, row] = query.block;
     let block = row * blocks.across + column;
     let [x, y] = query.share.map(|share| {
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "from 0 to the side"
-        )]
+        #[allow(clippy::cast_possible_truncation, reason = "from 0 to the side")]
         let texel = (f64::from(share) * f64::from(SIDE)) as u32;
         texel
     });
@@ -199,6 +173,7 @@ pub(crate) fn answer(blocks: Blocks, query: &TexelQuery, versions: impl Fn(u32) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tested::offset;
     use std::mem::offset_of;
     use terrafill_shaders::struct_layout;
 
@@ -206,10 +181,7 @@ mod tests {
     fn what_the_shader_reads_lies_as_it_does_here() {
         let path = "pipelines/cache_array.wgsl";
         let query = struct_layout(path, "TexelQuery").expect("a struct");
-        let offset = |name: &str| {
-            let member = query.members.iter().find(|member| member.0 == name);
-            member.expect("a member").1 as usize
-        };
+        let offset = |name: &str| offset(&query, name);
         assert_eq!(offset("share"), offset_of!(TexelQuery, share));
         assert_eq!(offset("world_m"), offset_of!(TexelQuery, world_m));
         assert_eq!(query.stride as usize, size_of::<TexelQuery>());

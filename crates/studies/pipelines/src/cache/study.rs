@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The cases: blocks by their number, what keeps them, and the order in which they are read.
 
-use super::keep::Keep;
-use super::keeps::Keeps;
+use super::keep::{Keep, Keeps};
 use super::queries::{Access, Blocks, SIDE, TexelQuery, answer, queries};
 use super::{on_vulkan, on_wgpu};
 use crate::STUDY;
+use crate::draws::count;
 use crate::keys::{self, ACCESS, API, EXPERIMENT, KEPT_IN};
 use crate::way::Interface;
-use std::collections::BTreeMap;
 use std::ops::Range;
-use terrafill_results::Verdict;
-use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged, planned_case,
-    verified,
-};
+use terrafill_results::{ConditionKey, Verdict};
+use terrafill_study::{CaseGroup, Context, Failure, Figures, Group, Trial, judged, trials};
 
 /// Blocks; the last is above what array textures usually allow.
 const BLOCKS: [u32; 6] = [1, 16, 64, 256, 1_024, 4_096];
@@ -62,38 +58,11 @@ pub(crate) fn group(is_quick: bool, samples: u32) -> impl Group {
 }
 
 fn group_of(cases: Vec<CacheCase>, samples: u32) -> CaseGroup<Vec<CacheCase>> {
-    let case = |case: &CacheCase| {
-        let conditions = vec![
-            (EXPERIMENT, "cache".to_owned()),
-            (API, case.interface.name().to_owned()),
-            (KEPT_IN, case.keep.name().to_owned()),
-            (ACCESS, case.access.name().to_owned()),
-            (keys::BLOCKS, case.blocks.count().to_string()),
-        ];
-        let mut planned = planned_case(STUDY, samples, conditions, None);
+    let mut group = trials(STUDY, format!("{STUDY}/cache"), samples, cases);
+    for (planned, case) in group.cases.iter_mut().zip(&group.work) {
         planned.may_be_wrong = case.keep.rounds();
-        planned
-    };
-    CaseGroup {
-        name: format!("{STUDY}/cache"),
-        cases: cases.iter().map(case).collect(),
-        warm_up: None,
-        work: cases,
-        open: |group, context| {
-            Ok(Box::new(CaseSession(CacheSession {
-                group,
-                context,
-                opened: BTreeMap::new(),
-            })))
-        },
     }
-}
-
-struct CacheSession<'a> {
-    group: &'a CaseGroup<Vec<CacheCase>>,
-    context: Context<'a>,
-    /// By case.
-    opened: BTreeMap<usize, Opened>,
+    group
 }
 
 struct Opened {
@@ -107,19 +76,9 @@ fn by_block(blocks: Blocks, queries: &mut [TexelQuery]) -> Vec<Range<u32>> {
     let number = |query: &TexelQuery| query.block[1] * blocks.across + query.block[0];
     // Those of a block stay in their order.
     queries.sort_by_key(number);
-    let mut start = 0_u32;
-    let range = |block: u32| {
-        let own = queries[start as usize..].iter();
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "queries are counted in u32"
-        )]
-        let count = own.take_while(|query| number(query) == block).count() as u32;
-        let range = start..start + count;
-        start += count;
-        range
-    };
-    (0..blocks.count()).map(range).collect()
+    let first = |block: u32| count(&queries[..queries.partition_point(|of| number(of) < block)]);
+    let all = 0..blocks.count();
+    all.map(|block| first(block)..first(block + 1)).collect()
 }
 
 /// Answers that are not the texel's.
@@ -136,11 +95,11 @@ fn differing(
 
 impl CacheCase {
     fn open(
-        self,
+        &self,
         context: Context<'_>,
         asked: &mut [TexelQuery],
     ) -> Result<Box<dyn Keeps>, Failure> {
-        let Self { keep, blocks, .. } = self;
+        let Self { keep, blocks, .. } = *self;
         let ranges = match keep {
             Keep::Rebound => by_block(blocks, asked),
             _ => std::iter::once(0..self.queries).collect(),
@@ -158,13 +117,24 @@ impl CacheCase {
     }
 }
 
-impl Measures for CacheSession<'_> {
+impl Trial for CacheCase {
+    type Opened = Opened;
+
+    fn conditions(&self) -> Vec<(ConditionKey, String)> {
+        vec![
+            (EXPERIMENT, "cache".to_owned()),
+            (API, self.interface.name().to_owned()),
+            (KEPT_IN, self.keep.name().to_owned()),
+            (ACCESS, self.access.name().to_owned()),
+            (keys::BLOCKS, self.blocks.count().to_string()),
+        ]
+    }
+
     /// Looks everything up, writes a block anew, and looks everything up again.
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
-        let asked_for = self.group.work[case];
-        let blocks = asked_for.blocks;
-        let mut asked = queries(blocks, asked_for.access, asked_for.queries);
-        let cache = asked_for.open(self.context, &mut asked)?;
+    fn verify(&self, context: Context<'_>) -> Result<(Opened, Verdict), Failure> {
+        let blocks = self.blocks;
+        let mut asked = queries(blocks, self.access, self.queries);
+        let cache = self.open(context, &mut asked)?;
         cache.look_up()?;
         let mut wrong = differing(blocks, &asked, &cache.read()?, |_| 0);
         let changed = blocks.count() / 2;
@@ -172,11 +142,7 @@ impl Measures for CacheSession<'_> {
         cache.look_up()?;
         let versions = |block| u32::from(block == changed);
         wrong += differing(blocks, &asked, &cache.read()?, versions);
-        let binds = cache.binds();
-        if self.group.cases[case].samples > 0 {
-            self.opened.insert(case, Opened { cache, version: 1 });
-        }
-        let asked = 2 * asked_for.queries;
+        let asked = 2 * self.queries;
         let block_bytes = f64::from(4 * SIDE * SIDE);
         let reason = match wrong {
             0 => String::new(),
@@ -185,21 +151,20 @@ impl Measures for CacheSession<'_> {
         let figures = vec![
             ("cache_differing", wrong as f64),
             ("cache_asked", f64::from(asked)),
-            ("cache_binds", binds as f64),
+            ("cache_binds", cache.binds() as f64),
             ("cache_bytes", f64::from(blocks.count()) * block_bytes),
             ("cache_update_bytes", block_bytes),
         ];
-        Ok(judged(reason, figures, Vec::new()))
+        let verdict = judged(reason, figures, Vec::new());
+        Ok((Opened { cache, version: 1 }, verdict))
     }
 
-    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        let blocks = self.group.work[case].blocks;
-        let opened = verified(&mut self.opened, case)?;
+    fn time(&self, opened: &mut Opened) -> Result<Figures, Failure> {
         let mut figures = opened.cache.look_up()?.figures();
         let (mut cpu_ms, mut wall_ms) = (0.0, 0.0);
         for update in 0..UPDATES {
             opened.version += 1;
-            let block = update % blocks.count();
+            let block = update % self.blocks.count();
             let texels = Blocks::texels(block, opened.version);
             let times = opened.cache.update(block, &texels)?;
             cpu_ms += times.cpu_ms;

@@ -50,25 +50,22 @@ pub(super) const SECTION: Section<'static> = Section {
 };
 
 /// How many cells a point should make, by the largest grid.
-pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
+pub(super) fn recommended(cases: &Cases<'_>) -> Option<String> {
     let metric = frame_time(cases.clock());
     let own = cases.with(&[(EXPERIMENT, "amplify"), (SOURCE, "stored")]);
-    let sentence = || {
-        let (cells, of_largest) = of_most(&own, GRID_CELLS, metric)?;
-        let best = of_largest.best(metric)?;
-        let name = |case: &Case| {
-            let [count, strip] = [CELLS_PER_POINT, STRIP].map(|key| case.condition(key));
-            format!("{count} cells a point in strips of a {strip}")
-        };
-        Some(format!(
-            "Geometry shaders make {cells}² cells of stored points fastest with {}{}: {} ms for {} vertices given.",
-            name(best.case),
-            best.tied_with(name),
-            significant(best.value),
-            said(best.case, PIPELINE_EMITTED_VERTICES),
-        ))
+    let (cells, of_largest) = of_most(&own, GRID_CELLS, metric)?;
+    let best = of_largest.best(metric)?;
+    let name = |case: &Case| {
+        let [count, strip] = [CELLS_PER_POINT, STRIP].map(|key| case.condition(key));
+        format!("{count} cells a point in strips of a {strip}")
     };
-    sentence().into_iter().collect()
+    Some(format!(
+        "Geometry shaders make {cells}² cells of stored points fastest with {}{}: {} ms for {} vertices given.",
+        name(best.case),
+        best.tied_with(name),
+        significant(best.value),
+        said(best.case, PIPELINE_EMITTED_VERTICES),
+    ))
 }
 
 /// That bytes fall as points do.

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What keeps blocks of ground: texels that differ, time to look them up, and to write a block anew.
 
-use super::kit::{TIME, beside, compared, gain, none_of, of_most, ratios, remark, said, time};
+use super::kit::{
+    TIME, at_least, beside, compared, gain, none_of, of_most, ratios, remark, said, time,
+};
 use crate::cache::Keep;
 use crate::keys::*;
 use terrafill_lab::{Cases, Column, Names, Section, Select};
 use terrafill_plot::number::significant;
-use terrafill_results::{Case, Claim, Finding, Scope};
+use terrafill_results::{Claim, Finding, Scope};
 
 /// Fewest blocks from which an array is claimed to win.
 const LEAST_CLAIMED: u32 = 64;
@@ -37,7 +39,7 @@ pub(super) const SECTION: Section<'static> = Section {
         Column::metric("texels that differ", CACHE_DIFFERING),
         Column::of("time, ms", TIME),
         ratios("time ÷ that of the array", |cases, case| {
-            let array = array_of(cases, case);
+            let array = beside(cases, case, &[(KEPT_IN, Keep::Array.name())]);
             gain(Some(case), array, time(cases.clock()))
         }),
         Column::metric("bind groups", CACHE_BINDS),
@@ -49,10 +51,6 @@ pub(super) const SECTION: Section<'static> = Section {
     more: &[|_| remark(WHAT_ROUNDS)],
     ..Section::EMPTY
 };
-
-fn array_of<'a>(cases: &Cases<'a>, case: &Case) -> Option<&'a Case> {
-    beside(cases, case, &[(KEPT_IN, Keep::Array.name())])
-}
 
 /// What is required: loaded texels are the same everywhere.
 pub(super) fn requirement(cases: &Cases<'_>) -> Option<Finding> {
@@ -66,9 +64,8 @@ pub(super) fn requirement(cases: &Cases<'_>) -> Option<Finding> {
 
 fn claim(cases: &Cases<'_>, api: &str) -> Finding {
     let keeps = [Keep::Rebound, Keep::Array].map(Keep::name);
-    let mut pairs = cases.with(&[(API, api)]).pairs(KEPT_IN, keeps, &[]);
-    let blocks = |case: &Case| case.condition(BLOCKS).parse::<u32>().unwrap_or(0);
-    pairs.retain(|[case, _]| blocks(case) >= LEAST_CLAIMED);
+    let own = at_least(&cases.with(&[(API, api)]), BLOCKS, LEAST_CLAIMED);
+    let pairs = own.pairs(KEPT_IN, keeps, &[]);
     let claim = format!(
         "On {api} one array texture bound once is faster than a texture bound for each block, from 64 blocks on \
          (published in words):"

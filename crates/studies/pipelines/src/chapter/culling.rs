@@ -305,9 +305,9 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::culling::groups;
+    use crate::images::PICTURE;
     use terrafill_results::made_up::{MadeUpRun, case_id};
     use terrafill_results::{CaseId, Run};
-    use terrafill_scene::ImageSize;
 
     fn differing(one: &CaseId, other: &CaseId) -> Vec<String> {
         let keys = one.conditions.keys().chain(other.conditions.keys());
@@ -321,11 +321,7 @@ mod tests {
     #[test]
     fn a_stage_with_the_test_is_held_against_the_same_stage_without_it() {
         for is_quick in [true, false] {
-            let size = ImageSize {
-                width: 256,
-                height: 256,
-            };
-            let all = groups(is_quick, (size, 1));
+            let all = groups(is_quick, (PICTURE, 1));
             let ids: Vec<&CaseId> = all[0].cases.iter().map(|case| &case.id).collect();
             let at = |place: &str, test: &str, view: &str| {
                 let is_it = |id: &&&CaseId| {

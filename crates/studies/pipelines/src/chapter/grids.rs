@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Height grids: every way of every size, and the published ratios beside ours.
 
-use super::kit::{FRAME, WHOLE, compared, counter, frame_time, gain, of_most, remark, said};
+use super::kit::{
+    FRAME, WHOLE, at_least, compared, counter, frame_time, gain, of_most, remark, said,
+};
 use super::published::{CARDS, GRIDS, GridRow};
 use crate::keys::*;
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, Select};
 use terrafill_plot::number::{significant, times};
-use terrafill_results::{Block, Case, Cell, Claim, Finding, Heading, Row, Table};
+use terrafill_results::{Block, Cell, Claim, Finding, Heading, Row, Table};
 
 /// What the published figures cannot show.
 const WHAT_THEY_CANNOT_SHOW: &str = "Published figures are frames per second, one a case. The window, the camera, the vertex formats and how \
@@ -48,7 +50,10 @@ pub(super) const SECTION: Section<'static> = Section {
         panels: &[Panel {
             across: (
                 "points of the grid",
-                Figure::Computed(|case| Some(cells(case)?.powi(2))),
+                Figure::Computed(|case| {
+                    let cells: f64 = case.condition(GRID_CELLS).parse().ok()?;
+                    Some(cells.powi(2))
+                }),
             ),
             up: ("ms: median, 5–95 %", FRAME),
             curve: Names::Joined(&[WAY]),
@@ -69,7 +74,6 @@ struct Published {
     claim: &'static str,
     /// Ways whose times are divided: first over second.
     ways: [&'static str; 2],
-    on_wgpu: bool,
     says: Claim,
     ratio: fn(&GridRow, usize) -> Option<f64>,
 }
@@ -78,34 +82,26 @@ const COMPARISONS: [Published; 3] = [
     Published {
         claim: "Fetched heights beat sent points",
         ways: ["sent-points", "fetched-points"],
-        on_wgpu: true,
         says: Claim::Faster,
         ratio: |row, card| Some(row.fps[card][2] / row.fps[card][0]),
     },
     Published {
         claim: "Triangles of a geometry shader beat sent strips",
         ways: ["sent-strips", "geometry-shader"],
-        on_wgpu: false,
         says: Claim::Faster,
         ratio: |row, card| (card == 2).then(|| row.geometry_fps / row.fps[card][1]),
     },
     Published {
         claim: "Triangles of a geometry shader cost more than fetched points, at most 0.8 of their rate",
         ways: ["fetched-points", "geometry-shader"],
-        on_wgpu: false,
         says: Claim::LessThan(0.8),
         ratio: |row, card| (card == 2).then(|| row.geometry_fps / row.fps[card][2]),
     },
 ];
 
-fn cells(case: &Case) -> Option<f64> {
-    case.condition(GRID_CELLS).parse().ok()
-}
-
 fn published_finding(cases: &Cases<'_>, published: &Published, api: &str) -> Finding {
-    let own = cases.with(&[(API, api)]);
-    let mut pairs = own.pairs(WAY, published.ways, &[]);
-    pairs.retain(|[case, _]| cells(case) >= Some(f64::from(LEAST_CLAIMED)));
+    let own = at_least(&cases.with(&[(API, api)]), GRID_CELLS, LEAST_CLAIMED);
+    let pairs = own.pairs(WAY, published.ways, &[]);
     let claim = format!("{}, on {api} (published, measured):", published.claim);
     let time = (frame_time(cases.clock()), WHOLE);
     compared(cases, (WAY, &[]), time, &pairs, (claim, published.says))
@@ -159,7 +155,7 @@ fn comparisons(cases: &Cases<'_>) -> Table {
                 Cell::or_absent(ratio.map(significant), absent)
             };
             let measured = |api: &str| {
-                if api == "wgpu" && !comparison.on_wgpu {
+                if api == "wgpu" && comparison.ways.contains(&"geometry-shader") {
                     return Cell::absent("WebGPU has no geometry shaders");
                 }
                 let own = of_size.with(&[(API, api)]);

@@ -65,6 +65,11 @@ pub(super) fn said(case: &Case, metric: &Metric) -> String {
     value.unwrap_or_else(|| "–".to_owned())
 }
 
+/// Cases of at least this number of a condition.
+pub(super) fn at_least<'a>(cases: &Cases<'a>, key: ConditionKey, least: u32) -> Cases<'a> {
+    cases.fitting(|case| case.condition(key).parse().is_ok_and(|of: u32| of >= least))
+}
+
 /// Timed cases of the greatest number of a condition, and that number.
 pub(super) fn of_most<'a>(
     cases: &Cases<'a>,

@@ -2,7 +2,7 @@
 //! Variance and hard shadows, and motion blur, as devices draw them: what of their definitions holds, and what ways
 //! to layers cost.
 
-use super::kit::{TIME, compared, of_most, said, time};
+use super::kit::{TIME, at_least, compared, of_most, said, time};
 use crate::blur::MOTION_PX;
 use crate::keys::*;
 use terrafill_lab::{
@@ -264,12 +264,6 @@ fn shadow_findings(cases: &Cases<'_>) -> Vec<Finding> {
     ]
 }
 
-/// Least squares of log error over log number; `None` below three points.
-fn slope(errors: &[(f64, f64)]) -> Option<f64> {
-    let usable = errors.iter().filter(|pair| pair.1 > 0.0);
-    log_slope(usable.copied())
-}
-
 /// Slopes of error over layers, from a layer a pixel of motion on, of every way that has three.
 fn slopes(cases: &Cases<'_>, filter: &str) -> Vec<f64> {
     let own = cases.with(&[(FILTER, filter), (MOMENTS, "middle")]);
@@ -279,9 +273,8 @@ fn slopes(cases: &Cases<'_>, filter: &str) -> Vec<f64> {
     let of_api = own.by(API).into_iter();
     let ways = of_api.flat_map(|(_, own)| own.by(LAYERS_BY));
     let slopes = ways.filter_map(|(_, own)| {
-        let mut errors = own.series(LAYERS, BLUR_RMS);
-        errors.retain(|pair| pair.0 >= MOTION_PX);
-        slope(&errors)
+        let errors = own.series(LAYERS, BLUR_RMS).into_iter();
+        log_slope(errors.filter(|(layers, rms)| *layers >= MOTION_PX && *rms > 0.0))
     });
     slopes.collect()
 }
@@ -322,9 +315,8 @@ fn blur_findings(cases: &Cases<'_>) -> Vec<Finding> {
 /// Published in words: blur in two passes beats a pass a layer.
 fn claim(cases: &Cases<'_>) -> Finding {
     let own = cases.with(&[(FILTER, "box"), (API, "vulkan"), (MOMENTS, "middle")]);
-    let mut pairs = own.pairs(LAYERS_BY, ["passes", "geometry-copies"], &[]);
-    let layers = |case: &Case| case.condition(LAYERS).parse::<u32>().unwrap_or(0);
-    pairs.retain(|[case, _]| layers(case) >= LEAST_CLAIMED);
+    let own = at_least(&own, LAYERS, LEAST_CLAIMED);
+    let pairs = own.pairs(LAYERS_BY, ["passes", "geometry-copies"], &[]);
     let claim = "Blur of layers that a geometry shader copies in one pass is faster than a pass a layer (published in \
                  words):";
     let time = (time(cases.clock()), Scope::DRAW);

@@ -2,14 +2,15 @@
 //! Shadows of several lights: depth maps in one pass or in many, with the counters behind their times.
 
 use super::kit::{
-    TIME, beside, compared, counter, gain, none_of, of_most, percent, ratios, remark, said,
+    TIME, at_least, beside, compared, counter, gain, none_of, of_most, percent, ratios, remark,
+    said,
 };
 use crate::keys::*;
 use crate::lights::LightWay;
 use crate::metrics::METRICS;
 use terrafill_lab::{Cases, Column, Names, Section, Select};
 use terrafill_plot::number::significant;
-use terrafill_results::{Case, Claim, Clock, Finding, Metric, Scope};
+use terrafill_results::{Claim, Clock, Finding, Metric, Scope};
 
 const MAPS_CPU: &Metric = Metric::of(&METRICS, "lights_maps_cpu_ms");
 const MAPS_GPU: &Metric = Metric::of(&METRICS, "lights_maps_gpu_ms");
@@ -66,9 +67,7 @@ pub(super) fn requirement(cases: &Cases<'_>) -> Option<Finding> {
 
 fn claim(cases: &Cases<'_>) -> Finding {
     let ways = [LightWay::Passes, LightWay::Copied].map(LightWay::name);
-    let mut pairs = cases.pairs(LAYERS_BY, ways, &[]);
-    let lights = |case: &Case| case.condition(LIGHTS).parse::<u32>().unwrap_or(0);
-    pairs.retain(|[case, _]| lights(case) >= LEAST_CLAIMED);
+    let pairs = at_least(cases, LIGHTS, LEAST_CLAIMED).pairs(LAYERS_BY, ways, &[]);
     let claim = "Maps of four lights and more are faster copied by a geometry shader in one pass than in a pass each \
                  (published in words):";
     let time = (maps(cases.clock()), Scope::DRAW);
@@ -77,31 +76,28 @@ fn claim(cases: &Cases<'_>) -> Finding {
 }
 
 /// The fastest way to the maps of the most lights, with its counters.
-pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
+pub(super) fn recommended(cases: &Cases<'_>) -> Option<String> {
     let metric = maps(cases.clock());
     let own = cases.with(&[(EXPERIMENT, "lights")]);
-    let sentence = || {
-        let (lights, own) = of_most(&own, LIGHTS, metric)?;
-        let best = own.best(metric)?;
-        let copied = own.with(&[(LAYERS_BY, LightWay::Copied.name())]).first();
-        let copied = copied.filter(|copied| copied.id() != best.case.id());
-        let against = copied.map(|copied| {
-            format!(
-                "; the published copies take {} ms with {} vertex shader invocations",
-                said(copied, metric),
-                said(copied, PIPELINE_VERTEX_INVOCATIONS),
-            )
-        });
-        Some(format!(
-            "Maps of {lights} lights are drawn fastest by {}{}: {} ms in {} passes with the picture, {} vertex shader \
+    let (lights, own) = of_most(&own, LIGHTS, metric)?;
+    let best = own.best(metric)?;
+    let copied = own.with(&[(LAYERS_BY, LightWay::Copied.name())]).first();
+    let copied = copied.filter(|copied| copied.id() != best.case.id());
+    let against = copied.map(|copied| {
+        format!(
+            "; the published copies take {} ms with {} vertex shader invocations",
+            said(copied, metric),
+            said(copied, PIPELINE_VERTEX_INVOCATIONS),
+        )
+    });
+    Some(format!(
+        "Maps of {lights} lights are drawn fastest by {}{}: {} ms in {} passes with the picture, {} vertex shader \
              invocations{}.",
-            best.case.condition(LAYERS_BY),
-            best.tied_with(|case| case.condition(LAYERS_BY).to_owned()),
-            significant(best.value),
-            said(best.case, LIGHTS_PASSES),
-            said(best.case, PIPELINE_VERTEX_INVOCATIONS),
-            against.unwrap_or_default(),
-        ))
-    };
-    sentence().into_iter().collect()
+        best.case.condition(LAYERS_BY),
+        best.tied_with(|case| case.condition(LAYERS_BY).to_owned()),
+        significant(best.value),
+        said(best.case, LIGHTS_PASSES),
+        said(best.case, PIPELINE_VERTEX_INVOCATIONS),
+        against.unwrap_or_default(),
+    ))
 }

@@ -4,7 +4,7 @@
 use super::frustum::Frustum;
 use super::ground::{Ground, GroundConstants, PATCH_TRIANGLES};
 use super::way::{CullStage, Test};
-use crate::draws::{Counted, Times};
+use crate::draws::{Counted, Times, count};
 use crate::grid::GridCamera;
 use terrafill_contract::{DeviceError, Picture};
 
@@ -61,18 +61,14 @@ pub(super) struct Sent {
 
 impl Sent {
     /// Culls tiles, and patches where the CPU tests them.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "there are 256 tiles, and patches are far fewer than 2^32"
-    )]
     pub(super) fn new(ground: &Ground, view: &GridCamera, place: CullStage) -> Self {
         let frustum = Frustum::new(view);
         let tiles = frustum.tiles(ground);
-        let in_tiles = tiles.len() as u32 * ground.patches_a_tile();
+        let in_tiles = count(&tiles) * ground.patches_a_tile();
         let patches = (place == CullStage::Cpu).then(|| frustum.patches(ground, &tiles));
         let instances = match place {
             CullStage::TilesAlone => Some(in_tiles),
-            CullStage::Cpu => patches.as_ref().map(|patches| patches.len() as u32),
+            CullStage::Cpu => patches.as_deref().map(count),
             CullStage::Compute => Some(0),
             CullStage::Geometry | CullStage::Task => None,
         };
@@ -110,8 +106,6 @@ pub(super) fn listed(arguments: &[u32], mut patches: Vec<u32>) -> Kept {
 
 /// What shaders read of a view.
 pub(super) fn constants(ground: &Ground, view: &GridCamera, test: Test) -> GroundConstants {
-    let tiles = Frustum::new(view).tiles(ground).len();
-    #[allow(clippy::cast_possible_truncation, reason = "there are 256 tiles")]
-    let listed = tiles as u32;
-    GroundConstants::new(ground, view, listed, test)
+    let tiles = Frustum::new(view).tiles(ground);
+    GroundConstants::new(ground, view, count(&tiles), test)
 }

@@ -3,8 +3,8 @@
 //!
 //! Metres; x along columns, y along rows, z up. A cell is 30 m.
 
-use super::way::Test;
-use crate::grid::{Grid, GridCamera};
+use super::way::{Test, ViewKind};
+use crate::grid::{Grid, GridCamera, nearest};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, DVec4, IVec2};
 use std::f64::consts::TAU;
@@ -51,10 +51,6 @@ impl Ground {
         self.grid.cells / TILES
     }
 
-    pub(crate) fn patches_a_side(&self) -> u32 {
-        self.grid.cells / PATCH_CELLS
-    }
-
     pub(crate) fn patches_a_tile(&self) -> u32 {
         (self.tile_cells() / PATCH_CELLS).pow(2)
     }
@@ -62,7 +58,7 @@ impl Ground {
     /// Patches of a tile in the order in which shaders number them.
     pub(crate) fn patches_of(&self, tile: u32) -> impl Iterator<Item = u32> + use<> {
         let side = self.tile_cells() / PATCH_CELLS;
-        let all = self.patches_a_side();
+        let all = self.grid.cells / PATCH_CELLS;
         let (column, row) = (side * (tile % TILES), side * (tile / TILES));
         (0..side * side).map(move |inner| (row + inner / side) * all + column + inner % side)
     }
@@ -76,20 +72,11 @@ impl Ground {
         [corner.extend(low), (corner + side).extend(high)]
     }
 
-    /// A view from a place above the ground.
-    ///
-    /// - `share`: of the ground's side, along x and y
-    /// - `above_m`: above the highest corner of the cell there
-    /// - `down_deg`: below the horizon
-    /// - `turn_deg`: from the x axis to the y axis
-    pub(crate) fn view(
-        &self,
-        share: DVec2,
-        above_m: f64,
-        [down_deg, turn_deg, wide_deg]: [f64; 3],
-    ) -> GridCamera {
-        let cell = (share * f64::from(self.grid.cells)).floor();
-        let eye = ((cell + 0.5) * CELL_M).extend(self.highest_of(cell.as_ivec2()) + above_m);
+    /// From where it is seen.
+    pub(crate) fn view(&self, kind: &ViewKind) -> GridCamera {
+        let [down_deg, turn_deg, wide_deg] = kind.angles_deg;
+        let cell = (kind.share * f64::from(self.grid.cells)).floor();
+        let eye = ((cell + 0.5) * CELL_M).extend(self.highest_of(cell.as_ivec2()) + kind.above_m);
         let (down, turn) = (down_deg.to_radians(), turn_deg.to_radians());
         let ahead = DVec3::new(turn.cos(), turn.sin(), 0.0);
         let forward = ahead * down.cos() - DVec3::Z * down.sin();
@@ -114,10 +101,6 @@ impl Ground {
 }
 
 /// Sums of products of waves along both axes, each looked up: a table a wave and axis.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "rounding to what the GPU reads is the purpose"
-)]
 fn heights(cells: u32) -> Vec<f32> {
     let wave = |octave: i32, axis: f64| {
         // Lengths of no common multiple, so that nothing repeats; phases without a pattern.
@@ -142,7 +125,7 @@ fn heights(cells: u32) -> Vec<f32> {
                 *sum += scale * share;
             }
         }
-        heights.extend(row_m.iter().map(|height| *height as f32));
+        heights.extend(row_m.iter().copied().map(nearest));
     }
     heights
 }
@@ -184,10 +167,6 @@ pub(crate) struct GroundConstants {
 
 impl GroundConstants {
     /// - `listed`: tiles in view
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     pub(crate) fn new(ground: &Ground, view: &GridCamera, listed: u32, test: Test) -> Self {
         let clip = view.clip_from_world();
         let eye_cell = (view.eye.truncate() / CELL_M).floor();
@@ -206,7 +185,7 @@ impl GroundConstants {
             height: column(clip.z_axis),
             origin: column(clip * from.extend(1.0)),
             eye_cell: eye_cell.as_ivec2().to_array(),
-            eye_height_m: eye_height_m as f32,
+            eye_height_m: nearest(eye_height_m),
             cells: ground.grid.cells,
             tiles: TILES,
             listed,
@@ -219,16 +198,14 @@ impl GroundConstants {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tested::offset;
     use std::mem::offset_of;
     use terrafill_shaders::struct_layout;
 
     #[test]
     fn constants_lie_as_the_shader_reads_them() {
         let layout = struct_layout("pipelines/cull.wgsl", "GroundConstants").expect("a struct");
-        let offset = |name: &str| {
-            let member = layout.members.iter().find(|member| member.0 == name);
-            member.expect("a member").1 as usize
-        };
+        let offset = |name: &str| offset(&layout, name);
         for (name, at) in [
             ("column", offset_of!(GroundConstants, column)),
             ("row", offset_of!(GroundConstants, row)),

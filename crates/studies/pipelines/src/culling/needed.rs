@@ -88,7 +88,7 @@ mod tests {
     fn boxes_lose_nothing_and_keep_little_and_a_wider_view_says_that_they_lose() {
         let ground = Ground::new(32);
         for kind in VIEWS {
-            let view = ground.view(kind.share, kind.above_m, kind.angles_deg);
+            let view = ground.view(&kind);
             let frustum = Frustum::new(&view);
             let kept = frustum.patches(&ground, &frustum.tiles(&ground));
             let reference = needed(&ground.grid, &view);

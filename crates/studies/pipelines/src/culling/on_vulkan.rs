@@ -6,7 +6,7 @@ use super::ground::{Ground, PATCH_TRIANGLES};
 use super::way::{CullStage, CullWay};
 use crate::draws::{Counted, Times};
 use crate::grid::GridCamera;
-use crate::on_vulkan::{heights, uniform};
+use crate::on_vulkan::{heights, numbered, uniform, wgsl};
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError};
@@ -14,7 +14,7 @@ use terrafill_scene::ImageSize;
 use terrafill_vulkan::{
     Buffer, BufferUse, ComputePipeline, DirectDraw, DirectReport, Dispatch, DrawCall, DrawPipeline,
     GeometryOutput, Gpu, Measured, PrimitiveStages, RenderTargets, Resource, Resources,
-    SampledImage, Shader, Topology, VertexFormat,
+    SampledImage, Shader, Topology,
 };
 
 const CULLED: &str = "pipelines/culled.wgsl";
@@ -90,10 +90,7 @@ impl OnVulkan {
         let (stages, fragment) = stages(way.place);
         let compute = match way.place {
             CullStage::Compute => {
-                let shader = Shader::Wgsl {
-                    path: "pipelines/cull.wgsl",
-                    entry_point: "compute_main",
-                };
+                let shader = wgsl("pipelines/cull.wgsl", "compute_main");
                 Some(ComputePipeline::new(gpu, &resources, shader)?)
             }
             _ => None,
@@ -164,21 +161,12 @@ impl OnVulkan {
 }
 
 fn stages(place: CullStage) -> (PrimitiveStages, Shader) {
-    let wgsl = |entry_point| Shader::Wgsl {
-        path: CULLED,
-        entry_point,
-    };
-    let fragment = wgsl("fragment_main");
-    let vertices = |entry_point, geometry, topology| PrimitiveStages::Vertices {
-        vertex: wgsl(entry_point),
-        geometry,
-        format: VertexFormat::Number,
-        topology,
-    };
+    let vertices =
+        |entry_point, geometry, topology| numbered(wgsl(CULLED, entry_point), geometry, topology);
     let triangles = Topology::Triangles;
-    match place {
-        CullStage::TilesAlone => (vertices("of_tiles", None, triangles), fragment),
-        CullStage::Cpu | CullStage::Compute => (vertices("of_list", None, triangles), fragment),
+    let stages = match place {
+        CullStage::TilesAlone => vertices("of_tiles", None, triangles),
+        CullStage::Cpu | CullStage::Compute => vertices("of_list", None, triangles),
         CullStage::Geometry => {
             let output = GeometryOutput {
                 name: "native/ground.geom.spv",
@@ -186,19 +174,18 @@ fn stages(place: CullStage) -> (PrimitiveStages, Shader) {
                 // Of a vertex: a position, and a number, whose location counts as a whole of four.
                 components: 8,
             };
-            (
-                vertices("labelled_point", Some(output), Topology::Points),
-                fragment,
-            )
+            vertices("labelled_point", Some(output), Topology::Points)
         }
-        CullStage::Task => (
-            PrimitiveStages::Mesh {
-                task: Some("native/ground.task.spv"),
-                mesh: "native/ground.mesh.spv",
-            },
-            Shader::Compiled("native/grid.frag.spv"),
-        ),
-    }
+        CullStage::Task => PrimitiveStages::Mesh {
+            task: Some("native/ground.task.spv"),
+            mesh: "native/ground.mesh.spv",
+        },
+    };
+    let fragment = match place {
+        CullStage::Task => Shader::Compiled("native/grid.frag.spv"),
+        _ => wgsl(CULLED, "fragment_main"),
+    };
+    (stages, fragment)
 }
 
 impl Culls for OnVulkan {

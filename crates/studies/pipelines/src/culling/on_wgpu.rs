@@ -8,6 +8,7 @@ use crate::draws::{Counted, Times};
 use crate::grid::GridCamera;
 use crate::on_wgpu::{
     bind, compute_pipeline, draw_pipeline, heights, storage_type, texture_type, uniform_type,
+    unwritten,
 };
 use std::rc::Rc;
 use std::sync::Arc;
@@ -73,12 +74,8 @@ impl OnWgpu {
         let constants = gpu.upload("ground", bytes, wgpu::BufferUsages::UNIFORM)?;
         let storage = wgpu::BufferUsages::STORAGE;
         let buffer = |label, count: usize, usage| {
-            gpu.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: 4 * count as u64,
-                usage: usage | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            })
+            let copied = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+            unwritten(gpu, label, 4 * count as u64, usage | copied)
         };
         let tiles = buffer("tiles", ground.tile_boxes.len(), storage);
         let kept = buffer("patches", ground.patch_boxes.len(), storage);

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The cases: five views and a flight, with and without level 2, by every test and place.
 
-use super::culls::{Culls, Kept, Shown};
-use super::frustum::Frustum;
+use super::culls::{Culls, Kept, Sent, Shown};
 use super::ground::{Ground, PATCH_TRIANGLES};
-use super::needed::{missed, needed};
+use super::needed::{Missed, missed, needed};
 use super::on_vulkan::{OnVulkan, VulkanGround};
 use super::on_wgpu::{OnWgpu, WgpuGround};
 use super::way::{CullStage, CullWay, FLIGHT_S, Test, VIEWS, ViewKind, flight};
@@ -12,7 +11,7 @@ use crate::STUDY;
 use crate::grid::GridCamera;
 use crate::images::{of_numbers, size_px, write};
 use crate::keys::{self, API, EXPERIMENT, PLACE, TEST, VIEW};
-use crate::rays::{Cut, Judged, Rays};
+use crate::rays::{Judged, Rays};
 use crate::way::Interface;
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -53,45 +52,32 @@ pub(crate) struct Culling {
 /// The five views, the flight, and the five views whose patches are counted, at the published size unless it is
 /// quick.
 pub(crate) fn groups(is_quick: bool, sizes: (ImageSize, u32)) -> Vec<CaseGroup<Culling>> {
-    let views = |ways: &[CullWay]| -> Vec<CullCase> {
-        let of = |view| {
-            ways.iter().map(move |&way| CullCase {
-                way,
-                view,
-                second: 0,
-            })
-        };
-        VIEWS.into_iter().flat_map(of).collect()
-    };
-    let (tile_cells, counted, step, ways) = if is_quick {
-        (
-            QUICK_TILE_CELLS,
-            QUICK_TILE_CELLS,
-            QUICK_FLIGHT_STEP_S,
-            CullWay::few(),
-        )
+    let (tile_cells, counted, step) = if is_quick {
+        (QUICK_TILE_CELLS, QUICK_TILE_CELLS, QUICK_FLIGHT_STEP_S)
     } else {
-        (
-            TILE_CELLS,
-            COUNTED_TILE_CELLS,
-            FLIGHT_STEP_S,
-            CullWay::all(),
-        )
+        (TILE_CELLS, COUNTED_TILE_CELLS, FLIGHT_STEP_S)
     };
+    let views = VIEWS.map(|view| (view, 0));
     let flown = (1..=FLIGHT_S).step_by(step);
-    let flown = flown.flat_map(|second| {
-        CullWay::of_flight().into_iter().map(move |way| CullCase {
-            way,
-            view: flight(second),
-            second,
-        })
-    });
-    let counted_ways = views(&CullWay::counted());
+    let flown: Vec<(ViewKind, u32)> = flown.map(|second| (flight(second), second)).collect();
+    let timed = seen(&views, |way| !is_quick || way.is_main());
+    let flown = seen(&flown, CullWay::is_of_flight);
+    let counted_ways = seen(&views, CullWay::is_counted);
     vec![
-        group("culling", tile_cells, views(&ways), sizes),
-        group("culling-flight", tile_cells, flown.collect(), sizes),
+        group("culling", tile_cells, timed, sizes),
+        group("culling-flight", tile_cells, flown, sizes),
         group("culling-count", counted, counted_ways, (sizes.0, 0)),
     ]
+}
+
+/// Every view, each with its second, by the ways that are asked for.
+fn seen(views: &[(ViewKind, u32)], is_asked: impl Fn(&CullWay) -> bool) -> Vec<CullCase> {
+    let ways: Vec<CullWay> = CullWay::all().into_iter().filter(is_asked).collect();
+    let of = |&(view, second): &(ViewKind, u32)| {
+        let case = move |way| CullCase { way, view, second };
+        ways.iter().copied().map(case)
+    };
+    views.iter().flat_map(of).collect()
 }
 
 fn group(
@@ -146,8 +132,8 @@ fn group(
 struct Truth {
     view: GridCamera,
     needed: Vec<bool>,
-    in_tiles: u32,
-    tiles: usize,
+    /// Of tiles alone.
+    sent: Sent,
     /// Number of a pixel and of the triangle that its ray meets.
     met: Vec<(usize, u32)>,
     first: BTreeMap<Interface, Vec<u32>>,
@@ -166,21 +152,16 @@ struct CullSession<'a> {
 }
 
 fn rays<'a>(ground: &'a Ground, view: &GridCamera, size: ImageSize) -> Rays<'a> {
-    let size = [size.width, size.height];
-    Rays::new(&ground.grid, *view, size, Cut::Published)
+    Rays::new(&ground.grid, *view, size)
 }
 
 impl Truth {
     fn new(ground: &Ground, kind: &ViewKind, size: ImageSize) -> Self {
-        let view = ground.view(kind.share, kind.above_m, kind.angles_deg);
-        let tiles = Frustum::new(&view).tiles(ground).len();
-        #[allow(clippy::cast_possible_truncation, reason = "there are 256 tiles")]
-        let in_tiles = tiles as u32 * ground.patches_a_tile();
+        let view = ground.view(kind);
         Self {
             needed: needed(&ground.grid, &view),
-            in_tiles,
-            tiles,
-            met: rays(ground, &view, size).picture_every(RAY_EVERY),
+            sent: Sent::new(ground, &view, CullStage::TilesAlone),
+            met: rays(ground, &view, size).picture(RAY_EVERY),
             view,
             first: BTreeMap::new(),
         }
@@ -242,7 +223,7 @@ impl Measures for CullSession<'_> {
         let Some(truth) = self.views.get_mut(&key) else {
             return Err(Failure::Broken("its view is gone".to_owned()));
         };
-        let judged = rays(&ground, &seen, size).judge_some(&numbers, &truth.met);
+        let judged = rays(&ground, &seen, size).judge_triangles(&numbers, &truth.met);
         let first = truth.first.entry(way.interface);
         let first = first.or_insert_with(|| numbers.clone());
         let differs = numbers.iter().zip(&*first).map(|(a, b)| a != b);
@@ -281,8 +262,8 @@ impl CullOutcome {
     fn against(&self, truth: &Truth) -> (String, Figures) {
         let (needed, kept) = (truth.needed(), self.shown.kept.count());
         let mut figures = vec![
-            ("cull_tiles", truth.tiles as f64),
-            ("cull_in_tiles", f64::from(truth.in_tiles)),
+            ("cull_tiles", truth.sent.tiles.len() as f64),
+            ("cull_in_tiles", f64::from(truth.sent.in_tiles)),
             ("cull_needed", needed as f64),
             ("cull_kept", kept as f64),
             ("pipeline_mismatched_px", self.judged.mismatched as f64),
@@ -296,14 +277,13 @@ impl CullOutcome {
         let mut reasons = Vec::new();
         if let Kept::List(patches) = &self.shown.kept {
             match missed(&truth.needed, patches) {
-                Some(missed) => {
-                    figures.push(("cull_lost", missed.lost as f64));
-                    figures.push((
-                        "cull_extra_share",
-                        missed.extra as f64 / needed.max(1) as f64,
-                    ));
-                    if missed.lost > 0 {
-                        let lost = missed.lost;
+                Some(Missed { lost, extra }) => {
+                    let extra_share = extra as f64 / needed.max(1) as f64;
+                    figures.extend([
+                        ("cull_lost", lost as f64),
+                        ("cull_extra_share", extra_share),
+                    ]);
+                    if lost > 0 {
                         reasons.push(format!("{lost} of {needed} patches in view are lost"));
                     }
                 }
@@ -314,15 +294,14 @@ impl CullOutcome {
         } else if kept < needed as u64 {
             reasons.push(format!("{kept} patches are kept, {needed} are needed"));
         }
-        if self.judged.mismatched > 0 {
-            let pixels = self.judged.mismatched;
-            reasons.push(format!(
-                "{pixels} pixels show what the reference does not allow"
-            ));
-        }
-        if self.differing > 0 {
-            let pixels = self.differing;
-            reasons.push(format!("{pixels} pixels differ from those without level 2"));
+        for (pixels, wrong) in [
+            (
+                self.judged.mismatched,
+                "show what the reference does not allow",
+            ),
+            (self.differing, "differ from those without level 2"),
+        ] {
+            reasons.extend((pixels > 0).then(|| format!("{pixels} pixels {wrong}")));
         }
         if self.judged.shown == 0 {
             reasons.push("it shows nothing".to_owned());
@@ -351,17 +330,9 @@ mod tests {
         let Some(tested) = Tested::open() else {
             return;
         };
-        let all = CullWay::all();
         // One in which little, and one in which much is behind the eye.
-        let seen = [VIEWS[0], VIEWS[3]];
-        let cases = seen.into_iter().flat_map(|view| {
-            all.iter().map(move |&way| CullCase {
-                way,
-                view,
-                second: 0,
-            })
-        });
-        let group = group("culling", 32, cases.collect(), (PICTURE, 1));
+        let cases = seen(&[(VIEWS[0], 0), (VIEWS[3], 0)], |_| true);
+        let group = group("culling", 32, cases, (PICTURE, 1));
         let (mut right, mut wrong) = (0, 0);
         for (at, verdict) in tested.verdicts(&group) {
             let (name, case) = (&group.cases[at].id.name, &group.work.cases[at]);

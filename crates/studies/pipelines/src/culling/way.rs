@@ -72,71 +72,50 @@ pub(crate) struct CullWay {
 }
 
 impl CullWay {
-    fn new(interface: Interface, place: CullStage, test: Test) -> Self {
-        Self {
-            interface,
-            place,
-            test,
-        }
-    }
-
     /// Every one; the first of each interface culls no patches.
     pub(crate) fn all() -> Vec<Self> {
+        let (none, boxes) = (Test::Nothing, Test::Box);
+        let [near, middle, far] = RANGES.map(Test::Point);
         let mut ways = Vec::new();
+        let mut add = |interface, place, tests: &[Test]| {
+            ways.extend(tests.iter().map(|&test| Self {
+                interface,
+                place,
+                test,
+            }));
+        };
         for interface in Interface::ALL {
-            ways.push(Self::new(interface, CullStage::TilesAlone, Test::Nothing));
-            ways.push(Self::new(interface, CullStage::Cpu, Test::Box));
-            ways.push(Self::new(interface, CullStage::Compute, Test::Box));
-            let points =
-                RANGES.map(|range| Self::new(interface, CullStage::Compute, Test::Point(range)));
-            ways.extend(points);
+            add(interface, CullStage::TilesAlone, &[none]);
+            add(interface, CullStage::Cpu, &[boxes]);
+            add(interface, CullStage::Compute, &[boxes, near, middle, far]);
         }
-        for test in [Test::Nothing, Test::Box, Test::Point(RANGES[1])] {
-            ways.push(Self::new(Interface::Vulkan, CullStage::Geometry, test));
-        }
-        for test in [Test::Nothing, Test::Box] {
-            ways.push(Self::new(Interface::Vulkan, CullStage::Task, test));
-        }
-        ways
-    }
-
-    /// One of each place, with the stages that test and draw without a test; of the tests of a point the middle one,
-    /// once.
-    pub(crate) fn few() -> Vec<Self> {
-        let middle = Self::new(
+        add(
             Interface::Vulkan,
-            CullStage::Compute,
-            Test::Point(RANGES[1]),
+            CullStage::Geometry,
+            &[none, boxes, middle],
         );
-        let is_main = |way: &Self| match way.test {
-            Test::Nothing | Test::Box => true,
-            Test::Point(_) => *way == middle,
-        };
-        Self::all().into_iter().filter(is_main).collect()
-    }
-
-    /// With and without level 2, for a flight.
-    pub(crate) fn of_flight() -> Vec<Self> {
-        let both = |interface| {
-            [
-                Self::new(interface, CullStage::TilesAlone, Test::Nothing),
-                Self::new(interface, CullStage::Compute, Test::Box),
-            ]
-        };
-        let mut ways: Vec<Self> = Interface::ALL.into_iter().flat_map(both).collect();
-        for test in [Test::Nothing, Test::Box] {
-            ways.push(Self::new(Interface::Vulkan, CullStage::Geometry, test));
-        }
+        add(Interface::Vulkan, CullStage::Task, &[none, boxes]);
         ways
     }
 
-    /// What a point test keeps and loses, beside the box.
-    pub(crate) fn counted() -> Vec<Self> {
-        let is_counted = |way: &Self| {
-            way.interface == Interface::Vulkan
-                && matches!(way.place, CullStage::TilesAlone | CullStage::Compute)
-        };
-        Self::all().into_iter().filter(is_counted).collect()
+    /// Whether it is one of each place, with the stages that test and draw without a test; of the tests of a point the
+    /// middle one, once.
+    pub(crate) fn is_main(&self) -> bool {
+        let middle = (CullStage::Compute, Test::Point(RANGES[1]));
+        !matches!(self.test, Test::Point(_))
+            || self.interface == Interface::Vulkan && (self.place, self.test) == middle
+    }
+
+    /// Whether it is one of those with and without level 2, for a flight.
+    pub(crate) fn is_of_flight(&self) -> bool {
+        !matches!(self.test, Test::Point(_))
+            && !matches!(self.place, CullStage::Cpu | CullStage::Task)
+    }
+
+    /// Whether it says what a point test keeps and loses, beside the box.
+    pub(crate) fn is_counted(&self) -> bool {
+        self.interface == Interface::Vulkan
+            && matches!(self.place, CullStage::TilesAlone | CullStage::Compute)
     }
 }
 
@@ -146,9 +125,9 @@ pub(crate) struct ViewKind {
     pub(crate) name: &'static str,
     /// Of the ground's side.
     pub(crate) share: DVec2,
-    /// Above the ground, metres.
+    /// Above the highest corner of the cell there, metres.
     pub(crate) above_m: f64,
-    /// Below the horizon, from the x axis, and across; degrees.
+    /// Below the horizon, from the x axis to the y axis, and across; degrees.
     pub(crate) angles_deg: [f64; 3],
 }
 

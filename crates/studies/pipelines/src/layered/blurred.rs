@@ -13,6 +13,8 @@ use crate::blur::{
 };
 use crate::cache::scatter;
 use crate::draws::{LooksUp, bits, differing};
+use crate::grid::nearest;
+use crate::images::square;
 use crate::keys::{self, API, EXPERIMENT, FILTER, LAYERS_BY, MOMENTS, RESOLVE, SIZE_PX};
 use crate::lights::{LightColumns, LightWay};
 use crate::way::Interface;
@@ -20,7 +22,6 @@ use bytemuck::{Pod, Zeroable};
 use std::collections::BTreeMap;
 use terrafill_contract::{DeviceError, Devices};
 use terrafill_results::{PlannedCase, SplitMix64, Verdict};
-use terrafill_scene::ImageSize;
 use terrafill_study::{
     CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged, planned_case,
     verified,
@@ -57,14 +58,11 @@ struct BlurredConstants {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum LayerUse {
     /// Their mean, at middles or ends.
-    Mean(MeanOf),
+    Mean {
+        filter: Filter,
+        moments: Moments,
+    },
     Resolved(Resolve),
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct MeanOf {
-    filter: Filter,
-    moments: Moments,
 }
 
 /// By what layers come.
@@ -107,7 +105,7 @@ fn cases(is_quick: bool) -> Vec<BlurCase> {
     let passes = BlurWay::Layers(Interface::Wgpu, LightWay::Passes);
     let mut cases = Vec::new();
     for filter in Filter::ALL {
-        let mean = |moments| LayerUse::Mean(MeanOf { filter, moments });
+        let mean = |moments| LayerUse::Mean { filter, moments };
         for &layers in counts {
             let ways = layered.into_iter().chain([passes]);
             let ways = ways.chain(Accumulator::ALL.map(BlurWay::Added));
@@ -153,7 +151,7 @@ fn group_of(cases: Vec<BlurCase>, samples: u32) -> CaseGroup<Vec<BlurCase>> {
 impl BlurCase {
     fn planned(&self, samples: u32) -> PlannedCase {
         let mut conditions = match self.made {
-            LayerUse::Mean(MeanOf { filter, moments }) => vec![
+            LayerUse::Mean { filter, moments } => vec![
                 (EXPERIMENT, "blurred".to_owned()),
                 (FILTER, filter.name().to_owned()),
                 (MOMENTS, moments.name().to_owned()),
@@ -181,7 +179,7 @@ impl BlurCase {
 
     fn filter(&self) -> Filter {
         match self.made {
-            LayerUse::Mean(MeanOf { filter, .. }) => filter,
+            LayerUse::Mean { filter, .. } => filter,
             LayerUse::Resolved(_) => Filter::Point,
         }
     }
@@ -190,9 +188,7 @@ impl BlurCase {
     fn moments(&self) -> Vec<f64> {
         match self.made {
             // Both are exact in f32, and none is random.
-            LayerUse::Mean(MeanOf { moments, .. }) => {
-                moments.all(self.layers, &mut SplitMix64::new(0))
-            }
+            LayerUse::Mean { moments, .. } => moments.all(self.layers, &mut SplitMix64::new(0)),
             LayerUse::Resolved(_) => (0..self.layers)
                 .map(|layer| moment_of(layer, self.layers))
                 .collect(),
@@ -228,21 +224,16 @@ impl BlurCase {
             (BlurWay::Own(_), _) => (self.layers, 5),
             // The sum is one layer, as it is.
             (BlurWay::Added(_), _) => (1, 0),
-            (_, LayerUse::Mean(_)) => (self.layers, 0),
+            (_, LayerUse::Mean { .. }) => (self.layers, 0),
             (_, LayerUse::Resolved(Resolve::Published)) => (self.layers, 1),
             (_, LayerUse::Resolved(Resolve::OverBackground)) => (self.layers, 2),
             (_, LayerUse::Resolved(Resolve::CurrentFirst)) => (self.layers, 3),
         };
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "all are whole numbers of 1/256 pixel, exact in f32"
-        )]
-        let near = |px: f64| px as f32;
         let constants = BlurredConstants {
             count,
             resolve,
-            motion: near(MOTION_PX),
-            bar: near(BAR_PX),
+            motion: nearest(MOTION_PX),
+            bar: nearest(BAR_PX),
             pixels: SIDE,
             padding: [0; 3],
         };
@@ -253,12 +244,10 @@ impl BlurCase {
             places: (0..).zip(starts()).flat_map(bar).collect(),
             layers: drawn.iter().map(layer).collect(),
             side: SIDE,
-            size: ImageSize {
-                width: SIDE,
-                height: SIDE,
-            },
+            size: square(SIDE),
             values: starts()
-                .map(|start| near(f64::from(FIRST) + start))
+                // Whole numbers of 1/256 pixel are exact in f32.
+                .map(|start| nearest(f64::from(FIRST) + start))
                 .collect(),
             picture: "pipelines/blurred.wgsl",
             constants: bytemuck::bytes_of(&constants).to_vec(),
@@ -278,7 +267,7 @@ impl BlurCase {
         let (mut low, mut high, mut all) = (0.0, 0.0, 0.0);
         for (layer, moment) in (0..).zip(moments) {
             let weight = match self.made {
-                LayerUse::Mean(_) => 1.0,
+                LayerUse::Mean { .. } => 1.0,
                 LayerUse::Resolved(resolve) => resolve.weight(layer, self.layers),
             };
             let at = start + MOTION_PX * moment;
@@ -314,7 +303,7 @@ impl BlurCase {
                 // What is no number is wrong.
                 wrong += usize::from(!(low..=high).contains(&shown));
                 let exact = match self.made {
-                    LayerUse::Mean(MeanOf { filter, .. }) => filter.exact(pixel, start),
+                    LayerUse::Mean { filter, .. } => filter.exact(pixel, start),
                     LayerUse::Resolved(_) => fading(f64::from(pixel) + 0.5, start),
                 };
                 if exact > 0.0 {
@@ -336,8 +325,7 @@ fn own(filter: Filter, row: u32, pixel: u32, start: f64, count: u32) -> f64 {
     };
     let shown = (0..count).map(|sample| {
         // The device's place is rounded to f32, which decides of edges.
-        #[allow(clippy::cast_possible_truncation, reason = "rounding is meant")]
-        let at = (f64::from(FIRST) + start + MOTION_PX * moment(sample)) as f32;
+        let at = nearest(f64::from(FIRST) + start + MOTION_PX * moment(sample));
         filter.layer(column, f64::from(at))
     });
     shown.sum::<f64>() / f64::from(count)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Triangles of a list, the matrix of each layer, and the picture that looks the layers up.
 
+use crate::draws::count;
+use crate::grid::nearest;
 use crate::lights::LightColumns;
 use terrafill_scene::ImageSize;
 
@@ -27,38 +29,21 @@ pub(crate) struct Listed {
 /// A rectangle of one depth, as two triangles.
 ///
 /// - `from`, `to`: opposite corners
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "rounding to what the GPU reads is the purpose"
-)]
 pub(crate) fn rectangle(from: [f64; 2], to: [f64; 2], depths: [f32; 2]) -> [[f32; 4]; 6] {
     let at = |right: usize, down: usize| {
         let ends = [from, to];
-        [
-            ends[right][0] as f32,
-            ends[down][1] as f32,
-            depths[right],
-            0.0,
-        ]
+        let (x, y) = (nearest(ends[right][0]), nearest(ends[down][1]));
+        [x, y, depths[right], 0.0]
     };
     [at(0, 0), at(1, 0), at(0, 1), at(1, 0), at(1, 1), at(0, 1)]
 }
 
 impl Listed {
-    pub(crate) fn vertices(&self) -> u32 {
-        u32::try_from(self.places.len()).unwrap_or(u32::MAX)
-    }
-
-    pub(crate) fn layer_count(&self) -> u32 {
-        u32::try_from(self.layers.len()).unwrap_or(u32::MAX)
-    }
-
     /// Twin of `Layers` in `shared/layers.wgsl`.
     pub(crate) fn layer_bytes(&self) -> Vec<u8> {
         let mut bytes: Vec<u8> = bytemuck::cast_slice(&self.layers).to_vec();
         bytes.resize(MOST_LAYERS * size_of::<LightColumns>(), 0);
-        let count = self.layer_count();
-        #[allow(clippy::cast_precision_loss, reason = "at most 128 layers")]
+        let count = count(&self.layers);
         let weight = 1.0 / count as f32;
         bytes.extend(count.to_ne_bytes());
         bytes.extend(weight.to_ne_bytes());
@@ -79,6 +64,8 @@ pub(crate) fn numbers_of(rgba: &[u8]) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::images::square;
+    use crate::tested::offset;
     use terrafill_shaders::struct_layout;
 
     #[test]
@@ -87,10 +74,7 @@ mod tests {
             places: Vec::new(),
             layers: vec![LightColumns::sheared([0.0; 2], [0.0; 2], 0.0); 3],
             side: 1,
-            size: ImageSize {
-                width: 1,
-                height: 1,
-            },
+            size: square(1),
             values: Vec::new(),
             picture: "",
             constants: Vec::new(),
@@ -98,11 +82,7 @@ mod tests {
         let bytes = listed.layer_bytes();
         let layout = struct_layout("pipelines/listed.wgsl", "Layers").expect("a struct");
         assert_eq!(layout.stride as usize, bytes.len());
-        let at = |name: &str| {
-            let member = layout.members.iter().find(|member| member.0 == name);
-            let offset = member.expect("a member").1 as usize;
-            [0, 1, 2, 3].map(|byte| bytes[offset + byte])
-        };
+        let at = |name: &str| [0, 1, 2, 3].map(|byte| bytes[offset(&layout, name) + byte]);
         assert_eq!(u32::from_ne_bytes(at("count")), 3);
         // Negative control: another member.
         assert_ne!(u32::from_ne_bytes(at("weight")), 3);

@@ -2,7 +2,7 @@
 //! Layers on wgpu: a pass each, or all of them added up in one.
 
 use super::listed::Listed;
-use crate::draws::{Counted, FrameTimes, Looked, LooksUp, Times};
+use crate::draws::{Counted, FrameTimes, Looked, LooksUp, Times, count};
 use crate::on_wgpu::{bind, draw_pipeline, storage_type, texture_type, uniform_type};
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError};
@@ -75,9 +75,9 @@ pub(super) struct OnWgpu {
 
 impl OnWgpu {
     pub(super) fn new(gpu: &Arc<Gpu>, listed: &Listed, into: Into) -> Result<Self, DeviceError> {
-        let count = listed.layer_count();
+        let layer_count = count(&listed.layers);
         let (format, kept) = match into {
-            Into::Maps => (wgpu::TextureFormat::Depth32Float, count),
+            Into::Maps => (wgpu::TextureFormat::Depth32Float, layer_count),
             Into::Sum(accumulator) => (accumulator.format(), 1),
         };
         check(gpu, format, kept)?;
@@ -132,7 +132,7 @@ impl OnWgpu {
             gpu: Arc::clone(gpu),
             views,
             layers,
-            counts: [listed.vertices(), count],
+            counts: [count(&listed.places), layer_count],
             is_sum: into != Into::Maps,
             pipeline,
             bound,

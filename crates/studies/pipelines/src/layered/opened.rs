@@ -3,8 +3,8 @@
 
 use super::listed::Listed;
 use super::on_wgpu::{Into, OnWgpu};
-use crate::draws::LooksUp;
-use crate::lights::{LayerParts, LightWay, OnVulkan, known};
+use crate::draws::{LooksUp, count};
+use crate::lights::{LayerParts, LightWay, OnVulkan};
 use crate::on_vulkan::uniform;
 use crate::way::Interface;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ impl Listed {
         match interface {
             Interface::Vulkan => {
                 let gpu = terrafill_vulkan::shared_gpu(devices)?;
-                let layers = self.layer_count();
+                let layers = count(&self.layers);
                 let storage = |label, bytes| -> Result<Resource, DeviceError> {
                     let buffer = Buffer::upload(&gpu, label, bytes, BufferUse::Storage)?;
                     Ok(Resource::Storage(Arc::new(buffer)))
@@ -32,8 +32,8 @@ impl Listed {
                     layers,
                     side: self.side,
                     vertex: way.listed_vertex(),
-                    geometry: known(&gpu, way.listed_geometry(layers), layers)?,
-                    vertices: [self.vertices(), 3],
+                    geometry: way.listed_geometry(layers),
+                    vertices: [count(&self.places), 3],
                     resources: vec![
                         uniform(&gpu, "picture", &self.constants)?,
                         storage("places", bytemuck::cast_slice(&self.places))?,

@@ -7,6 +7,8 @@
 use super::listed::{Listed, numbers_of, rectangle};
 use super::variance_bounds::{TAPS, light, moments};
 use crate::draws::Looked;
+use crate::grid::nearest;
+use crate::images::square;
 use crate::lights::LightColumns;
 use crate::variance::{DepthFormat, Moments, gaussian};
 use bytemuck::{Pod, Zeroable};
@@ -88,15 +90,6 @@ pub(crate) struct LayerErrors {
     pub(crate) figures: Vec<(&'static str, f64)>,
 }
 
-fn near(value: f64) -> f32 {
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
-    let near = value as f32;
-    near
-}
-
 /// Depths of squares in rows, and of the places that are looked up.
 struct Squares {
     depths: Vec<f32>,
@@ -113,7 +106,7 @@ fn terraces(format: DepthFormat) -> Squares {
         let square = pixel / GROUND / TERRACE * across + pixel % GROUND / TERRACE;
         // Half a unit in the last place either way, as of a transformed position.
         let rounding = 1.0 + (2.0 * random.unit() - 1.0) * f64::from(f32::EPSILON) * 0.5;
-        near(exact[square as usize] * rounding)
+        nearest(exact[square as usize] * rounding)
     };
     Squares {
         receivers: (0..GROUND * GROUND).map(receiver).collect(),
@@ -133,10 +126,12 @@ fn rough(sigma: f64) -> Squares {
         middles[block as usize]
     };
     let all = 0..ROUGH * ROUGH;
-    let depth = |texel| near((middle(texel) + sigma * gaussian(&mut random)).min(1.0));
+    let depth = |texel| nearest((middle(texel) + sigma * gaussian(&mut random)).min(1.0));
     Squares {
         depths: all.clone().map(depth).collect(),
-        receivers: all.map(|texel| near(middle(texel) - 3.0 * sigma)).collect(),
+        receivers: all
+            .map(|texel| nearest(middle(texel) - 3.0 * sigma))
+            .collect(),
     }
 }
 
@@ -144,14 +139,14 @@ fn rough(sigma: f64) -> Squares {
 fn rim(corner: u32) -> [f64; 2] {
     let angle = TAU * f64::from(corner % SIDES) / f64::from(SIDES);
     // Even numbers of sides have opposite corners; the middle lies off every grid.
-    [0.5 + RADIUS * angle.cos(), 0.5 + RADIUS * angle.sin()].map(|at| f64::from(near(at)))
+    [0.5 + RADIUS * angle.cos(), 0.5 + RADIUS * angle.sin()].map(|at| f64::from(nearest(at)))
 }
 
 fn disc() -> Vec<[f32; 4]> {
     let mut places = rectangle([-1.0; 2], [2.0; 2], [PLANE; 2]).to_vec();
     for side in 0..SIDES {
         let corners = [[0.5; 2], rim(side), rim(side + 1)];
-        places.extend(corners.map(|[x, y]| [near(x), near(y), DISC, 0.0]));
+        places.extend(corners.map(|[x, y]| [nearest(x), nearest(y), DISC, 0.0]));
     }
     places
 }
@@ -167,7 +162,6 @@ fn is_under(at: [f64; 2]) -> bool {
     let turned = y.atan2(x).rem_euclid(TAU) / TAU * f64::from(SIDES);
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "from 0 to the number of sides"
     )]
     let side = turned as u32;
@@ -226,11 +220,7 @@ impl Shade {
 
     /// Of the picture.
     pub(crate) fn size(self) -> ImageSize {
-        let [_, side] = self.sides();
-        ImageSize {
-            width: side,
-            height: side,
-        }
+        square(self.sides()[1])
     }
 
     /// What is drawn.
@@ -283,9 +273,10 @@ impl Shade {
     /// Holds a picture and its maps against rays and against the same formula in `f64`.
     pub(crate) fn judge(self, looked: &Looked) -> LayerErrors {
         let squares = self.squares();
+        let receivers = squares.as_ref().map_or(&[][..], |of| &of.receivers[..]);
         let mut found = match self {
-            Self::Terraces { least, .. } => self.judge_terraces(looked, least),
-            Self::Rough { moments, .. } => self.judge_rough(looked, moments, squares.as_ref()),
+            Self::Terraces { .. } => self.judge_terraces(looked, receivers),
+            Self::Rough { .. } => self.judge_rough(looked, receivers),
             Self::Disc { .. } => self.judge_disc(looked),
             Self::Hard { .. } => self.judge_hard(looked),
         };
@@ -352,34 +343,38 @@ impl Shade {
         [pixel % pixels, pixel / pixels].map(|along| (2 * along + 1) * texels / (2 * pixels))
     }
 
-    /// Whether a pixel's window lies within one square.
+    /// Whether a pixel's window lies within one square, where the ground is of squares.
     fn is_inside(self, pixel: u32) -> bool {
         let (pixels, square) = match self {
+            Self::Terraces { .. } => (GROUND, TERRACE),
             Self::Rough { .. } => (ROUGH, BLOCK),
-            _ => (GROUND, TERRACE),
+            Self::Disc { .. } | Self::Hard { .. } => return true,
         };
         let place = [pixel % pixels, pixel / pixels].map(|along| along % square);
         place.iter().all(|at| (REACH..square - REACH).contains(at))
     }
 
-    fn judge_terraces(self, looked: &Looked, least: Option<f32>) -> LayerErrors {
-        let Some(Squares { receivers, .. }) = self.squares() else {
-            return LayerErrors::default();
+    /// Pixels that are judged, each with what it shows; of those that are not finite only their number.
+    fn shown(self, looked: &Looked) -> (LayerErrors, Vec<(u32, f32)>) {
+        let all = (0..).zip(numbers_of(&looked.picture.rgba));
+        let mut pixels: Vec<(u32, f32)> = all.filter(|(pixel, _)| self.is_inside(*pixel)).collect();
+        let judged = pixels.len();
+        pixels.retain(|(_, shown)| shown.is_finite());
+        let found = LayerErrors {
+            judged,
+            non_finite: judged - pixels.len(),
+            ..LayerErrors::default()
         };
-        let mut found = LayerErrors::default();
+        (found, pixels)
+    }
+
+    fn judge_terraces(self, looked: &Looked, receivers: &[f32]) -> LayerErrors {
+        let (mut found, pixels) = self.shown(looked);
+        let least = self.least().map(f64::from);
         let (mut dark, mut black, mut outside) = (0, 0, 0);
-        for (pixel, shown) in (0..).zip(numbers_of(&looked.picture.rgba)) {
-            if !self.is_inside(pixel) {
-                continue;
-            }
-            found.judged += 1;
-            if !shown.is_finite() {
-                found.non_finite += 1;
-                continue;
-            }
+        for (pixel, shown) in pixels {
             let taps = self.window(&looked.depths, 0, self.texel_of(pixel));
-            let receiver = receivers[pixel as usize];
-            let allowed = light(&taps, receiver, self.moments(), least.map(f64::from));
+            let allowed = light(&taps, receivers[pixel as usize], self.moments(), least);
             found.add(allowed, shown);
             dark += usize::from(shown < LIT);
             black += usize::from(shown < 1.0 - LIT);
@@ -395,23 +390,13 @@ impl Shade {
         found
     }
 
-    fn judge_rough(self, looked: &Looked, way: Moments, squares: Option<&Squares>) -> LayerErrors {
-        let Some(Squares { receivers, .. }) = squares else {
-            return LayerErrors::default();
-        };
-        let mut found = LayerErrors::default();
+    fn judge_rough(self, looked: &Looked, receivers: &[f32]) -> LayerErrors {
+        let (mut found, pixels) = self.shown(looked);
         let (mut relative, mut absolute, mut max) = (0.0, 0.0, 0.0_f64);
-        for (pixel, shown) in (0..).zip(numbers_of(&looked.picture.rgba)) {
-            if !self.is_inside(pixel) {
-                continue;
-            }
-            found.judged += 1;
-            if !shown.is_finite() {
-                found.non_finite += 1;
-                continue;
-            }
+        for (pixel, shown) in pixels {
             let taps = self.window(&looked.depths, 0, self.texel_of(pixel));
-            let [_, variance] = moments(&taps, way.offset(receivers[pixel as usize]));
+            let offset = self.moments().offset(receivers[pixel as usize]);
+            let [_, variance] = moments(&taps, offset);
             found.wrong += usize::from(!variance.allows(shown));
             let error = f64::from(shown) - variance.value;
             relative += (error / variance.value).powi(2);
@@ -428,14 +413,9 @@ impl Shade {
     }
 
     fn judge_disc(self, looked: &Looked) -> LayerErrors {
-        let mut found = LayerErrors::default();
+        let (mut found, pixels) = self.shown(looked);
         let least = self.least().map(f64::from);
-        for (pixel, shown) in (0..).zip(numbers_of(&looked.picture.rgba)) {
-            found.judged += 1;
-            if !shown.is_finite() {
-                found.non_finite += 1;
-                continue;
-            }
+        for (pixel, shown) in pixels {
             let middle = self.texel_of(pixel);
             let mut shares = (0..SHEARS.len()).map(|layer| {
                 let taps = self.window(&looked.depths, layer, middle);
@@ -453,18 +433,13 @@ impl Shade {
     }
 
     fn judge_hard(self, looked: &Looked) -> LayerErrors {
-        let [texels, pixels] = self.sides();
-        let mut found = LayerErrors::default();
+        let [texels, side] = self.sides();
+        let (mut found, pixels) = self.shown(looked);
         let (mut differing, mut farthest) = (0, 0.0_f64);
-        for (pixel, shown) in (0..).zip(numbers_of(&looked.picture.rgba)) {
-            found.judged += 1;
-            if !shown.is_finite() {
-                found.non_finite += 1;
-                continue;
-            }
+        for (pixel, shown) in pixels {
             let middle = self.texel_of(pixel);
-            let at = |along: u32| (f64::from(along) + 0.5) / f64::from(pixels);
-            let place = [at(pixel % pixels), at(pixel / pixels)];
+            let at = |along: u32| (f64::from(along) + 0.5) / f64::from(side);
+            let place = [at(pixel % side), at(pixel / side)];
             let mut mask = 0_u32;
             for (number, shear) in (0_u32..).zip(SHEARS) {
                 let layer = number * texels + middle[1];
@@ -480,7 +455,7 @@ impl Shade {
             }
             found.wrong += usize::from(f64::from(shown) != f64::from(mask));
         }
-        let area = f64::from(differing) / f64::from(pixels).powi(2) / SHEARS.len() as f64;
+        let area = f64::from(differing) / f64::from(side).powi(2) / SHEARS.len() as f64;
         let perimeter = TAU * RADIUS;
         found.figures = vec![
             ("hard_wrong_area", area),

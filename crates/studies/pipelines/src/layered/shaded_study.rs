@@ -10,11 +10,9 @@ use crate::keys::{API, DEPTH, EXPERIMENT, FLOOR, LAYERS_BY, MOMENTS, SIGMA, TEXE
 use crate::lights::LightWay;
 use crate::variance::{DepthFormat, Moments};
 use crate::way::Interface;
-use std::collections::BTreeMap;
-use terrafill_results::{ConditionKey, Verdict};
+use terrafill_results::{ConditionKey, PlannedCase, Verdict};
 use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged, planned_case,
-    verified,
+    CaseGroup, Context, Failure, Figures, Group, Trial, judged, planned_case, trials,
 };
 
 /// Under the variance.
@@ -136,43 +134,26 @@ pub(crate) fn group(is_quick: bool, samples: u32) -> impl Group {
 }
 
 fn group_of(cases: Vec<ShadeCase>, samples: u32) -> CaseGroup<Vec<ShadeCase>> {
-    let case = |case: &ShadeCase| {
-        let mut conditions = case.shade.conditions();
-        conditions.push((API, case.interface.name().to_owned()));
-        conditions.push((LAYERS_BY, case.way.name().to_owned()));
+    CaseGroup {
+        cases: cases.iter().map(|case| case.planned(samples)).collect(),
+        ..trials(STUDY, format!("{STUDY}/shaded"), samples, cases)
+    }
+}
+
+impl ShadeCase {
+    fn planned(&self, samples: u32) -> PlannedCase {
         // What is drawn once says all but of several lights.
-        let samples = if case.shade.has_several_lights() {
+        let samples = if self.shade.has_several_lights() {
             samples
         } else {
             0
         };
-        planned_case(STUDY, samples, conditions, Some(size_px(case.shade.size())))
-    };
-    CaseGroup {
-        name: format!("{STUDY}/shaded"),
-        cases: cases.iter().map(case).collect(),
-        warm_up: None,
-        work: cases,
-        open: |group, context| {
-            Ok(Box::new(CaseSession(ShadeSession {
-                group,
-                context,
-                opened: BTreeMap::new(),
-            })))
-        },
+        let size = size_px(self.shade.size());
+        planned_case(STUDY, samples, self.conditions(), Some(size))
     }
-}
 
-struct ShadeSession<'a> {
-    group: &'a CaseGroup<Vec<ShadeCase>>,
-    context: Context<'a>,
-    /// By case.
-    opened: BTreeMap<usize, Box<dyn LooksUp>>,
-}
-
-impl ShadeCase {
     /// Shares of light of its picture, where it is kept: what several lights reach.
-    fn shares(self, numbers: Vec<f32>) -> Option<Vec<f32>> {
+    fn shares(&self, numbers: Vec<f32>) -> Option<Vec<f32>> {
         let is_shown = self.interface == Interface::Vulkan && self.way == LightWay::Passes;
         if !is_shown || !self.shade.has_several_lights() {
             return None;
@@ -181,11 +162,7 @@ impl ShadeCase {
             // Masks of lights: the lighter, the more of them.
             Shade::Hard { .. } => {
                 let most = SHEARS.len() as f32;
-                #[allow(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "a mask of four bits"
-                )]
+                #[allow(clippy::cast_possible_truncation, reason = "a mask of four bits")]
                 let share = |mask: &f32| (*mask as u32).count_ones() as f32 / most;
                 numbers.iter().map(share).collect()
             }
@@ -194,15 +171,21 @@ impl ShadeCase {
     }
 }
 
-impl Measures for ShadeSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
-        let drawn = self.group.work[case];
-        let ShadeCase {
-            shade,
-            interface,
-            way,
-        } = drawn;
-        let mut opened = shade.scene().open(self.context.devices, interface, way)?;
+impl Trial for ShadeCase {
+    /// Nothing of what is not timed.
+    type Opened = Option<Box<dyn LooksUp>>;
+
+    fn conditions(&self) -> Vec<(ConditionKey, String)> {
+        let mut conditions = self.shade.conditions();
+        conditions.push((API, self.interface.name().to_owned()));
+        conditions.push((LAYERS_BY, self.way.name().to_owned()));
+        conditions
+    }
+
+    fn verify(&self, context: Context<'_>) -> Result<(Self::Opened, Verdict), Failure> {
+        let shade = self.shade;
+        let scene = shade.scene();
+        let mut opened = scene.open(context.devices, self.interface, self.way)?;
         let looked = opened.draw()?;
         let found = shade.judge(&looked);
         let reason = if found.wrong_texels > 0 {
@@ -228,22 +211,22 @@ impl Measures for ShadeSession<'_> {
             ("lights_passes", opened.passes() as f64),
         ]);
         figures.extend(looked.counted.figures());
-        let planned = &self.group.cases[case];
-        if planned.samples > 0 {
-            self.opened.insert(case, opened);
-        }
-        let notes = match drawn.shares(numbers_of(&looked.picture.rgba)) {
+        let planned = self.planned(1);
+        let notes = match self.shares(numbers_of(&looked.picture.rgba)) {
             Some(shares) => {
                 let name = &planned.id.name;
-                write(self.context.folder, name, shade.size(), of_shares(&shares))?
+                write(context.folder, name, shade.size(), of_shares(&shares))?
             }
             None => Vec::new(),
         };
-        Ok(judged(reason, figures, notes))
+        let timed = (planned.samples > 0).then_some(opened);
+        Ok((timed, judged(reason, figures, notes)))
     }
 
-    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        Ok(verified(&mut self.opened, case)?.time()?.figures())
+    fn time(&self, opened: &mut Self::Opened) -> Result<Figures, Failure> {
+        let opened = opened.as_mut();
+        let opened = opened.ok_or_else(|| Failure::broken("it is not timed"))?;
+        Ok(opened.time()?.figures())
     }
 }
 

@@ -3,24 +3,23 @@
 
 use super::scene::{DistantLight, LightConstants};
 use super::way::LightWay;
-use crate::draws::{Counted, FrameTimes, Looked, LooksUp, Times};
-use crate::grid::{Grid, GridCamera, GridConstants};
-use crate::on_vulkan::{heights, uniform};
+use crate::draws::{Counted, FrameTimes, Looked, LooksUp, Times, count};
+use crate::grid::{Grid, GridConstants};
+use crate::on_vulkan::{heights, numbered, uniform, wgsl};
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_scene::ImageSize;
 use terrafill_vulkan::{
     DirectDraw, DirectReport, DrawCall, DrawPipeline, GeometryOutput, Gpu, LayerPipeline,
-    LayeredDepth, Measured, PrimitiveStages, RenderTargets, Resource, Resources, Shader, Topology,
-    VertexFormat,
+    LayeredDepth, Measured, RenderTargets, Resource, Resources, Topology,
 };
 
 const LIT: &str = "pipelines/lit.wgsl";
 
 /// Layers by one way, and the picture that looks them up.
 pub(crate) struct OnVulkan {
-    way: LightWay,
-    layers: u32,
+    /// Of the layers.
+    instances: u32,
     /// Of the layers, and of the picture.
     vertices: [u32; 2],
     maps: Arc<LayeredDepth>,
@@ -36,7 +35,8 @@ pub(crate) struct LayerParts {
     /// Of a layer, texels.
     pub(crate) side: u32,
     pub(crate) vertex: &'static str,
-    pub(crate) geometry: Option<GeometryOutput>,
+    /// As of [`LightWay::geometry`].
+    pub(crate) geometry: Option<Option<GeometryOutput>>,
     /// Of the layers, and of the picture.
     pub(crate) vertices: [u32; 2],
     /// At bindings 0 to 2; the layers come behind them.
@@ -46,18 +46,6 @@ pub(crate) struct LayerParts {
     /// WGSL of the picture.
     pub(crate) picture: &'static str,
     pub(crate) size: ImageSize,
-}
-
-/// A geometry shader for so many layers, where the way has one.
-pub(crate) fn known(
-    gpu: &Gpu,
-    geometry: Option<Option<GeometryOutput>>,
-    layers: u32,
-) -> Result<Option<GeometryOutput>, DeviceError> {
-    geometry.ok_or_else(|| {
-        let what = format!("a geometry shader compiled for {layers} layers");
-        DeviceError::unsupported(&what, &gpu.facts.name)
-    })
 }
 
 impl OnVulkan {
@@ -72,15 +60,15 @@ impl OnVulkan {
         side: u32,
         size: ImageSize,
     ) -> Result<Self, DeviceError> {
-        let layers = u32::try_from(lights.len()).unwrap_or(u32::MAX);
-        let constants = GridConstants::new(grid, &GridCamera::new());
+        let layers = count(lights);
+        let constants = GridConstants::new(grid);
         let of_lights = LightConstants::new(grid, lights, side);
         let parts = LayerParts {
             way,
             layers,
             side,
             vertex: way.vertex(),
-            geometry: known(gpu, way.geometry(layers), layers)?,
+            geometry: way.geometry(layers),
             vertices: [6 * grid.cells * grid.cells; 2],
             resources: vec![
                 uniform(gpu, "grid constants", bytemuck::bytes_of(&constants))?,
@@ -95,48 +83,35 @@ impl OnVulkan {
     }
 
     pub(crate) fn with(gpu: &Arc<Gpu>, parts: LayerParts) -> Result<Self, DeviceError> {
-        let LayerParts {
-            way,
-            layers,
-            side,
-            vertex,
-            geometry,
-            vertices,
-            mut resources,
-            behind,
-            picture,
-            size,
-        } = parts;
-        let of_maps = Resources::new(gpu, resources.clone())?;
-        let maps = LayeredDepth::new(gpu, side, layers, way.layers_by())?;
+        let LayerParts { way, layers, .. } = parts;
+        let geometry = parts.geometry.ok_or_else(|| {
+            let what = format!("a geometry shader compiled for {layers} layers");
+            DeviceError::unsupported(&what, &gpu.facts.name)
+        })?;
+        let of_maps = Resources::new(gpu, parts.resources.clone())?;
+        let maps = LayeredDepth::new(gpu, parts.side, layers, way.layers_by())?;
         let chooses = way == LightWay::Instanced;
-        let maps_pipeline = LayerPipeline::new(gpu, &maps, &of_maps, vertex, geometry, chooses)?;
+        let maps_pipeline =
+            LayerPipeline::new(gpu, &maps, &of_maps, parts.vertex, geometry, chooses)?;
+        let mut resources = parts.resources;
         resources.push(Resource::Depths(Arc::clone(&maps)));
-        resources.extend(behind);
+        resources.extend(parts.behind);
         let resources = Resources::new(gpu, resources)?;
-        let wgsl = |entry_point| Shader::Wgsl {
-            path: picture,
-            entry_point,
-        };
-        let stages = PrimitiveStages::Vertices {
-            vertex: wgsl("vertex_main"),
-            geometry: None,
-            format: VertexFormat::Number,
-            topology: Topology::Triangles,
-        };
+        let vertex = wgsl(parts.picture, "vertex_main");
+        let stages = numbered(vertex, None, Topology::Triangles);
+        let fragment = wgsl(parts.picture, "fragment_main");
         Ok(Self {
-            way,
-            layers,
-            vertices,
+            instances: way.instances(layers),
+            vertices: parts.vertices,
             maps,
             maps_pipeline,
-            targets: RenderTargets::new(gpu, size)?,
-            pipeline: DrawPipeline::new(gpu, &resources, stages, wgsl("fragment_main"))?,
+            targets: RenderTargets::new(gpu, parts.size)?,
+            pipeline: DrawPipeline::new(gpu, &resources, stages, fragment)?,
         })
     }
 
     fn draw_maps(&mut self, measured: Measured) -> Result<DirectReport, DeviceError> {
-        let instances = self.way.instances(self.layers);
+        let instances = self.instances;
         let pipeline = &self.maps_pipeline;
         self.maps
             .draw(pipeline, self.vertices[0], instances, measured)

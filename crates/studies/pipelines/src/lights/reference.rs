@@ -7,7 +7,7 @@
 //! shadow, without any map, is counted beside it.
 
 use super::scene::{CENTRE, DistantLight, RADIUS_M, bias_m, texel_m};
-use crate::rays::{BAND_PX, Judged, Rays};
+use crate::rays::{BAND_PX, Judged, Rays, around};
 use glam::{DVec2, DVec3};
 
 /// Of depths in a map, metres: f32 rounds 3 km to 1e-4 m, a few times in a row.
@@ -111,12 +111,4 @@ impl LitRays<'_> {
 /// Of the texel that a place of the map lies in.
 fn middle(at: DVec2) -> DVec2 {
     at.floor() + 0.5
-}
-
-/// A place and its eight neighbours so far away.
-fn around(distance: f64) -> impl Iterator<Item = DVec2> {
-    let steps = [-distance, 0.0, distance];
-    steps
-        .into_iter()
-        .flat_map(move |x| steps.map(|y| DVec2::new(x, y)))
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Distant lights all round the ground, and how a device reads them.
 
-use crate::grid::Grid;
+use crate::draws::count;
+use crate::grid::{Grid, nearest};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, DVec4};
 
@@ -63,17 +64,14 @@ pub(crate) struct LightColumns {
 impl LightColumns {
     /// Of a layer whose places are moved across and along the rows by what their depth is above `level`, and then by
     /// `by`; from 0 to 1 across and along.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     pub(crate) fn sheared(by: [f64; 2], shear: [f64; 2], level: f64) -> Self {
-        let [x, y] = [0, 1].map(|axis| 2.0 * (by[axis] - shear[axis] * level) - 1.0);
+        let [x, y] = [0, 1].map(|axis| nearest(2.0 * (by[axis] - shear[axis] * level) - 1.0));
+        let [across, along] = shear.map(|of| 2.0 * nearest(of));
         Self {
             column: [2.0, 0.0, 0.0, 0.0],
             row: [0.0, 2.0, 0.0, 0.0],
-            height: [2.0 * shear[0] as f32, 2.0 * shear[1] as f32, 1.0, 0.0],
-            origin: [x as f32, y as f32, 0.0, 1.0],
+            height: [across, along, 1.0, 0.0],
+            origin: [x, y, 0.0, 1.0],
         }
     }
 
@@ -108,10 +106,6 @@ pub(crate) struct LightConstants {
 
 impl LightConstants {
     /// - `side`: of a map, texels
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "at most 16 lights; the bias is rounded to what the GPU reads"
-    )]
     pub(crate) fn new(grid: &Grid, lights: &[DistantLight], side: u32) -> Self {
         let mut each = [LightColumns::default(); MOST_LIGHTS];
         for (columns, light) in each.iter_mut().zip(lights) {
@@ -119,9 +113,9 @@ impl LightConstants {
         }
         Self {
             each,
-            count: lights.len() as u32,
+            count: count(lights),
             texels: side,
-            bias: (0.5 * bias_m(side) / RADIUS_M) as f32,
+            bias: nearest(0.5 * bias_m(side) / RADIUS_M),
             padding: 0,
         }
     }
@@ -130,16 +124,14 @@ impl LightConstants {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tested::offset;
     use std::mem::offset_of;
     use terrafill_shaders::struct_layout;
 
     #[test]
     fn lights_lie_as_the_shader_reads_them() {
         let layout = struct_layout("pipelines/lit.wgsl", "Lights").expect("a struct");
-        let offset = |name: &str| {
-            let member = layout.members.iter().find(|member| member.0 == name);
-            member.expect("a member").1 as usize
-        };
+        let offset = |name: &str| offset(&layout, name);
         assert_eq!(offset("each"), offset_of!(LightConstants, each));
         assert_eq!(offset("count"), offset_of!(LightConstants, count));
         assert_eq!(offset("texels"), offset_of!(LightConstants, texels));

@@ -10,7 +10,7 @@ use crate::draws::{LooksUp as _, bits, differing};
 use crate::grid::{Grid, GridCamera};
 use crate::images::{of_lights, size_px, write};
 use crate::keys::{self, EXPERIMENT, GRID_CELLS, LAYERS_BY, MAP_TEXELS};
-use crate::rays::{Cut, Rays};
+use crate::rays::Rays;
 use std::collections::BTreeMap;
 use terrafill_contract::ids_of;
 use terrafill_results::Verdict;
@@ -106,9 +106,8 @@ impl Measures for LightSession<'_> {
         let mut opened = OnVulkan::new(&gpu, way, &self.grid, lights, side, size)?;
         let shown = opened.draw()?;
         let numbers = ids_of(&shown.picture);
-        let pixels = [size.width, size.height];
         let rays = LitRays {
-            rays: Rays::new(&self.grid, GridCamera::new(), pixels, Cut::Published),
+            rays: Rays::new(&self.grid, GridCamera::new(), size),
             lights,
             side,
         };
@@ -190,9 +189,8 @@ mod tests {
             ids_of(&opened.expect("opens").draw().expect("draws").picture)
         };
         let judge = |numbers: &[u32]| {
-            let size = [PICTURE.width, PICTURE.height];
             let rays = LitRays {
-                rays: Rays::new(&grid, GridCamera::new(), size, Cut::Published),
+                rays: Rays::new(&grid, GridCamera::new(), PICTURE),
                 lights: &group.work.lights,
                 side: QUICK_SIZES[1],
             };

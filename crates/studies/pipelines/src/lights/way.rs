@@ -59,16 +59,10 @@ impl LightWay {
 
     /// `None` for as many invocations as no shader was compiled for.
     pub(crate) fn geometry(self, lights: u32) -> Option<Option<GeometryOutput>> {
-        // Of a vertex: a position and the layer.
-        let output = |name, vertices| GeometryOutput {
-            name,
-            vertices,
-            components: 5,
-        };
         match (self, lights) {
-            (Self::Copied, _) => Some(Some(output("native/lights.copied.spv", 48))),
-            (Self::Invoked, 4) => Some(Some(output("native/lights.invoked4.spv", 3))),
-            (Self::Invoked, 16) => Some(Some(output("native/lights.invoked16.spv", 3))),
+            (Self::Copied, _) => Some(output("native/lights.copied.spv", 48)),
+            (Self::Invoked, 4) => Some(output("native/lights.invoked4.spv", 3)),
+            (Self::Invoked, 16) => Some(output("native/lights.invoked16.spv", 3)),
             (Self::Invoked, _) => None,
             _ => Some(None),
         }
@@ -86,18 +80,12 @@ impl LightWay {
 
     /// As [`LightWay::geometry`], of a list's triangles.
     pub(crate) fn listed_geometry(self, layers: u32) -> Option<Option<GeometryOutput>> {
-        let output = |name, vertices| GeometryOutput {
-            name,
-            vertices,
-            components: 5,
-        };
         match (self, layers) {
             (Self::Copied, ..=LISTED_COPIES) => {
-                let vertices = 3 * LISTED_COPIES;
-                Some(Some(output("native/listed.copied.spv", vertices)))
+                Some(output("native/listed.copied.spv", 3 * LISTED_COPIES))
             }
             (Self::Copied, _) => None,
-            (Self::Invoked, 32) => Some(Some(output("native/listed.invoked32.spv", 3))),
+            (Self::Invoked, 32) => Some(output("native/listed.invoked32.spv", 3)),
             // Those of lights read nothing that a list has otherwise.
             _ => self.geometry(layers),
         }
@@ -106,4 +94,13 @@ impl LightWay {
     pub(crate) fn instances(self, lights: u32) -> u32 {
         if self == Self::Instanced { lights } else { 1 }
     }
+}
+
+/// What an invocation hands on: of a vertex a position and the layer.
+fn output(name: &'static str, vertices: u32) -> Option<GeometryOutput> {
+    Some(GeometryOutput {
+        name,
+        vertices,
+        components: 5,
+    })
 }

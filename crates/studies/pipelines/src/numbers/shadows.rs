@@ -4,6 +4,7 @@
 //! Moments of a window of 5 × 5 taps at lookup, no bias, no floor. The reference is the same formula in `f64` on
 //! the same taps, by two passes.
 
+use crate::grid::nearest;
 use crate::variance::{DepthFormat, Moments, gaussian};
 use terrafill_results::SplitMix64;
 
@@ -59,10 +60,6 @@ pub(super) struct Noise {
 }
 
 /// Error of the variance of taps that spread by `sigma` about depths near 1.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "rounding to what the map holds is the purpose"
-)]
 pub(super) fn noise(way: Moments, sigma: f64) -> Noise {
     let mut random = SplitMix64::new(5);
     let (mut relative, mut absolute, mut max) = (0.0, 0.0, 0.0_f64);
@@ -71,8 +68,8 @@ pub(super) fn noise(way: Moments, sigma: f64) -> Noise {
         // The last tenth of the range.
         let middle = 0.9 + 0.1 * random.unit();
         let taps: [f32; TAPS] =
-            std::array::from_fn(|_| (middle + sigma * gaussian(&mut random)) as f32);
-        let receiver = (middle + 3.0 * sigma) as f32;
+            std::array::from_fn(|_| nearest(middle + sigma * gaussian(&mut random)));
+        let receiver = nearest(middle + 3.0 * sigma);
         let [_, variance] = moments(&taps, way.offset(receiver));
         let exact = exact_variance(&taps);
         let error = f64::from(variance) - exact;
@@ -107,10 +104,6 @@ pub(super) struct LitPlane {
 
 /// Light on a flat plane that faces the light: all taps have one depth, and the receiver its own
 /// rounding.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "rounding to what shaders compute is the purpose"
-)]
 pub(super) fn lit_plane(way: Moments, format: DepthFormat, floor: f32) -> LitPlane {
     let mut random = SplitMix64::new(7);
     let (mut dark, mut black, mut outside, mut non_finite) = (0_u32, 0_u32, 0_u32, 0_u32);
@@ -119,7 +112,7 @@ pub(super) fn lit_plane(way: Moments, format: DepthFormat, floor: f32) -> LitPla
         let taps = [format.stored(depth); TAPS];
         // Half a unit in the last place either way, as of a transformed position.
         let rounding = 1.0 + (2.0 * random.unit() - 1.0) * f64::from(f32::EPSILON) * 0.5;
-        let receiver = (depth * rounding) as f32;
+        let receiver = nearest(depth * rounding);
         let share = light(&taps, receiver, way, floor);
         if !share.is_finite() {
             non_finite += 1;

@@ -11,9 +11,6 @@ use terrafill_results::{Case, Clock, ConditionKey, Metric, Run, median, spread};
 /// and is drawn here. Nanoseconds.
 pub(super) const MIN_NS: f64 = 0.01;
 
-/// Formula and measurement agree within this factor.
-pub(super) const AGREEMENT: f64 = 2.0;
-
 /// A quarter of a texel, and of a pixel: what a plan allows on average.
 pub(super) const QUARTER: f64 = 0.25;
 
@@ -114,7 +111,3 @@ impl<'a> Data<'a> {
 
 /// What a row says that has no better reason.
 pub(super) const NO_REASON: &str = "no reason";
-
-pub(super) fn agrees(ratio: f64) -> bool {
-    (1.0 / AGREEMENT..=AGREEMENT).contains(&ratio)
-}

@@ -2,8 +2,9 @@
 //! What was computed before the measurement, and whether the measurement agrees.
 
 use super::data::{
-    DEFAULT_POSITION, Data, MIDDLE, NO_REASON, PLAN, QUARTER, agrees, is_chosen, non_finite, number,
+    DEFAULT_POSITION, Data, MIDDLE, NO_REASON, PLAN, QUARTER, is_chosen, non_finite, number,
 };
+use crate::error::agrees;
 use crate::keys::{self, *};
 use terrafill_plot::number::{count, significant};
 use terrafill_results::{Case, Finding, Metric, Outcome};

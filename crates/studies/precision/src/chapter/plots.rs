@@ -3,6 +3,7 @@
 
 use super::data::{DRAWN, Data, QUARTER, non_finite, number};
 use crate::keys::*;
+use terrafill_lab::grouped;
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, ReferenceLine, Upwards,
     WorkPrecision, panels,
@@ -125,29 +126,21 @@ fn plot(
 
 /// A curve for each family, through its knob.
 fn curves(rows: &[&Case], cost: impl Fn(&Case) -> Option<Reading>) -> Vec<Curve> {
-    let mut curves: Vec<Curve> = Vec::new();
-    for &row in rows {
-        let point = Point {
-            knob: number(row, KNOB).unwrap_or_default(),
-            label: row.condition(KNOB).to_owned(),
-            x: cost(row),
-            y: row.value(DEVICE_MAX_M).map(Reading::exact),
-            y_rms: row.value(DEVICE_RMS_M),
-            standing: standing(row),
-            command: String::new(),
-        };
-        match curves
-            .iter_mut()
-            .find(|curve| curve.name == row.condition(FAMILY))
-        {
-            Some(curve) => curve.points.push(point),
-            None => curves.push(Curve {
-                name: row.condition(FAMILY).to_owned(),
-                points: vec![point],
-            }),
-        }
-    }
-    curves
+    let point = |row: &Case| Point {
+        knob: number(row, KNOB).unwrap_or_default(),
+        label: row.condition(KNOB).to_owned(),
+        x: cost(row),
+        y: row.value(DEVICE_MAX_M).map(Reading::exact),
+        y_rms: row.value(DEVICE_RMS_M),
+        standing: standing(row),
+        command: String::new(),
+    };
+    let families = grouped(rows.iter().copied(), |row| row.condition(FAMILY));
+    let curve = |(name, rows): (&str, Vec<&Case>)| Curve {
+        name: name.to_owned(),
+        points: rows.into_iter().map(point).collect(),
+    };
+    families.into_iter().map(curve).collect()
 }
 
 /// An answer that is not finite has no place, nor has a route that is no map of the region; an error

@@ -2,9 +2,10 @@
 //! The tables: what a plan takes, errors of positions, and where formulas break.
 
 use super::data::{
-    DEFAULT_POSITION, Data, MIDDLE, NO_REASON, PLAN, QUARTER, agrees, count_of, is_chosen,
-    non_finite, number,
+    DEFAULT_POSITION, Data, MIDDLE, NO_REASON, PLAN, QUARTER, count_of, is_chosen, non_finite,
+    number,
 };
+use crate::error::agrees;
 use crate::keys::*;
 use std::collections::{BTreeMap, BTreeSet};
 use terrafill_plot::number::{count, significant};

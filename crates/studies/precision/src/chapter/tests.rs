@@ -78,16 +78,13 @@ fn position(run: &mut MadeUpRun, anchor: &str, distance_m: f64, error_m: f64) {
     .figure("max_px", error_m / pixel_m);
 }
 
-fn with<T>(run: &MadeUpRun, read: impl FnOnce(&Data<'_>) -> T) -> T {
+fn written(run: &MadeUpRun) -> Run {
     let folder = tempfile::tempdir().expect("a folder");
-    let run = run.write(folder.path()).expect("a run");
-    read(&Data::new(&run))
+    run.write(folder.path()).expect("a run")
 }
 
 fn blocks(run: &MadeUpRun) -> Vec<Block> {
-    let folder = tempfile::tempdir().expect("a folder");
-    let run = run.write(folder.path()).expect("a run");
-    PrecisionChapter.blocks(&run).expect("a chapter")
+    PrecisionChapter.blocks(&written(run)).expect("a chapter")
 }
 
 #[test]
@@ -107,15 +104,11 @@ fn each_family_is_a_curve_with_its_time_and_its_errors() {
     ] {
         assert!(svg.contains(word), "{word}");
     }
-    with(&routes(), |data| {
-        assert!(data.time("gnomonic-3").is_some());
-        assert!(data.time("odd-7").is_none(), "not timed");
-        let below = data.time("gnomonic-2");
-        assert!(
-            below.is_some(),
-            "below the timer's resolution, and drawn there"
-        );
-    });
+    let run = written(&routes());
+    let is_timed = |route| Data::new(&run).time(route).is_some();
+    assert!(is_timed("gnomonic-3") && !is_timed("odd-7"));
+    // Below the timer's resolution, and drawn there.
+    assert!(is_timed("gnomonic-2"));
     let table = blocks.iter().find_map(|block| match block {
         Block::Table(table) => Some(table),
         _ => None,
@@ -129,7 +122,7 @@ fn a_plan_that_takes_too_coarse_a_route_is_called_out() {
     let standing = |change: &dyn Fn(&mut MadeUpCase)| {
         let mut run = routes();
         change(&mut run.cases[0]);
-        with(&run, |data| findings(data).remove(0).standing)
+        findings(&Data::new(&written(&run))).remove(0).standing
     };
     assert_eq!(standing(&|_| ()), Standing::Holds);
     let coarse = |case: &mut MadeUpCase| {
@@ -156,7 +149,9 @@ fn positions_count_where_a_plan_puts_the_anchor_and_the_middle_stands_beside() {
         position(&mut run, PLAN, 1e3, 2e-4);
         position(&mut run, MIDDLE, 20.0, 3.8e-3);
         position(&mut run, MIDDLE, 10.0, 4.2e-3);
-        with(&run, |data| (findings(data), positions(data)))
+        let run = written(&run);
+        let data = Data::new(&run);
+        (findings(&data), positions(&data))
     };
     let (good, table) = found(5e-6);
     assert_eq!([good[0].standing, good[1].standing], [Standing::Holds; 2]);
@@ -199,10 +194,9 @@ fn reasons_are_counted_and_a_row_without_one_is_called_out() {
             .note("residual_reason", reason);
     }
     let found = |run: &MadeUpRun| {
-        with(run, |data| {
-            let last = findings(data).pop().expect("some");
-            (disagreements(data), last)
-        })
+        let run = written(run);
+        let data = Data::new(&run);
+        (disagreements(&data), findings(&data).pop().expect("some"))
     };
     let (rows, last) = found(&run);
     let texts = |row: &Row| [0, 1, 2, 5].map(|at| row.cells[at].text.clone());

@@ -2,7 +2,7 @@
 //! Blur on devices against its definition, and what must be noticed.
 
 use super::*;
-use crate::tested::Tested;
+use crate::tested::{Tested, offset};
 use terrafill_results::Status;
 use terrafill_shaders::struct_layout;
 
@@ -10,10 +10,7 @@ use terrafill_shaders::struct_layout;
 fn constants_lie_as_the_shader_reads_them() {
     use std::mem::offset_of;
     let layout = struct_layout("pipelines/blurred.wgsl", "Blurred").expect("a struct");
-    let offset = |name: &str| {
-        let member = layout.members.iter().find(|member| member.0 == name);
-        member.expect("a member").1 as usize
-    };
+    let offset = |name: &str| offset(&layout, name);
     assert_eq!(offset("resolve"), offset_of!(BlurredConstants, resolve));
     assert_eq!(offset("motion"), offset_of!(BlurredConstants, motion));
     assert_eq!(offset("bar"), offset_of!(BlurredConstants, bar));
@@ -29,23 +26,22 @@ fn devices_blur_as_defined_and_another_exposure_is_noticed() {
     let group = group_of(cases(true), 1);
     let verdicts = tested.verdicts(&group);
     assert!(verdicts.len() >= 60, "{}", verdicts.len());
+    let way = BlurWay::Layers(Interface::Vulkan, LightWay::Passes);
     let mut rms: BTreeMap<String, f64> = BTreeMap::new();
     for (at, verdict) in verdicts {
         let (name, case) = (&group.cases[at].id.name, &group.work[at]);
         assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
-        if case.way == BlurWay::Layers(Interface::Vulkan, LightWay::Passes) {
+        if case.way == way {
             rms.insert(case.layers_name(), verdict.figures[0].1);
         }
     }
+    let at = |filter, moments, layers| BlurCase {
+        way,
+        made: LayerUse::Mean { filter, moments },
+        layers,
+    };
     let slope = |filter| {
-        let made = LayerUse::Mean(MeanOf {
-            filter,
-            moments: Moments::Middle,
-        });
-        let error = |layers| {
-            let way = BlurWay::Layers(Interface::Vulkan, LightWay::Passes);
-            rms[&BlurCase { way, made, layers }.layers_name()]
-        };
+        let error = |layers| rms[&at(filter, Moments::Middle, layers).layers_name()];
         (error(128) / error(32)).ln() / 4_f64.ln()
     };
     let (point, boxes) = (slope(Filter::Point), slope(Filter::Box));
@@ -54,22 +50,15 @@ fn devices_blur_as_defined_and_another_exposure_is_noticed() {
         "{point} {boxes}"
     );
     // Negative controls: ends instead of middles, a layer left out, and the published resolve for the right one.
-    let at = |moments, layers| BlurCase {
-        way: BlurWay::Layers(Interface::Vulkan, LightWay::Passes),
-        made: LayerUse::Mean(MeanOf {
-            filter: Filter::Box,
-            moments,
-        }),
-        layers,
-    };
     let drawn = |scene: Listed| {
         let opened = scene.open(&tested.devices, Interface::Vulkan, LightWay::Passes);
         let looked = opened.expect("opens").draw().expect("draws");
         numbers_of(&looked.picture.rgba)
     };
-    let middle = at(Moments::Middle, 16);
+    let middle = at(Filter::Box, Moments::Middle, 16);
     assert_eq!(middle.judge(&drawn(middle.scene())).0, 0);
-    assert!(middle.judge(&drawn(at(Moments::End, 16).scene())).0 > 100);
+    let end = at(Filter::Box, Moments::End, 16);
+    assert!(middle.judge(&drawn(end.scene())).0 > 100);
     let mut fewer = middle.scene();
     fewer.layers.pop();
     fewer.layers.push(fewer.layers[0]);
