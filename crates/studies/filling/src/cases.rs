@@ -9,7 +9,7 @@ use crate::subject::Subject;
 use crate::textured::{ShownPicture, is_of_2007, is_picture_scene, textured_variants};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use terrafill_contract::{Role, Technique};
+use terrafill_contract::{PlannedStep, Role, Technique};
 use terrafill_core::MeshOptions;
 use terrafill_gpu::BaselineKind;
 use terrafill_plan::{PlanOptions, WallHeights};
@@ -20,16 +20,11 @@ use terrafill_study::StudyError;
 use terrafill_variant::Variant;
 
 /// A case's place in an ablation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub(crate) struct AblationPlace {
     /// From 1.
     pub(crate) number: usize,
-    /// What changes, in a word.
-    pub(crate) name: &'static str,
-    /// What changes, in a sentence.
-    pub(crate) change: &'static str,
-    /// A side step: the next one starts from the step before this one.
-    pub(crate) is_aside: bool,
+    pub(crate) step: PlannedStep,
 }
 
 /// One case.
@@ -188,18 +183,15 @@ impl ViewGroup {
         if case.subject.is_approximate() {
             conditions.push((APPROXIMATE, "yes".to_owned()));
         }
-        if let Some(place) = case.needs_place {
+        if let Some(AblationPlace { number, step }) = &case.needs_place {
             conditions.extend([
-                (NEEDS_RUNG, place.number.to_string()),
-                (NEEDS_STEP, place.name.to_owned()),
+                (NEEDS_RUNG, number.to_string()),
+                (NEEDS_STEP, step.name.to_owned()),
             ]);
         }
-        if let Some(place) = case.place {
-            conditions.extend([
-                (RUNG, place.number.to_string()),
-                (STEP, place.name.to_owned()),
-            ]);
-            if place.is_aside {
+        if let Some(AblationPlace { number, step }) = &case.place {
+            conditions.extend([(RUNG, number.to_string()), (STEP, step.name.to_owned())]);
+            if step.is_aside {
                 conditions.push((ASIDE, "yes".to_owned()));
             }
         }
@@ -295,14 +287,9 @@ impl Builder<'_> {
         if wishes.wants_ablation(&scene.name) {
             for technique in &wishes.techniques {
                 for (step, number) in wishes.steps(*technique, scene).into_iter().zip(1..) {
-                    let subject = Subject::Fill(*technique, step.variant);
+                    let subject = Subject::Fill(*technique, step.variant.clone());
                     let case = self.add(subject, Purpose::Ablation, wishes.few_frames());
-                    case.place = Some(AblationPlace {
-                        number,
-                        name: step.name,
-                        change: step.change,
-                        is_aside: step.is_aside,
-                    });
+                    case.place = Some(AblationPlace { number, step });
                 }
             }
         }
@@ -339,14 +326,9 @@ impl Builder<'_> {
                 steps.drain(..steps.len() - 1);
             }
             for (step, number) in steps.into_iter().zip(1..) {
-                let subject = Subject::Fill(technique, step.variant);
+                let subject = Subject::Fill(technique, step.variant.clone());
                 let case = self.add(subject, Purpose::Needs, frames);
-                case.needs_place = has_ablation.then_some(AblationPlace {
-                    number,
-                    name: step.name,
-                    change: step.change,
-                    is_aside: false,
-                });
+                case.needs_place = has_ablation.then_some(AblationPlace { number, step });
             }
         }
     }

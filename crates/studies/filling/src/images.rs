@@ -1,19 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pictures of a run, as PNG files in its folder.
 
-use std::path::Path;
 use terrafill_scene::ImageSize;
-use terrafill_study::StudyError;
-
-/// As [`terrafill_study::write_rgb`].
-pub(crate) fn write_rgb(
-    folder: &Path,
-    name: &str,
-    size: ImageSize,
-    rgb: &[u8],
-) -> Result<String, StudyError> {
-    terrafill_study::write_rgb(folder, name, [size.width, size.height], rgb)
-}
 
 /// Parts of a case's name as a file name.
 pub(crate) fn file_stem(parts: &[&str]) -> String {

@@ -49,9 +49,9 @@ impl Probe {
             texture_errors: None,
         };
         let change =
-            |place: Option<AblationPlace>| place.map_or("", |place| place.change).to_owned();
-        probe.note("change", change(case.place));
-        probe.note("needs_change", change(case.needs_place));
+            |place: Option<&AblationPlace>| place.map_or("", |place| place.step.change).to_owned();
+        probe.note("change", change(case.place.as_ref()));
+        probe.note("needs_change", change(case.needs_place.as_ref()));
         let texture_bytes = Some(memory.texture_bytes).filter(|_| case.is(Purpose::Texture));
         probe.add_counts([
             ("geometry_bytes", Some(memory.geometry_bytes())),

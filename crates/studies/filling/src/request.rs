@@ -2,7 +2,6 @@
 //! What is wanted of the study: a request's words as it understands them.
 
 use crate::subject::{Surfaces, Techniques};
-use std::path::PathBuf;
 use terrafill_contract::{PlannedStep, Technique};
 use terrafill_results::Skipped;
 use terrafill_scene::{ImageSize, Scene};
@@ -42,8 +41,7 @@ pub(crate) fn ablation_part(wanted: &str) -> (&str, Option<&str>) {
 /// What is wanted.
 #[derive(Debug, Clone)]
 pub(crate) struct Wishes {
-    /// Names of shipped scenes or paths of scene files; empty for all shipped ones.
-    pub(crate) scenes: Vec<String>,
+    pub(crate) request: Request,
     /// All there are; the first is the one whose pictures the others' are laid beside.
     pub(crate) all_techniques: Techniques,
     pub(crate) surfaces: Surfaces,
@@ -51,15 +49,8 @@ pub(crate) struct Wishes {
     /// Rivals to measure beside them.
     pub(crate) rivals: Vec<&'static dyn Technique>,
     /// Rivals that this machine lacks something for.
-    missing_rivals: Vec<Skipped>,
-    pub(crate) depth: Depth,
+    pub(crate) missing_rivals: Vec<Skipped>,
     pub(crate) size: ImageSize,
-    pub(crate) data_dir: Option<PathBuf>,
-    samples: Option<u32>,
-    /// Techniques were asked for by name.
-    has_named_techniques: bool,
-    pub(crate) ablation: Option<Vec<String>>,
-    pub(crate) matrix: Option<Vec<String>>,
 }
 
 impl Wishes {
@@ -103,36 +94,25 @@ impl Wishes {
         }
         let [width, height] = request.size;
         Ok(Self {
-            scenes: request.scenes.clone(),
+            request: request.clone(),
             all_techniques: all,
             surfaces,
             techniques,
             rivals,
             missing_rivals,
-            depth: request.depth,
             size: ImageSize { width, height },
-            data_dir: request.data_dir.clone(),
-            samples: request.samples,
-            has_named_techniques: !request.techniques.is_empty(),
-            ablation: request.settings.get("ablation").cloned(),
-            matrix: request.settings.get("matrix").cloned(),
         })
-    }
-
-    /// What a report says of rivals that were not measured.
-    pub(crate) fn missing_rivals(&self) -> Vec<Skipped> {
-        self.missing_rivals.clone()
     }
 
     /// Whether sweeps are wanted, and all textured fills.
     pub(crate) fn is_full(&self) -> bool {
-        self.depth == Depth::Full
+        self.request.depth == Depth::Full
     }
 
     /// Timed frames of a case in a process.
     pub(crate) fn frames(&self) -> u32 {
         let default = if self.is_full() { FULL_FRAMES } else { FRAMES };
-        self.samples.unwrap_or(default)
+        self.request.samples.unwrap_or(default)
     }
 
     /// Timed frames of a step, or of one of many variants of a textured fill.
@@ -143,27 +123,34 @@ impl Wishes {
     /// Whether approximate fills of this scene are wanted. Terrain is what they are off by; over the bare body a
     /// quick run and one over all scenes leave them out.
     pub(crate) fn wants_approximate(&self, scene: &Scene) -> bool {
-        let is_asked_for = self.depth == Depth::Main && !self.scenes.is_empty();
-        self.is_full() || self.has_named_techniques || is_asked_for || !scene.surface.is_bare()
+        let Request {
+            scenes,
+            techniques,
+            depth,
+            ..
+        } = &self.request;
+        let is_asked_for = *depth == Depth::Main && !scenes.is_empty();
+        self.is_full() || !techniques.is_empty() || is_asked_for || !scene.surface.is_bare()
     }
 
     /// Whether the ablation of this scene is wanted.
     pub(crate) fn wants_ablation(&self, scene: &str) -> bool {
-        match &self.ablation {
+        match self.request.settings.get("ablation") {
             Some(wanted) => wanted.iter().any(|wanted| ablation_part(wanted).0 == scene),
             None => self.is_full() && scene == ABLATION_SCENE,
         }
     }
 
+    /// Scenes whose ablations were asked for, each with the step that it begins at.
+    pub(crate) fn ablations(&self) -> impl Iterator<Item = (&str, Option<&str>)> {
+        let wanted = self.request.settings.get("ablation").into_iter().flatten();
+        wanted.map(|wanted| ablation_part(wanted))
+    }
+
     /// The steps of `technique` that are wanted of a scene's ablation: all, or those from a step on.
     pub(crate) fn steps(&self, technique: &dyn Technique, scene: &Scene) -> Vec<PlannedStep> {
         let mut steps = technique.ablation(scene.overlap);
-        let wanted = self
-            .ablation
-            .iter()
-            .flatten()
-            .map(|wanted| ablation_part(wanted));
-        let first = wanted.filter(|(name, _)| *name == scene.name);
+        let first = self.ablations().filter(|(name, _)| *name == scene.name);
         if let Some(step) = first.filter_map(|(_, step)| step).next() {
             let place = steps.iter().position(|planned| planned.name == step);
             steps.drain(..place.unwrap_or(0));
@@ -173,7 +160,7 @@ impl Wishes {
 
     /// Whether the matrix of this scene is wanted.
     pub(crate) fn wants_matrix(&self, scene: &str) -> bool {
-        match &self.matrix {
+        match self.request.settings.get("matrix") {
             Some(scenes) => scenes.iter().any(|name| name == scene),
             None => self.is_full() && MATRIX_SCENES.contains(&scene),
         }

@@ -10,6 +10,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_contract::PreparedScene;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
+use terrafill_lab::distinct;
 use terrafill_plan::{LazyMesh, LeveledMeshes, RegionSet};
 use terrafill_results::Skipped;
 use terrafill_scene::{Overlap, Scene, SceneError, shipped_scene_names};
@@ -24,25 +25,26 @@ pub(crate) fn plan_scenes(
     wishes: &Wishes,
     last: &LastReady,
 ) -> Result<(Vec<ViewGroup>, Vec<Skipped>), StudyError> {
-    let names: Vec<String> = if wishes.scenes.is_empty() {
+    let request = &wishes.request;
+    let names: Vec<String> = if request.scenes.is_empty() {
         let shipped = shipped_scene_names().into_iter();
         shipped.map(str::to_owned).collect()
     } else {
-        wishes.scenes.clone()
+        request.scenes.clone()
     };
     let mut groups: Vec<ViewGroup> = Vec::new();
     let mut skipped = Vec::new();
     let mut errors: Vec<String> = Vec::new();
     for name in &names {
-        let is_left_out = !wishes.is_full() && wishes.scenes.is_empty();
-        if let Some(reason) = left_out(name, wishes.depth).filter(|_| is_left_out) {
+        let is_left_out = !wishes.is_full() && request.scenes.is_empty();
+        if let Some(reason) = left_out(name, request.depth).filter(|_| is_left_out) {
             skipped.push(Skipped {
                 what: name.clone(),
                 reason,
             });
             continue;
         }
-        match Scene::open(name, wishes.data_dir.as_deref()) {
+        match Scene::open(name, request.data_dir.as_deref()) {
             Ok(scene) if groups.iter().any(|group| group.scene.name == scene.name) => {
                 errors.push(format!(
                     "scene {:?} is given twice, allowed: once",
@@ -168,26 +170,19 @@ fn check_wishes(
     groups: &[ViewGroup],
     skipped: &[Skipped],
 ) -> Result<(), StudyError> {
-    let mut allowed: Vec<&str> = Vec::new();
     let measured = groups.iter().map(|group| group.scene.name.as_str());
     let left_out = skipped.iter().map(|skipped| skipped.what.as_str());
-    for name in measured.chain(left_out).chain([NO_SCENE]) {
-        if !allowed.contains(&name) {
-            allowed.push(name);
-        }
-    }
-    for (option, scenes) in [
-        ("--ablation", &wishes.ablation),
-        ("--matrix", &wishes.matrix),
-    ] {
-        let mut wanted = scenes.iter().flatten();
-        let scene_of = |wanted: &str| match option {
-            "--ablation" => ablation_part(wanted).0.to_owned(),
-            _ => wanted.to_owned(),
+    let allowed = distinct(measured.chain(left_out).chain([NO_SCENE]));
+    for option in ["ablation", "matrix"] {
+        let scenes = wishes.request.settings.get(option);
+        let mut wanted = scenes.into_iter().flatten();
+        let is_unknown = |wanted: &&String| match option {
+            "ablation" => !allowed.contains(&ablation_part(wanted).0),
+            _ => !allowed.contains(&wanted.as_str()),
         };
-        if let Some(found) = wanted.find(|name| !allowed.contains(&scene_of(name).as_str())) {
+        if let Some(found) = wanted.find(is_unknown) {
             return Err(StudyError::BadInput(format!(
-                "{option}: found {found:?}, allowed: {}",
+                "--{option}: found {found:?}, allowed: {}",
                 allowed.join(", ")
             )));
         }
@@ -196,17 +191,8 @@ fn check_wishes(
         .techniques
         .iter()
         .flat_map(|t| t.ablation(Overlap::Disjoint));
-    let mut steps: Vec<&str> = Vec::new();
-    for step in ablations {
-        if !steps.contains(&step.name) {
-            steps.push(step.name);
-        }
-    }
-    let mut wanted = wishes
-        .ablation
-        .iter()
-        .flatten()
-        .map(|wanted| ablation_part(wanted));
+    let steps = distinct(ablations.map(|step| step.name));
+    let mut wanted = wishes.ablations();
     let unknown =
         wanted.find_map(|(scene, step)| Some((scene, step.filter(|s| !steps.contains(s))?)));
     if let Some((scene, step)) = unknown {

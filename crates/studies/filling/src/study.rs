@@ -55,7 +55,7 @@ impl Study for FillingStudy {
         let wishes = Wishes::new(request, [self.techniques, self.rivals], self.surfaces)?;
         let last = Rc::new(LastReady::default());
         let (groups, mut skipped) = plan_scenes(&wishes, &last)?;
-        skipped.extend(wishes.missing_rivals());
+        skipped.extend(wishes.missing_rivals.iter().cloned());
         let mut inputs = Vec::new();
         let of_one_scene = |a: &ViewGroup, b: &ViewGroup| a.scene.name == b.scene.name;
         for of_scene in groups.chunk_by(of_one_scene) {

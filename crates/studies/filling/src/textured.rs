@@ -11,7 +11,6 @@
 //! picture lies, so that the document's rows may be wrong and are timed all the same. Errors in texels;
 //! colours of 0 to 255.
 
-use crate::images::{cut_out, write_rgb};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -19,8 +18,8 @@ use std::sync::Arc;
 use terrafill_conformance::{TextureErrors, Verdict, compare_texture, texture_verdict};
 use terrafill_contract::{FillInput, Frame, NO_REGION, Picture};
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{ImageSize, Scene, SceneTexture, TextureShare, View, checker};
-use terrafill_study::{Depth, StudyError};
+use terrafill_scene::{Scene, SceneTexture, TextureShare, View, checker};
+use terrafill_study::Depth;
 use terrafill_texture::PositionRoute;
 use terrafill_variant::{RouteChoice, Switches, Variant};
 
@@ -62,9 +61,6 @@ const SMALL_CELLS: u32 = 16;
 
 /// How much a difference of colours is amplified, so that one level of 255 can be seen.
 const AMPLIFIED: i32 = 10;
-
-/// Longest side of a cut-out, pixels: at one pixel to a pixel texels and their errors can be seen.
-const CUT_OUT_PX: u32 = 480;
 
 /// Where a difference has no meaning: not filled by both with the same region.
 const NOT_COMPARED: [u8; 3] = [18, 20, 26];
@@ -344,18 +340,6 @@ pub(crate) fn left_out(name: &str, depth: Depth) -> Option<String> {
         _ => return None,
     };
     Some(reason.to_owned())
-}
-
-/// A cut-out written under `folder/images/`; its path relative to `folder`.
-pub(crate) fn write_cut_out(
-    folder: &std::path::Path,
-    name: &str,
-    size: ImageSize,
-    centre: [usize; 2],
-    rgb: &[u8],
-) -> Result<String, StudyError> {
-    let cut = cut_out(size, centre, CUT_OUT_PX, rgb);
-    write_rgb(folder, name, cut.size, &cut.rgb)
 }
 
 #[cfg(test)]

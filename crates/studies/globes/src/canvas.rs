@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Targets on wgpu of any format, the one pass over them, and their read-back.
 
+use crate::list::Eye;
 use bytemuck::Pod;
 use glam::DVec3;
 use std::sync::Arc;
-use terrafill_contract::DeviceError;
+use terrafill_contract::{DeviceError, ViewConstants};
 use terrafill_gpu::{Gpu, PassTimer, TimedPass, read_texture};
 use terrafill_scene::ImageSize;
+use terrafill_surface::{HeightRange, SurfaceFrame};
 
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -42,20 +44,8 @@ pub(crate) fn vertices(
 impl Canvas {
     pub(crate) fn new(gpu: &Arc<Gpu>, size: ImageSize, format: wgpu::TextureFormat) -> Self {
         let target = |label, format, usage| {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d {
-                    width: size.width,
-                    height: size.height,
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
-                view_formats: &[],
-            })
+            let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | usage;
+            gpu.texture(label, [size.width, size.height, 1], 1, format, usage)
         };
         let read = wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING;
         Self {
@@ -163,11 +153,9 @@ impl Canvas {
         let gpu = &self.gpu;
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
-        let Some(timer) = &self.timer else {
-            return Ok(None);
-        };
-        let stamps = timer.read(gpu, TimedPass::Surface, TimedPass::Surface)?;
-        Ok(stamps.pass_ms(TimedPass::Surface))
+        let timed = self.timer.as_ref();
+        let timed = timed.map(|timer| timer.pass_ms(gpu, TimedPass::Surface));
+        Ok(timed.transpose()?.flatten())
     }
 
     /// Texels in rows.
@@ -181,23 +169,11 @@ impl Canvas {
 pub(crate) fn texture(
     gpu: &Gpu,
     label: &str,
-    [width, height, depth_or_array_layers]: [u32; 3],
+    size: [u32; 3],
     format: wgpu::TextureFormat,
 ) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    })
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    gpu.texture(label, size, 1, format, usage)
 }
 
 /// Writes whole layers of four bytes a texel, from number `z` on.
@@ -251,12 +227,22 @@ pub(crate) fn written(
     })
 }
 
+/// A buffer for constants of this type.
+pub(crate) fn uniform<T>(gpu: &Gpu, label: &str) -> wgpu::Buffer {
+    written(
+        gpu,
+        label,
+        size_of::<T>() as u64,
+        wgpu::BufferUsages::UNIFORM,
+    )
+}
+
 /// A frame without triangles, where no more is wanted of it.
-pub(crate) fn no_triangles() -> terrafill_surface::SurfaceFrame {
-    terrafill_surface::SurfaceFrame {
+pub(crate) fn no_triangles() -> SurfaceFrame {
+    SurfaceFrame {
         vertices_rte: Arc::default(),
         triangles: Arc::default(),
-        heights: terrafill_surface::HeightRange {
+        heights: HeightRange {
             lowest_m: 0.0,
             highest_m: 0.0,
         },
@@ -266,15 +252,6 @@ pub(crate) fn no_triangles() -> terrafill_surface::SurfaceFrame {
 }
 
 /// Constants of a view without a surface.
-pub(crate) fn view_constants(eye: &crate::list::Eye) -> terrafill_contract::ViewConstants {
-    let nothing = no_triangles();
-    terrafill_contract::ViewConstants::new(&terrafill_contract::SurfaceView {
-        id: terrafill_contract::ViewId::unique(),
-        body: &eye.body,
-        camera: &eye.camera,
-        size: eye.size,
-        surface: &nothing,
-        picture: None,
-        draws_back_faces: false,
-    })
+pub(crate) fn view_constants(eye: &Eye) -> ViewConstants {
+    ViewConstants::new(&eye.view(&no_triangles()))
 }

@@ -21,7 +21,9 @@ use scene::{NodeVertices, Picture};
 use std::collections::BTreeMap;
 use terrafill_contract::CpuStopwatch;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
-use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged, verified,
+};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "counts";
@@ -43,13 +45,13 @@ const DELAYS: [usize; 2] = [1, 3];
 const ENOUGH: f64 = 4.0;
 
 /// What the eye does.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 enum Path {
-    Still(String),
+    Still(&'static str),
     Zoom,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 struct Work {
     path: Path,
     way: PixelCount,
@@ -73,7 +75,7 @@ impl Counts {
             for way in PixelCount::ALL {
                 for hysteresis in HYSTERESES {
                     work.extend(DELAYS.map(|delay| Work {
-                        path: Path::Still((*view).to_owned()),
+                        path: Path::Still(view),
                         way,
                         hysteresis,
                         delay,
@@ -104,8 +106,8 @@ impl Counts {
     }
 
     fn eye(&self, work: &Work, frame: usize) -> Result<Eye, String> {
-        let view = match &work.path {
-            Path::Still(view) => view.as_str(),
+        let view = match work.path {
+            Path::Still(view) => view,
             Path::Zoom => VIEWS[0],
         };
         let mut row = self.list.view(view)?.clone();
@@ -118,9 +120,9 @@ impl Counts {
 }
 
 fn case(work: &Work, samples: u32) -> PlannedCase {
-    let path = match &work.path {
-        Path::Still(view) => view.clone(),
-        Path::Zoom => "zoom".to_owned(),
+    let path = match work.path {
+        Path::Still(view) => view,
+        Path::Zoom => "zoom",
     };
     let transfers = match work.transfers {
         usize::MAX => "any".to_owned(),
@@ -129,7 +131,7 @@ fn case(work: &Work, samples: u32) -> PlannedCase {
     let [api, way] = work.way.names();
     let conditions = [
         (keys::PART, PART.to_owned()),
-        (PATH, path.clone()),
+        (PATH, path.to_owned()),
         (API, api.to_owned()),
         (COUNTED_BY, way.to_owned()),
         (HYSTERESIS, work.hysteresis.to_string()),
@@ -175,7 +177,7 @@ impl<'a> CountPart<'a> {
     }
 
     fn run(&mut self, case: usize) -> Result<Paged, Failure> {
-        let work = self.group.work[case].clone();
+        let work = self.group.work[case];
         let frames = match work.path {
             Path::Still(_) => FRAMES,
             Path::Zoom => ZOOM_FRAMES,
@@ -259,8 +261,7 @@ impl Measures for CountPart<'_> {
 
     /// The last frame with its counts read at once, and without counts.
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        let last = self.last.get(&case);
-        let (eye, drawn) = last.ok_or("it was not verified".to_owned())?;
+        let (eye, drawn) = verified(&mut self.last, case)?;
         Ok(self.counters.time(self.group.work[case].way, eye, drawn)?)
     }
 }
@@ -268,58 +269,48 @@ impl Measures for CountPart<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::on_device::on_device;
     use scene::ByRays;
-    use std::rc::Rc;
-    use terrafill_contract::{Devices, device_for_test};
 
     #[test]
     fn devices_count_what_rays_see_and_a_wide_hysteresis_comes_to_rest() {
-        let devices = Rc::new(Devices::default());
-        if device_for_test(terrafill_gpu::shared_gpu(&devices)).is_none() {
-            return;
-        }
-        let list = List::shipped().expect("a list");
-        let counts = Counts::planned(&list, true, 1);
-        let folder = tempfile::tempdir().expect("a folder");
-        let context = Context {
-            devices: &devices,
-            folder: folder.path(),
-        };
-        let mut session = CountPart::new(&counts.work, context);
-        let mut ends = Vec::new();
-        for way in PixelCount::ALL {
-            let is_it = |work: &Work| {
-                work.way == way
-                    && work.hysteresis == 6.0
-                    && work.delay == 1
-                    && work.path == Path::Still("nadir-1161km".to_owned())
-            };
-            let case = counts.work.work.iter().position(is_it).expect("planned");
-            match session.run(case) {
-                Ok(Paged { course, .. }) => {
-                    eprintln!("{way:?}: {:?} {:?}", course.sizes, course.against_rays);
-                    assert!(course.against_rays.1 == 0 && course.against_rays.2 > 8);
-                    assert!(course.settled(1).is_some_and(|frames| frames > 1));
-                    ends.push(course.sizes);
-                    let (eye, drawn) = &session.last[&case];
-                    let rays = ByRays::new(eye, drawn);
-                    let mut fewer: BTreeMap<Node, u64> = rays
-                        .counts
-                        .iter()
-                        .map(|(node, count)| (*node, count[0]))
-                        .collect();
-                    assert_eq!(rays.against(&fewer), (0, 0));
-                    // Negative control: half of a node's pixels are not counted.
-                    let most = fewer.values_mut().max().expect("nodes");
-                    *most /= 2;
-                    assert_eq!(rays.against(&fewer).1, 1);
+        on_device(terrafill_gpu::shared_gpu, |context| {
+            let list = List::shipped().expect("a list");
+            let counts = Counts::planned(&list, true, 1);
+            let mut session = CountPart::new(&counts.work, context);
+            let mut ends = Vec::new();
+            for way in PixelCount::ALL {
+                let is_it = |work: &Work| {
+                    work.way == way
+                        && work.hysteresis == 6.0
+                        && work.delay == 1
+                        && work.path == Path::Still("nadir-1161km")
+                };
+                let case = counts.work.work.iter().position(is_it).expect("planned");
+                match session.run(case) {
+                    Ok(Paged { course, .. }) => {
+                        eprintln!("{way:?}: {:?} {:?}", course.sizes, course.against_rays);
+                        assert!(course.against_rays.1 == 0 && course.against_rays.2 > 8);
+                        assert!(course.settled(1).is_some_and(|frames| frames > 1));
+                        ends.push(course.sizes);
+                        let (eye, drawn) = &session.last[&case];
+                        let rays = ByRays::new(eye, drawn);
+                        let counts = rays.counts.iter();
+                        let mut fewer: BTreeMap<Node, u64> =
+                            counts.map(|(node, count)| (*node, count[0])).collect();
+                        assert_eq!(rays.against(&fewer), (0, 0));
+                        // Negative control: half of a node's pixels are not counted.
+                        let most = fewer.values_mut().max().expect("nodes");
+                        *most /= 2;
+                        assert_eq!(rays.against(&fewer).1, 1);
+                    }
+                    // A device without such queries.
+                    Err(Failure::Unable(_)) => {}
+                    Err(error) => unreachable!("{error:?}"),
                 }
-                // A device without such queries.
-                Err(Failure::Unable(_)) => {}
-                Err(error) => unreachable!("{error:?}"),
             }
-        }
-        // The same loop from either count.
-        assert!(ends.windows(2).all(|pair| pair[0] == pair[1]), "{ends:?}");
+            // The same loop from either count.
+            assert!(ends.windows(2).all(|pair| pair[0] == pair[1]), "{ends:?}");
+        });
     }
 }

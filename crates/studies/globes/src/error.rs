@@ -8,7 +8,6 @@
 
 use crate::list::Eye;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 use terrafill_contract::Picture;
 use terrafill_core::Geodetic;
@@ -117,14 +116,8 @@ pub(crate) fn of_depth(eye: &Eye, picture: &Picture) -> Errors {
 
 fn measure(eye: &Eye, met: impl Fn(usize, DVec3) -> Option<Met> + Sync) -> Errors {
     let body = SurfaceTriangles::of_body(&eye.body, eye.camera.eye_ecef);
-    let width = eye.size.width as usize;
-    let mut pixels = vec![Pixel::default(); eye.size.pixel_count()];
-    let rows = pixels.par_chunks_mut(width.max(1)).enumerate();
-    rows.for_each(|(row, pixels)| {
-        for (column, pixel) in pixels.iter_mut().enumerate() {
-            let centre = [column, row].map(|at| at as f64 + 0.5);
-            *pixel = judge(eye, &body, centre, |ray| met(row * width + column, ray));
-        }
+    let pixels = eye.by_pixel(|pixel, centre, direction| {
+        judge(eye, &body, centre, direction, met(pixel, direction))
     });
     let found: Vec<PixelError> = pixels.iter().filter_map(|pixel| pixel.error).collect();
     let is_finite = |error: &PixelError| {
@@ -159,12 +152,11 @@ fn judge(
     eye: &Eye,
     body: &SurfaceTriangles,
     centre: [f64; 2],
-    met: impl Fn(DVec3) -> Option<Met>,
+    direction: DVec3,
+    met: Option<Met>,
 ) -> Pixel {
     let (camera, size) = (&eye.camera, eye.size);
-    let direction = camera.direction_ecef(size, centre);
     let true_depth = body.hit(direction, camera.near_m);
-    let met = met(direction);
     let mut pixel = Pixel {
         is_body: true_depth.is_some(),
         is_shown: met.is_some(),
@@ -184,15 +176,11 @@ fn judge(
         let true_ecef = camera.eye_ecef + direction * true_depth;
         let drawn_ecef = camera.eye_ecef + direction * met.depth;
         let drawn = eye.body.ecef_to_geodetic(drawn_ecef);
-        let foot = Geodetic {
-            height_m: 0.0,
-            ..drawn
-        };
         let shift = |place: Geodetic| {
-            let place = eye.body.geodetic_to_ecef(place);
-            [shift_px(eye, place, centre), (place - true_ecef).length()]
+            let foot = eye.below(place);
+            [shift_px(eye, foot, centre), (foot - true_ecef).length()]
         };
-        let [px, metres] = shift(foot);
+        let [px, metres] = shift(drawn);
         PixelError {
             px,
             metres,

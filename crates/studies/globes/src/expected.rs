@@ -46,80 +46,66 @@ pub(crate) fn expected(formula: Formula, knob: f64, eye: &Eye) -> Expected {
         },
         Formula::CellShare => {
             // A tile's cells are as its nearest place allows, so this is the most.
-            let (px_max, lowest_m) = hanging(eye, |place, radius_m| {
+            let by = "κ² d² (1 + cos² φ) / 8R at most, κ = cell / distance";
+            hanging(eye, by, |place, radius_m| {
                 let there = eye.body.geodetic_to_ecef(place);
                 let side_m = knob * there.distance(eye.camera.eye_ecef);
                 side_m * side_m * (1.0 + place.latitude_rad.cos().powi(2)) / (8.0 * radius_m)
-            });
-            Expected {
-                px_max,
-                lowest_m,
-                by: "κ² d² (1 + cos² φ) / 8R at most, κ = cell / distance",
-                ..Expected::default()
-            }
+            })
         }
         Formula::Uniform => {
             let step = PI / knob;
+            let by = "R q² (1 + cos² φ) / 8, q = π / rows";
             // Half the diagonal of a cell is the radius of the circle around its triangles.
-            let (px_max, lowest_m) = hanging(eye, |place, radius_m| {
+            hanging(eye, by, |place, radius_m| {
                 radius_m * step * step * (1.0 + place.latitude_rad.cos().powi(2)) / 8.0
-            });
-            Expected {
-                px_max,
-                lowest_m,
-                by: "R q² (1 + cos² φ) / 8, q = π / rows",
-                ..Expected::default()
-            }
+            })
         }
         Formula::Spiral => {
             let step = TAU / knob;
             let radii = eye.body.radii_m();
             let focus = (eye.camera.eye_ecef / radii).normalize();
-            let (px_max, lowest_m) = hanging(eye, |place, radius_m| {
+            let by = "R q² (r² + sin² r) / 8, q = 2π / n, cells square";
+            hanging(eye, by, |place, radius_m| {
                 let there = (eye.body.geodetic_to_ecef(place) / radii).normalize();
                 let angle = focus.angle_between(there);
                 radius_m * step * step * (angle * angle + angle.sin().powi(2)) / 8.0
-            });
-            Expected {
-                px_max,
-                lowest_m,
-                by: "R q² (r² + sin² r) / 8, q = 2π / n, cells square",
-                ..Expected::default()
-            }
+            })
         }
         Formula::ScreenGrid => screen_grid(knob, eye),
     }
 }
 
 /// Largest error and lowest place where facets hang by `sagitta_m` below each place that is seen.
-fn hanging(eye: &Eye, sagitta_m: impl Fn(Geodetic, f64) -> f64) -> (Option<f64>, Option<f64>) {
-    let (camera, size) = (&eye.camera, eye.size);
+fn hanging(
+    eye: &Eye,
+    by: &'static str,
+    sagitta_m: impl Fn(Geodetic, f64) -> f64 + Sync,
+) -> Expected {
+    let camera = &eye.camera;
     let body = SurfaceTriangles::of_body(&eye.body, camera.eye_ecef);
     let radius_m = eye.body.equatorial_radius_m();
-    let (mut px, mut lowest) = (None::<f64>, None::<f64>);
-    for row in 0..size.height {
-        for column in 0..size.width {
-            let centre = [column, row].map(|at| f64::from(at) + 0.5);
-            let direction = camera.direction_ecef(size, centre);
-            let Some(depth) = body.hit(direction, camera.near_m) else {
-                continue;
-            };
-            let place = eye
-                .body
-                .ecef_to_geodetic(camera.eye_ecef + direction * depth);
-            let sagitta = sagitta_m(place, radius_m);
-            let raised = eye.body.geodetic_to_ecef(Geodetic {
-                height_m: place.height_m + sagitta,
-                ..place
-            });
-            let shift = shift_px(eye, raised, centre);
-            px = Some(px.map_or(shift, |px| px.max(shift)));
-            lowest = Some(lowest.map_or(-sagitta, |lowest| lowest.min(-sagitta)));
-        }
-    }
+    let found = eye.by_pixel(|_, centre, direction| {
+        let depth = body.hit(direction, camera.near_m)?;
+        let ecef = camera.eye_ecef + direction * depth;
+        let place = eye.body.ecef_to_geodetic(ecef);
+        let sagitta = sagitta_m(place, radius_m);
+        let raised = eye.body.geodetic_to_ecef(Geodetic {
+            height_m: place.height_m + sagitta,
+            ..place
+        });
+        Some([shift_px(eye, raised, centre), -sagitta])
+    });
+    let all = |which: usize| found.iter().flatten().map(move |found| found[which]);
+    let lowest_m = all(1).reduce(f64::min);
     let most_m = MAX_HANG_SHARE * eye.pose.eye.height_m;
-    let is_shallow = lowest.is_some_and(|lowest| -lowest <= most_m);
-    (px.filter(|_| is_shallow), lowest)
+    let is_shallow = lowest_m.is_some_and(|lowest_m| -lowest_m <= most_m);
+    Expected {
+        px_max: all(0).reduce(f64::max).filter(|_| is_shallow),
+        lowest_m,
+        by,
+        ..Expected::default()
+    }
 }
 
 fn screen_grid(rects: f64, eye: &Eye) -> Expected {
@@ -161,8 +147,7 @@ mod tests {
 
     fn eye(name: &str, side_px: u32) -> Eye {
         let list = List::shipped().expect("a list");
-        let view = list.view.iter().find(|view| view.name == name);
-        view.expect("the view").eye(side_px)
+        list.view(name).expect("the view").eye(side_px)
     }
 
     #[test]

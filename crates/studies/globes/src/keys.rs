@@ -29,8 +29,6 @@ terrafill_results::metrics! {
     GLOBE_EXPECTED_LOWEST_M = "globe_expected_lowest_m";
     GLOBE_EXPECTED_MAP_M_MAX = "globe_expected_map_m_max";
     GLOBE_EXPECTED_PX_MAX = "globe_expected_px_max"; GLOBE_EXTRA_PX = "globe_extra_px";
-
-
     GLOBE_LOWEST_M = "globe_lowest_m"; GLOBE_MADE_DIFFERS_PX = "globe_made_differs_px";
     GLOBE_MADE_M_MAX = "globe_made_m_max"; GLOBE_MADE_PX_MAX = "globe_made_px_max";
     GLOBE_MAKE_CPU_MS = "globe_make_cpu_ms"; GLOBE_MAP_M_MAX = "globe_map_m_max";
@@ -54,8 +52,6 @@ terrafill_results::metrics! {
     GLOBE_TILE_TRUE_TEXELS_MAX = "globe_tile_true_texels_max";
     GLOBE_TILE_TRUE_TEXELS_MEDIAN = "globe_tile_true_texels_median";
     GLOBE_TILE_TRUE_TEXELS_P99 = "globe_tile_true_texels_p99";
-
-
     GLOBE_TRIANGLES = "globe_triangles";
     GLOBE_UNCOUNTED_CPU_MS = "globe_uncounted_cpu_ms"; GLOBE_UNCOVERED_PX = "globe_uncovered_px";
     GLOBE_UPLOAD_BYTES = "globe_upload_bytes"; GLOBE_UPLOAD_CPU_MS = "globe_upload_cpu_ms";

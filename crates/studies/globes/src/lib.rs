@@ -19,6 +19,8 @@ mod keys;
 mod list;
 mod made;
 mod metrics;
+#[cfg(test)]
+mod on_device;
 mod opened;
 mod projection;
 mod shading;

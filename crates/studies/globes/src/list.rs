@@ -2,9 +2,12 @@
 //! What is measured: views, and surfaces through their knobs, read from `plan.toml`.
 
 use glam::DVec3;
+use rayon::prelude::*;
 use serde::Deserialize;
+use terrafill_contract::{SurfaceView, ViewId};
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_scene::{Camera, CameraPose, ImageSize};
+use terrafill_surface::SurfaceFrame;
 use toml::{Table, Value};
 
 /// The study's own list.
@@ -26,7 +29,7 @@ pub(crate) struct List {
 }
 
 /// Where the eye is.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ViewRow {
     pub(crate) name: String,
@@ -111,13 +114,46 @@ impl Eye {
         0.5 * f64::from(self.size.height) / self.camera.tan_half_fov()
     }
 
+    /// The place on the body below another one, along the geodetic normal.
+    pub(crate) fn below(&self, place: Geodetic) -> DVec3 {
+        self.body.geodetic_to_ecef(Geodetic {
+            height_m: 0.0,
+            ..place
+        })
+    }
+
     /// The place on the body below it, where the body is the unit sphere.
     pub(crate) fn foot(&self) -> DVec3 {
-        let foot = Geodetic {
-            height_m: 0.0,
-            ..self.pose.eye
+        self.below(self.pose.eye) / self.body.radii_m()
+    }
+
+    /// It over a surface as drawn.
+    pub(crate) fn view<'a>(&'a self, surface: &'a SurfaceFrame) -> SurfaceView<'a> {
+        SurfaceView {
+            id: ViewId::unique(),
+            body: &self.body,
+            camera: &self.camera,
+            size: self.size,
+            surface,
+            picture: None,
+            draws_back_faces: false,
+        }
+    }
+
+    /// What each pixel gives, row by row.
+    ///
+    /// - `of`: from a pixel's number, its centre in pixels, and its ray's direction of unit view depth
+    pub(crate) fn by_pixel<T: Send>(
+        &self,
+        of: impl Fn(usize, [f64; 2], DVec3) -> T + Sync,
+    ) -> Vec<T> {
+        let width = self.size.width as usize;
+        let one = |pixel: usize| {
+            let centre = [pixel % width, pixel / width].map(|at| at as f64 + 0.5);
+            of(pixel, centre, self.camera.direction_ecef(self.size, centre))
         };
-        self.body.geodetic_to_ecef(foot) / self.body.radii_m()
+        let pixels = (0..self.size.pixel_count()).into_par_iter();
+        pixels.map(one).collect()
     }
 }
 

@@ -24,14 +24,14 @@ use spiral::{Lookup, Source, Spiral};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
-use terrafill_contract::DeviceError;
 use terrafill_core::Ellipsoid;
 use terrafill_plot::number::significant;
 use terrafill_results::{CaseId, PlannedCase, RunInput, Skipped, Verdict};
 use terrafill_scene::Scene;
 use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Measures, files_read, judged,
+    CaseGroup, CaseSession, Context, Failure, Figures, Measures, files_read, judged, verified,
 };
+use toml::Value;
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "made";
@@ -77,11 +77,8 @@ pub(crate) fn height_fields(
 ) -> (Vec<Arc<HeightCube>>, Vec<Skipped>, Vec<RunInput>) {
     let body = Ellipsoid::WGS84;
     let relief = || {
-        let parameters = [
-            ("base".to_owned(), "relief".into()),
-            ("seed".to_owned(), SEED.into()),
-        ];
-        let surface = opened.get(KIND, &parameters.into_iter().collect())?;
+        let parameters = [("base", Value::from("relief")), ("seed", SEED.into())];
+        let surface = opened.get(KIND, parameters)?;
         HeightCube::of("relief", &body, &surface, HEIGHT_CELLS)
     };
     let mut inputs = Vec::new();
@@ -254,12 +251,9 @@ impl Measures for MadePart<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let work = self.group.work[case];
         let eye = self.group.eye(&work)?;
-        if self.targets.is_none() {
-            let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
-            self.targets = Some(MadeTargets::new(&gpu, eye.size));
-        }
-        let targets = self.targets.as_ref();
-        let targets = targets.ok_or(DeviceError::Missing("targets of the spiral"))?;
+        let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
+        let targets = &mut self.targets;
+        let targets = targets.get_or_insert_with(|| MadeTargets::new(&gpu, eye.size));
         let spiral = self.group.spiral(&eye, &work);
         let lookup = work.terrain.map(|(_, lookup)| lookup);
         let mut scene = targets.scene(&spiral, (work.source, lookup), work.has_series)?;
@@ -273,9 +267,7 @@ impl Measures for MadePart<'_> {
         targets.draw(&twin)?;
         let other = targets.read()?;
         let made = match work.source {
-            Source::Sent => (0..spiral.count())
-                .map(|k| spiral.place(k).as_vec3().to_array())
-                .collect(),
+            Source::Sent => spiral.vertices(),
             Source::Compute | Source::Number => targets.vertices(&twin)?,
         };
         let (px, metres, lost) = against(&eye, &spiral, &made);
@@ -315,8 +307,7 @@ impl Measures for MadePart<'_> {
         let eye = self.group.eye(&work)?;
         let targets = self.targets.as_ref();
         let targets = targets.ok_or("it has no targets".to_owned())?;
-        let scene = self.ready.get_mut(&case);
-        let scene = scene.ok_or("it was not verified".to_owned())?;
+        let scene = verified(&mut self.ready, case)?;
         let mut watch = FrameWatch::start();
         let spiral = self.group.spiral(&eye, &work);
         targets.send(scene, &eye, &spiral);

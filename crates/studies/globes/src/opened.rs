@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use terrafill_scene::{Scene, SurfaceChoice};
 use terrafill_surface::{Surface, SurfaceKind, open_surface};
-use toml::Table;
+use toml::{Table, Value};
 
 /// A scene that needs no data, whose surface is replaced.
 const ANY_SCENE: &str = "square-10m";
@@ -34,7 +34,14 @@ impl Opened {
     ///
     /// # Errors
     /// What is wrong with its parameters, with what is allowed.
-    pub(crate) fn get(&self, kind: &str, parameters: &Table) -> Result<Arc<dyn Surface>, String> {
+    pub(crate) fn get<K: Into<String>, V: Into<Value>>(
+        &self,
+        kind: &str,
+        parameters: impl IntoIterator<Item = (K, V)>,
+    ) -> Result<Arc<dyn Surface>, String> {
+        let parameters = parameters.into_iter();
+        let parameters = parameters.map(|(key, value)| (key.into(), value.into()));
+        let parameters = Table::from_iter(parameters);
         let key = format!("{kind} {parameters}");
         if let Some(surface) = self.surfaces.borrow().get(&key) {
             return Ok(Arc::clone(surface));
@@ -45,7 +52,7 @@ impl Opened {
             kind: kind.to_owned(),
             files: Vec::new(),
             picture: None,
-            parameters: parameters.clone(),
+            parameters,
         };
         let surface = self.of_scene(&scene)?;
         let mut surfaces = self.surfaces.borrow_mut();

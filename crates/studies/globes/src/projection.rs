@@ -5,10 +5,9 @@
 //! Flat and hyperbolic maps take longitude and latitude from the place below the eye, in units of the body's radius:
 //! about it, to the east and to the north. What comes out fills −1 … 1.
 
+use crate::list::Eye;
 use glam::{DVec3, DVec4};
 use std::f64::consts::{FRAC_PI_2, TAU};
-use terrafill_core::{Ellipsoid, Geodetic};
-use terrafill_scene::{Camera, ImageSize};
 
 /// A projection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,16 +44,12 @@ impl Projection {
     /// Clip position of a place, reversed depth.
     ///
     /// - `relative_m`: from the eye, ECEF axes
-    pub(crate) fn clip(
-        self,
-        (body, camera, size): (&Ellipsoid, &Camera, ImageSize),
-        focus: Geodetic,
-        relative_m: DVec3,
-    ) -> DVec4 {
+    pub(crate) fn clip(self, eye: &Eye, relative_m: DVec3) -> DVec4 {
+        let (camera, size, focus) = (&eye.camera, eye.size, eye.pose.eye);
         let view = camera.view_from_ecef * relative_m;
         let near = camera.near_m / relative_m.length();
         let map = || {
-            let place = body.ecef_to_geodetic(camera.eye_ecef + relative_m);
+            let place = eye.body.ecef_to_geodetic(camera.eye_ecef + relative_m);
             let turn = place.longitude_rad - focus.longitude_rad;
             let turn = turn - TAU * (turn / TAU).round();
             [turn, place.latitude_rad - focus.latitude_rad]
@@ -107,6 +102,7 @@ pub(crate) fn dome(view: DVec3) -> [f64; 2] {
 mod tests {
     use super::*;
     use std::f64::consts::PI;
+    use terrafill_core::Geodetic;
 
     #[test]
     fn maps_go_to_their_rim_and_back() {
@@ -137,22 +133,15 @@ mod tests {
 
     #[test]
     fn every_place_of_every_projection_is_finite() {
-        let body = Ellipsoid::WGS84;
-        let size = ImageSize {
-            width: 100,
-            height: 100,
-        };
         for focus_deg in [[15.0, 20.0], [180.0, -89.0], [0.0, 90.0]] {
             let row = crate::list::ViewRow {
-                name: String::new(),
                 longitude_deg: focus_deg[0],
                 latitude_deg: focus_deg[1],
                 height_m: 8e6,
                 pitch_deg: -90.0,
-                quick: false,
-                all_cells: false,
+                ..Default::default()
             };
-            let eye = row.eye(size.width);
+            let eye = row.eye(100);
             for projection in Projection::ALL {
                 for i in 0..200_u32 {
                     let place = Geodetic {
@@ -160,9 +149,8 @@ mod tests {
                         latitude_rad: (f64::from(i) * 0.37).sin() * FRAC_PI_2,
                         height_m: 0.0,
                     };
-                    let relative_m = body.geodetic_to_ecef(place) - eye.camera.eye_ecef;
-                    let clip =
-                        projection.clip((&body, &eye.camera, size), eye.pose.eye, relative_m);
+                    let relative_m = eye.body.geodetic_to_ecef(place) - eye.camera.eye_ecef;
+                    let clip = projection.clip(&eye, relative_m);
                     assert!(clip.is_finite(), "{projection:?} {place:?}");
                     if matches!(
                         projection,

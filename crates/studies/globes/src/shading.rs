@@ -27,11 +27,11 @@ use layers::lights;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::rc::Rc;
-use terrafill_core::Geodetic;
 use terrafill_results::{Case, CaseId, PlannedCase, Verdict, quantile};
-use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged, verified,
+};
 use terrafill_surface::SurfaceFrame;
-use toml::{Table, Value};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "shading";
@@ -85,33 +85,35 @@ fn work(side_px: u32, is_quick: bool) -> Vec<Work> {
         projection: Projection::Globe,
         what: "ladder",
     };
-    let mut all: Vec<Work> = (0..=REMOVED)
-        .map(|removed| Work {
-            shading: Shading {
-                removed,
-                ..Shading::default()
-            },
-            ..base
-        })
-        .collect();
+    let without = |removed| Shading {
+        removed,
+        ..base.shading
+    };
+    let ladder = (0..=REMOVED).map(|removed| Work {
+        shading: without(removed),
+        ..base
+    });
+    let mut all: Vec<Work> = ladder.collect();
     for view in ["globe", "globe-pole"] {
-        all.extend([false, true].map(|by_angles| Work {
+        let shaded = |what, shading| Work {
             view,
-            shading: Shading {
+            shading,
+            what,
+            ..base
+        };
+        all.extend([false, true].map(|by_angles| {
+            let shading = Shading {
                 by_angles,
-                ..Shading::default()
-            },
-            what: "pictures",
-            ..base
+                ..base.shading
+            };
+            shaded("pictures", shading)
         }));
-        all.extend(FAULTS.map(|(fault, _)| Work {
-            view,
-            shading: Shading {
+        all.extend(FAULTS.map(|(fault, _)| {
+            let shading = Shading {
                 fault,
-                ..Shading::default()
-            },
-            what: "faults",
-            ..base
+                ..base.shading
+            };
+            shaded("faults", shading)
         }));
     }
     all.extend(Projection::ALL.iter().skip(1).map(|&projection| Work {
@@ -125,10 +127,7 @@ fn work(side_px: u32, is_quick: bool) -> Vec<Work> {
             all.extend([0, REMOVED].map(|removed| Work {
                 size_px,
                 n,
-                shading: Shading {
-                    removed,
-                    ..Shading::default()
-                },
+                shading: without(removed),
                 what: "tessellation",
                 ..base
             }));
@@ -229,14 +228,12 @@ struct ShadingPart<'a> {
 }
 
 fn vertices(eye: &Eye, frame: &SurfaceFrame, projection: Projection) -> Vec<LayerVertex> {
-    let focus: Geodetic = eye.pose.eye;
     let places = frame.vertices_rte.iter();
     places
         .map(|vertex| {
             let relative_m = DVec3::from(vertex.map(f64::from));
-            let clip = projection.clip((&eye.body, &eye.camera, eye.size), focus, relative_m);
             LayerVertex {
-                clip: clip.as_vec4().to_array(),
+                clip: projection.clip(eye, relative_m).as_vec4().to_array(),
                 to_eye: (-relative_m).as_vec3().to_array(),
                 normal: normal(eye, relative_m).as_vec3().to_array(),
             }
@@ -246,8 +243,7 @@ fn vertices(eye: &Eye, frame: &SurfaceFrame, projection: Projection) -> Vec<Laye
 
 impl ShadingPart<'_> {
     fn frame(&self, work: &Work, eye: &Eye) -> Result<SurfaceFrame, String> {
-        let parameters = Table::from_iter([("n".to_owned(), Value::Integer(work.n.into()))]);
-        let surface = self.group.opened.get(KIND, &parameters)?;
+        let surface = self.group.opened.get(KIND, [("n", work.n)])?;
         let frame = surface.frame(&eye.camera, eye.size);
         frame.map_err(|error| error.to_string())
     }
@@ -302,8 +298,7 @@ impl Measures for ShadingPart<'_> {
         watch.ends("globe_make_cpu_ms");
         let targets = self.targets.get(&(work.size_px, work.view));
         let targets = targets.ok_or("it has no targets".to_owned())?;
-        let scene = self.ready.get(&case);
-        let scene = scene.ok_or("it was not verified".to_owned())?;
+        let scene = verified(&mut self.ready, case)?;
         targets.send(scene, &vertices);
         watch.ends("globe_upload_cpu_ms");
         let gpu_ms = targets.draw(scene)?;

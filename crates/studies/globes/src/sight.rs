@@ -8,19 +8,19 @@ use crate::clock::FrameWatch;
 use crate::error::{Errors, around, of_depth, of_frame};
 use crate::expected::{Expected, expected};
 use crate::keys::{API, KNOB, SIZE_PX, SURFACE, VALUE, VIEW};
-use crate::list::{Eye, Formula, SurfaceRow, ViewRow, number};
+use crate::list::{Eye, SurfaceRow, ViewRow, number};
 use crate::opened::Opened;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::hash::{DefaultHasher, Hasher as _};
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_contract::{
-    DeviceError, SurfaceInterface, SurfaceTargets, SurfaceView, ViewConstants, ViewId,
-};
+use terrafill_contract::{DeviceError, SurfaceInterface, SurfaceTargets, ViewConstants};
 use terrafill_gpu::RayCast;
 use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
-use terrafill_study::{CaseGroup, CaseSession, Context, Depth, Failure, Figures, Measures};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Depth, Failure, Figures, Measures, verified,
+};
 use terrafill_surface::{Surface, SurfaceError, SurfaceFrame};
 use toml::Value;
 
@@ -33,69 +33,61 @@ const VERTEX_BYTES: u64 = 12;
 /// A surface with its knob set, on an interface.
 #[derive(Clone)]
 pub(crate) struct Work {
-    /// As in reports.
-    name: String,
     /// `None` for the body itself, a ray for each pixel.
     pub(crate) surface: Option<Chosen>,
     interface: SurfaceInterface,
-    has_cracks: bool,
 }
 
-/// What a surface is opened by.
+/// A surface with its knob set.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Chosen {
-    kind: String,
-    pub(crate) knob: String,
+    pub(crate) row: SurfaceRow,
     value: Value,
-    formula: Formula,
-    with: toml::Table,
 }
 
 impl Chosen {
-    /// What tells it from others.
-    fn key(&self) -> String {
-        format!("{} {}={} {}", self.kind, self.knob, self.value, self.with)
-    }
-
     fn parameters(&self) -> toml::Table {
-        let mut parameters = self.with.clone();
-        parameters.insert(self.knob.clone(), self.value.clone());
+        let mut parameters = self.row.with.clone();
+        parameters.insert(self.row.knob.clone(), self.value.clone());
         parameters
     }
 }
 
+impl Work {
+    /// What tells its targets from others.
+    fn targets(&self) -> &'static str {
+        match self.surface {
+            Some(_) => self.interface.api.name,
+            None => RAY_CAST,
+        }
+    }
+}
+
 pub(crate) fn works(rows: &[SurfaceRow], depth: Depth) -> Vec<Work> {
+    // Vulkan itself draws the same triangles: as many as all wgpu cases only where all is measured.
+    let interfaces: &[SurfaceInterface] = match depth {
+        Depth::Full => &[terrafill_gpu::SURFACES, terrafill_vulkan::SURFACES],
+        Depth::Quick | Depth::Main => &[terrafill_gpu::SURFACES],
+    };
     let mut works = Vec::new();
     for row in rows {
         let values = match depth {
             Depth::Quick => &row.quick,
             Depth::Main | Depth::Full => &row.values,
         };
-        // Vulkan itself draws the same triangles: as many as all wgpu cases only where all is measured.
-        let interfaces: &[SurfaceInterface] = match depth {
-            Depth::Full => &[terrafill_gpu::SURFACES, terrafill_vulkan::SURFACES],
-            Depth::Quick | Depth::Main => &[terrafill_gpu::SURFACES],
-        };
         for value in values {
             works.extend(interfaces.iter().map(|&interface| Work {
-                name: row.name.clone(),
                 surface: Some(Chosen {
-                    kind: row.kind.clone(),
-                    knob: row.knob.clone(),
+                    row: row.clone(),
                     value: value.clone(),
-                    formula: row.expected,
-                    with: row.with.clone(),
                 }),
                 interface,
-                has_cracks: row.cracks,
             }));
         }
     }
     works.push(Work {
-        name: RAY_CAST.to_owned(),
         surface: None,
         interface: RAYS,
-        has_cracks: false,
     });
     works
 }
@@ -116,13 +108,17 @@ impl SurfacesView {
     ) -> CaseGroup<Self> {
         let eye = view.eye(side_px);
         let cases = works.iter().map(|work| {
-            let (knob, value) = work
-                .surface
-                .as_ref()
-                .map_or_else(Default::default, |chosen| {
-                    let number = number(&chosen.value).map(|value| value.to_string());
-                    (chosen.knob.clone(), number.unwrap_or_default())
-                });
+            let [surface, knob, value] = match &work.surface {
+                Some(Chosen { row, value }) => {
+                    let value = number(value).map(|value| value.to_string());
+                    [
+                        row.name.clone(),
+                        row.knob.clone(),
+                        value.unwrap_or_default(),
+                    ]
+                }
+                None => [RAY_CAST, "", ""].map(str::to_owned),
+            };
             let set = match knob.as_str() {
                 "" => String::new(),
                 knob => format!("/{knob}={value}"),
@@ -131,10 +127,10 @@ impl SurfacesView {
             PlannedCase {
                 id: CaseId::new(
                     STUDY,
-                    format!("{}/{}{set}/{api}", view.name, work.name),
+                    format!("{}/{surface}{set}/{api}", view.name),
                     [
                         (VIEW, view.name.clone()),
-                        (SURFACE, work.name.clone()),
+                        (SURFACE, surface),
                         (KNOB, knob),
                         (VALUE, value),
                         (API, api.to_owned()),
@@ -142,7 +138,7 @@ impl SurfacesView {
                     ],
                 ),
                 samples,
-                may_be_wrong: work.has_cracks,
+                may_be_wrong: work.surface.as_ref().is_some_and(|of| of.row.cracks),
             }
         });
         CaseGroup {
@@ -176,7 +172,6 @@ struct Judged {
 /// What draws a case.
 struct Ready {
     surface: Option<Arc<dyn Surface>>,
-    targets: &'static str,
     /// Of the triangles that were verified.
     fingerprint: u64,
 }
@@ -184,9 +179,9 @@ struct Ready {
 struct SightPart<'a> {
     sight: &'a SurfacesView,
     context: Context<'a>,
-    /// By interface, [`RAY_CAST`] one of them.
+    /// By [`Work::targets`].
     targets: BTreeMap<&'static str, Box<dyn SurfaceTargets>>,
-    /// By [`Chosen::key`].
+    /// By kind and parameters.
     judged: BTreeMap<String, Rc<Judged>>,
     /// By case.
     ready: BTreeMap<usize, Ready>,
@@ -199,32 +194,18 @@ impl SightPart<'_> {
 
     /// Opens what a case is drawn by, and makes its triangles.
     fn make_ready(&mut self, case: usize) -> Result<Option<SurfaceFrame>, Failure> {
-        let work = &self.sight.works[case];
-        let surface = match &work.surface {
-            Some(chosen) => {
-                let opened = self.sight.opened.get(&chosen.kind, &chosen.parameters());
-                Some(opened.map_err(Failure::Broken)?)
-            }
-            None => None,
-        };
-        let name = match &work.surface {
-            Some(_) => work.interface.api.name,
-            None => RAY_CAST,
-        };
-        if let Entry::Vacant(entry) = self.targets.entry(name) {
-            entry.insert((work.interface.open)(
-                self.context.devices,
-                self.sight.eye.size,
-            )?);
+        let SurfacesView { eye, works, opened } = self.sight;
+        let work = &works[case];
+        let open = |chosen: &Chosen| opened.get(&chosen.row.kind, chosen.parameters());
+        let surface = work.surface.as_ref().map(open).transpose()?;
+        if let Entry::Vacant(entry) = self.targets.entry(work.targets()) {
+            entry.insert((work.interface.open)(self.context.devices, eye.size)?);
         }
-        let frame = match &surface {
-            Some(surface) => Some(self.frame(surface)?),
-            None => None,
-        };
+        let frame = surface.as_ref().map(|surface| self.frame(surface));
+        let frame = frame.transpose()?;
         let ready = Ready {
             surface,
-            targets: name,
-            fingerprint: frame.as_ref().map_or(0, fingerprint),
+            fingerprint: frame.as_ref().map_or(0, of_triangles),
         };
         self.ready.insert(case, ready);
         Ok(frame)
@@ -233,23 +214,14 @@ impl SightPart<'_> {
     /// Draws a frame, or the body itself; gives the GPU's time.
     fn draw(
         &mut self,
-        targets: &'static str,
+        case: usize,
         frame: &SurfaceFrame,
         watch: &mut FrameWatch,
     ) -> Result<Option<f64>, DeviceError> {
-        let eye = &self.sight.eye;
-        let view = SurfaceView {
-            id: ViewId::unique(),
-            body: &eye.body,
-            camera: &eye.camera,
-            size: eye.size,
-            surface: frame,
-            picture: None,
-            draws_back_faces: false,
-        };
-        let targets = self.targets.get_mut(targets);
+        let SurfacesView { eye, works, .. } = self.sight;
+        let targets = self.targets.get_mut(works[case].targets());
         let targets = targets.ok_or(DeviceError::Missing("targets of the interface"))?;
-        targets.prepare(view)?;
+        targets.prepare(eye.view(frame))?;
         watch.ends("globe_upload_cpu_ms");
         targets.draw_surface()
     }
@@ -258,22 +230,22 @@ impl SightPart<'_> {
 impl Measures for SightPart<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let frame = self.make_ready(case)?;
-        let ready = &self.ready[&case];
-        let (targets, hash) = (ready.targets, ready.fingerprint);
+        let hash = self.ready[&case].fingerprint;
         let nothing = no_triangles();
         let drawn = frame.as_ref().unwrap_or(&nothing);
-        self.draw(targets, drawn, &mut FrameWatch::start())?;
-        let picture = self.targets[targets].read()?;
-        let eye = self.sight.eye;
-        let work = &self.sight.works[case];
-        let of_device = of_depth(&eye, &picture);
+        self.draw(case, drawn, &mut FrameWatch::start())?;
+        let SurfacesView { eye, works, .. } = self.sight;
+        let work = &works[case];
+        let picture = self.targets[work.targets()].read()?;
+        let of_device = of_depth(eye, &picture);
         let (judged, otherwise) = match (&work.surface, &frame) {
             (Some(chosen), Some(frame)) => {
-                let judged = self.judged.entry(chosen.key()).or_insert_with(|| {
+                let key = format!("{} {}", chosen.row.kind, chosen.parameters());
+                let judged = self.judged.entry(key).or_insert_with(|| {
                     let knob = number(&chosen.value).unwrap_or(f64::NAN);
                     Rc::new(Judged {
-                        errors: of_frame(&eye, frame),
-                        expected: expected(chosen.formula, knob, &eye),
+                        errors: of_frame(eye, frame),
+                        expected: expected(chosen.row.expected, knob, eye),
                     })
                 });
                 let width = eye.size.width as usize;
@@ -320,7 +292,7 @@ impl Measures for SightPart<'_> {
         let hash = format!("{:016x}", self.ready[&case].fingerprint);
         if notes.get("triangles") != Some(&hash) {
             let reason = "it makes other triangles than in the process that verified it";
-            return Err(reason.to_owned().into());
+            return Err(Failure::broken(reason));
         }
         Ok(Verdict {
             status,
@@ -329,34 +301,36 @@ impl Measures for SightPart<'_> {
     }
 
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        let ready = self
-            .ready
-            .get(&case)
-            .ok_or("it was not verified".to_owned())?;
-        let (surface, targets) = (ready.surface.clone(), ready.targets);
-        let hash = ready.fingerprint;
+        let ready = verified(&mut self.ready, case)?;
+        let (surface, hash) = (ready.surface.clone(), ready.fingerprint);
         let mut watch = FrameWatch::start();
         let frame = match &surface {
             Some(surface) => self.frame(surface)?,
             None => no_triangles(),
         };
         watch.ends("globe_make_cpu_ms");
-        let gpu_ms = self.draw(targets, &frame, &mut watch)?;
+        let gpu_ms = self.draw(case, &frame, &mut watch)?;
         let values = watch.drawn(gpu_ms);
-        if surface.is_some() && fingerprint(&frame) != hash {
-            let reason = "it made other triangles than when it was verified";
-            return Err(reason.to_owned().into());
+        if surface.is_some() && of_triangles(&frame) != hash {
+            return Err(Failure::broken(OTHER_TRIANGLES));
         }
         Ok(values)
     }
 }
 
-/// Of vertices and triangles.
-fn fingerprint(frame: &SurfaceFrame) -> u64 {
+/// Why a case whose [`fingerprint`] has changed is not timed.
+pub(crate) const OTHER_TRIANGLES: &str = "it made other triangles than when it was verified";
+
+/// Of what a device reads.
+pub(crate) fn fingerprint(parts: &[&[u8]]) -> u64 {
     let mut hasher = DefaultHasher::new();
-    hasher.write(bytemuck::cast_slice(&frame.vertices_rte));
-    hasher.write(bytemuck::cast_slice(&frame.triangles));
+    parts.iter().for_each(|part| hasher.write(part));
     hasher.finish()
+}
+
+fn of_triangles(frame: &SurfaceFrame) -> u64 {
+    let vertices = bytemuck::cast_slice(&frame.vertices_rte);
+    fingerprint(&[vertices, bytemuck::cast_slice(&frame.triangles)])
 }
 
 fn upload_bytes(frame: Option<&SurfaceFrame>) -> u64 {

@@ -47,33 +47,29 @@ impl Study for GlobesStudy {
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let list = List::shipped().map_err(StudyError::BadInput)?;
         let is_quick = request.depth == Depth::Quick;
-        let planned = |views: &[ViewRow]| -> Vec<ViewRow> {
-            let views = views.iter().filter(|view| view.quick || !is_quick);
-            views.cloned().collect()
+        let is_planned = |view: &&ViewRow| view.quick || !is_quick;
+        let left_out = |what: &str, reason| Skipped {
+            what: format!("{STUDY}/{what}"),
+            reason,
         };
-        let (mut rows, mut skipped) = (Vec::new(), Vec::new());
-        for row in list.surface.clone() {
-            if self.surfaces.iter().any(|kind| kind.name() == row.kind) {
-                rows.push(row);
-                continue;
-            }
-            skipped.push(Skipped {
-                what: format!("{STUDY}/{}", row.name),
-                reason: format!("there is no surface of the kind {:?}", row.kind),
-            });
-        }
-        let works = works(&rows, request.depth);
+        let no_kind = |what: &str, kind: &str| {
+            left_out(what, format!("there is no surface of the kind {kind:?}"))
+        };
         let opened = Rc::new(Opened::new(self.surfaces));
+        let rows = list.surface.iter().cloned();
+        let (rows, without): (Vec<_>, Vec<_>) = rows.partition(|row| opened.has(&row.kind));
+        let without = without.iter().map(|row| no_kind(&row.name, &row.kind));
+        let mut skipped: Vec<Skipped> = without.collect();
+        let works = works(&rows, request.depth);
         let sizes = sizes(request);
         let mut groups: Vec<Box<dyn Group>> = Vec::new();
         let mut inputs = Vec::new();
-        for view in &planned(&list.view) {
-            groups.push(Box::new(SurfacesView::planned(
-                view, &works, &opened, sizes,
-            )));
+        for view in list.view.iter().filter(is_planned) {
+            let surfaces = SurfacesView::planned(view, &works, &opened, sizes);
+            groups.push(Box::new(surfaces));
         }
         if opened.has(tiled::KIND) {
-            for view in &planned(&list.tiled_view) {
+            for view in list.tiled_view.iter().filter(is_planned) {
                 let options = Options::of_view(is_quick, view.all_cells);
                 groups.push(Box::new(Tiled::planned(view, sizes, options, &opened)));
                 groups.push(Box::new(Stages::planned(view, sizes, &opened)));
@@ -85,24 +81,15 @@ impl Study for GlobesStudy {
                     let pictured = Pictured::planned(views, sizes, is_quick, of_earth, &opened);
                     groups.push(Box::new(pictured));
                 }
-                Err(reason) => skipped.push(Skipped {
-                    what: format!("{STUDY}/{}", picture::PART),
-                    reason,
-                }),
+                Err(reason) => skipped.push(left_out(picture::PART, reason)),
             }
         } else {
-            skipped.push(Skipped {
-                what: format!("{STUDY}/{}", tiled::PART),
-                reason: format!("there is no surface of the kind {:?}", tiled::KIND),
-            });
+            skipped.push(no_kind(tiled::PART, tiled::KIND));
         }
         if opened.has(shading::KIND) {
             groups.push(Box::new(Shadings::planned(&list, sizes, is_quick, &opened)));
         } else {
-            skipped.push(Skipped {
-                what: format!("{STUDY}/{}", shading::PART),
-                reason: format!("there is no surface of the kind {:?}", shading::KIND),
-            });
+            skipped.push(no_kind(shading::PART, shading::KIND));
         }
         let (fields, without, of_heights) = height_fields(&opened, request.data_dir.as_deref());
         skipped.extend(without);

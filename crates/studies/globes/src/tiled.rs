@@ -18,21 +18,22 @@ pub(crate) use section::SECTION;
 use crate::STUDY;
 use crate::clock::FrameWatch;
 use crate::keys;
-use crate::keys::{CELLS, LEVEL, MERCATOR, SEAM, SIZE_PX, TILES, VIEW};
+use crate::keys::{SIZE_PX, VIEW};
 use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
+use crate::sight::{OTHER_TRIANGLES, fingerprint};
 use device::{MapScene, MapTargets};
 use mesh::{MapMesh, map_mesh};
 use options::Options;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_contract::DeviceError;
 use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
-use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged, verified,
+};
 use terrafill_surface::{Surface, SurfaceFrame};
-use tile_set::{Content, Shown, TileSet};
-use toml::{Table, Value};
+use tile_set::{ADDRESSES, Content, Shown, TileSet};
 use truth::{Truth, off_texels, tiles, truths};
 
 /// Name of this part in cases.
@@ -55,25 +56,20 @@ impl Tiled {
         opened: &Rc<Opened>,
     ) -> CaseGroup<Self> {
         let cases = options.iter().map(|options| {
-            let conditions = [
+            let own = options.conditions();
+            let set = own
+                .each_ref()
+                .map(|(name, value)| format!("{name}={value}"));
+            let text = format!("{PART}/{}/{}", view.name, set.join("/"));
+            let shared = [
                 (keys::PART, PART.to_owned()),
                 (VIEW, view.name.clone()),
-                (CELLS, options.n.to_string()),
-                (SEAM, options.seam.name()),
-                (TILES, options.drawing.name().to_owned()),
-                (MERCATOR, options.mercator().to_owned()),
-                (LEVEL, options.level().to_owned()),
                 (SIZE_PX, side_px.to_string()),
             ];
-            let set: Vec<String> = conditions[2..7]
-                .iter()
-                .map(|(name, value)| format!("{name}={value}"))
-                .collect();
-            let text = format!("{PART}/{}/{}", view.name, set.join("/"));
             PlannedCase {
-                id: CaseId::new(STUDY, text, conditions),
+                id: CaseId::new(STUDY, text, shared.into_iter().chain(own)),
                 samples,
-                may_be_wrong: options.may_be_wrong(),
+                may_be_wrong: options.seam.may_miss(),
             }
         });
         CaseGroup {
@@ -95,6 +91,17 @@ impl Tiled {
                 })))
             },
         }
+    }
+
+    fn mesh(
+        &self,
+        surface: &Arc<dyn Surface>,
+        options: &Options,
+    ) -> Result<(SurfaceFrame, MapMesh), String> {
+        let frame = surface.frame(&self.eye.camera, self.eye.size);
+        let frame = frame.map_err(|error| error.to_string())?;
+        let mesh = map_mesh(&self.eye.body, &self.eye.camera, &frame, options);
+        Ok((frame, mesh))
     }
 }
 
@@ -159,41 +166,20 @@ fn judge(truths: &[Option<Truth>], shown: &[Shown], by_fragment: bool) -> TiledE
     found
 }
 
-/// Of all that the device reads.
-fn fingerprint(mesh: &MapMesh) -> u64 {
-    use std::hash::{DefaultHasher, Hasher as _};
-    let mut hasher = DefaultHasher::new();
-    hasher.write(bytemuck::cast_slice(&mesh.vertices));
-    hasher.finish()
-}
-
-impl TiledPart<'_> {
-    fn mesh(
-        &self,
-        surface: &Arc<dyn Surface>,
-        options: &Options,
-    ) -> Result<(SurfaceFrame, MapMesh), String> {
-        let eye = &self.group.eye;
-        let frame = surface.frame(&eye.camera, eye.size);
-        let frame = frame.map_err(|error| error.to_string())?;
-        let mesh = map_mesh(&eye.body, &eye.camera, &frame, options);
-        Ok((frame, mesh))
-    }
+fn of_mesh(mesh: &MapMesh) -> u64 {
+    fingerprint(&[bytemuck::cast_slice(&mesh.vertices)])
 }
 
 impl Measures for TiledPart<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let (eye, options) = (&self.group.eye, self.group.options[case]);
-        if self.targets.is_none() {
-            let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
-            self.targets = Some(MapTargets::new(&gpu, eye.size));
-        }
+        let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
         let surface = grid(&self.group.opened, options.n)?;
-        let (frame, mesh) = self.mesh(&surface, &options)?;
+        let (frame, mesh) = self.group.mesh(&surface, &options)?;
         let known = self.truths.entry(options.n);
         let truths = Rc::clone(known.or_insert_with(|| Rc::new(truths(eye, &frame))));
-        let targets = self.targets.as_mut();
-        let targets = targets.ok_or(DeviceError::Missing("targets of the map"))?;
+        let targets = &mut self.targets;
+        let targets = targets.get_or_insert_with(|| MapTargets::new(&gpu, eye.size, ADDRESSES));
         let all = tiles(&truths, &options);
         let mut scene = targets.scene(&options, &truths, (all, Content::Addresses))?;
         let sent = targets.send(&mut scene, eye, &options, &mesh);
@@ -204,7 +190,7 @@ impl Measures for TiledPart<'_> {
         let ready = Ready {
             surface,
             scene,
-            fingerprint: fingerprint(&mesh),
+            fingerprint: of_mesh(&mesh),
         };
         self.ready.insert(case, ready);
         Ok(verdict)
@@ -212,10 +198,9 @@ impl Measures for TiledPart<'_> {
 
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
         let (eye, options) = (&self.group.eye, self.group.options[case]);
-        let ready = self.ready.remove(&case);
-        let mut ready = ready.ok_or("it was not verified".to_owned())?;
+        let ready = verified(&mut self.ready, case)?;
         let mut watch = FrameWatch::start();
-        let (_, mesh) = self.mesh(&ready.surface, &options)?;
+        let (_, mesh) = self.group.mesh(&ready.surface, &options)?;
         watch.ends("globe_make_cpu_ms");
         let targets = self.targets.as_ref();
         let targets = targets.ok_or("it has no targets".to_owned())?;
@@ -223,11 +208,8 @@ impl Measures for TiledPart<'_> {
         watch.ends("globe_upload_cpu_ms");
         let gpu_ms = targets.draw(&ready.scene)?;
         let values = watch.drawn(gpu_ms);
-        let is_same = fingerprint(&mesh) == ready.fingerprint;
-        self.ready.insert(case, ready);
-        if !is_same {
-            let reason = "it made other triangles than when it was verified";
-            return Err(reason.to_owned().into());
+        if of_mesh(&mesh) != ready.fingerprint {
+            return Err(Failure::broken(OTHER_TRIANGLES));
         }
         Ok(values)
     }
@@ -235,8 +217,7 @@ impl Measures for TiledPart<'_> {
 
 /// A grid on the screen of `n` × `n` cells.
 fn grid(opened: &Opened, n: u32) -> Result<Arc<dyn Surface>, String> {
-    let parameters = Table::from_iter([("n".to_owned(), Value::Integer(n.into()))]);
-    opened.get(KIND, &parameters)
+    opened.get(KIND, [("n", n)])
 }
 
 fn verdict(found: &TiledErrors, mesh: &MapMesh, scene: &MapScene, sent: u64) -> Verdict {
@@ -251,7 +232,7 @@ fn verdict(found: &TiledErrors, mesh: &MapMesh, scene: &MapScene, sent: u64) -> 
         ("globe_tile_crossing", mesh.crossing as f64),
         ("globe_tile_missed", mesh.missed as f64),
         ("globe_tile_count", tiles as f64),
-        ("globe_tile_draws", MapTargets::draws(scene) as f64),
+        ("globe_tile_draws", scene.texels.len() as f64),
         (
             "globe_tile_bytes",
             tiles as f64 * TileSet::BYTES_PER_TILE as f64,
@@ -274,7 +255,7 @@ fn verdict(found: &TiledErrors, mesh: &MapMesh, scene: &MapScene, sent: u64) -> 
             found.seam_px
         ),
     };
-    let notes = vec![("triangles", format!("{:016x}", fingerprint(mesh)))];
+    let notes = vec![("triangles", format!("{:016x}", of_mesh(mesh)))];
     judged(reason, figures, notes)
 }
 

@@ -20,7 +20,9 @@ use field::{COARSE_TRIANGLES, FINEST, Field, Levels, ZONES, node, number};
 use rule::ZoneRule;
 use std::collections::BTreeMap;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
-use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
+use terrafill_study::{
+    CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged, verified,
+};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "zones";
@@ -112,13 +114,11 @@ impl Zones {
 fn eye() -> Eye {
     let [longitude_deg, latitude_deg] = Field::eye_deg();
     let row = ViewRow {
-        name: String::new(),
         longitude_deg,
         latitude_deg,
         height_m: EYE_M,
         pitch_deg: PITCH_DEG,
-        quick: false,
-        all_cells: false,
+        ..ViewRow::default()
     };
     row.eye(SIDE_PX)
 }
@@ -227,8 +227,7 @@ impl Measures for ZonePart<'_> {
     }
 
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        let drawn = self.last.get(&case);
-        let drawn = drawn.ok_or("it was not verified".to_owned())?;
+        let drawn = verified(&mut self.last, case)?;
         let way = self.group.work[case].way;
         Ok(self.counters.time(way, &eye(), drawn)?)
     }
@@ -237,47 +236,39 @@ impl Measures for ZonePart<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::rc::Rc;
-    use terrafill_contract::{Devices, device_for_test};
+    use crate::on_device::on_device;
 
     #[test]
     fn spikes_let_zones_cycle_and_a_wide_hysteresis_stops_them() {
-        let devices = Rc::new(Devices::default());
-        if device_for_test(terrafill_gpu::shared_gpu(&devices)).is_none() {
-            return;
-        }
-        let zones = Zones::planned(true, 1);
-        let folder = tempfile::tempdir().expect("a folder");
-        let context = Context {
-            devices: &devices,
-            folder: folder.path(),
-        };
-        let mut part = ZonePart::new(&zones.work, context);
-        let mut of = |spike_m: f64, hysteresis: f64| {
-            let mut work = zones.work.work.iter();
-            let is_it = |work: &Work| work.spike_m == spike_m && work.hysteresis == hysteresis;
-            let case = work.position(is_it).expect("planned");
-            let hides = part.hidden(zones.work.work[case]).unwrap_or(f64::NAN);
-            let course = part.run(case).expect("counted");
-            eprintln!(
-                "spikes of {spike_m} m, hysteresis {hysteresis}: hide all but 1/{hides:.2}, rest after {:?}, {:?}",
-                course.settled(DELAY),
-                course.against_rays
+        on_device(terrafill_gpu::shared_gpu, |context| {
+            let zones = Zones::planned(true, 1);
+            let mut part = ZonePart::new(&zones.work, context);
+            let mut of = |spike_m: f64, hysteresis: f64| {
+                let mut work = zones.work.work.iter();
+                let is_it = |work: &Work| work.spike_m == spike_m && work.hysteresis == hysteresis;
+                let case = work.position(is_it).expect("planned");
+                let hides = part.hidden(zones.work.work[case]).unwrap_or(f64::NAN);
+                let course = part.run(case).expect("counted");
+                eprintln!(
+                    "spikes of {spike_m} m, hysteresis {hysteresis}: hide all but 1/{hides:.2}, rest after {:?}, {:?}",
+                    course.settled(DELAY),
+                    course.against_rays
+                );
+                assert_eq!(course.against_rays.1, 0);
+                (hides, course.settled(DELAY))
+            };
+            let (plain, rest) = of(0.0, 4.0);
+            assert!(
+                plain < 1.5 && rest.is_some_and(|frames| frames > 1),
+                "{plain}"
             );
-            assert_eq!(course.against_rays.1, 0);
-            (hides, course.settled(DELAY))
-        };
-        let (plain, rest) = of(0.0, 4.0);
-        assert!(
-            plain < 1.5 && rest.is_some_and(|frames| frames > 1),
-            "{plain}"
-        );
-        let (hides, rest) = of(1200.0, 64.0);
-        assert!(
-            4.0 * hides < 64.0 && hides > 3.0 && rest.is_some(),
-            "{hides}"
-        );
-        // Negative control: with less than four times what the spikes hide they never rest.
-        assert_eq!(of(1200.0, 8.0).1, None);
+            let (hides, rest) = of(1200.0, 64.0);
+            assert!(
+                4.0 * hides < 64.0 && hides > 3.0 && rest.is_some(),
+                "{hides}"
+            );
+            // Negative control: with less than four times what the spikes hide they never rest.
+            assert_eq!(of(1200.0, 8.0).1, None);
+        });
     }
 }

@@ -67,7 +67,19 @@ fn timed<'a>(
     drawn(run, key, more).timed(TIME, &PROCESSES.map(|factor| factor * ms))
 }
 
-fn on_cpu() -> MadeUpRun {
+/// A case's work once more, which takes `ms` times the process's factor.
+fn again(run: &mut MadeUpRun, case: usize, ms: f64) {
+    let twin = run.cases[case].id.repeat();
+    run.case(twin)
+        .timed(TIME, &PROCESSES.map(|factor| factor * ms));
+}
+
+fn set(case: &mut MadeUpCase, key: &str, value: &str) {
+    let conditions = &mut case.id.conditions;
+    conditions.insert(key.to_owned(), value.to_owned());
+}
+
+pub(super) fn on_cpu() -> MadeUpRun {
     MadeUpRun {
         environment: RunEnvironment {
             device_type: "cpu".to_owned(),
@@ -93,7 +105,7 @@ fn blocks(run: &MadeUpRun) -> Vec<Block> {
 }
 
 /// The blocks of one section.
-fn section(run: &MadeUpRun, title: &str) -> Vec<Block> {
+pub(super) fn section(run: &MadeUpRun, title: &str) -> Vec<Block> {
     let all = blocks(run);
     let is_section = |block: &Block| matches!(block, Block::Heading { level: 3, .. });
     let own = all
@@ -103,7 +115,7 @@ fn section(run: &MadeUpRun, title: &str) -> Vec<Block> {
     own.take(1).chain(rest).cloned().collect()
 }
 
-fn tables(blocks: &[Block]) -> Vec<&Table> {
+pub(super) fn tables(blocks: &[Block]) -> Vec<&Table> {
     let tables = blocks.iter().filter_map(|block| match block {
         Block::Table(table) => Some(table),
         _ => None,
@@ -232,15 +244,11 @@ fn a_wrong_step_has_no_gain_and_the_next_is_compared_with_the_last_right_one() {
 fn a_step_that_changes_more_than_it_says_is_refused() {
     let mut run = climbed("globe", &[("start", 100.0), ("strips", 50.0)]);
     let verdict = |run: &MadeUpRun| claim_row(run, STRIPS)[5..].join(": ");
-    let set = |run: &mut MadeUpRun, key: &str, values: [&str; 2]| {
-        for (case, value) in run.cases[1..].iter_mut().zip(values) {
-            let conditions = &mut case.id.conditions;
-            conditions.insert(key.to_owned(), value.to_owned());
-        }
-    };
-    set(&mut run, "walls", ["list", "strip"]);
+    set(&mut run.cases[1], "walls", "list");
+    set(&mut run.cases[2], "walls", "strip");
     assert!(verdict(&run).starts_with("does not hold"));
-    set(&mut run, "depth-rule", ["zfail", "zpass"]);
+    set(&mut run.cases[1], "depth-rule", "zfail");
+    set(&mut run.cases[2], "depth-rule", "zpass");
     let refused = verdict(&run);
     assert!(
         refused.starts_with("cannot be tested") && refused.contains("differ in \"depth-rule\""),
@@ -257,23 +265,30 @@ fn a_missing_step_is_named() {
     let named = "Steps without a result: step 2, culling: filling/s/globe/vertex/culling.";
     assert!(words(&section(&run, ABLATION)).contains(named));
     run.cases[2].ended(Status::Ok, "");
-    run.cases[2]
-        .id
-        .conditions
-        .insert("rung".to_owned(), "3".to_owned());
+    set(&mut run.cases[2], "rung", "3");
     let named = "step 2 (the ablation goes on with 3, culling)";
     assert!(words(&section(&run, ABLATION)).contains(named));
 }
 
+fn plots(blocks: &[Block]) -> impl Iterator<Item = &str> {
+    blocks.iter().filter_map(|block| match block {
+        Block::Plot(plot) => Some(plot.svg.as_str()),
+        _ => None,
+    })
+}
+
+/// Lines of the figures that a plot carries, from the headings on.
+fn plotted(svg: &str) -> std::str::Lines<'_> {
+    let figures = svg.split("<metadata>").nth(1);
+    let figures = figures.and_then(|rest| rest.split("</metadata>").next());
+    figures.expect("figures").lines()
+}
+
 /// Drawn figures of the ablation's plot: each row's ratio to the depth-pass, and where its bar begins.
 fn drawn_bars(chapter: &[Block]) -> Vec<(f64, Option<f64>)> {
-    let svg = chapter.iter().find_map(|block| match block {
-        Block::Plot(plot) if plot.svg.contains("bar begins") => Some(plot.svg.as_str()),
-        _ => None,
-    });
-    let table = svg.and_then(|svg| svg.split("<metadata>").nth(1)?.split("</metadata>").next());
-    let lines = table.expect("figures").lines();
-    let headings = lines.clone().next().expect("headings");
+    let svg = plots(chapter).find(|svg| svg.contains("bar begins"));
+    let mut lines = plotted(svg.expect("a plot"));
+    let headings = lines.next().expect("headings");
     assert!(headings.ends_with(",bar begins"), "{headings}");
     let number = |text: &str| text.parse().ok();
     let row = |line: &str| {
@@ -283,15 +298,12 @@ fn drawn_bars(chapter: &[Block]) -> Vec<(f64, Option<f64>)> {
             cells.last().copied().and_then(number),
         )
     };
-    lines.skip(1).map(row).collect()
+    lines.map(row).collect()
 }
 
 /// Rows whose bar is not as long as the printed gain, or has a gain and no bar.
 fn false_bars(bars: &[(f64, Option<f64>)], chapter: &[Block]) -> Vec<usize> {
-    let table = tables(chapter)
-        .into_iter()
-        .next_back()
-        .expect("an ablation");
+    let table = tables(chapter).pop().expect("an ablation");
     let gain = |row: usize| {
         let text = &table.rows[row].cells[1].text;
         text.split(' ')
@@ -320,8 +332,7 @@ fn a_bar_is_as_long_as_the_gain_that_is_printed() {
         ("z-pass", 35.0),
     ];
     let mut run = climbed("globe", &steps);
-    let conditions = &mut run.cases[3].id.conditions;
-    conditions.insert("aside".to_owned(), "yes".to_owned());
+    set(&mut run.cases[3], "aside", "yes");
     // Processes that differ: the median of ratios is no ratio of medians.
     run.cases[4].timed(TIME, &[28.0, 90.0, 25.0, 31.0, 60.0, 30.0, 36.0, 20.0]);
     let chapter = section(&run, ABLATION);
@@ -345,16 +356,11 @@ fn what_stands_aside_is_measured_and_nothing_is_measured_against_it() {
     let mut run = climbed("globe", &steps);
     let gains = |run: &MadeUpRun| {
         let chapter = section(run, ABLATION);
-        let table = tables(&chapter)
-            .into_iter()
-            .next_back()
-            .expect("an ablation")
-            .clone();
+        let table = tables(&chapter).pop().expect("an ablation");
         [1, 2].map(|row: usize| table.rows[row].cells[1].text.clone())
     };
     assert_eq!(gains(&run)[1], "4.00 × [4.00–4.00]", "200 ÷ 50");
-    let conditions = &mut run.cases[2].id.conditions;
-    conditions.insert("aside".to_owned(), "yes".to_owned());
+    set(&mut run.cases[2], "aside", "yes");
     let aside = gains(&run);
     assert_eq!(aside, ["0.500 × [0.500–0.500]", "2.00 × [2.00–2.00]"]);
     let chapter = section(&run, ABLATION);
@@ -371,9 +377,7 @@ fn what_is_no_difference_follows_from_identical_work() {
     let standing = |again_ms: Option<f64>| {
         let mut run = climbed("globe", &steps);
         if let Some(ms) = again_ms {
-            let twin = run.cases[2].id.repeat();
-            run.case(twin)
-                .timed(TIME, &PROCESSES.map(|factor| factor * ms));
+            again(&mut run, 2, ms);
         }
         let verdict = claim_row(&run, STRIPS)[5].clone();
         (verdict, words(&section(&run, ABLATION)))
@@ -422,8 +426,7 @@ fn time_over_vertices_and_over_fragments_are_told_apart() {
         ];
         let mut run = climbed("horizon", &steps);
         for index in [2, 3] {
-            let conditions = &mut run.cases[index].id.conditions;
-            conditions.insert("aside".to_owned(), "yes".to_owned());
+            set(&mut run.cases[index], "aside", "yes");
         }
         run.cases[2].figure("vertices", 250.0);
         run.cases[3].figure("stencil_fragments", 29_000.0);
@@ -620,9 +623,7 @@ fn more_processes_are_wanted_for_what_is_undecided_and_for_nothing_else() {
     let keys_beside = |strips_ms: &[f64], again_ms: Option<f64>| {
         let mut run = climbed("globe", &[("start", 100.0)]);
         if let Some(ms) = again_ms {
-            let twin = run.cases[1].id.repeat();
-            run.case(twin)
-                .timed(TIME, &PROCESSES.map(|factor| factor * ms));
+            again(&mut run, 1, ms);
         }
         let more = [
             ("role", "ladder"),
@@ -934,9 +935,7 @@ fn pairs_are_ratios_within_processes_and_gaps_within_the_noise_are_ties() {
         let role = [("role", "main")];
         timed(&mut run, "s/globe/native/vs-control", &role, control_ms);
         timed(&mut run, "s/globe/native/gs-line", &role, shader_ms);
-        let again = run.cases[0].id.repeat();
-        run.case(again)
-            .timed(TIME, &PROCESSES.map(|factor| 1.05 * factor * control_ms));
+        again(&mut run, 0, 1.05 * control_ms);
         let chapter = section(&run, "One thing changed");
         let cells = texts(tables(&chapter)[0], 0).join(" | ");
         let ties = tables(&answers(&run).blocks)[0].rows[0].cells[3]
@@ -1248,11 +1247,8 @@ fn a_rival_stands_beside_the_fastest_of_ours_and_competes_with_nothing() {
         rival.note("texture_route", "CesiumJS 1 in Chromium 2");
         let chapter = section(&run, "What users would pick instead");
         assert!(words(&chapter).contains("Measured: CesiumJS 1 in Chromium 2."));
-        let row: Vec<String> = texts(tables(&chapter)[0], 0)
-            .into_iter()
-            .map(str::to_owned)
-            .collect();
-        row
+        let row = texts(tables(&chapter)[0], 0).into_iter();
+        row.map(str::to_owned).collect::<Vec<String>>()
     };
     let row = table(18.0, true);
     assert_eq!(row[1..3], ["cesium/volumes", "vertex/doubled"]);
@@ -1329,14 +1325,8 @@ fn a_wrong_time_counts_for_nothing_and_what_is_absent_has_its_reason() {
     }
     let pass = row_of(table, "depth-pass/full-screen");
     assert_eq!(pass[22].title, crate::keys::HAUSDORFF_PX.absent);
-    let plots: Vec<&str> = chapter
-        .iter()
-        .filter_map(|block| match block {
-            Block::Plot(plot) => Some(plot.svg.as_str()),
-            _ => None,
-        })
-        .collect();
-    assert!(plots[0].contains("1.00 × · 38.7 ms") && !plots[0].contains("0.215"));
+    let plot = plots(&chapter).next().expect("a plot");
+    assert!(plot.contains("1.00 × · 38.7 ms") && !plot.contains("0.215"));
     for word in [
         "wrong",
         "skipped",
@@ -1344,7 +1334,7 @@ fn a_wrong_time_counts_for_nothing_and_what_is_absent_has_its_reason() {
         "fastest = 1",
         "depth-pass 0.278 × (dashed)",
     ] {
-        assert!(plots[0].contains(word), "{word}");
+        assert!(plot.contains(word), "{word}");
     }
     let text = words(&chapter);
     assert!(!text.contains("bound =") && !text.contains("÷\u{a0}floor"));
@@ -1522,13 +1512,11 @@ fn best_of(again_ms: f64) -> MadeUpRun {
             .figure("hausdorff_px", 1.0)
             .figure("regions_drawn", 134.0);
     }
-    let again = run.cases[0].id.repeat();
-    run.case(again)
-        .timed(TIME, &PROCESSES.map(|factor| factor * again_ms));
+    again(&mut run, 0, again_ms);
     run
 }
 
-fn answers(run: &MadeUpRun) -> Answers {
+pub(super) fn answers(run: &MadeUpRun) -> Answers {
     let (_folder, run) = written(run);
     FillingChapter.answers(&run).expect("answers")
 }
@@ -1587,13 +1575,9 @@ fn nothing_is_drawn_or_advised_below_the_fastest() {
     // A coarse boundary takes less than all, and competes with none.
     timed(&mut run, "s/globe/vertex/coarse", &[("role", "sweep")], 1.0);
     let chapter = section(&run, "s");
-    let drawn = chapter.iter().find_map(|block| match block {
-        Block::Plot(plot) if plot.svg.contains("fastest = 1") => Some(&plot.svg),
-        _ => None,
-    });
-    let figures = drawn.and_then(|svg| svg.split("<metadata>").nth(1)?.split("</metadata>").next());
-    let rows = figures.expect("figures").lines().skip(1);
-    let ratios: Vec<f64> = rows
+    let drawn = plots(&chapter).find(|svg| svg.contains("fastest = 1"));
+    let ratios: Vec<f64> = plotted(drawn.expect("a plot"))
+        .skip(1)
         .map(|row| row.split(',').nth(2).and_then(|ratio| ratio.parse().ok()))
         .collect::<Option<_>>()
         .expect("ratios");

@@ -4,9 +4,9 @@
 use super::drawn::ProbePicture;
 use super::references::Reference;
 use crate::cases::{FillCase, ViewGroup};
-use crate::images::{file_stem, write_rgb, zoomed};
+use crate::images::{cut_out, file_stem, zoomed};
 use crate::probe::Probe;
-use crate::textured::{TexturedReferences, write_cut_out};
+use crate::textured::TexturedReferences;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -14,10 +14,13 @@ use std::path::Path;
 use terrafill_conformance::{difference_rgb, worst_pixel};
 use terrafill_contract::{Frame, paint};
 use terrafill_scene::ImageSize;
-use terrafill_study::StudyError;
+use terrafill_study::{StudyError, write_rgb};
 
 /// A wrong pixel is drawn 3 × 3 in a picture of differences, so that it shows in one scaled down.
 const MARKER_RADIUS_PX: usize = 1;
+
+/// Longest side of a cut-out, pixels: at one pixel to a pixel texels and their errors can be seen.
+const CUT_OUT_PX: u32 = 480;
 
 /// Writes pictures of one view.
 pub(super) struct PictureFiles<'a> {
@@ -123,7 +126,7 @@ impl<'a> PictureFiles<'a> {
         if let Some(path) = known {
             return Ok(path);
         }
-        let path = write_rgb(self.folder, name, size, rgb)?;
+        let path = write_rgb(self.folder, name, [size.width, size.height], rgb)?;
         self.written.borrow_mut().insert(shown, path.clone());
         Ok(path)
     }
@@ -152,8 +155,9 @@ impl<'a> PictureFiles<'a> {
                     ("reference_image", "cut_reference", &pictures.reference),
                 ] {
                     let name = format!("{stem}_{end}");
-                    let path = write_cut_out(self.folder, &name, size, pictures.centre, rgb)?;
-                    probe.note(note, path);
+                    let cut = cut_out(size, pictures.centre, CUT_OUT_PX, rgb);
+                    let size = [cut.size.width, cut.size.height];
+                    probe.note(note, write_rgb(self.folder, &name, size, &cut.rgb)?);
                 }
                 probe.add_counts([("colour_max", pictures.largest)]);
                 probe.add("colour_mean", pictures.mean);

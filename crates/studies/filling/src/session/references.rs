@@ -2,7 +2,6 @@
 //! What a view's pictures are compared with: its references, and what was found of each picture.
 
 use crate::cases::{FillCase, ViewGroup};
-use crate::images::write_rgb;
 use crate::subject::Subject;
 use std::borrow::Cow;
 use std::cell::OnceCell;
@@ -17,7 +16,8 @@ use terrafill_contract::{FillInput, Frame, paint};
 use terrafill_core::EdgeRule;
 use terrafill_reference::{CloseLook, ReferenceBackend, ReferenceScene};
 use terrafill_results::quantile;
-use terrafill_study::StudyError;
+use terrafill_scene::ImageSize;
+use terrafill_study::{StudyError, write_rgb};
 
 /// Errors of a picture, or why it could not be compared.
 type Compared = Result<ErrorFigures, String>;
@@ -141,7 +141,8 @@ impl<'a> References<'a> {
         if place > 0 {
             name.push_str(&format!("_{place}"));
         }
-        let image = write_rgb(self.folder, &name, self.group.size, &paint(&drawn.frame))?;
+        let ImageSize { width, height } = self.group.size;
+        let image = write_rgb(self.folder, &name, [width, height], &paint(&drawn.frame))?;
         Ok(cell.get_or_init(|| Reference {
             disagreements: (drawn.disagreement_px(), outside),
             moved_px_true: drawn.moved_px_true.as_deref().and_then(largest_and_p99),

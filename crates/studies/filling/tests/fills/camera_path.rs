@@ -4,31 +4,25 @@
 
 use crate::drawing;
 
-use drawing::{AllTargets, Devices, Technique, counters, draw_with};
+use drawing::{AllTargets, Devices, Technique, counters, draw_with, native, square, vertex};
 use std::collections::HashSet;
 use terrafill_contract::{Counters, FillInput, PreparedScene};
 use terrafill_core::Geodetic;
-use terrafill_native::{Extrusion, NativeVariant};
-use terrafill_plan::{LeveledMeshes, PlanOptions};
+use terrafill_native::Extrusion;
+use terrafill_plan::PlanOptions;
 use terrafill_scene::{CameraPose, ImageSize, Scene, View};
 use terrafill_stencil::{FillPass, FillProgram, FillStep, StencilTest, VolumeList, VolumeState};
-use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_variant::{BottomCap, CoverArea, DepthRuleChoice, Switches};
-use terrafill_vertex::VertexVariant;
 
-pub(crate) const SIZE: ImageSize = ImageSize {
-    width: 96,
-    height: 96,
-};
+pub(crate) const SIZE: ImageSize = square(96);
 
 const FRAMES: u32 = 300;
 
 pub(crate) fn leveled() -> PreparedScene {
     let scene = Scene::shipped("planet-134", None).expect("ships");
-    let meshes = LeveledMeshes::build(&scene, &scene.mesh).expect("meshes");
-    assert!(meshes.meshes.len() > scene.regions.len(), "one level");
-    let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
-    PreparedScene::leveled(&scene, meshes, surface)
+    let prepared = drawing::leveled(&scene);
+    assert!(prepared.meshes.len() > scene.regions.len(), "one level");
+    prepared
 }
 
 /// From 20,000 km above a coast down to 50 m, at first straight down, at last along the ground.
@@ -230,18 +224,11 @@ fn nothing_is_made_on_the_way_that_no_change_explains() {
     let scene = leveled();
     let inputs = path(&scene);
     let targets = AllTargets::new(&devices, SIZE);
-    let vertex = |merges| {
-        Technique::Vertex(VertexVariant {
-            switches: switches(merges),
-            ..VertexVariant::default()
-        })
-    };
-    let native = Technique::Native(NativeVariant {
-        technique: Extrusion::VsControl,
-        switches: switches(true),
-        ..NativeVariant::default()
-    });
-    for technique in [vertex(false), vertex(true), native] {
+    for technique in [
+        vertex(switches(false)),
+        vertex(switches(true)),
+        native(Extrusion::VsControl, switches(true)),
+    ] {
         let mut backend = targets.open(technique);
         let (mut seen, mut before) = (Seen::default(), None::<Work>);
         let (mut level_changes, mut same_work, mut forgotten) = (0, 0, 0);

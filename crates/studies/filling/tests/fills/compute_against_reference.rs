@@ -10,8 +10,8 @@ use crate::drawing;
 
 use drawing::sights::{self, POSES, square_from, three_regions_from};
 use drawing::{
-    AllTargets, Devices, SIZE, Technique, checks, counters, differing, draw, shipped, vertex,
-    with_colour, with_switches,
+    AllTargets, Devices, SIZE, Technique, checks, counters, differing, draw, shipped, shown,
+    vertex, with_colour, with_switches,
 };
 use terrafill_compute::{
     Capacity, ComputeBackend, ComputeVariant, Expansion, GpuCulling, Transform, compute_bytes,
@@ -161,8 +161,7 @@ fn culling_on_the_device_changes_no_pixel_and_leaves_out_what_the_plan_would() {
     };
     let (prepared, views) = shipped("planet-134");
     for view in &views {
-        let planned =
-            FillInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
+        let planned = shown(&prepared, view, SIZE);
         let everything = planned.remeshed(&prepared, NOTHING_LEFT_OUT);
         assert!(planned.plan.regions.len() < everything.plan.regions.len());
         let uncut = draw(&devices, &everything, compute(ComputeVariant::default()));

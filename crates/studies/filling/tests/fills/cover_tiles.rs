@@ -5,7 +5,8 @@
 use crate::{drawing, merged_draws};
 
 use drawing::{
-    AllTargets, Devices, counters, draw_with, look, polygon, scene, shipped, with_switches,
+    AllTargets, Devices, counters, draw_with, look, named, polygon, scene, shipped, shown, square,
+    with_switches,
 };
 use merged_draws::{SIZE, differing_when, seen, switches, techniques};
 use terrafill_contract::{FillInput, PreparedScene};
@@ -15,10 +16,7 @@ use terrafill_scene::{ImageSize, Overlap, View};
 use terrafill_stencil::VolumeList;
 use terrafill_variant::{CoverArea, Switches};
 
-const LARGE: ImageSize = ImageSize {
-    width: 1024,
-    height: 1024,
-};
+const LARGE: ImageSize = square(1024);
 
 fn tiled() -> Switches {
     Switches {
@@ -56,8 +54,7 @@ fn assert_tiles_show_the_same(names: &[&str]) {
         let (mut whole, mut covered) = (0, 0);
         for view in &views {
             // A tile is a smaller part of a larger picture.
-            let large = FillInput::new(&scene, view, LARGE, PlanOptions::default());
-            let list = VolumeList::of(&large.expect("a surface"), &tiled());
+            let list = VolumeList::of(&shown(&scene, view, LARGE), &tiled());
             for volume in 0..list.volumes.len() {
                 whole += list.rect(volume, true).area();
                 covered += list
@@ -152,8 +149,7 @@ fn sky_is_not_drawn_and_a_row_more_is_seen() {
     };
     let (scene, views) = shipped("planet-134");
     let targets = AllTargets::new(&devices, SIZE);
-    let view = views.iter().find(|view| view.name == "horizon");
-    let view = view.expect("a horizon");
+    let view = named(&views, "horizon");
     let (all, ground) = (seen(&scene, view), without_sky(&scene, view));
     let image_px = PixelRect::full(SIZE).area();
     assert!(ground.plan.sky_px > image_px / 3, "{}", ground.plan.sky_px);

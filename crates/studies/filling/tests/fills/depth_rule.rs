@@ -7,7 +7,7 @@ use crate::drawing;
 
 use drawing::{
     AllTargets, Devices, Pose, Technique, collection, differing, draw_with, figures, judge, look,
-    polygon, scene_within, vertex,
+    polygon, scene_within, square, vertex,
 };
 use terrafill_conformance::verdict;
 use terrafill_contract::{FillBackend, FillInput, Frame, PreparedScene};
@@ -16,10 +16,7 @@ use terrafill_plan::NearRectangle;
 use terrafill_scene::{ImageSize, Overlap};
 use terrafill_variant::{BottomCap, ColourWay, DepthRuleChoice, Switches};
 
-const SMALL: ImageSize = ImageSize {
-    width: 128,
-    height: 128,
-};
+const SMALL: ImageSize = square(128);
 
 /// An L 22 km long and a square in its missing quarter that touches it: every box holds ground
 /// that its region does not.

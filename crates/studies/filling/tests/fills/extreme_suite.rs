@@ -5,17 +5,16 @@
 //! Left to `bench --suite extreme`: what takes a second or more to mesh, to draw or to judge. Skipped
 //! without a device; see `vertex_against_reference.rs`.
 
+use crate::runs::{self, OPTIONS, has_device};
 use std::collections::BTreeSet;
 use std::path::Path;
-use std::rc::Rc;
 use terrafill_compute::ComputeTechnique;
-use terrafill_contract::Devices;
 use terrafill_filling::{EXTREME, ExtremeStudy, FillingStudy, Techniques, extreme_sentence};
 use terrafill_instanced::InstancedTechnique;
 use terrafill_native::NativeTechnique;
-use terrafill_results::{Block, Outcome, Row, Run, RunEnvironment, RunFolder, SCHEMA};
+use terrafill_results::{Block, Outcome, Row, Run};
 use terrafill_scene::{Expectation, Scene, SuiteScene, suite_names, suite_scenes};
-use terrafill_study::{Depth, Request, RunOptions, Silent, Study, plan, run};
+use terrafill_study::{Depth, Request, Study, plan};
 use terrafill_surface::EllipsoidKind;
 use terrafill_vertex::VertexTechnique;
 
@@ -52,14 +51,6 @@ const FAST_HALF: [&str; 17] = [
     "antipodal-edge",
 ];
 
-const OPTIONS: RunOptions = RunOptions {
-    processes: 1,
-    process: 0,
-    warm_up: 0,
-    seed: 1,
-    shard: None,
-};
-
 fn request(scenes: &[&str], size: u32) -> Request {
     Request {
         scenes: scenes.iter().map(ToString::to_string).collect(),
@@ -70,11 +61,6 @@ fn request(scenes: &[&str], size: u32) -> Request {
 }
 
 fn measured(out: &Path, request: &Request) -> Run {
-    let planned = plan(&[&SUITE], request, &OPTIONS).expect("planned");
-    let environment = RunEnvironment {
-        schema: SCHEMA,
-        ..RunEnvironment::default()
-    };
     // Most figures are those of the study `filling`.
     let filling = FillingStudy {
         techniques: TECHNIQUES,
@@ -82,15 +68,7 @@ fn measured(out: &Path, request: &Request) -> Run {
         surfaces: &[],
     };
     let metrics = [filling.metrics(), SUITE.metrics()].concat();
-    let folder = RunFolder::create(out, environment, planned.run_plan().clone(), &metrics);
-    let devices = Rc::new(Devices::default());
-    let folder = folder.expect("a new folder");
-    run(&planned, &folder, &devices, &OPTIONS, &mut Silent).expect("measured");
-    Run::load(out).expect("a run")
-}
-
-fn has_device() -> bool {
-    terrafill_gpu::open_for_test(&Default::default()).is_some()
+    runs::measured(&SUITE, &metrics, out, request)
 }
 
 #[test]

@@ -9,15 +9,13 @@
 use crate::drawing;
 
 use drawing::{
-    AllTargets, Devices, TECHNIQUES, Technique, checks, differing, figures, judge, shipped, sights,
-    with_colour,
+    AllTargets, Devices, TECHNIQUES, Technique, checks, differing, figures, judge, named, native,
+    shipped, shown, sights, square, with_colour,
 };
 use std::collections::BTreeMap;
 use terrafill_conformance::{ErrorFigures, verdict};
-use terrafill_contract::FillInput;
 use terrafill_filling::FillingStudy;
-use terrafill_native::{Extrusion as Native, NativeVariant};
-use terrafill_plan::PlanOptions;
+use terrafill_native::Extrusion as Native;
 use terrafill_results::PlannedCase;
 use terrafill_scene::{ImageSize, Scene};
 use terrafill_stencil::PositionFormat;
@@ -26,10 +24,7 @@ use terrafill_surface::EllipsoidKind;
 use terrafill_variant::{ColourWay, FacePasses, Switches};
 use terrafill_vertex::{Layout, VertexVariant, shared_flag_bytes, variant_bytes};
 
-const SIZE: ImageSize = ImageSize {
-    width: 1024,
-    height: 1024,
-};
+const SIZE: ImageSize = square(1024);
 
 fn variant(layout: Layout, positions: PositionFormat) -> VertexVariant {
     VertexVariant {
@@ -47,8 +42,7 @@ fn figures_of(name: &str) -> Option<BTreeMap<(String, &'static str), ErrorFigure
     let targets = AllTargets::new(&devices, SIZE);
     let mut all = BTreeMap::new();
     for view in &views {
-        let input =
-            FillInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
+        let input = shown(&prepared, view, SIZE);
         let judged = judge(&input);
         for positions in PositionFormat::ALL {
             let draw = |layout| {
@@ -124,8 +118,7 @@ fn ten_metres_from_several_eyes() {
         // 0.37 m to the east each time and 0.23 m to the north.
         moved.pose.eye.longitude_rad += (f64::from(i) * 4.7e-6).to_radians();
         moved.pose.eye.latitude_rad += (f64::from(i) * 2.1e-6).to_radians();
-        let input =
-            FillInput::new(&prepared, &moved, SIZE, PlanOptions::default()).expect("a surface");
+        let input = shown(&prepared, &moved, SIZE);
         let judged = judge(&input);
         let figures_of = |positions| {
             let technique = Technique::Vertex(variant(Layout::Doubled, positions));
@@ -168,17 +161,12 @@ fn walls_between_triangles_leave_no_trace_where_they_are_clipped() {
     };
     let (prepared, views) = shipped("square-200km");
     let targets = AllTargets::new(&devices, SIZE);
-    let along = views.iter().find(|view| view.name == "along-50m");
     let vertex = |positions| {
         [Layout::Doubled, Layout::PerTriangle]
             .map(|layout| Technique::Vertex(variant(layout, positions)))
     };
-    let native = [Native::VsControl, Native::GsPerTriangle].map(|technique| {
-        Technique::Native(NativeVariant {
-            technique,
-            ..NativeVariant::default()
-        })
-    });
+    let native = [Native::VsControl, Native::GsPerTriangle]
+        .map(|technique| native(technique, Switches::default()));
     for (i, techniques) in [
         (0, vertex(PositionFormat::LocalF32)),
         (6, vertex(PositionFormat::TwoFloat)),
@@ -190,12 +178,11 @@ fn walls_between_triangles_leave_no_trace_where_they_are_clipped() {
         (66, native),
         (78, native),
     ] {
-        let mut view = along.expect("ships with the scene").clone();
+        let mut view = named(&views, "along-50m").clone();
         view.pose.eye.longitude_rad += (f64::from(i) * 4.7e-6).to_radians();
         view.pose.eye.latitude_rad += (f64::from(i) * 2.1e-6).to_radians();
         view.pose.pitch_rad += (f64::from(i) * 0.11).to_radians();
-        let input =
-            FillInput::new(&prepared, &view, SIZE, PlanOptions::default()).expect("a surface");
+        let input = shown(&prepared, &view, SIZE);
         let name = format!("{:?}", techniques[1]);
         let [mut whole, split] = techniques.map(|technique| targets.draw(&input, technique));
         assert!(whole.filled_px() > 10_000, "eye {i}");
@@ -215,14 +202,9 @@ fn walls_between_triangles_leave_no_trace_where_faces_are_culled() {
         return;
     };
     let (prepared, views) = shipped("countries-110m");
-    let size = ImageSize {
-        width: 256,
-        height: 256,
-    };
+    let size = square(256);
     let targets = AllTargets::new(&devices, size);
-    let globe = views.iter().find(|view| view.name == "globe");
-    let globe = globe.expect("ships with the scene");
-    let input = FillInput::new(&prepared, globe, size, PlanOptions::default()).expect("a surface");
+    let input = shown(&prepared, named(&views, "globe"), size);
     let culled = |layout| {
         let mut culled = variant(layout, PositionFormat::Fixed);
         culled.switches.faces = FacePasses::TwoPass;
@@ -260,8 +242,7 @@ fn bytes_by_formula_are_those_that_are_allocated() {
         return;
     };
     let (prepared, views) = shipped("square-200km");
-    let input =
-        FillInput::new(&prepared, &views[0], SIZE, PlanOptions::default()).expect("a surface");
+    let input = shown(&prepared, &views[0], SIZE);
     let targets = AllTargets::new(&devices, SIZE);
     let mut known = BTreeMap::new();
     for layout in Layout::ALL {

@@ -9,26 +9,22 @@
 use crate::drawing;
 
 use drawing::{
-    AllTargets, Devices, Technique, counters, judge, look, scene, shipped, sights, vertex,
+    AllTargets, Devices, Technique, compute, counters, judge, layouts, look, native, scene,
+    shipped, sights, square, vertex,
 };
-use terrafill_compute::ComputeVariant;
 use terrafill_conformance::{
     BAND_RADIUS_PX, boundary_movement, compare_closely, verdict_of_moved, with_movement,
 };
 use terrafill_contract::{FillInput, Frame};
 use terrafill_core::Ellipsoid;
-use terrafill_native::{Extrusion, NativeVariant};
+use terrafill_native::Extrusion;
 use terrafill_plan::{DrawnAs, PlanOptions};
 use terrafill_reference::{CloseLook, ReferenceBackend};
 use terrafill_scene::{ImageSize, Overlap};
 use terrafill_stencil::LOD_PX;
 use terrafill_variant::{ColourWay, Switches};
-use terrafill_vertex::{Layout, VertexVariant};
 
-const SIZE: ImageSize = ImageSize {
-    width: 512,
-    height: 512,
-};
+const SIZE: ImageSize = square(512);
 
 fn options(far_level_px: Option<f64>) -> PlanOptions {
     PlanOptions {
@@ -105,30 +101,13 @@ fn assert_relief_may_be_left_out(names: &[&str]) {
 
 /// Every technique, and every way to colour of one of them.
 fn techniques() -> Vec<Technique> {
-    let layouts = Layout::ALL.map(|layout| {
-        Technique::Vertex(VertexVariant {
-            layout,
-            ..VertexVariant::default()
-        })
-    });
+    let plain = Switches::default();
     let colours = ColourWay::ALL.into_iter();
     let colours = colours.filter(|colour| colour.tells_regions_apart());
     let colours = colours.map(|colour| vertex(drawing::with_colour(colour)));
-    let native = Extrusion::ALL.map(|technique| {
-        Technique::Native(NativeVariant {
-            technique,
-            indices: None,
-            switches: Switches::default(),
-            ..NativeVariant::default()
-        })
-    });
-    let compute = [Technique::Compute(ComputeVariant::default())];
-    layouts
-        .into_iter()
-        .chain(colours)
-        .chain(compute)
-        .chain(native)
-        .collect()
+    let native = Extrusion::ALL.map(|technique| native(technique, plain));
+    let others = colours.chain([compute(plain)]).chain(native);
+    layouts(plain).into_iter().chain(others).collect()
 }
 
 #[test]

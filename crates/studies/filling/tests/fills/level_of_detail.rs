@@ -7,7 +7,7 @@
 
 use crate::drawing;
 
-use drawing::{Devices, Technique, differing, draw, judge, vertex};
+use drawing::{Devices, differing, draw, judge, square, stored, vertex};
 use terrafill_conformance::{
     BAND_RADIUS_PX, ErrorFigures, MOVED_STEP_PX, boundary_movement, compare_closely,
     verdict_of_moved, with_movement,
@@ -15,17 +15,14 @@ use terrafill_conformance::{
 use terrafill_contract::{FillInput, Frame, NO_REGION, PreparedScene};
 use terrafill_core::RegionMesh;
 use terrafill_fixtures::data;
-use terrafill_native::{Extrusion as Native, Indices, NativeVariant};
+use terrafill_native::{Extrusion as Native, Indices};
 use terrafill_plan::{LeveledMeshes, PlanOptions, RegionBounds};
 use terrafill_reference::{CloseLook, ReferenceBackend};
 use terrafill_scene::{ImageSize, LevelChoice, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_variant::Switches;
 
-const SIZE: ImageSize = ImageSize {
-    width: 512,
-    height: 512,
-};
+const SIZE: ImageSize = square(512);
 
 /// A shipped scene with these levels.
 fn leveled(name: &str, levels: LevelChoice) -> (Scene, PreparedScene) {
@@ -135,10 +132,7 @@ const FINE: usize = 4;
 
 /// The reference's picture at [`FINE`] times the size.
 fn fine_reference(scene: &PreparedScene, view: &View) -> Frame {
-    let size = ImageSize {
-        width: SIZE.width * 4,
-        height: SIZE.height * 4,
-    };
+    let size = square(4 * SIZE.width);
     let input = FillInput::new(scene, view, size, options(None)).expect("a surface");
     judge(&input)
 }
@@ -321,11 +315,7 @@ fn every_level_in_lists_and_strips_shows_what_doubled_vertices_show() {
         let expected = draw_plain(&devices, &input);
         for technique in [Native::GsDegenerate, Native::GsAdjacency] {
             for indices in Indices::ALL {
-                let stored = Technique::Native(NativeVariant {
-                    technique,
-                    indices: Some(indices),
-                    ..NativeVariant::default()
-                });
+                let stored = stored(technique, indices, Switches::default());
                 let frame = draw(&devices, &input, stored);
                 let what = format!("{}, {}/{}", view.name, technique.name(), indices.name());
                 assert_eq!(differing(&frame, &expected), 0, "{what}");

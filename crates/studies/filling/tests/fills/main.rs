@@ -22,6 +22,7 @@ mod over_terrain;
 mod overlaps;
 mod parts;
 mod run;
+mod runs;
 mod screen_grid;
 mod steady_state;
 mod surface_picture;

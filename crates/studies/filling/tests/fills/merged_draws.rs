@@ -5,26 +5,22 @@
 use crate::drawing;
 
 use drawing::{
-    AllTargets, Devices, Technique, counters, differing, draw_with, shipped, vertex, with_switches,
+    AllTargets, Devices, Technique, compute, counters, differing, draw_with, in_layout, layouts,
+    leveled, made, native, shipped, shown, square, vertex, with_switches,
 };
-use terrafill_compute::ComputeVariant;
-use terrafill_contract::{Colours, Counters, Feature, FillInput, PreparedScene};
+use terrafill_contract::{Colours, Feature, FillInput, PreparedScene};
 use terrafill_gpu::VolumeFill;
-use terrafill_native::{Extrusion, NativeVariant};
-use terrafill_plan::{LeveledMeshes, PlanOptions};
+use terrafill_native::Extrusion;
+use terrafill_plan::PlanOptions;
 use terrafill_scene::{ImageSize, Scene, View};
 use terrafill_stencil::{
     BottomCaps, FillCommand, FillPass, FillProgram, FillStep, RegionVolumes as _, StencilExecutor,
     StencilWork, VolumeConstants, VolumeList,
 };
-use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_variant::{BottomCap, ColourWay, DepthRuleChoice, FacePasses, Switches};
 use terrafill_vertex::{Layout, VertexVariant, VertexVolumes, Walls};
 
-pub(crate) const SIZE: ImageSize = ImageSize {
-    width: 256,
-    height: 256,
-};
+pub(crate) const SIZE: ImageSize = square(256);
 
 /// The full plan, and each of its draws alone or merged.
 pub(crate) fn switches(merges_draws: bool) -> Switches {
@@ -37,32 +33,22 @@ pub(crate) fn switches(merges_draws: bool) -> Switches {
 }
 
 pub(crate) fn techniques() -> Vec<Technique> {
-    let vertex = Layout::ALL.map(|layout| {
-        Technique::Vertex(VertexVariant {
-            layout,
-            ..VertexVariant::default()
-        })
-    });
+    let plain = Switches::default();
     let lists = Technique::Vertex(VertexVariant {
         walls: Walls::List,
         ..VertexVariant::default()
     });
-    let native = [Extrusion::VsControl, Extrusion::GsLine].map(|technique| {
-        Technique::Native(NativeVariant {
-            technique,
-            ..NativeVariant::default()
-        })
-    });
-    let compute = Technique::Compute(ComputeVariant::default());
-    vertex
-        .into_iter()
-        .chain([lists, compute])
-        .chain(native)
-        .collect()
+    let others = [
+        lists,
+        compute(plain),
+        native(Extrusion::VsControl, plain),
+        native(Extrusion::GsLine, plain),
+    ];
+    layouts(plain).into_iter().chain(others).collect()
 }
 
 pub(crate) fn seen(scene: &PreparedScene, view: &View) -> FillInput {
-    FillInput::new(scene, view, SIZE, PlanOptions::default()).expect("a surface")
+    shown(scene, view, SIZE)
 }
 
 /// Draws of layout `doubled`, or of commands in a list, by the program: caps and walls of each step of volumes, one of each of covers.
@@ -146,13 +132,11 @@ fn every_way_of_colouring_looks_the_same_whether_draws_are_merged() {
     let (scene, views) = shipped("planet-134");
     let targets = AllTargets::new(&devices, SIZE);
     let input = seen(&scene, &views[0]);
-    let native = Technique::Native(NativeVariant {
-        technique: Extrusion::VsControl,
-        ..NativeVariant::default()
-    });
+    let plain = Switches::default();
+    let techniques = [vertex(plain), native(Extrusion::VsControl, plain)];
     for colour in ColourWay::ALL {
         for faces in [FacePasses::TwoSided, FacePasses::TwoPass] {
-            for technique in [vertex(Switches::default()), native] {
+            for technique in techniques {
                 let [each, merged] = [false, true].map(|merges| {
                     let switches = Switches {
                         colour,
@@ -169,14 +153,6 @@ fn every_way_of_colouring_looks_the_same_whether_draws_are_merged() {
     }
 }
 
-fn made(counters: Counters) -> [u64; 3] {
-    [
-        counters.buffer_creations,
-        counters.pipeline_creations,
-        counters.uploads,
-    ]
-}
-
 #[test]
 fn a_merged_frame_like_the_one_before_hands_nothing_over() {
     let Some(devices) = Devices::open_both() else {
@@ -184,14 +160,11 @@ fn a_merged_frame_like_the_one_before_hands_nothing_over() {
     };
     let (scene, views) = shipped("planet-134");
     let targets = AllTargets::new(&devices, SIZE);
-    let native = Technique::Native(NativeVariant {
-        technique: Extrusion::VsControl,
-        ..NativeVariant::default()
-    });
-    for technique in [vertex(Switches::default()), native] {
-        let mut backend = targets.open(with_switches(technique, switches(true)));
+    let merged = switches(true);
+    for technique in [vertex(merged), native(Extrusion::VsControl, merged)] {
+        let mut backend = targets.open(technique);
         let inputs: Vec<FillInput> = views.iter().map(|view| seen(&scene, view)).collect();
-        let mut frame = |input: &FillInput| made(counters(&draw_with(&mut *backend, input)));
+        let mut frame = |input: &FillInput| made(&draw_with(&mut *backend, input));
         let first = frame(&inputs[0]);
         assert!(first.iter().all(|&count| count > 0), "{first:?}");
         assert_eq!(frame(&inputs[0]), [0, 0, 0]);
@@ -208,28 +181,21 @@ fn levels_share_draws_as_full_boundaries_do() {
         return;
     };
     let scene = Scene::shipped("planet-134", None).expect("ships");
-    let views = scene.views.clone();
-    let meshes = LeveledMeshes::build(&scene, &scene.mesh).expect("meshes");
-    assert!(meshes.meshes.len() > scene.regions.len(), "one level");
-    let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
-    let scene = PreparedScene::leveled(&scene, meshes, surface);
+    let prepared = leveled(&scene);
+    assert!(prepared.meshes.len() > scene.regions.len(), "one level");
     let targets = AllTargets::new(&devices, SIZE);
     let plan = PlanOptions {
         boundary_lod_px: Some(0.5),
         ..PlanOptions::default()
     };
-    for view in &views {
-        let input = FillInput::new(&scene, view, SIZE, plan).expect("a surface");
+    for view in &scene.views {
+        let input = FillInput::new(&prepared, view, SIZE, plan).expect("a surface");
         let each = targets.draw(&input, vertex(switches(false)));
         let positions = |merges, layout| {
-            let variant = VertexVariant {
-                layout,
-                switches: switches(merges),
-                ..VertexVariant::default()
-            };
-            let mut backend = targets.open(Technique::Vertex(variant));
+            let technique = in_layout(layout, switches(merges));
+            let mut backend = targets.open(technique);
             let frame = draw_with(&mut *backend, &input);
-            assert_eq!(differing(&each, &frame), 0, "{}: {variant:?}", view.name);
+            assert_eq!(differing(&each, &frame), 0, "{}: {technique:?}", view.name);
             let needs = backend.needs(&input).expect("prepared").expect("told");
             assert_eq!(needs.undeclared(), None);
             needs.of(Feature::Positions).expect("told").bytes

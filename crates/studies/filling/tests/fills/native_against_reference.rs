@@ -10,15 +10,14 @@ use crate::drawing;
 
 use drawing::sights::{self, square_from, three_regions_from};
 use drawing::{
-    AllTargets, Devices, SIZE, Technique, checks, counters, differing, draw, shipped, vertex,
+    AllTargets, Devices, SIZE, Technique, checks, counters, differing, draw, shipped, shown,
+    square, storages, stored, vertex,
 };
-use terrafill_contract::{Counters, DeviceError, FillBackend as _, FillInput};
+use terrafill_contract::{Counters, DeviceError, FillBackend as _};
 use terrafill_native::{
     Extrusion as Native, Indices, NativeBackend, NativeVariant, native_bytes,
     walls_with_other_diagonal,
 };
-use terrafill_plan::PlanOptions;
-use terrafill_scene::ImageSize;
 use terrafill_variant::{
     BottomCap, ColourWay, DepthRuleChoice, FacePasses, FirstPass, StencilClear, Switches,
 };
@@ -40,36 +39,10 @@ fn both_ways_open_the_same_adapter() {
     );
 }
 
-/// Every technique with every kind of indices that it has.
-fn storages() -> Vec<(Native, Indices)> {
-    let lists = Native::ALL.map(|technique| (technique, Indices::List));
-    let own = Native::ALL.into_iter();
-    let own = own.filter(|technique| technique.has_index_choice());
-    let strips = own.map(|technique| (technique, Indices::Strip));
-    lists.into_iter().chain(strips).collect()
-}
-
-/// All of them, drawn so.
+/// Every technique with every kind of indices, drawn so.
 fn techniques(switches: Switches) -> Vec<Technique> {
     let of = |(technique, indices)| stored(technique, indices, switches);
     storages().into_iter().map(of).collect()
-}
-
-fn stored(technique: Native, indices: Indices, switches: Switches) -> Technique {
-    Technique::Native(NativeVariant {
-        technique,
-        indices: Some(indices),
-        switches,
-        ..NativeVariant::default()
-    })
-}
-
-fn native(technique: Native, switches: Switches) -> Technique {
-    stored(technique, Indices::List, switches)
-}
-
-fn plain(technique: Native) -> Technique {
-    native(technique, Switches::default())
 }
 
 /// With default switches, on these targets.
@@ -175,15 +148,11 @@ fn assert_no_sliver_between_neighbours(names: &[&str]) {
         let Some(view) = views.iter().find(|view| view.name == "globe") else {
             continue;
         };
-        let size = ImageSize {
-            width: 512,
-            height: 512,
-        };
-        let input =
-            FillInput::new(&prepared, view, size, PlanOptions::default()).expect("a surface");
+        let input = shown(&prepared, view, square(512));
         let switches = Switches::for_overlap(prepared.overlap);
         let by_vertex = draw(&devices, &input, vertex(switches));
-        let frame = draw(&devices, &input, native(Native::GsPerTriangle, switches));
+        let split = stored(Native::GsPerTriangle, Indices::List, switches);
+        let frame = draw(&devices, &input, split);
         assert!(frame.filled_px() > 1000, "{name}");
         assert_eq!(differing(&frame, &by_vertex), 0, "{name}");
     }
@@ -269,8 +238,7 @@ fn assert_bytes_are_what_the_formula_says(names: &[&str]) {
     };
     for &name in names {
         let (prepared, views) = shipped(name);
-        let input =
-            FillInput::new(&prepared, &views[0], SIZE, PlanOptions::default()).expect("a surface");
+        let input = shown(&prepared, &views[0], SIZE);
         let doubled: u64 = prepared
             .meshes
             .iter()
@@ -386,12 +354,9 @@ fn geometry_shaders_make_the_triangles_that_the_vertex_shader_is_given() {
         caps += 2 * mesh.triangle_count() as u64;
         walls += 2 * mesh.boundary_edge_count() as u64;
     }
+    let plain = Switches::default();
     for (technique, indices) in storages() {
-        let frame = draw(
-            &devices,
-            &input,
-            stored(technique, indices, Switches::default()),
-        );
+        let frame = draw(&devices, &input, stored(technique, indices, plain));
         let counted = counters(&frame);
         let expected = match technique {
             // No geometry shader runs: nothing was counted.
@@ -401,8 +366,8 @@ fn geometry_shaders_make_the_triangles_that_the_vertex_shader_is_given() {
         };
         let made = counted.geometry_shader_primitives;
         assert_eq!(made, expected, "{}", technique.name());
-        let control = draw(&devices, &input, plain(Native::VsControl));
-        let fragments = counters(&control).stencil_fragments;
+        let control = stored(Native::VsControl, Indices::List, plain);
+        let fragments = counters(&draw(&devices, &input, control)).stencil_fragments;
         assert!(fragments.is_some_and(|fragments| fragments > 0));
         if technique != Native::GsPerTriangle {
             assert_eq!(counted.stencil_fragments, fragments, "{}", technique.name());

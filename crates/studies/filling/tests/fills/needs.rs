@@ -7,17 +7,17 @@ use crate::drawing;
 
 use drawing::{
     AllTargets, Devices, SIZE, TECHNIQUES, Technique, collection, counters, differing, draw,
-    draw_with, look, polygon, scene, shipped, with_switches,
+    draw_with, look, named, native, polygon, scene, shipped, shown, with_switches,
 };
 use terrafill_compute::{ComputeVariant, Expansion, GpuCulling};
 use terrafill_contract::{Feature, FillBackend, FillInput, Need, Needs, PreparedScene, WorkDone};
 use terrafill_core::Ellipsoid;
-use terrafill_native::{Extrusion, NativeVariant};
-use terrafill_plan::{NearRectangle, PlanOptions};
+use terrafill_native::Extrusion;
+use terrafill_plan::NearRectangle;
 use terrafill_scene::Overlap;
 use terrafill_stencil::needs_ablation;
 use terrafill_variant::{BottomCap, ColourWay, CoverArea, DepthRuleChoice, Switches};
-use terrafill_vertex::{Layout, VertexVariant};
+use terrafill_vertex::Layout;
 
 fn two_squares(overlap: Overlap) -> PreparedScene {
     let text = collection(&[
@@ -59,13 +59,6 @@ fn needed(colour: ColourWay) -> Switches {
 
 /// Layouts of three techniques on both interfaces.
 fn layouts(switches: Switches) -> Vec<Technique> {
-    let vertex = Layout::ALL.map(|layout| {
-        Technique::Vertex(VertexVariant {
-            layout,
-            switches,
-            ..VertexVariant::default()
-        })
-    });
     let compute = [
         (Expansion::PerFrame, GpuCulling::Off),
         (Expansion::PerFrame, GpuCulling::Regions),
@@ -80,14 +73,10 @@ fn layouts(switches: Switches) -> Vec<Technique> {
             ..ComputeVariant::default()
         })
     });
-    let native = [Extrusion::VsControl, Extrusion::GsDegenerate].map(|technique| {
-        Technique::Native(NativeVariant {
-            technique,
-            switches,
-            ..NativeVariant::default()
-        })
-    });
-    vertex.into_iter().chain(compute).chain(native).collect()
+    let native = [Extrusion::VsControl, Extrusion::GsDegenerate]
+        .map(|technique| native(technique, switches));
+    let vertex = drawing::layouts(switches).into_iter();
+    vertex.chain(compute).chain(native).collect()
 }
 
 /// Whether bottom caps are stored, so that leaving them out spares bytes.
@@ -303,14 +292,7 @@ fn a_textured_fill_holds_what_a_plain_one_of_the_same_scene_does_not() {
         return;
     };
     let (california, views) = shipped("california");
-    let view = views.iter().find(|view| view.name == "top-down");
-    let input = FillInput::new(
-        &california,
-        view.expect("a view"),
-        SIZE,
-        PlanOptions::default(),
-    );
-    let input = input.expect("a surface");
+    let input = shown(&california, named(&views, "top-down"), SIZE);
     let targets = AllTargets::new(&devices, SIZE);
     let plain = needed(ColourWay::Xor);
     let mut shown = plain;

@@ -3,43 +3,35 @@
 //! hang kilometres below the body. Where no facet is, the sky is seen and no region.
 
 use crate::drawing::by_main::{Open, TECHNIQUES, prepared};
-use crate::drawing::{figures, judge};
-use std::sync::Arc;
+use crate::drawing::{self, Pose, figures, judge, square, without_sagitta};
 use terrafill_conformance::verdict;
 use terrafill_contract::{FillInput, Frame, PreparedScene};
-use terrafill_core::{Extent, Geodetic};
 use terrafill_overlays::DRAPED_MESH;
-use terrafill_plan::PlanOptions;
-use terrafill_scene::{Camera, CameraPose, ImageSize, Scene, View};
+use terrafill_scene::{ImageSize, Scene};
 use terrafill_spiral::SpiralKind;
-use terrafill_surface::{
-    EllipsoidKind, HeightRange, Surface, SurfaceError, SurfaceFrame, SurfaceKind,
-};
+use terrafill_surface::{EllipsoidKind, SurfaceKind};
 use terrafill_vertex::VertexTechnique;
 
 const KINDS: [&dyn SurfaceKind; 2] = [&EllipsoidKind, &SpiralKind];
 
-const SIZE: ImageSize = ImageSize {
-    width: 192,
-    height: 192,
-};
+const SIZE: ImageSize = square(192);
 
 /// Longitude, latitude, height, heading and pitch: the globe, four times, at ±180° and over a pole; obliquely
 /// from less and less; and down.
-const POSES: [[f64; 5]; 11] = [
-    [15.0, 20.0, 8e6, 0.0, -90.0],
-    [180.0, 20.0, 8e6, 0.0, -90.0],
-    [0.0, 90.0, 8e6, 0.0, -90.0],
-    [180.0, 70.0, 8e6, 30.0, -90.0],
-    [15.0, 20.0, 1.161e6, 0.0, -90.0],
-    [15.0, 20.0, 1e4, 0.0, -90.0],
-    [15.0, 20.0, 1e5, 225.0, -20.0],
-    [15.0, 20.0, 2e3, 45.0, -2.0],
-    [15.0, 20.0, 1.7, 45.0, -10.0],
-    [15.0, 20.0, 1.7, 315.0, -2.0],
-    [180.0, 90.0, 2e3, 45.0, -2.0],
+const POSES: [Pose; 11] = [
+    (15.0, 20.0, 8e6, 0.0, -90.0),
+    (180.0, 20.0, 8e6, 0.0, -90.0),
+    (0.0, 90.0, 8e6, 0.0, -90.0),
+    (180.0, 70.0, 8e6, 30.0, -90.0),
+    (15.0, 20.0, 1.161e6, 0.0, -90.0),
+    (15.0, 20.0, 1e4, 0.0, -90.0),
+    (15.0, 20.0, 1e5, 225.0, -20.0),
+    (15.0, 20.0, 2e3, 45.0, -2.0),
+    (15.0, 20.0, 1.7, 45.0, -10.0),
+    (15.0, 20.0, 1.7, 315.0, -2.0),
+    (180.0, 90.0, 2e3, 45.0, -2.0),
 ];
-const GLOBE: [f64; 5] = POSES[0];
+const GLOBE: Pose = POSES[0];
 
 /// The shipped scene over such a surface.
 fn over(surface: &str) -> PreparedScene {
@@ -51,22 +43,8 @@ fn over(surface: &str) -> PreparedScene {
     prepared(&KINDS, &scene)
 }
 
-fn look(
-    scene: &PreparedScene,
-    [longitude, latitude, height_m, heading, pitch]: [f64; 5],
-) -> FillInput {
-    let view = View {
-        name: "test".to_owned(),
-        pose: CameraPose {
-            eye: Geodetic::from_degrees(longitude, latitude, height_m),
-            heading_rad: f64::to_radians(heading),
-            pitch_rad: f64::to_radians(pitch),
-            fov_y_rad: 60_f64.to_radians(),
-            near_m: (5e-4 * height_m).max(0.1),
-        },
-        note: None,
-    };
-    FillInput::new(scene, &view, SIZE, PlanOptions::default()).expect("a surface")
+fn look(scene: &PreparedScene, pose: Pose) -> FillInput {
+    drawing::look(scene, pose, (5e-4 * pose.2).max(0.1), SIZE)
 }
 
 #[test]
@@ -82,7 +60,7 @@ fn every_technique_fills_rightly_over_a_spiral_in_every_view() {
         let reference = judge(&input);
         assert!(reference.filled_px() > 50, "{pose:?}: nothing to see");
         // From afar facets hang kilometres deep.
-        let on_the_body = (pose[2] >= 8e6).then(|| judge(&look(&bare, pose)));
+        let on_the_body = (pose.2 >= 8e6).then(|| judge(&look(&bare, pose)));
         for technique in TECHNIQUES {
             let frame = open.draw(technique, &input);
             let found = figures(&reference, &frame);
@@ -128,33 +106,6 @@ fn coarse_uneven_hilly_and_wrong_spirals_are_filled_as_they_are_drawn() {
     }
 }
 
-/// The same triangles, said to lie where their corners do.
-#[derive(Debug)]
-struct WithoutSagitta(Arc<dyn Surface>);
-
-const CORNERS: HeightRange = HeightRange {
-    lowest_m: 0.0,
-    highest_m: 0.0,
-};
-
-impl Surface for WithoutSagitta {
-    fn kind(&self) -> &'static str {
-        self.0.kind()
-    }
-
-    fn heights(&self, _extent: &Extent) -> HeightRange {
-        CORNERS
-    }
-
-    fn frame(&self, camera: &Camera, size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
-        Ok(SurfaceFrame {
-            heights: CORNERS,
-            parts: Arc::default(),
-            ..self.0.frame(camera, size)?
-        })
-    }
-}
-
 #[test]
 fn volumes_that_end_at_the_corners_heights_lose_facets() {
     let Some(open) = Open::new(SIZE) else {
@@ -165,9 +116,7 @@ fn volumes_that_end_at_the_corners_heights_lose_facets() {
     let reference = judge(&input);
     let found = figures(&reference, &open.draw(&VertexTechnique, &input));
     assert!(verdict(&found).is_pass(), "{found:?}");
-    let mut hanging = right.clone();
-    hanging.surface = Arc::new(WithoutSagitta(Arc::clone(&right.surface)));
-    let hanging = look(&hanging.with_meshes(hanging.meshes.clone()), GLOBE);
+    let hanging = look(&without_sagitta(&right), GLOBE);
     let wrong = figures(&reference, &open.draw(&VertexTechnique, &hanging));
     assert!(wrong.mismatched_px_outside_band > 100, "{wrong:?}");
 }

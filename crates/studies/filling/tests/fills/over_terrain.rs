@@ -3,7 +3,7 @@
 //! over the same triangles.
 
 use crate::drawing::by_main::{Open, prepared};
-use crate::drawing::{collection, figures, polygon};
+use crate::drawing::{collection, figures, named, polygon, shown, square};
 use terrafill_conformance::verdict;
 use terrafill_contract::{FillInput, PreparedScene, Technique};
 use terrafill_fixtures::data;
@@ -17,10 +17,7 @@ use terrafill_vertex::VertexTechnique;
 
 const KINDS: [&dyn SurfaceKind; 3] = [&EllipsoidKind, &GridKind, &TilesKind];
 
-const SIZE: ImageSize = ImageSize {
-    width: 256,
-    height: 256,
-};
+const SIZE: ImageSize = square(256);
 
 /// `[surface]` of scenes over terrain, as in `hills`.
 const TERRAIN: &str = "kind = \"grid\"\nrows = 240\nseed = 2007\namplitude_m = 9_000\n";
@@ -79,10 +76,6 @@ fn over(surface: &str) -> (PreparedScene, Vec<View>) {
     (prepared(&KINDS, &scene), scene.views)
 }
 
-fn look(scene: &PreparedScene, view: &View, plan: PlanOptions) -> FillInput {
-    FillInput::new(scene, view, SIZE, plan).expect("a surface")
-}
-
 #[test]
 fn every_technique_fills_rightly_over_terrain_and_over_the_bare_body() {
     let Some(open) = Open::new(SIZE) else {
@@ -93,12 +86,11 @@ fn every_technique_fills_rightly_over_terrain_and_over_the_bare_body() {
     let mut over_the_other = 0;
     for view in &views {
         let what = |surface: &str| format!("{}/{surface}", view.name);
-        let plan = PlanOptions::default();
-        let on_bare = open.assert_right(&what("bare"), &look(&bare, view, plan));
+        let on_bare = open.assert_right(&what("bare"), &shown(&bare, view, SIZE));
         let is_tiled = TILES_VIEWS.contains(&&*view.name);
         let hilly = [("grid", &terrain, true), ("tiles", &tiles, is_tiled)];
         for (name, scene, _) in hilly.into_iter().filter(|(_, _, is_seen)| *is_seen) {
-            let judged = open.assert_right(&what(name), &look(scene, view, plan));
+            let judged = open.assert_right(&what(name), &shown(scene, view, SIZE));
             // Negative control: over the bare body the same regions cover other pixels.
             over_the_other += usize::from(!verdict(&figures(&on_bare, &judged)).is_pass());
         }
@@ -120,7 +112,7 @@ fn every_technique_fills_the_shipped_hills_rightly() {
     let (hills, views) = hills();
     assert!(views.len() >= 3);
     for view in &views {
-        let judged = open.assert_right(&view.name, &look(&hills, view, PlanOptions::default()));
+        let judged = open.assert_right(&view.name, &shown(&hills, view, SIZE));
         let (filled, all) = (judged.filled_px(), judged.ids.len() as u64);
         assert!(filled > 1000 && filled + 1000 < all, "{}", view.name);
     }
@@ -148,8 +140,7 @@ fn every_technique_fills_rightly_over_real_elevation() {
         let scene = data::scene(&path);
         let prepared = prepared(&KINDS, &scene);
         for view in wanted {
-            let known = scene.views.iter().find(|known| known.name == view);
-            let input = look(&prepared, known.expect("a view"), PlanOptions::default());
+            let input = shown(&prepared, named(&scene.views, view), SIZE);
             open.assert_right(&format!("{name}/{view}"), &input);
         }
     }
@@ -168,8 +159,10 @@ fn culling_changes_no_pixel_over_terrain() {
     };
     for (scene, views) in [hills(), over(TERRAIN)] {
         for view in &views {
-            let [culled, whole] = [PlanOptions::default(), everything]
-                .map(|plan| open.draw(&VertexTechnique, &look(&scene, view, plan)));
+            let [culled, whole] = [PlanOptions::default(), everything].map(|plan| {
+                let input = FillInput::new(&scene, view, SIZE, plan).expect("a surface");
+                open.draw(&VertexTechnique, &input)
+            });
             assert_eq!(culled.ids, whole.ids, "{}", view.name);
             assert!(culled.filled_px() > 0, "{}", view.name);
         }
@@ -197,8 +190,7 @@ fn facets_of_the_bare_body_cast_no_relief_and_mountains_do() {
     };
     let picture = |surface: &str, technique: &dyn Technique| {
         let (scene, views) = over(surface);
-        let view = views.iter().find(|view| view.name == "orbit");
-        let input = look(&scene, view.expect("a view"), PlanOptions::default());
+        let input = shown(&scene, named(&views, "orbit"), SIZE);
         open.drawn(technique, &input).rgba
     };
     for technique in [&VertexTechnique as &dyn Technique, &NativeTechnique] {

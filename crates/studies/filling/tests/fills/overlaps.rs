@@ -6,7 +6,7 @@ use crate::drawing;
 
 use drawing::{
     AllTargets, Devices, Technique, collection, draw_with, figures, is_right, judge, look, polygon,
-    scene, with_colour,
+    scene, square, with_colour,
 };
 use terrafill_conformance::{filled_only, verdict};
 use terrafill_contract::{
@@ -17,10 +17,7 @@ use terrafill_scene::{ImageSize, Overlap};
 use terrafill_variant::ColourWay;
 use terrafill_vertex::VertexVariant;
 
-const SIZE: ImageSize = ImageSize {
-    width: 192,
-    height: 192,
-};
+const SIZE: ImageSize = square(192);
 
 /// Squares around one point, each a little smaller than the one before: as many lie over the middle.
 fn nested(count: u32, overlap: Overlap) -> PreparedScene {

@@ -3,21 +3,17 @@
 
 use crate::drawing;
 
-use drawing::{AllTargets, Devices, Technique, counters, differing, draw_with};
+use drawing::{AllTargets, Devices, Technique, counters, differing, draw_with, leveled, square};
 use terrafill_compute::{ComputeVariant, Expansion, Transform};
 use terrafill_contract::{FillBackend, FillInput, Frame, PreparedScene};
 use terrafill_instanced::InstancedBackend;
 use terrafill_native::{Extrusion, NativeVariant};
-use terrafill_plan::{LeftOutReason, LeveledMeshes, PartCulling, PlanOptions};
+use terrafill_plan::{LeftOutReason, PartCulling, PlanOptions};
 use terrafill_scene::{ImageSize, Scene, View};
-use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_variant::{BottomCap, ColourWay, DepthRuleChoice, Switches};
 use terrafill_vertex::{IndexOrder, Layout, VertexVariant, Walls};
 
-const SIZE: ImageSize = ImageSize {
-    width: 192,
-    height: 192,
-};
+const SIZE: ImageSize = square(192);
 
 /// A coast of 12,000 vertices, 80 degrees across, and views in which some of it is not to be seen.
 fn coast() -> (PreparedScene, Vec<View>) {
@@ -41,10 +37,7 @@ fn coast() -> (PreparedScene, Vec<View>) {
     ]
     .concat();
     let scene = Scene::from_toml(&text, "coast.toml", None).expect("a scene");
-    let meshes = LeveledMeshes::build(&scene, &scene.mesh).expect("meshes");
-    let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
-    let prepared = PreparedScene::leveled(&scene, meshes, surface);
-    (prepared, scene.views)
+    (leveled(&scene), scene.views)
 }
 
 fn seen(scene: &PreparedScene, view: &View, part_culling: PartCulling) -> FillInput {

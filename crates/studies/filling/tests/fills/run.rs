@@ -1,37 +1,26 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Whole small runs of the study: broken off and resumed; with ablation, matrix, sweeps and bytes.
 
+use crate::drawing::TECHNIQUES;
+use crate::runs::{self, OPTIONS, environment, has_device, measure};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::rc::Rc;
 use terrafill_compute::ComputeTechnique;
-use terrafill_contract::Devices;
 use terrafill_filling::{FillingStudy, STUDY, Surfaces, Techniques};
-use terrafill_native::{Extrusion, NativeTechnique};
+use terrafill_native::Extrusion;
 use terrafill_overlays::{DRAPED_MESH, FLAT_MESH, MASK_TEXTURE};
-use terrafill_results::{
-    Case, Outcome, PlannedCase, Run, RunEnvironment, RunFolder, SCHEMA, Status,
-};
+use terrafill_results::{Case, Outcome, PlannedCase, Run, RunFolder, Status};
 use terrafill_scene::Overlap;
-use terrafill_study::{Depth, Plan, Request, RunOptions, Silent, Study as _, plan, run};
+use terrafill_study::{Depth, Plan, Request, Study as _, plan};
 use terrafill_surface::EllipsoidKind;
 use terrafill_vertex::{Layout, VertexTechnique};
 
-const TECHNIQUES: Techniques = &[&VertexTechnique, &ComputeTechnique, &NativeTechnique];
 const SURFACES: Surfaces = &[&EllipsoidKind];
 /// As the command line hands it over.
 const FILLING: FillingStudy = FillingStudy {
     techniques: TECHNIQUES,
     rivals: &[],
     surfaces: SURFACES,
-};
-
-const OPTIONS: RunOptions = RunOptions {
-    processes: 1,
-    process: 0,
-    warm_up: 0,
-    seed: 1,
-    shard: None,
 };
 
 fn request(scenes: &[&str]) -> Request {
@@ -52,33 +41,8 @@ fn planned(request: &Request) -> Plan {
     plan(&[&FILLING], request, &OPTIONS).expect("planned")
 }
 
-/// Whether runs can be made here; says why not.
-fn has_device() -> bool {
-    terrafill_gpu::open_for_test(&Default::default()).is_some()
-}
-
-fn environment() -> RunEnvironment {
-    RunEnvironment {
-        schema: SCHEMA,
-        ..RunEnvironment::default()
-    }
-}
-
-fn measure(plan: &Plan, folder: &RunFolder) -> Run {
-    let devices = Rc::new(Devices::default());
-    run(plan, folder, &devices, &OPTIONS, &mut Silent).expect("measured");
-    Run::load(folder.path()).expect("a run")
-}
-
 fn measured(out: &Path, request: &Request) -> Run {
-    let plan = planned(request);
-    let folder = RunFolder::create(
-        out,
-        environment(),
-        plan.run_plan().clone(),
-        FILLING.metrics(),
-    );
-    measure(&plan, &folder.expect("a new folder"))
+    runs::measured(&FILLING, FILLING.metrics(), out, request)
 }
 
 /// Rows of a table without its header.
@@ -714,17 +678,9 @@ fn an_approximate_fill_is_timed_never_right_and_no_failure() {
         techniques: named.map(str::to_owned).to_vec(),
         ..request(&["california"])
     };
-    let plan = plan(&[&study], &request, &OPTIONS).expect("planned");
-    let out = tempfile::tempdir().expect("a folder");
-    let metrics = study.metrics();
-    let folder = RunFolder::create(
-        &out.path().join("run"),
-        environment(),
-        plan.run_plan().clone(),
-        metrics,
-    );
-    let folder = folder.expect("a new folder");
-    let run = measure(&plan, &folder);
+    let place = tempfile::tempdir().expect("a folder");
+    let out = place.path().join("run");
+    let run = runs::measured(&study, study.metrics(), &out, &request);
     let of = |technique: &'static str| {
         let own = run.cases.iter();
         own.filter(move |case| case.condition("technique") == technique)
@@ -743,7 +699,7 @@ fn an_approximate_fill_is_timed_never_right_and_no_failure() {
             }
         }
     }
-    let ended = terrafill_study::RunOutcome::of(folder.path()).expect("a run");
+    let ended = terrafill_study::RunOutcome::of(&out).expect("a run");
     assert_eq!((ended.wrong, ended.failed), (0, 0));
     assert!(ended.wrong_on_purpose >= 15, "{ended:?}");
     // Negative control: volumes have to be right, and a wrong picture of theirs would end the run so.
@@ -757,7 +713,7 @@ fn an_approximate_fill_is_timed_never_right_and_no_failure() {
         techniques: Vec::new(),
         ..request
     };
-    let plan = terrafill_study::plan(&[&study], &unnamed, &OPTIONS).expect("planned");
+    let plan = plan(&[&study], &unnamed, &OPTIONS).expect("planned");
     let mut cases = plan.run_plan().cases.iter();
     assert!(cases.all(|case| case.id.condition("approximate").is_empty()));
 }

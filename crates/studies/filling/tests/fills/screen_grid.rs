@@ -6,15 +6,12 @@
 //! Skipped without a device; see `vertex_against_reference.rs`.
 
 use crate::drawing::by_main::{Open, TECHNIQUES, prepared};
-use crate::drawing::{collection, judge, polygon};
-use std::sync::Arc;
+use crate::drawing::{collection, judge, polygon, shown, without_sagitta};
 use terrafill_conformance::verdict;
 use terrafill_contract::{FillInput, Frame};
-use terrafill_core::Extent;
 use terrafill_plan::PlanOptions;
-use terrafill_scene::{Camera, ImageSize, Scene};
+use terrafill_scene::{ImageSize, Scene};
 use terrafill_screen_grid::ScreenGridKind;
-use terrafill_surface::{HeightRange, Surface, SurfaceError, SurfaceFrame};
 
 const SIZE: ImageSize = ImageSize {
     width: 192,
@@ -37,7 +34,7 @@ const WIDE: Cells = ([4, 2], [-170.0, -80.0, 80.0, 80.0]);
 type Sight = (&'static str, Cells, f64, [f64; 6]);
 
 #[rustfmt::skip]
-const SIGHTS: [Sight; 20] = [
+static SIGHTS: [Sight; 20] = [
     ("globe", GLOBE, 1e3, [15.0, 20.0, 8e6, 0.0, -90.0, 60.0]),
     ("antimeridian", GLOBE, 1e3, [180.0, 20.0, 8e6, 0.0, -90.0, 60.0]),
     ("pole", GLOBE, 1e3, [0.0, 90.0, 8e6, 0.0, -90.0, 60.0]),
@@ -59,6 +56,11 @@ const SIGHTS: [Sight; 20] = [
     ("oblique", GLOBE, 1e3, [15.0, 20.0, 8e6, 45.0, -70.0, 60.0]),
     ("limb", GLOBE, 1e3, [15.0, 20.0, 1.161e6, 45.0, -30.0, 60.0]),
 ];
+
+fn sight(name: &str) -> &'static Sight {
+    let found = SIGHTS.iter().find(|sight| sight.0 == name);
+    found.expect("a sight")
+}
 
 fn geojson(([columns, rows], [west, south, width, height]): Cells) -> String {
     let mut cells = Vec::new();
@@ -89,7 +91,7 @@ fn scene(sight: &Sight, body: &str, surface: &str) -> Scene {
 
 fn seen(scene: &Scene) -> FillInput {
     let prepared = prepared(&[&ScreenGridKind], scene);
-    FillInput::new(&prepared, &scene.views[0], SIZE, PlanOptions::default()).expect("a surface")
+    shown(&prepared, &scene.views[0], SIZE)
 }
 
 #[test]
@@ -124,12 +126,8 @@ fn every_technique_fills_rightly_over_any_number_of_cells_and_either_limb() {
         ("eye-height", &["n = 40", "n = 10\nrays = \"f32-c64\""]),
         ("wide", &["n = 5", "n = 10\nlimb = \"ring\""]),
     ] {
-        let sight = SIGHTS
-            .iter()
-            .find(|sight| sight.0 == name)
-            .expect("a sight");
         for surface in surfaces {
-            let input = seen(&scene(sight, "wgs84", surface));
+            let input = seen(&scene(sight(name), "wgs84", surface));
             open.assert_right(&format!("{name}, {surface}"), &input);
         }
     }
@@ -154,50 +152,16 @@ fn every_technique_fills_rightly_on_bodies_of_every_shape() {
     }
 }
 
-/// The same triangles, said to lie on the true body.
-#[derive(Debug)]
-struct AsIfRound(Arc<dyn Surface>);
-
-const ROUND: HeightRange = HeightRange {
-    lowest_m: 0.0,
-    highest_m: 0.0,
-};
-
-impl Surface for AsIfRound {
-    fn kind(&self) -> &'static str {
-        self.0.kind()
-    }
-
-    fn heights(&self, _extent: &Extent) -> HeightRange {
-        ROUND
-    }
-
-    fn frame(&self, camera: &Camera, size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
-        Ok(SurfaceFrame {
-            heights: ROUND,
-            parts: Arc::default(),
-            ..self.0.frame(camera, size)?
-        })
-    }
-}
-
 #[test]
 fn volumes_that_know_the_true_body_alone_lose_whole_facets() {
     let Some(open) = Open::new(SIZE) else {
         return;
     };
     for name in ["globe", "nadir-32", "limb"] {
-        let sight = SIGHTS
-            .iter()
-            .find(|sight| sight.0 == name)
-            .expect("a sight");
-        let scene = scene(sight, "wgs84", "n = 10");
+        let scene = scene(sight(name), "wgs84", "n = 10");
         let right = seen(&scene);
-        let mut round = prepared(&[&ScreenGridKind], &scene);
-        round.surface = Arc::new(AsIfRound(Arc::clone(&round.surface)));
-        let round = round.with_meshes(round.meshes.clone());
-        let wrong = FillInput::new(&round, &scene.views[0], SIZE, PlanOptions::default());
-        let wrong = wrong.expect("a surface");
+        let round = without_sagitta(&prepared(&[&ScreenGridKind], &scene));
+        let wrong = shown(&round, &scene.views[0], SIZE);
         let judged = judge(&right);
         for technique in TECHNIQUES {
             let found = open.found(technique, &wrong, &judged);

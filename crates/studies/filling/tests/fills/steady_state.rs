@@ -6,10 +6,10 @@
 use crate::drawing;
 
 use drawing::{
-    AllTargets, Devices, SIZE, Technique, collection, counters, draw, look, polygon, scene, vertex,
-    with_colour,
+    AllTargets, Devices, SIZE, Technique, collection, counters, draw, draw_with, in_layout, look,
+    made, polygon, scene, vertex, with_colour,
 };
-use terrafill_contract::{Counters, FillInput, GeometryBytes, PreparedScene, Technique as _};
+use terrafill_contract::{FillInput, GeometryBytes, PreparedScene, Technique as _};
 use terrafill_core::Ellipsoid;
 use terrafill_gpu::WorkDone;
 use terrafill_scene::{ImageSize, Overlap};
@@ -29,22 +29,6 @@ fn seen_from(scene: &PreparedScene, height_m: f64) -> FillInput {
     look(scene, (4.0, 2.0, height_m, 0.0, -90.0), 100.0, SIZE)
 }
 
-fn in_layout(layout: Layout, switches: Switches) -> Technique {
-    Technique::Vertex(VertexVariant {
-        layout,
-        switches,
-        ..VertexVariant::default()
-    })
-}
-
-fn made(counters: Counters) -> [u64; 3] {
-    [
-        counters.buffer_creations,
-        counters.pipeline_creations,
-        counters.uploads,
-    ]
-}
-
 #[test]
 fn the_second_unchanged_frame_makes_and_uploads_nothing() {
     let Some(devices) = Devices::open() else {
@@ -58,10 +42,7 @@ fn the_second_unchanged_frame_makes_and_uploads_nothing() {
             let technique = in_layout(layout, with_colour(colour));
             let name = format!("{technique:?}");
             let mut backend = targets.open(technique);
-            let mut frame = |input: &FillInput| {
-                backend.prepare(input).expect("fits");
-                made(counters(&backend.render(input).expect("draws")))
-            };
+            let mut frame = |input: &FillInput| made(&draw_with(&mut *backend, input));
             let [buffers, pipelines, uploads] = frame(&input);
             assert!(buffers >= 3 && pipelines >= 2 && uploads >= 2, "{name}");
             assert_eq!(frame(&input), [0, 0, 0], "{name}");

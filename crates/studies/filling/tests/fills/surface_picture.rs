@@ -2,20 +2,16 @@
 //! Surfaces coloured by a picture of the whole body: each pixel beside the place that it stands for, in `f64`.
 
 use crate::drawing::by_main::{Open, prepared};
-use crate::drawing::{collection, polygon};
+use crate::drawing::{collection, polygon, shown, square};
 use glam::DVec3;
 use std::sync::Arc;
 use terrafill_contract::{FillInput, Picture, PreparedScene, Technique};
 use terrafill_native::NativeTechnique;
-use terrafill_plan::PlanOptions;
 use terrafill_scene::{ImageSize, MipChain, Scene, View};
 use terrafill_surface::EllipsoidKind;
 use terrafill_vertex::VertexTechnique;
 
-const SIZE: ImageSize = ImageSize {
-    width: 192,
-    height: 192,
-};
+const SIZE: ImageSize = square(192);
 
 /// Texels from pole to pole; twice as many around.
 const ROWS: u32 = 128;
@@ -131,8 +127,7 @@ fn a_picture_of_the_body_lies_where_its_places_are() {
     for technique in [&VertexTechnique as &dyn Technique, &NativeTechnique] {
         for view in &views {
             let draw = |scene| {
-                let input = FillInput::new(scene, view, SIZE, PlanOptions::default());
-                let input = input.expect("a surface");
+                let input = shown(scene, view, SIZE);
                 let drawn = open.drawn(technique, &input);
                 (input, drawn)
             };

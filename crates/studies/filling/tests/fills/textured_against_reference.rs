@@ -5,26 +5,27 @@
 
 use crate::drawing;
 
-use drawing::{collection, look, polygon, scene};
+use drawing::by_main::prepared;
+use drawing::{
+    AllTargets, Devices, Technique, collection, compute, counters, draw, draw_with, in_layout,
+    look, made, polygon, scene, shown, storages, stored, vertex, with_colour, with_switches,
+};
 use std::sync::Arc;
-use terrafill_compute::{ComputeBackend, ComputeVariant};
 use terrafill_conformance::{
     TextureErrors, Verdict, compare, compare_texture, silhouette_band, texture_verdict, verdict,
 };
-use terrafill_contract::{DeviceError, FillBackend, FillInput, Frame, PreparedScene};
-use terrafill_core::{Ellipsoid, RegionMesh};
+use terrafill_contract::{DeviceError, FillInput, Frame, PreparedScene};
+use terrafill_core::Ellipsoid;
 use terrafill_fixtures::data;
-use terrafill_gpu::{Gpu, GpuOptions, RenderTargets, SharedTargets, open_for_test};
-use terrafill_native::{Extrusion, Indices, NativeBackend, NativeVariant};
-use terrafill_plan::PlanOptions;
+use terrafill_native::{Extrusion, Indices};
 use terrafill_reference::{ReferenceBackend, ReferenceFrame};
 use terrafill_scene::{
     ImageSize, MipChain, Outside, Overlap, Scene, SceneTexture, TextureAnchor, TexturePlacement,
     TextureShare,
 };
-use terrafill_surface::{EllipsoidKind, open_surface};
+use terrafill_surface::EllipsoidKind;
 use terrafill_variant::{ColourWay, RouteChoice, Switches};
-use terrafill_vertex::{Layout, VertexBackend, VertexVariant};
+use terrafill_vertex::Layout;
 
 const SIZE: ImageSize = ImageSize {
     width: 256,
@@ -39,63 +40,10 @@ fn switches(texture: &str, colour: ColourWay) -> Switches {
     }
 }
 
-fn vertex(targets: &SharedTargets, layout: Layout, switches: Switches) -> Box<dyn FillBackend> {
-    let variant = VertexVariant {
-        layout,
-        switches,
-        ..VertexVariant::default()
-    };
-    Box::new(VertexBackend::new(targets, variant).expect("valid shaders"))
-}
-
-fn compute(targets: &SharedTargets, switches: Switches) -> Box<dyn FillBackend> {
-    let variant = ComputeVariant {
-        switches,
-        ..ComputeVariant::default()
-    };
-    Box::new(ComputeBackend::new(targets, variant).expect("valid shaders"))
-}
-
-fn native(
-    targets: &terrafill_vulkan::SharedTargets,
-    technique: Extrusion,
-    switches: Switches,
-) -> Box<dyn FillBackend> {
-    stored(targets, (technique, Indices::List), switches)
-}
-
-fn stored(
-    targets: &terrafill_vulkan::SharedTargets,
-    (technique, indices): (Extrusion, Indices),
-    switches: Switches,
-) -> Box<dyn FillBackend> {
-    let variant = NativeVariant {
-        technique,
-        indices: Some(indices),
-        switches,
-        ..NativeVariant::default()
-    };
-    Box::new(NativeBackend::new(targets, variant).expect("has the features"))
-}
-
-fn vulkan_stage(input: &FillInput) -> terrafill_vulkan::SharedTargets {
-    let gpu = terrafill_vulkan::open_for_test(&Default::default()).expect("as through wgpu");
-    terrafill_vulkan::RenderTargets::shared(&gpu, input.size).expect("small targets")
-}
-
-fn targets(gpu: &Arc<Gpu>, input: &FillInput) -> SharedTargets {
-    RenderTargets::shared(gpu, input.size).expect("small targets")
-}
-
 fn judge(input: &FillInput) -> ReferenceFrame {
     ReferenceBackend::textured()
         .judge(input)
         .expect("regions are readable")
-}
-
-fn draw(backend: &mut dyn FillBackend, input: &FillInput) -> Frame {
-    backend.prepare(input).expect("fits");
-    backend.render(input).expect("draws")
 }
 
 /// A frame must be the reference's by region and by texel.
@@ -141,15 +89,9 @@ fn colours_apart(reference: &ReferenceFrame, frame: &Frame, rgba: &[u8]) -> (u8,
 /// A scene that ships with the program.
 fn shipped(name: &str) -> (Scene, PreparedScene) {
     let scene = data::scene(name);
-    let (body, rule) = (&scene.body, scene.edge_rule);
-    let meshes = RegionMesh::build_all(&scene.regions, body, rule, &scene.mesh).expect("meshes");
-    let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
-    let prepared = PreparedScene::new(&scene, meshes.into(), surface);
+    let prepared = prepared(&[&EllipsoidKind], &scene);
     (scene, prepared)
 }
-
-/// Makes a backend on the given targets.
-type Maker<'a> = &'a dyn Fn(&SharedTargets) -> Box<dyn FillBackend>;
 
 #[test]
 fn shipped_scenes_show_their_picture_where_the_reference_does() {
@@ -170,23 +112,17 @@ fn countries_show_the_blue_marble_where_the_reference_does() {
 }
 
 fn assert_pictures_as_the_reference(names: &[&str]) {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     for &name in names {
         let (scene, prepared) = shipped(name);
-        let mut backends: Option<(SharedTargets, Box<dyn FillBackend>)> = None;
+        let targets = AllTargets::new(&devices, SIZE);
+        let mut backend = targets.open(vertex(switches("chosen", ColourWay::Xor)));
         for view in &scene.views {
-            let input =
-                FillInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
+            let input = shown(&prepared, view, SIZE);
             let reference = judge(&input);
-            let (_, backend) = backends.get_or_insert_with(|| {
-                let targets = targets(&gpu, &input);
-                let chosen = switches("chosen", ColourWay::Xor);
-                let backend = vertex(&targets, Layout::Doubled, chosen);
-                (targets, backend)
-            });
-            let frame = draw(&mut **backend, &input);
+            let frame = draw_with(&mut *backend, &input);
             let note = backend.note().expect("routes");
             let what = format!("{name}/{}: {note}", view.name);
             assert_right(&what, &reference.frame, &frame);
@@ -205,7 +141,7 @@ fn assert_pictures_as_the_reference(names: &[&str]) {
 
 #[test]
 fn a_region_that_moves_uncovers_a_picture_that_lies_still() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     let drawn = |name: &str, placement: Option<TexturePlacement>| {
@@ -218,18 +154,10 @@ fn a_region_that_moves_uncovers_a_picture_that_lies_still() {
             texture: Some(Arc::new(texture)),
             ..prepared
         };
-        let plan = PlanOptions::default();
-        let input = FillInput::new(&prepared, &scene.views[0], SIZE, plan).expect("a surface");
-        let targets = targets(&gpu, &input);
-        let mut backend = vertex(
-            &targets,
-            Layout::Doubled,
-            switches("chosen", ColourWay::Xor),
-        );
-        draw(&mut *backend, &input)
-            .texture
-            .expect("textured")
-            .pixels
+        let input = shown(&prepared, &scene.views[0], SIZE);
+        let chosen = vertex(switches("chosen", ColourWay::Xor));
+        let frame = draw(&devices, &input, chosen);
+        frame.texture.expect("textured").pixels
     };
     // Farthest apart that a pixel of both shows the picture, and pixels of both and of one.
     let compared = |placement: Option<TexturePlacement>| {
@@ -364,7 +292,7 @@ fn places() -> Vec<(&'static str, PreparedScene, drawing::Pose)> {
 
 #[test]
 fn every_placement_is_right_at_every_latitude() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open_both() else {
         return;
     };
     for (place, scene, pose) in places() {
@@ -388,8 +316,7 @@ fn every_placement_is_right_at_every_latitude() {
                 },
             ),
         ];
-        let mut known: Option<SharedTargets> = None;
-        let mut known_vulkan: Option<terrafill_vulkan::SharedTargets> = None;
+        let targets = AllTargets::new(&devices, SIZE);
         for (name, placement) in placements {
             // Metres east of an anchor are degrees of its own latitude: beyond a pole they mean
             // nothing, and the picture is as torn as the longitude.
@@ -398,20 +325,17 @@ fn every_placement_is_right_at_every_latitude() {
             }
             let input = look(&textured(&scene, placement), pose, 1e3, SIZE);
             let reference = judge(&input);
-            let targets = known.get_or_insert_with(|| targets(&gpu, &input));
             let xor = switches("chosen", ColourWay::Xor);
             let planes = switches("chosen", ColourWay::BitPlanes);
             let mut backends = [
-                ("vertex", vertex(targets, Layout::Doubled, xor)),
-                (
-                    "pulled, bit-planes",
-                    vertex(targets, Layout::Pulled, planes),
-                ),
-                ("compute", compute(targets, xor)),
-            ];
+                ("vertex", vertex(xor)),
+                ("pulled, bit-planes", in_layout(Layout::Pulled, planes)),
+                ("compute", compute(xor)),
+            ]
+            .map(|(name, technique)| (name, targets.open(technique)));
             let mut frames = Vec::new();
             for (backend_name, backend) in &mut backends {
-                let frame = draw(&mut **backend, &input);
+                let frame = draw_with(&mut **backend, &input);
                 let note = backend.note().expect("routes");
                 let what = format!("{place}, {name}, {backend_name}: {note}");
                 assert_right(&what, &reference.frame, &frame);
@@ -421,24 +345,20 @@ fn every_placement_is_right_at_every_latitude() {
             for frame in &frames[1..] {
                 assert_eq!(frame.texture, frames[0].texture, "{place}, {name}");
             }
-            let vulkan = known_vulkan.get_or_insert_with(|| vulkan_stage(&input));
             // The covers are the same whatever marks their pixels: every technique in one place.
-            let mut all: Vec<_> = Extrusion::ALL.map(|t| (t, Indices::List)).into();
-            let strips = Extrusion::ALL.map(|t| (t, Indices::Strip)).into_iter();
-            all.extend(strips.filter(|(technique, _)| technique.has_index_choice()));
             let techniques = if place.starts_with("45") {
-                &all[..]
+                storages()
             } else {
-                &[(Extrusion::GsDegenerate, Indices::List)]
+                vec![(Extrusion::GsDegenerate, Indices::List)]
             };
-            for &(technique, indices) in techniques {
+            for (technique, indices) in techniques {
                 let way = if technique == Extrusion::GsLine {
                     planes
                 } else {
                     xor
                 };
-                let mut backend = stored(vulkan, (technique, indices), way);
-                let frame = draw(&mut *backend, &input);
+                let mut backend = targets.open(stored(technique, indices, way));
+                let frame = draw_with(&mut *backend, &input);
                 let what = format!("{place}, {name}, {technique:?}, {indices:?}");
                 assert_right(&what, &reference.frame, &frame);
                 assert_eq!(backend.note(), backends[0].1.note(), "{what}");
@@ -453,21 +373,20 @@ fn every_placement_is_right_at_every_latitude() {
 
 #[test]
 fn wrong_latitudes_routes_and_anchors_are_noticed() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     let scene = textured(&around(12.0, 45.0, 2.5), TexturePlacement::Extents);
     let input = look(&scene, (12.0, 45.0, 3e5, 0.0, -90.0), 1e3, SIZE);
     let reference = judge(&input).frame;
-    let targets = targets(&gpu, &input);
+    let targets = AllTargets::new(&devices, SIZE);
     let fails = |what: &str, frame: &Frame| {
         let errors = compare_texture(&reference, frame).expect("comparable");
         let verdict = texture_verdict(&errors);
         assert!(matches!(verdict, Verdict::Fail(_)), "{what}: {errors:?}");
     };
     let with = |route: &str, input: &FillInput| {
-        let switches = switches(route, ColourWay::Xor);
-        draw(&mut *vertex(&targets, Layout::Doubled, switches), input)
+        targets.draw(input, vertex(switches(route, ColourWay::Xor)))
     };
     fails("geocentric", &with("odd-15+geocentric", &input));
     fails("a coarse route", &with("odd-3", &input));
@@ -512,7 +431,7 @@ fn wrong_latitudes_routes_and_anchors_are_noticed() {
 
 #[test]
 fn position_routes_differ_by_what_is_known_of_them() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     // 50 m above a picture of 64 m: texels of half a metre.
@@ -524,12 +443,12 @@ fn position_routes_differ_by_what_is_known_of_them() {
     };
     let scene = textured(&around(12.0, 45.0, 0.001), placement);
     let input = look(&scene, (12.0, 45.0, 2e3, 0.0, -90.0), 0.1, SIZE);
-    let targets = targets(&gpu, &input);
+    let targets = AllTargets::new(&devices, SIZE);
     let reference = judge(&input).frame;
     let worst = |position: &str| {
         let mut switches = switches("chosen", ColourWay::Xor);
         assert_eq!(switches.set("position", position), Ok(true));
-        let frame = draw(&mut *vertex(&targets, Layout::Doubled, switches), &input);
+        let frame = targets.draw(&input, vertex(switches));
         let errors = compare_texture(&reference, &frame).expect("comparable");
         assert_eq!(errors.non_finite, 0);
         errors.max_texels[0].max(errors.max_texels[1])
@@ -543,87 +462,77 @@ fn position_routes_differ_by_what_is_known_of_them() {
 
 #[test]
 fn a_plain_fill_knows_nothing_of_the_scenes_picture() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open_both() else {
         return;
     };
     let bare = around(12.0, 45.0, 2.5);
     let dressed = textured(&bare, TexturePlacement::Extents);
     let pose = (12.0, 45.0, 3e5, 0.0, -90.0);
-    let used = |scene: &PreparedScene, make: &dyn Fn(&SharedTargets) -> Box<dyn FillBackend>| {
+    let used = |scene: &PreparedScene, technique: Technique| {
         let input = look(scene, pose, 1e3, SIZE);
-        let targets = targets(&gpu, &input);
-        let mut backend = make(&targets);
+        let mut backend = AllTargets::new(&devices, SIZE).open(technique);
         let memory = backend.prepare(&input).expect("fits");
         let frame = backend.render(&input).expect("draws");
-        assert_eq!(backend.note(), None);
-        (memory, frame.counters, frame.ids, frame.texture)
-    };
-    for colour in ColourWay::ALL {
-        let plain = Switches {
-            colour,
-            ..Switches::default()
-        };
-        let by_vertex = |targets: &SharedTargets| vertex(targets, Layout::Doubled, plain);
-        let by_compute = |targets: &SharedTargets| compute(targets, plain);
-        let makers: [Maker<'_>; 2] = [&by_vertex, &by_compute];
-        for make in makers {
-            let (with, without) = (used(&dressed, make), used(&bare, make));
-            assert_eq!(with, without, "{colour:?}");
-            assert_eq!((with.0.texture_bytes, with.3), (0, None), "{colour:?}");
+        if let Technique::Native(_) = technique {
+            let again = backend.render(&input).expect("draws");
+            assert_eq!(made(&again), [0; 3], "{technique:?}");
+            assert!(backend.time_frame(&input).expect("draws").fill_cpu_ms > 0.0);
+        } else if technique.switches().texture.is_none() {
+            assert_eq!(backend.note(), None);
         }
+        (memory, counters(&frame), frame.ids, frame.texture)
+    };
+    let extruded = [Extrusion::GsDegenerate, Extrusion::VsControl]
+        .map(|technique| stored(technique, Indices::List, Switches::default()));
+    let coloured = ColourWay::ALL.map(with_colour).into_iter();
+    let coloured = coloured.flat_map(|plain| [vertex(plain), compute(plain)]);
+    for technique in coloured.chain(extruded) {
+        let (with, without) = (used(&dressed, technique), used(&bare, technique));
+        assert_eq!(with, without, "{technique:?}");
+        assert_eq!((with.0.texture_bytes, with.3), (0, None), "{technique:?}");
     }
     // Negative control: the textured fill of the same scene costs memory, a buffer and other pipelines.
     let chosen = switches("chosen", ColourWay::Xor);
-    let input = look(&dressed, pose, 1e3, SIZE);
-    let targets = targets(&gpu, &input);
-    let mut backend = vertex(&targets, Layout::Doubled, chosen);
-    let memory = backend.prepare(&input).expect("fits");
-    let frame = backend.render(&input).expect("draws");
-    let (plain, counters, ..) = used(&dressed, &|targets| {
-        vertex(targets, Layout::Doubled, Switches::default())
-    });
     let image_bytes = dressed.texture.as_ref().expect("a picture").image.bytes();
-    assert_eq!(memory.texture_bytes, image_bytes);
-    assert_eq!(memory.buffers, plain.buffers + 1);
-    assert!(memory.constant_bytes > plain.constant_bytes);
-    let (textured, plain) = (frame.counters.expect("counted"), counters.expect("counted"));
-    assert_eq!(
-        (textured.draws, textured.vertices),
-        (plain.draws, plain.vertices)
-    );
-    assert_eq!(textured.buffer_creations, plain.buffer_creations + 1);
+    for technique in [vertex(Switches::default())].into_iter().chain(extruded) {
+        let (plain_memory, plain, ..) = used(&dressed, technique);
+        let (memory, textured, ..) = used(&dressed, with_switches(technique, chosen));
+        assert_eq!(memory.texture_bytes, image_bytes);
+        assert_eq!(memory.buffers, plain_memory.buffers + 1);
+        assert!(memory.constant_bytes > plain_memory.constant_bytes);
+        assert_eq!(
+            (textured.draws, textured.vertices),
+            (plain.draws, plain.vertices)
+        );
+        assert_eq!(textured.buffer_creations, plain.buffer_creations + 1);
+    }
 }
 
 #[test]
 fn a_second_frame_of_a_textured_fill_makes_and_writes_nothing_more() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     let scene = textured(&around(12.0, 45.0, 2.5), TexturePlacement::Extents);
     let input = look(&scene, (12.0, 45.0, 3e5, 0.0, -90.0), 1e3, SIZE);
-    let targets = targets(&gpu, &input);
+    let targets = AllTargets::new(&devices, SIZE);
     let chosen = switches("chosen", ColourWay::Xor);
-    let plain = Switches::default();
-    let second = |mut backend: Box<dyn FillBackend>| {
-        draw(&mut *backend, &input);
-        let again = draw(&mut *backend, &input).counters.expect("counted");
+    let second = |technique| {
+        let mut backend = targets.open(technique);
+        draw_with(&mut *backend, &input);
+        let again = draw_with(&mut *backend, &input);
         assert!(backend.time_frame(&input).expect("draws").fill_cpu_ms > 0.0);
-        (
-            again.buffer_creations,
-            again.pipeline_creations,
-            again.uploads,
-        )
+        made(&again)
     };
-    let by_vertex = |switches| second(vertex(&targets, Layout::Doubled, switches));
-    assert_eq!(by_vertex(chosen), (0, 0, 0));
+    assert_eq!(second(vertex(chosen)), [0; 3]);
     // What compute makes anew it makes for its volumes, textured or not.
-    let by_compute = |switches| second(compute(&targets, switches));
-    assert_eq!(by_compute(chosen), by_compute(plain));
+    let plain = compute(Switches::default());
+    assert_eq!(second(compute(chosen)), second(plain));
 }
 
 #[test]
 fn native_shows_the_picture_that_vertex_shows_and_notices_another_anchor() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open_both() else {
         return;
     };
     let scene = around(12.0, 45.0, 2.5);
@@ -644,13 +553,13 @@ fn native_shows_the_picture_that_vertex_shows_and_notices_another_anchor() {
     };
     let input = at(12.1);
     let reference = judge(&input).frame;
-    let (targets, vulkan) = (targets(&gpu, &input), vulkan_stage(&input));
+    let targets = AllTargets::new(&devices, SIZE);
     let chosen = switches("chosen", ColourWay::Xor);
-    let mut by_vertex = vertex(&targets, Layout::Doubled, chosen);
+    let mut by_vertex = targets.open(vertex(chosen));
     by_vertex.prepare(&input).expect("fits");
     let wanted = by_vertex.picture(&input).expect("draws").rgba;
-    let mut by_native = native(&vulkan, Extrusion::GsDegenerate, chosen);
-    let frame = draw(&mut *by_native, &input);
+    let mut by_native = targets.open(stored(Extrusion::GsDegenerate, Indices::List, chosen));
+    let frame = draw_with(&mut *by_native, &input);
     let errors = compare_texture(&reference, &frame).expect("comparable");
     eprintln!("native: {errors:?}");
     assert!(texture_verdict(&errors).is_pass(), "{errors:?}");
@@ -662,59 +571,13 @@ fn native_shows_the_picture_that_vertex_shows_and_notices_another_anchor() {
     assert!(apart <= 2, "{apart}");
     // Negative control: the picture a hundredth of a degree beside, 800 m where a texel is 700 m wide.
     let beside = at(12.11);
-    let moved = draw(&mut *by_native, &beside);
+    let moved = draw_with(&mut *by_native, &beside);
     let errors = compare_texture(&reference, &moved).expect("comparable");
     assert!(
         matches!(texture_verdict(&errors), Verdict::Fail(_)),
         "{errors:?}"
     );
     assert!(largest(&by_native.picture(&beside).expect("draws").rgba) > 2);
-}
-
-#[test]
-fn a_plain_fill_by_native_knows_nothing_of_the_scenes_picture() {
-    let Some(_) = terrafill_vulkan::open_for_test(&Default::default()) else {
-        return;
-    };
-    let bare = around(12.0, 45.0, 2.5);
-    let dressed = textured(&bare, TexturePlacement::Extents);
-    let pose = (12.0, 45.0, 3e5, 0.0, -90.0);
-    let used = |scene: &PreparedScene, technique: Extrusion, switches: Switches| {
-        let input = look(scene, pose, 1e3, SIZE);
-        let targets = vulkan_stage(&input);
-        let mut backend = native(&targets, technique, switches);
-        let memory = backend.prepare(&input).expect("fits");
-        let frame = backend.render(&input).expect("draws");
-        let again = backend.render(&input).expect("draws");
-        let again = again.counters.expect("counted");
-        let made = [
-            again.buffer_creations,
-            again.pipeline_creations,
-            again.uploads,
-        ];
-        assert_eq!(made, [0; 3], "{technique:?}");
-        assert!(backend.time_frame(&input).expect("draws").fill_cpu_ms > 0.0);
-        (memory, frame.counters, frame.ids, frame.texture)
-    };
-    for technique in [Extrusion::GsDegenerate, Extrusion::VsControl] {
-        let plain = |scene| used(scene, technique, Switches::default());
-        let (with, without) = (plain(&dressed), plain(&bare));
-        assert_eq!(with, without, "{technique:?}");
-        assert_eq!((with.0.texture_bytes, with.3), (0, None), "{technique:?}");
-        // Negative control: the textured fill costs memory and a buffer, and as many draws.
-        let chosen = switches("chosen", ColourWay::Xor);
-        let (memory, counters, ..) = used(&dressed, technique, chosen);
-        let image_bytes = dressed.texture.as_ref().expect("a picture").image.bytes();
-        assert_eq!(memory.texture_bytes, image_bytes);
-        assert_eq!(memory.buffers, with.0.buffers + 1);
-        assert!(memory.constant_bytes > with.0.constant_bytes);
-        let (textured, plain) = (counters.expect("counted"), with.1.expect("counted"));
-        assert_eq!(
-            (textured.draws, textured.vertices),
-            (plain.draws, plain.vertices)
-        );
-        assert_eq!(textured.buffer_creations, plain.buffer_creations + 1);
-    }
 }
 
 /// Routes that read a table: by number, filtered, and a cube.
@@ -727,22 +590,19 @@ const TABLES: [&str; 4] = [
 
 #[test]
 fn tables_are_read_by_native_as_by_vertex() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open_both() else {
         return;
     };
     let scene = textured(&around(12.0, 45.0, 2.5), TexturePlacement::Extents);
     let input = look(&scene, (12.0, 45.0, 3e5, 0.0, -90.0), 1e3, SIZE);
-    let (targets, vulkan) = (targets(&gpu, &input), vulkan_stage(&input));
+    let targets = AllTargets::new(&devices, SIZE);
     let places = |frame: Frame| frame.texture.expect("textured").pixels;
     let farthest = |route: &str, other: &str| {
-        let by_vertex = vertex(&targets, Layout::Doubled, switches(route, ColourWay::Xor));
-        let by_native = native(
-            &vulkan,
-            Extrusion::VsControl,
-            switches(other, ColourWay::Xor),
-        );
-        let frames = [by_vertex, by_native].map(|mut backend| {
-            let frame = draw(&mut *backend, &input);
+        let [first, second] = [route, other].map(|route| switches(route, ColourWay::Xor));
+        let by_native = stored(Extrusion::VsControl, Indices::List, second);
+        let frames = [vertex(first), by_native].map(|technique| {
+            let mut backend = targets.open(technique);
+            let frame = draw_with(&mut *backend, &input);
             let memory = backend.prepare(&input).expect("fits");
             (memory.texture_bytes, places(frame))
         });
@@ -768,7 +628,7 @@ fn tables_are_read_by_native_as_by_vertex() {
 
 #[test]
 fn what_cannot_be_textured_is_refused() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     let bare = around(12.0, 45.0, 2.5);
@@ -776,8 +636,8 @@ fn what_cannot_be_textured_is_refused() {
     let pose = (12.0, 45.0, 3e5, 0.0, -90.0);
     let refused = |scene: &PreparedScene, colour: ColourWay| {
         let input = look(scene, pose, 1e3, SIZE);
-        let targets = targets(&gpu, &input);
-        let mut backend = vertex(&targets, Layout::Doubled, switches("chosen", colour));
+        let chosen = vertex(switches("chosen", colour));
+        let mut backend = AllTargets::new(&devices, SIZE).open(chosen);
         match backend.prepare(&input) {
             Ok(_) => None,
             Err(DeviceError::Switch(error)) => Some(error.to_string()),

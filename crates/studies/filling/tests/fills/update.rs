@@ -5,16 +5,16 @@
 use crate::drawing;
 
 use drawing::{
-    AllTargets, Devices, SIZE, Technique, collection, draw_with, look, polygon, scene, vertex,
+    AllTargets, Devices, SIZE, Technique, collection, draw_with, layouts, look, native, polygon,
+    scene, storages, stored, vertex,
 };
 use terrafill_compute::{ComputeVariant, Expansion};
 use terrafill_contract::{DeviceError, FillInput, PreparedScene};
 use terrafill_core::Ellipsoid;
-use terrafill_native::{Extrusion, Indices, NativeVariant};
+use terrafill_native::{Extrusion, Indices};
 use terrafill_plan::PlanOptions;
 use terrafill_scene::Overlap;
 use terrafill_variant::Switches;
-use terrafill_vertex::{Layout, VertexVariant};
 
 const WEST: &str = "[[0,0],[3,0],[3,4],[0,4],[0,0]]";
 const MIDDLE: &str = "[[4,0],[7,0],[7,4],[4,4],[4,0]]";
@@ -63,12 +63,7 @@ fn seen(scene: &PreparedScene) -> FillInput {
 }
 
 fn all_layouts() -> Vec<Technique> {
-    let layouts = Layout::ALL.map(|layout| {
-        Technique::Vertex(VertexVariant {
-            layout,
-            ..VertexVariant::default()
-        })
-    });
+    let plain = Switches::default();
     let merged = vertex(Switches {
         merges_draws: true,
         ..Switches::default()
@@ -79,22 +74,9 @@ fn all_layouts() -> Vec<Technique> {
             ..ComputeVariant::default()
         })
     });
-    let native = |technique: Extrusion| {
-        let strips = technique.has_index_choice().then_some(Indices::Strip);
-        [Some(Indices::List), strips]
-            .into_iter()
-            .flatten()
-            .map(move |indices| {
-                Technique::Native(NativeVariant {
-                    technique,
-                    indices: Some(indices),
-                    switches: Switches::default(),
-                    ..NativeVariant::default()
-                })
-            })
-    };
-    let native = Extrusion::ALL.into_iter().flat_map(native);
-    let layouts = layouts.into_iter().chain([merged]);
+    let native = storages().into_iter();
+    let native = native.map(|(technique, indices)| stored(technique, indices, plain));
+    let layouts = layouts(plain).into_iter().chain([merged]);
     layouts.chain(compute).chain(native).collect()
 }
 
@@ -192,12 +174,7 @@ fn long_indices_are_rewritten_too() {
             merges_draws: true,
             ..Switches::default()
         }),
-        Technique::Native(NativeVariant {
-            technique: Extrusion::VsControl,
-            indices: None,
-            switches: Switches::default(),
-            ..NativeVariant::default()
-        }),
+        native(Extrusion::VsControl, Switches::default()),
     ];
     let Some(devices) = Devices::open_for(&techniques) else {
         return;

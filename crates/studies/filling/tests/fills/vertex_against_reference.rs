@@ -10,29 +10,17 @@ use crate::drawing;
 use drawing::sights::{self, square_from};
 use drawing::{
     AllTargets, Devices, SIZE, Technique, checks, collection, counters, differing, draw, figures,
-    input, judge, polygon, shipped, vertex, with_colour,
+    input, judge, layouts, made, polygon, shipped, shown, vertex, with_colour,
 };
 use std::collections::BTreeSet;
 use terrafill_conformance::verdict;
-use terrafill_contract::{Counters, FillInput, Technique as _};
+use terrafill_contract::{Counters, Technique as _};
 use terrafill_core::Ellipsoid;
 use terrafill_plan::PlanOptions;
 use terrafill_scene::Overlap;
 use terrafill_stencil::PositionFormat;
 use terrafill_variant::{ColourWay, Switches, Variant};
 use terrafill_vertex::{Layout, VertexTechnique, VertexVariant};
-
-/// Every layout, drawn so.
-fn layouts(switches: Switches) -> Vec<Technique> {
-    let technique = |layout| {
-        Technique::Vertex(VertexVariant {
-            layout,
-            switches,
-            ..VertexVariant::default()
-        })
-    };
-    Layout::ALL.map(technique).into()
-}
 
 fn all_variants() -> Vec<Technique> {
     let mut variants = Vec::new();
@@ -99,8 +87,7 @@ fn culling_changes_no_pixel() {
     };
     let (prepared, views) = shipped("planet-134");
     for view in &views {
-        let culled =
-            FillInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
+        let culled = shown(&prepared, view, SIZE);
         let everything = culled.remeshed(
             &prepared,
             PlanOptions {
@@ -296,14 +283,7 @@ fn a_frame_needs_preparing_and_an_unchanged_one_uploads_no_geometry() {
     // What `prepare` made belongs to the first frame; all other work is the same.
     let again = counters(&twice);
     assert!(start.buffer_creations > 0 && start.pipeline_creations > 0);
-    assert_eq!(
-        (
-            again.buffer_creations,
-            again.pipeline_creations,
-            again.uploads
-        ),
-        (0, 0, 0)
-    );
+    assert_eq!(made(&twice), [0, 0, 0]);
     let without_making = Counters {
         buffer_creations: 0,
         pipeline_creations: 0,

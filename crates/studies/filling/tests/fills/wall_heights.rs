@@ -4,47 +4,18 @@
 
 use crate::drawing;
 
-use drawing::{Devices, draw, figures, judge, look, polygon, scene, vertex, with_colour};
-use std::sync::Arc;
+use drawing::{
+    Devices, draw, figures, judge, look, polygon, scene, square, vertex, with_colour,
+    without_sagitta,
+};
 use terrafill_conformance::{filled_only, verdict};
 use terrafill_contract::FillInput;
-use terrafill_core::{Ellipsoid, Extent};
+use terrafill_core::Ellipsoid;
 use terrafill_plan::{PlanOptions, WallHeights};
-use terrafill_scene::{Camera, ImageSize, Overlap};
-use terrafill_surface::{HeightRange, Surface, SurfaceError, SurfaceFrame};
+use terrafill_scene::{ImageSize, Overlap};
 use terrafill_variant::ColourWay;
 
-const SIZE: ImageSize = ImageSize {
-    width: 128,
-    height: 128,
-};
-
-/// All corners of the bare ellipsoid's triangles.
-const CORNERS: HeightRange = HeightRange {
-    lowest_m: 0.0,
-    highest_m: 0.0,
-};
-
-/// The same triangles, said to lie between the heights of their corners.
-#[derive(Debug)]
-struct WithoutSagitta(Arc<dyn Surface>);
-
-impl Surface for WithoutSagitta {
-    fn kind(&self) -> &'static str {
-        self.0.kind()
-    }
-
-    fn heights(&self, _extent: &Extent) -> HeightRange {
-        CORNERS
-    }
-
-    fn frame(&self, camera: &Camera, size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
-        Ok(SurfaceFrame {
-            heights: CORNERS,
-            ..self.0.frame(camera, size)?
-        })
-    }
-}
+const SIZE: ImageSize = square(128);
 
 /// A square in the middle of a cell of 1°, from above and obliquely. The cell hangs 311 m to 485 m below its
 /// corners there, the square's own bottom cap at most 173 m.
@@ -53,8 +24,7 @@ fn views(wraps: bool) -> [FillInput; 2] {
     let text = polygon("square", square);
     let mut scene = scene(&text, Ellipsoid::WGS84, 180, Overlap::Disjoint);
     if wraps {
-        scene.surface = Arc::new(WithoutSagitta(Arc::clone(&scene.surface)));
-        scene = scene.with_meshes(scene.meshes.clone());
+        scene = without_sagitta(&scene);
     }
     let poses = [(10.5, 0.5, 1e5, 0.0, -90.0), (10.5, -0.5, 5e4, 0.0, -25.0)];
     poses.map(|pose| look(&scene, pose, 100.0, SIZE))

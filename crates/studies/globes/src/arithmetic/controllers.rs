@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What controllers of level of detail do that count pixels some frames late.
 
-use super::probe::OuterProbe;
+use super::probe::{OuterProbe, PROBED};
 use super::quadtree::{QuadtreeView, settle};
 use super::radius::{constant_step, cycle, gain_without_overshoot, logarithmic, stable_gain};
 use super::zones::cycling_zones;
@@ -112,13 +112,6 @@ fn radius() -> Vec<Vec<String>> {
     rows.into()
 }
 
-/// The picture of the facts' figure, and the share of the radius that a mesh gives up in a frame.
-const PROBED: OuterProbe = OuterProbe {
-    half_px: [960.0, 540.0],
-    delay: 1,
-    step: 0.01,
-    rising: 0.0,
-};
 /// Heights that double each second at 60 frames a second.
 const DOUBLING: f64 = 0.011_486;
 

@@ -20,7 +20,6 @@ use terrafill_reference::SurfaceTriangles;
 use terrafill_scene::{Camera, CameraPose, ImageSize};
 use terrafill_screen_grid::ScreenGridKind;
 use terrafill_surface::SurfaceKind;
-use toml::{Table, Value};
 
 const KINDS: &[&dyn SurfaceKind] = &[&ScreenGridKind];
 
@@ -43,8 +42,7 @@ const SIDE_PX: u32 = 800;
 
 /// Triangles of a view in `f64`, relative to the eye.
 fn triangles(n: u32, camera: &Camera, size: ImageSize) -> Vec<[DVec3; 3]> {
-    let parameters = Table::from_iter([("n".to_owned(), Value::Integer(n.into()))]);
-    let surface = Opened::new(KINDS).get("screen-grid", &parameters);
+    let surface = Opened::new(KINDS).get("screen-grid", [("n", n)]);
     let surface = surface.expect("a surface");
     let vertices = surface.exact_vertices(camera, size).expect("a view");
     let vertices = vertices.expect("it says them in f64");
@@ -80,13 +78,11 @@ fn seam(limit: f64) -> Seam {
 /// An eye that looks straight down.
 fn eye(latitude_deg: f64, height_m: f64) -> Eye {
     let row = ViewRow {
-        name: String::new(),
         longitude_deg: 15.0,
         latitude_deg,
         height_m,
         pitch_deg: -90.0,
-        quick: false,
-        all_cells: false,
+        ..ViewRow::default()
     };
     row.eye(SIDE_PX)
 }

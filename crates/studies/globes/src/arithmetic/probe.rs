@@ -68,7 +68,8 @@ impl OuterProbe {
     }
 }
 
-const SCREEN: OuterProbe = OuterProbe {
+/// The picture of the facts' figure, and the share of the radius that a mesh gives up in a frame.
+pub(super) const PROBED: OuterProbe = OuterProbe {
     half_px: [960.0, 540.0],
     delay: 1,
     step: 0.01,
@@ -85,13 +86,13 @@ fn bare_corners_are_those_that_pixels_show() {
                 bare += f64::from(u8::from(x.hypot(y) > radius_px));
             }
         }
-        let found = SCREEN.bare_area_px(radius_px);
+        let found = PROBED.bare_area_px(radius_px);
         assert!(
             (found - 4.0 * bare).abs() < 600.0 && found >= 0.0,
             "{radius_px}: {found}, {bare}"
         );
     }
     // Negative controls: none beyond the corner, all without a radius.
-    assert_eq!(SCREEN.bare_area_px(1101.5), 0.0);
-    assert!((SCREEN.bare_area_px(0.0) - 1920.0 * 1080.0).abs() < 1e-6);
+    assert_eq!(PROBED.bare_area_px(1101.5), 0.0);
+    assert!((PROBED.bare_area_px(0.0) - 1920.0 * 1080.0).abs() < 1e-6);
 }

@@ -7,11 +7,10 @@ use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
 use glam::DVec3;
 use std::sync::Arc;
-use terrafill_core::Geodetic;
 use terrafill_plot::number::significant;
 use terrafill_spiral::SpiralKind;
 use terrafill_surface::{Surface, SurfaceFrame, SurfaceKind};
-use toml::{Table as Parameters, Value};
+use toml::Value;
 
 const KINDS: &[&dyn SurfaceKind] = &[&SpiralKind];
 
@@ -40,21 +39,17 @@ const MAX_DOUBLING: f64 = 64.0;
 /// More than any law needs.
 const MAX_RINGS: u32 = 1200;
 
-fn surface(set: &[(&str, Value)]) -> Arc<dyn Surface> {
-    let set = set.iter().cloned();
-    let set = set.map(|(key, value)| (key.to_owned(), value));
-    let surface = Opened::new(KINDS).get("spiral", &Parameters::from_iter(set));
+fn surface<'a, V: Into<Value>>(set: impl IntoIterator<Item = (&'a str, V)>) -> Arc<dyn Surface> {
+    let surface = Opened::new(KINDS).get("spiral", set);
     surface.expect("a surface")
 }
 
-/// Largest distance on the screen between a view's vertices and the same made otherwise, pixels. In `f64`, before a
-/// frame rounds them.
-fn moved_px(height_m: f64, exact: &[(&str, &str)], other: &[(&str, &str)]) -> f64 {
+/// Largest distance on the screen between a view's vertices made by one and by the other of two sets of parameters,
+/// pixels. In `f64`, before a frame rounds them.
+fn moved_px(height_m: f64, sets: [[(&str, &str); 2]; 2]) -> f64 {
     let eye = eye(height_m);
-    let [exact, other] = [exact, other].map(|set| {
-        let set = set.iter().map(|(key, value)| (*key, Value::from(*value)));
-        let surface = surface(&set.collect::<Vec<_>>());
-        let vertices = surface.exact_vertices(&eye.camera, eye.size);
+    let [exact, other] = sets.map(|set| {
+        let vertices = surface(set).exact_vertices(&eye.camera, eye.size);
         vertices.expect("a view").expect("it says them in f64")
     });
     assert_eq!(exact.len(), other.len());
@@ -66,26 +61,29 @@ fn moved_px(height_m: f64, exact: &[(&str, &str)], other: &[(&str, &str)]) -> f6
 /// A form of position in single precision against itself in double precision, both from what a buffer of f32 holds.
 fn form_px(form: &str, height_m: f64) -> f64 {
     let form = ("frame", form);
-    let [exact, single] = ["buffer", "f32"].map(|precision| [form, ("precision", precision)]);
-    moved_px(height_m, &exact, &single)
+    let precisions = ["buffer", "f32"];
+    moved_px(
+        height_m,
+        precisions.map(|precision| [form, ("precision", precision)]),
+    )
 }
 
 /// A series against the functions; on the horizon, so that both meshes end where the series is asked for.
 fn series_px(series: &str, height_m: f64) -> f64 {
-    let [exact, short] = ["native", series].map(|trig| [("rim", "horizon"), ("trig", trig)]);
-    moved_px(height_m, &exact, &short)
+    let sets = ["native", series].map(|trig| [("rim", "horizon"), ("trig", trig)]);
+    moved_px(height_m, sets)
 }
 
 /// The fewest rings with which no edge sags by more than a quarter of a pixel.
 fn rings(eye: &Eye, law: &str) -> u32 {
     let frame = |doubling: f64| {
         let set = [
-            ("law", Value::String(law.to_owned())),
-            ("n", Value::Integer(RING_VERTICES)),
-            ("std", Value::Float(doubling)),
-            ("rim", Value::String("horizon".to_owned())),
+            ("law", Value::from(law)),
+            ("n", RING_VERTICES.into()),
+            ("std", doubling.into()),
+            ("rim", "horizon".into()),
         ];
-        let frame = surface(&set).frame(&eye.camera, eye.size);
+        let frame = surface(set).frame(&eye.camera, eye.size);
         frame.expect("a frame")
     };
     // Rings of a mesh: two triangles a vertex and ring, and the fan.
@@ -124,22 +122,12 @@ fn whole(turns: f64) -> u32 {
 /// Over one place, level, so that the horizon is seen.
 fn eye(height_m: f64) -> Eye {
     let view = ViewRow {
-        name: String::new(),
         longitude_deg: -122.4194,
         latitude_deg: 37.7749,
         height_m,
-        pitch_deg: 0.0,
-        quick: false,
-        all_cells: false,
+        ..ViewRow::default()
     };
     view.eye(ROWS_PX)
-}
-
-fn places(frame: &SurfaceFrame) -> Vec<DVec3> {
-    let vertices = frame.vertices_rte.iter();
-    vertices
-        .map(|vertex| DVec3::from(vertex.map(f64::from)))
-        .collect()
 }
 
 /// Angle between two directions; exact for small ones.
@@ -150,22 +138,15 @@ fn angle(a: DVec3, b: DVec3) -> f64 {
 /// Largest distance on the screen between the middle of an edge and the place of the body over it, pixels. The
 /// fan's spokes are left out: they are no rings.
 fn worst_sag_px(frame: &SurfaceFrame, eye: &Eye) -> f64 {
-    let places = places(frame);
+    let place = |at: u32| DVec3::from(frame.vertices_rte[at as usize].map(f64::from));
     let mut worst = 0.0_f64;
-    for triangle in frame
-        .triangles
-        .iter()
-        .filter(|triangle| !triangle.contains(&0))
-    {
+    let triangles = frame.triangles.iter();
+    for triangle in triangles.filter(|triangle| !triangle.contains(&0)) {
         for i in 0..3 {
-            let [a, b] = [triangle[i], triangle[(i + 1) % 3]].map(|at| places[at as usize]);
+            let [a, b] = [triangle[i], triangle[(i + 1) % 3]].map(place);
             let middle = 0.5 * (a + b);
             let place = eye.body.ecef_to_geodetic(eye.camera.eye_ecef + middle);
-            let foot = eye.body.geodetic_to_ecef(Geodetic {
-                height_m: 0.0,
-                ..place
-            });
-            let off = angle(middle, foot - eye.camera.eye_ecef);
+            let off = angle(middle, eye.below(place) - eye.camera.eye_ecef);
             worst = worst.max(off * eye.focal_px());
         }
     }

@@ -7,7 +7,7 @@ use crate::list::Eye;
 use std::collections::BTreeMap;
 use terrafill_lab::Cases;
 use terrafill_plot::Courses;
-use terrafill_results::{Block, Case, ChapterError, Plot};
+use terrafill_results::{Block, Case, ChapterError};
 use terrafill_study::Figures;
 
 /// What a loop did.
@@ -99,13 +99,7 @@ pub(crate) fn drawing(
         across: "frames",
         panels: panels.collect(),
     };
-    let svg = courses.draw()?;
-    Ok(svg.map(|svg| {
-        Block::Plot(Plot {
-            caption: caption.to_owned(),
-            svg,
-        })
-    }))
+    Ok(Block::plot(caption, courses.draw()?))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 
 use super::quadtree::Node;
 use super::scene::NodeVertices;
-use crate::canvas::{Canvas, Stages, texture, vertices, view_constants, write_layers, written};
+use crate::canvas::{Canvas, Stages, texture, uniform, vertices, view_constants, write_layers};
 use crate::list::Eye;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -140,37 +140,21 @@ impl ByHistogram {
             wgpu::ShaderStages::VERTEX,
             &[wgpu::BufferBindingType::Uniform],
         );
-        let bytes = size_of::<ViewConstants>() as u64;
-        let view = written(&gpu, "view constants", bytes, wgpu::BufferUsages::UNIFORM);
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty,
-            count: None,
-        };
-        let counted = gpu
-            .device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("counts"),
-                entries: &[
-                    entry(
-                        0,
-                        wgpu::BindingType::Texture {
-                            sample_type: wgpu::TextureSampleType::Uint,
-                            view_dimension: wgpu::TextureViewDimension::D2,
-                            multisampled: false,
-                        },
-                    ),
-                    entry(
-                        1,
-                        wgpu::BindingType::Buffer {
-                            ty: wgpu::BufferBindingType::Storage { read_only: false },
-                            has_dynamic_offset: false,
-                            min_binding_size: None,
-                        },
-                    ),
-                ],
-            });
+        let view = uniform::<ViewConstants>(&gpu, "view constants");
+        let types = [
+            wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Uint,
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
+            wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Storage { read_only: false },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+        ];
+        let types = types.map(|ty| (wgpu::ShaderStages::COMPUTE, ty));
+        let counted = gpu.mixed_layout("counts", types);
         let module = gpu.shader("globes/nodes.wgsl")?;
         let canvas = Canvas::new(&gpu, SIZE, wgpu::TextureFormat::R32Uint);
         let attributes = [
@@ -243,20 +227,9 @@ impl Counter for ByHistogram {
             mapped_at_creation: false,
         });
         let numbers = self.canvas.view();
-        let bound = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("counts"),
-            layout: &self.counted,
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(&numbers),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: counts.as_entire_binding(),
-                },
-            ],
-        });
+        let numbers = wgpu::BindingResource::TextureView(&numbers);
+        let bound = [numbers, counts.as_entire_binding()];
+        let bound = gpu.bind("counts", &self.counted, bound);
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.count);
         pass.set_bind_group(1, &bound, &[]);
@@ -349,8 +322,8 @@ impl ByQueries {
 impl Counter for ByQueries {
     fn count(&mut self, eye: &Eye, drawn: &NodeVertices) -> Result<Vec<u64>, DeviceError> {
         let samples = self.frame(eye, drawn, Measured::Samples)?;
-        samples
-            .ok_or_else(|| DeviceError::unsupported("occlusionQueryPrecise", &self.gpu.facts.name))
+        let name = &self.gpu.facts.name;
+        samples.ok_or_else(|| DeviceError::unsupported("occlusionQueryPrecise", name))
     }
 
     fn draw(&mut self, eye: &Eye, drawn: &NodeVertices) -> Result<(), DeviceError> {

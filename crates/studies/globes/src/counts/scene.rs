@@ -4,15 +4,15 @@
 //! A node draws its whole area as 10 × 10 sub-quads, as Gebbie and Bailey's decals do.
 
 use super::quadtree::Node;
+use crate::canvas::no_triangles;
 use crate::error::around;
 use crate::list::Eye;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use terrafill_core::Geodetic;
 use terrafill_reference::SurfaceTriangles;
-use terrafill_surface::{HeightRange, SurfaceFrame};
+use terrafill_surface::SurfaceFrame;
 
 /// Sub-quads along a side of a node.
 const SUB_QUADS: u32 = 10;
@@ -171,12 +171,7 @@ fn numbers(eye: &Eye, drawn: &NodeVertices) -> Vec<u32> {
     let frame = SurfaceFrame {
         vertices_rte: drawn.vertices_rte.clone().into(),
         triangles: triangles.into(),
-        heights: HeightRange {
-            lowest_m: 0.0,
-            highest_m: 0.0,
-        },
-        parts: Arc::default(),
-        shown: None,
+        ..no_triangles()
     };
     let key = |corners: [DVec3; 3]| corners.map(|corner| corner.to_array().map(f64::to_bits));
     let per_node = drawn.per_node as usize;
@@ -191,20 +186,11 @@ fn numbers(eye: &Eye, drawn: &NodeVertices) -> Vec<u32> {
         })
         .collect();
     let by_rays = SurfaceTriangles::new(&frame);
-    let width = eye.size.width as usize;
-    let mut numbers = vec![0; eye.size.pixel_count()];
-    let rows = numbers.par_chunks_mut(width.max(1)).enumerate();
-    rows.for_each(|(row, numbers)| {
-        for (column, number) in numbers.iter_mut().enumerate() {
-            let centre = [column, row].map(|at| at as f64 + 0.5);
-            let direction = eye.camera.direction_ecef(eye.size, centre);
-            let hit = by_rays.hit_facet(direction, eye.camera.near_m);
-            *number = hit
-                .and_then(|(_, facet)| of.get(&key(facet)).copied())
-                .unwrap_or(0);
-        }
-    });
-    numbers
+    eye.by_pixel(|_, _, direction| {
+        let hit = by_rays.hit_facet(direction, eye.camera.near_m);
+        let number = hit.and_then(|(_, facet)| of.get(&key(facet)));
+        number.copied().unwrap_or(0)
+    })
 }
 
 #[cfg(test)]

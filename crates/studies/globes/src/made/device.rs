@@ -2,7 +2,7 @@
 //! The spiral on wgpu, its vertices from wherever they come.
 
 use super::spiral::{Lookup, Relief, Source, Spiral};
-use crate::canvas::{Canvas, Stages, vertices, view_constants, written};
+use crate::canvas::{Canvas, Stages, uniform, vertices, view_constants, written};
 use crate::list::Eye;
 use bytemuck::{Pod, Zeroable};
 use std::f64::consts::TAU;
@@ -145,14 +145,8 @@ impl MadeTargets {
         has_series: bool,
     ) -> Result<MadeScene, DeviceError> {
         let gpu = &self.canvas.gpu;
-        let uniform = wgpu::BufferUsages::UNIFORM;
-        let view = written(
-            gpu,
-            "view constants",
-            size_of::<ViewConstants>() as u64,
-            uniform,
-        );
-        let constants = written(gpu, "spiral", size_of::<SpiralConstants>() as u64, uniform);
+        let view = uniform::<ViewConstants>(gpu, "view constants");
+        let constants = uniform::<SpiralConstants>(gpu, "spiral");
         let directions: Vec<[f32; 2]> = (0..spiral.per_turn)
             .map(|k| direction(k, spiral.per_turn))
             .collect();
@@ -167,7 +161,7 @@ impl MadeTargets {
         let bytes = bytemuck::cast_slice(indices);
         let index_buffer =
             gpu.upload("triangles of the spiral", bytes, wgpu::BufferUsages::INDEX)?;
-        let relief = written(gpu, "relief", size_of::<ReliefConstants>() as u64, uniform);
+        let relief = uniform::<ReliefConstants>(gpu, "relief");
         let samples = spiral.relief.as_ref();
         let samples = samples.map_or(&[0.0][..], |relief| &relief.heights.samples);
         let samples = bytemuck::cast_slice(samples);
@@ -202,17 +196,15 @@ impl MadeTargets {
         });
         let attributes = wgpu::vertex_attr_array![0 => Float32x3];
         let buffer = [vertices(&attributes)];
-        let layout = match source {
-            Source::Number => gpu.pipeline_layout("spiral", &[Some(&self.view_layout), Some(read)]),
-            Source::Sent | Source::Compute => {
-                gpu.pipeline_layout("spiral", &[Some(&self.view_layout)])
+        let groups = [Some(&self.view_layout), Some(read)];
+        let (entry_point, buffers, groups) = match source {
+            Source::Number if lookup.is_some() => {
+                ("making_displaced_main", &buffer[..0], &groups[..])
             }
+            Source::Number => ("making_main", &buffer[..0], &groups[..]),
+            Source::Sent | Source::Compute => ("read_main", &buffer[..], &groups[..1]),
         };
-        let (entry_point, buffers) = match source {
-            Source::Number if lookup.is_some() => ("making_displaced_main", &buffer[..0]),
-            Source::Number => ("making_main", &buffer[..0]),
-            Source::Sent | Source::Compute => ("read_main", &buffer[..]),
-        };
+        let layout = gpu.pipeline_layout("spiral", groups);
         let stages = Stages {
             module: &module,
             entry_points: [entry_point, "fragment_main"],
@@ -240,10 +232,8 @@ impl MadeTargets {
     pub(crate) fn send(&self, scene: &mut MadeScene, eye: &Eye, spiral: &Spiral) -> u64 {
         let view = view_constants(eye);
         let constants = SpiralConstants::new(spiral);
-        let vertices: Vec<[f32; 3]> = match scene.source {
-            Source::Sent => (0..spiral.count())
-                .map(|number| spiral.place(number).as_vec3().to_array())
-                .collect(),
+        let vertices = match scene.source {
+            Source::Sent => spiral.vertices(),
             Source::Compute | Source::Number => Vec::new(),
         };
         let relief = spiral.relief.as_ref();

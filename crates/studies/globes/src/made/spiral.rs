@@ -183,6 +183,12 @@ impl Spiral {
         way + self.focus + normal * relief.heights.height_m(direction)
     }
 
+    /// All vertices from the eye, metres.
+    pub(crate) fn vertices(&self) -> Vec<[f32; 3]> {
+        let places = (0..self.count()).map(|number| self.place(number));
+        places.map(|place| place.as_vec3().to_array()).collect()
+    }
+
     /// From the focus to a vertex on the body, metres.
     fn way(&self, number: u32) -> DVec3 {
         let Some(k) = number.checked_sub(1) else {

@@ -2,9 +2,7 @@
 //! Vertices made by a device, and the judge without one.
 
 use super::*;
-use std::rc::Rc;
-use terrafill_contract::{Devices, device_for_test};
-use terrafill_core::Geodetic;
+use crate::on_device::{on_device, verdict};
 use terrafill_results::Status;
 use terrafill_spiral::SpiralKind;
 use terrafill_study::Group as _;
@@ -24,8 +22,7 @@ fn fields() -> Vec<Arc<HeightCube>> {
 
 fn eye(name: &str) -> Eye {
     let list = List::shipped().expect("a list");
-    let view = list.view.iter().find(|view| view.name == name);
-    view.expect("the view").eye(160)
+    list.view(name).expect("the view").eye(160)
 }
 
 #[test]
@@ -64,11 +61,7 @@ fn over_terrain_every_vertex_is_as_high_as_the_field_says() {
             let place = eye
                 .body
                 .ecef_to_geodetic(eye.camera.eye_ecef + spiral.place(number));
-            let foot = Geodetic {
-                height_m: 0.0,
-                ..place
-            };
-            let foot = eye.body.geodetic_to_ecef(foot) / eye.body.radii_m();
+            let foot = eye.below(place) / eye.body.radii_m();
             let off_m = place.height_m - field.height_m(foot);
             assert!(off_m.abs() < 1e-4, "{work:?} {number}: {off_m}");
             highest_m = highest_m.max(place.height_m);
@@ -80,50 +73,30 @@ fn over_terrain_every_vertex_is_as_high_as_the_field_says() {
 
 #[test]
 fn devices_make_the_vertices_of_f64_and_both_stages_the_same() {
-    let devices = Rc::new(Devices::default());
-    if device_for_test(terrafill_gpu::shared_gpu(&devices)).is_none() {
-        return;
-    }
-    let list = List::shipped().expect("a list");
-    let made = MadeGlobes::planned(&list, (160, 1), fields());
-    let folder = tempfile::tempdir().expect("a folder");
-    let context = Context {
-        devices: &devices,
-        folder: folder.path(),
-    };
-    let mut session = made.open(context).expect("opens");
-    for (case, work) in made.work.work.iter().enumerate() {
-        let verdict = session.verify(case).expect("a verdict");
-        let figures: Vec<String> = verdict
-            .figures
-            .iter()
-            .map(|(name, value)| format!("{name} {value:.6}"))
-            .collect();
-        eprintln!(
-            "{work:?}: {:?} {} {}",
-            verdict.status,
-            verdict.reason,
-            figures.join(", ")
-        );
-        let looked_up = work.terrain.map(|(_, lookup)| lookup);
-        if looked_up == Some(Lookup::Absolute) {
-            // Half a metre at the Earth's radius is seen from 1.7 m.
-            let is_near = work.view == "ground-1.7m";
-            assert_eq!(verdict.status == Status::Wrong, is_near, "{work:?}");
-        } else if work.has_series || work.source == Source::Sent {
-            assert_eq!(verdict.status, Status::Ok, "{work:?}: {}", verdict.reason);
-            assert!(session.sample(case).is_ok());
+    on_device(terrafill_gpu::shared_gpu, |context| {
+        let list = List::shipped().expect("a list");
+        let made = MadeGlobes::planned(&list, (160, 1), fields());
+        let mut session = made.open(context).expect("opens");
+        for (case, work) in made.work.work.iter().enumerate() {
+            let verdict = verdict(&mut *session, case, work);
+            let looked_up = work.terrain.map(|(_, lookup)| lookup);
+            if looked_up == Some(Lookup::Absolute) {
+                // Half a metre at the Earth's radius is seen from 1.7 m.
+                let is_near = work.view == "ground-1.7m";
+                assert_eq!(verdict.status == Status::Wrong, is_near, "{work:?}");
+            } else if work.has_series || work.source == Source::Sent {
+                assert_eq!(verdict.status, Status::Ok, "{work:?}: {}", verdict.reason);
+                assert!(session.sample(case).is_ok());
+            }
         }
-    }
+    });
 }
 
 #[test]
 fn a_vertex_that_was_moved_is_found() {
     let eye = eye("globe");
     let spiral = Spiral::new(&eye, 36, false, None);
-    let mut vertices: Vec<[f32; 3]> = (0..spiral.count())
-        .map(|k| spiral.place(k).as_vec3().to_array())
-        .collect();
+    let mut vertices = spiral.vertices();
     assert!(against(&eye, &spiral, &vertices).0 < 1e-4);
     // Negative controls: 100 km off, and lost.
     vertices[7][0] += 1e5;

@@ -14,8 +14,6 @@ use terrafill_scene::ImageSize;
 
 const TARGET: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 const LAYERS: usize = 4;
-/// After cubes and pictures.
-const SAMPLER_BINDING: u32 = 8;
 
 /// As `vertex_main` of `globes/layers.wgsl` reads it.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -183,17 +181,17 @@ impl LayerTargets {
             wgpu::SamplerBindingType::Filtering,
         ));
         let pictures_layout = gpu.fragment_layout("layers", &types);
-        let view = |texture: &wgpu::Texture, dimension| {
-            texture.create_view(&wgpu::TextureViewDescriptor {
+        let views = |textures: &[wgpu::Texture], dimension| {
+            let descriptor = wgpu::TextureViewDescriptor {
                 dimension: Some(dimension),
                 ..Default::default()
-            })
+            };
+            let views = textures.iter();
+            let views = views.map(|texture| texture.create_view(&descriptor));
+            views.collect::<Vec<_>>()
         };
-        let mut views: Vec<wgpu::TextureView> = Vec::new();
-        let cubes = pictures.cubes.iter();
-        views.extend(cubes.map(|texture| view(texture, wgpu::TextureViewDimension::Cube)));
-        let maps = pictures.maps.iter();
-        views.extend(maps.map(|texture| view(texture, wgpu::TextureViewDimension::D2)));
+        let cubes = views(&pictures.cubes, wgpu::TextureViewDimension::Cube);
+        let maps = views(&pictures.maps, wgpu::TextureViewDimension::D2);
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("layers"),
             address_mode_u: wgpu::AddressMode::Repeat,
@@ -201,22 +199,10 @@ impl LayerTargets {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        let mut entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
-            .zip(&views)
-            .map(|(binding, view)| wgpu::BindGroupEntry {
-                binding,
-                resource: wgpu::BindingResource::TextureView(view),
-            })
-            .collect();
-        entries.push(wgpu::BindGroupEntry {
-            binding: SAMPLER_BINDING,
-            resource: wgpu::BindingResource::Sampler(&sampler),
-        });
-        let bound_pictures = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("layers"),
-            layout: &pictures_layout,
-            entries: &entries,
-        });
+        let views = cubes.iter().chain(&maps);
+        let views = views.map(wgpu::BindingResource::TextureView);
+        let sampler = wgpu::BindingResource::Sampler(&sampler);
+        let bound_pictures = gpu.bind("layers", &pictures_layout, views.chain([sampler]));
         Ok(Self {
             layout: gpu.pipeline_layout("layers", &[Some(&uniform), Some(&pictures_layout)]),
             bound: [

@@ -6,7 +6,6 @@ use super::layers::{colour, lights};
 use crate::error::shares;
 use crate::list::Eye;
 use glam::DVec3;
-use rayon::prelude::*;
 use terrafill_reference::SurfaceTriangles;
 use terrafill_surface::SurfaceFrame;
 
@@ -33,44 +32,33 @@ pub(super) fn judge(
 ) -> ShadingErrors {
     let triangles = SurfaceTriangles::new(frame);
     let lights = lights(eye);
-    let width = eye.size.width as usize;
-    let judged: Vec<Option<(f64, bool)>> = (0..picture.len())
-        .into_par_iter()
-        .map(|pixel| {
-            let centre = [pixel % width, pixel / width].map(|at| at as f64 + 0.5);
-            let direction = eye.camera.direction_ecef(eye.size, centre);
-            let (depth, facet) = triangles.hit_facet(direction, eye.camera.near_m)?;
-            let shown = picture[pixel];
-            if shown[3] == 0.0 {
-                return None;
-            }
-            // Normal and direction to the eye are interpolated as the device does: from the triangle's corners.
-            let corners = facet.map(|corner| (normal(eye, corner), -corner));
-            let shares = shares(facet, direction * depth);
-            let mixed = |of: &dyn Fn(usize) -> DVec3| {
-                (0..3).fold(DVec3::ZERO, |sum, i| sum + of(i) * shares[i])
-            };
-            let n = mixed(&|i| corners[i].0).normalize();
-            let expected = colour(&lights, shading.removed, n, mixed(&|i| corners[i].1));
-            let off = (0..3).map(|i| (f64::from(shown[i]) - expected[i]).abs());
-            // What is no number must not be lost in a maximum.
-            let worst = off.fold(
-                0.0,
-                |worst: f64, off| if off <= worst { worst } else { off },
-            );
-            Some((worst, n.z.abs() > POLAR_SINE))
-        })
-        .collect();
+    let judged = eye.by_pixel(|pixel, _, direction| {
+        let (depth, facet) = triangles.hit_facet(direction, eye.camera.near_m)?;
+        let shown = picture[pixel];
+        if shown[3] == 0.0 {
+            return None;
+        }
+        // Normal and direction to the eye are interpolated as the device does: from the triangle's corners.
+        let shares = shares(facet, direction * depth);
+        let mixed = |of: [DVec3; 3]| {
+            let terms = of.iter().zip(shares);
+            terms.fold(DVec3::ZERO, |sum, (of, share)| sum + *of * share)
+        };
+        let n = mixed(facet.map(|corner| normal(eye, corner))).normalize();
+        let to_eye = mixed(facet.map(|corner| -corner));
+        let expected = colour(&lights, shading.removed, n, to_eye);
+        let off = (0..3).map(|i| (f64::from(shown[i]) - expected[i]).abs());
+        // What is no number must not be lost in a maximum.
+        let larger = |worst: f64, off: f64| if off <= worst { worst } else { off };
+        Some((off.fold(0.0, larger), n.z.abs() > POLAR_SINE))
+    });
     let mut found = ShadingErrors {
         non_finite: picture.iter().filter(|colour| is_lost(colour)).count(),
         shown: picture.iter().filter(|colour| colour[3] != 0.0).count(),
         ..ShadingErrors::default()
     };
-    for (off, is_polar) in judged
-        .into_iter()
-        .flatten()
-        .filter(|(off, _)| off.is_finite())
-    {
+    let judged = judged.into_iter().flatten();
+    for (off, is_polar) in judged.filter(|(off, _)| off.is_finite()) {
         found.all.push(off);
         if is_polar {
             found.polar.push(off);

@@ -181,7 +181,7 @@ fn a_missing_device_is_skipped_and_a_wrong_parameter_fails() {
     }
     let mut works = ellipsoids();
     if let Some(chosen) = &mut works[0].surface {
-        chosen.knob = "row".to_owned();
+        chosen.row.knob = "row".to_owned();
     }
     let devices = Rc::new(Devices::default());
     let context = Context {

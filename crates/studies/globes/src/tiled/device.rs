@@ -5,7 +5,7 @@ use super::mesh::{MapMesh, origin};
 use super::options::{Drawing, Options, Seam};
 use super::tile_set::{Content, Shown, TileSet};
 use super::truth::{MAX_LEVEL, Tile, Truth, finest};
-use crate::canvas::{Canvas, Stages, vertices, view_constants, written};
+use crate::canvas::{Canvas, Stages, uniform, vertices, view_constants, written};
 use crate::list::Eye;
 use bytemuck::{Pod, Zeroable};
 use std::collections::BTreeMap;
@@ -19,7 +19,6 @@ use terrafill_scene::ImageSize;
 
 const MAP: &str = "globes/map.wgsl";
 const BINDLESS: &str = "globes/map_bindless.wgsl";
-const TARGET: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 
 /// Twin of `MapConstants` in `globes/map.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -92,12 +91,11 @@ pub(crate) struct MapScene {
     view: wgpu::Buffer,
     map: wgpu::Buffer,
     vertices: wgpu::Buffer,
-    capacity: u64,
     count: u32,
     /// Where the texels are bound.
     group: u32,
-    /// Of all tiles, or one a draw.
-    texels: Vec<wgpu::BindGroup>,
+    /// One a draw: of all tiles, or of one.
+    pub(crate) texels: Vec<wgpu::BindGroup>,
     pub(crate) set: TileSet,
     level: Option<u32>,
 }
@@ -154,17 +152,8 @@ fn texel_entries(
 }
 
 impl MapTargets {
-    /// For texels that hold their address.
-    pub(crate) fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Self {
-        Self::with_format(gpu, size, TARGET)
-    }
-
-    /// For texels that hold colours.
-    pub(crate) fn of_colours(gpu: &Arc<Gpu>, size: ImageSize) -> Self {
-        Self::with_format(gpu, size, wgpu::TextureFormat::Rgba8Unorm)
-    }
-
-    fn with_format(gpu: &Arc<Gpu>, size: ImageSize, format: wgpu::TextureFormat) -> Self {
+    /// - `format`: of the texels that are shown
+    pub(crate) fn new(gpu: &Arc<Gpu>, size: ImageSize, format: wgpu::TextureFormat) -> Self {
         let uniform = wgpu::BufferBindingType::Uniform;
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
@@ -236,11 +225,8 @@ impl MapTargets {
                 entries: &entries,
             });
         let pipeline = self.pipeline(options.drawing, &content, &layout)?;
-        let uniform = wgpu::BufferUsages::UNIFORM;
-        let bytes = size_of::<ViewConstants>() as u64;
-        let view = written(&gpu, "view constants", bytes, uniform);
-        let bytes = size_of::<MapConstants>() as u64;
-        let map = written(&gpu, "map constants", bytes, uniform);
+        let view = uniform::<ViewConstants>(&gpu, "view constants");
+        let map = uniform::<MapConstants>(&gpu, "map constants");
         let bytes = bytemuck::cast_slice(&keys);
         let list = gpu.upload("tiles", bytes, wgpu::BufferUsages::STORAGE)?;
         let [view_layout, map_layout] = &self.layouts;
@@ -254,7 +240,6 @@ impl MapTargets {
             view,
             map,
             vertices: vertex_buffer(&gpu, 4),
-            capacity: 4,
             count: 0,
             group: match options.drawing {
                 Drawing::DrawEach => 3,
@@ -278,10 +263,8 @@ impl MapTargets {
         let view = view_constants(eye);
         let map = MapConstants::new(eye, options, scene.set.tiles.len(), scene.level);
         let bytes: &[u8] = bytemuck::cast_slice(&mesh.vertices);
-        let needed = bytes.len() as u64;
-        if needed > scene.capacity {
-            scene.vertices = vertex_buffer(gpu, needed);
-            scene.capacity = needed;
+        if bytes.len() as u64 > scene.vertices.size() {
+            scene.vertices = vertex_buffer(gpu, bytes.len() as u64);
         }
         let all: [(&wgpu::Buffer, &[u8]); 3] = [
             (&scene.view, bytemuck::bytes_of(&view)),
@@ -310,11 +293,6 @@ impl MapTargets {
             }
         });
         self.canvas.finish(encoder)
-    }
-
-    /// Draws of a frame.
-    pub(crate) fn draws(scene: &MapScene) -> usize {
-        scene.texels.len()
     }
 
     /// What each pixel shows of tiles that hold addresses.

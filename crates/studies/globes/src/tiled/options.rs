@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How tiles of a map are laid over a grid on the screen.
 
+use crate::keys::{CELLS, LEVEL, MERCATOR, SEAM, TILES};
+use terrafill_results::ConditionKey;
+
 /// How triangles across ±180° are kept from running back over the whole map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Seam {
@@ -28,7 +31,7 @@ impl Seam {
     }
 
     /// Whether it is expected to leave texels beside the seam wrong.
-    fn may_miss(self) -> bool {
+    pub(crate) fn may_miss(self) -> bool {
         match self {
             Self::None | Self::Derivative => true,
             // Corners of a triangle that holds no pole are less than half a turn apart.
@@ -82,21 +85,21 @@ impl Options {
         one_level: false,
     };
 
-    /// Whether texels beside the seam may be wrong.
-    pub(crate) fn may_be_wrong(&self) -> bool {
-        self.seam.may_miss()
-    }
-
-    pub(crate) fn mercator(&self) -> &'static str {
-        if self.by_fragment {
+    /// What tells a case from others of its view.
+    pub(crate) fn conditions(&self) -> [(ConditionKey, String); 5] {
+        let mercator = if self.by_fragment {
             "fragment"
         } else {
             "vertex"
-        }
-    }
-
-    pub(crate) fn level(&self) -> &'static str {
-        if self.one_level { "frame" } else { "pixel" }
+        };
+        let level = if self.one_level { "frame" } else { "pixel" };
+        [
+            (CELLS, self.n.to_string()),
+            (SEAM, self.seam.name()),
+            (TILES, self.drawing.name().to_owned()),
+            (MERCATOR, mercator.to_owned()),
+            (LEVEL, level.to_owned()),
+        ]
     }
 
     /// What a view is drawn by.

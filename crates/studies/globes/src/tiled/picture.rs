@@ -13,7 +13,7 @@ use super::device::{MapScene, MapTargets};
 use super::grid;
 use super::mesh::map_mesh;
 use super::options::Options;
-use super::tile_set::{Content, SIDE, Shown};
+use super::tile_set::{ADDRESSES, COLOURS, Content, SIDE, Shown};
 use super::truth::{Texel, Tile, Truth, tiles, truths};
 use crate::STUDY;
 use crate::clock::FrameWatch;
@@ -27,12 +27,11 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_contract::DeviceError;
 use terrafill_maps::{CAP_SPAN, MapTile, PictureLevel, cut_cap, cut_tile};
 use terrafill_results::{CaseId, PlannedCase, RunInput, Verdict, quantile};
 use terrafill_scene::{MipChain, Scene};
 use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Measures, files_read, judged,
+    CaseGroup, CaseSession, Context, Failure, Figures, Measures, files_read, judged, verified,
 };
 
 /// Name of this part in cases.
@@ -215,14 +214,11 @@ impl PicturePart<'_> {
 impl Measures for PicturePart<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let eye = self.eye(case);
-        if self.targets.is_none() {
-            let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
-            let of = [MapTargets::new, MapTargets::of_colours];
-            self.targets = Some(of.map(|make| make(&gpu, eye.size)));
-        }
-        let targets = self.targets.as_mut();
-        let [of_addresses, of_colours] =
-            targets.ok_or(DeviceError::Missing("targets of the map"))?;
+        let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
+        let targets = &mut self.targets;
+        let [of_addresses, of_colours] = targets.get_or_insert_with(|| {
+            [ADDRESSES, COLOURS].map(|format| MapTargets::new(&gpu, eye.size, format))
+        });
         let options = Options {
             n: CELLS,
             ..Options::BASE
@@ -269,15 +265,14 @@ impl Measures for PicturePart<'_> {
         };
         let name = format!("{PART}-{}", self.group.views[case].name);
         let size = [eye.size.width, eye.size.height];
-        let pixels = colours.iter().map(|[r, g, b, _]| [*r, *g, *b]);
+        let pixels = colours.iter().map(|[rgb @ .., _]| *rgb);
         let path = write_png(self.context.folder, &name, size, pixels)?;
         self.ready.insert(case, scene);
         Ok(judged(reason, figures, vec![("picture", path)]))
     }
 
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        let scene = self.ready.get(&case);
-        let scene = scene.ok_or("it was not verified".to_owned())?;
+        let scene = verified(&mut self.ready, case)?;
         let targets = self.targets.as_ref();
         let [_, targets] = targets.ok_or("it has no targets".to_owned())?;
         let watch = FrameWatch::start();

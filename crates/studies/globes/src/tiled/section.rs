@@ -2,6 +2,7 @@
 //! The section on tiles of a map over the grid on the screen.
 
 use super::PART;
+use super::options::Options;
 use crate::clock::{DRAW, FRAME, compared_in, whole};
 use crate::keys::{self, *};
 use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};
@@ -44,14 +45,7 @@ pub(crate) const SECTION: Section<'static> = Section {
 
 /// What differs from the base.
 fn name(case: &Case) -> String {
-    let base = super::Options::BASE;
-    let all = [
-        (CELLS, base.n.to_string()),
-        (SEAM, base.seam.name()),
-        (TILES, base.drawing.name().to_owned()),
-        (MERCATOR, base.mercator().to_owned()),
-        (LEVEL, base.level().to_owned()),
-    ];
+    let all = Options::BASE.conditions();
     let other: Vec<String> = all
         .iter()
         .filter(|(key, value)| case.condition(*key) != value)

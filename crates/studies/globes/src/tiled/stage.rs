@@ -317,57 +317,35 @@ impl Measures for StagePart<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::list::List;
-    use terrafill_contract::{Devices, device_for_test};
+    use crate::on_device::{on_device, tiled_view, verdict};
     use terrafill_results::Status;
     use terrafill_screen_grid::ScreenGridKind;
     use terrafill_study::Group as _;
-    use terrafill_surface::SurfaceKind;
-
-    const KINDS: &[&dyn SurfaceKind] = &[&ScreenGridKind];
 
     #[test]
     fn a_geometry_shader_keeps_the_seam_as_the_cpu_does() {
-        let devices = Rc::new(Devices::default());
-        if device_for_test(terrafill_vulkan::shared_gpu(&devices)).is_none() {
-            return;
-        }
-        let list = List::shipped().expect("a list");
-        let view = list
-            .tiled_view
-            .iter()
-            .find(|view| view.name == "globe-antimeridian");
-        let stages = Stages::planned(
-            view.expect("the view"),
-            (160, 1),
-            &Rc::new(Opened::new(KINDS)),
-        );
-        let folder = tempfile::tempdir().expect("a folder");
-        let context = Context {
-            devices: &devices,
-            folder: folder.path(),
-        };
-        let mut session = stages.open(context).expect("opens");
-        for (case, splitter) in Splitter::ALL.iter().enumerate() {
-            let verdict = session.verify(case).expect("a verdict");
-            eprintln!(
-                "{splitter:?}: {:?} {} {:?}",
-                verdict.status, verdict.reason, verdict.figures
-            );
-            match splitter {
-                Splitter::Cpu(limit) if *limit <= 0.5 => assert_eq!(verdict.status, Status::Ok),
-                // A device without geometry shaders skips it.
-                Splitter::Geometry(limit) if *limit <= 0.5 => {
-                    assert_ne!(verdict.status, Status::Wrong, "{}", verdict.reason);
-                    assert_ne!(verdict.status, Status::Failed, "{}", verdict.reason);
-                    if verdict.status == Status::Ok {
-                        assert!(session.sample(case).is_ok());
+        on_device(terrafill_vulkan::shared_gpu, |context| {
+            let view = tiled_view("globe-antimeridian");
+            let opened = Rc::new(Opened::new(&[&ScreenGridKind]));
+            let stages = Stages::planned(&view, (160, 1), &opened);
+            let mut session = stages.open(context).expect("opens");
+            for (case, splitter) in Splitter::ALL.iter().enumerate() {
+                let verdict = verdict(&mut *session, case, splitter);
+                match splitter {
+                    Splitter::Cpu(limit) if *limit <= 0.5 => assert_eq!(verdict.status, Status::Ok),
+                    // A device without geometry shaders skips it.
+                    Splitter::Geometry(limit) if *limit <= 0.5 => {
+                        assert_ne!(verdict.status, Status::Wrong, "{}", verdict.reason);
+                        assert_ne!(verdict.status, Status::Failed, "{}", verdict.reason);
+                        if verdict.status == Status::Ok {
+                            assert!(session.sample(case).is_ok());
+                        }
                     }
+                    // Negative control: with nobody, pixels beside the seam are wrong.
+                    Splitter::Nobody => assert_eq!(verdict.status, Status::Wrong),
+                    _ => {}
                 }
-                // Negative control: with nobody, pixels beside the seam are wrong.
-                Splitter::Nobody => assert_eq!(verdict.status, Status::Wrong),
-                _ => {}
             }
-        }
+        });
     }
 }

@@ -4,8 +4,7 @@
 use super::options::{Drawing, Seam};
 use super::truth::{Texel, Tile, WrappedPoint};
 use super::*;
-use crate::list::List;
-use terrafill_contract::{Devices, device_for_test};
+use crate::on_device::{self, figure, on_device, tiled_view};
 use terrafill_results::Status;
 use terrafill_screen_grid::ScreenGridKind;
 use terrafill_study::Group as _;
@@ -13,73 +12,31 @@ use terrafill_surface::SurfaceKind;
 
 const KINDS: &[&dyn SurfaceKind] = &[&ScreenGridKind];
 
-fn view(name: &str) -> ViewRow {
-    let list = List::shipped().expect("a list");
-    let mut views = list.tiled_view.into_iter();
-    views.find(|view| view.name == name).expect("the view")
-}
-
 /// Verdicts of a view's ways; `None` without a device.
 fn verdicts(name: &str, side_px: u32, options: Vec<Options>) -> Option<Vec<Verdict>> {
-    let devices = Rc::new(Devices::default());
-    device_for_test(terrafill_gpu::shared_gpu(&devices))?;
-    let opened = Rc::new(Opened::new(KINDS));
-    let count = options.len();
-    let tiled = Tiled::planned(&view(name), (side_px, 1), options, &opened);
-    let folder = tempfile::tempdir().expect("a folder");
-    let context = Context {
-        devices: &devices,
-        folder: folder.path(),
-    };
-    let mut session = tiled.open(context).expect("opens");
-    let all = (0..count).map(|case| {
-        let verdict = session.verify(case).expect("a verdict");
-        let figures = verdict.figures.iter();
-        let shown: Vec<String> = figures
-            .map(|(name, value)| format!("{name} {value:.3}"))
-            .collect();
-        eprintln!(
-            "{name} {:?}: {:?} {} {}",
-            tiled.work.options[case],
-            verdict.status,
-            verdict.reason,
-            shown.join(", ")
-        );
-        if verdict.status == Status::Ok {
-            assert!(session.sample(case).is_ok());
-        }
-        verdict
-    });
-    Some(all.collect())
-}
-
-fn figure(verdict: &Verdict, name: &str) -> f64 {
-    let mut figures = verdict.figures.iter();
-    let found = figures.find(|(known, _)| *known == name);
-    found.map_or(f64::NAN, |(_, value)| *value)
+    on_device(terrafill_gpu::shared_gpu, |context| {
+        let opened = Rc::new(Opened::new(KINDS));
+        let tiled = Tiled::planned(&tiled_view(name), (side_px, 1), options, &opened);
+        let mut session = tiled.open(context).expect("opens");
+        let options = tiled.work.options.iter().enumerate();
+        let verdicts = options.map(|(case, options)| {
+            let verdict = on_device::verdict(&mut *session, case, options);
+            if verdict.status == Status::Ok {
+                assert!(session.sample(case).is_ok());
+            }
+            verdict
+        });
+        verdicts.collect()
+    })
 }
 
 #[test]
 fn every_pixel_of_a_globe_shows_its_texel_and_the_seam_is_kept() {
     let base = Options::BASE;
-    let options = vec![
-        base,
-        Options {
-            drawing: Drawing::DrawEach,
-            ..base
-        },
-        Options {
-            drawing: Drawing::Bindless,
-            ..base
-        },
-        Options {
-            seam: Seam::Rotated,
-            ..base
-        },
-        Options {
-            seam: Seam::Local,
-            ..base
-        },
+    let drawings = [Drawing::Array, Drawing::DrawEach, Drawing::Bindless];
+    let mut options: Vec<Options> = drawings.map(|drawing| Options { drawing, ..base }).into();
+    options.extend([Seam::Rotated, Seam::Local].map(|seam| Options { seam, ..base }));
+    options.extend([
         Options {
             by_fragment: true,
             ..base
@@ -92,7 +49,7 @@ fn every_pixel_of_a_globe_shows_its_texel_and_the_seam_is_kept() {
             seam: Seam::None,
             ..base
         },
-    ];
+    ]);
     let Some(all) = verdicts("globe-antimeridian", 200, options) else {
         return;
     };
@@ -129,15 +86,12 @@ fn every_pixel_of_a_globe_shows_its_texel_and_the_seam_is_kept() {
 #[test]
 fn counted_from_the_eye_no_texel_is_lost_to_single_precision() {
     let base = Options::BASE;
-    let options = vec![
-        Options {
-            seam: Seam::Local,
-            n: 40,
-            ..base
-        },
-        Options { n: 40, ..base },
-    ];
-    let Some(all) = verdicts("ground-1.7m", 100, options) else {
+    let options = [Seam::Local, base.seam].map(|seam| Options {
+        seam,
+        n: 40,
+        ..base
+    });
+    let Some(all) = verdicts("ground-1.7m", 100, options.into()) else {
         return;
     };
     let [local, absolute] = [0, 1].map(|at| figure(&all[at], "globe_tile_texels_p99"));

@@ -14,7 +14,11 @@ pub(crate) const SIDE: u32 = 256;
 /// What the shader writes where there is no tile.
 const MISSING: u32 = u32::MAX;
 /// Numbers of tiles, which 16 bits hold with 0 and all ones left out.
-const MAX_TILES: usize = 65_534;
+const MAX_TILES: u64 = 65_534;
+
+/// Formats of texels that hold their address, and of those that hold colours.
+pub(crate) const ADDRESSES: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
+pub(crate) const COLOURS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// What a pixel shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,10 +56,7 @@ fn check_capacity(gpu: &Gpu, drawing: Drawing, found: usize) -> Result<(), Devic
         Drawing::Bindless => {
             let needed = wgpu::Features::TEXTURE_BINDING_ARRAY
                 | wgpu::Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING;
-            if !gpu.device.features().contains(needed) {
-                let what = "freely indexed arrays of textures";
-                return Err(DeviceError::unsupported(what, &gpu.facts.name));
-            }
+            gpu.require(needed, "freely indexed arrays of textures")?;
             (
                 "tiles of the map in an array of textures",
                 limits
@@ -64,22 +65,14 @@ fn check_capacity(gpu: &Gpu, drawing: Drawing, found: usize) -> Result<(), Devic
             )
         }
     };
-    let allowed = (allowed as usize).min(MAX_TILES);
-    if found <= allowed {
-        return Ok(());
-    }
-    Err(DeviceError::OverCapacity {
-        what: what.to_owned(),
-        found: found as u64,
-        allowed: allowed as u64,
-    })
+    DeviceError::check_capacity(what, found as u64, u64::from(allowed).min(MAX_TILES))
 }
 
 /// - `layers`: whose number each tile has
 fn of_layers(gpu: &Gpu, content: &Content, layers: Range<u32>) -> wgpu::Texture {
     let format = match content {
-        Content::Addresses => wgpu::TextureFormat::R32Uint,
-        Content::Colours(_) => wgpu::TextureFormat::Rgba8Unorm,
+        Content::Addresses => ADDRESSES,
+        Content::Colours(_) => COLOURS,
     };
     let size = [SIDE, SIDE, layers.end - layers.start];
     let texture = texture(gpu, "tiles of the map", size, format);

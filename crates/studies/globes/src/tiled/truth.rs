@@ -5,7 +5,6 @@
 use super::options::Options;
 use crate::list::Eye;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use terrafill_core::Geodetic;
@@ -84,16 +83,7 @@ pub(crate) struct Truth {
 pub(crate) fn truths(eye: &Eye, frame: &SurfaceFrame) -> Vec<Option<Truth>> {
     let triangles = SurfaceTriangles::new(frame);
     let body = SurfaceTriangles::of_body(&eye.body, eye.camera.eye_ecef);
-    let width = eye.size.width as usize;
-    let mut pixels = vec![None; eye.size.pixel_count()];
-    let rows = pixels.par_chunks_mut(width.max(1)).enumerate();
-    rows.for_each(|(row, pixels)| {
-        for (column, pixel) in pixels.iter_mut().enumerate() {
-            let centre = [column, row].map(|at| at as f64 + 0.5);
-            *pixel = truth(eye, &triangles, &body, centre);
-        }
-    });
-    pixels
+    eye.by_pixel(|_, centre, direction| truth(eye, &triangles, &body, centre, direction))
 }
 
 /// Shares of a triangle's corners where a ray from the eye meets its plane.
@@ -108,9 +98,9 @@ fn truth(
     triangles: &SurfaceTriangles,
     body: &SurfaceTriangles,
     centre: [f64; 2],
+    direction: DVec3,
 ) -> Option<Truth> {
     let camera = &eye.camera;
-    let direction = camera.direction_ecef(eye.size, centre);
     let (depth, facet) = triangles.hit_facet(direction, camera.near_m)?;
     let corners = facet.map(|corner| corner + camera.eye_ecef);
     let points = corners.map(|corner| MapPoint::new(&eye.body, corner));

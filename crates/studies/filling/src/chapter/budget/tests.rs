@@ -3,8 +3,9 @@
 
 use super::*;
 use crate::chapter::FillingChapter;
+use crate::chapter::tests::on_cpu;
 use terrafill_results::made_up::{MadeUpCase, MadeUpRun, case_id};
-use terrafill_results::{Chapter as _, RunEnvironment, Status};
+use terrafill_results::{Chapter as _, Status};
 
 const VIEWS: [&str; 2] = ["all", "near"];
 
@@ -41,13 +42,7 @@ fn fill(run: &mut MadeUpRun, name: &str, [ms, bytes]: [f64; 2], with: impl Fn(&m
 
 /// A mask that is off by 3 px, volumes with levels of detail, and exact ones, cheaper to dearer.
 fn made() -> MadeUpRun {
-    let mut run = MadeUpRun {
-        environment: RunEnvironment {
-            device_type: "cpu".to_owned(),
-            ..RunEnvironment::default()
-        },
-        ..MadeUpRun::default()
-    };
+    let mut run = on_cpu();
     fill(&mut run, "mask/texture", [1.0, 100.0], |case| {
         case.figure("target_bytes", 4e6)
             .figure("boundary_moved_px", 2.0)
@@ -75,11 +70,12 @@ fn told(run: &MadeUpRun, budget: Budget) -> [String; 2] {
     let run = run.write(folder.path()).expect("a run");
     budget.write(folder.path()).expect("written");
     let answers = FillingChapter.answers(&run).expect("answers");
-    match &answers.blocks[0] {
-        Block::Folded { blocks, .. } => match &blocks[..] {
-            [Block::Text(limits), Block::List(lines)] => [limits.clone(), lines.join("\n")],
-            other => panic!("{other:?}"),
-        },
+    let folded = answers.blocks.iter().find_map(|block| match block {
+        Block::Folded { blocks, .. } => Some(&blocks[..]),
+        _ => None,
+    });
+    match folded {
+        Some([Block::Text(limits), Block::List(lines)]) => [limits.clone(), lines.join("\n")],
         other => panic!("{other:?}"),
     }
 }

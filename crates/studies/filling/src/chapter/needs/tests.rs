@@ -2,9 +2,9 @@
 //! What made-up runs hold and leave out, as a reader sees it.
 
 use super::*;
-use crate::chapter::FillingChapter;
+use crate::chapter::tests::{answers, on_cpu, section, tables};
 use terrafill_results::made_up::{MadeUpCase, MadeUpRun, case_id};
-use terrafill_results::{Chapter as _, Row, RunEnvironment, Standing};
+use terrafill_results::{Row, Standing};
 
 const PROCESSES: [f64; 4] = [1.0, 1.1, 0.9, 1.05];
 
@@ -57,13 +57,7 @@ fn add<'a>(
 
 /// Two views, of which one needs bottom caps; an ablation of the other.
 fn run() -> MadeUpRun {
-    let mut run = MadeUpRun {
-        environment: RunEnvironment {
-            device_type: "cpu".to_owned(),
-            ..RunEnvironment::default()
-        },
-        ..MadeUpRun::default()
-    };
+    let mut run = on_cpu();
     let depth_pass = case_id(
         "filling",
         "s/far/depth-pass/full-screen",
@@ -96,34 +90,13 @@ fn run() -> MadeUpRun {
     run
 }
 
-fn section(run: &MadeUpRun) -> Vec<Block> {
-    let folder = tempfile::tempdir().expect("a folder");
-    let run = run.write(folder.path()).expect("a run");
-    let all = FillingChapter.blocks(&run).expect("a chapter");
-    let is_section = |block: &&Block| matches!(block, Block::Heading { level: 3, .. });
-    let mut own = all
-        .iter()
-        .skip_while(|block| **block != Block::section(TITLE));
-    let title = own.next().cloned();
-    let rest = own.take_while(|block| !is_section(block)).cloned();
-    title.into_iter().chain(rest).collect()
-}
-
-fn tables(blocks: &[Block]) -> Vec<&Table> {
-    let tables = blocks.iter().filter_map(|block| match block {
-        Block::Table(table) => Some(table),
-        _ => None,
-    });
-    tables.collect()
-}
-
 fn texts(row: &Row) -> Vec<&str> {
     row.cells.iter().map(|cell| cell.text.as_str()).collect()
 }
 
 #[test]
 fn what_views_need_is_told_feature_by_feature_and_step_by_step() {
-    let blocks = section(&run());
+    let blocks = section(&run(), TITLE);
     let tables = tables(&blocks);
     let [features, steps] = tables[..] else {
         panic!("{} tables", tables.len());
@@ -154,10 +127,7 @@ fn what_views_need_is_told_feature_by_feature_and_step_by_step() {
 #[test]
 fn bytes_that_no_feature_declares_are_named_by_the_requirement() {
     let requirement = |run: &MadeUpRun| {
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
-        let answers = FillingChapter.answers(&run).expect("answers");
-        let mut all = answers.requirements.into_iter();
+        let mut all = answers(run).requirements.into_iter();
         all.find(|of| of.claim.starts_with("Every byte and pipeline"))
     };
     let standing = |run: &MadeUpRun| requirement(run).map(|of| of.standing);
@@ -172,6 +142,6 @@ fn bytes_that_no_feature_declares_are_named_by_the_requirement() {
     let mut forged = run();
     forged.cases[1].figure("made_pipelines", 9.0);
     assert_eq!(standing(&forged), Some(Standing::DoesNotHold));
-    assert!(section(&MadeUpRun::default()).is_empty());
+    assert!(section(&MadeUpRun::default(), TITLE).is_empty());
     assert_eq!(standing(&MadeUpRun::default()), None);
 }

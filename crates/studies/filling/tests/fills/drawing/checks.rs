@@ -5,13 +5,13 @@
 use super::sights::{MUTANTS, Notices, POSES, Sight, square_from, three_regions_from};
 use super::{
     AllTargets, Devices, SIZE, Technique, differing, draw_with, figures, is_right, judge, shipped,
-    vertex, with_colour, with_switches,
+    shown, vertex, with_colour, with_switches,
 };
 use terrafill_conformance::{filled_only, verdict};
 use terrafill_contract::{FillInput, Frame};
 use terrafill_core::RegionMesh;
 use terrafill_native::Extrusion as Native;
-use terrafill_plan::{NearRectangle, PlanOptions};
+use terrafill_plan::NearRectangle;
 use terrafill_scene::Overlap;
 use terrafill_variant::{ColourWay, DepthRuleChoice, FacePasses, Switches};
 use terrafill_vertex::Layout;
@@ -162,8 +162,7 @@ pub(crate) fn assert_scenes_right(names: &[&str], techniques: impl Fn(Switches) 
         let switches = Switches::for_overlap(prepared.overlap);
         let targets = AllTargets::new(&devices, SIZE);
         let looked = views.iter().map(|view| {
-            let input = FillInput::new(&prepared, view, SIZE, PlanOptions::default());
-            let input = input.expect("a surface");
+            let input = shown(&prepared, view, SIZE);
             let (judged, by_vertex) = (judge(&input), targets.draw(&input, vertex(switches)));
             (view, input, judged, by_vertex)
         });

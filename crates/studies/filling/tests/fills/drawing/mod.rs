@@ -18,16 +18,20 @@ use std::sync::Arc;
 use terrafill_compute::{ComputeBackend, ComputeTechnique, ComputeVariant};
 use terrafill_conformance::{ErrorFigures, compare, verdict};
 use terrafill_contract::{Counters, FillBackend, FillInput, Frame, PreparedScene};
-use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh, parse_regions};
+use terrafill_core::{
+    EdgeRule, Ellipsoid, Extent, Geodetic, MeshOptions, RegionMesh, parse_regions,
+};
 use terrafill_filling::Techniques;
 use terrafill_fixtures::data;
-use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
-use terrafill_plan::{LazyParts, PlanOptions, RegionSet, SceneBounds};
+use terrafill_native::{Extrusion, Indices, NativeBackend, NativeTechnique, NativeVariant};
+use terrafill_plan::{LazyParts, LeveledMeshes, PlanOptions, RegionSet, SceneBounds};
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{CameraPose, ImageSize, Overlap, View};
-use terrafill_surface::EllipsoidKind;
+use terrafill_scene::{Camera, CameraPose, ImageSize, Overlap, Scene, View};
+use terrafill_surface::{
+    EllipsoidKind, HeightRange, Surface, SurfaceError, SurfaceFrame, open_surface,
+};
 use terrafill_variant::{ColourWay, Switches};
-use terrafill_vertex::{VertexBackend, VertexTechnique, VertexVariant};
+use terrafill_vertex::{Layout, VertexBackend, VertexTechnique, VertexVariant};
 
 /// As the command line hands them to a study.
 pub(crate) const TECHNIQUES: Techniques = &[&VertexTechnique, &ComputeTechnique, &NativeTechnique];
@@ -50,11 +54,15 @@ impl Technique {
     }
 }
 
+pub(crate) const fn square(side_px: u32) -> ImageSize {
+    ImageSize {
+        width: side_px,
+        height: side_px,
+    }
+}
+
 /// Size of most pictures here.
-pub(crate) const SIZE: ImageSize = ImageSize {
-    width: 384,
-    height: 384,
-};
+pub(crate) const SIZE: ImageSize = square(384);
 
 /// The adapter through wgpu and, where a test asks for it, through Vulkan itself.
 pub(crate) struct Devices {
@@ -156,9 +164,56 @@ pub(crate) fn draw_with(backend: &mut (impl FillBackend + ?Sized), input: &FillI
 
 /// What other backends are laid beside: doubled vertices with these switches.
 pub(crate) fn vertex(switches: Switches) -> Technique {
+    in_layout(Layout::Doubled, switches)
+}
+
+/// Vertices in a layout, with these switches.
+pub(crate) fn in_layout(layout: Layout, switches: Switches) -> Technique {
     Technique::Vertex(VertexVariant {
+        layout,
         switches,
         ..VertexVariant::default()
+    })
+}
+
+/// Vertices in every layout, with these switches.
+pub(crate) fn layouts(switches: Switches) -> Vec<Technique> {
+    Layout::ALL.map(|layout| in_layout(layout, switches)).into()
+}
+
+/// One of the extrusions on Vulkan, with these switches.
+pub(crate) fn native(technique: Extrusion, switches: Switches) -> Technique {
+    Technique::Native(NativeVariant {
+        technique,
+        switches,
+        ..NativeVariant::default()
+    })
+}
+
+/// The same with indices of one kind.
+pub(crate) fn stored(technique: Extrusion, indices: Indices, switches: Switches) -> Technique {
+    Technique::Native(NativeVariant {
+        technique,
+        indices: Some(indices),
+        switches,
+        ..NativeVariant::default()
+    })
+}
+
+/// Every extrusion with every kind of indices that it has.
+pub(crate) fn storages() -> Vec<(Extrusion, Indices)> {
+    let lists = Extrusion::ALL.map(|technique| (technique, Indices::List));
+    let own = Extrusion::ALL.into_iter();
+    let own = own.filter(|technique| technique.has_index_choice());
+    let strips = own.map(|technique| (technique, Indices::Strip));
+    lists.into_iter().chain(strips).collect()
+}
+
+/// Volumes made by compute shaders, with these switches.
+pub(crate) fn compute(switches: Switches) -> Technique {
+    Technique::Compute(ComputeVariant {
+        switches,
+        ..ComputeVariant::default()
     })
 }
 
@@ -204,6 +259,16 @@ pub(crate) fn differing(a: &Frame, b: &Frame) -> usize {
 /// What a GPU backend counted.
 pub(crate) fn counters(frame: &Frame) -> Counters {
     frame.counters.expect("a GPU backend counts")
+}
+
+/// Buffers, pipelines and uploads that a frame needed.
+pub(crate) fn made(frame: &Frame) -> [u64; 3] {
+    let found = counters(frame);
+    [
+        found.buffer_creations,
+        found.pipeline_creations,
+        found.uploads,
+    ]
 }
 
 /// Longitude, latitude, height, heading, pitch, in degrees and metres.
@@ -267,7 +332,17 @@ pub(crate) fn look(scene: &PreparedScene, pose: Pose, near_m: f64, size: ImageSi
         },
         note: None,
     };
-    FillInput::new(scene, &view, size, PlanOptions::default()).expect("a surface")
+    shown(scene, &view, size)
+}
+
+/// What a view shows, planned as usual.
+pub(crate) fn shown(scene: &PreparedScene, view: &View, size: ImageSize) -> FillInput {
+    FillInput::new(scene, view, size, PlanOptions::default()).expect("a surface")
+}
+
+pub(crate) fn named<'a>(views: &'a [View], name: &str) -> &'a View {
+    let found = views.iter().find(|view| view.name == name);
+    found.expect("one of the scene's views")
 }
 
 /// A shipped scene with its views.
@@ -275,6 +350,51 @@ pub(crate) fn shipped(name: &str) -> (PreparedScene, Vec<View>) {
     let scene = data::scene(name);
     let prepared = by_main::prepared(&[&EllipsoidKind], &scene);
     (prepared, scene.views)
+}
+
+/// A scene over the bare body with all its levels.
+pub(crate) fn leveled(scene: &Scene) -> PreparedScene {
+    let meshes = LeveledMeshes::build(scene, &scene.mesh).expect("meshes");
+    let surface = open_surface(&[&EllipsoidKind], scene).expect("a surface");
+    PreparedScene::leveled(scene, meshes, surface)
+}
+
+/// The same triangles, said to lie between the heights of their corners.
+#[derive(Debug)]
+struct WithoutSagitta(Arc<dyn Surface>);
+
+/// All corners of a bare body's triangles.
+const CORNERS: HeightRange = HeightRange {
+    lowest_m: 0.0,
+    highest_m: 0.0,
+};
+
+impl Surface for WithoutSagitta {
+    fn kind(&self) -> &'static str {
+        self.0.kind()
+    }
+
+    fn heights(&self, _extent: &Extent) -> HeightRange {
+        CORNERS
+    }
+
+    fn frame(&self, camera: &Camera, size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
+        Ok(SurfaceFrame {
+            heights: CORNERS,
+            parts: Arc::default(),
+            ..self.0.frame(camera, size)?
+        })
+    }
+}
+
+/// The scene over a surface that hides how far its facets hang below the body.
+pub(crate) fn without_sagitta(scene: &PreparedScene) -> PreparedScene {
+    let surface = Arc::new(WithoutSagitta(Arc::clone(&scene.surface)));
+    PreparedScene {
+        surface,
+        ..scene.clone()
+    }
+    .with_meshes(scene.meshes.clone())
 }
 
 /// A feature.

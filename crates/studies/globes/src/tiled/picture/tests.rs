@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::list::List;
-use terrafill_contract::{Devices, device_for_test};
+use crate::on_device::on_device;
 use terrafill_results::Status;
 use terrafill_screen_grid::ScreenGridKind;
 use terrafill_study::Group as _;
@@ -25,25 +25,18 @@ fn made_up() -> Arc<MipChain> {
 
 #[test]
 fn colours_are_those_of_the_texels_and_a_changed_tile_shows() {
-    let devices = Rc::new(Devices::default());
-    if device_for_test(terrafill_gpu::shared_gpu(&devices)).is_none() {
-        return;
-    }
-    let list = List::shipped().expect("a list");
-    let opened = Rc::new(Opened::new(KINDS));
-    let group = Pictured::planned(&list.tiled_view, (96, 1), true, made_up(), &opened);
-    assert_eq!(group.cases.len(), QUICK_VIEWS.len());
-    let folder = tempfile::tempdir().expect("a folder");
-    let context = Context {
-        devices: &devices,
-        folder: folder.path(),
-    };
-    let mut session = group.open(context).expect("opens");
-    for case in 0..group.cases.len() {
-        let verdict = session.verify(case).expect("a verdict");
-        assert_eq!(verdict.status, Status::Ok, "{}", verdict.reason);
-        assert!(session.sample(case).is_ok());
-    }
+    on_device(terrafill_gpu::shared_gpu, |context| {
+        let list = List::shipped().expect("a list");
+        let opened = Rc::new(Opened::new(KINDS));
+        let group = Pictured::planned(&list.tiled_view, (96, 1), true, made_up(), &opened);
+        assert_eq!(group.cases.len(), QUICK_VIEWS.len());
+        let mut session = group.open(context).expect("opens");
+        for case in 0..group.cases.len() {
+            let verdict = session.verify(case).expect("a verdict");
+            assert_eq!(verdict.status, Status::Ok, "{}", verdict.reason);
+            assert!(session.sample(case).is_ok());
+        }
+    });
 }
 
 #[test]
