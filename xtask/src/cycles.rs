@@ -5,7 +5,7 @@
 //! `crate::Name` leads to the module behind the root's `pub use`. Declaring and re-exporting a module
 //! is no use of it. Tests do not count; methods have no path and are not seen.
 
-use crate::source::{Crate, crates, tokens, without_comments, without_tests};
+use crate::source::{self, Crate, crates, tokens, without_comments, without_tests};
 use anyhow::{Result, bail};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -185,7 +185,7 @@ fn module_of(name: &[String], code: &[&str]) -> Module {
 }
 
 fn is_name(word: &str) -> bool {
-    word.starts_with(|c: char| c.is_alphanumeric() || c == '_')
+    word.starts_with(source::is_name)
 }
 
 /// Whether the words end with `pub` or `pub(…)`.

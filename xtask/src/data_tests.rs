@@ -5,7 +5,8 @@
 //! something is missing. So a test that reads data fails on a clone alone unless it is ignored. Refused here is what would get
 //! round that: an attribute `ignore` for another reason, and a test that looks for data by itself.
 
-use anyhow::{Context as _, Result, bail};
+use crate::source::{files_below, read, relative};
+use anyhow::{Result, bail};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -42,28 +43,12 @@ const MAY_LOOK: &[&str] = &[
 pub(crate) fn check(root: &Path) -> Result<String> {
     let mut files = BTreeMap::new();
     for folder in ["crates", "xtask"] {
-        read(root, &root.join(folder), &mut files)?;
-    }
-    judge(&files)
-}
-
-/// All sources below `folder`, by their path from `root`.
-fn read(root: &Path, folder: &Path, files: &mut BTreeMap<String, String>) -> Result<()> {
-    let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
-    for entry in entries {
-        let path = entry?.path();
-        if path.is_dir() {
-            if path.file_name().is_none_or(|name| name != "target") {
-                read(root, &path, files)?;
-            }
-        } else if path.extension().is_some_and(|end| end == "rs") {
-            let text =
-                std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-            let name = path.strip_prefix(root).unwrap_or(&path);
-            files.insert(name.to_string_lossy().replace('\\', "/"), text);
+        let is_build = |path: &Path| path.ends_with("target");
+        for path in files_below(&root.join(folder), &["rs"], is_build)? {
+            files.insert(relative(root, &path), read(&path)?);
         }
     }
-    Ok(())
+    judge(&files)
 }
 
 /// - `files`: texts by path

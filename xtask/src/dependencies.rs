@@ -5,7 +5,7 @@
 //! is refused. Edges of tests count as well, since a technique whose tests need another technique
 //! cannot be taken out.
 
-use crate::source::sources;
+use crate::source::{read, sources};
 use anyhow::{Context as _, Result, bail};
 use serde::Deserialize;
 use std::collections::BTreeSet;
@@ -282,7 +282,7 @@ pub(crate) fn check_test_group(config: &str, packages: &[Package]) -> Result<Str
 pub(crate) fn check_reference(folder: &Path) -> Result<String> {
     let mut names = BTreeSet::new();
     for path in sources(folder)? {
-        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        let text = read(&path)?;
         if text.contains(".meshes") {
             bail!("{}: the reference reads a scene's meshes", path.display());
         }

@@ -9,6 +9,7 @@
 //! A link whose text is a name in code and whose target is a source file says that the file has that name:
 //! ``[`parse_regions`](../crates/ground/core/src/geojson.rs)``.
 
+use crate::source::is_name as is_word;
 use anyhow::{Context as _, Result, bail};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -218,11 +219,6 @@ fn objection(page: &Path, Link { text, target }: &Link<'_>) -> Option<String> {
         path.extension().is_some_and(|ending| ending == "rs") && name.chars().all(is_word);
     let has_it = || content().split(|c| !is_word(c)).any(|word| word == name);
     (is_name && !has_it()).then(|| format!("{target}: {name} is not in it"))
-}
-
-/// Whether a name may hold it.
-fn is_word(c: char) -> bool {
-    c.is_alphanumeric() || c == '_'
 }
 
 /// Headings as links name them: lower case, hyphens for spaces, no marks.

@@ -40,9 +40,7 @@ fn check_with(folder: &Path, tools: Tools<'_>) -> Result<String> {
             shaders.len()
         );
     }
-    let recorded = folder.join(COMPILER_FILE);
-    let recorded =
-        std::fs::read_to_string(&recorded).with_context(|| recorded.display().to_string())?;
+    let recorded = crate::source::read(&folder.join(COMPILER_FILE))?;
     let compiled = match version(tools.compiler)? {
         None => format!("{}: not installed, not compared", tools.compiler),
         Some(found) => {

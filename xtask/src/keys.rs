@@ -6,7 +6,7 @@
 //! refused here. They are a name in quotes where a result is read, a list of nothing but conditions, and the
 //! name of a metric anywhere but where it is declared or given a value.
 
-use crate::source::{crates, without_comments, without_tests};
+use crate::source::{crates, quoted, without_comments, without_tests};
 use anyhow::{Result, bail};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -194,7 +194,7 @@ fn each_literal(text: &str, mut say: impl FnMut(Literal<'_>)) {
             ')' | ']' | '}' => drop(open.pop()),
             '"' => {
                 let length = match source[at] {
-                    '"' => literal_length(&source[at..]),
+                    '"' => quoted(&source[at..], '"'),
                     // A character, or a raw text.
                     _ => marks[at..]
                         .iter()
@@ -226,19 +226,6 @@ fn each_literal(text: &str, mut say: impl FnMut(Literal<'_>)) {
         }
         at += 1;
     }
-}
-
-/// Of a literal that begins here: its quotes and what they hold.
-fn literal_length(rest: &[char]) -> usize {
-    let mut at = 1;
-    while at < rest.len() {
-        match rest[at] {
-            '\\' => at += 2,
-            '"' => return at + 1,
-            _ => at += 1,
-        }
-    }
-    rest.len()
 }
 
 /// The path, method or macro that a bracket belongs to, with what it is called on.

@@ -83,8 +83,7 @@ fn check_deps() -> Result<String> {
     let edges = dependencies::check(&dependencies::edges(&packages))?;
     let imports = dependencies::check_reference(&root().join("crates/judges/reference/src"))?;
     let manifests = manifests::check(&root(), &packages)?;
-    let config = root().join(".config/nextest.toml");
-    let config = std::fs::read_to_string(&config).with_context(|| config.display().to_string())?;
+    let config = source::read(&root().join(".config/nextest.toml"))?;
     let group = dependencies::check_test_group(&config, &packages)?;
     Ok(format!("{edges}; {imports}; {manifests}; {group}"))
 }

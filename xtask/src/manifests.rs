@@ -5,7 +5,7 @@
 //! kept for a link in the documentation.
 
 use crate::dependencies::Package;
-use crate::source::{crates, packages, sources, tokens, without_comments, without_tests};
+use crate::source::{crates, packages, read, sources, tokens, without_comments, without_tests};
 use anyhow::{Context as _, Result, bail};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -75,10 +75,6 @@ fn words_by_folder(root: &Path) -> Result<BTreeMap<String, Words>> {
         }
     }
     Ok(found)
-}
-
-fn read(file: &Path) -> Result<String> {
-    std::fs::read_to_string(file).with_context(|| file.display().to_string())
 }
 
 /// What a package names and does not use where it says so.

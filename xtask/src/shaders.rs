@@ -5,7 +5,8 @@
 //! A file that lies in `shaders/` and is not embedded is never validated, so the three lists are
 //! held against each other before naga runs.
 
-use anyhow::{Context as _, Result, bail};
+use crate::source::{files_below, read, relative};
+use anyhow::{Result, bail};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -14,8 +15,7 @@ const SOURCES: [&str; 7] = ["wgsl", "glsl", "geom", "task", "mesh", "vert", "fra
 
 /// Checks the folder `shaders/`.
 pub(crate) fn check(folder: &Path) -> Result<String> {
-    let readme = folder.join("README.md");
-    let readme = std::fs::read_to_string(&readme).with_context(|| readme.display().to_string())?;
+    let readme = read(&folder.join("README.md"))?;
     let embedded: BTreeSet<String> = terrafill_shaders::embedded_paths()
         .chain(terrafill_shaders::glsl_paths())
         .map(str::to_owned)
@@ -41,23 +41,8 @@ pub(crate) fn check(folder: &Path) -> Result<String> {
 
 /// Paths of the shader sources below `folder`, relative to it, with `/`.
 fn on_disk(folder: &Path) -> Result<BTreeSet<String>> {
-    let mut found = BTreeSet::new();
-    let mut folders = vec![folder.to_path_buf()];
-    while let Some(next) = folders.pop() {
-        for entry in std::fs::read_dir(&next).with_context(|| next.display().to_string())? {
-            let path = entry?.path();
-            let is_source = SOURCES
-                .iter()
-                .any(|source| path.extension().is_some_and(|e| e == *source));
-            if path.is_dir() {
-                folders.push(path);
-            } else if is_source {
-                let relative = path.strip_prefix(folder)?;
-                found.insert(relative.to_string_lossy().replace('\\', "/"));
-            }
-        }
-    }
-    Ok(found)
+    let found = files_below(folder, &SOURCES, |_| false)?;
+    Ok(found.iter().map(|path| relative(folder, path)).collect())
 }
 
 /// First cells of the README's table that name a source.

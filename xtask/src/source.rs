@@ -5,6 +5,7 @@
 //! takes to find paths and to count lines. Every result has the line breaks of its source.
 
 use anyhow::{Context as _, Result, bail};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Stands for what a string or character literal holds, so that its lines still count as code.
@@ -50,23 +51,44 @@ pub(crate) fn packages(root: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// Every Rust file below `folder`, build outputs and packages within it left out.
-pub(crate) fn sources(folder: &Path) -> Result<Vec<PathBuf>> {
+/// Every file below `folder` with one of these endings; some folders are not looked into.
+pub(crate) fn files_below(
+    folder: &Path,
+    endings: &[&str],
+    is_left_out: fn(&Path) -> bool,
+) -> Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_path_buf()];
     while let Some(next) = folders.pop() {
         for entry in std::fs::read_dir(&next).with_context(|| next.display().to_string())? {
             let path = entry?.path();
-            let is_other = path.join("Cargo.toml").is_file() || path.ends_with("target");
-            if path.is_dir() && !is_other {
-                folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "rs") {
+            let ending = path.extension().and_then(OsStr::to_str);
+            if path.is_dir() {
+                folders.extend((!is_left_out(&path)).then_some(path));
+            } else if ending.is_some_and(|ending| endings.contains(&ending)) {
                 found.push(path);
             }
         }
     }
     found.sort();
     Ok(found)
+}
+
+/// Every Rust file below `folder`, build outputs and packages within it left out.
+pub(crate) fn sources(folder: &Path) -> Result<Vec<PathBuf>> {
+    let is_other = |path: &Path| path.join("Cargo.toml").is_file() || path.ends_with("target");
+    files_below(folder, &["rs"], is_other)
+}
+
+/// The path of a file below `root` from there, with `/`.
+pub(crate) fn relative(root: &Path, path: &Path) -> String {
+    let path = path.strip_prefix(root).unwrap_or(path);
+    path.to_string_lossy().replace('\\', "/")
+}
+
+/// What a file holds; an error names it.
+pub(crate) fn read(file: &Path) -> Result<String> {
+    std::fs::read_to_string(file).with_context(|| file.display().to_string())
 }
 
 /// The crates of the repository.
@@ -80,11 +102,8 @@ pub(crate) fn crates(root: &Path) -> Result<Vec<Crate>> {
             }
             let mut files = Vec::new();
             read_module(&file, Vec::new(), &package.join("src"), &mut files)?;
-            let relative = file.strip_prefix(root).unwrap_or(&file);
-            all.push(Crate {
-                name: relative.to_string_lossy().replace('\\', "/"),
-                files,
-            });
+            let name = relative(root, &file);
+            all.push(Crate { name, files });
         }
     }
     if all.is_empty() {
@@ -102,7 +121,7 @@ fn read_module(
     folder: &Path,
     files: &mut Vec<SourceFile>,
 ) -> Result<()> {
-    let text = std::fs::read_to_string(file).with_context(|| file.display().to_string())?;
+    let text = read(file)?;
     let children = declared_modules(&without_tests(&without_comments(&text)));
     files.push(SourceFile {
         module: module.clone(),
@@ -135,12 +154,11 @@ fn declared_modules(code: &str) -> Vec<String> {
 
 /// Words, `::`, and every other mark by itself.
 pub(crate) fn tokens(code: &str) -> Vec<&str> {
-    let is_word = |c: char| c.is_alphanumeric() || c == '_';
     let mut found = Vec::new();
     let mut rest = code.trim_start();
     while let Some(first) = rest.chars().next() {
-        let length = if is_word(first) {
-            rest.find(|c| !is_word(c)).unwrap_or(rest.len())
+        let length = if is_name(first) {
+            rest.find(|c| !is_name(c)).unwrap_or(rest.len())
         } else if rest.starts_with("::") {
             2
         } else {
@@ -200,7 +218,8 @@ fn comment_or_literal(chars: &[char], at: usize) -> (usize, bool) {
     }
 }
 
-fn is_name(c: char) -> bool {
+/// Whether a name may hold it.
+pub(crate) fn is_name(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
@@ -224,7 +243,8 @@ fn block_comment(rest: &[char]) -> usize {
     rest.len()
 }
 
-fn quoted(rest: &[char], quote: char) -> usize {
+/// Length of the literal that begins here, its quotes included.
+pub(crate) fn quoted(rest: &[char], quote: char) -> usize {
     let mut at = 1;
     while at < rest.len() {
         match rest[at] {

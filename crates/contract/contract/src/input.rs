@@ -234,15 +234,8 @@ impl FillInput {
     /// # Errors
     /// [`DeviceError::OverCapacity`].
     pub fn check_region_count(&self) -> Result<(), DeviceError> {
-        let (found, allowed) = (self.scene.regions.len(), MAX_REGIONS);
-        if found <= allowed {
-            return Ok(());
-        }
-        Err(DeviceError::OverCapacity {
-            what: "regions".to_owned(),
-            found: found as u64,
-            allowed: allowed as u64,
-        })
+        let found = self.scene.regions.len();
+        DeviceError::check_capacity("regions", found as u64, MAX_REGIONS as u64)
     }
 
     /// Whether this is what `backend` was prepared for.

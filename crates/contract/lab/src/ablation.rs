@@ -329,12 +329,15 @@ fn said(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::made_up::{TIME, empty, written};
     use terrafill_results::Status;
     use terrafill_results::condition::{SIZE_PX, VIEW};
     use terrafill_results::made_up::{MadeUpRun, case_id};
 
-    const METRICS: [Metric; 1] = [Metric::less("draw_cpu_ms", "ms", Kind::Time, "Time.")];
-    const TIME: &Metric = Metric::of(&METRICS, "draw_cpu_ms");
+    const TIMINGS: Timings = Timings {
+        metric: TIME,
+        noise: None,
+    };
     const KEYS: StepKeys = StepKeys {
         number: SIZE_PX,
         name: VIEW,
@@ -344,10 +347,7 @@ mod tests {
 
     /// Three steps of 8, 4 and 2 ms, and a case that is none.
     fn made() -> MadeUpRun {
-        let mut made = MadeUpRun {
-            metrics: METRICS.to_vec(),
-            ..MadeUpRun::default()
-        };
+        let mut made = empty();
         for (number, name, ms) in [
             ("3", "c", 2.0),
             ("1", "a", 8.0),
@@ -366,14 +366,9 @@ mod tests {
 
     /// Names of steps with their gains, and the blocks of all.
     fn gains(made: &MadeUpRun) -> (Vec<(String, Option<f64>)>, String) {
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = made.write(folder.path()).expect("a run");
+        let run = written(made);
         let cases = Cases::of_study(&run, "study");
-        let timings = Timings {
-            metric: TIME,
-            noise: None,
-        };
-        let steps = ablation(timings, KEYS, cases.iter());
+        let steps = ablation(TIMINGS, KEYS, cases.iter());
         let section = StepsSection {
             title: "Steps",
             baseline: "first",
@@ -382,11 +377,11 @@ mod tests {
         };
         let show = |case: &Case| ShownStep {
             name: case.id().name.clone(),
-            over_baseline: timings.samples(case).ok_or_else(|| "no time".to_owned()),
+            over_baseline: TIMINGS.samples(case).ok_or_else(|| "no time".to_owned()),
             command: String::new(),
         };
         let changed = |before: &Case, _: &Case| Cell::name(format!("after {}", before.id().name));
-        let blocks = section.blocks(&cases, timings, &steps, show, changed);
+        let blocks = section.blocks(&cases, TIMINGS, &steps, show, changed);
         let named = steps.iter().map(|step| {
             let gain = step.gain.map(|gain| gain.middle);
             (step.name.to_owned(), gain)
@@ -416,13 +411,8 @@ mod tests {
 
     #[test]
     fn work_has_an_exponent_where_the_other_work_stays() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = made().write(folder.path()).expect("a run");
-        let timings = Timings {
-            metric: TIME,
-            noise: None,
-        };
-        let steps = ablation(timings, KEYS, run.of_study("study"));
+        let run = written(&made());
+        let steps = ablation(TIMINGS, KEYS, run.of_study("study"));
         let time = |case: &Case| case.value(TIME);
         let one = |_: &Case| Some(1.0);
         let found = work_exponent(steps.iter(), time, one).expect("an exponent");
@@ -432,7 +422,7 @@ mod tests {
         };
         assert_eq!(of(0, 1).as_deref(), Some("ms 8 → 4"));
         assert_eq!(of(1, 1), None, "negative control: the same work");
-        let table = gains_table(timings, "of", [("all", &steps[..])]);
+        let table = gains_table(TIMINGS, "of", [("all", &steps[..])]);
         let texts = table.rows[0].cells.iter().map(|cell| cell.text.as_str());
         let texts: Vec<&str> = texts.collect();
         assert_eq!(texts[..2], ["all", "4.00 × [4.00–4.00]"]);
@@ -444,13 +434,7 @@ mod tests {
     #[test]
     fn a_number_that_is_left_out_and_a_missing_step_are_named() {
         let missing = |made: &MadeUpRun| {
-            let folder = tempfile::tempdir().expect("a folder");
-            let run = made.write(folder.path()).expect("a run");
-            let timings = Timings {
-                metric: TIME,
-                noise: None,
-            };
-            missing_steps(&ablation(timings, KEYS, run.of_study("study")))
+            missing_steps(&ablation(TIMINGS, KEYS, written(made).of_study("study")))
         };
         let mut made = made();
         assert_eq!(missing(&made), [""; 0]);

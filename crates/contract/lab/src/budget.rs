@@ -292,25 +292,19 @@ fn by_excess(a: &Priced<'_>, b: &Priced<'_>, budget: &Budget) -> Ordering {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_results::made_up::{MadeUpRun, case_id};
-    use terrafill_results::{Kind, Metric};
-
-    const METRICS: [Metric; 1] = [Metric::less("draw_cpu_ms", "ms", Kind::Time, "Time.")];
+    use crate::made_up::{TIME, empty, written};
+    use terrafill_results::made_up::case_id;
 
     /// What is said of a coarse choice of 1 ms that is off by 2 px and an exact one of 4 ms.
     fn said(budget: Budget) -> String {
-        let mut made = MadeUpRun {
-            metrics: METRICS.to_vec(),
-            ..MadeUpRun::default()
-        };
+        let mut made = empty();
         for (name, ms) in [("coarse", 1.0), ("exact", 4.0)] {
             made.case(case_id("study", name, &[("way", name)]))
-                .timed(&METRICS[0], &[ms; 5]);
+                .timed(TIME, &[ms; 5]);
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = made.write(folder.path()).expect("a run");
+        let run = written(&made);
         let timings = Timings {
-            metric: Metric::of(&METRICS, "draw_cpu_ms"),
+            metric: TIME,
             noise: None,
         };
         let choices = run

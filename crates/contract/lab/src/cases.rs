@@ -377,20 +377,14 @@ pub fn range(values: &[f64]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::made_up::{TIME, empty, written};
     use terrafill_results::condition::{API, VIEW};
     use terrafill_results::made_up::{MadeUpRun, case_id};
     use terrafill_results::{Scope, Status};
 
-    const METRICS: [Metric; 1] =
-        [Metric::less("draw_cpu_ms", "ms", Kind::Time, "Time.").covering(Scope::FRAME)];
-    const TIME: &Metric = Metric::of(&METRICS, "draw_cpu_ms");
-
     /// Two interfaces on two views; identical work differs by 2 %.
     fn run(processes: usize, vulkan_ms: f64) -> MadeUpRun {
-        let mut run = MadeUpRun {
-            metrics: METRICS.to_vec(),
-            ..MadeUpRun::default()
-        };
+        let mut run = empty();
         for view in ["globe", "horizon"] {
             for (api, ms) in [("wgpu", 1.0), ("vulkan", vulkan_ms)] {
                 let name = format!("{view}/{api}");
@@ -404,9 +398,7 @@ mod tests {
     }
 
     fn with<R>(made: &MadeUpRun, look: impl Fn(&Cases<'_>) -> R) -> R {
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = made.write(folder.path()).expect("a run");
-        look(&Cases::of_study(&run, "study"))
+        look(&Cases::of_study(&written(made), "study"))
     }
 
     #[test]

@@ -46,55 +46,25 @@ pub struct Comparison<'a> {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Refused {
-    /// More than the question changes.
-    #[error(
-        "{first} and {second} are compared in {changed:?}, and differ in {others} as well: name it among \
-         what follows, with the reason, or compare other cases"
-    )]
-    ChangesMore {
+    /// More than the question changes, or nothing of it.
+    #[error("{first} and {second} are compared in {changed:?}, and {problem}")]
+    Pair {
         /// Key of the case.
         first: String,
         /// Key of the other.
         second: String,
         /// What the question changes.
         changed: String,
-        /// What differs beside it, with both values.
-        others: String,
+        /// What differs beside it, with both values, or the value that they share.
+        problem: String,
     },
-    /// Nothing that the question changes.
-    #[error("{first} and {second} are compared in {changed:?}, and have both {value:?} there")]
-    ChangesNothing {
-        /// Key of the case.
-        first: String,
-        /// Key of the other.
-        second: String,
-        /// What the question changes.
-        changed: String,
-        /// The value that they share.
-        value: String,
-    },
-    /// Another part of the frame.
-    #[error(
-        "{metric} covers {covers}, and the comparison needs {needs}: use a time that covers it"
-    )]
-    ScopeLacks {
+    /// A time of another part of the frame, or by another device's clock.
+    #[error("{metric} {problem}")]
+    Time {
         /// The time.
         metric: &'static str,
-        /// What it covers.
-        covers: String,
-        /// What is compared.
-        needs: String,
-    },
-    /// A device's work by the CPU's clock.
-    #[error(
-        "{metric} is CPU time of the process, and {needs} is done by a GPU in this run: use its own clock or \
-         the wall clock"
-    )]
-    OtherDevice {
-        /// The time.
-        metric: &'static str,
-        /// What is compared.
-        needs: String,
+        /// What it is, what is compared, and what would do.
+        problem: String,
     },
 }
 
@@ -247,37 +217,41 @@ impl Comparison<'_> {
     }
 
     fn check_metric(&self, clock: Clock) -> Result<(), Refused> {
-        let metric = self.metric;
-        if metric.kind == Kind::Time && !metric.scope.covers(self.needs) {
-            return Err(Refused::ScopeLacks {
-                metric: metric.name,
-                covers: metric.scope.to_string(),
-                needs: self.needs.to_string(),
-            });
+        let (metric, needs) = (self.metric, self.needs);
+        let refuse = |problem: String| {
+            let metric = metric.name;
+            Err(Refused::Time { metric, problem })
+        };
+        if metric.kind == Kind::Time && !metric.scope.covers(needs) {
+            let covers = metric.scope;
+            return refuse(format!(
+                "covers {covers}, and the comparison needs {needs}: use a time that covers it"
+            ));
         }
         let is_of_cpu = metric.timer() == Some(Timer::ProcessCpu);
-        if is_of_cpu && clock == Clock::Gpu && self.needs.meets(Scope::DEVICE) {
-            return Err(Refused::OtherDevice {
-                metric: metric.name,
-                needs: self.needs.to_string(),
-            });
+        if is_of_cpu && clock == Clock::Gpu && needs.meets(Scope::DEVICE) {
+            return refuse(format!(
+                "is CPU time of the process, and {needs} is done by a GPU in this run: use its own clock or the \
+                 wall clock"
+            ));
         }
         Ok(())
     }
 
     fn check_pair(&self, [first, second]: [&Case; 2]) -> Result<(), Refused> {
-        let keys = [first, second].map(|case| case.id().key());
-        let value = first.condition_named(self.changed);
-        let others = self.beside([first, second]);
-        let [first_key, second_key] = keys;
-        if value == second.condition_named(self.changed) {
-            return Err(Refused::ChangesNothing {
-                first: first_key,
-                second: second_key,
+        let refuse = |problem: String| {
+            Err(Refused::Pair {
+                first: first.id().key(),
+                second: second.id().key(),
                 changed: self.changed.to_owned(),
-                value: value.to_owned(),
-            });
+                problem,
+            })
+        };
+        let value = first.condition_named(self.changed);
+        if value == second.condition_named(self.changed) {
+            return refuse(format!("have both {value:?} there"));
         }
+        let others = self.beside([first, second]);
         if others.is_empty() {
             return Ok(());
         }
@@ -285,12 +259,10 @@ impl Comparison<'_> {
             let [first, second] = [first, second].map(|case| case.condition_named(key));
             format!("{key:?} ({first:?}, {second:?})")
         });
-        Err(Refused::ChangesMore {
-            first: first_key,
-            second: second_key,
-            changed: self.changed.to_owned(),
-            others: described.collect::<Vec<_>>().join(", "),
-        })
+        let others = described.collect::<Vec<_>>().join(", ");
+        refuse(format!(
+            "differ in {others} as well: name it among what follows, with the reason, or compare other cases"
+        ))
     }
 
     /// Conditions in which two cases differ beside those that may.
@@ -393,6 +365,7 @@ fn too_noisy([low, high]: [f64; 2], band: f64, enough: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::made_up::written;
     use terrafill_results::RunEnvironment;
     use terrafill_results::made_up::{MadeUpRun, case_id};
 
@@ -440,8 +413,7 @@ mod tests {
         comparison: &Comparison<'_>,
         claim: Claim,
     ) -> Result<Answer, Refused> {
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = made.write(folder.path()).expect("a run");
+        let run = written(made);
         comparison.judge(&run, [&run.cases[0], &run.cases[1]], claim, None)
     }
 
@@ -474,8 +446,7 @@ mod tests {
         assert!(judge(&missing, &comparison, Claim::Faster).is_ok());
         assert!(judge(&two, &comparison, Claim::Faster).is_err());
         // On a page it stands where its answer would.
-        let folder = tempfile::tempdir().expect("a folder");
-        let loaded = two.write(folder.path()).expect("a run");
+        let loaded = written(&two);
         let pairs = [[&loaded.cases[0], &loaded.cases[1]]];
         let finding = DRAWS.finding(&loaded, &pairs, Claim::Faster, String::new(), None);
         assert_eq!(finding.standing, Standing::CannotBeTested);
@@ -486,10 +457,8 @@ mod tests {
             ..DRAWS
         };
         let refused = judge(&one, &comparison, Claim::Faster).expect_err("the same view");
-        assert!(
-            matches!(refused, Refused::ChangesNothing { .. }),
-            "{refused}"
-        );
+        let said = refused.to_string();
+        assert!(said.ends_with("have both \"globe\" there"), "{said}");
     }
 
     #[test]
@@ -502,7 +471,8 @@ mod tests {
         };
         let uploads = Scope::UPLOAD.and(Scope::DRAW);
         let refused = judge(&made, &with(GPU, uploads), Claim::Faster).expect_err("no upload");
-        assert!(matches!(refused, Refused::ScopeLacks { .. }), "{refused}");
+        let said = refused.to_string();
+        assert!(said.contains("use a time that covers it"), "{said}");
         assert!(judge(&made, &with(WALL, uploads), Claim::Faster).is_ok());
         assert!(judge(&made, &with(CPU, uploads), Claim::Faster).is_ok());
         made.environment = RunEnvironment {
@@ -511,7 +481,8 @@ mod tests {
             ..RunEnvironment::default()
         };
         let refused = judge(&made, &with(CPU, Scope::DRAW), Claim::Faster).expect_err("a GPU");
-        assert!(matches!(refused, Refused::OtherDevice { .. }), "{refused}");
+        let said = refused.to_string();
+        assert!(said.contains("done by a GPU"), "{said}");
         assert!(judge(&made, &with(GPU, Scope::DRAW), Claim::Faster).is_ok());
         // Figures that are no times have no clock.
         assert!(judge(&made, &with(BYTES, Scope::NOTHING), Claim::Faster).is_ok());

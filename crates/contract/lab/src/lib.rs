@@ -12,6 +12,8 @@ mod comparison;
 mod curves;
 mod figure;
 mod lines;
+#[cfg(test)]
+mod made_up;
 mod section;
 mod settling;
 mod timings;

@@ -421,10 +421,11 @@ mod tests {
     use crate::cases::finding;
     use crate::curves::Panel;
     use crate::figure::{Figure, Names};
+    use crate::made_up::written;
     use terrafill_plot::Upwards;
     use terrafill_results::condition::{SCENE, SIZE_PX, VIEW};
     use terrafill_results::made_up::{MadeUpRun, case_id};
-    use terrafill_results::{Metric, Run, Scope, Standing, Status, ratio};
+    use terrafill_results::{Metric, Scope, Standing, Status, ratio};
 
     const METRICS: [Metric; 2] = [
         Metric::less("draw_cpu_ms", "ms", Kind::Time, "Time.").covering(Scope::FRAME),
@@ -484,9 +485,12 @@ mod tests {
         run
     }
 
-    fn written(run: &MadeUpRun) -> Run {
-        let folder = tempfile::tempdir().expect("a folder");
-        run.write(folder.path()).expect("a run")
+    fn tables(blocks: &[Block]) -> Vec<&Table> {
+        let tables = blocks.iter().filter_map(|block| match block {
+            Block::Table(table) => Some(table),
+            _ => None,
+        });
+        tables.collect()
     }
 
     #[test]
@@ -494,11 +498,7 @@ mod tests {
         let run = written(&made_up());
         let cases = Cases::of_study(&run, "study");
         let blocks = SECTION.blocks(&cases).expect("blocks");
-        let tables = blocks.iter().filter_map(|block| match block {
-            Block::Table(table) => Some(table),
-            _ => None,
-        });
-        let tables: Vec<&Table> = tables.collect();
+        let tables = tables(&blocks);
         assert_eq!(tables.len(), 2, "one a view");
         assert_eq!(tables[0].caption, "Sizes, globe");
         let texts = |row: &Row| {
@@ -557,11 +557,7 @@ mod tests {
         let run = written(&made);
         let blocks = section.blocks(&Cases::of_study(&run, "study"));
         let blocks = blocks.expect("blocks");
-        let mut tables = blocks.iter().filter_map(|block| match block {
-            Block::Table(table) => Some(table),
-            _ => None,
-        });
-        let table = tables.next().expect("a table");
+        let table = tables(&blocks)[0];
         assert_eq!(table.caption, "Every size");
         assert_eq!(table.headings[1].meaning, "paired by process");
         let cell = |row: usize| &table.rows[row].cells[1];

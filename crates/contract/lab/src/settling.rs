@@ -111,11 +111,10 @@ mod tests {
 
     #[test]
     fn a_finding_that_was_not_measured_names_the_command_that_measures_it_and_no_other_does() {
-        let folder = tempfile::tempdir().expect("a folder");
         let mut made = MadeUpRun::default();
         let options = ["depth=quick", "size=512x256", "scenes=hills"];
         made.environment.options = options.map(str::to_owned).to_vec();
-        let run = made.write(folder.path()).expect("a run");
+        let run = crate::made_up::written(&made);
         let because = |standing, because: &str| {
             let finding = Finding {
                 claim: "It grows".to_owned(),

@@ -164,18 +164,13 @@ pub fn sums_by_process(cases: &[&Case], metric: &Metric) -> BTreeMap<u32, f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_results::made_up::{MadeUpRun, case_id};
-    use terrafill_results::{Kind, Status};
-
-    const METRICS: [Metric; 1] = [Metric::less("draw_cpu_ms", "ms", Kind::Time, "Time.")];
-    const TIME: &Metric = Metric::of(&METRICS, "draw_cpu_ms");
+    use crate::made_up::{TIME, empty, written};
+    use terrafill_results::Status;
+    use terrafill_results::made_up::case_id;
 
     #[test]
     fn what_is_not_right_ranks_nowhere_and_a_gap_within_the_noise_is_a_tie() {
-        let mut made = MadeUpRun {
-            metrics: METRICS.to_vec(),
-            ..MadeUpRun::default()
-        };
+        let mut made = empty();
         for (name, ms) in [("slow", 2.0), ("fast", 1.0), ("wrong", 0.1)] {
             made.case(case_id("study", name, &[("way", name)]))
                 .timed(TIME, &[ms; 5]);
@@ -183,8 +178,7 @@ mod tests {
         made.cases[2].ended(Status::Wrong, "9 px");
         let again = made.cases[1].id.repeat();
         made.case(again).timed(TIME, &[1.1; 5]);
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = made.write(folder.path()).expect("a run");
+        let run = written(&made);
         let timings = Timings {
             metric: TIME,
             noise: Noise::of(run.of_study("study"), TIME),
@@ -214,8 +208,7 @@ mod tests {
         assert!(!timings.is_tie(2.0));
         assert_eq!(timings.contradiction(slow), None);
         made.cases[0].timed(TIME, &[2.0, 0.0]);
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = made.write(folder.path()).expect("a run");
+        let run = written(&made);
         let found = timings.contradiction(&run.cases[0]).expect("a time of 0");
         assert!(found.contains("1 of 2 times are 0"), "{found}");
         assert!(band_sentence(None).ends_with("measured no identical work twice."));
@@ -224,16 +217,12 @@ mod tests {
 
     #[test]
     fn a_process_counts_where_it_measured_every_case() {
-        let mut made = MadeUpRun {
-            metrics: METRICS.to_vec(),
-            ..MadeUpRun::default()
-        };
+        let mut made = empty();
         for (name, times) in [("both", &[1.0, 2.0][..]), ("first", &[4.0])] {
             made.case(case_id("study", name, &[("way", name)]))
                 .timed(TIME, times);
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = made.write(folder.path()).expect("a run");
+        let run = written(&made);
         let sums = |cases: &[&Case]| sums_by_process(cases, TIME).into_values().collect();
         let [both, first] = [0, 1].map(|place: usize| &run.cases[place]);
         let found: Vec<f64> = sums(&[both, first]);

@@ -5,10 +5,11 @@
 //! pixel there would seem worth less than it is anywhere. And a boundary that lies outside the image may
 //! move as it likes, as long as it does not move into it.
 
+use crate::parts::{box_on_body, grown};
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
-use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
+use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh};
 
 /// Pieces of a region at most, so that planning stays cheap.
 const MOST_PIECES: usize = 32;
@@ -30,15 +31,8 @@ pub(crate) fn boundary_pieces(body: &Ellipsoid, mesh: &RegionMesh) -> Vec<Orient
         };
         pieces.extend(halves);
     }
-    let on_body = VolumeHeights {
-        top_m: 0.0,
-        bottom_m: 0.0,
-    };
     let around = |piece: Piece| {
-        let mut vertices = piece.edges.into_flattened();
-        vertices.sort_unstable();
-        vertices.dedup();
-        let own = mesh.box_of_some(body, &vertices, on_body);
+        let own = box_on_body(body, mesh, piece.edges.into_flattened());
         grown(&own, mesh.boundary_deviation_m)
     };
     let pieces = pieces.into_sorted_vec().into_iter();
@@ -96,14 +90,6 @@ impl Ord for Piece {
     fn cmp(&self, other: &Self) -> Ordering {
         let by_width = self.width_m().total_cmp(&other.width_m());
         by_width.then_with(|| other.edges.cmp(&self.edges))
-    }
-}
-
-/// A box so much larger on all sides.
-pub(crate) fn grown(around: &OrientedBox, by_m: f64) -> OrientedBox {
-    OrientedBox {
-        half_extents_m: around.half_extents_m + DVec3::splat(by_m),
-        ..*around
     }
 }
 

@@ -7,6 +7,7 @@
 //! image's sides `n` is linear in their place, and the outermost planes are roots of a quadratic equation.
 
 use crate::PixelRect;
+use crate::pixel_rect::pixel;
 use glam::DVec3;
 use terrafill_core::Ellipsoid;
 use terrafill_scene::{Camera, ImageSize};
@@ -48,23 +49,13 @@ pub(crate) fn ground_rect(
 }
 
 /// First pixel of those from `at` on.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to the image before the cast"
-)]
 fn first(at: f64, count: u32) -> u32 {
-    (at - MARGIN_PX).floor().clamp(0.0, f64::from(count)) as u32
+    pixel((at - MARGIN_PX).floor(), count)
 }
 
 /// One past the last pixel of those before `at`.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to the image before the cast"
-)]
 fn past(at: f64, count: u32) -> u32 {
-    (at + MARGIN_PX).ceil().clamp(0.0, f64::from(count)) as u32
+    pixel((at + MARGIN_PX).ceil(), count)
 }
 
 /// Along an axis of the image, where the ground begins and ends at most, as tangents of the angle from its middle;

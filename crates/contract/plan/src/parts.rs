@@ -125,11 +125,33 @@ impl FacetGroup {
     /// Holds its vertices between these heights.
     fn around(&self, heights: VolumeHeights) -> OrientedBox {
         // No vertex moves farther from the ellipsoid than that.
-        let reach_m = heights.top_m.abs().max(heights.bottom_m.abs());
-        OrientedBox {
-            half_extents_m: self.on_body.half_extents_m + DVec3::splat(reach_m),
-            ..self.on_body
-        }
+        grown(
+            &self.on_body,
+            heights.top_m.abs().max(heights.bottom_m.abs()),
+        )
+    }
+}
+
+/// Holds these vertices of a mesh on the ellipsoid.
+pub(crate) fn box_on_body(
+    body: &Ellipsoid,
+    mesh: &RegionMesh,
+    mut vertices: Vec<u32>,
+) -> OrientedBox {
+    vertices.sort_unstable();
+    vertices.dedup();
+    let on_body = VolumeHeights {
+        top_m: 0.0,
+        bottom_m: 0.0,
+    };
+    mesh.box_of_some(body, &vertices, on_body)
+}
+
+/// A box so much larger on all sides.
+pub(crate) fn grown(around: &OrientedBox, by_m: f64) -> OrientedBox {
+    OrientedBox {
+        half_extents_m: around.half_extents_m + DVec3::splat(by_m),
+        ..*around
     }
 }
 
@@ -147,30 +169,17 @@ impl MeshParts {
     #[must_use]
     pub fn of(body: &Ellipsoid, mesh: &RegionMesh) -> Option<Self> {
         let order = PartOrder::of(mesh)?;
-        let on_body = VolumeHeights {
-            top_m: 0.0,
-            bottom_m: 0.0,
-        };
-        let part = |range: &Range<u32>, mut vertices: Vec<u32>| {
-            vertices.sort_unstable();
-            vertices.dedup();
-            FacetGroup {
-                range: range.clone(),
-                on_body: mesh.box_of_some(body, &vertices, on_body),
-            }
+        let place = |range: &Range<u32>| range.start as usize..range.end as usize;
+        let part = |range: &Range<u32>, vertices: &[u32]| FacetGroup {
+            range: range.clone(),
+            on_body: box_on_body(body, mesh, vertices.to_vec()),
         };
         let triangles = order.ordered(mesh);
         let caps = order.caps.iter();
-        let caps = caps.map(|range| {
-            let own = &triangles[range.start as usize..range.end as usize];
-            part(range, own.as_flattened().to_vec())
-        });
+        let caps = caps.map(|range| part(range, triangles[place(range)].as_flattened()));
         let edges: Vec<[u32; 2]> = mesh.boundary_edges().collect();
         let walls = order.walls.iter();
-        let walls = walls.map(|range| {
-            let own = &edges[range.start as usize..range.end as usize];
-            part(range, own.as_flattened().to_vec())
-        });
+        let walls = walls.map(|range| part(range, edges[place(range)].as_flattened()));
         Some(Self {
             caps: caps.collect(),
             walls: walls.collect(),

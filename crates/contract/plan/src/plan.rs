@@ -23,13 +23,13 @@
 //! Boundary levels of detail are no cull: they move boundaries, by no more than the stated pixels.
 
 use crate::LevelTable;
-use crate::boundary_pieces::{SeenPiece, grown};
+use crate::boundary_pieces::SeenPiece;
 use crate::ground_rect::ground_rect;
 use crate::left_out::LeftOutReason;
 use crate::level::DrawnRegion;
 use crate::near_plane::{NearPlane, NearRectangle, ViewVolume};
-use crate::parts::{MeshParts, SeenParts};
-use crate::pixel_rect::PixelRect;
+use crate::parts::{MeshParts, SeenParts, grown};
+use crate::pixel_rect::{PixelRect, pixel};
 use crate::scene_bounds::{RegionBounds, SceneBounds};
 use glam::DVec3;
 use std::borrow::Borrow;
@@ -658,18 +658,12 @@ impl Footprint {
     }
 
     /// Pixels that can be touched, grown by one for rounding.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped to the image before the cast"
-    )]
     fn rect(self, size: ImageSize) -> PixelRect {
-        let clamp = |value: f64, limit: u32| value.clamp(0.0, f64::from(limit)) as u32;
         PixelRect {
-            left: clamp(self.low[0].floor() - 1.0, size.width),
-            top: clamp(self.low[1].floor() - 1.0, size.height),
-            right: clamp(self.high[0].ceil() + 1.0, size.width),
-            bottom: clamp(self.high[1].ceil() + 1.0, size.height),
+            left: pixel(self.low[0].floor() - 1.0, size.width),
+            top: pixel(self.low[1].floor() - 1.0, size.height),
+            right: pixel(self.high[0].ceil() + 1.0, size.width),
+            bottom: pixel(self.high[1].ceil() + 1.0, size.height),
         }
     }
 

@@ -2,8 +2,8 @@
 //! Bounds of a scene's meshes over its surface, each found when a plan first asks for it. A view draws one level
 //! of a region, and needs no bounds of the others.
 
+use crate::parts::grown;
 use crate::{LazyMesh, RegionSet};
-use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Index;
 use std::sync::{Arc, OnceLock};
@@ -53,10 +53,7 @@ impl RegionBounds {
                 top_m: self.heights.top_m + up_m,
                 bottom_m: self.heights.bottom_m - down_m,
             },
-            bounds: OrientedBox {
-                half_extents_m: self.bounds.half_extents_m + DVec3::splat(up_m.max(down_m)),
-                ..self.bounds
-            },
+            bounds: grown(&self.bounds, up_m.max(down_m)),
         }
     }
 }

@@ -2,6 +2,7 @@
 //! Why a scene cannot be loaded.
 
 use crate::RegionLoadError;
+use serde::de::DeserializeOwned;
 use std::io;
 use std::path::PathBuf;
 
@@ -84,8 +85,16 @@ pub enum SceneError {
     Regions(#[from] RegionLoadError),
 }
 
+/// What the text of a scene file holds.
+///
+/// # Errors
+/// [`SceneError::Syntax`].
+pub(crate) fn parsed<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, SceneError> {
+    toml::from_str(text).map_err(|error| syntax_error(text, file, &error))
+}
+
 /// The parser's complaint with its place, on one line.
-pub(crate) fn syntax_error(text: &str, file: &str, error: &toml::de::Error) -> SceneError {
+fn syntax_error(text: &str, file: &str, error: &toml::de::Error) -> SceneError {
     let start = error.span().map_or(0, |span| span.start.min(text.len()));
     let before = &text.as_bytes()[..start];
     let line_start = before

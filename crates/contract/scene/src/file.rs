@@ -12,7 +12,7 @@ mod raw;
 mod sources;
 
 use crate::data::Folders;
-use crate::error::syntax_error;
+use crate::error::parsed;
 use crate::scene::{Overlap, Scene, SurfaceChoice};
 use crate::shipped;
 use crate::{DataFile, DataNeed, SceneError};
@@ -84,8 +84,7 @@ impl Scene {
     }
 
     fn read(text: &str, file: &str, folders: Folders<'_>) -> Result<Self, SceneError> {
-        let raw: RawScene =
-            toml::from_str(text).map_err(|error| syntax_error(text, file, &error))?;
+        let raw: RawScene = parsed(text, file)?;
         let check = Check { file };
         let name = check.name("name", raw.name)?;
         check.expectations(raw.expect.as_deref(), &raw.views)?;
@@ -149,7 +148,10 @@ impl Scene {
                 region.repair(repair, edge_rule);
             }
         }
-        let texture = texture.map(|texture| texture.load(&name, folders));
+        let texture = texture.map(|(source, with_picture)| {
+            let (picture, file) = source.load(&name, folders)?;
+            Ok::<_, SceneError>((with_picture(picture), file))
+        });
         let (texture, texture_file) = texture.transpose()?.unzip();
         let surface_files = surface_files.into_iter();
         let surface_files = surface_files
@@ -195,7 +197,7 @@ impl Scene {
 /// # Errors
 /// [`SceneError::Syntax`]. Values are not checked: [`Scene::from_toml`] does that.
 pub fn scene_needs(text: &str, file: &str) -> Result<Vec<DataNeed>, SceneError> {
-    let raw: RawScene = toml::from_str(text).map_err(|error| syntax_error(text, file, &error))?;
+    let raw: RawScene = parsed(text, file)?;
     let regions = raw.regions.file.map(|path| DataNeed {
         file: DataFile {
             path,
@@ -225,7 +227,7 @@ pub fn scene_needs(text: &str, file: &str) -> Result<Vec<DataNeed>, SceneError> 
 /// # Errors
 /// As [`scene_needs`].
 pub fn names_files(text: &str, file: &str) -> Result<bool, SceneError> {
-    let raw: RawScene = toml::from_str(text).map_err(|error| syntax_error(text, file, &error))?;
+    let raw: RawScene = parsed(text, file)?;
     let ships = raw.regions.embedded.is_some() || !raw.surface.files.is_empty();
     Ok(ships || !scene_needs(text, file)?.is_empty())
 }

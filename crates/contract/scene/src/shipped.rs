@@ -4,9 +4,12 @@
 /// One file of `bench-scenes/` with its name.
 macro_rules! file {
     ($name:literal) => {
+        file!(include_str, $name)
+    };
+    ($include:ident, $name:literal) => {
         (
             $name,
-            include_str!(concat!("../../../../bench-scenes/", $name)),
+            $include!(concat!("../../../../bench-scenes/", $name)),
         )
     };
 }
@@ -90,18 +93,9 @@ const EXTREME: &[(&str, &str)] = &[
 
 /// Height files that scenes name by `embedded`; ours.
 const HEIGHTS: &[(&str, &[u8])] = &[
-    (
-        "extreme/cliffs.tif",
-        include_bytes!("../../../../bench-scenes/extreme/cliffs.tif"),
-    ),
-    (
-        "extreme/nan-heights.tif",
-        include_bytes!("../../../../bench-scenes/extreme/nan-heights.tif"),
-    ),
-    (
-        "extreme/voids.tif",
-        include_bytes!("../../../../bench-scenes/extreme/voids.tif"),
-    ),
+    file!(include_bytes, "extreme/cliffs.tif"),
+    file!(include_bytes, "extreme/nan-heights.tif"),
+    file!(include_bytes, "extreme/voids.tif"),
 ];
 
 /// Region files that scenes name by `embedded`.
@@ -125,27 +119,21 @@ pub fn shipped_scene_names() -> Vec<&'static str> {
 /// Names of the suites.
 #[must_use]
 pub fn suite_names() -> Vec<&'static str> {
-    SUITES.iter().map(|(name, _)| *name).collect()
+    names(SUITES)
 }
 
 /// File and text of each scene of a suite; `None` for a name that is none.
 #[must_use]
 pub fn suite_scenes(suite: &str) -> Option<&'static [(&'static str, &'static str)]> {
-    let mut suites = SUITES.iter();
-    suites
-        .find(|(name, _)| *name == suite)
-        .map(|(_, scenes)| *scenes)
+    find(SUITES, suite)
 }
 
 pub(crate) fn height_bytes(name: &str) -> Option<&'static [u8]> {
-    let mut files = HEIGHTS.iter();
-    files
-        .find(|(file, _)| *file == name)
-        .map(|(_, bytes)| *bytes)
+    find(HEIGHTS, name)
 }
 
 pub(crate) fn height_names() -> Vec<&'static str> {
-    HEIGHTS.iter().map(|(name, _)| *name).collect()
+    names(HEIGHTS)
 }
 
 /// File of a scene that ships with the program, by name.
@@ -159,12 +147,14 @@ pub(crate) fn data_text(name: &str) -> Option<&'static str> {
 }
 
 pub(crate) fn data_names() -> Vec<&'static str> {
-    DATA.iter().map(|(name, _)| *name).collect()
+    names(DATA)
 }
 
-fn find(files: &[(&str, &'static str)], name: &str) -> Option<&'static str> {
-    files
-        .iter()
-        .find(|(file, _)| *file == name)
-        .map(|(_, text)| *text)
+fn names<T>(all: &[(&'static str, T)]) -> Vec<&'static str> {
+    all.iter().map(|(name, _)| *name).collect()
+}
+
+fn find<T: Copy>(all: &[(&str, T)], wanted: &str) -> Option<T> {
+    let mut all = all.iter();
+    all.find(|(name, _)| *name == wanted).map(|(_, own)| *own)
 }

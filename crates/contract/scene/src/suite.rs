@@ -99,8 +99,7 @@ impl SuiteScene {
     /// [`SceneError::Syntax`] for what is no TOML, [`SceneError::Value`] for a missing reason or an
     /// expectation, a size or a switch that is none.
     pub fn from_toml(text: &str, file: &str) -> Result<Self, SceneError> {
-        let raw: RawSuiteScene =
-            toml::from_str(text).map_err(|error| crate::error::syntax_error(text, file, &error))?;
+        let raw: RawSuiteScene = crate::error::parsed(text, file)?;
         let refuse = |key: String, found: String, allowed: &str| SceneError::Value {
             file: file.to_owned(),
             key,
@@ -199,38 +198,23 @@ set = ["colour=one-colour"]
 
     #[test]
     fn what_is_wrong_is_named_with_file_key_value_and_what_is_allowed() {
-        for (from, to, message) in [
-            (
-                "reason = \"because\"\n",
-                "",
-                "t.toml: reason: found nothing, allowed: why the scene is in its suite",
-            ),
-            (
-                "expect = \"fills\"",
-                "expect = \"draws\"",
-                "t.toml: expect: found \"draws\", allowed: \"fills\" or \"refused: WORDS OF THE MESSAGE\"",
-            ),
-            (
-                "refused: allowed 255",
-                "refused: ",
-                "t.toml: views[1].expect: found \"refused: \", allowed: \"fills\" or \"refused: WORDS OF \
-                 THE MESSAGE\"",
-            ),
-            (
-                "[7, 3]",
-                "[0, 3]",
-                "t.toml: views[0].size: found 0 × 3, allowed: two numbers from 1 to 16384",
-            ),
-            (
-                "colour=one-colour",
-                "colour",
-                "t.toml: views[1].set: found \"colour\", allowed: KEY=VALUE",
-            ),
-        ] {
+        let mistakes = r#"reason = "because" -> reason = ""
+    reason: found nothing, allowed: why the scene is in its suite
+expect = "fills" -> expect = "draws"
+    expect: found "draws", allowed: "fills" or "refused: WORDS OF THE MESSAGE"
+refused: allowed 255 -> refused:
+    views[1].expect: found "refused:", allowed: "fills" or "refused: WORDS OF THE MESSAGE"
+[7, 3] -> [0, 3]
+    views[0].size: found 0 × 3, allowed: two numbers from 1 to 16384
+colour=one-colour -> colour
+    views[1].set: found "colour", allowed: KEY=VALUE"#;
+        let mut lines = mistakes.lines();
+        while let (Some(change), Some(message)) = (lines.next(), lines.next()) {
+            let (from, to) = change.split_once(" -> ").expect(message);
             assert!(GOOD.contains(from), "{from}");
             let text = GOOD.replacen(from, to, 1);
             let error = SuiteScene::from_toml(&text, "t.toml").expect_err(to);
-            assert_eq!(error.to_string(), message);
+            assert_eq!(error.to_string(), format!("t.toml: {}", message.trim()));
         }
     }
 }

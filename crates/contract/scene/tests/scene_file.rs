@@ -54,6 +54,20 @@ fn broken(from: &str, to: &str) -> String {
     GOOD.replacen(from, to, 1)
 }
 
+/// Mistakes in a good scene, two lines each: what is replaced by what, with `\n` for a line break, and the message
+/// behind the name of the file.
+#[track_caller]
+fn assert_all_refused(good: &str, mistakes: &str) {
+    let mut lines = mistakes.lines();
+    while let (Some(change), Some(expected)) = (lines.next(), lines.next()) {
+        let change = change.replace("\\n", "\n");
+        let (from, to) = change.split_once(" ->").expect(expected);
+        let text = good.replacen(from, to.trim_start(), 1);
+        assert_ne!(text, good, "{from}");
+        assert_eq!(message(&text), format!("t.toml: {}", expected.trim()));
+    }
+}
+
 #[test]
 fn the_good_scene_loads_with_its_defaults() {
     let scene = Scene::from_toml(GOOD, "t.toml", None).expect("valid");
@@ -122,33 +136,31 @@ fn every_setting_arrives() {
 
 #[test]
 fn values_outside_what_is_allowed() {
+    let mistakes = r#""wgs84" -> "venus"
+    body: found "venus", allowed: wgs84, moon, mars, saturn-like, unit-sphere, asteroid-250m
+body = "wgs84" -> body = "wgs84"\nedges = "rhumb"
+    edges: found "rhumb", allowed: planar, great-ellipse
+name = "test" -> name = "a/b"
+    name: found "a/b", allowed: lower-case letters, digits and -
+latitude_deg = 20 -> latitude_deg = 91
+    views[0].latitude_deg: found 91, allowed: -90 to 90
+latitude_deg = 20 -> latitude_deg = nan
+    views[0].latitude_deg: found NaN, allowed: -90 to 90
+height_m = 5_000 -> height_m = inf
+    views[0].height_m: found inf, allowed: greater than 0
+pitch_deg = -90 -> pitch_deg = -90\n[mesh]\nboundary_tolerance_m = -1
+    mesh.boundary_tolerance_m: found -1, allowed: greater than 0
+pitch_deg = -90 -> pitch_deg = -90\n[mesh]\ncap_step_deg = 31
+    mesh.cap_step_deg: found 31, allowed: greater than 0, at most 30
+pitch_deg = -90 -> pitch_deg = -90\n[levels]\ndeviation_m = [100, 100]
+    levels.deviation_m[1]: found 100, allowed: greater than 100
+pitch_deg = -90 -> pitch_deg = -90\n[vary]\ncap_step_deg = [10, 31]
+    vary.cap_step_deg[1]: found 31, allowed: greater than 0, at most 30
+pitch_deg = -90 -> pitch_deg = -90\n[vary]\nboundary_tolerance_m = [10, 0]
+    vary.boundary_tolerance_m[1]: found 0, allowed: greater than 0"#;
+    assert_all_refused(GOOD, mistakes);
     let no_views = GOOD.split("[[views]]").next().expect("a head");
-    let cases = [
-        (
-            broken("\"wgs84\"", "\"venus\""),
-            "t.toml: body: found \"venus\", allowed: wgs84, moon, mars, saturn-like, unit-sphere, \
-             asteroid-250m",
-        ),
-        (
-            broken("body = \"wgs84\"", "body = \"wgs84\"\nedges = \"rhumb\""),
-            "t.toml: edges: found \"rhumb\", allowed: planar, great-ellipse",
-        ),
-        (
-            broken("name = \"test\"", "name = \"a/b\""),
-            "t.toml: name: found \"a/b\", allowed: lower-case letters, digits and -",
-        ),
-        (
-            broken("latitude_deg = 20", "latitude_deg = 91"),
-            "t.toml: views[0].latitude_deg: found 91, allowed: -90 to 90",
-        ),
-        (
-            broken("latitude_deg = 20", "latitude_deg = nan"),
-            "t.toml: views[0].latitude_deg: found NaN, allowed: -90 to 90",
-        ),
-        (
-            broken("height_m = 5_000", "height_m = inf"),
-            "t.toml: views[0].height_m: found inf, allowed: greater than 0",
-        ),
+    for (text, expected) in [
         (
             format!("views = []\n{no_views}"),
             "t.toml: views: found 0 views, allowed: at least 1",
@@ -157,91 +169,34 @@ fn values_outside_what_is_allowed() {
             format!("{GOOD}{SECOND_VIEW}"),
             "t.toml: views[1].name: found \"a\" again, allowed: a name of its own",
         ),
-        (
-            format!("{GOOD}\n[mesh]\nboundary_tolerance_m = -1\n"),
-            "t.toml: mesh.boundary_tolerance_m: found -1, allowed: greater than 0",
-        ),
-        (
-            format!("{GOOD}\n[mesh]\ncap_step_deg = 31\n"),
-            "t.toml: mesh.cap_step_deg: found 31, allowed: greater than 0, at most 30",
-        ),
-        (
-            format!("{GOOD}\n[levels]\ndeviation_m = [100, 100]\n"),
-            "t.toml: levels.deviation_m[1]: found 100, allowed: greater than 100",
-        ),
-        (
-            format!("{GOOD}\n[vary]\ncap_step_deg = [10, 31]\n"),
-            "t.toml: vary.cap_step_deg[1]: found 31, allowed: greater than 0, at most 30",
-        ),
-        (
-            format!("{GOOD}\n[vary]\nboundary_tolerance_m = [10, 0]\n"),
-            "t.toml: vary.boundary_tolerance_m[1]: found 0, allowed: greater than 0",
-        ),
-    ];
-    for (text, expected) in cases {
+    ] {
         assert_eq!(message(&text), expected);
     }
 }
 
 #[test]
 fn region_sources_that_are_not_exactly_one() {
-    let embedded = "embedded = \"california.geojson\"";
-    let cases = [
-        (
-            broken(embedded, &format!("{embedded}\n{FILE_SOURCE}")),
-            "t.toml: regions: found file and embedded, allowed: exactly one of file, embedded, \
-             inline, procedural",
-        ),
-        (
-            broken(embedded, ""),
-            "t.toml: regions: found none, allowed: exactly one of file, embedded, inline, procedural",
-        ),
-        (
-            broken(embedded, "embedded = \"nevada.geojson\""),
-            "t.toml: regions.embedded: found \"nevada.geojson\", allowed: california.geojson, \
-             square-10m.geojson, square-200km.geojson, window-west.geojson, window-east.geojson",
-        ),
-        (
-            broken(embedded, &FILE_SOURCE.replace("a.geojson", "")),
-            "t.toml: regions.file: found nothing, allowed: an absolute path, or one from the scene file or the \
-             data folder",
-        ),
-        (
-            broken(embedded, &FILE_SOURCE.replace("e3b0", "E3B0")),
-            "t.toml: regions.sha256: found \
-             \"E3B0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855\", allowed: \
-             64 lower-case hexadecimal digits",
-        ),
-        (
-            broken(embedded, &format!("{embedded}\nhow = \"buy it\"")),
-            "t.toml: regions.how: found a value, allowed: only together with file",
-        ),
-        (
-            broken(
-                embedded,
-                &format!("{embedded}\nsource = {{ file = \"b\", sha256 = \"\" }}"),
-            ),
-            "t.toml: regions.source: found a value, allowed: only together with file",
-        ),
-        (
-            broken(
-                embedded,
-                &format!("{FILE_SOURCE}\nsource = {{ file = \"\", sha256 = \"\" }}"),
-            ),
-            "t.toml: regions.source.file: found nothing, allowed: an absolute path, or one from the scene file or the \
-             data folder",
-        ),
-        (
-            broken(
-                embedded,
-                &format!("{FILE_SOURCE}\nsource = {{ file = \"b\", sha256 = \"0\" }}"),
-            ),
-            "t.toml: regions.source.sha256: found \"0\", allowed: 64 lower-case hexadecimal digits",
-        ),
-    ];
-    for (text, expected) in cases {
-        assert_eq!(message(&text), expected);
-    }
+    let mistakes = r#"embedded = "california.geojson" ->
+    regions: found none, allowed: exactly one of file, embedded, inline, procedural
+california.geojson -> nevada.geojson
+    regions.embedded: found "nevada.geojson", allowed: california.geojson, square-10m.geojson, square-200km.geojson, window-west.geojson, window-east.geojson
+"california.geojson" -> "california.geojson"\nhow = "buy it"
+    regions.how: found a value, allowed: only together with file
+"california.geojson" -> "california.geojson"\nsource = { file = "b", sha256 = "" }
+    regions.source: found a value, allowed: only together with file"#;
+    assert_all_refused(GOOD, mistakes);
+    let mistakes = r#"how = "draw it" -> how = "draw it"\nembedded = "california.geojson"
+    regions: found file and embedded, allowed: exactly one of file, embedded, inline, procedural
+"a.geojson" -> ""
+    regions.file: found nothing, allowed: an absolute path, or one from the scene file or the data folder
+e3b0 -> E3B0
+    regions.sha256: found "E3B0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855", allowed: 64 lower-case hexadecimal digits
+how = "draw it" -> how = "draw it"\nsource = { file = "", sha256 = "" }
+    regions.source.file: found nothing, allowed: an absolute path, or one from the scene file or the data folder
+how = "draw it" -> how = "draw it"\nsource = { file = "b", sha256 = "0" }
+    regions.source.sha256: found "0", allowed: 64 lower-case hexadecimal digits"#;
+    let of_file = broken("embedded = \"california.geojson\"", FILE_SOURCE);
+    assert_all_refused(&of_file, mistakes);
 }
 
 #[test]
@@ -479,84 +434,35 @@ fn every_setting_of_a_texture_arrives() {
 
 #[test]
 fn wrong_textures_name_the_key_the_value_and_what_is_allowed() {
-    let cases = [
-        (
-            "checker = { size = 64, cells = 4 }\n",
-            "",
-            "t.toml: texture: found none, allowed: exactly one of image, checker, hatch",
-        ),
-        (
-            "size = 64",
-            "size = 66",
-            "t.toml: texture.checker.size: found 66, allowed: a multiple of 4 cells",
-        ),
-        (
-            "size = 64",
-            "size = 16384",
-            "t.toml: texture.checker.size: found 16384, allowed: 2 to 8192",
-        ),
-        (
-            "cells = 4",
-            "cells = 1",
-            "t.toml: texture.checker.cells: found 1, allowed: 2 to 64",
-        ),
-        (
-            "\"each\"",
-            "\"both\"",
-            "t.toml: texture.share: found \"both\", allowed: one, each",
-        ),
-        (
-            "alpha = 0.5",
-            "alpha = 1.5",
-            "t.toml: texture.alpha: found 1.5, allowed: 0 to 1",
-        ),
-        (
-            "alpha = 0.5",
-            "alpha = nan",
-            "t.toml: texture.alpha: found NaN, allowed: 0 to 1",
-        ),
-        (
-            "end_m = 20",
-            "end_m = 10",
-            "t.toml: texture.fade.end_m: found 10, allowed: greater than 10",
-        ),
-        (
-            "begin_m = 10",
-            "begin_m = -1",
-            "t.toml: texture.fade.begin_m: found -1, allowed: 0 or more",
-        ),
-        (
-            "latitude_deg = -45",
-            "latitude_deg = -90",
-            "t.toml: texture.placement.anchor.latitude_deg: found -90, allowed: -89.9 to 89.9",
-        ),
-        (
-            "width_m = 1000",
-            "width_m = 0",
-            "t.toml: texture.placement.anchor.width_m: found 0, allowed: greater than 0",
-        ),
-        (
-            "\"transparent\"",
-            "\"black\"",
-            "t.toml: texture.placement.anchor.outside: found \"black\", allowed: repeat, transparent",
-        ),
-        (
-            "checker = { size = 64, cells = 4 }",
-            "image = { path = \"\", sha256 = \"0\" }",
-            "t.toml: texture.image.path: found nothing, allowed: an absolute path, or one from the scene file or the \
-             data folder",
-        ),
-        (
-            "checker = { size = 64, cells = 4 }",
-            "image = { path = \"a.png\", sha256 = \"0\" }",
-            "t.toml: texture.image.sha256: found \"0\", allowed: 64 lower-case hexadecimal digits",
-        ),
-    ];
-    for (from, to, expected) in cases {
-        let changed = TEXTURE.replacen(from, to, 1);
-        assert_ne!(changed, TEXTURE, "{from}");
-        assert_eq!(message(&(GOOD.to_owned() + &changed)), expected);
-    }
+    let mistakes = r#"checker = { size = 64, cells = 4 }\n ->
+    texture: found none, allowed: exactly one of image, checker, hatch
+size = 64 -> size = 66
+    texture.checker.size: found 66, allowed: a multiple of 4 cells
+size = 64 -> size = 16384
+    texture.checker.size: found 16384, allowed: 2 to 8192
+cells = 4 -> cells = 1
+    texture.checker.cells: found 1, allowed: 2 to 64
+"each" -> "both"
+    texture.share: found "both", allowed: one, each
+alpha = 0.5 -> alpha = 1.5
+    texture.alpha: found 1.5, allowed: 0 to 1
+alpha = 0.5 -> alpha = nan
+    texture.alpha: found NaN, allowed: 0 to 1
+end_m = 20 -> end_m = 10
+    texture.fade.end_m: found 10, allowed: greater than 10
+begin_m = 10 -> begin_m = -1
+    texture.fade.begin_m: found -1, allowed: 0 or more
+latitude_deg = -45 -> latitude_deg = -90
+    texture.placement.anchor.latitude_deg: found -90, allowed: -89.9 to 89.9
+width_m = 1000 -> width_m = 0
+    texture.placement.anchor.width_m: found 0, allowed: greater than 0
+"transparent" -> "black"
+    texture.placement.anchor.outside: found "black", allowed: repeat, transparent
+checker = { size = 64, cells = 4 } -> image = { path = "", sha256 = "0" }
+    texture.image.path: found nothing, allowed: an absolute path, or one from the scene file or the data folder
+checker = { size = 64, cells = 4 } -> image = { path = "a.png", sha256 = "0" }
+    texture.image.sha256: found "0", allowed: 64 lower-case hexadecimal digits"#;
+    assert_all_refused(&(GOOD.to_owned() + TEXTURE), mistakes);
     let pattern = "[texture]\nchecker = { size = 16, cells = 2 }\nplacement = { pattern = { \
                    longitude_deg = 1, latitude_deg = 2, texels_per_px = 0 } }\n";
     assert_eq!(

@@ -482,36 +482,19 @@ fn views_that_break_their_promise_are_noticed() {
 
 #[test]
 fn views_of_squares_that_break_their_promise_are_noticed() {
-    for (name, from, to) in [
+    for change in [
         // From so near that sides leave the image, and from so far that little is left.
-        (
-            "square-10m",
-            "height_m = 50\nheading_deg = 0",
-            "height_m = 5\nheading_deg = 0",
-        ),
-        (
-            "square-10m",
-            "height_m = 50\nheading_deg = 0",
-            "height_m = 500\nheading_deg = 0",
-        ),
+        "square-10m: height_m = 50\nheading_deg = 0 -> height_m = 5\nheading_deg = 0",
+        "square-10m: height_m = 50\nheading_deg = 0 -> height_m = 500\nheading_deg = 0",
         // A corner in view, no edge in view, and the horizon where none is promised.
-        ("square-10m", "height_m = 1.5", "height_m = 4"),
-        (
-            "square-200km",
-            "height_m = 1.5\nheading_deg = 340",
-            "height_m = 1.5\nheading_deg = 160",
-        ),
-        (
-            "square-200km",
-            "height_m = 500000\nheading_deg = 0\npitch_deg = -90",
-            "height_m = 500000\nheading_deg = 0\npitch_deg = -10",
-        ),
-        (
-            "square-200km",
-            "heading_deg = 70",
-            "heading_deg = 250\nfov_deg = 1",
-        ),
+        "square-10m: height_m = 1.5 -> height_m = 4",
+        "square-200km: height_m = 1.5\nheading_deg = 340 -> height_m = 1.5\nheading_deg = 160",
+        "square-200km: height_m = 500000\nheading_deg = 0\npitch_deg = -90 -> \
+         height_m = 500000\nheading_deg = 0\npitch_deg = -10",
+        "square-200km: heading_deg = 70 -> heading_deg = 250\nfov_deg = 1",
     ] {
+        let (name, change) = change.split_once(": ").expect("a name");
+        let (from, to) = change.split_once(" -> ").expect("a change");
         let text = match name {
             "square-10m" => include_str!("../../../../bench-scenes/square-10m.toml"),
             _ => include_str!("../../../../bench-scenes/square-200km.toml"),

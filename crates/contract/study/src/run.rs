@@ -14,7 +14,8 @@ use std::path::Path;
 use std::rc::Rc;
 use terrafill_contract::Devices;
 use terrafill_results::{
-    Measurement, Note, Outcome, Run, RunError, RunFolder, Status, UNSTEADY_CLOCK, Verdict, median,
+    Measurement, Note, Outcome, PlannedCase, Run, RunError, RunFolder, Status, UNSTEADY_CLOCK,
+    Verdict, median,
 };
 
 /// Receives progress. The runner has no clock: who listens decides how often to say so.
@@ -157,7 +158,7 @@ fn run_groups(
                     running.settle(&ready, settling.max_looks)?;
                     settling.max_looks *= u32::from(settling.each_group);
                 }
-                running.measure(&todo, ready, &mut steps)?;
+                running.measure(ready, &mut steps)?;
             }
         }
         steps.measured(group);
@@ -203,12 +204,8 @@ impl Todo {
             if status.is_none() && options.process == 0 {
                 todo.verify.push(index);
             }
-            let may_be_timed = match status {
-                None => options.process == 0,
-                Some(Status::Ok) => true,
-                Some(Status::Wrong) => case.may_be_wrong,
-                Some(Status::Skipped | Status::Failed | Status::DriverFault) => false,
-            };
+            let may_be_timed =
+                status.map_or(options.process == 0, |status| may_be_timed(case, status));
             let taken = known.map_or(0, |known| known.samples.len());
             let taken = u32::try_from(taken).unwrap_or(u32::MAX);
             if may_be_timed && taken < case.samples {
@@ -220,6 +217,14 @@ impl Todo {
 
     fn is_empty(&self) -> bool {
         self.verify.is_empty() && self.time.is_empty()
+    }
+}
+
+fn may_be_timed(case: &PlannedCase, status: Status) -> bool {
+    match status {
+        Status::Ok => true,
+        Status::Wrong => case.may_be_wrong,
+        Status::Skipped | Status::Failed | Status::DriverFault => false,
     }
 }
 
@@ -350,11 +355,7 @@ impl Running<'_> {
                 self.fail(case, &message)?;
                 continue;
             }
-            let may_be_timed = match verdict.status {
-                Status::Ok => true,
-                Status::Wrong => self.group.cases[case].may_be_wrong,
-                Status::Skipped | Status::Failed | Status::DriverFault => false,
-            };
+            let may_be_timed = may_be_timed(&self.group.cases[case], verdict.status);
             if let Some(&(_, next_sample)) = timed.filter(|_| may_be_timed) {
                 ready.push(Ready { case, next_sample });
             }
@@ -401,12 +402,7 @@ impl Running<'_> {
         let key = planned.id.key();
         // Figures first: a case with a row has all of them. A repeat's are those of its original.
         if is_own {
-            let figures: Vec<Measurement> = verdict
-                .figures
-                .iter()
-                .map(|&(metric, value)| self.measurement(&key, metric, 0, value))
-                .collect();
-            self.folder.append_measurements(&figures)?;
+            self.keep(case, 0, &verdict.figures)?;
             let notes: Vec<Note> = verdict
                 .notes
                 .iter()
@@ -428,16 +424,6 @@ impl Running<'_> {
     fn fail(&self, case: usize, message: &str) -> Result<(), StudyError> {
         self.check_device(case)?;
         Ok(self.folder.fail_case(&self.group.cases[case], message)?)
-    }
-
-    fn measurement(&self, key: &str, metric: &str, sample: u32, value: f64) -> Measurement {
-        Measurement {
-            case: key.to_owned(),
-            metric: metric.to_owned(),
-            process: self.options.process,
-            sample,
-            value,
-        }
     }
 
     /// One sample of a case: the mean over its frames.
@@ -469,37 +455,40 @@ impl Running<'_> {
     /// - `of`: how many measurements it is the median of
     fn take(&mut self, ready: &mut Ready, of: u32, counts: bool) -> Result<bool, StudyError> {
         let case = ready.case;
-        let frames = if counts {
-            self.frames
+        let (frames, drawn) = if counts {
+            let drawn = self.session.before_sample(self.group.work[case]);
+            (self.frames, drawn)
         } else {
-            FramesPerSample::default()
-        };
-        let drawn = if counts {
-            self.session.before_sample(self.group.work[case])
-        } else {
-            Ok(())
+            (FramesPerSample::default(), Ok(()))
         };
         let sampled = |()| (0..of).map(|_| self.sample(case, frames)).collect();
         let taken: Result<Vec<_>, String> = drawn.and_then(sampled);
-        match taken {
+        let taken = match taken {
+            Ok(taken) => taken,
             Err(message) => {
                 self.fail(case, &message)?;
                 return Ok(false);
             }
-            Ok(_) if !counts => {}
-            Ok(taken) => {
-                self.check_device(case)?;
-                let values = medians(&taken);
-                ready.next_sample += 1;
-                let key = self.key(case);
-                let rows: Vec<Measurement> = values
-                    .into_iter()
-                    .map(|(metric, value)| self.measurement(&key, metric, ready.next_sample, value))
-                    .collect();
-                self.folder.append_measurements(&rows)?;
-            }
+        };
+        if counts {
+            self.check_device(case)?;
+            ready.next_sample += 1;
+            self.keep(case, ready.next_sample, &medians(&taken))?;
         }
         Ok(true)
+    }
+
+    /// Appends figures of a case to the run's folder.
+    fn keep(&self, case: usize, sample: u32, figures: &[(&str, f64)]) -> Result<(), RunError> {
+        let row = |&(metric, value): &(&str, f64)| Measurement {
+            case: self.key(case),
+            metric: metric.to_owned(),
+            process: self.options.process,
+            sample,
+            value,
+        };
+        let rows: Vec<Measurement> = figures.iter().map(row).collect();
+        self.folder.append_measurements(&rows)
     }
 
     /// Draws the first case until its times agree, and notes where they never do.
@@ -556,12 +545,7 @@ impl Running<'_> {
     }
 
     /// Measures every case once in each block, in an order that changes from block to block.
-    fn measure(
-        &mut self,
-        todo: &Todo,
-        mut ready: Vec<Ready>,
-        steps: &mut Steps<'_>,
-    ) -> Result<(), StudyError> {
+    fn measure(&mut self, mut ready: Vec<Ready>, steps: &mut Steps<'_>) -> Result<(), StudyError> {
         let left = |ready: &[Ready], group: &PlannedGroup| {
             let left = ready.iter().map(|case| {
                 group.cases[case.case]
@@ -570,9 +554,6 @@ impl Running<'_> {
             });
             left.max().unwrap_or(0)
         };
-        if todo.time.is_empty() || left(&ready, self.group) == 0 {
-            return Ok(());
-        }
         let mut block = 0;
         while left(&ready, self.group) > 0 {
             let is_warm_up = block < warm_up(self.group, self.options);
@@ -587,18 +568,12 @@ impl Running<'_> {
             let mut broken = BTreeSet::new();
             for place in order {
                 let Ready { case, next_sample } = ready[place];
-                if next_sample >= self.group.cases[case].samples {
-                    continue;
-                }
-                if !self.take(&mut ready[place], 1, !is_warm_up)? {
-                    broken.insert(place);
+                let is_left = next_sample < self.group.cases[case].samples;
+                if is_left && !self.take(&mut ready[place], 1, !is_warm_up)? {
+                    broken.insert(case);
                 }
             }
-            let mut place = 0;
-            ready.retain(|_| {
-                place += 1;
-                !broken.contains(&(place - 1))
-            });
+            ready.retain(|ready| !broken.contains(&ready.case));
             block += 1;
             steps.step(&self.group.name);
         }

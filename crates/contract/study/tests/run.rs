@@ -3,8 +3,8 @@
 
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 use std::rc::Rc;
+use tempfile::TempDir;
 use terrafill_contract::{DeviceLoss, Devices};
 use terrafill_results::{
     Block, CaseId, Chapter, ChapterError, Clock, ConditionKey, Kind, Metric, Numbered, Outcome,
@@ -12,7 +12,7 @@ use terrafill_results::{
     Verdict,
 };
 use terrafill_study::{
-    Context, FramesPerSample, Group, Plan, Planned, Request, RunOptions, RunOutcome, Session,
+    CaseGroup, FramesPerSample, Group, Plan, Planned, Request, RunOptions, RunOutcome, Session,
     Settling, Silent, Study, StudyError, Turn, Turns, plan, run, run_by_turns,
 };
 
@@ -99,9 +99,8 @@ impl Study for MadeUp {
     }
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
-        let group = |index| -> Box<dyn Group> {
-            Box::new(MadeUpGroup::new(index, request.samples.unwrap_or(3)))
-        };
+        let samples = request.samples.unwrap_or(3);
+        let group = |index| -> Box<dyn Group> { Box::new(group(index, samples)) };
         Ok(Planned {
             groups: (0..self.groups).map(group).collect(),
             ..Planned::default()
@@ -111,12 +110,6 @@ impl Study for MadeUp {
     fn chapter(&self) -> &dyn Chapter {
         self
     }
-}
-
-/// Four right cases, one that is wrong, one that may be, one skipped, one that is only verified.
-struct MadeUpGroup {
-    name: String,
-    cases: Vec<PlannedCase>,
 }
 
 const STATUSES: [Status; 8] = [
@@ -130,36 +123,24 @@ const STATUSES: [Status; 8] = [
     Status::Ok,
 ];
 
-impl MadeUpGroup {
-    fn new(index: usize, samples: u32) -> Self {
-        let name = format!("group-{index}");
-        let cases = (0..STATUSES.len()).map(|case| PlannedCase {
-            id: CaseId::new(
-                "made-up",
-                format!("{name}/case-{case}"),
-                [("group", name.clone()), ("case", case.to_string())],
-            ),
-            samples: if case == 7 { 0 } else { samples },
-            may_be_wrong: case == 5,
-        });
-        Self {
-            cases: cases.collect(),
-            name,
-        }
-    }
-}
-
-impl Group for MadeUpGroup {
-    fn name(&self) -> String {
-        self.name.clone()
-    }
-
-    fn cases(&self) -> &[PlannedCase] {
-        &self.cases
-    }
-
-    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(MadeUpSession(context.devices.loss().clone())))
+/// Four right cases, one that is wrong, one that may be, one skipped, one that is only verified.
+fn group(index: usize, samples: u32) -> CaseGroup<()> {
+    let name = format!("group-{index}");
+    let cases = (0..STATUSES.len()).map(|case| PlannedCase {
+        id: CaseId::new(
+            "made-up",
+            format!("{name}/case-{case}"),
+            [("group", name.clone()), ("case", case.to_string())],
+        ),
+        samples: if case == 7 { 0 } else { samples },
+        may_be_wrong: case == 5,
+    });
+    CaseGroup {
+        cases: cases.collect(),
+        name,
+        warm_up: None,
+        work: (),
+        open: |_, context| Ok(Box::new(MadeUpSession(context.devices.loss().clone()))),
     }
 }
 
@@ -260,30 +241,68 @@ fn planned(groups: usize, options: &RunOptions) -> Plan {
     .expect("planned")
 }
 
-fn create(path: &Path, plan: &Plan) -> RunFolder {
-    RunFolder::create(path, environment(), plan.run_plan().clone(), &METRICS).expect("new")
+/// A plan, the script of its sessions and the folder that it is measured into.
+struct Measured {
+    plan: Plan,
+    script: Rc<Script>,
+    place: TempDir,
+    folder: RunFolder,
 }
 
-fn measure(plan: &Plan, folder: &RunFolder, options: &RunOptions) {
-    run(
-        plan,
-        folder,
-        &Rc::new(Devices::default()),
-        options,
-        &mut Silent,
-    )
-    .expect("measured");
+impl Measured {
+    fn begin(plan: Plan) -> Self {
+        let place = tempfile::tempdir().expect("a folder");
+        let to_measure = plan.run_plan().clone();
+        let folder = RunFolder::create(place.path(), environment(), to_measure, &METRICS);
+        Self {
+            script: fresh_script(),
+            folder: folder.expect("new"),
+            place,
+            plan,
+        }
+    }
+
+    fn resume(&mut self) {
+        let folder = RunFolder::resume(self.place.path(), &environment(), self.plan.run_plan());
+        self.folder = folder.expect("there");
+    }
+
+    fn try_to(&self, options: &RunOptions) -> Result<(), StudyError> {
+        let devices = Rc::new(Devices::default());
+        run(&self.plan, &self.folder, &devices, options, &mut Silent)
+    }
+
+    fn measure(&self, options: &RunOptions) {
+        self.try_to(options).expect("measured");
+    }
+
+    fn run(&self) -> Run {
+        Run::load(self.place.path()).expect("a run")
+    }
+
+    fn outcome(&self) -> RunOutcome {
+        RunOutcome::of(self.place.path()).expect("a run")
+    }
+
+    /// Samples that the first process has kept.
+    fn kept(&self) -> usize {
+        let cases = self.run().cases;
+        cases.iter().map(|case| case.timed_samples(0).len()).sum()
+    }
+
+    fn missing(&self) -> usize {
+        let cases = self.run().cases;
+        let missing = cases.iter().filter(|case| case.outcome == Outcome::Missing);
+        missing.count()
+    }
 }
 
 #[test]
 fn every_case_is_verified_once_and_only_right_ones_are_timed() {
-    let script = fresh_script();
-    let place = tempfile::tempdir().expect("a folder");
-    let plan = planned(1, &options());
-    let folder = create(place.path(), &plan);
-    measure(&plan, &folder, &options());
-    assert_eq!(*script.verified.borrow(), [0, 1, 2, 3, 4, 5, 6, 7]);
-    let run = Run::load(place.path()).expect("a run");
+    let made = Measured::begin(planned(1, &options()));
+    made.measure(&options());
+    assert_eq!(*made.script.verified.borrow(), [0, 1, 2, 3, 4, 5, 6, 7]);
+    let run = made.run();
     for case in &run.cases {
         let index: usize = case.condition("case").parse().expect("a number");
         let times = case.replicates("cost_ms");
@@ -302,7 +321,7 @@ fn every_case_is_verified_once_and_only_right_ones_are_timed() {
         assert_eq!(original.value("draws"), Some(7.0));
         assert_eq!(twin.value("draws"), None, "figures stand once");
     }
-    let outcome = RunOutcome::of(place.path()).expect("read");
+    let outcome = made.outcome();
     let expected = RunOutcome {
         ok: 5,
         wrong: 1,
@@ -312,98 +331,64 @@ fn every_case_is_verified_once_and_only_right_ones_are_timed() {
     };
     assert_eq!(outcome, expected);
     // Seven are timed, twins included, in three blocks and a warm-up.
-    assert_eq!(script.sampled.borrow().len(), 7 * 4);
-    assert_eq!(script.blocks.get(), 4);
+    assert_eq!(made.script.sampled.borrow().len(), 7 * 4);
+    assert_eq!(made.script.blocks.get(), 4);
 }
 
 #[test]
 fn a_killed_run_names_what_is_missing_and_goes_on_where_it_was() {
-    let script = fresh_script();
-    let place = tempfile::tempdir().expect("a folder");
-    let plan = planned(2, &options());
-    let folder = create(place.path(), &plan);
-    script.broken_after.set(Some(17));
+    let mut made = Measured::begin(planned(2, &options()));
+    made.script.broken_after.set(Some(17));
     let killed = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-        measure(&plan, &folder, &options());
+        made.measure(&options());
     }));
     assert!(killed.is_err());
-    let run = Run::load(place.path()).expect("a run");
-    let missing = |run: &Run| {
-        let cases = run
-            .cases
-            .iter()
-            .filter(|case| case.outcome == Outcome::Missing);
-        cases.count()
-    };
     // Of the first group the seven that are timed, of the second all.
-    assert_eq!(missing(&run), 7 + 10);
-    let before: usize = run
-        .cases
-        .iter()
-        .map(|case| case.timed_samples(0).len())
-        .sum();
-    assert_eq!(before, 17 - 7, "the warm-up is not kept");
-    script.broken_after.set(None);
-    script.sampled.borrow_mut().clear();
-    let folder = RunFolder::resume(place.path(), &environment(), plan.run_plan()).expect("there");
-    measure(&plan, &folder, &options());
-    let run = Run::load(place.path()).expect("a run");
-    assert_eq!(missing(&run), 0);
-    for case in &run.cases {
+    assert_eq!(made.missing(), 7 + 10);
+    assert_eq!(made.kept(), 17 - 7, "the warm-up is not kept");
+    made.script.broken_after.set(None);
+    made.script.sampled.borrow_mut().clear();
+    made.resume();
+    made.measure(&options());
+    assert_eq!(made.missing(), 0);
+    for case in &made.run().cases {
         let samples: Vec<u32> = case.timed_samples(0).into_iter().collect();
         assert!(samples.is_empty() || samples == [1, 2, 3], "{}", case.id());
     }
     // Negative control: what is complete is not measured again.
-    script.sampled.borrow_mut().clear();
-    script.verified.borrow_mut().clear();
-    measure(&plan, &folder, &options());
-    assert!(script.sampled.borrow().is_empty() && script.verified.borrow().is_empty());
+    made.script.sampled.borrow_mut().clear();
+    made.script.verified.borrow_mut().clear();
+    made.measure(&options());
+    assert!(made.script.sampled.borrow().is_empty() && made.script.verified.borrow().is_empty());
 }
 
 #[test]
 fn a_lost_device_ends_the_run_and_fails_no_case() {
-    let script = fresh_script();
-    let place = tempfile::tempdir().expect("a folder");
-    let plan = planned(2, &options());
-    let folder = create(place.path(), &plan);
-    script.lost_after.set(Some(17));
-    let devices = Rc::new(Devices::default());
-    let ended = run(&plan, &folder, &devices, &options(), &mut Silent);
-    let said = ended.expect_err("lost").to_string();
+    let mut made = Measured::begin(planned(2, &options()));
+    made.script.lost_after.set(Some(17));
+    let said = made.try_to(&options()).expect_err("lost").to_string();
     assert!(
         said.starts_with("made-up/group-0/case-")
             && said.ends_with(": the device was lost: timed out"),
         "{said}"
     );
-    let counted = RunOutcome::of(place.path()).expect("a run");
+    let counted = made.outcome();
     assert_eq!((counted.failed, counted.ok), (0, 1), "{counted:?}");
-    let rows = |run: &Run| -> usize {
-        let cases = run.cases.iter();
-        cases.map(|case| case.timed_samples(0).len()).sum()
-    };
-    let run_then = Run::load(place.path()).expect("a run");
-    assert_eq!(
-        rows(&run_then),
-        17 - 7,
-        "all before the loss, but the warm-up"
-    );
+    assert_eq!(made.kept(), 17 - 7, "all before the loss, but the warm-up");
     // The same command with --resume, on devices that are there.
-    script.lost_after.set(None);
-    let folder = RunFolder::resume(place.path(), &environment(), plan.run_plan()).expect("there");
-    measure(&plan, &folder, &options());
-    let counted = RunOutcome::of(place.path()).expect("a run");
+    made.script.lost_after.set(None);
+    made.resume();
+    made.measure(&options());
+    let counted = made.outcome();
     assert_eq!((counted.failed, counted.missing), (0, 0), "{counted:?}");
 }
 
 #[test]
 fn a_case_that_fails_while_it_is_timed_has_one_row() {
-    let script = fresh_script();
-    script.failing.set(Some(2));
-    let place = tempfile::tempdir().expect("a folder");
-    let plan = planned(1, &options());
-    let folder = create(place.path(), &plan);
-    measure(&plan, &folder, &options());
-    let run = Run::load(place.path()).expect("one row a case");
+    let made = Measured::begin(planned(1, &options()));
+    made.script.failing.set(Some(2));
+    made.measure(&options());
+    let run = made.run();
     let failed: Vec<&str> = run
         .cases
         .iter()
@@ -414,48 +399,33 @@ fn a_case_that_fails_while_it_is_timed_has_one_row() {
         !failed.is_empty() && failed.iter().all(|case| *case == "2"),
         "{failed:?}"
     );
-    let table = std::fs::read_to_string(place.path().join("cases.csv")).expect("a table");
-    assert_eq!(table.lines().count(), 1 + plan.run_plan().cases.len());
+    let table = std::fs::read_to_string(made.place.path().join("cases.csv")).expect("a table");
+    assert_eq!(table.lines().count(), 1 + made.plan.run_plan().cases.len());
     // Negative control: the others are right.
-    assert_eq!(RunOutcome::of(place.path()).expect("read").ok, 4);
+    assert_eq!(made.outcome().ok, 4);
 }
 
 #[test]
 fn another_process_rechecks_and_a_case_that_changed_fails() {
-    let script = fresh_script();
-    let place = tempfile::tempdir().expect("a folder");
     let two = RunOptions {
         processes: 2,
         ..options()
     };
-    let plan = planned(1, &two);
-    let folder = create(place.path(), &plan);
-    measure(&plan, &folder, &two);
-    let run = Run::load(place.path()).expect("a run");
-    assert!(
-        run.cases
-            .iter()
-            .any(|case| case.outcome == Outcome::Missing)
-    );
+    let made = Measured::begin(planned(1, &two));
+    made.measure(&two);
+    assert!(made.missing() > 0);
     let second = RunOptions { process: 1, ..two };
-    measure(&plan, &folder, &second);
-    assert_eq!(*script.rechecked.borrow(), [0, 1, 2, 3, 5]);
-    let run = Run::load(place.path()).expect("a run");
-    assert!(
-        run.cases
-            .iter()
-            .all(|case| case.outcome != Outcome::Missing)
-    );
-    let right = &run.cases[0];
-    assert_eq!(right.replicates("cost_ms").len(), 2);
+    made.measure(&second);
+    assert_eq!(*made.script.rechecked.borrow(), [0, 1, 2, 3, 5]);
+    assert_eq!(made.missing(), 0);
+    assert_eq!(made.run().cases[0].replicates("cost_ms").len(), 2);
 
     // Negative control: a second process whose pictures differ.
-    let place = tempfile::tempdir().expect("a folder");
-    let folder = create(place.path(), &plan);
-    measure(&plan, &folder, &two);
-    script.recheck_status.set(Status::Wrong);
-    measure(&plan, &folder, &second);
-    let run = Run::load(place.path()).expect("a run");
+    let made = Measured::begin(planned(1, &two));
+    made.measure(&two);
+    made.script.recheck_status.set(Status::Wrong);
+    made.measure(&second);
+    let run = made.run();
     assert_eq!(run.cases[0].outcome, Outcome::Failed);
     assert!(
         run.cases[0].reason.contains("wrong in process 1"),
@@ -520,13 +490,10 @@ fn a_case_that_is_planned_twice_is_refused() {
 
 #[test]
 fn resuming_refuses_another_plan_and_another_commit() {
-    fresh_script();
-    let place = tempfile::tempdir().expect("a folder");
-    let plan = planned(1, &options());
-    create(place.path(), &plan);
+    let made = Measured::begin(planned(1, &options()));
     let other = planned(2, &options());
     let refused = |environment: &RunEnvironment, plan: &Plan| match RunFolder::resume(
-        place.path(),
+        made.place.path(),
         environment,
         plan.run_plan(),
     ) {
@@ -538,26 +505,25 @@ fn resuming_refuses_another_plan_and_another_commit() {
         commit: "def".to_owned(),
         ..environment()
     };
-    assert!(refused(&newer, &plan).contains("commit \"def\""));
-    assert!(RunFolder::resume(place.path(), &environment(), plan.run_plan()).is_ok());
+    assert!(refused(&newer, &made.plan).contains("commit \"def\""));
+    assert!(RunFolder::resume(made.place.path(), &environment(), made.plan.run_plan()).is_ok());
 }
 
 #[test]
 fn a_sample_is_the_mean_of_its_frames_and_extra_ones_add_their_cost() {
     for (frames, extra, factor) in [(1, 0, 1.0), (10, 0, 1.0), (10, 1, 1.1), (20, 1, 1.05)] {
-        let script = fresh_script();
-        let place = tempfile::tempdir().expect("a folder");
         let plan = planned(1, &options()).with_frames(FramesPerSample { frames, extra });
-        let folder = create(place.path(), &plan);
-        measure(&plan, &folder, &options());
-        let run = Run::load(place.path()).expect("a run");
+        let made = Measured::begin(plan);
+        made.measure(&options());
+        let run = made.run();
         let cost = run.cases[1].value("cost_ms").expect("timed");
         assert!(
             (cost - 2.0 * factor).abs() < 1e-12,
             "{frames}+{extra}: {cost}"
         );
         // One frame in the warm-up, then three samples.
-        let drawn = script.sampled.borrow().iter().filter(|&&c| c == 3).count();
+        let sampled = made.script.sampled.borrow();
+        let drawn = sampled.iter().filter(|&&c| c == 3).count();
         assert_eq!(drawn % (1 + 3 * (frames + extra) as usize), 0);
         assert_eq!(run.cases[1].timed_samples(0).len(), 3);
     }
@@ -565,20 +531,18 @@ fn a_sample_is_the_mean_of_its_frames_and_extra_ones_add_their_cost() {
 
 #[test]
 fn a_process_may_time_a_few_cases_and_rechecks_no_other() {
-    let script = fresh_script();
-    let place = tempfile::tempdir().expect("a folder");
-    let all = planned(1, &options());
-    let folder = create(place.path(), &all);
-    measure(&all, &folder, &options());
-    let key = all.run_plan().cases[1].id.key();
-    let few = || planned(1, &options()).timing_only(BTreeSet::from([key.clone()]));
+    let mut made = Measured::begin(planned(1, &options()));
+    made.measure(&options());
+    let key = made.plan.run_plan().cases[1].id.key();
+    let few = planned(1, &options()).timing_only(BTreeSet::from([key.clone()]));
+    made.plan = few.expect("planned");
     let second = RunOptions {
         process: 1,
         ..options()
     };
-    measure(&few().expect("planned"), &folder, &second);
-    assert_eq!(*script.rechecked.borrow(), [1]);
-    let run = Run::load(place.path()).expect("a run");
+    made.measure(&second);
+    assert_eq!(*made.script.rechecked.borrow(), [1]);
+    let run = made.run();
     for case in &run.cases {
         let is_timed = case.id().key() == key;
         assert_eq!(!case.timed_samples(1).is_empty(), is_timed, "{}", case.id());
@@ -618,10 +582,7 @@ impl Turns for Listed {
 
 #[test]
 fn samples_are_taken_as_turns_release_them_and_no_other() {
-    let script = fresh_script();
-    let place = tempfile::tempdir().expect("a folder");
-    let plan = planned(1, &options());
-    let folder = create(place.path(), &plan);
+    let made = Measured::begin(planned(1, &options()));
     let by_turns = |process: u32, turns: Vec<Turn>| {
         let mut turns = Listed {
             turns,
@@ -632,8 +593,15 @@ fn samples_are_taken_as_turns_release_them_and_no_other() {
             process,
             ..options()
         };
-        let devices = Rc::new(Devices::new(None));
-        let ran = run_by_turns(&plan, &folder, &devices, &options, &mut Silent, &mut turns);
+        let devices = Rc::new(Devices::default());
+        let ran = run_by_turns(
+            &made.plan,
+            &made.folder,
+            &devices,
+            &options,
+            &mut Silent,
+            &mut turns,
+        );
         (ran.map_err(|error| error.to_string()), turns)
     };
     let sample = |place, counts| Turn::Sample {
@@ -652,34 +620,29 @@ fn samples_are_taken_as_turns_release_them_and_no_other() {
     let (ran, turns) = by_turns(0, list);
     assert_eq!(ran, Ok(()));
     assert_eq!(turns.over, [true; 5]);
-    assert_eq!(script.blocks.get(), 1);
-    assert_eq!(*script.sampled.borrow(), [1, 1, 0, 1]);
+    assert_eq!(made.script.blocks.get(), 1);
+    assert_eq!(*made.script.sampled.borrow(), [1, 1, 0, 1]);
     // The first one does not count.
-    assert_eq!(*script.before.borrow(), [1, 0, 1]);
-    let run = Run::load(place.path()).expect("a run");
-    let taken = |place: usize| {
-        let key = &turns.ready[0][place];
-        let case = run.cases.iter().find(|case| case.id().key() == *key);
-        case.expect("a case").timed_samples(0).len()
+    assert_eq!(*made.script.before.borrow(), [1, 0, 1]);
+    let taken = |turns: &Listed, place: usize, process| {
+        let run = made.run();
+        let case = run.case(&turns.ready[0][place]).expect("a case");
+        case.timed_samples(process).len()
     };
-    assert_eq!((taken(0), taken(1), taken(2)), (1, 2, 0));
+    let counted = [0, 1, 2].map(|place| taken(&turns, place, 0));
+    assert_eq!(counted, [1, 2, 0]);
 
     // A sample of several measurements is one row.
     let of = 3;
     let place = 2;
     let counts = true;
     let (ran, turns) = by_turns(4, vec![Turn::Sample { place, of, counts }, Turn::NextGroup]);
-    assert_eq!((ran, turns.over), (Ok(()), vec![true]));
-    assert_eq!(script.sampled.borrow().len(), 4 + 3);
-    let run = Run::load(folder.path()).expect("a run");
-    let case = run
-        .cases
-        .iter()
-        .find(|case| case.id().key() == turns.ready[0][2]);
-    assert_eq!(case.expect("a case").timed_samples(4).len(), 1);
+    assert_eq!((ran, &turns.over), (Ok(()), &vec![true]));
+    assert_eq!(made.script.sampled.borrow().len(), 4 + 3);
+    assert_eq!(taken(&turns, 2, 4), 1);
 
     // A case that breaks off says so and the next goes on.
-    script.failing.set(Some(0));
+    made.script.failing.set(Some(0));
     let (ran, turns) = by_turns(1, vec![sample(0, true), sample(1, true), Turn::NextGroup]);
     assert_eq!(ran, Ok(()));
     assert_eq!(turns.over, [false, true]);
@@ -693,9 +656,6 @@ fn samples_are_taken_as_turns_release_them_and_no_other() {
 
 /// Times that a run keeps, and its notes of unsteady clocks.
 fn settled(costs: Vec<f64>, max_looks: u32, each_group: bool) -> (Vec<f64>, Vec<String>) {
-    let script = fresh_script();
-    *script.costs.borrow_mut() = costs;
-    let place = tempfile::tempdir().expect("a folder");
     let settling = Settling {
         max_looks,
         each_group,
@@ -705,9 +665,10 @@ fn settled(costs: Vec<f64>, max_looks: u32, each_group: bool) -> (Vec<f64>, Vec<
         ..options()
     };
     let plan = planned(2, &options).with_settling(settling);
-    let folder = create(place.path(), &plan);
-    measure(&plan, &folder, &options);
-    let run = Run::load(place.path()).expect("a run");
+    let made = Measured::begin(plan);
+    *made.script.costs.borrow_mut() = costs;
+    made.measure(&options);
+    let run = made.run();
     let times = run.cases.iter().filter_map(|case| case.samples("cost_ms"));
     let times = times.flat_map(Numbered::values).flat_map(Numbered::values);
     let notes = run.cases.iter().flat_map(|case| case.notes());

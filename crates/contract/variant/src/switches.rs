@@ -326,137 +326,94 @@ impl Switches {
         switch::set(TABLE, self, key, value)
     }
 
-    /// Whether one draw can do for many: nothing is set anew between volumes.
-    fn check_draws(&self) -> Result<(), SwitchError> {
-        if !(self.merges_draws && self.scissor) {
-            return Ok(());
-        }
-        Err(SwitchError {
-            switch: "draws",
-            found: "merged with scissor=volumes, which differs from volume to volume".to_owned(),
-            allowed: "each, or scissor=covers".to_owned(),
-        })
-    }
-
     /// Whether the switches go together and are right for a scene of this kind.
     ///
     /// # Errors
     /// [`SwitchError`].
     pub fn check(&self, overlap: Overlap) -> Result<(), SwitchError> {
+        let refuse = |switch: &'static str, found: &str, allowed: &str| {
+            Err(SwitchError {
+                switch,
+                found: found.to_owned(),
+                allowed: allowed.to_owned(),
+            })
+        };
+        let colour = self.setting("colour");
         let mixes = matches!(self.colour, ColourWay::Xor | ColourWay::IdAccumulation);
         if mixes && overlap == Overlap::Ordered {
-            return Err(SwitchError {
-                switch: "colour",
-                found: format!(
-                    "{} on a scene whose regions may overlap, where numbers mix",
-                    self.setting("colour")
-                ),
-                allowed: "rectangle, volume, bit-planes, one-colour, one-colour-volumes".to_owned(),
-            });
+            let found = format!("{colour} on a scene whose regions may overlap, where numbers mix");
+            let allowed = "rectangle, volume, bit-planes, one-colour, one-colour-volumes";
+            return refuse("colour", &found, allowed);
         }
         let covers_apart = matches!(self.colour, ColourWay::Xor | ColourWay::BitPlanes);
-        if self.texture.is_some() && !covers_apart {
-            return Err(SwitchError {
-                switch: "texture",
-                found: format!(
-                    "a picture with colour={}, whose covers write the stencil or hold no region",
-                    self.setting("colour")
-                ),
-                allowed: "plain, or colour=xor or bit-planes".to_owned(),
-            });
+        let is_textured = self.texture.is_some();
+        if is_textured && !covers_apart {
+            let found = format!(
+                "a picture with colour={colour}, whose covers write the stencil or hold no region"
+            );
+            return refuse("texture", &found, "plain, or colour=xor or bit-planes");
         }
         let shares_numbers = covers_apart || self.colour == ColourWay::IdAccumulation;
         if self.cover_area == CoverArea::Screen && shares_numbers {
-            return Err(SwitchError {
-                switch: "cover-area",
-                found: format!(
-                    "screen with colour={}, whose regions share numbers or have no covers",
-                    self.setting("colour")
-                ),
-                allowed: "rectangle, or colour=rectangle, volume or one colour".to_owned(),
-            });
+            let found = format!(
+                "screen with colour={colour}, whose regions share numbers or have no covers"
+            );
+            let allowed = "rectangle, or colour=rectangle, volume or one colour";
+            return refuse("cover-area", &found, allowed);
         }
         if self.depth_rule == DepthRuleChoice::Uncut && self.colour != ColourWay::Xor {
-            return Err(SwitchError {
-                switch: "depth-rule",
-                found: format!(
-                    "uncut with colour={}, which cannot tell what is marked from outside",
-                    self.setting("colour")
-                ),
-                allowed: "zfail, zpass, automatic, or colour=xor".to_owned(),
-            });
+            let found = format!(
+                "uncut with colour={colour}, which cannot tell what is marked from outside"
+            );
+            let allowed = "zfail, zpass, automatic, or colour=xor";
+            return refuse("depth-rule", &found, allowed);
         }
-        let has_merged_covers = self.merges_draws && covers_apart && self.texture.is_none();
+        let has_merged_covers = self.merges_draws && covers_apart && !is_textured;
         if self.cover_area == CoverArea::Tiles && !has_merged_covers {
-            return Err(SwitchError {
-                switch: "cover-area",
-                found: format!(
-                    "tiles with colour={}, draws={}, texture={}",
-                    self.setting("colour"),
-                    self.setting("draws"),
-                    self.setting("texture")
-                ),
-                allowed: "rectangle, or colour=xor or bit-planes, draws=merged and texture=plain"
-                    .to_owned(),
-            });
+            let [draws, texture] = ["draws", "texture"].map(|key| self.setting(key));
+            let found = format!("tiles with colour={colour}, draws={draws}, texture={texture}");
+            let allowed = "rectangle, or colour=xor or bit-planes, draws=merged and texture=plain";
+            return refuse("cover-area", &found, allowed);
         }
-        self.check_draws()?;
-        if self.loads_texture && self.texture.is_some() {
-            return Err(SwitchError {
-                switch: "texture-code",
-                found: "loaded for a textured fill, which needs it".to_owned(),
-                allowed: "needed, or texture=plain".to_owned(),
-            });
+        // Nothing may be set anew between the volumes of one draw.
+        if self.merges_draws && self.scissor {
+            let found = "merged with scissor=volumes, which differs from volume to volume";
+            return refuse("draws", found, "each, or scissor=covers");
         }
-        if self.bends_footprints && self.texture.is_some() {
-            return Err(SwitchError {
-                switch: "vertices",
-                found: "bent with a picture, whose place is that of stored vertices".to_owned(),
-                allowed: "stored, or texture=plain".to_owned(),
-            });
+        if self.loads_texture && is_textured {
+            let found = "loaded for a textured fill, which needs it";
+            return refuse("texture-code", found, "needed, or texture=plain");
         }
-        if let Some(position) = self.position.filter(|_| self.texture.is_none()) {
-            return Err(SwitchError {
-                switch: "position",
-                found: format!("{} for a plain fill, which looks for none", position.name()),
-                allowed: "none, or texture=chosen or a route".to_owned(),
-            });
+        if self.bends_footprints && is_textured {
+            let found = "bent with a picture, whose place is that of stored vertices";
+            return refuse("vertices", found, "stored, or texture=plain");
         }
-        if self.superfluous_normalize && self.texture.is_none() {
-            return Err(SwitchError {
-                switch: "normalize",
-                found: "superfluous for a plain fill, which looks for no position".to_owned(),
-                allowed: "needed, or texture=chosen or a route".to_owned(),
-            });
+        if let Some(position) = self.position.filter(|_| !is_textured) {
+            let found = format!("{} for a plain fill, which looks for none", position.name());
+            return refuse("position", &found, "none, or texture=chosen or a route");
         }
-        let has_first_pass = matches!(
-            self.colour,
-            ColourWay::OneColour | ColourWay::OneColourVolumes
-        );
-        if self.first_pass != FirstPass::Stencil && !has_first_pass {
-            return Err(SwitchError {
-                switch: "first-pass",
-                found: format!(
-                    "{} with colour={}, which marks more than once or in the pass that colours",
-                    self.setting("first-pass"),
-                    self.setting("colour")
-                ),
-                allowed: "stencil, or colour=one-colour or one-colour-volumes".to_owned(),
-            });
+        if self.superfluous_normalize && !is_textured {
+            let found = "superfluous for a plain fill, which looks for no position";
+            return refuse("normalize", found, "needed, or texture=chosen or a route");
+        }
+        if self.first_pass != FirstPass::Stencil && self.colour.tells_regions_apart() {
+            let found = format!(
+                "{} with colour={colour}, which marks more than once or in the pass that colours",
+                self.setting("first-pass")
+            );
+            let allowed = "stencil, or colour=one-colour or one-colour-volumes";
+            return refuse("first-pass", &found, allowed);
         }
         let covers_clear = matches!(
             self.colour,
             ColourWay::OneColour | ColourWay::Rectangle | ColourWay::Volume
         );
         if self.stencil_clear == StencilClear::ByColour && !covers_clear {
-            return Err(SwitchError {
-                switch: "stencil-clear",
-                found: format!(
-                    "by-colour with colour={}, whose covers leave pixels that no region owns",
-                    self.setting("colour")
-                ),
-                allowed: "at-start, or colour=one-colour, rectangle or volume".to_owned(),
-            });
+            let found = format!(
+                "by-colour with colour={colour}, whose covers leave pixels that no region owns"
+            );
+            let allowed = "at-start, or colour=one-colour, rectangle or volume";
+            return refuse("stencil-clear", &found, allowed);
         }
         Ok(())
     }

@@ -37,24 +37,12 @@ pub enum CatalogueError {
 
 /// A name that is none of a data set.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum UnknownSet {
-    /// No set begins with it.
-    #[error("data set: found {found:?}, allowed: {allowed}")]
-    Unknown {
-        /// The name.
-        found: String,
-        /// Names there are.
-        allowed: String,
-    },
-    /// Several sets begin with it.
-    #[error("data set: found {found:?}, which begins several names, allowed: one of {allowed}")]
-    Ambiguous {
-        /// The name.
-        found: String,
-        /// Names that begin with it.
-        allowed: String,
-    },
+#[error("data set: found {found}, allowed: {allowed}")]
+pub struct UnknownSet {
+    /// The name, and whether it begins several.
+    found: String,
+    /// Names there are, or those that begin so.
+    allowed: String,
 }
 
 /// What can be fetched, and what cannot.
@@ -203,13 +191,13 @@ impl Catalogue {
         };
         match found.as_slice() {
             [set] => Ok(set),
-            [] => Err(UnknownSet::Unknown {
-                found: name.to_owned(),
+            [] => Err(UnknownSet {
+                found: format!("{name:?}"),
                 allowed: names(&mut self.sets.iter()),
             }),
-            several => Err(UnknownSet::Ambiguous {
-                found: name.to_owned(),
-                allowed: names(&mut several.iter().copied()),
+            several => Err(UnknownSet {
+                found: format!("{name:?}, which begins several names"),
+                allowed: format!("one of {}", names(&mut several.iter().copied())),
             }),
         }
     }

@@ -40,24 +40,14 @@ pub enum DataError {
         /// Bytes that should be.
         expected: u64,
     },
-    /// The published file is longer or shorter than it was.
-    #[error("{url}: found {found} bytes, expected {expected} bytes; nothing was kept")]
-    Size {
-        /// What was fetched.
-        url: String,
-        /// What came, such as `more than 10`.
-        found: String,
-        /// Bytes that should have come.
-        expected: u64,
-    },
-    /// The published file has other bytes than it had.
-    #[error("{url}: found sha256 {found}, expected sha256 {expected}; nothing was kept")]
+    /// The published file has more, fewer or other bytes than it had.
+    #[error("{url}: found {found}, expected {expected}; nothing was kept")]
     Altered {
         /// What was fetched.
         url: String,
-        /// Hash of what came.
+        /// What came: `more than 10 bytes`, or a hash.
         found: String,
-        /// Hash of what should have come.
+        /// What should have come.
         expected: String,
     },
     /// A file with other bytes has the name.

@@ -210,11 +210,8 @@ impl<'a> Plan<'a> {
             }
             if !has_old_bytes {
                 part.discard();
-                return Err(DataError::Altered {
-                    url: self.url.clone(),
-                    found,
-                    expected: self.set.sha256.clone(),
-                });
+                let expected = format!("sha256 {}", self.set.sha256);
+                return Err(self.altered(format!("sha256 {found}"), expected));
             }
             // What an earlier try left may be to blame: once more, from nothing.
             has_old_bytes = false;
@@ -231,7 +228,8 @@ impl<'a> Plan<'a> {
             let before = part.bytes();
             let ended = curl::read(&self.url, before, |bytes| {
                 if part.bytes() + bytes.len() as u64 > expected {
-                    return Err(self.size(format!("more than {expected}")));
+                    let found = format!("more than {expected} bytes");
+                    return Err(self.altered(found, format!("{expected} bytes")));
                 }
                 part.append(bytes)?;
                 progress(part.bytes());
@@ -239,7 +237,8 @@ impl<'a> Plan<'a> {
             });
             match ended {
                 Ok(Ended::Complete) if part.bytes() < expected => {
-                    return Err(self.size(part.bytes().to_string()));
+                    let found = format!("{} bytes", part.bytes());
+                    return Err(self.altered(found, format!("{expected} bytes")));
                 }
                 Ok(Ended::Complete) => {}
                 Ok(Ended::NoRanges) if tries < MAX_TRIES => part.clear()?,
@@ -265,11 +264,11 @@ impl<'a> Plan<'a> {
         Ok(())
     }
 
-    fn size(&self, found: String) -> DataError {
-        DataError::Size {
+    fn altered(&self, found: String, expected: String) -> DataError {
+        DataError::Altered {
             url: self.url.clone(),
             found,
-            expected: self.set.bytes,
+            expected,
         }
     }
 

@@ -23,49 +23,15 @@ pub enum TopologyError {
         /// Name asked for.
         expected: String,
     },
-    /// An arc that is not there.
-    #[error("{object}, geometry {geometry}: found arc {found}, allowed: {} to {}", -arcs, arcs - 1)]
-    NoArc {
+    /// An arc that is not there, arcs that do not meet, a geometry without a number or a name.
+    #[error("{object}, geometry {geometry}: {message}")]
+    Geometry {
         /// Name of the object.
         object: String,
         /// Index of the geometry.
         geometry: usize,
-        /// The arc's number.
-        found: i64,
-        /// How many arcs there are.
-        arcs: i64,
-    },
-    /// Arcs of a ring that do not meet, or a ring that does not end where it begins.
-    #[error("{object}, geometry {geometry}: arc {arc} begins at {found:?}, expected {expected:?}")]
-    Gap {
-        /// Name of the object.
-        object: String,
-        /// Index of the geometry.
-        geometry: usize,
-        /// The arc's number.
-        arc: i64,
-        /// Where it begins, on the grid.
-        found: [i64; 2],
-        /// Where the arc before it ends.
-        expected: [i64; 2],
-    },
-    /// A geometry without a number.
-    #[error("{object}, geometry {geometry}: found no id, expected a whole number")]
-    NoId {
-        /// Name of the object.
-        object: String,
-        /// Index of the geometry.
-        geometry: usize,
-    },
-    /// A number that has no name.
-    #[error("{object}, geometry {geometry}: found id {id}, which has no name")]
-    NoName {
-        /// Name of the object.
-        object: String,
-        /// Index of the geometry.
-        geometry: usize,
-        /// The number.
-        id: u64,
+        /// What was found, and what is allowed.
+        message: String,
     },
 }
 
@@ -139,6 +105,11 @@ impl Topology {
         let collection = Collection::deserialize(found)?;
         let mut features = Vec::new();
         for (index, geometry) in collection.geometries.iter().enumerate() {
+            let wrong = |message: String| TopologyError::Geometry {
+                object: object.to_owned(),
+                geometry: index,
+                message,
+            };
             let (id, polygons) = match geometry {
                 Geometry::Polygon { id, arcs } => (*id, std::slice::from_ref(arcs)),
                 Geometry::MultiPolygon { id, arcs } => (*id, arcs.as_slice()),
@@ -148,7 +119,7 @@ impl Topology {
             for polygon in polygons {
                 let mut rings = Vec::new();
                 for arcs in polygon {
-                    let ring = self.ring(arcs, object, index)?;
+                    let ring = self.ring(arcs).map_err(wrong)?;
                     if ring.len() >= MIN_POSITIONS {
                         rings.push(self.ring_text(&ring, conversion.decimals));
                     }
@@ -165,19 +136,9 @@ impl Topology {
                     several.join(",")
                 ),
             };
-            let place = || (object.to_owned(), index);
-            let id = id.ok_or_else(|| {
-                let (object, geometry) = place();
-                TopologyError::NoId { object, geometry }
-            })?;
-            let name = (conversion.name_of)(id).ok_or_else(|| {
-                let (object, geometry) = place();
-                TopologyError::NoName {
-                    object,
-                    geometry,
-                    id,
-                }
-            })?;
+            let id = id.ok_or_else(|| wrong("found no id, expected a whole number".to_owned()))?;
+            let name = (conversion.name_of)(id);
+            let name = name.ok_or_else(|| wrong(format!("found id {id}, which has no name")))?;
             let digits = conversion.id_digits;
             features.push(format!(
                 "{{\"type\":\"Feature\",\"properties\":{{\"id\":\"{id:0digits$}\",\"name\":\"{name}\"}},\
@@ -191,29 +152,21 @@ impl Topology {
     }
 
     /// Positions of a ring on the grid, the first one again at its end.
-    fn ring(
-        &self,
-        arcs: &[i64],
-        object: &str,
-        geometry: usize,
-    ) -> Result<Vec<[i64; 2]>, TopologyError> {
+    ///
+    /// # Errors
+    /// What is wrong with it: an arc that is not there, arcs that do not meet, an end that is no start.
+    fn ring(&self, arcs: &[i64]) -> Result<Vec<[i64; 2]>, String> {
+        let gap = |arc: i64, start: [i64; 2], end: [i64; 2]| {
+            Err(format!("arc {arc} begins at {start:?}, expected {end:?}"))
+        };
         let mut ring: Vec<[i64; 2]> = Vec::new();
         for &number in arcs {
-            let arc = self.arc(number).ok_or_else(|| TopologyError::NoArc {
-                object: object.to_owned(),
-                geometry,
-                found: number,
-                arcs: i64::try_from(self.arcs.len()).unwrap_or(i64::MAX),
+            let arc = self.arc(number).ok_or_else(|| {
+                let count = i64::try_from(self.arcs.len()).unwrap_or(i64::MAX);
+                format!("found arc {number}, allowed: {} to {}", -count, count - 1)
             })?;
-            let joint = |found, expected| TopologyError::Gap {
-                object: object.to_owned(),
-                geometry,
-                arc: number,
-                found,
-                expected,
-            };
             match (ring.last(), arc.first()) {
-                (Some(&end), Some(&start)) if end != start => return Err(joint(start, end)),
+                (Some(&end), Some(&start)) if end != start => return gap(number, start, end),
                 (Some(_), _) => ring.extend(arc.iter().skip(1)),
                 (None, _) => ring = arc,
             }
@@ -221,13 +174,7 @@ impl Topology {
         match (ring.first(), ring.last(), arcs.last()) {
             // The published states have three scraps of two positions, which are left out.
             _ if ring.len() < MIN_POSITIONS => Ok(ring),
-            (Some(&start), Some(&end), Some(&arc)) if start != end => Err(TopologyError::Gap {
-                object: object.to_owned(),
-                geometry,
-                arc,
-                found: start,
-                expected: end,
-            }),
+            (Some(&start), Some(&end), Some(&arc)) if start != end => gap(arc, start, end),
             _ => Ok(ring),
         }
     }
@@ -347,53 +294,32 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_named_with_its_place() {
-        for (from, to, expected) in [
-            (
-                "[[0,1]]",
-                "[[0,5]]",
-                "squares, geometry 0: found arc 5, allowed: -5 to 4",
-            ),
-            (
-                "[[0,1]]",
-                "[[-6,1]]",
-                "squares, geometry 0: found arc -6, allowed: -5 to 4",
-            ),
-            (
-                "[[0,1]]",
-                "[[0,2]]",
-                "squares, geometry 0: arc 2 begins at [10, 0], expected [10, 10]",
-            ),
-            (
-                "[[0,1]]",
-                "[[1]]",
-                "squares, geometry 0: arc 1 begins at [10, 10], expected [10, 0]",
-            ),
-            (
-                "\"squares\":",
-                "\"s\":",
-                "objects: found s, expected squares among them",
-            ),
-            (
-                "\"id\":1,",
-                "",
-                "squares, geometry 0: found no id, expected a whole number",
-            ),
-            (
-                "\"id\":2",
-                "\"id\":3",
-                "squares, geometry 1: found id 3, which has no name",
-            ),
-            ("\"transform\"", "\"t\"", "missing field `transform`"),
-            (
-                "[[10,0],[0,10]]",
-                "[[10.5,0],[0,10]]",
-                "invalid type: floating point",
-            ),
-        ] {
-            let text = SQUARES.replacen(from, to, 1);
+        // What is replaced by what, and how the message begins.
+        let mistakes = r#"[[0,1]] -> [[0,5]]
+    squares, geometry 0: found arc 5, allowed: -5 to 4
+[[0,1]] -> [[-6,1]]
+    squares, geometry 0: found arc -6, allowed: -5 to 4
+[[0,1]] -> [[0,2]]
+    squares, geometry 0: arc 2 begins at [10, 0], expected [10, 10]
+[[0,1]] -> [[1]]
+    squares, geometry 0: arc 1 begins at [10, 10], expected [10, 0]
+"squares": -> "s":
+    objects: found s, expected squares among them
+"id":1, ->
+    squares, geometry 0: found no id, expected a whole number
+"id":2 -> "id":3
+    squares, geometry 1: found id 3, which has no name
+"transform" -> "t"
+    missing field `transform`
+[[10,0],[0,10]] -> [[10.5,0],[0,10]]
+    invalid type: floating point"#;
+        let mut lines = mistakes.lines();
+        while let (Some(change), Some(expected)) = (lines.next(), lines.next()) {
+            let (from, to) = change.split_once(" ->").expect(expected);
+            let text = SQUARES.replacen(from, to.trim_start(), 1);
             assert_ne!(text, SQUARES, "{from}");
             let error = converted(&text).expect_err(expected);
-            assert!(error.starts_with(expected), "{error}");
+            assert!(error.starts_with(expected.trim_start()), "{error}");
         }
     }
 

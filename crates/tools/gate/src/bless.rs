@@ -6,6 +6,7 @@
 //! time where both programs are of one commit. Once the base moves on it covers nothing, or a blessed +8 % would
 //! let the next +8 % pass. One that covers nothing is reported.
 
+use crate::files::replace;
 use crate::{Finding, Gate, GateError, table};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -168,49 +169,39 @@ pub fn add_blessings(path: &Path, new: &[Blessing]) -> Result<(), GateError> {
     write_blessings(path, &all)
 }
 
-/// Renamed into place: a full disk leaves the file as it was.
+/// Writes the whole file anew.
 pub(crate) fn write_blessings(path: &Path, all: &[Blessing]) -> Result<(), GateError> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let malformed = |error: String| GateError::BadInput(error);
-    if all.is_empty() {
-        writer
-            .write_record(COLUMNS)
-            .map_err(|error| malformed(error.to_string()))?;
-    }
+    let malformed = |error: csv::Error| GateError::BadInput(error.to_string());
+    let mut writer = csv::WriterBuilder::new()
+        .has_headers(false)
+        .from_writer(Vec::new());
+    writer.write_record(COLUMNS).map_err(malformed)?;
     for blessing in all {
-        writer
-            .serialize(blessing)
-            .map_err(|error| malformed(error.to_string()))?;
+        writer.serialize(blessing).map_err(malformed)?;
     }
-    let bytes = writer
-        .into_inner()
-        .map_err(|error| malformed(error.to_string()))?;
+    let bytes = writer.into_inner();
+    let bytes = bytes.map_err(|error| GateError::BadInput(error.to_string()))?;
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(GateError::io(folder))?;
     }
-    let part = path.with_extension("csv.new");
-    std::fs::write(&part, bytes).map_err(GateError::io(&part))?;
-    std::fs::rename(&part, path).map_err(GateError::io(path))
+    replace(path, bytes)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{GateReport, Severity, Verdict, prune_blessings, verdict};
-    use std::collections::BTreeMap;
 
     fn finding(gate: Gate, from: &str, to: &str, percent: Option<f64>) -> Finding {
         Finding {
             case: "filling/a".to_owned(),
-            conditions: BTreeMap::new(),
             metric: "draws".to_owned(),
             gate,
             severity: Severity::Worse,
             from: from.to_owned(),
             to: to.to_owned(),
-            words: String::new(),
             percent,
-            blessed: None,
+            ..Finding::default()
         }
     }
 

@@ -49,16 +49,13 @@ pub fn compare_exactly(base: &Run, new: &Run, limits: &[Limit]) -> Result<Exact,
     if !comparison.is_same_driver && !comparison.exact.compared.is_empty() {
         let driver = |of: &RunEnvironment| format!("{}, {}", of.gpu, of.driver_info);
         comparison.exact.findings.push(Finding {
-            case: "(all cases)".to_owned(),
-            conditions: BTreeMap::new(),
             metric: "driver".to_owned(),
-            gate: Gate::Status,
-            severity: Severity::Unknown,
             from: driver(&base.environment),
             to: driver(&new.environment),
-            words: "pixels, pipeline statistics and errors were not compared".to_owned(),
-            percent: None,
-            blessed: None,
+            ..Finding::of_all_cases(
+                Gate::Status,
+                "pixels, pipeline statistics and errors were not compared",
+            )
         });
     }
     Ok(comparison.exact)
@@ -182,53 +179,30 @@ struct Comparison<'a> {
 
 impl Comparison<'_> {
     fn compare(&mut self, base: Option<&Case>, new: Option<&Case>) {
-        let (Some(case), both) = (new.or(base), base.zip(new)) else {
-            return;
-        };
-        let Some((base, new)) = both else {
-            if new.is_none() {
-                self.status(
-                    case,
-                    Severity::Worse,
-                    state(base),
-                    "absent",
-                    "not planned any more",
-                );
-            } else if case.outcome == Outcome::Skipped {
-                self.exact
-                    .skipped
-                    .push((case.id().key(), case.reason.clone()));
-            } else {
-                self.new_case(case);
+        let (base, new) = match (base, new) {
+            (Some(base), Some(new)) => (base, new),
+            (Some(base), None) => {
+                let states = [base.outcome.name(), "absent"];
+                return self.status(base, Severity::Worse, states, "not planned any more");
             }
-            return;
+            (None, new) => return new.into_iter().for_each(|case| self.new_case(case)),
         };
-        if let Some((key, from, to)) = planned_otherwise(base, new) {
+        if let Some((key, conditions)) = planned_otherwise(base, new) {
             let words = format!("another {key} under the same name: its work is not compared");
-            self.status(new, Severity::Unknown, from, to, &words);
+            self.status(new, Severity::Unknown, conditions, &words);
         }
-        let (from, to) = (state(Some(base)), state(Some(new)));
+        let states = [base, new].map(|case| case.outcome.name());
         let is_result = |case: &Case| {
             matches!(case.outcome, Outcome::Ok | Outcome::DriverFault)
                 || case.outcome == Outcome::Wrong && case.planned.may_be_wrong
         };
         match (base.outcome, new.outcome) {
-            (Outcome::Skipped, Outcome::Skipped) => {
-                self.exact
-                    .skipped
-                    .push((new.id().key(), new.reason.clone()));
-            }
-            (_, Outcome::Missing) | (Outcome::Missing, _) => {
-                let late = if new.outcome == Outcome::Missing {
-                    new
-                } else {
-                    base
-                };
-                self.status(new, Severity::Unknown, from, to, &late.reason);
-            }
-            _ if !is_result(new) => self.status(new, Severity::Worse, from, to, &new.reason),
+            (Outcome::Skipped, Outcome::Skipped) => self.skip(new),
+            (_, Outcome::Missing) => self.status(new, Severity::Unknown, states, &new.reason),
+            (Outcome::Missing, _) => self.status(new, Severity::Unknown, states, &base.reason),
+            _ if !is_result(new) => self.status(new, Severity::Worse, states, &new.reason),
             _ if !is_result(base) => {
-                self.status(new, Severity::Note, from, to, "nothing to compare with");
+                self.status(new, Severity::Note, states, "nothing to compare with");
                 self.limits(new);
             }
             (then, now) => {
@@ -241,7 +215,7 @@ impl Comparison<'_> {
                             "its error is the question, and the answer changed",
                         ),
                     };
-                    self.status(new, severity, from, to, words);
+                    self.status(new, severity, states, words);
                 }
                 self.figures(base, new);
                 self.limits(new);
@@ -249,22 +223,22 @@ impl Comparison<'_> {
         }
     }
 
+    fn skip(&mut self, case: &Case) {
+        let skipped = (case.id().key(), case.reason.clone());
+        self.exact.skipped.push(skipped);
+    }
+
     fn new_case(&mut self, case: &Case) {
+        let states = ["", case.outcome.name()];
         match case.outcome {
+            Outcome::Skipped => self.skip(case),
             Outcome::Ok | Outcome::DriverFault => {
-                self.status(
-                    case,
-                    Severity::Note,
-                    "",
-                    "new case",
-                    "nothing to compare with",
-                );
+                let words = "nothing to compare with";
+                self.status(case, Severity::Note, ["", "new case"], words);
             }
-            Outcome::Missing => {
-                self.status(case, Severity::Unknown, "", "missing", &case.reason);
-            }
-            _ if case.planned.may_be_wrong && case.outcome == Outcome::Wrong => {}
-            _ => self.status(case, Severity::Worse, "", state(Some(case)), &case.reason),
+            Outcome::Missing => self.status(case, Severity::Unknown, states, &case.reason),
+            Outcome::Wrong if case.planned.may_be_wrong => {}
+            _ => self.status(case, Severity::Worse, states, &case.reason),
         }
         self.limits(case);
     }
@@ -311,15 +285,7 @@ impl Comparison<'_> {
             for name in case.figures().keys().filter(|n| limit.covers(&key, n)) {
                 for value in values(case, name) {
                     if let Some(words) = limit.objection(value) {
-                        let value = value.to_string();
-                        self.push(
-                            case,
-                            name,
-                            Gate::Limits,
-                            Severity::Worse,
-                            ["", &value],
-                            &words,
-                        );
+                        self.over_limit(case, name, &value.to_string(), &words);
                     }
                 }
             }
@@ -329,19 +295,17 @@ impl Comparison<'_> {
         // A full-screen pass has times only, and a study of formulas no times.
         if !all.any(|name| all_values(case, name).iter().any(is_something)) {
             let words = "right, and every figure is 0 or absent: it measured nothing";
-            self.push(
-                case,
-                "liveness",
-                Gate::Limits,
-                Severity::Worse,
-                ["", "0"],
-                words,
-            );
+            self.over_limit(case, "liveness", "0", words);
         }
     }
 
-    fn status(&mut self, case: &Case, severity: Severity, from: &str, to: &str, words: &str) {
-        self.push(case, "status", Gate::Status, severity, [from, to], words);
+    fn over_limit(&mut self, case: &Case, metric: &str, value: &str, words: &str) {
+        let severity = Severity::Worse;
+        self.push(case, metric, Gate::Limits, severity, ["", value], words);
+    }
+
+    fn status(&mut self, case: &Case, severity: Severity, states: [&str; 2], words: &str) {
+        self.push(case, "status", Gate::Status, severity, states, words);
     }
 
     fn push(
@@ -362,24 +326,19 @@ impl Comparison<'_> {
             from: from.to_owned(),
             to: to.to_owned(),
             words: words.to_owned(),
-            percent: None,
-            blessed: None,
+            ..Finding::default()
         });
     }
 }
 
 /// A condition that both cases of one name have, with two values: a change of the plan, which says nothing of the
 /// work.
-fn planned_otherwise<'a>(base: &'a Case, new: &'a Case) -> Option<(&'a str, &'a str, &'a str)> {
+fn planned_otherwise<'a>(base: &'a Case, new: &'a Case) -> Option<(&'a str, [&'a str; 2])> {
     let mut conditions = base.id().conditions.iter();
     conditions.find_map(|(key, from)| {
         let to = new.id().conditions.get(key)?;
-        (from != to).then_some((key.as_str(), from.as_str(), to.as_str()))
+        (from != to).then_some((key.as_str(), [from.as_str(), to.as_str()]))
     })
-}
-
-fn state(case: Option<&Case>) -> &'static str {
-    case.map_or("", |case| case.outcome.name())
 }
 
 /// Every distinct value of a metric, in order. A figure of the probe has one.

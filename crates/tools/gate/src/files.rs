@@ -17,10 +17,14 @@ pub fn write_files(report: &GateReport, out: &Path) -> Result<(), GateError> {
         ("gate.junit.xml", junit(report)),
         ("gate.json", json + "\n"),
     ] {
-        // Renamed into place, so that a full disk leaves no half of a file.
-        let (path, part) = (out.join(name), out.join(format!("{name}.new")));
-        std::fs::write(&part, text).map_err(GateError::io(&path))?;
-        std::fs::rename(&part, &path).map_err(GateError::io(&path))?;
+        replace(&out.join(name), &text)?;
     }
     Ok(())
+}
+
+/// Renamed into place, so that a full disk leaves the file as it was.
+pub(crate) fn replace(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), GateError> {
+    let part = path.with_added_extension("new");
+    std::fs::write(&part, contents).map_err(GateError::io(path))?;
+    std::fs::rename(&part, path).map_err(GateError::io(path))
 }

@@ -44,7 +44,9 @@ impl Verdict {
 }
 
 /// What a finding does to the verdict.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Severity {
     /// Worse, wrong or gone.
@@ -52,6 +54,7 @@ pub enum Severity {
     /// Better by a figure that must not change without a word: fails until it is blessed.
     Better,
     /// Inconclusive.
+    #[default]
     Unknown,
     /// Worth a line, and no more.
     Note,
@@ -71,10 +74,13 @@ impl Severity {
 }
 
 /// Which gate found it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Gate {
     /// Whether the case ended as it did before.
+    #[default]
     Status,
     /// Counters and bytes.
     Counters,
@@ -87,7 +93,7 @@ pub enum Gate {
 }
 
 /// One difference.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Finding {
     /// [`terrafill_results::CaseId::key`].
     pub case: String,
@@ -112,6 +118,16 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// Of no single case, and inconclusive.
+    pub(crate) fn of_all_cases(gate: Gate, words: &str) -> Self {
+        Self {
+            case: "(all cases)".to_owned(),
+            gate,
+            words: words.to_owned(),
+            ..Self::default()
+        }
+    }
+
     /// Whether the verdict rests on it.
     #[must_use]
     pub fn counts(&self) -> bool {
@@ -174,16 +190,9 @@ mod tests {
 
     fn finding(severity: Severity, blessed: bool) -> Finding {
         Finding {
-            case: "filling/a".to_owned(),
-            conditions: BTreeMap::new(),
-            metric: "draws".to_owned(),
-            gate: Gate::Counters,
             severity,
-            from: "1".to_owned(),
-            to: "2".to_owned(),
-            words: String::new(),
-            percent: None,
             blessed: blessed.then(|| "meant".to_owned()),
+            ..Finding::default()
         }
     }
 

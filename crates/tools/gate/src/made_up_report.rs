@@ -15,8 +15,7 @@ pub(crate) fn finding(case: &str, severity: Severity, gate: Gate) -> Finding {
         from: "3".to_owned(),
         to: "6".to_owned(),
         words: "+100 %, a | b".to_owned(),
-        percent: None,
-        blessed: None,
+        ..Finding::default()
     }
 }
 

@@ -46,13 +46,7 @@ pub fn text(report: &GateReport) -> String {
         for finding in findings.iter().take(MAX_LINES) {
             let _ = writeln!(text, "  {}\n    {}", finding.case, finding.sentence());
         }
-        if let Some(more) = findings
-            .len()
-            .checked_sub(MAX_LINES)
-            .filter(|more| *more > 0)
-        {
-            let _ = writeln!(text, "  … and {more} more in gate.json");
-        }
+        rest(&mut text, findings.len());
     }
     let blessed: Vec<_> = blessed(report).collect();
     if !blessed.is_empty() {
@@ -62,16 +56,11 @@ pub fn text(report: &GateReport) -> String {
         let sentence = finding.sentence();
         let _ = writeln!(text, "  {}\n    {sentence}; {reason}", finding.case);
     }
-    rest(&mut text, blessed.len(), MAX_LINES, "gate.json");
+    rest(&mut text, blessed.len());
     for idle in report.idle_blessings.iter().take(MAX_LINES) {
         let _ = writeln!(text, "blessing {idle}");
     }
-    rest(
-        &mut text,
-        report.idle_blessings.len(),
-        MAX_LINES,
-        "gate.json",
-    );
+    rest(&mut text, report.idle_blessings.len());
     if report.verdict != Verdict::Pass {
         for command in commands(report) {
             let _ = writeln!(text, "see: {command}");
@@ -86,10 +75,10 @@ pub(crate) fn blessed(report: &GateReport) -> impl Iterator<Item = (&Finding, &s
     findings.filter_map(|finding| Some((finding, finding.blessed.as_deref()?)))
 }
 
-/// Says how many are not shown.
-fn rest(text: &mut String, count: usize, shown: usize, place: &str) {
-    if count > shown {
-        let _ = writeln!(text, "  … and {} more in {place}", count - shown);
+/// Says how many of so many are not shown.
+fn rest(text: &mut String, count: usize) {
+    if count > MAX_LINES {
+        let _ = writeln!(text, "  … and {} more in gate.json", count - MAX_LINES);
     }
 }
 
@@ -102,21 +91,16 @@ pub(crate) fn title(report: &GateReport) -> &'static str {
     }
 }
 
-/// Times that are shorter by more than the floors.
-fn faster(report: &GateReport) -> usize {
-    let notes = report
-        .of(Severity::Note)
-        .filter(|finding| finding.gate == Gate::Time);
-    notes
-        .filter(|finding| finding.percent.is_some_and(|percent| percent < 0.0))
-        .count()
+/// Whether it is a time that is shorter.
+pub(crate) fn is_faster(finding: &&Finding) -> bool {
+    finding.gate == Gate::Time && finding.percent.is_some_and(|percent| percent < 0.0)
 }
 
 pub(crate) fn headline(report: &GateReport) -> String {
     let count = |severity| report.of(severity).count();
     let (worse, better) = (count(Severity::Worse), count(Severity::Better));
     match report.verdict {
-        Verdict::Pass => match faster(report) {
+        Verdict::Pass => match report.of(Severity::Note).filter(is_faster).count() {
             0 => "nothing differs that counts".to_owned(),
             faster => format!("nothing differs for the worse; {faster} times are shorter"),
         },

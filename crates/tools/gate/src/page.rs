@@ -5,9 +5,9 @@
 //! what decides. A page that nobody reads to its end is no page, so it is short; `gate.json` has everything.
 
 use crate::block::logarithm;
-use crate::output::{blessed, commands, headline, scope, title};
+use crate::output::{blessed, commands, headline, is_faster, scope, title};
 use crate::time::milliseconds;
-use crate::{CaseTime, Finding, Floors, Gate, GateReport, Severity, Verdict};
+use crate::{CaseTime, Finding, Floors, GateReport, Severity, Verdict};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use terrafill_results::Clock;
@@ -49,9 +49,7 @@ pub fn markdown(report: &GateReport) -> String {
         [Severity::Worse, Severity::Better, Severity::Unknown]
             .map(|severity| (severity.heading(), report.of(severity).collect()))
             .to_vec();
-    let is_faster = |finding: &&Finding| {
-        finding.gate == Gate::Time && finding.percent.is_some_and(|percent| percent < 0.0)
-    };
+
     let (faster, notes): (Vec<_>, Vec<_>) = report.of(Severity::Note).partition(is_faster);
     lists.extend([("faster", faster), (Severity::Note.heading(), notes)]);
     for (heading, findings) in lists {
@@ -233,7 +231,7 @@ fn short(text: &str, most: usize) -> String {
 mod tests {
     use super::*;
     use crate::made_up_report::{finding, report};
-    use crate::{Pace, ShownCase, Span, Stage, TimeGate};
+    use crate::{Gate, Pace, ShownCase, Span, Stage, TimeGate};
 
     fn timed(case: &str, span: Span, percent: f64) -> CaseTime {
         CaseTime {

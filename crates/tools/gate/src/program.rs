@@ -34,16 +34,10 @@ impl Program {
             });
         }
         let revision = format!("{asked}^{{commit}}");
-        let commit = git(&[
-            "rev-parse",
-            "--verify",
-            "--quiet",
-            "--end-of-options",
-            &revision,
-        ])
-        .ok_or_else(|| {
+        let options = ["rev-parse", "--verify", "--quiet", "--end-of-options"];
+        let commit = git(&[&options[..], &[&revision]].concat()).ok_or_else(|| {
             let is_shallow = git(&["rev-parse", "--is-shallow-repository"]);
-            let hint = match is_shallow.as_deref() {
+            let hint = match is_shallow.as_deref().map(str::trim) {
                 Some("true") => {
                     ", which is a shallow clone: fetch its whole history (fetch-depth: 0)"
                 }
@@ -53,6 +47,7 @@ impl Program {
                 "{asked:?}: found neither a program nor a git revision of this repository{hint}"
             ))
         })?;
+        let commit = commit.trim().to_owned();
         Ok(Self {
             path: build(&commit, cache)?,
             asked: asked.to_owned(),
@@ -131,16 +126,12 @@ pub fn refuse_equal_programs(base: &Program, new: &Program) -> Result<(), GateEr
 fn git(arguments: &[&str]) -> Option<String> {
     let output = Command::new("git").args(arguments).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
-    output.status.success().then(|| text.trim().to_owned())
+    output.status.success().then_some(text)
 }
 
 /// Text of a file of this repository as a commit has it; `None` where it has none.
 pub(crate) fn file_at(commit: &str, path: &str) -> Option<String> {
-    let shown = Command::new("git")
-        .args(["show", &format!("{commit}:{path}")])
-        .output();
-    let output = shown.ok().filter(|output| output.status.success())?;
-    String::from_utf8(output.stdout).ok()
+    git(&["show", &format!("{commit}:{path}")])
 }
 
 /// Builds a commit in a worktree that is removed afterwards. The cache's target folder stays, so that

@@ -318,16 +318,11 @@ fn advise(findings: &mut [Finding]) {
 /// Times were to be compared, and there are none.
 fn untimed() -> Finding {
     Finding {
-        case: "(all cases)".to_owned(),
-        conditions: BTreeMap::new(),
         metric: "time".to_owned(),
-        gate: Gate::Time,
-        severity: Severity::Unknown,
-        from: String::new(),
-        to: String::new(),
-        words: "no case is right and timed on both sides; --no-time compares the rest".to_owned(),
-        percent: None,
-        blessed: None,
+        ..Finding::of_all_cases(
+            Gate::Time,
+            "no case is right and timed on both sides; --no-time compares the rest",
+        )
     }
 }
 
@@ -354,8 +349,7 @@ fn broken_since(runs: &[Run; 2], cases: &BTreeSet<String>) -> Vec<Finding> {
             from: "ok".to_owned(),
             to: case.outcome.name().to_owned(),
             words: format!("in a later process of {}: {}", side.name(), case.reason),
-            percent: None,
-            blessed: None,
+            ..Finding::default()
         }));
     }
     findings

@@ -124,7 +124,7 @@ impl Rates {
     /// - `injection`: what was added; `None` where both sides did the same
     #[must_use]
     pub fn sentences(&self, injection: Option<Injection>) -> Vec<String> {
-        let rate = |hits: u32, of: u32, what: &str| {
+        let rate_of = |hits: u32, of: u32, what: &str| {
             let [low, high] = rate_bounds(hits, of, RATE_COVERAGE).map(|bound| 100.0 * bound);
             let share = 100.0 * f64::from(hits) / f64::from(of.max(1));
             format!("{what}: {hits} of {of} case-runs, {share:.1} % [{low:.1} … {high:.1}]")
@@ -135,51 +135,36 @@ impl Rates {
                 spread.median, spread.p5, spread.p95
             )
         });
+        let gates = format!("{} gates{spread}", self.gates);
+        let of_new = if injection.is_some() {
+            "more on the new side, "
+        } else {
+            ""
+        };
+        let new = |hits, call: &str| rate_of(hits, self.case_runs, &format!("{of_new}{call}"));
+        let rates_of_new = [
+            new(self.slower, "called slower"),
+            new(self.faster, "called faster"),
+            new(self.unknown, "inconclusive"),
+        ];
         let Some(Injection { frames, extra }) = injection else {
-            return vec![
-                format!("same work on both sides, {} gates{spread}", self.gates),
-                rate(self.slower, self.case_runs, "called slower"),
-                rate(self.faster, self.case_runs, "called faster"),
-                rate(self.unknown, self.case_runs, "inconclusive"),
-            ];
+            let head = format!("same work on both sides, {gates}");
+            return std::iter::once(head).chain(rates_of_new).collect();
         };
         let percent = 100.0 * f64::from(extra) / f64::from(frames);
-        vec![
-            format!(
-                "{percent} % more work on one side ({extra} more frames of {frames}), {} gates{spread}",
-                self.gates
-            ),
-            rate(
-                self.slower,
-                self.case_runs,
-                "more on the new side, called slower",
-            ),
-            rate(
-                self.faster,
-                self.case_runs,
-                "more on the new side, called faster",
-            ),
-            rate(
-                self.unknown,
-                self.case_runs,
-                "more on the new side, inconclusive",
-            ),
-            rate(
-                self.swapped_faster,
-                self.swapped_case_runs,
-                "more on the base's side, called faster",
-            ),
-            rate(
-                self.swapped_slower,
-                self.swapped_case_runs,
-                "more on the base's side, called slower",
-            ),
-            rate(
-                self.swapped_unknown,
-                self.swapped_case_runs,
-                "more on the base's side, inconclusive",
-            ),
-        ]
+        let head =
+            format!("{percent} % more work on one side ({extra} more frames of {frames}), {gates}");
+        let base = |hits, call: &str| {
+            let what = format!("more on the base's side, {call}");
+            rate_of(hits, self.swapped_case_runs, &what)
+        };
+        let rates_of_base = [
+            base(self.swapped_faster, "called faster"),
+            base(self.swapped_slower, "called slower"),
+            base(self.swapped_unknown, "inconclusive"),
+        ];
+        let rates = rates_of_new.into_iter().chain(rates_of_base);
+        std::iter::once(head).chain(rates).collect()
     }
 }
 

@@ -215,10 +215,11 @@ fn several(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
 }
 
 fn single(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
-    let mut links = BTreeMap::new();
-    for (_, blocks, _) in report.parts {
-        links.extend(sections(blocks).map(|title| (title.to_owned(), format!("#{}", slug(title)))));
-    }
+    let links: BTreeMap<String, String> = report
+        .parts
+        .iter()
+        .flat_map(|(_, blocks, _)| links_within(blocks))
+        .collect();
     let mut renderer = Renderer::new(report.run, report.form, "report", "", &links);
     let mut chapters = String::new();
     for (chapter, blocks, _) in report.parts {
@@ -237,11 +238,10 @@ fn single(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
     ));
     let mut nav: Vec<NavGroup> = Vec::new();
     for (chapter, blocks, _) in report.parts {
-        let entries = sections(blocks).map(|title| (title.to_owned(), links[title].clone()));
         nav.push(NavGroup {
             title: chapter.title().to_owned(),
             href: format!("#{}", part_id(*chapter)),
-            entries: entries.collect(),
+            entries: links_within(blocks).collect(),
         });
     }
     nav.push(NavGroup {
@@ -249,8 +249,14 @@ fn single(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
         href: "#glossary".to_owned(),
         entries: vec![("Environment".to_owned(), "#environment".to_owned())],
     });
+    let page = inline_page(TITLE, nav, body)?;
+    Ok(vec![(INDEX.to_owned(), page.into_bytes())])
+}
+
+/// A page that needs no other file.
+fn inline_page(title: &str, nav: Vec<NavGroup>, body: String) -> Result<String, askama::Error> {
     let page = Page {
-        title: TITLE,
+        title,
         root: "",
         assets: Assets::Inline {
             style: style(),
@@ -260,7 +266,7 @@ fn single(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
         here: "",
         body,
     };
-    Ok(vec![(INDEX.to_owned(), once(&page.render()?).into_bytes())])
+    Ok(once(&page.render()?))
 }
 
 /// One page of these blocks that needs no other file.
@@ -282,27 +288,14 @@ pub(crate) fn alone(
         primary: BTreeMap::new(),
         cases: Vec::new(),
     };
-    let mut links = BTreeMap::new();
-    links.extend(sections(blocks).map(|title| (title.to_owned(), format!("#{}", slug(title)))));
+    let links = links_within(blocks).collect();
     let body = Renderer::new(&run, Form::SingleFile, "page", "", &links).html(blocks)?;
-    let page = Page {
-        title,
-        root: "",
-        assets: Assets::Inline {
-            style: style(),
-            script: SCRIPT,
-        },
-        nav: vec![NavGroup {
-            title: title.to_owned(),
-            href: "#".to_owned(),
-            entries: sections(blocks)
-                .map(|title| (title.to_owned(), links[title].clone()))
-                .collect(),
-        }],
-        here: "",
-        body,
+    let nav = NavGroup {
+        title: title.to_owned(),
+        href: "#".to_owned(),
+        entries: links_within(blocks).collect(),
     };
-    Ok(once(&page.render()?))
+    inline_page(title, vec![nav], body)
 }
 
 fn part_id(chapter: &dyn Chapter) -> String {
@@ -312,6 +305,11 @@ fn part_id(chapter: &dyn Chapter) -> String {
 fn style() -> String {
     let dark = terrafill_plot::dark_rules();
     format!("{STYLE}@media screen and (prefers-color-scheme: dark) {{ {dark} }}\n")
+}
+
+/// Titles of the sections among the blocks, and their addresses on the same page.
+fn links_within(blocks: &[Block]) -> impl Iterator<Item = (String, String)> {
+    sections(blocks).map(|title| (title.to_owned(), format!("#{}", slug(title))))
 }
 
 /// Titles of the sections among the blocks.

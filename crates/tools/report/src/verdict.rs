@@ -69,10 +69,10 @@ impl Counts {
         Self {
             ok: run.count(Outcome::Ok),
             wrong: run.count(Outcome::Wrong),
-            wrong_as_result: named(run, |case| {
+            wrong_as_result: that_are(run, |case| {
                 case.outcome == Outcome::Wrong && case.planned.may_be_wrong
             })
-            .len(),
+            .count(),
             skipped: run.count(Outcome::Skipped),
             failed: run.count(Outcome::Failed),
             driver_fault: run.count(Outcome::DriverFault),
@@ -97,13 +97,15 @@ impl Counts {
     }
 }
 
-/// Names of the cases that are `so`, repeats left out.
+/// Cases that are `so`, repeats left out.
+pub(crate) fn that_are(run: &Run, so: impl Fn(&Case) -> bool) -> impl Iterator<Item = &Case> {
+    let cases = run.cases.iter();
+    cases.filter(move |case| !case.is_repeat() && so(case))
+}
+
+/// Their names.
 pub(crate) fn named(run: &Run, so: impl Fn(&Case) -> bool) -> Vec<String> {
-    let cases = run
-        .cases
-        .iter()
-        .filter(|case| !case.is_repeat() && so(case));
-    cases.map(|case| case.id().key()).collect()
+    that_are(run, so).map(|case| case.id().key()).collect()
 }
 
 /// Whether a case is a defect: wrong where it must not be, or broken off.

@@ -2,14 +2,16 @@
 //! From a run folder's tables to the files of its report.
 
 use crate::pages::{Report, alone, pages};
-use crate::verdict::{Counts, StudyNoise, Verdict, is_defect, named, noise, plural, sentences};
+use crate::verdict::{
+    Counts, StudyNoise, Verdict, is_defect, named, noise, plural, sentences, that_are,
+};
 use crate::view::{File, Form, INDEX, PAGES};
 use crate::{ReportError, clocks, markdown};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use terrafill_plot::number::{bytes, count, utc};
 use terrafill_results::{
-    Block, Chapter, ChapterError, DeviceClock, MetricRow, Outcome, Run, RunError, Skipped,
+    Block, Case, Chapter, ChapterError, DeviceClock, MetricRow, Outcome, Run, RunError, Skipped,
     read_clocks, read_inputs,
 };
 
@@ -135,7 +137,7 @@ fn write_as(
         .map(|input| format!("{}: {}", input.scene, input.warning))
         .collect();
     markdown::names(&mut summary, "Warnings of what was read", &warned);
-    let is_expected = |case: &terrafill_results::Case| case.outcome == Outcome::DriverFault;
+    let is_expected = |case: &Case| case.outcome == Outcome::DriverFault;
     markdown::names(
         &mut summary,
         "Cases that differ by a known driver fault",
@@ -219,12 +221,8 @@ fn remove_others(folder: &Path, below: &str, files: &[File]) -> Result<(), Repor
     Ok(())
 }
 
-fn with_reasons(run: &Run, so: impl Fn(&terrafill_results::Case) -> bool) -> Vec<String> {
-    let cases = run
-        .cases
-        .iter()
-        .filter(|case| !case.is_repeat() && so(case));
-    cases
+fn with_reasons(run: &Run, so: impl Fn(&Case) -> bool) -> Vec<String> {
+    that_are(run, so)
         .map(|case| format!("{}: {}: {}", case.id(), case.outcome.name(), case.reason))
         .collect()
 }
@@ -232,13 +230,7 @@ fn with_reasons(run: &Run, so: impl Fn(&terrafill_results::Case) -> bool) -> Vec
 /// Names of skipped cases by reason, in order of appearance.
 fn skipped_cases(run: &Run) -> Vec<(&str, Vec<String>)> {
     let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
-    let skipped = |case: &&terrafill_results::Case| case.outcome == Outcome::Skipped;
-    for case in run
-        .cases
-        .iter()
-        .filter(skipped)
-        .filter(|case| !case.is_repeat())
-    {
+    for case in that_are(run, |case| case.outcome == Outcome::Skipped) {
         let name = case.id().key();
         match groups.iter_mut().find(|(reason, _)| *reason == case.reason) {
             Some((_, names)) => names.push(name),
@@ -320,9 +312,7 @@ fn environment(run: &Run, read: &[DeviceClock]) -> Vec<(&'static str, String)> {
 
 /// Writes beside the file and renames, so that a kill in between leaves the old file whole.
 fn replace(path: &Path, contents: &[u8]) -> Result<(), ReportError> {
-    let mut unfinished = path.as_os_str().to_owned();
-    unfinished.push(".new");
-    let unfinished = PathBuf::from(unfinished);
+    let unfinished = path.with_added_extension("new");
     let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
     folder
         .and_then(|()| std::fs::write(&unfinished, contents))

@@ -7,35 +7,26 @@ use crate::SceneError;
 use crate::generated::{Cells, Coast, Nested};
 use crate::procedural::Islands;
 
+fn later<T: 'static>(generator: T, geojson: fn(&T) -> String) -> Box<dyn Fn() -> String> {
+    Box::new(move || geojson(&generator))
+}
+
 impl Check<'_> {
     /// What a generator makes of its keys.
     pub(super) fn procedural(
         &self,
         raw: RawProcedural,
     ) -> Result<Box<dyn Fn() -> String>, SceneError> {
-        match raw.kind.as_str() {
-            "islands" => {
-                let islands = self.islands(&self.keys(raw.keys)?)?;
-                Ok(Box::new(move || islands.geojson()))
+        Ok(match raw.kind.as_str() {
+            "islands" => later(self.islands(&self.keys(raw.keys)?)?, Islands::geojson),
+            "nested" => later(self.nested(&self.keys(raw.keys)?)?, Nested::geojson),
+            "cells" => later(self.cells(&self.keys(raw.keys)?)?, Cells::geojson),
+            "coast" => later(self.coast(&self.keys(raw.keys)?)?, Coast::geojson),
+            other => {
+                let (found, allowed) = (format!("{other:?}"), "islands, nested, cells, coast");
+                return Err(self.refuse("regions.procedural.kind", found, allowed));
             }
-            "nested" => {
-                let nested = self.nested(&self.keys(raw.keys)?)?;
-                Ok(Box::new(move || nested.geojson()))
-            }
-            "cells" => {
-                let cells = self.cells(&self.keys(raw.keys)?)?;
-                Ok(Box::new(move || cells.geojson()))
-            }
-            "coast" => {
-                let coast = self.coast(&self.keys(raw.keys)?)?;
-                Ok(Box::new(move || coast.geojson()))
-            }
-            other => Err(self.refuse(
-                "regions.procedural.kind",
-                format!("{other:?}"),
-                "islands, nested, cells, coast",
-            )),
-        }
+        })
     }
 
     /// The keys of a generator of one kind.

@@ -4,42 +4,11 @@
 use super::check::Check;
 use super::raw::{RawFade, RawPicture, RawPlacement, RawTexture};
 use crate::SceneError;
-use crate::data::Folders;
-use crate::file_read::FileRead;
 use crate::scene::{TexturedFills, View};
 use crate::texture::{
-    ImageSource, MAX_SIDE_PX, MIN_HATCH_PERIOD, Outside, SceneTexture, TextureAnchor,
+    ImageSource, MAX_SIDE_PX, MIN_HATCH_PERIOD, MipChain, Outside, SceneTexture, TextureAnchor,
     TexturePlacement, TextureShare,
 };
-
-/// A texture whose values are checked and whose picture is not yet read.
-pub(super) struct UnreadTexture {
-    pub(super) image: ImageSource,
-    pub(super) share: TextureShare,
-    pub(super) alpha: f64,
-    pub(super) placement: TexturePlacement,
-    pub(super) fade_m: Option<[f64; 2]>,
-}
-
-impl UnreadTexture {
-    pub(super) fn load(
-        self,
-        scene: &str,
-        folders: Folders<'_>,
-    ) -> Result<(SceneTexture, Option<FileRead>), SceneError> {
-        let source = self.image.name();
-        let (image, file) = self.image.load(scene, folders)?;
-        let texture = SceneTexture {
-            source,
-            image,
-            share: self.share,
-            alpha: self.alpha,
-            placement: self.placement,
-            fade_m: self.fade_m,
-        };
-        Ok((texture, file))
-    }
-}
 
 impl Check<'_> {
     pub(super) fn textured_fills(
@@ -63,26 +32,36 @@ impl Check<'_> {
         }
     }
 
-    pub(super) fn texture(&self, raw: RawTexture) -> Result<UnreadTexture, SceneError> {
-        Ok(UnreadTexture {
-            image: self.image_source(
-                "texture",
-                RawPicture {
-                    image: raw.image,
-                    checker: raw.checker,
-                    hatch: raw.hatch,
-                },
-            )?,
-            share: self.choice(
-                "texture.share",
-                raw.share.as_deref(),
-                [TextureShare::One, TextureShare::Each],
-                TextureShare::name,
-            )?,
-            alpha: self.within("texture.alpha", raw.alpha.unwrap_or(1.0), 0.0..=1.0)?,
-            placement: self.placement(&raw.placement)?,
-            fade_m: raw.fade.map(|fade| self.fade(&fade)).transpose()?,
-        })
+    /// Where a texture's picture comes from, and the texture with it; all values are checked.
+    pub(super) fn texture(
+        &self,
+        raw: RawTexture,
+    ) -> Result<(ImageSource, impl FnOnce(MipChain) -> SceneTexture + use<>), SceneError> {
+        let picture = RawPicture {
+            image: raw.image,
+            checker: raw.checker,
+            hatch: raw.hatch,
+        };
+        let image_source = self.image_source("texture", picture)?;
+        let source = image_source.name();
+        let share = self.choice(
+            "texture.share",
+            raw.share.as_deref(),
+            [TextureShare::One, TextureShare::Each],
+            TextureShare::name,
+        )?;
+        let alpha = self.within("texture.alpha", raw.alpha.unwrap_or(1.0), 0.0..=1.0)?;
+        let placement = self.placement(&raw.placement)?;
+        let fade_m = raw.fade.map(|fade| self.fade(&fade)).transpose()?;
+        let with_picture = move |image| SceneTexture {
+            source,
+            image,
+            share,
+            alpha,
+            placement,
+            fade_m,
+        };
+        Ok((image_source, with_picture))
     }
 
     /// - `key`: what holds the three keys

@@ -2,7 +2,8 @@
 //! Parts of gates: which scenes each has, and which reports are refused.
 
 use super::*;
-use crate::{CaseTime, Finding, GATE_SCHEMA, Gate, Severity, TimeGate, Verdict, write_files};
+use crate::made_up_report::finding;
+use crate::{CaseTime, GATE_SCHEMA, Gate, Severity, TimeGate, Verdict, write_files};
 
 fn scenes(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
@@ -28,21 +29,6 @@ fn report(part: Option<GateShard>) -> GateReport {
         figures: 3,
         part,
         ..GateReport::default()
-    }
-}
-
-fn finding(severity: Severity, case: &str) -> Finding {
-    Finding {
-        case: case.to_owned(),
-        conditions: BTreeMap::new(),
-        metric: "draws".to_owned(),
-        gate: Gate::Counters,
-        severity,
-        from: "1".to_owned(),
-        to: "2".to_owned(),
-        words: String::new(),
-        percent: None,
-        blessed: None,
     }
 }
 
@@ -103,11 +89,10 @@ fn the_parts_come_together_with_the_worst_verdict() {
     assert_eq!((whole.verdict, whole.exit_code), (Verdict::Pass, 0));
     assert_eq!((whole.compared.len(), whole.figures), (5, 6));
     assert_eq!(whole.part, None);
-    second.findings = vec![finding(Severity::Unknown, "filling/b/globe/x")];
+    let finding = |severity| finding("filling/b/globe/x", severity, Gate::Counters);
+    second.findings = vec![finding(Severity::Unknown)];
     assert_eq!(merged(&[&first, &second]).expect("merged").exit_code, 3);
-    second
-        .findings
-        .push(finding(Severity::Worse, "filling/b/globe/x"));
+    second.findings.push(finding(Severity::Worse));
     assert_eq!(merged(&[&first, &second]).expect("merged").exit_code, 1);
 }
 
