@@ -208,7 +208,7 @@ impl LevelSource {
         let regions = self.regions();
         let own = &regions.regions[region];
         let mesh = RegionMesh::build(own, &self.body, self.rule, &self.options);
-        let moved_m = regions.reports[region].deviation_m;
+        let moved_m = regions.deviation_m[region];
         mesh_within(mesh, moved_m, self.deviation_m[region])
     }
 }

@@ -73,10 +73,10 @@ impl Policy {
 
 /// Closes the planar border loops of every part whose vertices are its own.
 fn cap(mesh: &mut Mesh) {
-    let parts: Vec<ConvexPart> = mesh.parts.clone();
     let mut triangles = Vec::new();
     let mut planes = Vec::new();
-    for part in parts {
+    for at in 0..mesh.parts.len() {
+        let part = mesh.parts[at].clone();
         let begin = triangles.len();
         triangles.extend_from_slice(&mesh.triangles[part.triangles.clone()]);
         planes.extend_from_slice(&mesh.planes[part.triangles.clone()]);
@@ -91,10 +91,7 @@ fn cap(mesh: &mut Mesh) {
                 planes.push(plane);
             }
         }
-        let place = mesh.parts.iter().position(|own| *own == part);
-        if let Some(place) = place {
-            mesh.parts[place].triangles = begin..triangles.len();
-        }
+        mesh.parts[at].triangles = begin..triangles.len();
     }
     mesh.triangles = triangles;
     mesh.planes = planes;

@@ -1,26 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Replays the seeds and regressions of the fuzz target `models`; they must reach all its branches.
 
-use std::path::Path;
 use terrafill_casters::{Mesh, ModelFile, Reading};
-use terrafill_fixtures::fuzz::{models, reached::Reached};
+use terrafill_fixtures::fuzz::{models, reached::Reached, replay::assert_replays};
 
 #[test]
 fn the_corpus_replays_and_reaches_every_branch() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../core/fuzz");
-    let mut reached = Reached::new(models::BRANCHES);
-    for kind in ["seeds", "regressions"] {
-        let entries = std::fs::read_dir(folder.join(kind).join("models")).expect("a corpus");
-        for entry in entries {
-            let path = entry.expect("readable").path();
-            let bytes = std::fs::read(&path).expect("readable");
-            models::check(&bytes, &mut reached)
-                .unwrap_or_else(|find| panic!("{}: {find}", path.display()));
-        }
-    }
-    assert!(reached.executions() >= 15);
-    let missing = reached.missing();
-    assert!(missing.is_empty(), "no input comes to {missing:?}");
+    assert_replays("models", models::check, models::BRANCHES);
 }
 
 type Damage = fn(&mut Mesh);

@@ -472,13 +472,7 @@ mod tests {
         // A splitter that has already seen a large deviation takes every shortcut it can; a fresh
         // one measures. Their points must agree.
         let options = MeshOptions::default();
-        let mut state = 7_u64;
-        let mut random = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
+        let mut random = terrafill_fixtures::random_numbers(7);
         for body in [
             Ellipsoid::WGS84,
             Ellipsoid::SATURN_LIKE,

@@ -17,7 +17,7 @@ mod error;
 use crate::edge::area::{ZoneArea, compensated_sum};
 use crate::edge::{Degrees, edge_bounds_m};
 use crate::mesh::{sagitta_m, wrapped_deg};
-use crate::{EdgeRule, Ellipsoid, Extent, Inside, Polygon, Region, RegionMesh, Ring};
+use crate::{EdgeRule, Ellipsoid, Extent, Polygon, Region, RegionMesh, Ring};
 use cone::ConeOverBody;
 pub use cone::SensorCone;
 use cone_edge::faces_inwards;
@@ -151,15 +151,12 @@ impl FootprintMesher {
     #[must_use]
     pub fn region(&self, name: impl Into<String>, footprint: &Footprint) -> Region {
         Region {
-            index: 0,
             name: name.into(),
             polygons: vec![Polygon {
                 shell: Ring::from_checked(footprint.vertices_deg.clone(), 0.0),
                 holes: Vec::new(),
             }],
-            warnings: Vec::new(),
-            repaired: None,
-            inside: Inside::default(),
+            ..Region::default()
         }
     }
 

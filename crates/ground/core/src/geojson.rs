@@ -94,30 +94,18 @@ impl Reading {
     }
 }
 
-/// As [`parse_regions_as`], what the file leaves open by default.
+/// The regions of [`read_regions_as`], what the file leaves open by default.
 ///
 /// # Errors
 /// As there.
 pub fn parse_regions(bytes: &[u8], file: &str) -> Result<Vec<Region>, RegionFileError> {
-    parse_regions_as(bytes, file, Reading::default())
+    Ok(read_regions_as(bytes, file, Reading::default())?.regions)
 }
 
-/// The regions of [`read_region_file`], at least one.
+/// As [`read_region_file`], at least one region.
 ///
 /// # Errors
 /// As there, and [`RegionProblemKind::NoFeatures`].
-pub fn parse_regions_as(
-    bytes: &[u8],
-    file: &str,
-    reading: Reading,
-) -> Result<Vec<Region>, RegionFileError> {
-    Ok(read_regions_as(bytes, file, reading)?.regions)
-}
-
-/// As [`parse_regions_as`], with what the reader warns of.
-///
-/// # Errors
-/// As there.
 pub fn read_regions_as(
     bytes: &[u8],
     file: &str,
@@ -163,38 +151,39 @@ struct Normalised {
 
 impl Normalised {
     fn warnings(&self) -> Vec<RegionWarning> {
-        let count = |n: usize, one: &str, many: &str| {
-            (n > 0).then(|| format!("{n} {}", if n == 1 { one } else { many }))
-        };
         [
-            count(
-                self.open_rings,
-                "ring was not closed",
-                "rings were not closed",
-            ),
-            count(
+            (self.open_rings, "ring", "rings", "not closed"),
+            (
                 self.repeated_positions,
-                "repeated position was dropped",
-                "repeated positions were dropped",
+                "repeated position",
+                "repeated positions",
+                "dropped",
             ),
-            count(
+            (
                 self.collapsed_holes,
-                "hole without area was left out",
-                "holes without area were left out",
+                "hole without area",
+                "holes without area",
+                "left out",
             ),
-            count(
+            (
                 self.collapsed_parts,
-                "part without area was left out",
-                "parts without area were left out",
+                "part without area",
+                "parts without area",
+                "left out",
             ),
-            count(
+            (
                 self.members_without_area,
-                "geometry without area was left out",
-                "geometries without area were left out",
+                "geometry without area",
+                "geometries without area",
+                "left out",
             ),
         ]
         .into_iter()
-        .flatten()
+        .filter(|(count, ..)| *count > 0)
+        .map(|(count, one, many, done)| match count {
+            1 => format!("1 {one} was {done}"),
+            _ => format!("{count} {many} were {done}"),
+        })
         .map(|text| WarningSubject::Reading.warn(text))
         .collect()
     }

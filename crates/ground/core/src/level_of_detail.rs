@@ -58,18 +58,6 @@ pub enum SimplifyError {
     },
 }
 
-/// What simplifying did to a region.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Simplification {
-    /// The simplified boundary is nowhere farther than this from the original, nor the other way
-    /// round, metres; at most the tolerance.
-    pub deviation_m: f64,
-    /// Vertices of the original rings.
-    pub vertices_before: usize,
-    /// Vertices of the simplified ones.
-    pub vertices_after: usize,
-}
-
 /// A set of regions at one level of detail.
 #[derive(Debug, Clone)]
 pub struct SimplifiedRegions {
@@ -77,8 +65,9 @@ pub struct SimplifiedRegions {
     pub tolerance_m: f64,
     /// In the order of the originals; fewer vertices, and no rings that are too small.
     pub regions: Vec<Region>,
-    /// Of each region.
-    pub reports: Vec<Simplification>,
+    /// Of each region: the simplified boundary is nowhere farther than this from the original, nor the
+    /// other way round, metres; at most the tolerance.
+    pub deviation_m: Vec<f64>,
     /// Of each region, the rings that are too small.
     pub left_out: Vec<LeftOutRings>,
     /// Vertices put back because edges crossed without them.
@@ -90,7 +79,7 @@ pub struct SimplifiedRegions {
 pub struct ThinnedLevel {
     /// Allowed deviation, metres.
     pub tolerance_m: f64,
-    /// Of each region, a bound on [`Simplification::deviation_m`] if no vertex has to be put back, metres.
+    /// Of each region, a bound on [`SimplifiedRegions::deviation_m`] if no vertex has to be put back, metres.
     pub deviation_m: Vec<f64>,
     /// Of each region, the rings that are too small.
     pub left_out: Vec<LeftOutRings>,
@@ -231,14 +220,14 @@ impl SharedBoundaries {
             }
         };
         small_rings::leave_out(&level.is_left_out, &mut regions);
-        let mut reports = self.reports(&regions, &kept);
-        for (report, left_out) in reports.iter_mut().zip(&level.left_out) {
-            report.deviation_m = report.deviation_m.max(left_out.size_m);
+        let mut deviation_m = self.deviations_m(&kept);
+        for (deviation_m, left_out) in deviation_m.iter_mut().zip(&level.left_out) {
+            *deviation_m = deviation_m.max(left_out.size_m);
         }
         SimplifiedRegions {
             tolerance_m: level.tolerance_m,
             regions,
-            reports,
+            deviation_m,
             left_out: level.left_out.clone(),
             restored_vertices,
         }
@@ -313,30 +302,22 @@ impl SharedBoundaries {
         restore
     }
 
-    fn reports(&self, regions: &[Region], kept: &[bool]) -> Vec<Simplification> {
+    /// Of each region: how far its arcs are off without the vertices that are not kept.
+    fn deviations_m(&self, kept: &[bool]) -> Vec<f64> {
         let deviations: Vec<f64> = self
             .arcs
             .arcs
             .par_iter()
             .map(|arc| self.arc_deviation_m(&self.arcs.entries[arc.first..arc.past], kept))
             .collect();
-        let mut reports: Vec<Simplification> = self
-            .regions
-            .iter()
-            .zip(regions)
-            .map(|(before, after)| Simplification {
-                deviation_m: 0.0,
-                vertices_before: before.vertex_count(),
-                vertices_after: after.vertex_count(),
-            })
-            .collect();
+        let mut of_regions = vec![0.0_f64; self.regions.len()];
         for (arc, deviation_m) in self.arcs.arcs.iter().zip(deviations) {
             for &ring in &arc.rings {
-                let report = &mut reports[self.arcs.rings[ring as usize].region];
-                report.deviation_m = report.deviation_m.max(deviation_m);
+                let of_region = &mut of_regions[self.arcs.rings[ring as usize].region];
+                *of_region = of_region.max(deviation_m);
             }
         }
-        reports
+        of_regions
     }
 
     fn arc_deviation_m(&self, entries: &[Entry], kept: &[bool]) -> f64 {

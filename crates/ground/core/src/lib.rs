@@ -35,12 +35,12 @@ pub use footprint::{
 };
 pub use geojson::{
     Reading, RegionFile, RegionFileError, RegionProblem, RegionProblemKind, parse_regions,
-    parse_regions_as, printable, read_region_file, read_regions_as, wide_encoding,
+    printable, read_region_file, read_regions_as, wide_encoding,
 };
 pub use inside::{RingSide, SideChoice};
 pub use invariants::InvariantViolation;
 pub use level_of_detail::{
-    LeftOutRings, SharedBoundaries, Simplification, SimplifiedRegions, SimplifyError, ThinnedLevel,
+    LeftOutRings, SharedBoundaries, SimplifiedRegions, SimplifyError, ThinnedLevel,
 };
 pub use mesh::{Extent, MeshOptions, OrientedBox, RegionMesh, VolumeHeights, wrapped_deg};
 pub use mesh_error::MeshError;

@@ -68,6 +68,12 @@ impl Extent {
     };
 }
 
+impl Default for Extent {
+    fn default() -> Self {
+        Self::WHOLE
+    }
+}
+
 /// A longitude that is less than a turn outside −180 … 180, as the same one inside.
 #[must_use]
 pub fn wrapped_deg(longitude_deg: f64) -> f64 {
@@ -151,7 +157,7 @@ pub struct VolumeHeights {
 
 /// One region, meshed. Vertices lie on the ellipsoid at height 0; backends extrude them along the
 /// geodetic normal.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct RegionMesh {
     /// Index of the feature in its file.
     pub region_index: usize,
@@ -184,20 +190,7 @@ impl RegionMesh {
     /// A mesh of nothing: no vertices, hence no triangles and no loops.
     #[must_use]
     pub fn without_geometry() -> Self {
-        Self {
-            region_index: 0,
-            name: String::new(),
-            vertices_ecef: Vec::new(),
-            vertices_deg: Vec::new(),
-            triangles: Vec::new(),
-            boundary_loops: Vec::new(),
-            holes: 0,
-            area_m2: 0.0,
-            extent: Extent::WHOLE,
-            boundary_deviation_m: 0.0,
-            cap_sagitta_m: 0.0,
-            warnings: Vec::new(),
-        }
+        Self::default()
     }
 
     /// Vertices, those inside included.

@@ -574,13 +574,7 @@ mod tests {
 
     #[test]
     fn parts_that_touch_are_never_apart_and_order_does_not_matter() {
-        let mut state = 9_u64;
-        let mut random = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
+        let mut random = terrafill_fixtures::random_numbers(9);
         let mut most_groups = 0;
         for round in 0..200 {
             let size = 0.3 / f64::from(round % 20 + 1);

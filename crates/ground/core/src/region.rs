@@ -288,7 +288,7 @@ impl Polygon {
 }
 
 /// One feature of a file: everything that shares a name, a colour and an id.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Region {
     /// Index of the feature in its file, from 0.
     pub index: usize,

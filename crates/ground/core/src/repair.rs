@@ -313,6 +313,7 @@ fn with_insertions(ring: &Ring, insertions: &[Insertion]) -> Ring {
 mod tests {
     use super::*;
     use crate::{Ellipsoid, MeshError, MeshOptions, RegionMesh};
+    use terrafill_fixtures::random_numbers;
 
     fn region(rings: &[&[Degrees]]) -> Region {
         let polygons = rings
@@ -323,12 +324,9 @@ mod tests {
             })
             .collect();
         Region {
-            index: 0,
             name: "test".to_owned(),
             polygons,
-            warnings: Vec::new(),
-            repaired: None,
-            inside: crate::Inside::default(),
+            ..Region::default()
         }
     }
 
@@ -337,16 +335,6 @@ mod tests {
         let mesh = RegionMesh::build(region, &body, rule, &MeshOptions::default())?;
         assert_eq!(mesh.check_invariants(&body), Ok(()));
         Ok(mesh)
-    }
-
-    /// From 0 up to 1, the same for the same seed.
-    fn random_numbers(mut state: u64) -> impl FnMut() -> f64 {
-        move || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        }
     }
 
     #[test]

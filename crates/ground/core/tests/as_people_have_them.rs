@@ -6,9 +6,11 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use std::time::Instant;
 use terrafill_core::{
     EdgeRule, Ellipsoid, Inside, MeshError, MeshOptions, Reading, Region, RegionMesh,
-    RegionWarning, Unwrap, parse_regions_as,
+    RegionWarning, Unwrap, read_regions_as,
 };
-use terrafill_fixtures::expectations::{BEHIND_CIRCLE_M2, circle_of_100_degrees};
+use terrafill_fixtures::expectations::{
+    BEHIND_CIRCLE_M2, BOTH_POLES, EASTERN_HALF, NOTCHED, SPIKED_CAP, circle_of_100_degrees,
+};
 
 type Degrees = [f64; 2];
 
@@ -18,9 +20,8 @@ const ARCS: EdgeRule = EdgeRule::GreatEllipse;
 
 fn read(rings: &[&[Degrees]], reading: Reading) -> Region {
     let text = format!(r#"{{"type":"Polygon","coordinates":{rings:?}}}"#);
-    parse_regions_as(text.as_bytes(), "test", reading)
-        .expect("valid")
-        .remove(0)
+    let read = read_regions_as(text.as_bytes(), "test", reading);
+    read.expect("valid").regions.remove(0)
 }
 
 fn build_as(
@@ -79,26 +80,6 @@ fn assert_area(mesh: &RegionMesh, expected_m2: f64, tolerance: f64) {
         mesh.area_m2
     );
 }
-
-/// The cap north of 60° and a spike down to 75° S: of the vertices most lie south.
-const SPIKED_CAP: [Degrees; 8] = [
-    [-180.0, 60.0],
-    [-1.0, 60.0],
-    [-1.0, -70.0],
-    [0.0, -75.0],
-    [1.0, -70.0],
-    [1.0, 60.0],
-    [180.0, 60.0],
-    [-180.0, 60.0],
-];
-const NOTCHED: [Degrees; 6] = [
-    [-180.0, 10.0],
-    [0.0, 10.0],
-    [60.0, -40.0],
-    [120.0, 10.0],
-    [180.0, 10.0],
-    [-180.0, 10.0],
-];
 
 /// A ring round a pole that is not cut at the antimeridian.
 const UNCUT_CAP: [[f64; 2]; 5] = [
@@ -162,23 +143,6 @@ fn a_vertex_on_an_edge_changes_no_side() {
     assert_area(&build(&[&moved], PLANAR), whole_m2() - north_m2, 1e-9);
 }
 
-/// Between the meridians 5° W and 5° E from 80° S to 80° N, and round both poles.
-const BOTH_POLES: [Degrees; 13] = [
-    [-5.0, 80.0],
-    [-5.0, 0.0],
-    [-5.0, -80.0],
-    [-90.0, -85.0],
-    [180.0, -80.0],
-    [90.0, -85.0],
-    [5.0, -80.0],
-    [5.0, 0.0],
-    [5.0, 80.0],
-    [90.0, 85.0],
-    [180.0, 80.0],
-    [-90.0, 85.0],
-    [-5.0, 80.0],
-];
-
 /// Latitudes along the great circle between two places.
 fn followed(ring: &[Degrees]) -> Vec<Degrees> {
     let mut curve = vec![ring[0]];
@@ -222,13 +186,7 @@ fn a_ring_of_great_ellipses_may_hold_both_poles() {
     }
     // Negative control: a ring with both poles on its larger side holds neither, whichever way it is written, unless its
     // left side is asked for.
-    let country = [
-        [0.0, 0.0],
-        [20.0, 0.0],
-        [20.0, 20.0],
-        [0.0, 20.0],
-        [0.0, 0.0],
-    ];
+    let country = box_of(0.0, 20.0, 0.0, 20.0);
     for choice in [Inside::Smaller, Inside::Left] {
         for (ring, is_clockwise) in [(country.to_vec(), false), (reversed(&country), true)] {
             let mesh = build_as(&[&ring], ARCS, inside(choice)).expect("meshes");
@@ -278,24 +236,14 @@ fn the_left_of_any_shell_is_taken_where_it_is_asked_for() {
     }
 }
 
+/// All the way round.
+fn parallel(latitude: f64) -> [Degrees; 5] {
+    [-180.0, -60.0, 60.0, 180.0, -180.0].map(|longitude| [longitude, latitude])
+}
+
 #[test]
 fn of_halves_the_left_one_is_inside() {
-    let eastern = [
-        [0.0, -90.0],
-        [180.0, -90.0],
-        [180.0, 0.0],
-        [180.0, 90.0],
-        [0.0, 90.0],
-        [0.0, 0.0],
-        [0.0, -90.0],
-    ];
-    let equator = [
-        [-180.0, 0.0],
-        [-60.0, 0.0],
-        [60.0, 0.0],
-        [180.0, 0.0],
-        [-180.0, 0.0],
-    ];
+    let equator = parallel(0.0);
     let middle_is_inside = |ring: &[Degrees], rule, at: Degrees| {
         let mesh = build(&[ring], rule);
         assert_area(&mesh, 0.5 * whole_m2(), 1e-12);
@@ -304,7 +252,7 @@ fn of_halves_the_left_one_is_inside() {
         mesh.vertices_deg.iter().any(near)
     };
     for (ring, rule, left, right) in [
-        (&eastern[..], ARCS, [90.0, 0.0], [-90.0, 0.0]),
+        (&EASTERN_HALF[..], ARCS, [90.0, 0.0], [-90.0, 0.0]),
         (&equator, PLANAR, [0.0, 60.0], [0.0, -60.0]),
         (&equator, ARCS, [0.0, 60.0], [0.0, -60.0]),
     ] {
@@ -316,8 +264,6 @@ fn of_halves_the_left_one_is_inside() {
 
 #[test]
 fn a_hole_round_the_pole_leaves_what_lies_between_it_and_its_shell() {
-    let parallel =
-        |latitude: f64| [-180.0, -60.0, 60.0, 180.0, -180.0].map(|longitude| [longitude, latitude]);
     let zone_m2 = |south: f64, north: f64| {
         BODY.quadrangle_area_m2(TAU, south.to_radians(), north.to_radians())
     };
@@ -332,13 +278,7 @@ fn a_hole_round_the_pole_leaves_what_lies_between_it_and_its_shell() {
         }
     }
     // Negative control: a hole in the whole globe decides for itself; the right side of it, when asked for.
-    let globe = [
-        [-180.0, -90.0],
-        [180.0, -90.0],
-        [180.0, 90.0],
-        [-180.0, 90.0],
-        [-180.0, -90.0],
-    ];
+    let globe = box_of(-180.0, 180.0, -90.0, 90.0);
     let hole = parallel(60.0);
     let mesh = build(&[&globe, &hole], PLANAR);
     assert_area(&mesh, zone_m2(-90.0, 60.0), 1e-12);
@@ -359,21 +299,7 @@ fn a_hole_round_the_pole_leaves_what_lies_between_it_and_its_shell() {
 
 #[test]
 fn edges_over_the_antimeridian_go_the_long_way_unless_the_shortest_is_asked_for() {
-    let shortest = Reading {
-        unwrap: Unwrap::Shortest,
-        ..Reading::default()
-    };
-    let habit = [
-        [170.0, 10.0],
-        [-170.0, 10.0],
-        [-170.0, 20.0],
-        [170.0, 20.0],
-        [170.0, 10.0],
-    ];
-    let box_m2 = |width: f64, south: f64, north: f64| {
-        let [width, south, north] = [width, south, north].map(f64::to_radians);
-        BODY.quadrangle_area_m2(width, south, north)
-    };
+    let habit = box_of(170.0, -170.0, 10.0, 20.0);
     let literal = build(&[&habit], PLANAR);
     assert_area(&literal, box_m2(340.0, 10.0, 20.0), 1e-12);
     assert!(
@@ -381,13 +307,13 @@ fn edges_over_the_antimeridian_go_the_long_way_unless_the_shortest_is_asked_for(
             .text
             .starts_with("2 edges span more than 180° of longitude")
     );
-    let short = build_as(&[&habit], PLANAR, shortest).expect("meshes");
+    let short = build_as(&[&habit], PLANAR, SHORTEST).expect("meshes");
     assert_area(&short, box_m2(20.0, 10.0, 20.0), 1e-12);
     assert!(short.warnings.is_empty());
     let extent = short.extent;
     assert_eq!([extent.west_deg, extent.east_deg], [170.0, -170.0]);
     // Great ellipses take the shorter way anyway, and nothing is said of planar edges.
-    for reading in [Reading::default(), shortest] {
+    for reading in [Reading::default(), SHORTEST] {
         let arcs = build_as(&[&habit], ARCS, reading).expect("meshes");
         assert!(arcs.warnings.is_empty() && arcs.extent.west_deg > arcs.extent.east_deg);
     }
@@ -403,17 +329,11 @@ fn edges_over_the_antimeridian_go_the_long_way_unless_the_shortest_is_asked_for(
         [170.0, 20.0],
         [170.0, 10.0],
     ];
-    let hole = [
-        [178.0, 12.0],
-        [-178.0, 12.0],
-        [-178.0, 14.0],
-        [178.0, 14.0],
-        [178.0, 12.0],
-    ];
+    let hole = box_of(178.0, -178.0, 12.0, 14.0);
     let expected_m2 = box_m2(20.0, 10.0, 20.0) - box_m2(4.0, 12.0, 14.0);
     for turn in [0.0, 360.0, -360.0] {
         let spelt = spelt.map(|[x, y]| [x + turn, y]);
-        let mesh = build_as(&[&spelt, &hole], PLANAR, shortest).expect("meshes");
+        let mesh = build_as(&[&spelt, &hole], PLANAR, SHORTEST).expect("meshes");
         assert_area(&mesh, expected_m2, 1e-12);
     }
     // What is written along a pole or in short edges stays as it is.
@@ -426,22 +346,20 @@ fn edges_over_the_antimeridian_go_the_long_way_unless_the_shortest_is_asked_for(
         [-180.0, -70.0],
         [-180.0, -90.0],
     ];
-    let country = [
-        [0.0, 0.0],
-        [20.0, 0.0],
-        [20.0, 20.0],
-        [0.0, 20.0],
-        [0.0, 0.0],
-    ];
+    let country = box_of(0.0, 20.0, 0.0, 20.0);
     for ring in [&antarctic[..], &country] {
         let region = |reading| read(&[ring], reading);
-        assert_eq!(region(shortest), region(Reading::default()));
+        assert_eq!(region(SHORTEST), region(Reading::default()));
     }
 }
 
 const AUTO: Reading = Reading {
     unwrap: Unwrap::Auto,
     inside: Inside::Smaller,
+};
+const SHORTEST: Reading = Reading {
+    unwrap: Unwrap::Shortest,
+    ..AUTO
 };
 
 fn box_of(west: f64, east: f64, south: f64, north: f64) -> [[f64; 2]; 5] {
@@ -505,37 +423,25 @@ fn of_two_readings_the_one_is_taken_that_crosses_nothing_and_is_oriented() {
     let turned = spiked.map(|[x, y]| [if x < 0.0 { x + 360.0 } else { x }, y]);
     shorter(&[&spiked], build(&[&turned], PLANAR).area_m2);
     // Bands, boxes of the world, and what no edge jumps in stay.
-    as_written(
-        &[&box_of(-171.0, 171.0, 14.0, 15.0)],
-        box_m2(342.0, 14.0, 15.0),
-    );
-    as_written(
-        &[&box_of(-179.9, 179.9, -85.0, 85.0)],
-        box_m2(359.8, -85.0, 85.0),
-    );
-    as_written(
-        &[&box_of(-180.0, 180.0, 30.0, 38.0)],
-        box_m2(360.0, 30.0, 38.0),
-    );
-    as_written(
-        &[&reversed_box(-180.0, 180.0, 30.0, 38.0)],
-        box_m2(360.0, 30.0, 38.0),
-    );
-    as_written(
-        &[&box_of(-180.0, 180.0, 80.0, 90.0)],
-        box_m2(360.0, 80.0, 90.0),
-    );
-    as_written(
-        &[&box_of(170.0, 190.0, 14.0, 15.0)],
-        box_m2(20.0, 14.0, 15.0),
-    );
+    for (ring, expected_m2) in [
+        (box_of(-171.0, 171.0, 14.0, 15.0), box_m2(342.0, 14.0, 15.0)),
+        (
+            box_of(-179.9, 179.9, -85.0, 85.0),
+            box_m2(359.8, -85.0, 85.0),
+        ),
+        (box_of(-180.0, 180.0, 30.0, 38.0), box_m2(360.0, 30.0, 38.0)),
+        (
+            reversed_box(-180.0, 180.0, 30.0, 38.0),
+            box_m2(360.0, 30.0, 38.0),
+        ),
+        (box_of(-180.0, 180.0, 80.0, 90.0), box_m2(360.0, 80.0, 90.0)),
+        (box_of(170.0, 190.0, 14.0, 15.0), box_m2(20.0, 14.0, 15.0)),
+    ] {
+        as_written(&[&ring], expected_m2);
+    }
     // Negative control: told to take the numbers, the jump is a band; told the opposite, the band a jump.
     assert_area(&build(&[&jump], PLANAR), box_m2(342.0, 14.0, 15.0), 1e-12);
-    let shortest = Reading {
-        unwrap: Unwrap::Shortest,
-        ..AUTO
-    };
-    let band = build_as(&[&box_of(-171.0, 171.0, 14.0, 15.0)], PLANAR, shortest).expect("meshes");
+    let band = build_as(&[&box_of(-171.0, 171.0, 14.0, 15.0)], PLANAR, SHORTEST).expect("meshes");
     assert_area(&band, box_m2(18.0, 14.0, 15.0), 1e-12);
 }
 
@@ -547,17 +453,13 @@ fn reversed_box(west: f64, east: f64, south: f64, north: f64) -> [[f64; 2]; 5] {
 
 #[test]
 fn one_part_may_be_a_band_and_another_a_jump() {
-    let part = |ring: &[[f64; 2]]| format!("[{ring:?}]");
-    let (band, jump) = (
-        box_of(-180.0, 180.0, 30.0, 38.0),
-        box_of(171.0, -172.0, -20.0, -6.0),
-    );
-    let text = format!(
-        r#"{{"type":"MultiPolygon","coordinates":[{},{}]}}"#,
-        part(&band),
-        part(&jump)
-    );
-    let regions = parse_regions_as(text.as_bytes(), "t", AUTO).expect("valid");
+    let parts = [
+        [box_of(-180.0, 180.0, 30.0, 38.0)],
+        [box_of(171.0, -172.0, -20.0, -6.0)],
+    ];
+    let text = format!(r#"{{"type":"MultiPolygon","coordinates":{parts:?}}}"#);
+    let read = read_regions_as(text.as_bytes(), "t", AUTO);
+    let regions = read.expect("valid").regions;
     assert_eq!(regions[0].warnings.len(), 1);
     assert!(
         regions[0].warnings[0]
@@ -582,11 +484,7 @@ fn a_pole_ring_without_its_cut_is_refused_with_what_would_read_it() {
     let [MeshError::NoArea { long_edges: 1, .. }] = refused[..] else {
         panic!("{refused:?}");
     };
-    let shortest = Reading {
-        unwrap: Unwrap::Shortest,
-        ..Reading::default()
-    };
-    let mesh = build_as(&[&UNCUT_CAP], PLANAR, shortest).expect("meshes");
+    let mesh = build_as(&[&UNCUT_CAP], PLANAR, SHORTEST).expect("meshes");
     let cap_m2 = BODY.quadrangle_area_m2(TAU, 60_f64.to_radians(), FRAC_PI_2);
     assert_area(&mesh, cap_m2, 1e-12);
     assert!(build(&[&UNCUT_CAP], ARCS).area_m2 < cap_m2);
@@ -635,13 +533,7 @@ fn every_crossing_of_arcs_is_listed() {
 
 #[test]
 fn a_collapsed_hole_is_left_out_with_a_warning() {
-    let shell = [
-        [0.0, 0.0],
-        [10.0, 0.0],
-        [10.0, 10.0],
-        [0.0, 10.0],
-        [0.0, 0.0],
-    ];
+    let shell = box_of(0.0, 10.0, 0.0, 10.0);
     let hole = [[7.0, 7.0], [8.0, 7.0], [8.0, 8.0], [7.0, 7.0]];
     let back = [[2.0, 2.0], [4.0, 2.0], [2.0, 2.0], [2.0, 2.0]];
     let line = [[2.0, 2.0], [4.0, 2.0], [6.0, 2.0], [2.0, 2.0]];
@@ -709,13 +601,7 @@ fn slivers_keep_the_digits_of_their_areas() {
     // A square metre.
     let (west, south) = (10.0, 45.0);
     let (east, north): (f64, f64) = (west + 1.27e-5, south + 9e-6);
-    let square = [
-        [west, south],
-        [east, south],
-        [east, north],
-        [west, north],
-        [west, south],
-    ];
+    let square = box_of(west, east, south, north);
     let (width, height) = ((east - west).to_radians(), (north - south).to_radians());
     let expected_m2 = width * height * scale(0.5 * (south + north));
     assert!((0.9..1.1).contains(&expected_m2));
@@ -756,13 +642,7 @@ fn a_vertex_a_last_bit_outside_is_refused_at_every_tolerance() {
 
 #[test]
 fn a_tolerance_finer_than_what_is_drawn_is_bounded_and_said() {
-    let square = [
-        [10.0, 40.0],
-        [20.0, 40.0],
-        [20.0, 50.0],
-        [10.0, 50.0],
-        [10.0, 40.0],
-    ];
+    let square = box_of(10.0, 20.0, 40.0, 50.0);
     for rule in [PLANAR, ARCS] {
         let region = read(&[&square], Reading::default());
         let build = |boundary_tolerance_m| {

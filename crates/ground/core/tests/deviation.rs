@@ -7,14 +7,14 @@
 //! as the backends raise it, and what is measured is the distance to the line in which it cuts the
 //! surface.
 
+mod outlines;
+
 use glam::DVec3;
+use outlines::RULES;
 use std::collections::HashMap;
-use terrafill_core::{
-    EdgeRule, Ellipsoid, Geodetic, MeshOptions, Region, RegionMesh, parse_regions,
-};
+use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, Region, RegionMesh};
 
 const TOLERANCES_M: [f64; 3] = [1.0, 100.0, 10_000.0];
-const RULES: [EdgeRule; 2] = [EdgeRule::Planar, EdgeRule::GreatEllipse];
 
 /// Rings by what their edges are like.
 const SHAPES: [(&str, &str); 14] = [
@@ -41,9 +41,7 @@ const SHAPES: [(&str, &str); 14] = [
 ];
 
 fn region(ring: &str) -> Region {
-    let text = format!(r#"{{"type":"Polygon","coordinates":[{ring}]}}"#);
-    let mut regions = parse_regions(text.as_bytes(), "deviation").expect("valid");
-    regions.remove(0)
+    terrafill_fixtures::region(&format!("[{ring}]"))
 }
 
 fn on_surface(body: &Ellipsoid, [longitude_deg, latitude_deg]: [f64; 2]) -> DVec3 {

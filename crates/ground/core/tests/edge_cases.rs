@@ -11,8 +11,8 @@ use glam::DVec3;
 use robust::{Coord3D, orient3d};
 use std::collections::BTreeSet;
 use terrafill_core::{Geodetic, MeshError, MeshOptions, Region, RegionMesh};
-use terrafill_fixtures::check_extruded;
 use terrafill_fixtures::expectations::{Case, FilePlace, Refusal, Stage, accepted, all_cases};
+use terrafill_fixtures::{check_extruded, region};
 
 /// Of the body's radius, 20 m on the Earth: fine enough that no point of a case is closer to the
 /// boundary than the boundary is drawn.
@@ -422,13 +422,8 @@ fn a_hole_may_lie_in_the_other_hemisphere_than_the_pole_its_shell_holds() {
         let body = terrafill_core::Ellipsoid::WGS84;
         // By jumps at ±180 where longitudes are read as they stand.
         let build = |rings: &[&str], repaired: bool| {
-            let text = format!(
-                r#"{{"type":"Polygon","coordinates":[{}]}}"#,
-                rings.join(",")
-            );
-            let text = text.replace("[300,-10]]", "[300,-10],[360,20]]");
-            let regions = terrafill_core::parse_regions(text.as_bytes(), "hole").expect("valid");
-            let mut region = regions[0].clone();
+            let text = format!("[{}]", rings.join(","));
+            let mut region = region(&text.replace("[300,-10]]", "[300,-10],[360,20]]"));
             if repaired {
                 assert_eq!(region.split_at_crossings(rule), 0);
             }

@@ -2,7 +2,7 @@
 //! Replays the fuzz targets' seeds and regressions, and tests their checks: each target must
 //! reach all its branches, and each check must notice a wrong outcome.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use terrafill_core::{
     EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionFileError, RegionMesh,
     RegionProblem, RegionProblemKind, parse_regions,
@@ -10,53 +10,8 @@ use terrafill_core::{
 use terrafill_fixtures::fuzz::bytes::Bytes;
 use terrafill_fixtures::fuzz::mesh::Case;
 use terrafill_fixtures::fuzz::reached::Reached;
+use terrafill_fixtures::fuzz::replay::{Check, assert_replays, inputs, replay};
 use terrafill_fixtures::fuzz::{area, geojson, mesh};
-
-type Check = fn(&[u8], &mut Reached) -> Result<(), String>;
-
-/// Files of a folder, in order.
-fn inputs(folder: &Path) -> Vec<PathBuf> {
-    let listed = std::fs::read_dir(folder).map(|entries| {
-        let paths = entries.map(|entry| entry.expect("readable").path());
-        paths.filter(|path| path.is_file()).collect()
-    });
-    let mut paths: Vec<PathBuf> = listed.unwrap_or_default();
-    paths.sort();
-    paths
-}
-
-/// Runs every file below `root`; the finds, with their file.
-fn replay(root: &Path, target: &str, check: Check, reached: &mut Reached) -> Vec<String> {
-    let mut finds = Vec::new();
-    for kind in ["seeds", "regressions"] {
-        let folder = root.join(kind).join(target);
-        let inputs = inputs(&folder);
-        if inputs.is_empty() {
-            finds.push(format!("{}: nothing to replay", folder.display()));
-        }
-        for path in inputs {
-            let bytes = std::fs::read(&path).expect("readable");
-            if let Err(find) = check(&bytes, reached) {
-                finds.push(format!("{}: {find}", path.display()));
-            }
-        }
-    }
-    finds
-}
-
-fn fuzz_folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz")
-}
-
-fn assert_replays(target: &str, check: Check, branches: &'static [&'static str]) {
-    let mut reached = Reached::new(branches);
-    let finds = replay(&fuzz_folder(), target, check, &mut reached);
-    assert!(finds.is_empty(), "{}", finds.join("\n"));
-    assert!(reached.executions() >= 10);
-    let missing = reached.missing();
-    assert!(missing.is_empty(), "no input comes to {missing:?}");
-    assert_eq!(reached.found().len(), branches.len());
-}
 
 #[test]
 fn counts_take_the_place_of_those_before() {

@@ -3,17 +3,14 @@
 
 mod outlines;
 
-use outlines::{RULES, region};
+use outlines::{RULES, assert_sound};
 use std::f64::consts::{FRAC_PI_2, TAU};
-use terrafill_core::{
-    EdgeRule, Ellipsoid, Extent, InvariantViolation, MeshError, MeshOptions, Region, RegionMesh,
-};
-use terrafill_fixtures::check_extruded;
+use terrafill_core::{EdgeRule, Ellipsoid, Extent, MeshError, MeshOptions, Region, RegionMesh};
+use terrafill_fixtures::region;
 
 fn mesh_on(body: &Ellipsoid, rule: EdgeRule, region: &Region) -> RegionMesh {
     let mesh = RegionMesh::build(region, body, rule, &MeshOptions::default()).expect("meshes");
-    mesh.check_invariants(body).expect("sound");
-    check_extruded(&mesh, body).expect("a sound volume");
+    assert_sound(&mesh, body);
     mesh
 }
 
@@ -184,25 +181,34 @@ fn a_globe_has_no_border_and_a_band_that_ends_has_its_extent() {
     );
 }
 
-#[test]
-fn a_bow_tie_is_refused_with_its_crossing() {
-    let bow_tie = region("[[[0,0],[2,2],[2,0],[0,2],[0,0]]]");
-    for rule in RULES {
-        let error = RegionMesh::build(&bow_tie, &Ellipsoid::WGS84, rule, &MeshOptions::default())
-            .expect_err("crosses itself");
-        let MeshError::SelfCrossing {
+/// Vertices of the two edges that cross, and where.
+fn crossing(text: &str, rule: EdgeRule) -> ([usize; 2], [f64; 2]) {
+    let options = MeshOptions::default();
+    match RegionMesh::build(&region(text), &Ellipsoid::WGS84, rule, &options) {
+        Err(MeshError::SelfCrossing {
             first,
             second,
             longitude_deg,
             latitude_deg,
             ..
-        } = &error
-        else {
-            panic!("{error}");
-        };
-        assert_eq!((first.vertex, second.vertex), (0, 2));
-        assert!((longitude_deg - 1.0).abs() < 1e-3 && (latitude_deg - 1.0).abs() < 1e-3);
+        }) => ([first.vertex, second.vertex], [longitude_deg, latitude_deg]),
+        other => panic!(
+            "{text} by {}: {:?}",
+            rule.name(),
+            other.map(|mesh| mesh.area_m2)
+        ),
     }
+}
+
+#[test]
+fn a_bow_tie_is_refused_with_its_crossing() {
+    let text = "[[[0,0],[2,2],[2,0],[0,2],[0,0]]]";
+    for rule in RULES {
+        let (vertices, at) = crossing(text, rule);
+        assert_eq!(vertices, [0, 2]);
+        assert!(at.iter().all(|degrees| (degrees - 1.0).abs() < 1e-3));
+    }
+    let bow_tie = region(text);
     let all = RegionMesh::build_all(
         &[bow_tie.clone(), region("[[[0,0],[1,0],[0,1]]]"), bow_tie],
         &Ellipsoid::WGS84,
@@ -227,24 +233,11 @@ fn edges_that_cross_where_both_are_split_are_refused() {
         // Halved on the other, which is a meridian.
         ("[[[5,-1],[5,1.5],[10,10],[0,-10]]]", [5.0, 0.0]),
     ] {
-        let options = MeshOptions::default();
         for rule in RULES {
-            let bow_tie = region(ring);
-            let error = RegionMesh::build(&bow_tie, &Ellipsoid::WGS84, rule, &options);
-            let Err(MeshError::SelfCrossing {
-                first,
-                second,
-                longitude_deg,
-                latitude_deg,
-                ..
-            }) = error
-            else {
-                panic!("{ring} by {}", rule.name());
-            };
-            assert_eq!((first.vertex, second.vertex), (0, 2));
+            let (vertices, found) = crossing(ring, rule);
+            assert_eq!(vertices, [0, 2]);
             let slack_deg = if rule == EdgeRule::Planar { 1e-12 } else { 0.1 };
-            assert!((longitude_deg - at[0]).abs() < slack_deg);
-            assert!((latitude_deg - at[1]).abs() < slack_deg);
+            assert!((0..2).all(|axis| (found[axis] - at[axis]).abs() < slack_deg));
             let mut repaired = region(ring);
             assert!(repaired.split_at_crossings(rule) > 0);
             mesh_on(&Ellipsoid::WGS84, rule, &repaired);
@@ -260,25 +253,18 @@ fn edges_that_cross_where_both_are_split_are_refused() {
 #[test]
 fn a_crossing_is_placed_as_the_file_counts() {
     let ring = "[[[0,0],[0,0],[2,2],[2,0],[0,3],[0,0]]]";
-    let options = MeshOptions::default();
-    let places = |ring| {
-        let error = RegionMesh::build(&region(ring), &Ellipsoid::WGS84, EdgeRule::Planar, &options);
-        match error {
-            Err(MeshError::SelfCrossing { first, second, .. }) => (first.vertex, second.vertex),
-            other => panic!("{:?}", other.map(|mesh| mesh.area_m2)),
-        }
-    };
-    assert_eq!(places(ring), (1, 3));
+    let places = |ring| crossing(ring, EdgeRule::Planar).0;
+    assert_eq!(places(ring), [1, 3]);
     assert_eq!(
         places("[[[0,0],[2,2],[2,0],[2,0],[2,0],[0,3],[0,0]]]"),
-        (0, 4)
+        [0, 4]
     );
     // Negative control: nothing repeated, nothing added.
-    assert_eq!(places("[[[0,0],[2,2],[2,0],[0,3],[0,0]]]"), (0, 2));
+    assert_eq!(places("[[[0,0],[2,2],[2,0],[0,3],[0,0]]]"), [0, 2]);
     // Round a pole, where the closing edge is a jump.
     assert_eq!(
         places("[[[-180,60],[-180,60],[-90,60],[20,60],[20,70],[0,50],[180,60],[-180,60]]]"),
-        (2, 4)
+        [2, 4]
     );
 }
 
@@ -334,8 +320,7 @@ fn the_boundary_stays_within_its_tolerance() {
             cap_step_deg: 10.0,
         };
         let mesh = RegionMesh::build(&region, &body, EdgeRule::Planar, &options).expect("meshes");
-        mesh.check_invariants(&body).expect("sound");
-        check_extruded(&mesh, &body).expect("a sound volume");
+        assert_sound(&mesh, &body);
         let mut worst = 0.0_f64;
         for ring in &mesh.boundary_loops {
             for (i, &from) in ring.iter().enumerate() {
@@ -408,7 +393,7 @@ fn no_facet_hangs_deeper_than_its_step_allows() {
         "[[[0,45],[90,46],[90,47],[0,47]]]",
     ];
     for body in [Ellipsoid::WGS84, Ellipsoid::SATURN_LIKE] {
-        for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
+        for rule in RULES {
             let mut deepest_share = 0.0_f64;
             for cap_step_deg in [1.0, 3.0, 10.0, 30.0] {
                 let options = MeshOptions {
@@ -481,73 +466,45 @@ fn broken_meshes_are_caught() {
         EdgeRule::Planar,
         "[[[0,40],[20,40],[20,60],[0,60]],[[5,45],[15,45],[15,55],[5,55]]]",
     );
-    #[track_caller]
-    fn caught(result: Result<(), InvariantViolation>) -> InvariantViolation {
-        result.expect_err("must be caught")
-    }
-    let broken = |change: &dyn Fn(&mut RegionMesh)| {
+    type Break<'a> = &'a dyn Fn(&mut RegionMesh);
+    let broken: [(&str, Break); 9] = [
+        ("OpenEdge", &|mesh| mesh.triangles[7].swap(1, 2)),
+        ("Inverted", &|mesh| {
+            mesh.triangles
+                .iter_mut()
+                .for_each(|triangle| triangle.swap(1, 2));
+            mesh.boundary_loops
+                .iter_mut()
+                .for_each(|ring| ring.reverse());
+        }),
+        ("OpenEdge", &|mesh| {
+            mesh.triangles.pop();
+        }),
+        ("OpenEdge", &|mesh| mesh.boundary_loops.truncate(1)),
+        ("OffSurface", &|mesh| mesh.vertices_ecef[3].x += 1e-3),
+        // A boundary vertex moved along the surface, consistently: only the area tells.
+        ("Area", &|mesh| {
+            let vertex = mesh.boundary_loops[0][1] as usize;
+            // Both ways, since a vertex on a meridian may slide along it.
+            mesh.vertices_deg[vertex][0] += 1e-4;
+            mesh.vertices_deg[vertex][1] += 1e-4;
+            let [lon, lat] = mesh.vertices_deg[vertex];
+            mesh.vertices_ecef[vertex] =
+                body.geodetic_to_ecef(terrafill_core::Geodetic::from_degrees(lon, lat, 0.0));
+        }),
+        ("Area", &|mesh| mesh.area_m2 *= 1.0 + 1e-7),
+        ("Degenerate", &|mesh| {
+            mesh.triangles[0][1] = mesh.triangles[0][0];
+        }),
+        ("Index", &|mesh| mesh.triangles[0][1] = 1 << 20),
+    ];
+    for (kind, change) in broken {
         let mut mesh = sound.clone();
         change(&mut mesh);
-        caught(mesh.check_invariants(&body))
-    };
-    let flipped = broken(&|mesh| mesh.triangles[7].swap(1, 2));
-    assert!(
-        matches!(flipped, InvariantViolation::OpenEdge { .. }),
-        "{flipped}"
-    );
-    let all_flipped = broken(&|mesh| {
-        mesh.triangles
-            .iter_mut()
-            .for_each(|triangle| triangle.swap(1, 2));
-        mesh.boundary_loops
-            .iter_mut()
-            .for_each(|ring| ring.reverse());
-    });
-    assert!(
-        matches!(all_flipped, InvariantViolation::Inverted { .. }),
-        "{all_flipped}"
-    );
-    let missing = broken(&|mesh| mesh.triangles.truncate(mesh.triangles.len() - 1));
-    assert!(
-        matches!(missing, InvariantViolation::OpenEdge { .. }),
-        "{missing}"
-    );
-    let no_hole = broken(&|mesh| mesh.boundary_loops.truncate(1));
-    assert!(
-        matches!(no_hole, InvariantViolation::OpenEdge { .. }),
-        "{no_hole}"
-    );
-    let shifted = broken(&|mesh| mesh.vertices_ecef[3].x += 1e-3);
-    assert!(
-        matches!(shifted, InvariantViolation::OffSurface { .. }),
-        "{shifted}"
-    );
-    // A boundary vertex moved along the surface, consistently: only the area tells.
-    let moved = broken(&|mesh| {
-        let vertex = mesh.boundary_loops[0][1] as usize;
-        // Both ways, since a vertex on a meridian may slide along it.
-        mesh.vertices_deg[vertex][0] += 1e-4;
-        mesh.vertices_deg[vertex][1] += 1e-4;
-        let [lon, lat] = mesh.vertices_deg[vertex];
-        mesh.vertices_ecef[vertex] =
-            body.geodetic_to_ecef(terrafill_core::Geodetic::from_degrees(lon, lat, 0.0));
-    });
-    assert!(matches!(moved, InvariantViolation::Area { .. }), "{moved}");
-    let wrong_area = broken(&|mesh| mesh.area_m2 *= 1.0 + 1e-7);
-    assert!(
-        matches!(wrong_area, InvariantViolation::Area { .. }),
-        "{wrong_area}"
-    );
-    let collapsed = broken(&|mesh| mesh.triangles[0][1] = mesh.triangles[0][0]);
-    assert!(
-        matches!(collapsed, InvariantViolation::Degenerate { .. }),
-        "{collapsed}"
-    );
-    let dangling = broken(&|mesh| mesh.triangles[0][1] = 1 << 20);
-    assert!(
-        matches!(dangling, InvariantViolation::Index { .. }),
-        "{dangling}"
-    );
+        let violation = mesh.check_invariants(&body).expect_err(kind);
+        let said = format!("{violation:?}");
+        assert!(said.starts_with(kind), "{said} is not {kind}");
+    }
 }
 
 #[test]
@@ -565,19 +522,10 @@ fn very_many_rings_at_one_vertex_are_followed() {
             format!("[[[0,0],{from},{to},[0,0]]]")
         })
         .collect();
-    let text = format!(
-        r#"{{"type":"MultiPolygon","coordinates":[{}]}}"#,
-        parts.join(",")
-    );
-    let regions = terrafill_core::parse_regions(text.as_bytes(), "petals").expect("valid");
-    let body = terrafill_core::Ellipsoid::WGS84;
-    let mesh = terrafill_core::RegionMesh::build(
-        &regions[0],
-        &body,
-        terrafill_core::EdgeRule::Planar,
-        &terrafill_core::MeshOptions::default(),
-    )
-    .expect("meshes");
+    let body = Ellipsoid::WGS84;
+    let region = region(&format!("[{}]", parts.join(",")));
+    let mesh = RegionMesh::build(&region, &body, EdgeRule::Planar, &MeshOptions::default());
+    let mesh = mesh.expect("meshes");
     assert_eq!(mesh.check_invariants(&body), Ok(()));
     assert_eq!(mesh.boundary_edge_count(), 3 * petals as usize);
 }

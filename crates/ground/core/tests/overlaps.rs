@@ -2,19 +2,12 @@
 //! Parts of a region that lie over one another: refused with their place, filled when asked for,
 //! and never seen where parts only touch, share edges or lie in one another's holes.
 
+mod outlines;
+
+use outlines::RULES;
 use std::f64::consts::FRAC_PI_2;
-use terrafill_core::{
-    EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, Repair, parse_regions,
-};
-
-const RULES: [EdgeRule; 2] = [EdgeRule::Planar, EdgeRule::GreatEllipse];
-
-fn region(coordinates: &str) -> Region {
-    let text = format!(r#"{{"type":"MultiPolygon","coordinates":{coordinates}}}"#);
-    parse_regions(text.as_bytes(), "test")
-        .expect("valid")
-        .remove(0)
-}
+use terrafill_core::{EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, Repair};
+use terrafill_fixtures::region;
 
 fn ring([west, south, east, north]: [f64; 4]) -> String {
     format!(

@@ -7,10 +7,8 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use terrafill_core::{
-    EdgeRule, Ellipsoid, Geodetic, InvariantViolation, MeshOptions, RegionMesh, parse_regions,
-};
-use terrafill_fixtures::check_extruded;
+use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, InvariantViolation, MeshOptions, RegionMesh};
+use terrafill_fixtures::{check_extruded, region};
 
 /// From one vertex at `west_deg`, `height_deg` below the north pole, two edges to the pole, written
 /// there at two longitudes.
@@ -71,10 +69,7 @@ fn simpson(f: impl Fn(f64) -> f64) -> f64 {
 }
 
 fn build(body: &Ellipsoid, tolerance: f64, rings: &[Vec<[f64; 2]>]) -> RegionMesh {
-    let text = format!(r#"{{"type":"Polygon","coordinates":{rings:?}}}"#);
-    let region = parse_regions(text.as_bytes(), "wedge")
-        .expect("valid")
-        .remove(0);
+    let region = region(&format!("{rings:?}"));
     let options = MeshOptions {
         boundary_tolerance_m: tolerance * body.equatorial_radius_m(),
         ..MeshOptions::default()
@@ -208,8 +203,7 @@ proptest! {
         body in prop::sample::select(Ellipsoid::ALL.to_vec()),
         tolerance in prop_oneof![Just(1e-7), Just(1e-5), Just(1e-3)],
     ) {
-        let text = format!(r#"{{"type":"Polygon","coordinates":[{ring:?}]}}"#);
-        let mut region = parse_regions(text.as_bytes(), "ring").expect("valid").remove(0);
+        let mut region = region(&format!("[{ring:?}]"));
         region.split_at_crossings(EdgeRule::Planar);
         let options = MeshOptions {
             boundary_tolerance_m: tolerance * body.equatorial_radius_m(),

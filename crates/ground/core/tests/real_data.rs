@@ -4,24 +4,18 @@
 
 mod outlines;
 
-use outlines::{outline, repaired};
+use outlines::{RULES, assert_sound, outline, repaired};
 use std::collections::BTreeSet;
 use terrafill_core::{
     EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, Ring, parse_regions,
 };
-use terrafill_fixtures::check_extruded;
 
 fn meshes(regions: &[Region], rule: EdgeRule) -> Vec<RegionMesh> {
     let body = Ellipsoid::WGS84;
     let meshes =
         RegionMesh::build_all(regions, &body, rule, &MeshOptions::default()).expect("meshes");
     for mesh in &meshes {
-        if let Err(violation) = mesh.check_invariants(&body) {
-            panic!("{} ({}): {violation}", mesh.region_index, mesh.name);
-        }
-        if let Err(fault) = check_extruded(mesh, &body) {
-            panic!("{} ({}): {fault}", mesh.region_index, mesh.name);
-        }
+        assert_sound(mesh, &body);
     }
     meshes
 }
@@ -55,7 +49,7 @@ fn every_region_of_the_small_files_is_sound_by_both_rules() {
         "us_states_10m.geojson",
         "california_counties.geojson",
     ] {
-        for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
+        for rule in RULES {
             let regions = repaired(name, rule);
             assert_eq!(meshes(&regions, rule).len(), regions.len());
         }
@@ -185,7 +179,7 @@ fn southernmost_border_deg(mesh: &RegionMesh) -> f64 {
 #[test]
 #[ignore = "needs data: us-10m"]
 fn neighbours_have_the_same_vertices_on_their_border() {
-    for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
+    for rule in RULES {
         let regions = repaired("us_states_10m.geojson", rule);
         let meshes = meshes(&regions, rule);
         let state = |name: &str| {

@@ -1,24 +1,17 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Edges that cross on the antimeridian itself, where both are cut: their pieces only touch there.
 
-use terrafill_core::{
-    EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, parse_regions,
-};
+mod outlines;
+
+use outlines::RULES;
+use terrafill_core::{EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh};
 
 type Degrees = [f64; 2];
 
-const RULES: [EdgeRule; 2] = [EdgeRule::Planar, EdgeRule::GreatEllipse];
-
 /// One part per ring.
 fn region(rings: &[&[Degrees]]) -> Region {
-    let parts: Vec<String> = rings.iter().map(|ring| format!("[{ring:?}]")).collect();
-    let text = format!(
-        r#"{{"type":"MultiPolygon","coordinates":[{}]}}"#,
-        parts.join(",")
-    );
-    parse_regions(text.as_bytes(), "test")
-        .expect("valid")
-        .remove(0)
+    let parts: Vec<_> = rings.iter().map(|ring| [ring]).collect();
+    terrafill_fixtures::region(&format!("{parts:?}"))
 }
 
 fn build(region: &Region, rule: EdgeRule) -> Result<RegionMesh, MeshError> {

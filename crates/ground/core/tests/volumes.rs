@@ -5,13 +5,13 @@
 mod outlines;
 
 use glam::{DVec3, Vec3};
-use outlines::{RULES, outline, region};
+use outlines::{RULES, outline};
 use rayon::prelude::*;
 use terrafill_core::{
     EdgeRule, Ellipsoid, MeshOptions, Region, RegionMesh, VolumeHeights, parse_regions,
 };
 use terrafill_fixtures::{
-    RegionVolume, VolumeFault, VolumePart, VolumeReport, check_extruded, check_volume,
+    RegionVolume, VolumeFault, VolumePart, VolumeReport, check_extruded, check_volume, region,
     terrain_heights as heights,
 };
 
@@ -249,16 +249,17 @@ fn part(volume: &RegionVolume<'_>, index: usize) -> VolumePart {
     volume.triangles[index].part
 }
 
+/// Takes a triangle away; whether it is of such a part.
+fn missing(is_meant: impl Fn(VolumePart) -> bool) -> impl Fn(&mut RegionVolume<'_>, usize) -> bool {
+    move |volume, index| is_meant(volume.triangles.remove(index).part)
+}
+
 #[test]
 fn a_missing_triangle_is_noticed() {
     // On the boundary the ring misses it first.
     each_broken(
         &SHAPES,
-        &|volume, index| {
-            let is_cap = part(volume, index) != VolumePart::Wall;
-            volume.triangles.remove(index);
-            is_cap
-        },
+        &missing(|part| part != VolumePart::Wall),
         &|fault| {
             matches!(
                 fault,
@@ -269,20 +270,12 @@ fn a_missing_triangle_is_noticed() {
     // The bottom cap has no ring to miss it.
     each_broken(
         &SHAPES,
-        &|volume, index| {
-            let is_bottom = part(volume, index) == VolumePart::BottomCap;
-            volume.triangles.remove(index);
-            is_bottom
-        },
+        &missing(|part| part == VolumePart::BottomCap),
         &|fault| matches!(fault, VolumeFault::OpenEdge { .. }),
     );
     each_broken(
         &SHAPES,
-        &|volume, index| {
-            let is_wall = part(volume, index) == VolumePart::Wall;
-            volume.triangles.remove(index);
-            is_wall
-        },
+        &missing(|part| part == VolumePart::Wall),
         &|fault| matches!(fault, VolumeFault::WallCount { .. }),
     );
 }

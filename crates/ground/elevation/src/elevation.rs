@@ -139,23 +139,17 @@ impl Elevation {
     /// Whether `field` hides all below it over `extent`: bilinear values have no gaps, so that corners
     /// speak for a rectangle.
     fn hides(&self, field: &HeightField, extent: &Extent) -> bool {
+        let is_hidden = |longitude: f64, latitude: f64| {
+            let share = field.share_from_edge(longitude, latitude);
+            share.is_some_and(|share| share >= self.feather)
+        };
+        let mut longitudes = [extent.west_deg, extent.east_deg].into_iter();
+        let own = field.extent();
         extent.west_deg <= extent.east_deg
-            && [extent.west_deg, extent.east_deg]
-                .into_iter()
-                .all(|longitude| {
-                    [extent.south_deg, extent.north_deg]
-                        .into_iter()
-                        .all(|latitude| {
-                            let share = field.share_from_edge(longitude, latitude);
-                            share.is_some_and(|share| share >= self.feather)
-                        })
-                })
-            && {
-                let own = field.extent();
-                own.west_deg <= own.east_deg
-                    && own.west_deg <= extent.west_deg
-                    && own.east_deg >= extent.east_deg
-            }
+            && longitudes.all(|x| is_hidden(x, extent.south_deg) && is_hidden(x, extent.north_deg))
+            && own.west_deg <= own.east_deg
+            && own.west_deg <= extent.west_deg
+            && own.east_deg >= extent.east_deg
     }
 
     /// Spacing at which `extent` shows all that there is, degrees: that of the finest field there, or of the

@@ -142,7 +142,6 @@ pub struct HeightField {
     samples: Vec<f32>,
     pyramid: Pyramid,
     void_samples: u64,
-    below_zero: u64,
     warnings: Vec<String>,
 }
 
@@ -175,7 +174,6 @@ impl HeightField {
                 format!("-{MAX_HEIGHT_M} to {MAX_HEIGHT_M} m"),
             ));
         }
-        let below_zero = samples.iter().filter(|&&sample| sample < 0.0).count() as u64;
         let Some(void_samples) = voids::fill(&mut samples, columns, rows) else {
             let found = format!("{allowed} voids");
             return Err(complaints.value("samples", found, "at least one height"));
@@ -186,7 +184,6 @@ impl HeightField {
             grid,
             samples,
             void_samples,
-            below_zero,
             warnings: Vec::new(),
         })
     }
@@ -251,12 +248,6 @@ impl HeightField {
     #[must_use]
     pub fn void_samples(&self) -> u64 {
         self.void_samples
-    }
-
-    /// Samples of the file below 0 m, voids not counted.
-    #[must_use]
-    pub fn samples_below_zero(&self) -> u64 {
-        self.below_zero
     }
 
     /// Of all samples, filled voids included.
@@ -468,7 +459,6 @@ impl HeightField {
         };
         let mut joined = Self::new(&names.join(" + "), grid, samples).ok()?;
         joined.void_samples = fields.iter().map(Self::void_samples).sum();
-        joined.below_zero = fields.iter().map(Self::samples_below_zero).sum();
         let warnings = fields.iter().flat_map(Self::warnings);
         joined.warnings = warnings.cloned().collect();
         Some(joined)

@@ -53,6 +53,11 @@ fn a_range_holds_every_value_over_its_extent_and_is_no_wider_than_its_samples() 
         (0..4800).map(rough).collect(),
     )
     .expect("points");
+    let of_part = [
+        extent(175.0, 7.0, 176.0, 9.0),
+        extent(179.0, 6.0, -175.0, 18.0),
+        extent(171.01, 10.01, 171.02, 10.02),
+    ];
     let (mut outside, mut checked) = (0, 0);
     for (field, extents) in [
         (
@@ -63,22 +68,8 @@ fn a_range_holds_every_value_over_its_extent_and_is_no_wider_than_its_samples() 
                 extent(3.1, 4.1, 3.2, 4.2),
             ],
         ),
-        (
-            &part,
-            [
-                extent(175.0, 7.0, 176.0, 9.0),
-                extent(179.0, 6.0, -175.0, 18.0),
-                extent(171.01, 10.01, 171.02, 10.02),
-            ],
-        ),
-        (
-            &points,
-            [
-                extent(175.0, 7.0, 176.0, 9.0),
-                extent(179.0, 6.0, -175.0, 18.0),
-                extent(171.01, 10.01, 171.02, 10.02),
-            ],
-        ),
+        (&part, of_part),
+        (&points, of_part),
     ] {
         for extent in extents {
             let Heights {

@@ -1,29 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Replays the seeds and regressions of the fuzz target `elevation`; they must reach all its branches.
 
-use std::path::Path;
 use terrafill_elevation::{Grid, HeightField, Projection, Registration};
-use terrafill_fixtures::fuzz::{elevation, reached::Reached};
+use terrafill_fixtures::fuzz::{elevation, reached::Reached, replay::assert_replays};
 
 #[test]
 fn the_corpus_replays_and_reaches_every_branch() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../core/fuzz");
-    let mut reached = Reached::new(elevation::BRANCHES);
-    for kind in ["seeds", "regressions"] {
-        let entries = std::fs::read_dir(folder.join(kind).join("elevation")).expect("a corpus");
-        for entry in entries {
-            let path = entry.expect("readable").path();
-            let bytes = std::fs::read(&path).expect("readable");
-            elevation::check(&bytes, &mut reached)
-                .unwrap_or_else(|find| panic!("{}: {find}", path.display()));
-        }
-    }
-    assert!(reached.executions() >= 15);
-    assert!(
-        reached.missing().is_empty(),
-        "no input comes to {:?}",
-        reached.missing()
-    );
+    assert_replays("elevation", elevation::check, elevation::BRANCHES);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use plotters::coord::Shift;
 use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
 use plotters::prelude::{Color, DrawingArea, IntoDrawingArea, IntoFont, RGBAColor, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{FontStyle, FontTransform, RGBColor, ShapeStyle};
+use plotters::style::{FontDesc, FontStyle, FontTransform, RGBColor, ShapeStyle, TextStyle};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 
@@ -194,6 +194,11 @@ fn point(x: f64, y: f64) -> (i32, i32) {
     (px(x), px(y))
 }
 
+fn font(style: FontStyle, transform: FontTransform) -> FontDesc<'static> {
+    let font = ("sans-serif", TEXT_PX * FONT_SIZE_RATIO).into_font();
+    font.style(style).transform(transform)
+}
+
 impl Canvas<'_> {
     fn drawn<T, E: std::fmt::Display>(&self, result: Result<T, E>) -> Result<(), PlotError> {
         result.map(|_| ()).map_err(|error| PlotError {
@@ -270,7 +275,8 @@ impl Canvas<'_> {
 
     /// A line of text in the page's ink.
     pub(crate) fn text(&self, text: &str, at: [f64; 2], anchor: Anchor) -> Result<(), PlotError> {
-        self.styled_text(text, at, anchor, FontStyle::Normal, FontTransform::None)
+        let font = font(FontStyle::Normal, FontTransform::None);
+        self.draw_text(text, at, anchor, font.color(&INK))
     }
 
     /// A line of text about its middle in the colour of what it names.
@@ -280,14 +286,8 @@ impl Canvas<'_> {
         at: [f64; 2],
         colour: RGBColor,
     ) -> Result<(), PlotError> {
-        let style = ("sans-serif", TEXT_PX * FONT_SIZE_RATIO)
-            .into_font()
-            .color(&colour)
-            .pos(Pos::new(HPos::Center, VPos::Center));
-        self.drawn(
-            self.area
-                .draw(&Text::new(text.to_owned(), point(at[0], at[1]), style)),
-        )
+        let font = font(FontStyle::Normal, FontTransform::None);
+        self.draw_text(text, at, Anchor::Middle, font.color(&colour))
     }
 
     /// The same, bold.
@@ -297,43 +297,36 @@ impl Canvas<'_> {
         at: [f64; 2],
         anchor: Anchor,
     ) -> Result<(), PlotError> {
-        self.styled_text(text, at, anchor, FontStyle::Bold, FontTransform::None)
+        let font = font(FontStyle::Bold, FontTransform::None);
+        self.draw_text(text, at, anchor, font.color(&INK))
     }
 
     /// Text that reads upwards, for a vertical axis.
     pub(crate) fn upright_text(&self, text: &str, at: [f64; 2]) -> Result<(), PlotError> {
-        self.styled_text(
-            text,
-            at,
-            Anchor::Middle,
-            FontStyle::Normal,
-            FontTransform::Rotate270,
-        )
+        let font = font(FontStyle::Normal, FontTransform::Rotate270);
+        self.draw_text(text, at, Anchor::Middle, font.color(&INK))
     }
 
-    fn styled_text(
+    fn draw_text(
         &self,
         text: &str,
         at: [f64; 2],
         anchor: Anchor,
-        style: FontStyle,
-        transform: FontTransform,
+        style: TextStyle<'_>,
     ) -> Result<(), PlotError> {
         let anchor = match anchor {
             Anchor::Left => HPos::Left,
             Anchor::Middle => HPos::Center,
             Anchor::Right => HPos::Right,
         };
-        let style = ("sans-serif", TEXT_PX * FONT_SIZE_RATIO)
-            .into_font()
-            .style(style)
-            .transform(transform)
-            .color(&INK)
-            .pos(Pos::new(anchor, VPos::Center));
-        self.drawn(
-            self.area
-                .draw(&Text::new(text.to_owned(), point(at[0], at[1]), style)),
-        )
+        let style = style.pos(Pos::new(anchor, VPos::Center));
+        let text = Text::new(text.to_owned(), point(at[0], at[1]), style);
+        self.drawn(self.area.draw(&text))
+    }
+
+    fn disc(&self, middle: (i32, i32), radius: f64, style: ShapeStyle) -> Result<(), PlotError> {
+        let disc = Circle::new(middle, px(radius), style);
+        self.drawn(self.area.draw(&disc))
     }
 
     /// A point of a curve.
@@ -363,7 +356,7 @@ impl Canvas<'_> {
         let colour = stroke.colour.mix(opacity);
         let fill = ShapeStyle::from(&colour).filled();
         match stroke.marker.corners() {
-            None => self.drawn(self.area.draw(&Circle::new(point(x, y), px(r), fill))),
+            None => self.disc(point(x, y), r, fill),
             Some(corners) => {
                 let points = corners.iter().map(|c| point(x + c[0] * r, y + c[1] * r));
                 let shape = Polygon::new(points.collect::<Vec<_>>(), fill);
@@ -383,20 +376,14 @@ impl Canvas<'_> {
     /// A ring around a marker.
     pub(crate) fn ring(&self, at: [f64; 2]) -> Result<(), PlotError> {
         let style = ShapeStyle::from(&INK).stroke_width(1);
-        let ring = Circle::new(point(at[0], at[1]), px(MARKER_PX + 3.5), style);
-        self.drawn(self.area.draw(&ring))
+        self.disc(point(at[0], at[1]), MARKER_PX + 3.5, style)
     }
 
     /// A small open mark: a second figure of a point.
     pub(crate) fn open_marker(&self, at: [f64; 2], colour: RGBColor) -> Result<(), PlotError> {
-        for (radius, style) in [
-            (MARKER_PX - 1.0, ShapeStyle::from(&colour).filled()),
-            (MARKER_PX - 2.5, ShapeStyle::from(&PAPER).filled()),
-        ] {
-            let disc = Circle::new(point(at[0], at[1]), px(radius), style);
-            self.drawn(self.area.draw(&disc))?;
-        }
-        Ok(())
+        let middle = point(at[0], at[1]);
+        self.disc(middle, MARKER_PX - 1.0, colour.filled())?;
+        self.disc(middle, MARKER_PX - 2.5, PAPER.filled())
     }
 
     /// The processes of a value as small dots, one where several would cover each other.
@@ -407,11 +394,8 @@ impl Canvas<'_> {
     ) -> Result<(), PlotError> {
         const RADIUS_PX: f64 = 2.0;
         let places: BTreeSet<(i32, i32)> = at.map(|[x, y]| point(x, y)).collect();
-        for place in places {
-            let style = ShapeStyle::from(&colour).filled();
-            self.drawn(self.area.draw(&Circle::new(place, px(RADIUS_PX), style)))?;
-        }
-        Ok(())
+        let mut places = places.into_iter();
+        places.try_for_each(|place| self.disc(place, RADIUS_PX, colour.filled()))
     }
 
     /// A whisker with end caps, along an axis.
@@ -431,11 +415,8 @@ impl Canvas<'_> {
             [CAP_PX, 0.0]
         };
         for [x, y] in [from, to] {
-            self.path(
-                &[[x - cap[0], y - cap[1]], [x + cap[0], y + cap[1]]],
-                colour,
-                1,
-            )?;
+            let ends = [[x - cap[0], y - cap[1]], [x + cap[0], y + cap[1]]];
+            self.path(&ends, colour, 1)?;
         }
         Ok(())
     }

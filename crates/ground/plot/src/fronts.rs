@@ -7,9 +7,11 @@
 //! [`FRONT_SURVIVAL`] of the resamples keep there (see [`terrafill_results::front_survival`]).
 
 use crate::canvas::{Anchor, Canvas, MARKER_PX, Spot, svg};
-use crate::log_log::{AxisText, Frame, NAME_PX, draw_across, draw_name, draw_up, names_below};
+use crate::log_log::{
+    Frame, NAME_PX, distinct, draw_across, draw_name, draw_stairs, draw_up, names_below,
+};
 use crate::palette::Palette;
-use crate::scale::{LogScale, tick_label};
+use crate::scale::LogScale;
 use crate::{PlotError, WIDTH_PX};
 use terrafill_results::threshold::FRONT_SURVIVAL;
 use terrafill_results::{Candidate, front, front_survival};
@@ -85,12 +87,8 @@ impl Fronts<'_> {
     pub fn draw(&self, palette: &Palette) -> Result<Option<String>, PlotError> {
         let panels = self.panels.iter().filter(|panel| !panel.points.is_empty());
         let panels: Vec<&FrontPanel> = panels.collect();
-        let mut names: Vec<String> = Vec::new();
-        for point in panels.iter().flat_map(|panel| &panel.points) {
-            if !names.contains(&point.series) {
-                names.push(point.series.clone());
-            }
-        }
+        let points = panels.iter().flat_map(|panel| &panel.points);
+        let mut names = distinct(points.map(|point| &point.series));
         if names.is_empty() {
             return Ok(None);
         }
@@ -146,12 +144,8 @@ impl Fronts<'_> {
         let errors = panel.points.iter().map(|point| point.error);
         let up = LogScale::around(errors, MIN_MARGINS[1], reach[1], reach[0]);
         canvas.heading(&panel.name, [left, top - 14.0], Anchor::Left)?;
-        let text = |title| AxisText {
-            title,
-            tick: &tick_label,
-        };
-        draw_across(canvas, frame, &across, text(self.across))?;
-        draw_up(canvas, frame, up.as_ref(), reach, text(self.up))?;
+        draw_across(canvas, frame, &across, self.across)?;
+        draw_up(canvas, frame, up.as_ref(), reach, self.up)?;
         canvas.rule([left, zero], [right, zero], 0.6)?;
         canvas.text("0", [left - 8.0, zero], Anchor::Right)?;
         let at = |point: &FrontPoint| {
@@ -162,11 +156,8 @@ impl Fronts<'_> {
             [across.px(point.cost), y]
         };
         draw_front(canvas, &panel.points, at)?;
-        let most = panel
-            .points
-            .iter()
-            .map(|point| point.bytes)
-            .fold(1.0, f64::max);
+        let bytes = panel.points.iter().map(|point| point.bytes);
+        let most = bytes.fold(1.0, f64::max);
         for point in &panel.points {
             let share = point.bytes / most;
             let size = (MAX_MARKER_PX * share.sqrt()).max(MARKER_PX * 0.5);
@@ -207,11 +198,10 @@ fn draw_front(
         .map(|((_, survival), point)| (at(point), survival >= FRONT_SURVIVAL))
         .collect();
     corners.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
-    for pair in corners.windows(2) {
-        let corner = [pair[1].0[0], pair[0].0[1]];
-        canvas.dashes(pair[0].0, corner)?;
-        canvas.dashes(corner, pair[1].0)?;
-    }
+    draw_stairs(
+        canvas,
+        &corners.iter().map(|(at, _)| *at).collect::<Vec<_>>(),
+    )?;
     for (at, _) in corners.iter().filter(|(_, is_sure)| *is_sure) {
         canvas.ring(*at)?;
     }

@@ -7,7 +7,7 @@ use crate::WIDTH_PX;
 use crate::canvas::{Anchor, Canvas, TEXT_PX, text_width};
 use crate::number::elided;
 use crate::palette::{Palette, Stroke};
-use crate::scale::LogScale;
+use crate::scale::{LogScale, tick_label};
 use plotters::prelude::Color as _;
 
 /// Height of a line of names.
@@ -33,14 +33,6 @@ pub(crate) struct Frame {
     pub(crate) bottom: f64,
 }
 
-/// What an axis says.
-#[derive(Clone, Copy)]
-pub(crate) struct AxisText<'a> {
-    pub(crate) title: &'a str,
-    /// A tick's value as printed.
-    pub(crate) tick: &'a dyn Fn(f64) -> String,
-}
-
 /// Lines upwards at the ticks of the horizontal axis, their labels and the axis' title below.
 ///
 /// # Errors
@@ -49,16 +41,15 @@ pub(crate) fn draw_across(
     canvas: &Canvas<'_>,
     frame: Frame,
     scale: &LogScale,
-    text: AxisText<'_>,
+    title: &str,
 ) -> Result<(), PlotError> {
     for tick in scale.ticks() {
         let x = scale.px(tick);
         canvas.rule([x, frame.top], [x, frame.bottom], 0.12)?;
-        let label = (text.tick)(tick);
-        canvas.text(&label, [x, frame.bottom + 12.0], Anchor::Middle)?;
+        canvas.text(&tick_label(tick), [x, frame.bottom + 12.0], Anchor::Middle)?;
     }
     let middle = f64::midpoint(frame.left, frame.right);
-    canvas.text(text.title, [middle, frame.bottom + 34.0], Anchor::Middle)
+    canvas.text(title, [middle, frame.bottom + 34.0], Anchor::Middle)
 }
 
 /// Lines across at the ticks of the vertical axis, their labels and the axis' title at the left.
@@ -73,17 +64,41 @@ pub(crate) fn draw_up(
     frame: Frame,
     scale: Option<&LogScale>,
     [top, bottom]: [f64; 2],
-    text: AxisText<'_>,
+    title: &str,
 ) -> Result<(), PlotError> {
     let ticks = scale.map_or(Vec::new(), LogScale::ticks);
     for (tick, scale) in ticks.into_iter().zip(scale.into_iter().cycle()) {
         let y = scale.px(tick);
         canvas.rule([frame.left, y], [frame.right, y], 0.12)?;
-        canvas.text(&(text.tick)(tick), [frame.left - 8.0, y], Anchor::Right)?;
+        canvas.text(&tick_label(tick), [frame.left - 8.0, y], Anchor::Right)?;
     }
     canvas.rule([frame.left, top], [frame.left, bottom], 0.6)?;
     let middle = f64::midpoint(top, bottom);
-    canvas.upright_text(text.title, [frame.left - 62.0, middle])
+    canvas.upright_text(title, [frame.left - 62.0, middle])
+}
+
+/// A Pareto front as dashed stairs between its corners, left to right.
+///
+/// # Errors
+/// [`PlotError`].
+pub(crate) fn draw_stairs(canvas: &Canvas<'_>, corners: &[[f64; 2]]) -> Result<(), PlotError> {
+    for pair in corners.windows(2) {
+        let corner = [pair[1][0], pair[0][1]];
+        canvas.dashes(pair[0], corner)?;
+        canvas.dashes(corner, pair[1])?;
+    }
+    Ok(())
+}
+
+/// Each name once, in order of appearance.
+pub(crate) fn distinct<'a>(names: impl Iterator<Item = &'a String>) -> Vec<String> {
+    let mut distinct: Vec<String> = Vec::new();
+    for name in names {
+        if !distinct.contains(name) {
+            distinct.push(name.clone());
+        }
+    }
+    distinct
 }
 
 /// Where names stand below the panels: side by side from `at`, a new line where the next would run out

@@ -2,7 +2,9 @@
 //! Drawings of one or two panels of work and precision, with the names of their curves.
 
 use crate::canvas::svg;
-use crate::log_log::{Frame, NAME_PX, draw_name, draw_names_aside, names_below, names_width};
+use crate::log_log::{
+    Frame, NAME_PX, distinct, draw_name, draw_names_aside, names_below, names_width,
+};
 use crate::palette::Palette;
 use crate::work_precision::{Panel, WorkPrecision};
 use crate::{PlotError, WIDTH_PX};
@@ -83,12 +85,8 @@ pub fn panels(
     if panels.is_empty() {
         return Ok(None);
     }
-    let mut names: Vec<String> = Vec::new();
-    for curve in plots.iter().flat_map(|plot| &plot.curves) {
-        if !names.contains(&curve.name) {
-            names.push(curve.name.clone());
-        }
-    }
+    let curves = plots.iter().flat_map(|plot| &plot.curves);
+    let names = distinct(curves.map(|curve| &curve.name));
     let below = frame(plots.len() - 1).bottom + LEGEND_PX;
     let legend = names_below(&names, [LEFT_MARGIN_PX, below]);
     let height = legend.last().map_or(below, |(at, _)| at[1]) + NAME_PX;

@@ -13,9 +13,9 @@
 use crate::PlotError;
 use crate::canvas::{Anchor, Canvas, MARKER_PX, Spot, TEXT_PX, text_width};
 use crate::labels::{LEADER_FROM_PX, Rectangle, free_place, free_place_where};
-use crate::log_log::{AxisText, Frame, LINE_OPACITY, apart, draw_across, draw_up};
+use crate::log_log::{Frame, LINE_OPACITY, apart, draw_across, draw_stairs, draw_up};
 use crate::palette::{INK, Palette, Stroke};
-use crate::scale::{LogScale, tick_label};
+use crate::scale::LogScale;
 use plotters::prelude::Color as _;
 use terrafill_results::threshold::{FRONT_SURVIVAL, MIN_REPLICATES};
 use terrafill_results::{Candidate, Spread, front_survival};
@@ -350,19 +350,9 @@ impl<'a> Panel<'a> {
             left, right, top, ..
         } = self.frame;
         canvas.heading(self.plot.title, [left, top - TITLE_PX], Anchor::Left)?;
-        let text = |title| AxisText {
-            title,
-            tick: &tick_label,
-        };
-        draw_across(canvas, self.frame, &self.x, text(self.plot.across))?;
+        draw_across(canvas, self.frame, &self.x, self.plot.across)?;
         let reach = self.plot.upwards.logarithm(self.frame);
-        draw_up(
-            canvas,
-            self.frame,
-            self.y.as_ref(),
-            reach,
-            text(self.plot.up),
-        )?;
+        draw_up(canvas, self.frame, self.y.as_ref(), reach, self.plot.up)?;
         let zero = self.zero();
         canvas.rule([left, zero], [right, zero], 0.6)?;
         if self.plot.upwards != Upwards::Error {
@@ -433,11 +423,7 @@ impl<'a> Panel<'a> {
     }
 
     fn draw_front(&self, canvas: &Canvas<'_>) -> Result<(), PlotError> {
-        for pair in self.front.windows(2) {
-            let corner = [pair[1][0], pair[0][1]];
-            canvas.dashes(pair[0], corner)?;
-            canvas.dashes(corner, pair[1])?;
-        }
+        draw_stairs(canvas, &self.front)?;
         for corner in &self.front {
             canvas.ring(*corner)?;
         }
@@ -470,20 +456,17 @@ impl<'a> Panel<'a> {
         stroke: Stroke,
     ) -> Result<(), PlotError> {
         let (point, at) = (placed.point, placed.at);
-        let range = |reading: &Option<Reading>| reading.as_ref().and_then(|value| value.range);
-        if let Some(range) = range(&point.x).filter(|_| !placed.is_pinned) {
-            let [from, to] = range.map(|value| self.x.px(value));
-            canvas.whisker([from, at[1]], [to, at[1]], stroke.colour)?;
-            let processes = point.x.iter().flat_map(Reading::processes);
-            let dots = processes.map(|value| [self.x.px(value), at[1]]);
-            canvas.dots(dots, stroke.colour)?;
-        }
-        if let Some(range) = range(&point.y).filter(|_| !placed.is_pinned) {
-            let [from, to] = range.map(|value| self.height(value));
-            canvas.whisker([at[0], from], [at[0], to], stroke.colour)?;
-            let processes = point.y.iter().flat_map(Reading::processes);
-            let dots = processes.map(|value| [at[0], self.height(value)]);
-            canvas.dots(dots, stroke.colour)?;
+        let along_x = |value: f64| [self.x.px(value), at[1]];
+        let along_y = |value: f64| [at[0], self.height(value)];
+        let axes: [(_, &dyn Fn(f64) -> [f64; 2]); 2] = [(&point.x, &along_x), (&point.y, &along_y)];
+        for (reading, place) in axes {
+            let Some(reading) = reading.as_ref().filter(|_| !placed.is_pinned) else {
+                continue;
+            };
+            if let Some([from, to]) = reading.range {
+                canvas.whisker(place(from), place(to), stroke.colour)?;
+                canvas.dots(reading.processes().map(place), stroke.colour)?;
+            }
         }
         if let Some(rms) = point.y_rms.filter(|_| !placed.is_pinned) {
             let below = [at[0], self.height(rms)];

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a chapter of a report is made of. A study says what; `report` says how it looks.
 
+use crate::folder::{encode, malformed};
 use crate::{Case, Clock, Run, RunError};
+use std::path::Path;
 
 /// One study's part of a report, made from a run's tables alone.
 pub trait Chapter: Sync {
@@ -94,28 +96,21 @@ impl DerivedTable {
     /// A file of these rows under this header.
     ///
     /// # Errors
-    /// [`ChapterError::Block`] when a row has more or fewer cells than the header.
+    /// [`RunError::Malformed`] when a row has more or fewer cells than the header.
     pub fn new(
         file: &str,
         header: &[&str],
         rows: impl IntoIterator<Item = Vec<String>>,
     ) -> Result<Self, ChapterError> {
-        let failed = |message: String| ChapterError::Block {
-            what: file.to_owned(),
-            message,
-        };
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        let header = header.iter().map(ToString::to_string).collect();
-        for row in std::iter::once(header).chain(rows) {
-            let written = writer.write_record(&row);
-            written.map_err(|error| failed(error.to_string()))?;
-        }
-        let bytes = writer
-            .into_inner()
-            .map_err(|error| failed(error.to_string()))?;
+        let path = Path::new(file);
+        let bytes = encode(path, |writer| {
+            writer.write_record(header)?;
+            rows.into_iter()
+                .try_for_each(|row| writer.write_record(row))
+        })?;
         Ok(Self {
             file: file.to_owned(),
-            text: String::from_utf8(bytes).map_err(|error| failed(error.to_string()))?,
+            text: String::from_utf8(bytes).map_err(|error| malformed(path, error))?,
         })
     }
 }

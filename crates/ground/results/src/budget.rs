@@ -5,7 +5,7 @@
 //! `budget.json` is no result and no part of the schema: a run without it has [`Budget::default`].
 
 use crate::RunError;
-use crate::folder::{read_json, write_json};
+use crate::folder::{malformed, read_json, write_json};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -45,34 +45,23 @@ impl Budget {
             return Ok(Self::default());
         }
         let budget: Self = read_json(&path)?;
-        let is_limit = |limit: f64| limit.is_finite() && limit > 0.0;
-        let wrong = [
-            (
-                "tolerance_px",
-                budget.tolerance_px,
-                budget.tolerance_px.is_finite() && budget.tolerance_px >= 0.0,
-                "0 or more",
-            ),
-            (
-                "max_mb",
-                budget.max_mb.unwrap_or(1.0),
-                budget.max_mb.is_none_or(is_limit),
-                "more than 0, or null",
-            ),
-            (
-                "budget_ms",
-                budget.budget_ms.unwrap_or(1.0),
-                budget.budget_ms.is_none_or(is_limit),
-                "more than 0, or null",
-            ),
-        ];
-        match wrong.into_iter().find(|(_, _, is_right, _)| !is_right) {
-            None => Ok(budget),
-            Some((key, found, _, allowed)) => Err(RunError::Malformed {
-                path,
-                message: format!("{key}: found {found}, allowed: {allowed}"),
-            }),
+        let check = |key: &str, found: f64, is_right: bool, allowed: &str| {
+            let message = || format!("{key}: found {found}, allowed: {allowed}");
+            let wrong = (!(is_right && found.is_finite())).then(message);
+            wrong.map_or(Ok(()), |message| Err(malformed(&path, message)))
+        };
+        let tolerance_px = budget.tolerance_px;
+        check(
+            "tolerance_px",
+            tolerance_px,
+            tolerance_px >= 0.0,
+            "0 or more",
+        )?;
+        for (key, limit) in [("max_mb", budget.max_mb), ("budget_ms", budget.budget_ms)] {
+            let limit = limit.unwrap_or(1.0);
+            check(key, limit, limit > 0.0, "more than 0, or null")?;
         }
+        Ok(budget)
     }
 
     /// Puts it into the run's folder, in place of another one.

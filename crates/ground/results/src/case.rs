@@ -140,21 +140,6 @@ pub struct CaseFeature {
     pub reason: String,
 }
 
-/// A row of `cases.csv`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct CaseRow {
-    /// Which case.
-    pub id: CaseId,
-    /// How it ended.
-    pub status: Status,
-    /// Why.
-    pub reason: String,
-    /// Whether it has timed samples.
-    pub timed: bool,
-    /// Commit that measured it.
-    pub commit: String,
-}
-
 /// A row of `measurements.csv`: raw, appended, never edited.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measurement {

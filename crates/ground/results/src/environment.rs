@@ -102,22 +102,20 @@ impl RunEnvironment {
     /// both values; `None` where its rows may stand beside these.
     #[must_use]
     pub fn difference(&self, now: &Self) -> Option<String> {
-        // Whether the tree is clean changes with every edit, also of a text that nothing runs.
-        let commit = |of: &Self| of.commit.trim_end_matches("+dirty").to_owned();
-        let aspects: [(&str, String, String); 6] = [
-            ("options", self.options.join(" "), now.options.join(" ")),
-            ("device", self.gpu.clone(), now.gpu.clone()),
-            ("driver", self.driver_info.clone(), now.driver_info.clone()),
-            (
-                "shader hash",
-                self.shader_hash.clone(),
-                now.shader_hash.clone(),
-            ),
-            ("profile", self.profile.clone(), now.profile.clone()),
-            ("commit", commit(self), commit(now)),
-        ];
-        let different = aspects.into_iter().find(|(_, then, now)| then != now);
-        different.map(|(what, then, now)| format!("{what} {now:?}, it was begun with {then:?}"))
+        let aspects = |of: &Self| {
+            [
+                ("options", of.options.join(" ")),
+                ("device", of.gpu.clone()),
+                ("driver", of.driver_info.clone()),
+                ("shader hash", of.shader_hash.clone()),
+                ("profile", of.profile.clone()),
+                // Whether the tree is clean changes with every edit, also of a text that nothing runs.
+                ("commit", of.commit.trim_end_matches("+dirty").to_owned()),
+            ]
+        };
+        let mut pairs = aspects(self).into_iter().zip(aspects(now));
+        let ((what, then), (_, now)) = pairs.find(|(then, now)| then != now)?;
+        Some(format!("{what} {now:?}, it was begun with {then:?}"))
     }
 }
 

@@ -5,7 +5,7 @@
 
 use crate::{Measurement, Metric, MetricRow, Note, PlannedCase, RunEnvironment, RunPlan, Status};
 use serde::{Serialize, de::DeserializeOwned};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fs::OpenOptions;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -404,11 +404,8 @@ pub(crate) fn each_row(
     let mut text = read_text(path, &columns.join(", "))?;
     text.truncate(whole_rows_len(&text));
     let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let malformed = |error: csv::Error| RunError::Malformed {
-        path: path.to_owned(),
-        message: error.to_string(),
-    };
-    let header = reader.headers().map_err(malformed)?.clone();
+    let no_table = |error: csv::Error| malformed(path, error);
+    let header = reader.headers().map_err(no_table)?.clone();
     for position in 0..header.len().max(columns.len()) {
         let found = header.get(position).unwrap_or_default();
         let expected = columns.get(position).map_or("", String::as_str);
@@ -423,7 +420,7 @@ pub(crate) fn each_row(
     }
     let mut record = csv::StringRecord::new();
     for row in 2.. {
-        if !reader.read_record(&mut record).map_err(malformed)? {
+        if !reader.read_record(&mut record).map_err(no_table)? {
             break;
         }
         read(row, &record)?;
@@ -431,18 +428,17 @@ pub(crate) fn each_row(
     Ok(())
 }
 
-/// Names of `keys` that stand twice.
-pub(crate) fn duplicates(keys: impl IntoIterator<Item = String>) -> Vec<String> {
-    let mut seen = BTreeSet::new();
-    keys.into_iter()
-        .filter(|key| !seen.insert(key.clone()))
-        .collect()
-}
-
 pub(crate) fn io(path: &Path, source: std::io::Error) -> RunError {
     RunError::Io {
         path: path.to_owned(),
         source,
+    }
+}
+
+pub(crate) fn malformed(path: &Path, message: impl ToString) -> RunError {
+    RunError::Malformed {
+        path: path.to_owned(),
+        message: message.to_string(),
     }
 }
 
@@ -458,17 +454,11 @@ fn read_text(path: &Path, columns: &str) -> Result<String, RunError> {
 }
 
 pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, RunError> {
-    serde_json::from_str(&read_text(path, "")?).map_err(|error| RunError::Malformed {
-        path: path.to_owned(),
-        message: error.to_string(),
-    })
+    serde_json::from_str(&read_text(path, "")?).map_err(|error| malformed(path, error))
 }
 
 pub(crate) fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), RunError> {
-    let text = serde_json::to_string_pretty(value).map_err(|error| RunError::Malformed {
-        path: path.to_owned(),
-        message: error.to_string(),
-    })?;
+    let text = serde_json::to_string_pretty(value).map_err(|error| malformed(path, error))?;
     write_whole(path, (text + "\n").as_bytes())
 }
 
@@ -500,14 +490,8 @@ pub(crate) fn encode(
     let mut writer = csv::WriterBuilder::new()
         .has_headers(false)
         .from_writer(Vec::new());
-    let malformed = |message: String| RunError::Malformed {
-        path: path.to_owned(),
-        message,
-    };
-    rows(&mut writer).map_err(|error| malformed(error.to_string()))?;
-    writer
-        .into_inner()
-        .map_err(|error| malformed(error.to_string()))
+    rows(&mut writer).map_err(|error| malformed(path, error))?;
+    writer.into_inner().map_err(|error| malformed(path, error))
 }
 
 /// Bytes of `text` up to the end of its last finished row. A line end inside quotes, as in a

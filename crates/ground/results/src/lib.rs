@@ -43,7 +43,7 @@ pub use block::{
 };
 pub use budget::Budget;
 pub use case::{
-    CaseFeature, CaseId, CaseRow, Measurement, Note, PlannedCase, Status, UNSTEADY_CLOCK, Verdict,
+    CaseFeature, CaseId, Measurement, Note, PlannedCase, Status, UNSTEADY_CLOCK, Verdict,
 };
 pub use condition::{ConditionKey, REPEATS};
 pub use device_clock::{CLOCK_COLUMNS, DeviceClock, Moment, append_clocks, read_clocks};

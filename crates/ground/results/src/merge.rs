@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Shards of one run, measured apart, as one folder.
 
-use crate::folder::{RunError, RunFolder};
+use crate::folder::{RunError, RunFolder, io};
 use crate::{
     Budget, Metric, MetricRow, Note, Run, RunInput, RunPlan, Shard, append_clocks,
     append_durations, append_inputs, read_clocks, read_durations, read_inputs, repeated_cases,
@@ -227,14 +227,11 @@ fn copy_images(from: &Path, to: &Path) -> Result<(), RunError> {
     if !images.exists() {
         return Ok(());
     }
-    let io = |path: &Path| {
-        let path = path.to_owned();
-        move |source| RunError::Io { path, source }
-    };
-    for entry in std::fs::read_dir(&images).map_err(io(&images))? {
-        let path = entry.map_err(io(&images))?.path();
+    for entry in std::fs::read_dir(&images).map_err(|source| io(&images, source))? {
+        let path = entry.map_err(|source| io(&images, source))?.path();
         if let Some(name) = path.file_name() {
-            std::fs::copy(&path, to.join("images").join(name)).map_err(io(&path))?;
+            let copied = std::fs::copy(&path, to.join("images").join(name));
+            copied.map_err(|source| io(&path, source))?;
         }
     }
     Ok(())

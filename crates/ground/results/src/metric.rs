@@ -190,14 +190,8 @@ impl Metric {
         meaning: &'static str,
     ) -> Self {
         Self {
-            name,
-            unit,
-            kind,
             better: Direction::Less,
-            meaning,
-            scope: Scope::NOTHING,
-            primary: Primary::No,
-            absent: NOT_MEASURED,
+            ..Self::neither(name, unit, kind, meaning)
         }
     }
 

@@ -8,8 +8,8 @@
 use crate::feature::read_features;
 use crate::folder::{
     CASE_COLUMNS, CASES, ENVIRONMENT, MEASUREMENT_COLUMNS, MEASUREMENTS, METRIC_COLUMNS, METRICS,
-    NOTE_COLUMNS, NOTES, OLD_METRIC_COLUMNS, PLAN, RunError, cell, check_schema, duplicates,
-    each_row, read_json, read_table,
+    NOTE_COLUMNS, NOTES, OLD_METRIC_COLUMNS, PLAN, RunError, cell, check_schema, each_row,
+    read_json, read_table,
 };
 use crate::{
     CaseFeature, CaseId, Clock, Measurement, MetricRow, Note, Numbered, PlannedCase, REPEATS,
@@ -510,5 +510,7 @@ fn read_notes(
 /// Keys of the plan that stand twice: their rows could not be told apart.
 #[must_use]
 pub fn repeated_cases(plan: &RunPlan) -> Vec<String> {
-    duplicates(plan.cases.iter().map(|case| case.id.key()))
+    let mut seen = BTreeSet::new();
+    let keys = plan.cases.iter().map(|case| case.id.key());
+    keys.filter(|key| !seen.insert(key.clone())).collect()
 }

@@ -7,7 +7,7 @@
 //! gives 0 in the place of what a driver's `atan2` makes of it.
 
 use crate::angle_core::AngleCore;
-use crate::coefficients::COEFFICIENTS;
+use crate::coefficients::Coefficients;
 use crate::lookup::Filter;
 use crate::operations::{ProgramBuilder, Step, Value};
 use crate::rounding::rounded;
@@ -112,8 +112,7 @@ impl AngleCore {
         if self == Self::CesiumCubic {
             return Some((&CESIUM_CUBIC, &[]));
         }
-        let found = COEFFICIENTS.iter().find(|row| row.core == self);
-        found.map(|row| (row.numerator, row.denominator))
+        Coefficients::of(self).map(|row| (&row.numerator[..], &row.denominator[..]))
     }
 
     /// Largest error of the core on [0, 1] in exact arithmetic, by its formula; `None` for the
@@ -142,8 +141,7 @@ impl AngleCore {
         if self == Self::CesiumCubic {
             return Some(CESIUM_CUBIC_ERROR);
         }
-        let found = COEFFICIENTS.iter().find(|row| row.core == self);
-        found.map(|row| row.error)
+        Coefficients::of(self).map(|row| row.error)
     }
 }
 

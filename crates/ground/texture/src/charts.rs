@@ -16,7 +16,7 @@ mod fit;
 
 use crate::cube::CubeTexture;
 use crate::operations::{Program, ProgramBuilder, Value};
-use crate::rounding::rounded;
+use crate::rounding::vectors;
 use crate::{AngleCore, MapRegion, Weight};
 use fit::{chebyshev_nodes, near_minimax};
 use glam::DVec3;
@@ -161,20 +161,13 @@ impl Chart {
     /// finite constants as well; its residual says that they are of no use.
     #[must_use]
     pub fn constants(&self, region: &MapRegion) -> Vec<[f32; 4]> {
-        let lanes = match self {
+        vectors(&match self {
             Self::Planes => planes_constants(region),
             Self::Barycentric => barycentric_constants(region),
             Self::Gnomonic(degree) => gnomonic_constants(region, *degree),
             Self::Azimuthal(terms) => azimuthal_constants(region, *terms),
             Self::Cube(_) => cube_constants(region),
-        };
-        lanes
-            .chunks(4)
-            .map(|chunk| {
-                let lane = |i: usize| rounded(chunk.get(i).copied().unwrap_or(0.0));
-                std::array::from_fn(lane)
-            })
-            .collect()
+        })
     }
 }
 

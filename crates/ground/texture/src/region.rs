@@ -264,12 +264,16 @@ impl MapRegion {
     /// Exact longitude and latitude minus the anchor's of an offset in meridian axes, radians.
     #[must_use]
     pub fn exact_angles(&self, offset_m: DVec3) -> [f64; 2] {
-        let exact = ExactGeodetic::new(&self.body);
-        let found = exact.from_ecef(self.anchor_meridian() + offset_m);
+        let found = self.exact_place(offset_m);
         [
             found.longitude_rad,
             found.latitude_rad - self.anchor_latitude_rad,
         ]
+    }
+
+    /// Of an offset in meridian axes; the anchor's longitude is 0.
+    fn exact_place(&self, offset_m: DVec3) -> Geodetic {
+        ExactGeodetic::new(&self.body).from_ecef(self.anchor_meridian() + offset_m)
     }
 
     /// The place at the given geodetic position with its exact answer.
@@ -339,9 +343,7 @@ impl MapRegion {
     pub(crate) fn shares_of(&self, sample: &Sample) -> [f64; 3] {
         let [width, height] = self.extent.size_rad();
         let (low, high) = self.height_range_m;
-        let offset = DVec3::from_array(sample.offset_m.map(f64::from));
-        let exact = ExactGeodetic::new(&self.body);
-        let found = exact.from_ecef(self.anchor_meridian() + offset);
+        let found = self.exact_place(DVec3::from_array(sample.offset_m.map(f64::from)));
         let east = self.anchor_longitude_rad + found.longitude_rad - self.extent.west_rad;
         let north = found.latitude_rad - self.extent.south_rad;
         // Of a flat region every height is the lowest.

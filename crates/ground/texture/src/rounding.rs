@@ -71,6 +71,15 @@ pub(crate) fn half_ulp(value: f64) -> f64 {
     f64::from_bits((stored - 24) << 52)
 }
 
+/// Numbers as a shader's constants have them: four to a vector, the last one filled with zeros.
+pub(crate) fn vectors(numbers: &[f64]) -> Vec<[f32; 4]> {
+    let vector = |four: &[f64]| {
+        let lane = |i: usize| rounded(four.get(i).copied().unwrap_or(0.0));
+        std::array::from_fn(lane)
+    };
+    numbers.chunks(4).map(vector).collect()
+}
+
 /// `f64` to the nearest `f32`.
 #[allow(
     clippy::cast_possible_truncation,

@@ -8,7 +8,7 @@ use crate::latitude::LatitudeForm;
 use crate::operations::{Arithmetic, Operations, Program, ProgramBuilder, Value};
 use crate::region::MapRegion;
 use crate::residual::{RESIDUAL_SAMPLES, Residual, residual_of};
-use crate::rounding::rounded;
+use crate::rounding::vectors;
 
 /// Which quantities the angles are taken of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -128,15 +128,9 @@ impl CoordinateRoute {
             AngleForm::Absolute => absolute_constants(region),
             AngleForm::Recentred | AngleForm::Near => recentred_constants(region, latitude),
         };
-        let vector = |lanes: &[f64]| {
-            let mut four = [0.0; 4];
-            for (to, from) in four.iter_mut().zip(lanes) {
-                *to = rounded(*from);
-            }
-            four
-        };
-        let read = self.program().constant_vectors();
-        lanes.chunks(4).take(read).map(vector).collect()
+        let mut vectors = vectors(&lanes);
+        vectors.truncate(self.program().constant_vectors());
+        vectors
     }
 
     /// WGSL that defines `struct RouteConstants` and

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Routes of two arctangents, whole: names, shader text, residual against emulation, special places.
 
+mod naga_says;
+
+use naga_says::is_valid;
 use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrafill_core::{Ellipsoid, Geodetic};
@@ -50,15 +53,7 @@ fn names_are_different_and_return() {
     }
 }
 
-/// Whether naga takes a route's text with its declarations and an entry point that calls it.
-fn is_valid(text: &str) -> Result<(), String> {
-    let module = naga::front::wgsl::parse_str(text).map_err(|e| e.emit_to_string(text))?;
-    let flags = naga::valid::ValidationFlags::all();
-    let capabilities = naga::valid::Capabilities::empty();
-    let validated = naga::valid::Validator::new(flags, capabilities).validate(&module);
-    validated.map(|_| ()).map_err(|e| e.emit_to_string(text))
-}
-
+/// A route's text with its declarations and an entry point that calls it.
 fn module_of(route: &CoordinateRoute) -> String {
     let program = route.program();
     let declarations = program

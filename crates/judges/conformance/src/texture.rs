@@ -228,7 +228,16 @@ mod tests {
     }
 
     fn good() -> Frame {
-        frame_of(|column, row| over_extent(place(column, row)))
+        changed(|uv| uv)
+    }
+
+    /// The right coordinates, each as it is changed.
+    fn changed(change: impl Fn([f64; 2]) -> [f64; 2]) -> Frame {
+        frame_of(|column, row| change(over_extent(place(column, row))))
+    }
+
+    fn errors_of(reference: &Frame, frame: &Frame) -> TextureErrors {
+        compare_texture(reference, frame).expect("comparable")
     }
 
     fn pixels(frame: &mut Frame) -> &mut Vec<Option<TexturePixel>> {
@@ -241,7 +250,7 @@ mod tests {
 
     #[test]
     fn a_frame_equal_to_the_reference_has_no_error() {
-        let errors = compare_texture(&good(), &good()).expect("comparable");
+        let errors = errors_of(&good(), &good());
         assert_eq!(errors.compared_px, (WIDTH * HEIGHT) as u64);
         assert_eq!((errors.rms_texels, errors.max_texels), ([0.0; 2], [0.0; 2]));
         assert!(is_right(&errors));
@@ -253,6 +262,10 @@ mod tests {
             let tangent = (1.0 - E2) * latitude.to_radians().tan();
             tangent.atan().to_degrees()
         };
+        let mut one_is_nan = good();
+        if let Some(pixel) = &mut pixels(&mut one_is_nan)[7 * WIDTH + 11] {
+            pixel.uv[1] = f64::NAN;
+        }
         let mutants: [(&str, Frame); 5] = [
             (
                 "longitude and latitude swapped",
@@ -261,13 +274,7 @@ mod tests {
                     over_extent([latitude, longitude])
                 }),
             ),
-            (
-                "v upwards",
-                frame_of(|column, row| {
-                    let [u, v] = over_extent(place(column, row));
-                    [u, 1.0 - v]
-                }),
-            ),
+            ("v upwards", changed(|[u, v]| [u, 1.0 - v])),
             (
                 "geocentric latitude",
                 frame_of(|column, row| {
@@ -275,43 +282,18 @@ mod tests {
                     over_extent([longitude, geocentric(latitude)])
                 }),
             ),
-            (
-                "shifted by a texel",
-                frame_of(|column, row| {
-                    let [u, v] = over_extent(place(column, row));
-                    [u + 1.0 / 512.0, v]
-                }),
-            ),
-            (
-                "one pixel is no number",
-                frame_of(|column, row| {
-                    let [u, v] = over_extent(place(column, row));
-                    [
-                        u,
-                        if (column, row) == (11, 7) {
-                            f64::NAN
-                        } else {
-                            v
-                        },
-                    ]
-                }),
-            ),
+            ("shifted by a texel", changed(|[u, v]| [u + 1.0 / 512.0, v])),
+            ("one pixel is no number", one_is_nan),
         ];
         for (name, mutant) in mutants {
-            let errors = compare_texture(&good(), &mutant).expect("comparable");
+            let errors = errors_of(&good(), &mutant);
             assert!(!is_right(&errors), "{name}: {errors:?}");
         }
     }
 
     #[test]
     fn a_shift_is_measured_in_texels_of_its_own_axis() {
-        let shifted = |du: f64, dv: f64| {
-            let frame = frame_of(|column, row| {
-                let [u, v] = over_extent(place(column, row));
-                [u + du, v + dv]
-            });
-            compare_texture(&good(), &frame).expect("comparable")
-        };
+        let shifted = |du: f64, dv: f64| errors_of(&good(), &changed(|[u, v]| [u + du, v + dv]));
         let close = |a: [f64; 2], b: [f64; 2]| (0..2).all(|i| (a[i] - b[i]).abs() < 1e-9);
         let errors = shifted(1.0 / 512.0, 0.0);
         assert!(close(errors.rms_texels, [1.0, 0.0]) && close(errors.max_texels, [1.0, 0.0]));
@@ -325,7 +307,7 @@ mod tests {
         if let Some(pixel) = &mut pixels(&mut frame)[100] {
             pixel.uv[0] += 0.6 / 512.0;
         }
-        let errors = compare_texture(&good(), &frame).expect("comparable");
+        let errors = errors_of(&good(), &frame);
         assert!(
             errors.rms_texels[0] < 0.05 && !is_right(&errors),
             "{errors:?}"
@@ -334,19 +316,13 @@ mod tests {
 
     #[test]
     fn a_whole_picture_counts_unless_it_repeats() {
-        let turn = frame_of(|column, row| {
-            let [u, v] = over_extent(place(column, row));
-            [u + 3.0, v]
-        });
-        let errors = compare_texture(&good(), &turn).expect("comparable");
-        assert!(!is_right(&errors));
+        let turn = changed(|[u, v]| [u + 3.0, v]);
+        assert!(!is_right(&errors_of(&good(), &turn)));
         let mut repeating = good();
         if let Some(texture) = &mut repeating.texture {
             texture.address = vec![[AddressMode::Repeat, AddressMode::ClampToEdge]];
         }
-        assert!(is_right(
-            &compare_texture(&repeating, &turn).expect("comparable")
-        ));
+        assert!(is_right(&errors_of(&repeating, &turn)));
     }
 
     #[test]
@@ -358,12 +334,9 @@ mod tests {
         };
         let mut reference = good();
         at_level(&mut reference);
-        let mut frame = frame_of(|column, row| {
-            let [u, v] = over_extent(place(column, row));
-            [u + 8.0 / 512.0, v]
-        });
+        let mut frame = changed(|[u, v]| [u + 8.0 / 512.0, v]);
         at_level(&mut frame);
-        let errors = compare_texture(&reference, &frame).expect("comparable");
+        let errors = errors_of(&reference, &frame);
         assert!((errors.max_texels[0] - 1.0).abs() < 1e-9, "{errors:?}");
     }
 
@@ -379,13 +352,16 @@ mod tests {
         };
         let mut reference = good();
         far(&mut reference);
-        let wrong_at = |wrong: [usize; 2]| {
-            let mut frame = frame_of(|column, row| {
+        let wrong_in = |wrong: &[usize]| {
+            frame_of(|column, row| {
                 let [u, v] = over_extent(place(column, row));
                 [if wrong.contains(&column) { u + 0.5 } else { u }, v]
-            });
+            })
+        };
+        let wrong_at = |wrong: [usize; 2]| {
+            let mut frame = wrong_in(&wrong);
             far(&mut frame);
-            compare_texture(&reference, &frame).expect("comparable")
+            errors_of(&reference, &frame)
         };
         let errors = wrong_at([11, 12]);
         assert!(is_right(&errors), "{errors:?}");
@@ -393,13 +369,7 @@ mod tests {
         // Negative control: two pixels further on it is an error, and without the jump it is one everywhere.
         assert!(!is_right(&wrong_at([14, 14])));
         assert!(!is_right(&wrong_at([9, 9])));
-        let flat = frame_of(|column, row| {
-            let [u, v] = over_extent(place(column, row));
-            [if column == 11 { u + 0.5 } else { u }, v]
-        });
-        assert!(!is_right(
-            &compare_texture(&good(), &flat).expect("comparable")
-        ));
+        assert!(!is_right(&errors_of(&good(), &wrong_in(&[11]))));
     }
 
     #[test]
@@ -428,7 +398,7 @@ mod tests {
                 pixel.uv = [7.0, 7.0];
             }
         }
-        let errors = compare_texture(&reference, &frame).expect("comparable");
+        let errors = errors_of(&reference, &frame);
         assert!(is_right(&errors), "{errors:?}");
         assert_eq!(errors.compared_px, 10 * HEIGHT as u64 - 1);
         assert_eq!(errors.silhouette_px, 2 * HEIGHT as u64);
@@ -438,12 +408,12 @@ mod tests {
     fn what_is_missing_or_compares_nothing_fails() {
         let mut frame = good();
         pixels(&mut frame)[50] = None;
-        let errors = compare_texture(&good(), &frame).expect("comparable");
+        let errors = errors_of(&good(), &frame);
         assert_eq!(errors.missing_px, 1);
         assert!(!is_right(&errors));
         let mut nothing = good();
         nothing.ids.fill(NO_REGION);
-        let errors = compare_texture(&nothing, &nothing).expect("comparable");
+        let errors = errors_of(&nothing, &nothing);
         assert_eq!(errors.compared_px, 0);
         assert!(matches!(texture_verdict(&errors), Verdict::Fail(why) if why.len() == 1));
     }
@@ -495,33 +465,17 @@ mod tests {
             ..TextureErrors::default()
         };
         assert!(is_right(&at_limit));
-        let beyond = [
-            TextureErrors {
-                compared_px: 0,
-                ..at_limit
-            },
-            TextureErrors {
-                missing_px: 1,
-                ..at_limit
-            },
-            TextureErrors {
-                non_finite: 1,
-                ..at_limit
-            },
-            TextureErrors {
-                rms_texels: [0.25, 0.2501],
-                ..at_limit
-            },
-            TextureErrors {
-                max_texels: [0.5001, 0.5],
-                ..at_limit
-            },
-            TextureErrors {
-                max_texels: [0.5, f64::NAN],
-                ..at_limit
-            },
+        let beyond: [fn(&mut TextureErrors); 6] = [
+            |errors| errors.compared_px = 0,
+            |errors| errors.missing_px = 1,
+            |errors| errors.non_finite = 1,
+            |errors| errors.rms_texels[1] = 0.2501,
+            |errors| errors.max_texels[0] = 0.5001,
+            |errors| errors.max_texels[1] = f64::NAN,
         ];
-        for errors in beyond {
+        for change in beyond {
+            let mut errors = at_limit;
+            change(&mut errors);
             match texture_verdict(&errors) {
                 Verdict::Fail(reasons) => assert_eq!(reasons.len(), 1, "{reasons:?}"),
                 Verdict::Pass => panic!("{errors:?} passed"),

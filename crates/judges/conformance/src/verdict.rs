@@ -19,6 +19,14 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    fn of(reasons: Vec<String>) -> Self {
+        if reasons.is_empty() {
+            Self::Pass
+        } else {
+            Self::Fail(reasons)
+        }
+    }
+
     /// Whether this is [`Verdict::Pass`].
     #[must_use]
     pub fn is_pass(&self) -> bool {
@@ -67,11 +75,7 @@ pub fn verdict_of_moved(figures: &ErrorFigures, moved_px: f64) -> Verdict {
             figures.non_finite
         ));
     }
-    if reasons.is_empty() {
-        Verdict::Pass
-    } else {
-        Verdict::Fail(reasons)
-    }
+    Verdict::of(reasons)
 }
 
 fn objection_to_distance(figures: &ErrorFigures) -> Option<String> {
@@ -134,11 +138,7 @@ pub fn texture_verdict(errors: &TextureErrors) -> Verdict {
             reasons.push(format!("{what} error {worst:.3} texels, allowed {allowed}"));
         }
     }
-    if reasons.is_empty() {
-        Verdict::Pass
-    } else {
-        Verdict::Fail(reasons)
-    }
+    Verdict::of(reasons)
 }
 
 #[cfg(test)]
@@ -171,29 +171,16 @@ mod tests {
         };
         assert!(verdict(&at_limit).is_pass());
         assert!(verdict(&ErrorFigures::default()).is_pass());
-        let beyond = [
-            ErrorFigures {
-                mismatched_px_outside_band: 1,
-                ..at_limit
-            },
-            ErrorFigures {
-                hausdorff_px: Some(2_f64.sqrt()),
-                ..at_limit
-            },
-            ErrorFigures {
-                hausdorff_px: Some(f64::NAN),
-                ..at_limit
-            },
-            ErrorFigures {
-                hausdorff_px: Some(f64::INFINITY),
-                ..at_limit
-            },
-            ErrorFigures {
-                non_finite: 1,
-                ..at_limit
-            },
+        let beyond: [fn(&mut ErrorFigures); 5] = [
+            |figures| figures.mismatched_px_outside_band = 1,
+            |figures| figures.hausdorff_px = Some(2_f64.sqrt()),
+            |figures| figures.hausdorff_px = Some(f64::NAN),
+            |figures| figures.hausdorff_px = Some(f64::INFINITY),
+            |figures| figures.non_finite = 1,
         ];
-        for figures in beyond {
+        for change in beyond {
+            let mut figures = at_limit;
+            change(&mut figures);
             match verdict(&figures) {
                 Verdict::Fail(reasons) => assert_eq!(reasons.len(), 1, "{reasons:?}"),
                 Verdict::Pass => panic!("{figures:?} passed"),

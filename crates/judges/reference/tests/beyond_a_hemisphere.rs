@@ -11,39 +11,16 @@
 
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
-use terrafill_core::{
-    EdgeRule, Ellipsoid, MeshOptions, Polygon, Region, RegionMesh, Ring, parse_regions,
-};
+use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, Polygon, Region, RegionMesh, Ring};
+use terrafill_fixtures::Random;
 use terrafill_reference::Locator;
 
 const POINTS: u32 = 100_000;
 
 type Degrees = [f64; 2];
 
-/// SplitMix64 (Steele, Lea and Flood, 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Evenly over the sphere.
-    fn place(&mut self) -> Degrees {
-        let longitude = 360.0 * self.next() - 180.0;
-        [longitude, (2.0 * self.next() - 1.0).asin().to_degrees()]
-    }
-}
-
 fn region(rings: &[Vec<Degrees>]) -> Region {
-    let text = format!(r#"{{"type":"Polygon","coordinates":{rings:?}}}"#);
-    parse_regions(text.as_bytes(), "test")
-        .expect("valid")
-        .remove(0)
+    terrafill_fixtures::region(&format!("{rings:?}"))
 }
 
 fn locator(region: &Region) -> Locator {
@@ -318,12 +295,12 @@ fn points_are_where_the_ways_over_another_place_put_them() {
     shapes.retain(|rings| rings.iter().flatten().all(|vertex| vertex[1].abs() < 90.0));
     // Round the axis in steps of up to 100°, reaching almost to either pole.
     for _ in 0..30 {
-        let mut longitude = 360.0 * random.next() - 180.0;
+        let mut longitude = 360.0 * random.share() - 180.0;
         let end = longitude + 330.0;
         let mut ring = Vec::new();
         while longitude < end {
-            ring.push([longitude, 178.0 * random.next() - 89.0]);
-            longitude += 1.0 + 99.0 * random.next();
+            ring.push([longitude, 178.0 * random.share() - 89.0]);
+            longitude += 1.0 + 99.0 * random.share();
         }
         shapes.push(vec![ring]);
     }
@@ -378,7 +355,7 @@ fn a_moved_vertex_is_noticed() {
     let over = unit([33.0, 12.0]);
     let wrong = (0..2000)
         .filter(|_| {
-            let place = [0, 1].map(|k| ring[4][k] + 2e-6 * (random.next() - 0.5));
+            let place = [0, 1].map(|k| ring[4][k] + 2e-6 * (random.share() - 0.5));
             let expected = is_inside(&sides, unit(place), over);
             locator.locate(place[0], place[1]).regions.is_empty() == expected
         })

@@ -21,7 +21,7 @@
 
 use rayon::prelude::*;
 use terrafill_core::{EdgeRule, Ellipsoid, Polygon, Region, Ring, parse_regions};
-use terrafill_fixtures::data;
+use terrafill_fixtures::{Random, data, region};
 use terrafill_reference::Locator;
 
 /// Within this, borders are a matter of rounding, metres.
@@ -37,28 +37,6 @@ type Degrees = [f64; 2];
 fn countries() -> Vec<Region> {
     let bytes = data::bytes(&format!("vectors/{COUNTRIES}"));
     parse_regions(&bytes, COUNTRIES).expect("valid")
-}
-
-/// SplitMix64 (Steele, Lea and Flood, 2014): a seed for each point, so that order does not matter.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// 0 … 1.
-    fn share(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn below(&mut self, limit: usize) -> usize {
-        usize::try_from(self.next() % limit as u64).expect("below a usize")
-    }
 }
 
 struct Outline<'a> {
@@ -265,17 +243,11 @@ fn compare_all(
     count: usize,
     choose: impl Fn(&mut Random) -> Degrees + Sync,
 ) -> Comparison {
+    // A seed for each point, so that order does not matter.
     (0..count)
         .into_par_iter()
         .map(|seed| compare(locator, outlines, choose(&mut Random(seed as u64))))
         .reduce(Comparison::default, Comparison::join)
-}
-
-/// Evenly over the sphere.
-fn anywhere(random: &mut Random) -> Degrees {
-    let longitude = 360.0 * random.share() - 180.0;
-    let latitude = (2.0 * random.share() - 1.0).asin().to_degrees();
-    [longitude, latitude]
 }
 
 /// Beside some edge, at a distance from nothing that a double can hold to a hundred metres.
@@ -308,7 +280,7 @@ fn the_locator_names_the_regions_that_two_other_tests_name() {
     let regions = countries();
     let locator = Locator::new(&regions, EdgeRule::Planar, &Ellipsoid::WGS84).expect("clear rings");
     let outlines = Outline::all(&regions);
-    let scattered = compare_all(&locator, &outlines, POINTS, anywhere);
+    let scattered = compare_all(&locator, &outlines, POINTS, Random::place);
     let beside = compare_all(&locator, &outlines, POINTS / 50, |random| {
         beside_a_border(&outlines, random)
     });
@@ -353,12 +325,7 @@ fn a_vertex_moved_by_a_metre_is_noticed() {
     let place = outline.vertices[moved];
     let mut ring = outline.vertices.to_vec();
     ring[moved][0] += 1e-5;
-    let ring: Vec<String> = ring.iter().map(|[x, y]| format!("[{x},{y}]")).collect();
-    let text = format!(
-        r#"{{"type":"Polygon","coordinates":[[{}]]}}"#,
-        ring.join(",")
-    );
-    let mutant = parse_regions(text.as_bytes(), "mutant").expect("valid");
+    let mutant = [region(&format!("[{ring:?}]"))];
     let locator = Locator::new(&mutant, EdgeRule::Planar, &Ellipsoid::WGS84).expect("a clear ring");
     let alone = [Outline {
         region: 0,
@@ -378,8 +345,7 @@ fn a_vertex_moved_by_a_metre_is_noticed() {
 
 #[test]
 fn both_tests_know_a_square_with_a_notch() {
-    let text = r#"{"type":"Polygon","coordinates":[[[0,0],[4,0],[4,4],[2,1],[0,4]]]}"#;
-    let regions = parse_regions(text.as_bytes(), "notch").expect("valid");
+    let regions = [region("[[[0,0],[4,0],[4,4],[2,1],[0,4]]]")];
     let outline = &Outline::all(&regions)[0];
     for (point, inside) in [
         ([2.0, 0.5], true),

@@ -15,7 +15,7 @@
 //! are no jumps: they belong to a band.
 
 use super::ring::{jump, shorter_turn};
-use crate::{EdgeRule, Inside, Polygon, Region, RegionWarning, Ring, WarningSubject};
+use crate::{EdgeRule, Polygon, Region, RegionWarning, Ring, WarningSubject};
 
 /// Share of its terms below which a sum of areas is rounding.
 const AREA_ROUNDING: f64 = 1e-12;
@@ -115,12 +115,8 @@ fn is_shorter_meant(written: &[Polygon], shorter: &[Polygon], reading: &ShorterR
 
 fn crosses(polygons: &[Polygon]) -> bool {
     let region = Region {
-        index: 0,
-        name: String::new(),
         polygons: polygons.to_vec(),
-        warnings: Vec::new(),
-        repaired: None,
-        inside: Inside::default(),
+        ..Region::default()
     };
     region.has_crossings(EdgeRule::Planar)
 }

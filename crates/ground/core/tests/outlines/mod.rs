@@ -1,25 +1,20 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Regions by their coordinates, or from files of the data folder.
+//! Regions from files of the data folder, and whether meshes are sound.
 
 #![allow(dead_code, reason = "each test binary uses its own part of this")]
 
-use terrafill_core::{EdgeRule, Region, parse_regions};
-use terrafill_fixtures::data;
+use terrafill_core::{EdgeRule, Ellipsoid, Region, RegionMesh, parse_regions};
+use terrafill_fixtures::{check_extruded, data};
 
 /// How an edge may run.
 pub(crate) const RULES: [EdgeRule; 2] = [EdgeRule::Planar, EdgeRule::GreatEllipse];
 
-/// A region from the coordinates of a polygon or, with one bracket more, of several.
-pub(crate) fn region(coordinates: &str) -> Region {
-    let kind = if coordinates.starts_with("[[[[") {
-        "MultiPolygon"
-    } else {
-        "Polygon"
-    };
-    let text = format!(r#"{{"type":"{kind}","coordinates":{coordinates}}}"#);
-    parse_regions(text.as_bytes(), "test")
-        .expect("valid")
-        .remove(0)
+/// That a mesh and the volume raised from it are what they must be.
+#[track_caller]
+pub(crate) fn assert_sound(mesh: &RegionMesh, body: &Ellipsoid) {
+    let place = (mesh.region_index, &mesh.name);
+    assert_eq!(mesh.check_invariants(body), Ok(()), "{place:?}");
+    assert_eq!(check_extruded(mesh, body).err(), None, "{place:?}");
 }
 
 /// Bytes of an outline file of the data folder.

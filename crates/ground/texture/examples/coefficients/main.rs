@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Prints `crates/ground/texture/src/coefficients.rs`, fitted anew.
+//! Prints `crates/ground/texture/src/coefficients.csv`, fitted anew.
 //!
-//! `cargo run -p terrafill-texture --example coefficients > crates/ground/texture/src/coefficients.rs`
+//! Print into another file and move it: the example embeds the table.
+//! `cargo run -p terrafill-texture --example coefficients > coefficients.csv`
 
 mod double_double;
 mod remez;
@@ -13,6 +14,6 @@ mod tests;
     reason = "a command-line tool reports on standard output"
 )]
 fn main() -> Result<(), remez::RemezError> {
-    print!("{}", remez::coefficients_source()?);
+    print!("{}", remez::coefficients_table()?);
     Ok(())
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Minimax approximations of the arctangent on [0, 1]: the generator of `coefficients.rs`.
+//! Minimax approximations of the arctangent on [0, 1]: the generator of `coefficients.csv`.
 //!
 //! Remez' exchange with one reference point per sign: solve for the coefficients and the levelled
 //! error on the reference, take the error's extrema as the next reference, until they are equal to
@@ -402,56 +402,22 @@ pub(crate) fn fit(core: AngleCore) -> Result<Fit, RemezError> {
     })
 }
 
-/// The text of `coefficients.rs`: every core that has coefficients, fitted anew.
+/// The text of `coefficients.csv`: every core that has coefficients, fitted anew.
 ///
 /// # Errors
 /// Of the first core that has no fit.
-pub(crate) fn coefficients_source() -> Result<String, RemezError> {
-    let mut text = String::from(
-        "// SPDX-License-Identifier: MIT OR Apache-2.0\n\
-         //! Minimax coefficients of the arctangent on [0, 1], by family.\n\
-         //!\n\
-         //! Written by `cargo run -p terrafill-texture --example coefficients`; the tests of that example\n\
-         //! compare. No coefficient is written anywhere else.\n\n\
-         use crate::angle_core::{AngleCore, Weight};\n\n\
-         /// One core's coefficients, ascending powers.\n\
-         pub(crate) struct Coefficients {\n    \
-         pub(crate) core: AngleCore,\n    \
-         /// Largest error in exact arithmetic: radians, or relative where the weight is.\n    \
-         pub(crate) error: f64,\n    \
-         pub(crate) numerator: &'static [f64],\n    \
-         /// Empty for polynomials.\n    \
-         pub(crate) denominator: &'static [f64],\n}\n\n\
-         /// Every core that has coefficients.\n\
-         #[rustfmt::skip]\n\
-         pub(crate) const COEFFICIENTS: &[Coefficients] = &[\n",
-    );
-    for core in AngleCore::all() {
-        if Family::of(core).is_none() {
-            continue;
-        }
+pub(crate) fn coefficients_table() -> Result<String, RemezError> {
+    let list = |numbers: &[f64]| {
+        let numbers: Vec<String> = numbers.iter().map(|number| format!("{number:?}")).collect();
+        numbers.join(" ")
+    };
+    let mut text = "core,error,numerator,denominator\n".to_owned();
+    let all = AngleCore::all().into_iter();
+    for core in all.filter(|core| Family::of(*core).is_some()) {
         let found = fit(core)?;
-        let constructor = match core {
-            AngleCore::Odd { degree, weight } => {
-                format!("Odd {{ degree: {degree}, weight: Weight::{weight:?} }}")
-            }
-            AngleCore::Dense { degree } => format!("Dense {{ degree: {degree} }}"),
-            AngleCore::Rational {
-                numerator,
-                denominator,
-                weight,
-            } => format!(
-                "Rational {{ numerator: {numerator}, denominator: {denominator}, weight: Weight::{weight:?} }}"
-            ),
-            AngleCore::Native | AngleCore::CesiumCubic | AngleCore::Lookup { .. } => continue,
-        };
-        let _ = writeln!(
-            text,
-            "    Coefficients {{\n        core: AngleCore::{constructor},\n        error: {:e},\n        \
-             numerator: &{:?},\n        denominator: &{:?},\n    }},",
-            found.error, found.numerator, found.denominator
-        );
+        let (numerator, denominator) = (list(&found.numerator), list(&found.denominator));
+        let (name, error) = (core.name(), found.error);
+        let _ = writeln!(text, "{name},{error:e},{numerator},{denominator}");
     }
-    text.push_str("];\n");
     Ok(text)
 }

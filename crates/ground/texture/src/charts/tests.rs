@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::residual::{Residual, residual_of};
+use crate::rounding::rounded;
 use crate::{CoordinateRoute, MapExtent, MapRegionError};
 use terrafill_core::Ellipsoid;
 

@@ -2,9 +2,10 @@
 //! Indices against brute force, the two inside tests against one another, and exactness where
 //! plain f64 fails.
 
-use super::{Random, TestRing, locator, try_locator};
+use super::{TestRing, locator, star, try_locator};
 use crate::point::LocatorError;
 use terrafill_core::EdgeRule;
+use terrafill_fixtures::Random;
 
 const RULES: [EdgeRule; 2] = [EdgeRule::Planar, EdgeRule::GreatEllipse];
 
@@ -19,7 +20,7 @@ fn stars(random: &mut Random, rule: EdgeRule) -> Vec<TestRing> {
             } else {
                 place[1].clamp(-75.0, 75.0)
             };
-            let mut star = random.star([place[0], latitude], radius, 200);
+            let mut star = star(random, [place[0], latitude], radius, 200);
             for vertex in &mut star {
                 vertex[1] = vertex[1].clamp(-90.0, 90.0);
             }
@@ -28,7 +29,7 @@ fn stars(random: &mut Random, rule: EdgeRule) -> Vec<TestRing> {
     }
     if rule == EdgeRule::Planar {
         let mut coast: Vec<[f64; 2]> = (0..500)
-            .map(|i| [f64::from(i) * 0.72 - 180.0, -60.0 - 20.0 * random.next()])
+            .map(|i| [f64::from(i) * 0.72 - 180.0, -60.0 - 20.0 * random.share()])
             .collect();
         rings.push((5, coast.clone(), 360.0));
         coast.reverse();
@@ -48,7 +49,7 @@ fn places(random: &mut Random, rings: &[TestRing]) -> Vec<[f64; 2]> {
             vertices.iter().map(|vertex| vertex[axis]).sum::<f64>() / vertices.len() as f64
         });
         for vertex in vertices {
-            let share = 1.3 * random.next();
+            let share = 1.3 * random.share();
             places.push([0, 1].map(|axis| center[axis] + share * (vertex[axis] - center[axis])));
         }
         places.push(vertices[0]);

@@ -6,11 +6,12 @@
 //! scatter by σ = √(f (1 − f) / n). The lattice is far more even, and [`SIGMAS`] says how much of
 //! that is relied on.
 
-use super::{Random, TestRing, locator, parallel, rectangle};
+use super::{TestRing, locator, parallel, rectangle};
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Mutex;
 use terrafill_core::{EdgeRule, Ellipsoid};
+use terrafill_fixtures::Random;
 
 const POINTS: u32 = 200_000;
 
@@ -298,7 +299,7 @@ fn the_lattice_is_even_and_the_yardstick_is_not_blind() {
     // Random points scatter by a whole σ or so, as the name says.
     let mut random = Random(1);
     let share = zone / body.quadrangle_area_m2(TAU, -FRAC_PI_2, FRAC_PI_2);
-    let hits = (0..POINTS).filter(|_| random.next() < share).count();
+    let hits = (0..POINTS).filter(|_| random.share() < share).count();
     let sigma = (share * (1.0 - share) * f64::from(POINTS)).sqrt();
     assert!((hits as f64 - share * f64::from(POINTS)).abs() < 4.0 * sigma);
     assert!((spherical_excess(&[[0.0, 0.0], [90.0, 0.0], [0.0, 90.0]]) - PI / 2.0).abs() < 1e-14);

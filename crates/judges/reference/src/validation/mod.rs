@@ -14,6 +14,7 @@ use crate::locator::{Locator, RingRole};
 use crate::point::{LocatorError, RingSource};
 use crate::sides::poles_held_alone;
 use terrafill_core::{EdgeRule, Ellipsoid};
+use terrafill_fixtures::Random;
 
 /// A ring of a test: position of its region, vertices, winding.
 pub(super) type TestRing = (usize, Vec<[f64; 2]>, f64);
@@ -46,34 +47,19 @@ pub(super) fn parallel(latitude: f64) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Numbers in 0 … 1 without a pattern: splitmix64.
-pub(super) struct Random(pub(super) u64);
-
-impl Random {
-    pub(super) fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// A point of the sphere, longitude and latitude in degrees.
-    pub(super) fn place(&mut self) -> [f64; 2] {
-        let longitude = self.next() * 360.0 - 180.0;
-        [longitude, (self.next() * 2.0 - 1.0).asin().to_degrees()]
-    }
-
-    /// A ring that goes once round `center`, its radius jumping between 0.3 and 1 times `radius`
-    /// degrees: many edges nearly point at the centre, and many are long.
-    pub(super) fn star(&mut self, center: [f64; 2], radius: f64, count: u32) -> Vec<[f64; 2]> {
-        (0..count)
-            .map(|i| {
-                let (sin, cos) =
-                    (f64::from(i) / f64::from(count) * std::f64::consts::TAU).sin_cos();
-                let reach = radius * (0.3 + 0.7 * self.next());
-                [center[0] + reach * cos, center[1] + reach * sin]
-            })
-            .collect()
-    }
+/// A ring that goes once round `center`, its radius jumping between 0.3 and 1 times `radius`
+/// degrees: many edges nearly point at the centre, and many are long.
+pub(super) fn star(
+    random: &mut Random,
+    center: [f64; 2],
+    radius: f64,
+    count: u32,
+) -> Vec<[f64; 2]> {
+    (0..count)
+        .map(|i| {
+            let (sin, cos) = (f64::from(i) / f64::from(count) * std::f64::consts::TAU).sin_cos();
+            let reach = radius * (0.3 + 0.7 * random.share());
+            [center[0] + reach * cos, center[1] + reach * sin]
+        })
+        .collect()
 }

@@ -15,7 +15,8 @@ use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, FillInput, NO_REGION, PreparedScene, ViewId};
-use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
+use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region};
+use terrafill_fixtures::region;
 use terrafill_plan::{FramePlan, RegionSet, SceneBounds};
 use terrafill_scene::{Camera, CameraPose, ImageSize, Overlap};
 use terrafill_surface::{EllipsoidKind, SurfaceFrame};
@@ -32,7 +33,8 @@ fn pose(lon: f64, lat: f64, height_m: f64, pitch_deg: f64) -> CameraPose {
     }
 }
 
-fn input(body: Ellipsoid, pose: &CameraPose, size: u32, rows: u32) -> FillInput {
+/// A view of a bare globe.
+pub(super) fn input(body: Ellipsoid, pose: &CameraPose, size: u32, rows: u32) -> FillInput {
     let surface = EllipsoidKind::surface(&body, rows);
     let camera = Camera::new(&body, pose);
     let size = ImageSize {
@@ -74,8 +76,8 @@ fn hits(judged: &ReferenceFrame) -> f64 {
 
 #[test]
 fn coarse_triangles_move_a_boundary_by_the_square_of_their_size() {
-    let text = r#"{"type":"Polygon","coordinates":[[[-20,30],[25,32],[22,60],[-15,55],[-20,30]]]}"#;
-    let regions: Arc<[Region]> = parse_regions(text.as_bytes(), "t").expect("a ring").into();
+    let ring = region("[[[-20,30],[25,32],[22,60],[-15,55],[-20,30]]]");
+    let regions: Arc<[Region]> = [ring].into();
     let moved = |rows: u32| {
         let pose = pose(3.0, 44.0, 4e6, -90.0);
         let mut input = input(Ellipsoid::WGS84, &pose, 400, rows);
@@ -360,11 +362,8 @@ fn what_lies_between_the_centres_of_pixels_is_seen_by_a_close_look() {
             longitude + half,
             latitude + half,
         ];
-        let text = format!(
-            r#"{{"type":"Polygon","coordinates":[[[{w},{s}],[{e},{s}],[{e},{n}],[{w},{n}],[{w},{s}]]]}}"#
-        );
-        let regions = parse_regions(text.as_bytes(), "test").expect("valid");
-        regions.into()
+        let rings = [[[w, s], [e, s], [e, n], [w, n], [w, s]]];
+        [region(&format!("{rings:?}"))].into()
     };
     input.scene.regions = square([10.0, 5.0], 0.02);
     let reference = ReferenceBackend::new();
@@ -390,12 +389,7 @@ fn what_lies_between_the_centres_of_pixels_is_seen_by_a_close_look() {
 #[test]
 fn a_frame_is_judged_from_its_parsed_regions() {
     let mut input = input(Ellipsoid::WGS84, &pose(10.0, 5.0, 1e6, -90.0), 64, 60);
-    let parsed = |coordinates: &str| -> Arc<[Region]> {
-        let text = format!(r#"{{"type":"Polygon","coordinates":[{coordinates}]}}"#);
-        parse_regions(text.as_bytes(), "test")
-            .expect("valid")
-            .into()
-    };
+    let parsed = |rings: &str| -> Arc<[Region]> { [region(&format!("[{rings}]"))].into() };
     // Everything in sight, then everything but a hole around the foot of the eye.
     input.scene.regions = parsed("[[-40,-40],[60,-40],[60,40],[-40,40],[-40,-40]]");
     let full = ReferenceBackend::new().judge(&input).expect("a rectangle");
@@ -424,10 +418,7 @@ fn a_frame_is_judged_from_its_parsed_regions() {
 #[test]
 fn rounding_decides_on_a_facet_in_the_plane_of_a_wall_and_nowhere_else() {
     let mut input = input(Ellipsoid::WGS84, &pose(0.0, 0.0, 1e6, -90.0), 16, 60);
-    let text = r#"{"type":"Polygon","coordinates":[[[-20,0],[20,0],[20,20],[-20,20],[-20,0]]]}"#;
-    input.scene.regions = parse_regions(text.as_bytes(), "test")
-        .expect("valid")
-        .into();
+    input.scene.regions = [region("[[[-20,0],[20,0],[20,20],[-20,20],[-20,0]]]")].into();
     // Seen from 200 km north of it, a facet in the equator's plane, which is the region's southern wall.
     input.camera.eye_ecef.z += 2e5;
     input.surface.triangles = vec![[0, 1, 2]].into();

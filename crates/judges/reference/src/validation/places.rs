@@ -7,7 +7,7 @@
 
 use crate::{Locator, LocatorError};
 use terrafill_core::{EdgeRule, Ellipsoid, Region, parse_regions};
-use terrafill_fixtures::data;
+use terrafill_fixtures::{Random, data};
 
 /// Regions of a file of the data folder.
 fn real_regions(file: &str) -> Vec<Region> {
@@ -100,7 +100,7 @@ fn real_borders_by_index_and_brute_force() {
     for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
         let located =
             Locator::new(&regions, rule, &Ellipsoid::WGS84).expect("countries can be judged");
-        let mut random = super::Random(3);
+        let mut random = Random(3);
         let mut on_land = 0;
         for _ in 0..300 {
             let [lon, lat] = random.place();

@@ -6,7 +6,7 @@
 //! test goes the other way. The affine map of angles that backends read is held against the same
 //! points: the two were written from the words of the definition alone.
 
-use super::Random;
+use super::pictures::input;
 use crate::ReferenceBackend;
 use crate::backend::ReferenceFrame;
 use crate::extent::RegionExtent;
@@ -14,17 +14,12 @@ use crate::texture::{SurfacePoint, Texturing};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
-use terrafill_contract::{
-    AddressMode, FillInput, PlannedTexture, PreparedScene, TexturePixel, ViewId,
-};
-use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
-use terrafill_fixtures::data;
-use terrafill_plan::{FramePlan, RegionSet, SceneBounds};
+use terrafill_contract::{AddressMode, FillInput, PlannedTexture, TexturePixel};
+use terrafill_core::{EdgeRule, Ellipsoid, Geodetic};
+use terrafill_fixtures::{Random, data, region};
 use terrafill_scene::{
-    Camera, CameraPose, ImageSize, Outside, Overlap, Scene, SceneTexture, TextureAnchor,
-    TexturePlacement,
+    CameraPose, Outside, Overlap, Scene, SceneTexture, TextureAnchor, TexturePlacement,
 };
-use terrafill_surface::EllipsoidKind;
 
 const FIJI: &str = "[[[[177,-18],[180,-18],[180,-16],[177,-16],[177,-18]]],\
                      [[[-180,-18],[-178,-18],[-178,-17],[-180,-17],[-180,-18]]]]";
@@ -33,11 +28,6 @@ const CAP: &str = "[[[[0,60],[90,65],[180,60],[270,61],[360,60]]]]";
 const ZONE: &str =
     "[[[[0,60],[90,65],[180,60],[270,61],[360,60]],[[0,80],[120,81],[240,80],[360,80]]]]";
 const BOX: &str = "[[[[10,40],[14,40],[14,43],[10,43],[10,40]]]]";
-
-fn regions(coordinates: &str) -> Vec<Region> {
-    let text = format!(r#"{{"type":"MultiPolygon","coordinates":{coordinates}}}"#);
-    parse_regions(text.as_bytes(), "test").expect("valid")
-}
 
 fn checker(placement: TexturePlacement) -> SceneTexture {
     let text = "name = \"t\"\ndescription = \"t\"\nbody = \"wgs84\"\n[regions]\n\
@@ -94,7 +84,6 @@ impl Shot {
     }
 
     fn input(&self) -> FillInput {
-        let surface = EllipsoidKind::surface(&self.body, 90);
         let [longitude, latitude, height_m, pitch_deg] = self.eye;
         let pose = CameraPose {
             eye: Geodetic::from_degrees(longitude, latitude, height_m),
@@ -103,34 +92,12 @@ impl Shot {
             fov_y_rad: 50_f64.to_radians(),
             near_m: height_m * 1e-3,
         };
-        let camera = Camera::new(&self.body, &pose);
-        let size = ImageSize {
-            width: self.size,
-            height: self.size,
-        };
-        FillInput {
-            view_id: ViewId::unique(),
-            surface: surface.frame(&camera, size).expect("above"),
-            scene: PreparedScene {
-                name: "textures".to_owned(),
-                body: self.body,
-                edge_rule: self.rule,
-                overlap: Overlap::Disjoint,
-                regions: regions(self.coordinates).into(),
-                meshes: RegionSet::default(),
-                levels: Arc::default(),
-                footprints: Arc::default(),
-                bounds: SceneBounds::default(),
-                parts: terrafill_plan::LazyParts::default(),
-                surface,
-                picture: None,
-                texture: Some(Arc::new(checker(self.placement))),
-            },
-            view: "test".to_owned(),
-            camera,
-            size,
-            plan: FramePlan::default(),
-        }
+        let mut input = input(self.body, &pose, self.size, 90);
+        input.scene.edge_rule = self.rule;
+        input.scene.overlap = Overlap::Disjoint;
+        input.scene.regions = [region(self.coordinates)].into();
+        input.scene.texture = Some(Arc::new(checker(self.placement)));
+        input
     }
 
     fn judged(&self) -> ReferenceFrame {
@@ -164,7 +131,7 @@ fn a_point_put_at_a_longitude_and_latitude_is_found_there() {
         for _ in 0..500 {
             let [longitude, latitude] = random.place();
             // From a share of the depth at which normals begin to cross to far outside.
-            let height = (random.next() * 3.0 - 0.3) * body.smallest_curvature_radius_m();
+            let height = (random.share() * 3.0 - 0.3) * body.smallest_curvature_radius_m();
             let place = Geodetic::from_degrees(longitude, latitude, height);
             let found = SurfacePoint::new(&body, body.geodetic_to_ecef(place));
             let error = (found.latitude - place.latitude_rad).abs();
@@ -308,7 +275,7 @@ fn placements_agree_with_the_affine_map_that_backends_are_given() {
                 let planned = PlannedTexture::of_scene(&input.scene)[0];
                 let [lon, lat] = planned.anchor_lon_lat_rad.map(f64::to_degrees);
                 for _ in 0..50 {
-                    let step = [random.next() - 0.5, random.next() - 0.5].map(|x| x * 5.0);
+                    let step = [random.share() - 0.5, random.share() - 0.5].map(|x| x * 5.0);
                     let found = uv_at(&input, [lon + step[0], lat + step[1], 0.0]);
                     let [dlon, dlat] = step.map(f64::to_radians);
                     let given = planned.uv(dlon, dlat);

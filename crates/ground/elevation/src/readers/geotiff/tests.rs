@@ -30,6 +30,16 @@ const DEGREES: [u16; 12] = [1, 1, 0, 2, 1024, 0, 1, 2, 2048, 0, 1, 4326];
 
 /// 4 columns of 3 rows, with one more tag or key.
 fn file(tag: Option<(u16, u16)>, keys: &[u16], doubles: &[f64]) -> Result<HeightField, String> {
+    read_written(tag, None, keys, doubles)
+}
+
+/// The same, or with a tag of text.
+fn read_written(
+    tag: Option<(u16, u16)>,
+    text: Option<(u16, &str)>,
+    keys: &[u16],
+    doubles: &[f64],
+) -> Result<HeightField, String> {
     let samples: Vec<i16> = (0..12).map(|at| 10 * at).collect();
     let mut bytes = Cursor::new(Vec::new());
     let mut encoder = TiffEncoder::new(&mut bytes).expect("in memory");
@@ -50,6 +60,10 @@ fn file(tag: Option<(u16, u16)>, keys: &[u16], doubles: &[f64]) -> Result<Height
     if let Some((tag, value)) = tag {
         let tag = Tag::from_u16_exhaustive(tag);
         directory.write_tag(tag, value).expect("a tag");
+    }
+    if let Some((tag, text)) = text {
+        let tag = Tag::from_u16_exhaustive(tag);
+        directory.write_tag(tag, text).expect("text");
     }
     image.write_data(&samples).expect("samples");
     let mut bytes = bytes.into_inner();
@@ -216,32 +230,7 @@ fn every_key_is_read_or_harmless_or_refused_by_name() {
 
 #[test]
 fn metadata_scale_units_and_voids_that_are_no_values() {
-    let with = |tag: u16, text: &str| {
-        let samples: Vec<i16> = (0..12).map(|at| 10 * at).collect();
-        let mut bytes = Cursor::new(Vec::new());
-        let mut encoder = TiffEncoder::new(&mut bytes).expect("in memory");
-        let mut image = encoder
-            .new_image::<colortype::GrayI16>(4, 3)
-            .expect("a size");
-        let directory = image.encoder();
-        let scale = &[0.5, 0.25, 0.0][..];
-        directory
-            .write_tag(Tag::ModelPixelScaleTag, scale)
-            .expect("scale");
-        let tie = &[0.0, 0.0, 0.0, 10.0, 50.0, 0.0][..];
-        directory
-            .write_tag(Tag::ModelTiepointTag, tie)
-            .expect("tie");
-        directory
-            .write_tag(Tag::GeoKeyDirectoryTag, &DEGREES[..])
-            .expect("keys");
-        directory
-            .write_tag(Tag::from_u16_exhaustive(tag), text)
-            .expect("text");
-        image.write_data(&samples).expect("samples");
-        let complaints = Complaints { file: "t.tif" };
-        read(complaints, &bytes.into_inner()).map_err(|error| error.to_string())
-    };
+    let with = |tag: u16, text: &str| read_written(None, Some((tag, text)), &DEGREES, &[0.0]);
     let xml = |items: &str| with(42_112, &format!("<GDALMetadata>{items}</GDALMetadata>"));
     let at = |field: &HeightField| field.height_m(11.75, 49.375).expect("inside");
     for (items, expected_m) in [
