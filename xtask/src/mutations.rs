@@ -95,9 +95,9 @@ const MUTATIONS: [Mutation; 11] = [
     },
     Mutation {
         name: "indices-too-wide",
-        file: "crates/techniques/instanced/src/layout.rs",
-        from: "mesh.vertices_ecef.len() <= MAX_SHORT_VERTICES",
-        to: "mesh.vertices_ecef.len() <= MAX_SHORT_VERTICES / 0x4000",
+        file: "crates/volumes/stencil/src/index_lists.rs",
+        from: "vertices <= 0x1_0000",
+        to: "vertices <= 4",
         counter: "index_bytes",
     },
     Mutation {

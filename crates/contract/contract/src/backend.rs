@@ -3,19 +3,6 @@
 
 use crate::{DeviceError, FillInput, Frame, FrameTimes, MemoryUse, Needs, Picture};
 
-/// What a backend runs on and what it can do there.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Capabilities {
-    /// `vertex`, `native` …
-    pub backend: &'static str,
-    /// Adapter and driver, or `cpu`.
-    pub adapter: String,
-    /// Whether [`FillBackend::time_frame`] can give GPU times.
-    pub gpu_timestamps: bool,
-    /// Whether vertex and fragment counts come with the counters.
-    pub pipeline_statistics: bool,
-}
-
 /// What an update handed to the device.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Uploaded {
@@ -31,9 +18,6 @@ pub struct Uploaded {
 /// The order is `prepare`, then any number of frames with the same input. A second `prepare`
 /// replaces the first.
 pub trait FillBackend {
-    /// What this runs on.
-    fn capabilities(&self) -> &Capabilities;
-
     /// Whether the picture tells regions apart; otherwise only the filled area is comparable.
     fn tells_regions_apart(&self) -> bool;
 

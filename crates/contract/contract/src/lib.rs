@@ -33,7 +33,7 @@ pub use adapter::{
     DeviceFacts, DeviceType, SKY, THIS_MACHINE, check_target_size, choose_adapter, count_u32,
     device_for_test,
 };
-pub use backend::{Capabilities, FillBackend, Uploaded};
+pub use backend::{FillBackend, Uploaded};
 pub use clock::CpuStopwatch;
 pub use devices::{DeviceLoss, DeviceOptions, Devices};
 pub use error::DeviceError;
@@ -47,7 +47,7 @@ pub use picture::{MAX_REGIONS, NO_REGION, Picture, ids_of};
 pub use surface_renderer::{SurfaceDevice, SurfaceDraw, SurfaceTriangles};
 pub use surface_view::{SurfaceLook, SurfaceView, ViewConstants};
 pub use targets::{Api, SurfaceInterface, SurfaceTargets, Targets};
-pub use technique::{PlannedStep, Role, Technique, layouts};
+pub use technique::{OpenedBackend, PlannedStep, Role, Technique, layouts};
 pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
 pub use validation::{POSITIVE_CONTROL, ValidationLog, ValidationMessage};
 pub use work::{WorkCounters, WorkDone};

@@ -39,6 +39,9 @@ pub struct PlannedStep {
     pub is_aside: bool,
 }
 
+/// A backend, or why there is none.
+pub type OpenedBackend = Result<Box<dyn FillBackend>, DeviceError>;
+
 /// One way to fill regions, with all its variants.
 pub trait Technique: Sync + Debug {
     /// Name in rows: `vertex`, `compute` …
@@ -95,7 +98,9 @@ pub trait Technique: Sync + Debug {
 
     /// From the un-optimised method to the full plan, one switch at a time; empty for a technique that does
     /// not come from it.
-    fn ablation(&self, overlap: Overlap) -> Vec<PlannedStep>;
+    fn ablation(&self, _overlap: Overlap) -> Vec<PlannedStep> {
+        Vec::new()
+    }
 
     /// As it should be used: the top of its ablation with boundaries as they are, then with levels of detail, the
     /// same picture but for half a pixel. None for a technique without an ablation.
@@ -115,8 +120,10 @@ pub trait Technique: Sync + Debug {
     }
 
     /// `base` with each parameter of its own away from its default, alone. What is not allowed may
-    /// be among them.
-    fn matrix_row(&self, base: &Variant) -> Vec<Variant>;
+    /// be among them. None for a technique without parameters that it may turn.
+    fn matrix_row(&self, _base: &Variant) -> Vec<Variant> {
+        Vec::new()
+    }
 
     /// Whether parameters and switches go together, and with a scene of this kind. What only the
     /// device or its interface may lack is [`Technique::open`]'s to refuse.
@@ -175,11 +182,7 @@ pub trait Technique: Sync + Debug {
     /// # Errors
     /// [`DeviceError::Unsupported`] when there is no device, or device or interface lack something;
     /// else whatever the device reports.
-    fn open(
-        &self,
-        targets: &Targets,
-        variant: &Variant,
-    ) -> Result<Box<dyn FillBackend>, DeviceError>;
+    fn open(&self, targets: &Targets, variant: &Variant) -> OpenedBackend;
 }
 
 /// Every layout of `technique`, with nothing else changed.

@@ -13,11 +13,11 @@
 //! Of a mesh in parts only those are tested whose boxes may be met. Near the ground a frame would
 //! otherwise spend milliseconds on the vertices of a continent.
 
-use crate::parts::{MeshParts, edges_in, index_u32};
+use crate::parts::{MeshParts, edges_in};
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
 use std::ops::Range;
-use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
+use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights, index_u32};
 use terrafill_scene::{Camera, ImageSize};
 
 /// Where the near plane lies, as far as the image shows it, seen from a closed volume.

@@ -16,7 +16,7 @@ use crate::pixel_rect::PixelRect;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::ops::Range;
-use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
+use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights, index_u32};
 
 /// Facets, or walls, of a part at most: few enough that parts end near the horizon, enough that the test of a part costs
 /// less than its vertices.
@@ -103,14 +103,6 @@ fn chunks(count: usize) -> Vec<Range<u32>> {
     let starts = (0..count).step_by(PART_FACETS);
     let chunk = |start: usize| index_u32(start)..index_u32((start + PART_FACETS).min(count));
     starts.map(chunk).collect()
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "meshes have fewer than 2^32 vertices"
-)]
-pub(crate) fn index_u32(index: usize) -> u32 {
-    index as u32
 }
 
 /// Some facets or walls and where they are.

@@ -18,6 +18,12 @@ pub struct ImageSize {
 }
 
 impl ImageSize {
+    /// So many columns and rows of pixels.
+    #[must_use]
+    pub const fn new(width: u32, height: u32) -> Self {
+        Self { width, height }
+    }
+
     /// Width over height.
     #[must_use]
     pub fn aspect(self) -> f64 {

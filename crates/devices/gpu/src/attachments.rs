@@ -23,7 +23,8 @@ pub(crate) fn target(
 }
 
 /// Depth as it is, and the stencil to be written, or, without a way to load it, to be left as it is too.
-pub(crate) fn read_only_depth(
+#[must_use]
+pub fn read_only_depth(
     view: &wgpu::TextureView,
     stencil: Option<wgpu::LoadOp<u32>>,
 ) -> wgpu::RenderPassDepthStencilAttachment<'_> {
@@ -38,7 +39,8 @@ pub(crate) fn read_only_depth(
 }
 
 /// A colour target, written.
-pub(crate) fn attached(
+#[must_use]
+pub fn attached(
     view: &wgpu::TextureView,
     load: wgpu::LoadOp<wgpu::Color>,
 ) -> wgpu::RenderPassColorAttachment<'_> {

@@ -63,11 +63,8 @@ impl Baseline {
             if reads_depth { &[Some(&layout)] } else { &[] };
         let pipeline_layout = gpu.pipeline_layout(kind.name(), layouts);
         let unmarked = StencilTest {
-            is_equal: true,
-            reference: 0,
             read_mask: 0xff,
-            zeroes: false,
-            skips_sky: false,
+            ..StencilTest::ANYWHERE
         };
         let depth_stencil = (kind == BaselineKind::StencilPass).then(|| colour_state(unmarked));
         let (label, target) = (kind.name(), colour_target(false));
@@ -114,12 +111,8 @@ impl Baseline {
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
         let (fill_cpu_ms, fill_wall_ms) = (watch.cpu_ms(), watch.wall_ms());
-        let timed = targets
-            .timer()
-            .map(|of| of.pass_ms(gpu, TimedPass::Baseline));
-        let fill_gpu_ms = timed.transpose()?.flatten();
         Ok(FrameTimes {
-            fill_gpu_ms,
+            fill_gpu_ms: targets.pass_ms(TimedPass::Baseline)?,
             fill_cpu_ms,
             fill_wall_ms,
             ..FrameTimes::default()

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use terrafill_contract::{DeviceError, Feature};
 use terrafill_scene::ImageSize;
-use terrafill_stencil::{CoverInstance, Holding, NUMBER_BYTES, StencilTest};
+use terrafill_stencil::{CoverDraw, CoverInstance, Holding, NUMBER_BYTES, StencilTest};
 
 /// Where covers that are instances are bound, behind whatever volumes bind.
 const INSTANCES: u32 = 3;
@@ -92,18 +92,11 @@ impl Covers {
         Ok(())
     }
 
-    /// Covers marked pixels in the colours of `volumes`, in this order.
-    pub(crate) fn draw_covers(
-        &self,
-        pass: &mut VolumePass<'_>,
-        test: StencilTest,
-        blends: bool,
-        scissor: bool,
-        volumes: &[usize],
-    ) {
-        self.begin(pass, test, blends);
-        for &volume in volumes {
-            pass.cut(volume, scissor);
+    /// Covers marked pixels in the colours of volumes, in this order.
+    pub(crate) fn draw_covers(&self, pass: &mut VolumePass<'_>, draw: CoverDraw<'_>, blends: bool) {
+        self.begin(pass, draw.test, blends);
+        for &volume in draw.volumes {
+            pass.cut(volume, draw.scissor);
             pass.draw(0..3, volume);
         }
     }

@@ -2,7 +2,7 @@
 //! A pipeline of the caller's own that draws over cleared targets: nearest depth wins, both faces kept.
 
 use crate::attachments::{COLOUR_FORMAT, attached};
-use crate::render_pipeline::{described, nearest};
+use crate::render_pipeline::{described, nearest, vertex_layout};
 use crate::{Gpu, RenderTargets, TimedPass};
 use terrafill_contract::{DeviceError, SKY};
 
@@ -41,13 +41,7 @@ impl Gpu {
         });
         let buffers: Vec<_> = attributes
             .iter()
-            .map(|attributes| {
-                Some(wgpu::VertexBufferLayout {
-                    array_stride: attributes[0].format.size(),
-                    step_mode: wgpu::VertexStepMode::Vertex,
-                    attributes,
-                })
-            })
+            .map(|attributes| vertex_layout(attributes))
             .collect();
         let targets = [Some(COLOUR_FORMAT.into())];
         let mut described = described(direct.path, &layout, &module, &targets);
@@ -124,9 +118,6 @@ impl RenderTargets {
     /// # Errors
     /// [`DeviceError::DeviceLost`].
     pub fn direct_ms(&self) -> Result<Option<f64>, DeviceError> {
-        let timed = self
-            .timer()
-            .map(|of| of.pass_ms(self.gpu(), TimedPass::Surface));
-        Ok(timed.transpose()?.flatten())
+        self.pass_ms(TimedPass::Surface)
     }
 }

@@ -214,14 +214,7 @@ impl Evaluator {
                 cache: None,
             })
         };
-        let buffer = |size: usize, usage| {
-            gpu.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(kernel.name),
-                size: size as u64,
-                usage,
-                mapped_at_creation: false,
-            })
-        };
+        let buffer = |size: usize, usage| gpu.unwritten(kernel.name, size as u64, usage);
         let vectors = size_of::<[f32; 4]>();
         let of_inputs = EVALUATIONS_PER_DISPATCH * vectors;
         let inputs = buffer(

@@ -14,10 +14,9 @@ use crate::textured::{BoundCover, Probe, TexturedFill};
 use crate::volume_pipeline::check_blendable;
 use crate::{Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
 use std::cell::RefCell;
-use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, FrameTimes, SurfaceTargets, ViewId, WorkDone,
+    Counters, CpuStopwatch, DeviceError, FrameTimes, SurfaceTargets, ViewId, WorkDone,
 };
 use terrafill_scene::{ImageSize, MipChain};
 use terrafill_stencil::{
@@ -139,14 +138,8 @@ impl<V: WgpuVolumes> StencilExecutor<V> for VolumeFill {
         })
     }
 
-    fn capabilities(&self, backend: &'static str) -> Capabilities {
-        let facts = &self.gpu().facts;
-        Capabilities {
-            backend,
-            adapter: facts.title(),
-            gpu_timestamps: facts.features.timestamps,
-            pipeline_statistics: facts.features.pipeline_statistics,
-        }
+    fn adapter(&self) -> String {
+        self.gpu().facts.title()
     }
 
     fn work_done(&self) -> WorkDone {
@@ -216,16 +209,16 @@ impl<V: WgpuVolumes> StencilExecutor<V> for VolumeFill {
                     }
                     volumes.ensure(&gpu, list, &draw, *blends && is_coloured(&draw));
                 }
-                FillStep::Cover { test, volumes, .. } => {
+                FillStep::Cover(cover) => {
                     if let Some(textured) = &mut self.textured {
                         let test = StencilTest {
                             zeroes: false,
-                            ..test
+                            ..cover.test
                         };
-                        textured.ensure(&gpu, test, CoverPurpose::Colour, volumes);
+                        textured.ensure(&gpu, test, CoverPurpose::Colour, cover.volumes);
                     }
                     if !self.draws_texture {
-                        self.covers.ensure_cover(&gpu, test, *blends)?;
+                        self.covers.ensure_cover(&gpu, cover.test, *blends)?;
                     }
                 }
                 FillStep::Resolve => self.covers.ensure_resolve(&gpu)?,
@@ -274,8 +267,8 @@ impl<V: WgpuVolumes> StencilExecutor<V> for VolumeFill {
         let textured = self.textured.as_mut();
         let textured = textured.ok_or(DeviceError::Missing("picture"))?;
         for step in loaded.steps() {
-            if let FillStep::Cover { test, volumes, .. } = step {
-                textured.ensure(&gpu, test, CoverPurpose::Probe, volumes);
+            if let FillStep::Cover(cover) = step {
+                textured.ensure(&gpu, cover.test, CoverPurpose::Probe, cover.volumes);
             }
         }
         let probe = Probe::new(&gpu, loaded.work.list.size);
@@ -418,8 +411,7 @@ impl VolumeFill {
             None => CoverPurpose::Colour,
         };
         let mut zero = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-        // Merged covers lie in the order of the steps.
-        let mut merged_covers = 0..0;
+        let mut covered = 0;
         for (index, steps) in passes.iter().enumerate() {
             let is_textured = steps.has_colour && self.draws_texture && self.textured.is_some();
             let attachments = match (&loaded.numbers, &probe_views) {
@@ -474,23 +466,17 @@ impl VolumeFill {
             let mut bound = BoundCover::default();
             for step in steps.steps() {
                 match (step, &self.textured) {
-                    (
-                        FillStep::Cover {
-                            test,
-                            scissor,
-                            volumes,
-                        },
-                        Some(textured),
-                    ) if is_textured => {
+                    (FillStep::Cover(cover), Some(textured)) if is_textured => {
+                        let test = cover.test;
                         pass.raw.set_stencil_reference(u32::from(test.reference));
-                        for &volume in volumes {
+                        for &volume in cover.volumes {
                             if textured.bind(&mut pass.raw, test, purpose, volume, &mut bound) {
-                                pass.cut(volume, scissor);
+                                pass.cut(volume, cover.scissor);
                                 pass.draw(0..3, volume);
                             }
                         }
                     }
-                    (step, _) => self.step(&mut pass, volumes, loaded, &step, &mut merged_covers),
+                    (step, _) => self.step(&mut pass, volumes, loaded, &step, &mut covered),
                 }
             }
             if recording.statistics.is_some() {
@@ -509,13 +495,14 @@ impl VolumeFill {
         Ok(counters)
     }
 
+    /// - `covered`: how many merged covers are drawn so far
     fn step(
         &self,
         pass: &mut VolumePass<'_>,
         volumes: &mut impl WgpuVolumes,
         loaded: &Loaded,
         step: &FillStep<'_>,
-        merged_covers: &mut Range<u32>,
+        covered: &mut u32,
     ) {
         let blends = loaded.work.blends;
         match step {
@@ -526,24 +513,11 @@ impl VolumeFill {
                 pass.at_sky(false);
                 volumes.draw(pass, draw, blends && is_coloured(draw));
             }
-            FillStep::Cover {
-                test,
-                scissor,
-                volumes,
-            } if loaded.covers.is_some() => {
-                let rectangles = loaded.work.list.cover_count(volumes, *scissor);
-                let first = merged_covers.end;
-                *merged_covers = first..first.saturating_add(rectangles);
-                let range = merged_covers.clone();
-                self.covers.draw_merged(pass, *test, blends, range);
+            FillStep::Cover(cover) if loaded.covers.is_some() => {
+                let merged = loaded.work.list.merged_covers(cover, covered);
+                self.covers.draw_merged(pass, cover.test, blends, merged);
             }
-            FillStep::Cover {
-                test,
-                scissor,
-                volumes,
-            } => self
-                .covers
-                .draw_covers(pass, *test, blends, *scissor, volumes),
+            FillStep::Cover(cover) => self.covers.draw_covers(pass, *cover, blends),
             FillStep::Resolve => {
                 if let Some(numbers) = &loaded.numbers {
                     self.covers.draw_resolve(pass, numbers);

@@ -39,7 +39,7 @@ pub use terrafill_shaders::source_hash as shader_source_hash;
 pub use terrafill_stencil::{RouteTexelFormat, RouteTexels};
 
 pub use adapter::{DeviceFacts, Features, Gpu, list_adapters, open_for_test};
-pub use attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT};
+pub use attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, attached, read_only_depth};
 pub use baseline::{Baseline, BaselineKind};
 pub use deliberate_error::make_deliberate_error;
 pub use direct::{DirectFrame, DirectPipeline};
@@ -49,10 +49,11 @@ pub use evaluate::{
 pub use fill::{VolumeFill, WgpuVolumes};
 pub use ray_cast::RayCast;
 pub use readback::{read_buffer, read_texture};
+pub use render_pipeline::{described, tested, vertex_layout};
 pub use shared::{API, SURFACES, shared_gpu, shared_targets};
 pub use targets::{RenderTargets, SharedTargets};
 pub use textured::{BoundCover, Probe, TexturedFill};
 pub use timing::{PassTimer, Stamps, TimedPass};
 pub use validation::messages;
-pub use volume_pass::VolumePass;
+pub use volume_pass::{VolumePass, index_format};
 pub use volume_pipeline::{HandedOn, VolumeShader};

@@ -82,12 +82,8 @@ impl RayCast {
             wgpu::ShaderStages::FRAGMENT,
             &[wgpu::BufferBindingType::Uniform],
         );
-        let constants = gpu.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("ray constants"),
-            size: Self::CONSTANT_BYTES,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let uniform = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let constants = gpu.unwritten("ray constants", Self::CONSTANT_BYTES, uniform);
         let shader = gpu.shader("surface/ray_cast.wgsl")?;
         let pipeline_layout = gpu.pipeline_layout("ray cast", &[Some(&layout)]);
         let target = COLOUR_FORMAT.into();

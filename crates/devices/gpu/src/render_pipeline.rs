@@ -4,7 +4,8 @@
 use crate::attachments::DEPTH_STENCIL_FORMAT;
 
 /// Triangles of numbered vertices by `vertex_main` and `fragment_main` of one shader, without depth.
-pub(crate) fn described<'a>(
+#[must_use]
+pub fn described<'a>(
     label: &'a str,
     layout: &'a wgpu::PipelineLayout,
     module: &'a wgpu::ShaderModule,
@@ -41,8 +42,19 @@ pub(crate) fn nearest() -> wgpu::DepthStencilState {
     }
 }
 
+/// A buffer of vertices without gaps in them or between them.
+#[must_use]
+pub fn vertex_layout(attributes: &[wgpu::VertexAttribute]) -> Option<wgpu::VertexBufferLayout<'_>> {
+    Some(wgpu::VertexBufferLayout {
+        array_stride: attributes.iter().map(|one| one.format.size()).sum(),
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes,
+    })
+}
+
 /// Depth tested and left as it is.
-pub(crate) fn tested(
+#[must_use]
+pub fn tested(
     compare: wgpu::CompareFunction,
     stencil: wgpu::StencilState,
 ) -> wgpu::DepthStencilState {

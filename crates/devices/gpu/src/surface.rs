@@ -4,7 +4,7 @@
 use crate::Gpu;
 use crate::attachments::COLOUR_FORMAT;
 use crate::picture::{bind_picture, picture_layout, upload_picture};
-use crate::render_pipeline::{described, nearest};
+use crate::render_pipeline::{described, nearest, vertex_layout};
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, SurfaceDevice, SurfaceDraw, SurfaceLook};
 use terrafill_scene::MipChain;
@@ -29,11 +29,8 @@ impl SurfaceDevice for WgpuSurface {
         let shader = self.gpu.shader(look.shader())?;
         let layout = self.gpu.pipeline_layout("surface", groups);
         let targets = [Some(COLOUR_FORMAT.into())];
-        let vertices = [Some(wgpu::VertexBufferLayout {
-            array_stride: 12,
-            step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &wgpu::vertex_attr_array![0 => Float32x3],
-        })];
+        let attributes = wgpu::vertex_attr_array![0 => Float32x3];
+        let vertices = [vertex_layout(&attributes)];
         let mut described = described("surface", &layout, &shader, &targets);
         described.vertex.buffers = &vertices;
         described.primitive.cull_mode = (!look.draws_back_faces).then_some(wgpu::Face::Back);

@@ -47,12 +47,9 @@ impl RenderTargets {
         check_target_size(size, limit, &gpu.facts.name)?;
         let uniform = wgpu::BufferBindingType::Uniform;
         let layout = gpu.buffer_layout("surface", wgpu::ShaderStages::VERTEX_FRAGMENT, &[uniform]);
-        let view_constants = gpu.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("view constants"),
-            size: size_of::<ViewConstants>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let bytes = size_of::<ViewConstants>() as u64;
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let view_constants = gpu.unwritten("view constants", bytes, usage);
         let bind_group = gpu.bind_buffers("surface", &layout, &[&view_constants]);
         let copied = wgpu::TextureUsages::COPY_SRC;
         Ok(Self {
@@ -102,6 +99,15 @@ impl RenderTargets {
     #[must_use]
     pub fn timer(&self) -> Option<&PassTimer> {
         self.timer.as_ref()
+    }
+
+    /// GPU time of a pass that was drawn last and waited for, milliseconds, where the device keeps time.
+    ///
+    /// # Errors
+    /// [`DeviceError::DeviceLost`].
+    pub fn pass_ms(&self, pass: TimedPass) -> Result<Option<f64>, DeviceError> {
+        let timed = self.timer.as_ref().map(|of| of.pass_ms(&self.gpu, pass));
+        Ok(timed.transpose()?.flatten())
     }
 
     /// Constants of the view that was prepared last.

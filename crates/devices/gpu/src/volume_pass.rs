@@ -102,6 +102,16 @@ impl<'a> VolumePass<'a> {
     }
 }
 
+/// Of indices of 16 or of 32 bits.
+#[must_use]
+pub fn index_format(is_short: bool) -> wgpu::IndexFormat {
+    if is_short {
+        wgpu::IndexFormat::Uint16
+    } else {
+        wgpu::IndexFormat::Uint32
+    }
+}
+
 /// The instance number is the index of the volume's constants.
 fn instance(volume: usize) -> Range<u32> {
     let first = u32::try_from(volume).unwrap_or(u32::MAX - 1);

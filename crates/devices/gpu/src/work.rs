@@ -22,6 +22,17 @@ impl Gpu {
         self.device.create_buffer(descriptor)
     }
 
+    /// Makes a buffer that nothing is written into yet.
+    #[must_use]
+    pub fn unwritten(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size,
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+
     /// Makes a flat texture of so many layers and levels. Whoever makes it counts what a fill needs of it.
     #[must_use]
     pub fn texture(
@@ -93,12 +104,7 @@ impl Gpu {
 
     /// Writes what a buffer has to hold over what it holds from its first byte on, where that differs.
     pub fn write_changed(&self, buffer: &wgpu::Buffer, before: &[u8], after: &[u8]) {
-        let changed = if before.len() == after.len() {
-            changed_words(before, after)
-        } else {
-            Some(0..after.len())
-        };
-        if let Some(changed) = changed.filter(|changed| !changed.is_empty()) {
+        if let Some(changed) = changed_words(before, after) {
             self.write_buffer(buffer, changed.start as u64, &after[changed]);
         }
     }

@@ -76,10 +76,7 @@ fn a_stage_refuses_an_input_of_another_size_and_a_size_no_device_has() {
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
-    let small = ImageSize {
-        width: 10,
-        height: 10,
-    };
+    let small = ImageSize::new(10, 10);
     let mut targets = RenderTargets::new(&gpu, small).expect("small targets");
     let error = targets.prepare(&globe_from(8e6)).expect_err("another size");
     assert!(error.to_string().contains("image size differs"), "{error}");

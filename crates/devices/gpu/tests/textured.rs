@@ -8,7 +8,8 @@ use std::sync::Arc;
 use terrafill_contract::{AddressMode, DeviceError, Feature, FillInput, PreparedScene};
 use terrafill_core::{Ellipsoid, Geodetic, parse_regions};
 use terrafill_gpu::{
-    BoundCover, Gpu, GpuOptions, Probe, RenderTargets, TexturedFill, open_for_test,
+    BoundCover, Gpu, GpuOptions, Probe, RenderTargets, TexturedFill, attached, open_for_test,
+    read_only_depth,
 };
 use terrafill_plan::{
     NearRectangle, PixelRect, PlanOptions, PlannedRegion, RegionSet, SceneBounds,
@@ -22,10 +23,7 @@ use terrafill_surface::EllipsoidKind;
 use terrafill_texture::PositionRoute;
 use terrafill_variant::{RouteChoice, Switches};
 
-const SIZE: ImageSize = ImageSize {
-    width: 160,
-    height: 120,
-};
+const SIZE: ImageSize = ImageSize::new(160, 120);
 const BODY: Ellipsoid = Ellipsoid::WGS84;
 /// Columns and rows of the picture.
 const TEXELS: [u32; 2] = [64, 32];
@@ -194,11 +192,8 @@ fn uv(
 
 /// Passes everywhere: the surface pass left 0.
 const EVERYWHERE: StencilTest = StencilTest {
-    is_equal: true,
-    reference: 0,
     read_mask: 0xff,
-    zeroes: false,
-    skips_sky: false,
+    ..StencilTest::ANYWHERE
 };
 
 struct TexturedPicture {
@@ -231,17 +226,7 @@ fn draw(
     let probe_views = probe.views();
     for purpose in [CoverPurpose::Colour, CoverPurpose::Probe] {
         fill.ensure(gpu, EVERYWHERE, purpose, &[0]);
-        let attached = |view, load| {
-            Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load,
-                    store: wgpu::StoreOp::Store,
-                },
-            })
-        };
+        let attached = |view, load| Some(attached(view, load));
         let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
         let targets = match purpose {
             CoverPurpose::Colour => vec![attached(&colour, wgpu::LoadOp::Load)],
@@ -251,11 +236,7 @@ fn draw(
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: None,
             color_attachments: &targets,
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &depth_stencil,
-                depth_ops: None,
-                stencil_ops: None,
-            }),
+            depth_stencil_attachment: Some(read_only_depth(&depth_stencil, None)),
             ..Default::default()
         });
         pass.set_bind_group(0, &frame_group, &[]);
@@ -441,57 +422,34 @@ fn anchor(longitude_deg: f64, latitude_deg: f64, rotation_deg: f64) -> TextureAn
 
 /// Places to look at: a region under the eye, from straight above and aslant.
 fn sights() -> Vec<JudgedView> {
-    use TexturePlacement::Extents;
     let down = -90.0;
-    vec![
-        JudgedView::new(
-            "equator",
-            eye(10.0, 0.0, 3e5, down),
-            bounds(8.0, -2.0, 12.0, 2.0),
-            Extents,
-        ),
-        JudgedView::new(
-            "45°",
-            eye(10.0, 45.0, 3e5, down),
-            bounds(8.0, 43.0, 12.0, 47.0),
-            Extents,
-        ),
-        JudgedView::new(
-            "aslant",
-            eye(10.0, 45.0, 3e5, -60.0),
-            bounds(8.0, 43.0, 12.0, 47.0),
-            Extents,
-        ),
-        JudgedView::new(
-            "70°",
-            eye(10.0, 70.0, 3e5, down),
-            bounds(6.0, 68.0, 14.0, 72.0),
-            Extents,
-        ),
-        JudgedView::new(
-            "85°",
-            eye(10.0, 85.0, 3e5, down),
-            bounds(-10.0, 83.0, 30.0, 87.0),
-            Extents,
-        ),
-        JudgedView::new(
+    // Longitude, latitude, height and pitch of the eye; west, south, east and north of the region.
+    let of_extents = [
+        ("equator", [10.0, 0.0, 3e5, down], [8.0, -2.0, 12.0, 2.0]),
+        ("45°", [10.0, 45.0, 3e5, down], [8.0, 43.0, 12.0, 47.0]),
+        ("aslant", [10.0, 45.0, 3e5, -60.0], [8.0, 43.0, 12.0, 47.0]),
+        ("70°", [10.0, 70.0, 3e5, down], [6.0, 68.0, 14.0, 72.0]),
+        ("85°", [10.0, 85.0, 3e5, down], [-10.0, 83.0, 30.0, 87.0]),
+        (
             "±180°",
-            eye(180.0, -17.0, 3e5, down),
-            bounds(177.0, -19.0, 183.0, -15.0),
-            Extents,
+            [180.0, -17.0, 3e5, down],
+            [177.0, -19.0, 183.0, -15.0],
         ),
-        JudgedView::new(
+        (
             "beyond",
-            eye(-179.9, -17.0, 3e5, down),
-            bounds(177.0, -19.0, 183.0, -15.0),
-            Extents,
+            [-179.9, -17.0, 3e5, down],
+            [177.0, -19.0, 183.0, -15.0],
         ),
-        JudgedView::new(
-            "pole",
-            eye(0.0, 89.95, 3e5, down),
-            bounds(-180.0, 70.0, 180.0, 90.0),
-            Extents,
-        ),
+        ("pole", [0.0, 89.95, 3e5, down], [-180.0, 70.0, 180.0, 90.0]),
+    ];
+    let of_extents = of_extents.map(
+        |(name, [x, y, height_m, pitch], [west, south, east, north])| {
+            let (eye, bounds) = (eye(x, y, height_m, pitch), bounds(west, south, east, north));
+            JudgedView::new(name, eye, bounds, TexturePlacement::Extents)
+        },
+    );
+    let mut sights = Vec::from(of_extents);
+    sights.extend([
         JudgedView::new(
             "turned",
             eye(10.0, 45.0, 3e5, down),
@@ -523,7 +481,8 @@ fn sights() -> Vec<JudgedView> {
                 texels_per_px: 1.5,
             },
         ),
-    ]
+    ]);
+    sights
 }
 
 fn sight(name: &str) -> JudgedView {

@@ -10,6 +10,7 @@ use terrafill_fixtures::BoxOverGround;
 use terrafill_fixtures::globe::SIZE;
 use terrafill_gpu::{
     Gpu, HandedOn, RenderTargets, VolumeFill, VolumePass, VolumeShader, WgpuVolumes, open_for_test,
+    vertex_layout,
 };
 use terrafill_plan::PixelRect;
 use terrafill_stencil::{StencilExecutor, VolumeDraw, VolumeList, VolumeState};
@@ -53,11 +54,7 @@ impl WgpuVolumes for Boxes {
                 HandedOn::Number => "numbered_main",
             },
             constants: &[],
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: 16,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &attributes,
-            })],
+            buffers: &[vertex_layout(&attributes)],
             strip_index_format: None,
             front_face: wgpu::FrontFace::Ccw,
             discards: false,

@@ -390,6 +390,17 @@ impl Gpu {
         DeviceError::unsupported(capability, &self.facts.name)
     }
 
+    /// Refuses what it lacks.
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`], which names the capability.
+    pub fn require(&self, is_there: bool, capability: &str) -> Result<(), DeviceError> {
+        if is_there {
+            return Ok(());
+        }
+        Err(self.lacks(capability))
+    }
+
     /// Nanoseconds per timestamp tick.
     #[must_use]
     pub fn timestamp_period_ns(&self) -> f32 {

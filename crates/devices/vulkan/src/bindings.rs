@@ -2,6 +2,7 @@
 //! Descriptor sets, and that of a view's and its regions' constants.
 
 use crate::failure::failure;
+use crate::fixtures;
 use crate::owned::Owned;
 use crate::{Buffer, BufferUse, Gpu};
 use ash::vk;
@@ -30,11 +31,10 @@ impl BindGroup {
         view: &Arc<Buffer>,
         regions: Option<&Arc<Buffer>>,
     ) -> Result<Self, DeviceError> {
-        if !view.is_for(gpu, BufferUse::Uniform)
-            || !regions.is_none_or(|regions| regions.is_for(gpu, BufferUse::Storage))
-        {
-            return Err(gpu.lacks("binding a buffer of another device or made for another use"));
-        }
+        let fits = view.is_for(gpu, BufferUse::Uniform)
+            && regions.is_none_or(|regions| regions.is_for(gpu, BufferUse::Storage));
+        let what = "binding a buffer of another device or made for another use";
+        gpu.require(fits, what)?;
         let (uniform, storage) = (
             vk::DescriptorType::UNIFORM_BUFFER,
             vk::DescriptorType::STORAGE_BUFFER,
@@ -209,18 +209,8 @@ pub(crate) fn set_layout(
     gpu: &Arc<Gpu>,
     kinds: impl Iterator<Item = (vk::DescriptorType, u32)>,
 ) -> Result<Owned<vk::DescriptorSetLayout>, DeviceError> {
-    let entry = |(binding, (kind, count))| {
-        vk::DescriptorSetLayoutBinding::default()
-            .binding(binding)
-            .descriptor_type(kind)
-            .descriptor_count(count)
-            .stage_flags(vk::ShaderStageFlags::ALL)
-    };
-    let bindings: Vec<_> = (0..).zip(kinds).map(entry).collect();
-    let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-    // SAFETY: the structure lives through the call; sets hold what they are made with.
-    unsafe {
-        let made = gpu.device.create_descriptor_set_layout(&info, None);
-        Owned::new(gpu, "layout of resources", made)
-    }
+    let kinds = kinds.map(|(kind, count)| (kind, count, vk::ShaderStageFlags::ALL));
+    let made = fixtures::set_layout(&gpu.device, kinds);
+    // SAFETY: the layout is this device's; sets hold what they are made with.
+    unsafe { Owned::new(gpu, "layout of resources", made) }
 }

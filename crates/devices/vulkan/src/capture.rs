@@ -3,6 +3,7 @@
 //! transform feedback keeps, the rest of the pipeline discarded.
 
 use crate::direct::record_dispatch;
+use crate::memory::barrier;
 use crate::owned::Owned;
 use crate::pipeline::{OwnedPipeline, ShaderStage, graphics};
 use crate::queries::{Queries, QueryKind, Span};
@@ -43,12 +44,8 @@ impl CapturePipeline {
         resources: &Arc<Resources>,
         vertex: &'static str,
     ) -> Result<Self, DeviceError> {
-        if gpu.feedback.is_none() {
-            return Err(gpu.lacks("VK_EXT_transform_feedback"));
-        }
-        if !resources.is_on(gpu) {
-            return Err(gpu.lacks("resources of another device"));
-        }
+        gpu.require(gpu.feedback.is_some(), "VK_EXT_transform_feedback")?;
+        gpu.require(resources.is_on(gpu), "resources of another device")?;
         let subpasses =
             [vk::SubpassDescription::default()
                 .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)];
@@ -121,10 +118,8 @@ pub fn advance(gpu: &Arc<Gpu>, steps: &[StateStep<'_>]) -> Result<StepReport, De
             pipeline.pipeline.is_on(gpu) && into.is_for(gpu, BufferUse::State)
         }
     };
-    if !steps.iter().all(fits) {
-        let what = "stepping what is of another device or made for another use";
-        return Err(gpu.lacks(what));
-    }
+    let what = "stepping what is of another device or made for another use";
+    gpu.require(steps.iter().all(fits), what)?;
     let stamps = Queries::new(gpu, QueryKind::Timestamps, 2)?;
     let span = Span::new(stamps.as_ref(), 0);
     // SAFETY: everything is of this device and lives until the submission is done.
@@ -156,9 +151,9 @@ impl Buffer {
     /// [`DeviceError::DeviceLost`].
     pub fn contents(&self, gpu: &Arc<Gpu>) -> Result<Vec<u8>, DeviceError> {
         let mut readable = [BufferUse::State, BufferUse::Arguments].into_iter();
-        if !readable.any(|of| self.is_for(gpu, of)) {
-            return Err(gpu.lacks("reading back a buffer that is neither state nor arguments"));
-        }
+        let is_readable = readable.any(|of| self.is_for(gpu, of));
+        let what = "reading back a buffer that is neither state nor arguments";
+        gpu.require(is_readable, what)?;
         let copy = Self::for_reading(gpu, "state read-back", self.size())?;
         let region = [vk::BufferCopy::default().size(self.size())];
         // SAFETY: both have this size and live until the submission is done.
@@ -219,11 +214,9 @@ unsafe fn record_capture(
 /// # Safety
 /// Recording is under way, outside of a pass.
 unsafe fn let_all_see(device: &ash::Device, commands: vk::CommandBuffer) {
-    let barrier = [vk::MemoryBarrier::default()
-        .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
-        .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE)];
     let all = vk::PipelineStageFlags::ALL_COMMANDS;
-    let flags = vk::DependencyFlags::empty();
+    let any = vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE;
+    let written = (all, vk::AccessFlags::MEMORY_WRITE);
     // SAFETY: the caller's promise.
-    unsafe { device.cmd_pipeline_barrier(commands, all, all, flags, &barrier, &[], &[]) };
+    unsafe { barrier(device, commands, written, (all, any)) };
 }

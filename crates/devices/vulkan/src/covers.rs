@@ -11,7 +11,7 @@ use std::collections::hash_map::Entry;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, Feature};
-use terrafill_stencil::{CoverInstance, FaceSet, Holding, StencilTest, VolumeState};
+use terrafill_stencil::{CoverDraw, CoverInstance, FaceSet, Holding, StencilTest, VolumeState};
 
 /// Corners of a rectangle, in a strip.
 const CORNERS: u32 = 4;
@@ -71,20 +71,18 @@ impl Covers {
         Holding::pipelines(std::iter::repeat_n(Feature::Covers, self.made.len()))
     }
 
-    /// Covers marked pixels in the colours of `volumes`, in this order.
+    /// Covers marked pixels in the colours of volumes, in this order.
     pub(crate) fn draw_covers<'a>(
         &'a self,
         pass: &mut VolumePass<'a, '_, '_>,
-        test: StencilTest,
-        scissor: bool,
-        volumes: &[usize],
+        draw: CoverDraw<'_>,
     ) {
-        let Some(pipeline) = self.made.get(&cover(test)) else {
+        let Some(pipeline) = self.made.get(&cover(draw.test)) else {
             return;
         };
-        pass.at_sky(test.skips_sky);
-        for &volume in volumes {
-            pass.cut(volume, scissor);
+        pass.at_sky(draw.test.skips_sky);
+        for &volume in draw.volumes {
+            pass.cut(volume, draw.scissor);
             pass.draw(pipeline, 3, volume);
         }
     }

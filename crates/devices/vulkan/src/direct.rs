@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One pass over cleared targets by a pipeline of the caller's own, after a dispatch where there is one.
 
+use crate::memory::barrier;
 use crate::queries::{Queries, QueryKind, Span};
 use crate::render_targets::SURFACE_STAMPS;
 use crate::{
@@ -83,11 +84,7 @@ impl RenderTargets {
         self.check(dispatch, draw)?;
         let gpu = self.gpu();
         let counts = measured == Measured::Statistics && !draw.pipeline.is_mesh();
-        let queries = if counts {
-            Queries::new(gpu, QueryKind::Statistics, 1)?
-        } else {
-            None
-        };
+        let queries = Queries::new(gpu, QueryKind::Statistics, u32::from(counts))?;
         let ranges = match draw.call {
             DrawCall::Vertices(ranges) if measured == Measured::Samples => ranges.len(),
             _ => 0,
@@ -120,14 +117,9 @@ impl RenderTargets {
             })?;
         }
         let gpu_ms = span.ms()?;
-        let statistics = match &queries {
-            Some(queries) => Some(queries.read_statistics(1)?),
-            None => None,
-        };
-        let samples = match &samples {
-            Some(samples) => Some(samples.read(0, ranges)?),
-            None => None,
-        };
+        let statistics = queries.map(|queries| queries.read_statistics(1));
+        let statistics = statistics.transpose()?;
+        let samples = samples.map(|samples| samples.read(0, ranges)).transpose()?;
         self.set_drawn();
         Ok(DirectReport {
             gpu_ms,
@@ -165,10 +157,8 @@ impl RenderTargets {
         };
         let devices_fit = draw.pipeline.owned.is_on(gpu)
             && dispatch.is_none_or(|dispatch| dispatch.pipeline.owned.is_on(gpu));
-        if vertices_fit && call_fits && devices_fit && is_mesh == draw.pipeline.is_mesh() {
-            return Ok(());
-        }
-        Err(gpu.lacks("drawing what does not fit its pipeline"))
+        let fits = vertices_fit && call_fits && devices_fit && is_mesh == draw.pipeline.is_mesh();
+        gpu.require(fits, "drawing what does not fit its pipeline")
     }
 }
 
@@ -180,25 +170,21 @@ pub(crate) unsafe fn record_dispatch(
     Dispatch { pipeline, groups }: Dispatch<'_>,
 ) {
     let compute = vk::PipelineBindPoint::COMPUTE;
-    let barrier = [vk::MemoryBarrier::default()
-        .src_access_mask(vk::AccessFlags::SHADER_WRITE)
-        .dst_access_mask(vk::AccessFlags::SHADER_READ | vk::AccessFlags::INDIRECT_COMMAND_READ)];
-    let readers = vk::PipelineStageFlags::ALL_GRAPHICS | vk::PipelineStageFlags::DRAW_INDIRECT;
+    let written = (
+        vk::PipelineStageFlags::COMPUTE_SHADER,
+        vk::AccessFlags::SHADER_WRITE,
+    );
+    let readers = (
+        vk::PipelineStageFlags::ALL_GRAPHICS | vk::PipelineStageFlags::DRAW_INDIRECT,
+        vk::AccessFlags::SHADER_READ | vk::AccessFlags::INDIRECT_COMMAND_READ,
+    );
     // SAFETY: the caller's promise.
     unsafe {
         device.cmd_bind_pipeline(commands, compute, pipeline.owned.raw);
         pipeline.resources.bind(commands, compute);
         let [x, y, z] = groups;
         device.cmd_dispatch(commands, x, y, z);
-        device.cmd_pipeline_barrier(
-            commands,
-            vk::PipelineStageFlags::COMPUTE_SHADER,
-            readers,
-            vk::DependencyFlags::empty(),
-            &barrier,
-            &[],
-            &[],
-        );
+        barrier(device, commands, written, readers);
     }
 }
 
@@ -239,11 +225,7 @@ unsafe fn record_draw(
                 count,
                 instances,
             } => {
-                let width = match width {
-                    IndexWidth::Short => vk::IndexType::UINT16,
-                    IndexWidth::Long => vk::IndexType::UINT32,
-                };
-                device.cmd_bind_index_buffer(commands, indices.raw, 0, width);
+                device.cmd_bind_index_buffer(commands, indices.raw, 0, width.vulkan());
                 device.cmd_draw_indexed(commands, count, instances, 0, 0, 0);
             }
             DrawCall::Indirect(arguments) => {

@@ -97,9 +97,7 @@ impl DrawPipeline {
         stages: PrimitiveStages,
         fragment: Shader,
     ) -> Result<Self, DeviceError> {
-        if !resources.is_on(gpu) {
-            return Err(gpu.lacks("resources of another device"));
-        }
+        gpu.require(resources.is_on(gpu), "resources of another device")?;
         let mut shaders = Vec::new();
         let (format, topology) = match stages {
             PrimitiveStages::Vertices {
@@ -114,9 +112,6 @@ impl DrawPipeline {
                 };
                 shaders.push((vk::ShaderStageFlags::VERTEX, vertex, stage));
                 if let Some(output) = geometry {
-                    if !gpu.facts.features.geometry_shader {
-                        return Err(gpu.lacks("geometryShader"));
-                    }
                     check_output(gpu, output)?;
                     let shader = Shader::Compiled(output.name);
                     shaders.push((vk::ShaderStageFlags::GEOMETRY, shader, stage));
@@ -124,13 +119,9 @@ impl DrawPipeline {
                 (format, topology)
             }
             PrimitiveStages::Mesh { task, mesh } => {
-                if gpu.mesh.is_none() {
-                    return Err(gpu.lacks("VK_EXT_mesh_shader"));
-                }
+                gpu.require(gpu.mesh.is_some(), "VK_EXT_mesh_shader")?;
                 if let Some(task) = task {
-                    if !gpu.facts.features.task_shader {
-                        return Err(gpu.lacks("taskShader"));
-                    }
+                    gpu.require(gpu.facts.features.task_shader, "taskShader")?;
                     let shader = Shader::Compiled(task);
                     shaders.push((vk::ShaderStageFlags::TASK_EXT, shader, SpirvStage::Vertex));
                 }
@@ -179,22 +170,20 @@ impl DrawPipeline {
     }
 }
 
+/// Refuses a device without geometry shaders, or whose limits are below this.
 pub(crate) fn check_output(gpu: &Gpu, output: GeometryOutput) -> Result<(), DeviceError> {
-    let limits = &gpu.limits;
-    let all = [
-        (
-            "vertices that a geometry shader emits",
-            output.vertices,
-            limits.max_geometry_output_vertices,
-        ),
-        (
-            "components that a geometry shader emits",
-            output.vertices * output.components,
-            limits.max_geometry_total_output_components,
-        ),
-    ];
-    let mut all = all.into_iter();
-    all.try_for_each(|(what, found, allowed)| DeviceError::check_capacity(what, found, allowed))
+    gpu.require(gpu.facts.features.geometry_shader, "geometryShader")?;
+    let (limits, vertices) = (&gpu.limits, output.vertices);
+    DeviceError::check_capacity(
+        "vertices that a geometry shader emits",
+        vertices,
+        limits.max_geometry_output_vertices,
+    )?;
+    DeviceError::check_capacity(
+        "components that a geometry shader emits",
+        vertices * output.components,
+        limits.max_geometry_total_output_components,
+    )
 }
 
 /// A compute pipeline with the resources that its shader finds.
@@ -216,9 +205,7 @@ impl ComputePipeline {
         resources: &Arc<Resources>,
         shader: Shader,
     ) -> Result<Self, DeviceError> {
-        if !resources.is_on(gpu) {
-            return Err(gpu.lacks("resources of another device"));
-        }
+        gpu.require(resources.is_on(gpu), "resources of another device")?;
         let key = shader.key(SpirvStage::Compute);
         let flag = vk::ShaderStageFlags::COMPUTE;
         let stage = ShaderStage::new(gpu, flag, key, shader.entry_point())?;
@@ -237,9 +224,9 @@ impl ComputePipeline {
     /// # Errors
     /// [`DeviceError::Unsupported`] for resources of other kinds or of another device.
     pub fn rebound(&self, resources: &Arc<Resources>) -> Result<Self, DeviceError> {
-        if !self.resources.is_like(resources) {
-            return Err(self.owned.gpu().lacks("binding resources of other kinds"));
-        }
+        let is_like = self.resources.is_like(resources);
+        let gpu = self.owned.gpu();
+        gpu.require(is_like, "binding resources of other kinds")?;
         Ok(Self {
             owned: Arc::clone(&self.owned),
             resources: Arc::clone(resources),

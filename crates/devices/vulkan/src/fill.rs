@@ -15,8 +15,7 @@ use crate::{
 use std::cell::RefCell;
 use std::sync::Arc;
 use terrafill_contract::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FrameTimes, SurfaceTargets, ViewId,
-    WorkDone,
+    Counters, CpuStopwatch, DeviceError, Feature, FrameTimes, SurfaceTargets, ViewId, WorkDone,
 };
 use terrafill_scene::MipChain;
 use terrafill_stencil::{
@@ -94,14 +93,11 @@ impl<V: VulkanVolumes> StencilExecutor<V> for VolumeFill {
 
     fn new(targets: &SharedTargets, switches: &Switches) -> Result<Self, DeviceError> {
         let gpu = Arc::clone(targets.borrow().gpu());
-        if (switches.texture.is_some() || switches.loads_texture)
-            && !gpu.facts.features.samples_depth
-        {
-            return Err(gpu.lacks("reading depth in shaders"));
-        }
-        if switches.first_pass != FirstPass::Stencil {
-            return Err(gpu.lacks("fragment programs in the first pass"));
-        }
+        let reads_depth = switches.texture.is_some() || switches.loads_texture;
+        let can_read = !reads_depth || gpu.facts.features.samples_depth;
+        gpu.require(can_read, "reading depth in shaders")?;
+        let is_plain = switches.first_pass == FirstPass::Stencil;
+        gpu.require(is_plain, "fragment programs in the first pass")?;
         Ok(Self {
             targets: SharedTargets::clone(targets),
             draws_texture: switches.texture.is_some(),
@@ -114,14 +110,8 @@ impl<V: VulkanVolumes> StencilExecutor<V> for VolumeFill {
         })
     }
 
-    fn capabilities(&self, backend: &'static str) -> Capabilities {
-        let facts = &self.gpu().facts;
-        Capabilities {
-            backend,
-            adapter: facts.title(),
-            gpu_timestamps: facts.features.timestamps,
-            pipeline_statistics: facts.features.pipeline_statistics,
-        }
+    fn adapter(&self) -> String {
+        self.gpu().facts.title()
     }
 
     fn work_done(&self) -> WorkDone {
@@ -217,17 +207,17 @@ impl<V: VulkanVolumes> StencilExecutor<V> for VolumeFill {
         for step in loaded.steps() {
             match step {
                 FillStep::Volumes(draw) => volumes.ensure(&gpu, &draw)?,
-                FillStep::Cover { test, volumes, .. } => {
+                FillStep::Cover(cover) => {
                     if let Some(textured) = &mut self.textured {
                         // Textured covers write no stencil.
                         let test = StencilTest {
                             zeroes: false,
-                            ..test
+                            ..cover.test
                         };
-                        textured.ensure(&gpu, test, CoverPurpose::Colour, volumes)?;
+                        textured.ensure(&gpu, test, CoverPurpose::Colour, cover.volumes)?;
                     }
                     if !self.draws_texture {
-                        self.covers.ensure_cover(&gpu, test)?;
+                        self.covers.ensure_cover(&gpu, cover.test)?;
                     }
                 }
                 FillStep::Resolve => self.covers.ensure_resolve(&gpu)?,
@@ -257,12 +247,9 @@ impl<V: VulkanVolumes> StencilExecutor<V> for VolumeFill {
         let watch = CpuStopwatch::start();
         let (report, _) = self.measure(volumes, Measured::Times)?;
         Ok(FrameTimes {
-            surface_gpu_ms: None,
-            stencil_gpu_ms: report.times.stencil_ms,
-            colour_gpu_ms: report.times.colour_ms,
-            fill_gpu_ms: report.times.fill_ms,
             fill_cpu_ms: watch.cpu_ms(),
             fill_wall_ms: watch.wall_ms(),
+            ..report.times
         })
     }
 
@@ -272,8 +259,8 @@ impl<V: VulkanVolumes> StencilExecutor<V> for VolumeFill {
         let textured = self.textured.as_mut();
         let textured = textured.ok_or(DeviceError::Missing("picture"))?;
         for step in loaded.steps() {
-            if let FillStep::Cover { test, volumes, .. } = step {
-                textured.ensure(&gpu, test, CoverPurpose::Probe, volumes)?;
+            if let FillStep::Cover(cover) = step {
+                textured.ensure(&gpu, cover.test, CoverPurpose::Probe, cover.volumes)?;
             }
         }
         let pixels = loaded.work.list.size.pixel_count();
@@ -420,7 +407,7 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// - `covered`: how many merged covers are drawn so far; they lie in the order of the steps
+    /// - `covered`: how many merged covers are drawn so far
     fn step<V: VulkanVolumes>(
         &self,
         pass: &mut VolumePass<'a, '_, '_>,
@@ -428,51 +415,28 @@ impl<'a> Recording<'a> {
         step: &FillStep<'_>,
         covered: &mut u32,
     ) {
-        let shown = self.fill.textured.as_ref();
-        match (step, shown.filter(|_| self.fill.draws_texture)) {
-            (FillStep::Volumes(draw), _) => {
+        let fill = self.fill;
+        let textured = fill.textured.as_ref().filter(|_| fill.draws_texture);
+        match step {
+            FillStep::Volumes(draw) => {
                 pass.at_sky(false);
                 volumes.draw(pass, draw);
             }
-            (
-                FillStep::Cover {
-                    test,
-                    scissor,
-                    volumes,
-                },
-                Some(textured),
-            ) => {
-                let purpose = match self.probe {
-                    Some(_) => CoverPurpose::Probe,
-                    None => CoverPurpose::Colour,
-                };
-                textured.draw_covers(pass, *test, purpose, *scissor, volumes);
-            }
-            (
-                FillStep::Cover {
-                    test,
-                    scissor,
-                    volumes,
-                },
-                None,
-            ) if self.loaded.covers.is_some() => {
-                let first = *covered;
-                let rectangles = self.loaded.work.list.cover_count(volumes, *scissor);
-                *covered = first.saturating_add(rectangles);
-                if let Some(list) = &self.loaded.covers {
-                    let covers = &self.fill.covers;
-                    covers.draw_merged(pass, *test, list, first..*covered);
+            FillStep::Cover(cover) => match (textured, &self.loaded.covers) {
+                (Some(textured), _) => {
+                    let purpose = match self.probe {
+                        Some(_) => CoverPurpose::Probe,
+                        None => CoverPurpose::Colour,
+                    };
+                    textured.draw_covers(pass, *cover, purpose);
                 }
-            }
-            (
-                FillStep::Cover {
-                    test,
-                    scissor,
-                    volumes,
-                },
-                None,
-            ) => self.fill.covers.draw_covers(pass, *test, *scissor, volumes),
-            (FillStep::Resolve, _) => self.fill.covers.draw_resolve(pass),
+                (None, Some(list)) => {
+                    let merged = self.loaded.work.list.merged_covers(cover, covered);
+                    fill.covers.draw_merged(pass, cover.test, list, merged);
+                }
+                (None, None) => fill.covers.draw_covers(pass, *cover),
+            },
+            FillStep::Resolve => fill.covers.draw_resolve(pass),
         }
     }
 }

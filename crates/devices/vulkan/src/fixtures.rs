@@ -106,17 +106,17 @@ impl Fixtures {
         }
         let fragment = vk::ShaderStageFlags::FRAGMENT;
         let both = vk::ShaderStageFlags::VERTEX | fragment;
-        let uniform = (vk::DescriptorType::UNIFORM_BUFFER, both);
-        let storage = (vk::DescriptorType::STORAGE_BUFFER, both);
-        let image = (vk::DescriptorType::SAMPLED_IMAGE, fragment);
-        let sampler = (vk::DescriptorType::SAMPLER, fragment);
+        let uniform = (vk::DescriptorType::UNIFORM_BUFFER, 1, both);
+        let storage = (vk::DescriptorType::STORAGE_BUFFER, 1, both);
+        let image = (vk::DescriptorType::SAMPLED_IMAGE, 1, fragment);
+        let sampler = (vk::DescriptorType::SAMPLER, 1, fragment);
         // A textured region's constants lie one after the other in a buffer, and each draw says where its
         // region's begin.
-        let region = (vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, fragment);
-        self.set_layout = set_layout(device, &[uniform, storage, storage])?;
-        self.depth_set_layout = set_layout(device, &[image, region])?;
-        self.image_set_layouts[image_index(false)] = set_layout(device, &[image])?;
-        self.image_set_layouts[image_index(true)] = set_layout(device, &[image, sampler])?;
+        let region = (vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, 1, fragment);
+        self.set_layout = set_layout(device, [uniform, storage, storage])?;
+        self.depth_set_layout = set_layout(device, [image, region])?;
+        self.image_set_layouts[image_index(false)] = set_layout(device, [image])?;
+        self.image_set_layouts[image_index(true)] = set_layout(device, [image, sampler])?;
         let [plain, sampled] = self.image_set_layouts;
         self.pipeline_layout = pipeline_layout(device, &[self.set_layout, plain])?;
         self.picture_layout = pipeline_layout(device, &[self.set_layout, sampled])?;
@@ -167,16 +167,16 @@ impl Fixtures {
     }
 }
 
-/// A layout of one descriptor of each kind at the bindings 0, 1 …, for these stages.
-fn set_layout(
+/// A layout of so many descriptors of each kind at the bindings 0, 1 …, for these stages.
+pub(crate) fn set_layout(
     device: &ash::Device,
-    kinds: &[(vk::DescriptorType, vk::ShaderStageFlags)],
+    kinds: impl IntoIterator<Item = (vk::DescriptorType, u32, vk::ShaderStageFlags)>,
 ) -> Result<vk::DescriptorSetLayout, vk::Result> {
-    let entry = |(binding, &(kind, stages))| {
+    let entry = |(binding, (kind, count, stages))| {
         vk::DescriptorSetLayoutBinding::default()
             .binding(binding)
             .descriptor_type(kind)
-            .descriptor_count(1)
+            .descriptor_count(count)
             .stage_flags(stages)
     };
     let bindings: Vec<_> = (0..).zip(kinds).map(entry).collect();
@@ -185,7 +185,7 @@ fn set_layout(
     unsafe { device.create_descriptor_set_layout(&info, None) }
 }
 
-fn pipeline_layout(
+pub(crate) fn pipeline_layout(
     device: &ash::Device,
     sets: &[vk::DescriptorSetLayout],
 ) -> Result<vk::PipelineLayout, vk::Result> {

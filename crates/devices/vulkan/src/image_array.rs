@@ -21,12 +21,10 @@ pub(crate) struct ImageArray {
 
 impl ImageArray {
     pub(crate) fn new(gpu: &Arc<Gpu>, images: Vec<Arc<BlockImage>>) -> Result<Self, DeviceError> {
-        if !gpu.facts.features.image_arrays {
-            return Err(gpu.lacks("freely indexed arrays of images"));
-        }
-        if !images.iter().all(|image| image.image.is_on(gpu)) {
-            return Err(gpu.lacks("binding an image of another device"));
-        }
+        let has_arrays = gpu.facts.features.image_arrays;
+        gpu.require(has_arrays, "freely indexed arrays of images")?;
+        let are_own = images.iter().all(|image| image.image.is_on(gpu));
+        gpu.require(are_own, "binding an image of another device")?;
         let limits = &gpu.limits;
         let allowed = limits
             .max_per_stage_descriptor_sampled_images

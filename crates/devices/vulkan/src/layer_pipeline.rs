@@ -38,19 +38,13 @@ impl LayerPipeline {
         geometry: Option<GeometryOutput>,
         chooses_layer: bool,
     ) -> Result<Self, DeviceError> {
-        let features = gpu.facts.features;
-        if !resources.is_on(gpu) || !maps.image.is_on(gpu) {
-            return Err(gpu.lacks("resources of another device"));
-        }
-        if chooses_layer && !features.vertex_layer {
-            return Err(gpu.lacks("VK_EXT_shader_viewport_index_layer"));
-        }
+        let are_own = resources.is_on(gpu) && maps.image.is_on(gpu);
+        gpu.require(are_own, "resources of another device")?;
+        let can_choose = !chooses_layer || gpu.facts.features.vertex_layer;
+        gpu.require(can_choose, "VK_EXT_shader_viewport_index_layer")?;
         let stage = |flag, name| ShaderStage::new(gpu, flag, ModuleKey::Compiled(name), "main");
         let mut stages = vec![stage(vk::ShaderStageFlags::VERTEX, vertex)?];
         if let Some(output) = geometry {
-            if !features.geometry_shader {
-                return Err(gpu.lacks("geometryShader"));
-            }
             check_output(gpu, output)?;
             stages.push(stage(vk::ShaderStageFlags::GEOMETRY, output.name)?);
         }
@@ -83,31 +77,18 @@ impl LayeredDepth {
         measured: Measured,
     ) -> Result<DirectReport, DeviceError> {
         let gpu = &self.gpu;
-        if !pipeline.pipeline.is_on(gpu) || (pipeline.by, pipeline.views) != (self.by, self.views) {
-            let what = "drawing depth maps by a pipeline of another kind";
-            return Err(gpu.lacks(what));
-        }
-        let queries = |kind, count, wanted| {
-            if measured == wanted {
-                Queries::new(gpu, kind, count)
-            } else {
-                Ok(None)
-            }
-        };
+        let is_alike = (pipeline.by, pipeline.views) == (self.by, self.views);
+        let fits = pipeline.pipeline.is_on(gpu) && is_alike;
+        gpu.require(fits, "drawing depth maps by a pipeline of another kind")?;
         // A pass of several views takes as many queries.
         let passes = u32::try_from(self.passes.len()).unwrap_or(u32::MAX);
-        let counted = queries(
-            QueryKind::Statistics,
-            passes * self.views,
-            Measured::Statistics,
-        )?;
+        let counts = measured == Measured::Statistics;
+        let queries = passes * self.views * u32::from(counts);
+        let counted = Queries::new(gpu, QueryKind::Statistics, queries)?;
         // llvmpipe 25.0.7 crashes in a pass of several views after a timestamp.
-        let is_timed = self.views == 1 || gpu.facts.driver != "llvmpipe";
-        let stamps = if is_timed {
-            queries(QueryKind::Timestamps, 2, Measured::Times)?
-        } else {
-            None
-        };
+        let can_time = self.views == 1 || gpu.facts.driver != "llvmpipe";
+        let is_timed = can_time && measured == Measured::Times;
+        let stamps = Queries::new(gpu, QueryKind::Timestamps, 2 * u32::from(is_timed))?;
         let span = Span::new(stamps.as_ref(), 0);
         // SAFETY: everything is of this device and lives until the submission is done.
         unsafe {
@@ -123,13 +104,11 @@ impl LayeredDepth {
                 span.end(commands);
             })?;
         }
-        let statistics = match &counted {
-            Some(counted) => Some(counted.read_statistics(counted.count)?),
-            None => None,
-        };
+        let counted = counted.as_ref();
+        let statistics = counted.map(|counted| counted.read_statistics(counted.count));
         Ok(DirectReport {
             gpu_ms: span.ms()?,
-            statistics,
+            statistics: statistics.transpose()?,
             samples: None,
         })
     }

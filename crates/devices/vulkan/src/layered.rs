@@ -77,9 +77,7 @@ impl LayeredDepth {
             check_some(what, found, allowed)?;
         }
         let most_views = gpu.facts.features.max_views;
-        if by == LayersBy::Views && most_views == 0 {
-            return Err(gpu.lacks("multiview"));
-        }
+        gpu.require(by != LayersBy::Views || most_views > 0, "multiview")?;
         let views = match by {
             LayersBy::Views => largest_divisor(layers, most_views),
             LayersBy::Passes | LayersBy::Stage => 1,

@@ -77,7 +77,7 @@ pub use pass::{
 pub use pipeline::{
     Fragments, GeometryStage, Pipeline, PipelineDescriptor, PipelineState, Topology, VertexFormat,
 };
-pub use queries::{FillTimes, PassStatistics};
+pub use queries::PassStatistics;
 pub use render_targets::{FillReport, Measured, RenderTargets, SharedTargets};
 pub use resources::{Resource, Resources};
 pub use sampled::{ImageBindings, SampledImage};

@@ -143,26 +143,42 @@ const HOST: &[vk::MemoryPropertyFlags] = &[
 /// Most bytes that a command may carry.
 const CHUNK: usize = 65_536;
 
+/// Stages, and how they touch memory.
+type Touch = (vk::PipelineStageFlags, vk::AccessFlags);
+
+/// What `later` does to any memory waits for what `earlier` did before.
+///
+/// # Safety
+/// Recording is under way, outside of a pass.
+pub(crate) unsafe fn barrier(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    earlier: Touch,
+    later: Touch,
+) {
+    let memory = [vk::MemoryBarrier::default()
+        .src_access_mask(earlier.1)
+        .dst_access_mask(later.1)];
+    let none = vk::DependencyFlags::empty();
+    // SAFETY: the caller's promise.
+    unsafe { device.cmd_pipeline_barrier(commands, earlier.0, later.0, none, &memory, &[], &[]) };
+}
+
 /// Whatever follows reads what was copied into buffers before.
 ///
 /// # Safety
 /// Recording is under way, outside of a pass.
 unsafe fn let_be_read(device: &ash::Device, commands: vk::CommandBuffer) {
-    let barrier = [vk::MemoryBarrier::default()
-        .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
-        .dst_access_mask(vk::AccessFlags::MEMORY_READ)];
+    let copies = (
+        vk::PipelineStageFlags::TRANSFER,
+        vk::AccessFlags::TRANSFER_WRITE,
+    );
+    let reads = (
+        vk::PipelineStageFlags::ALL_COMMANDS,
+        vk::AccessFlags::MEMORY_READ,
+    );
     // SAFETY: the caller's promise.
-    unsafe {
-        device.cmd_pipeline_barrier(
-            commands,
-            vk::PipelineStageFlags::TRANSFER,
-            vk::PipelineStageFlags::ALL_COMMANDS,
-            vk::DependencyFlags::empty(),
-            &barrier,
-            &[],
-            &[],
-        );
-    }
+    unsafe { barrier(device, commands, copies, reads) };
 }
 
 impl Buffer {
@@ -234,10 +250,8 @@ impl Buffer {
     /// [`DeviceError::OverCapacity`] when there are more bytes than the buffer has,
     /// [`DeviceError::Unsupported`] when the buffer is no such one, [`DeviceError::OutOfMemory`].
     pub fn stream(&self, bytes: &[u8]) -> Result<(), DeviceError> {
-        if !self.is_streamed {
-            let what = "mapping a buffer in device memory";
-            return Err(self.gpu.lacks(what));
-        }
+        let what = "mapping a buffer in device memory";
+        self.gpu.require(self.is_streamed, what)?;
         let found = bytes.len() as u64;
         let what = "bytes written into a streamed buffer";
         DeviceError::check_capacity(what, found, self.size)?;
@@ -278,15 +292,9 @@ impl Buffer {
     /// # Errors
     /// As [`Buffer::rewrite`].
     pub fn rewrite_changed(&self, before: &[u8], after: &[u8]) -> Result<(), DeviceError> {
-        let changed = if before.len() == after.len() {
-            changed_words(before, after)
-        } else {
-            Some(0..after.len())
-        };
-        match changed.filter(|changed| !changed.is_empty()) {
-            Some(changed) => self.rewrite(changed.start as u64, &after[changed]),
-            None => Ok(()),
-        }
+        changed_words(before, after).map_or(Ok(()), |changed| {
+            self.rewrite(changed.start as u64, &after[changed])
+        })
     }
 
     /// Overwrites whole words of a buffer that was uploaded; meant for constants.

@@ -37,6 +37,13 @@ impl IndexWidth {
             Self::Long => 4,
         }
     }
+
+    pub(crate) fn vulkan(self) -> vk::IndexType {
+        match self {
+            Self::Short => vk::IndexType::UINT16,
+            Self::Long => vk::IndexType::UINT32,
+        }
+    }
 }
 
 /// An indexed draw as a buffer of commands holds it.
@@ -489,20 +496,18 @@ impl<'a> PassRecorder<'a, '_> {
         };
         let gpu = self.fill.gpu;
         if !pipeline.owned.is_on(gpu) || wanted != self.target {
-            self.refuse("a textured cover of another device or made for another kind of pass");
-            return false;
+            return self
+                .refuse("a textured cover of another device or made for another kind of pass");
         }
         let images_fit = state.picture.set.is_on(gpu)
             && state.picture.is_sampled()
             && state.table.is_none_or(|table| table.set.is_on(gpu))
             && pipeline.takes_table(state.table);
         if !images_fit || !self.fill.targets.has(&state.depth.depth) {
-            self.refuse("a picture, table or depth that a textured cover cannot read");
-            return false;
+            return self.refuse("a picture, table or depth that a textured cover cannot read");
         }
         let Some(offset) = state.depth.offset(planned) else {
-            self.refuse("a textured cover of a region without constants");
-            return false;
+            return self.refuse("a textured cover of a region without constants");
         };
         self.ensure_scissor();
         let point = vk::PipelineBindPoint::GRAPHICS;
@@ -540,8 +545,10 @@ impl<'a> PassRecorder<'a, '_> {
         true
     }
 
-    fn refuse(&mut self, what: &str) {
+    /// False: what is refused is not drawn.
+    fn refuse(&mut self, what: &str) -> bool {
         self.fill.refuse(&format!("drawing: {what}"));
+        false
     }
 
     /// Whether a buffer has as many bytes as a draw reads of it.
@@ -560,8 +567,7 @@ impl<'a> PassRecorder<'a, '_> {
         match &state.geometry {
             Some(geometry) => self.bind_geometry(geometry),
             None if state.pipeline.descriptor.format != VertexFormat::Number => {
-                self.refuse("a pipeline that reads vertices without any");
-                false
+                self.refuse("a pipeline that reads vertices without any")
             }
             None => true,
         }
@@ -573,8 +579,7 @@ impl<'a> PassRecorder<'a, '_> {
             return false;
         }
         if state.pipeline.descriptor.depth_bounds && !self.bounds_set {
-            self.refuse("depth bounds are tested and not set");
-            return false;
+            return self.refuse("depth bounds are tested and not set");
         }
         self.ensure_scissor();
         state.bindings.set.raw == self.bound.set || self.bind_constants(state.bindings)
@@ -599,8 +604,7 @@ impl<'a> PassRecorder<'a, '_> {
             && pipeline.descriptor.state.target() == self.target
             && (self.fill.numbers.is_some() || !pipeline.reads_numbers());
         if !fits {
-            self.refuse("a pipeline of another device or made for another kind of pass");
-            return false;
+            return self.refuse("a pipeline of another device or made for another kind of pass");
         }
         if let (true, Some(numbers)) = (pipeline.reads_numbers(), self.fill.numbers) {
             // SAFETY: of the layout that every pipeline has; a pass of this fill has left the image
@@ -617,8 +621,7 @@ impl<'a> PassRecorder<'a, '_> {
 
     fn bind_constants(&mut self, bindings: &BindGroup) -> bool {
         if !bindings.set.is_on(self.fill.gpu) || !bindings.has_regions {
-            self.refuse("constants of another device or without regions");
-            return false;
+            return self.refuse("constants of another device or without regions");
         }
         // SAFETY: of this device and of the layout that every pipeline here has.
         unsafe { self.bind_set(0, bindings.set.raw) };
@@ -653,8 +656,7 @@ impl<'a> PassRecorder<'a, '_> {
     fn bind_vertices(&mut self, vertices: &'a Buffer) -> bool {
         if vertices.raw != self.bound.vertices {
             if !self.is_for(vertices, BufferUse::Vertex) {
-                self.refuse("vertices of another device or made for another use");
-                return false;
+                return self.refuse("vertices of another device or made for another use");
             }
             let device = &self.fill.gpu.device;
             let buffers = [vertices.raw];
@@ -671,14 +673,10 @@ impl<'a> PassRecorder<'a, '_> {
         }
         if geometry.indices.raw != self.bound.indices {
             if !self.is_for(geometry.indices, BufferUse::Index) {
-                self.refuse("indices of another device or made for another use");
-                return false;
+                return self.refuse("indices of another device or made for another use");
             }
             let device = &self.fill.gpu.device;
-            let kind = match geometry.width {
-                IndexWidth::Short => vk::IndexType::UINT16,
-                IndexWidth::Long => vk::IndexType::UINT32,
-            };
+            let kind = geometry.width.vulkan();
             // SAFETY: an index buffer of this device.
             unsafe {
                 device.cmd_bind_index_buffer(self.fill.commands, geometry.indices.raw, 0, kind);

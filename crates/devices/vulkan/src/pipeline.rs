@@ -187,6 +187,30 @@ impl PipelineDescriptor {
             depth_bounds: false,
         }
     }
+
+    /// The same of volumes, by the entry points that shaders of volumes have for each state.
+    #[must_use]
+    pub fn of_volumes(path: &'static str, format: VertexFormat, state: VolumeState) -> Self {
+        let (vertex, fragment) = match state {
+            VolumeState::Colour { .. } => ("coloured_main", Some("region_colour")),
+            VolumeState::Accumulate { depth, .. } => match depth {
+                DepthRule::Fail | DepthRule::Always => ("numbered_main", Some("number_behind")),
+                DepthRule::Pass => ("numbered_main", Some("number_before")),
+            },
+            // As in wgpu, where a pass with a target wants a shader for it.
+            VolumeState::Mark { has_colour, .. } => {
+                ("vertex_main", has_colour.then_some("no_colour"))
+            }
+            VolumeState::Count { .. } => ("vertex_main", None),
+        };
+        let mut own = Self::of_shader(path, format, state.into());
+        own.vertex.entry_point = vertex;
+        own.fragments = fragment.map_or(Fragments::None, |entry_point| Fragments::Shader {
+            path,
+            entry_point,
+        });
+        own
+    }
 }
 
 /// A pipeline.
@@ -203,16 +227,21 @@ impl Pipeline {
     /// [`DeviceError::Unsupported`] when the device lacks geometry shaders or depth bounds and the
     /// pipeline needs them, [`DeviceError::Shader`], [`DeviceError::OutOfMemory`].
     pub fn new(gpu: &Arc<Gpu>, descriptor: PipelineDescriptor) -> Result<Self, DeviceError> {
-        if descriptor.geometry.is_some() && !gpu.facts.features.geometry_shader {
-            return Err(gpu.lacks("geometryShader"));
-        }
-        if descriptor.depth_bounds && !gpu.facts.features.depth_bounds {
-            return Err(gpu.lacks("depthBounds"));
-        }
+        let features = gpu.facts.features;
+        let needs = |is_needed: bool, is_there, what| gpu.require(!is_needed || is_there, what);
+        let makes_primitives = descriptor.geometry.is_some();
+        needs(makes_primitives, features.geometry_shader, "geometryShader")?;
+        needs(
+            descriptor.depth_bounds,
+            features.depth_bounds,
+            "depthBounds",
+        )?;
         let accumulates = descriptor.state.target() == PassTarget::Numbers;
-        if accumulates && !gpu.facts.features.blends_float {
-            return Err(gpu.lacks("blending into R32_SFLOAT"));
-        }
+        needs(
+            accumulates,
+            features.blends_float,
+            "blending into R32_SFLOAT",
+        )?;
         Ok(Self {
             owned: create(gpu, &descriptor)?,
             descriptor,

@@ -11,17 +11,6 @@ use ash::vk;
 use std::sync::Arc;
 use terrafill_contract::DeviceError;
 
-/// GPU times of one fill.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct FillTimes {
-    /// First pass, when there are two.
-    pub stencil_ms: Option<f64>,
-    /// Second pass, when there are two.
-    pub colour_ms: Option<f64>,
-    /// All passes.
-    pub fill_ms: Option<f64>,
-}
-
 /// Pipeline statistics of one fill, its passes added up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PassStatistics {
@@ -71,7 +60,7 @@ fn statistics(gpu: &Gpu) -> vk::QueryPipelineStatisticFlags {
 }
 
 impl Queries {
-    /// `None` where the device cannot count that.
+    /// `None` where the device cannot count that, or none are asked for.
     pub(crate) fn new(
         gpu: &Arc<Gpu>,
         kind: QueryKind,

@@ -2,6 +2,7 @@
 //! Reading images back to the CPU, rows tightly packed, layer by layer.
 
 use crate::image::Image;
+use crate::memory::barrier;
 use crate::{Buffer, Gpu};
 use ash::vk;
 use std::sync::Arc;
@@ -76,14 +77,11 @@ unsafe fn copy_out(
 /// # Safety
 /// Recording is under way, outside of a pass.
 pub(crate) unsafe fn let_host_read(device: &ash::Device, commands: vk::CommandBuffer) {
-    let for_host = [vk::MemoryBarrier::default()
-        .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
-        .dst_access_mask(vk::AccessFlags::HOST_READ)];
-    let (from, to) = (
+    let copies = (
         vk::PipelineStageFlags::TRANSFER,
-        vk::PipelineStageFlags::HOST,
+        vk::AccessFlags::TRANSFER_WRITE,
     );
-    let none = vk::DependencyFlags::empty();
+    let host = (vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ);
     // SAFETY: the caller's promise.
-    unsafe { device.cmd_pipeline_barrier(commands, from, to, none, &for_host, &[], &[]) };
+    unsafe { barrier(device, commands, copies, host) };
 }

@@ -11,15 +11,15 @@ use crate::readback::{Readable, read_images};
 use crate::surface::{VulkanSurface, draw};
 use crate::targets::{Numbers, Targets};
 use crate::{
-    BindGroup, Buffer, BufferUse, DepthBindings, DepthCopy, FillRecorder, FillTimes, Gpu,
-    PassStatistics, Probe,
+    BindGroup, Buffer, BufferUse, DepthBindings, DepthCopy, FillRecorder, Gpu, PassStatistics,
+    Probe,
 };
 use ash::vk;
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_contract::{
-    DeviceError, Picture, SKY, SurfaceTriangles, SurfaceView, ViewConstants, ViewId,
+    DeviceError, FrameTimes, Picture, SKY, SurfaceTriangles, SurfaceView, ViewConstants, ViewId,
     check_target_size,
 };
 use terrafill_scene::ImageSize;
@@ -43,8 +43,8 @@ pub enum Measured {
 /// What was measured; absent where the device cannot, or it was not asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FillReport {
-    /// GPU times.
-    pub times: FillTimes,
+    /// GPU times of the fill: passes apart where there are two of them.
+    pub times: FrameTimes,
     /// Pipeline statistics.
     pub statistics: Option<PassStatistics>,
     /// Samples that passed the depth and stencil test.
@@ -134,9 +134,8 @@ impl RenderTargets {
     /// [`DeviceError::Unsupported`] when the device cannot blend into it,
     /// [`DeviceError::OutOfMemory`].
     pub fn numbers(&self) -> Result<Numbers, DeviceError> {
-        if !self.gpu.facts.features.blends_float {
-            return Err(self.gpu.lacks("blending into R32_SFLOAT"));
-        }
+        let blends = self.gpu.facts.features.blends_float;
+        self.gpu.require(blends, "blending into R32_SFLOAT")?;
         Numbers::new(&self.targets)
     }
 
@@ -322,15 +321,16 @@ impl RenderTargets {
         Ok(report)
     }
 
-    fn fill_times(&self, stamps: &Queries, passes: u32) -> Result<FillTimes, DeviceError> {
+    fn fill_times(&self, stamps: &Queries, passes: u32) -> Result<FrameTimes, DeviceError> {
         let ticks = stamps.read(0, SURFACE_STAMPS)?;
         let span = |from: usize, to: usize| {
             span_ms(ticks[from], ticks[to], self.gpu.timestamp_period_ns())
         };
-        Ok(FillTimes {
-            stencil_ms: span(0, 1).filter(|_| passes == 2),
-            colour_ms: span(1, 2).filter(|_| passes == 2),
-            fill_ms: span(0, 2),
+        Ok(FrameTimes {
+            stencil_gpu_ms: span(0, 1).filter(|_| passes == 2),
+            colour_gpu_ms: span(1, 2).filter(|_| passes == 2),
+            fill_gpu_ms: span(0, 2),
+            ..FrameTimes::default()
         })
     }
 

@@ -2,6 +2,7 @@
 //! Buffers and images at the bindings of one set, for pipelines that are no fills.
 
 use crate::bindings::{Bound, Set, set_layout};
+use crate::fixtures::pipeline_layout;
 use crate::image_array::ImageArray;
 use crate::owned::Owned;
 use crate::{BlockImage, Buffer, BufferUse, Gpu, LayeredDepth, SampledImage, TriangleTree};
@@ -95,20 +96,17 @@ impl Resources {
         resources: Vec<Resource>,
         array: Option<ImageArray>,
     ) -> Result<Arc<Self>, DeviceError> {
-        if !resources.iter().all(|resource| resource.fits(gpu)) {
-            return Err(gpu.lacks("binding a resource of another device or made for another use"));
-        }
+        let fits = resources.iter().all(|resource| resource.fits(gpu));
+        let what = "binding a resource of another device or made for another use";
+        gpu.require(fits, what)?;
         let bound: Vec<_> = resources.iter().map(Resource::bound).collect();
         let kinds: Vec<_> = bound.iter().map(Bound::kind).collect();
         let set_layout = set_layout(gpu, kinds.iter().map(|&kind| (kind, 1)))?;
         let mut set_layouts = vec![set_layout.raw];
         set_layouts.extend(array.as_ref().map(ImageArray::layout));
-        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts);
-        // SAFETY: the structure lives through the call; pipelines hold what they are made with.
-        let layout = unsafe {
-            let made = gpu.device.create_pipeline_layout(&info, None);
-            Owned::new(gpu, "resources", made)
-        }?;
+        let made = pipeline_layout(&gpu.device, &set_layouts);
+        // SAFETY: the layout is this device's; pipelines hold what they are made with.
+        let layout = unsafe { Owned::new(gpu, "resources", made) }?;
         // SAFETY: the layout was made of these kinds; what is bound is held beside the set.
         let set = unsafe { Set::new(gpu, set_layout.raw, &bound) }?;
         Ok(Arc::new(Self {

@@ -64,9 +64,8 @@ impl SampledImage {
         } else {
             (read, "reading")
         };
-        if !gpu.format_features(format).contains(needed) {
-            return Err(gpu.lacks(&format!("{how} of {name}")));
-        }
+        let is_there = gpu.format_features(format).contains(needed);
+        gpu.require(is_there, &format!("{how} of {name}"))?;
         let [width, height] = texels.size;
         let extent = vk::Extent2D { width, height };
         let mut kind = ImageKind::flat(extent, format, SAMPLED);

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use terrafill_contract::{AddressMode, DeviceError};
 use terrafill_scene::MipChain;
 use terrafill_stencil::{
-    CoverLook, CoverPurpose, Holding, Probed, StencilTest, TexturedCover, TexturedPlan,
+    CoverDraw, CoverLook, CoverPurpose, Holding, Probed, StencilTest, TexturedCover, TexturedPlan,
     textured_holdings,
 };
 
@@ -188,18 +188,16 @@ impl TexturedFill {
         Ok(())
     }
 
-    /// Covers marked pixels with the pictures of `volumes`, in this order.
+    /// Covers marked pixels with the pictures of volumes, in this order.
     pub(crate) fn draw_covers<'a>(
         &'a self,
         pass: &mut VolumePass<'a, '_, '_>,
-        test: StencilTest,
+        draw: CoverDraw<'_>,
         purpose: CoverPurpose,
-        scissor: bool,
-        volumes: &[usize],
     ) {
-        for &volume in volumes {
-            if let Some(state) = self.cover(pass.bindings(), test, purpose, volume) {
-                pass.cut(volume, scissor);
+        for &volume in draw.volumes {
+            if let Some(state) = self.cover(pass.bindings(), draw.test, purpose, volume) {
+                pass.cut(volume, draw.scissor);
                 pass.cover(&state, volume);
             }
         }

@@ -49,9 +49,8 @@ impl TexturedPipeline {
     /// [`DeviceError::Unsupported`] when the stencil would be written, which is attached read-only;
     /// [`DeviceError::Shader`], [`DeviceError::OutOfMemory`].
     pub fn new(gpu: &Arc<Gpu>, descriptor: &TexturedDescriptor<'_>) -> Result<Self, DeviceError> {
-        if descriptor.test.zeroes {
-            return Err(gpu.lacks("a textured cover that writes the stencil"));
-        }
+        let is_read = !descriptor.test.zeroes;
+        gpu.require(is_read, "a textured cover that writes the stencil")?;
         Ok(Self {
             owned: create(gpu, descriptor)?,
             layout: gpu.fixtures.textured_layout(descriptor.table_is_sampled),
@@ -139,9 +138,8 @@ impl DepthBindings {
         regions: &Arc<Buffer>,
         stride: usize,
     ) -> Result<Self, DeviceError> {
-        if !gpu.facts.features.samples_depth {
-            return Err(gpu.lacks("reading depth in shaders"));
-        }
+        let can_read = gpu.facts.features.samples_depth;
+        gpu.require(can_read, "reading depth in shaders")?;
         let alignment = Self::alignment(gpu);
         let fits = regions.is_for(gpu, BufferUse::Constants)
             && stride > 0

@@ -6,6 +6,7 @@
 //! shaders are handed. No triangle is opaque: a shader sees each as a candidate and confirms it or not.
 
 use crate::failure::failure;
+use crate::memory::barrier;
 use crate::queries::{Queries, QueryKind, Span};
 use crate::{Buffer, Gpu};
 use ash::vk;
@@ -54,10 +55,7 @@ impl TriangleTree {
         places: &[[f32; 3]],
         triangles: &[[u32; 3]],
     ) -> Result<Self, DeviceError> {
-        if gpu.trees.is_none() {
-            let what = "rays in shaders (VK_KHR_ray_query)";
-            return Err(gpu.lacks(what));
-        }
+        gpu.require(gpu.trees.is_some(), "rays in shaders (VK_KHR_ray_query)")?;
         let corners = triangles.as_flattened();
         let last = corners.iter().copied().max();
         let last = last.ok_or(DeviceError::Missing("triangles for rays"))?;
@@ -226,9 +224,12 @@ fn build(
         vk::AccelerationStructureTypeKHR::BOTTOM_LEVEL,
         vk::AccelerationStructureTypeKHR::TOP_LEVEL,
     ];
-    let barrier = [vk::MemoryBarrier::default()
-        .src_access_mask(vk::AccessFlags::ACCELERATION_STRUCTURE_WRITE_KHR)
-        .dst_access_mask(vk::AccessFlags::ACCELERATION_STRUCTURE_READ_KHR)];
+    let built = vk::PipelineStageFlags::ACCELERATION_STRUCTURE_BUILD_KHR;
+    let written = (built, vk::AccessFlags::ACCELERATION_STRUCTURE_WRITE_KHR);
+    let read = (
+        built | vk::PipelineStageFlags::COMPUTE_SHADER,
+        vk::AccessFlags::ACCELERATION_STRUCTURE_READ_KHR,
+    );
     // SAFETY: trees, scratch memory and what is read are of this device, large enough, and live until the
     // submission is done; scratch begins where the device wants it to.
     unsafe {
@@ -245,16 +246,7 @@ fn build(
                 let range =
                     vk::AccelerationStructureBuildRangeInfoKHR::default().primitive_count(*count);
                 functions.cmd_build_acceleration_structures(commands, &[own], &[&[range]]);
-                device.cmd_pipeline_barrier(
-                    commands,
-                    vk::PipelineStageFlags::ACCELERATION_STRUCTURE_BUILD_KHR,
-                    vk::PipelineStageFlags::ACCELERATION_STRUCTURE_BUILD_KHR
-                        | vk::PipelineStageFlags::COMPUTE_SHADER,
-                    vk::DependencyFlags::empty(),
-                    &barrier,
-                    &[],
-                    &[],
-                );
+                barrier(device, commands, written, read);
             }
             span.end(commands);
         })?;

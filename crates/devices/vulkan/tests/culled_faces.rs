@@ -21,9 +21,8 @@ use terrafill_stencil::{
     FaceSet, FixedPoint, PositionFormat, VolumeConstants, VolumePlace, VolumeState,
 };
 use terrafill_vulkan::{
-    BindGroup, Buffer, BufferUse, DrawState, Fragments, Geometry, Gpu, IndexWidth, Measured,
-    Pipeline, PipelineDescriptor, PipelineState, RenderTargets, Topology, VertexFormat,
-    VertexStage, open_for_test,
+    BindGroup, Buffer, BufferUse, DrawState, Geometry, Gpu, IndexWidth, Measured, Pipeline,
+    PipelineDescriptor, RenderTargets, VertexFormat, open_for_test,
 };
 
 const SLIVERS: u32 = 4_000;
@@ -94,19 +93,9 @@ fn samples(gpu: &Arc<Gpu>, targets: &RenderTargets) -> [u64; 3] {
     );
     let indices = upload("slivers", bytemuck::cast_slice(&indices), BufferUse::Index);
     [FaceSet::Both, FaceSet::Front, FaceSet::Back].map(|faces| {
-        let descriptor = PipelineDescriptor {
-            vertex: VertexStage {
-                path: "vertex/doubled.wgsl",
-                entry_point: "vertex_main",
-                bends_footprints: false,
-            },
-            geometry: None,
-            fragments: Fragments::None,
-            format: VertexFormat::FixedAndFlag,
-            topology: Topology::Triangles,
-            state: PipelineState::Volumes(VolumeState::Count { faces }),
-            depth_bounds: false,
-        };
+        let (path, format) = ("vertex/doubled.wgsl", VertexFormat::FixedAndFlag);
+        let state = VolumeState::Count { faces };
+        let descriptor = PipelineDescriptor::of_volumes(path, format, state);
         let pipeline = Pipeline::new(gpu, descriptor).expect("valid");
         let state = DrawState {
             pipeline: &pipeline,

@@ -13,11 +13,11 @@ use terrafill_stencil::{
 };
 use terrafill_variant::FirstPass;
 use terrafill_vulkan::{
-    BindGroup, Buffer, BufferUse, CoverState, DepthBindings, DrawState, Fragments, Geometry, Gpu,
-    GpuOptions, ImageBindings, IndexWidth, Measured, POSITIVE_CONTROL, Pipeline,
-    PipelineDescriptor, PipelineState, RenderTargets, RouteText, SampledImage, TexturedDescriptor,
-    TexturedParts, TexturedPipeline, TexturedPlacement, VertexFormat, VertexStage, list_adapters,
-    make_deliberate_error, messages, open_for_test,
+    BindGroup, Buffer, BufferUse, CoverState, DepthBindings, DrawState, Geometry, Gpu, GpuOptions,
+    ImageBindings, IndexWidth, Measured, POSITIVE_CONTROL, Pipeline, PipelineDescriptor,
+    PipelineState, RenderTargets, RouteText, SampledImage, TexturedDescriptor, TexturedParts,
+    TexturedPipeline, TexturedPlacement, VertexFormat, list_adapters, make_deliberate_error,
+    messages, open_for_test,
 };
 
 /// A targets with the globe drawn on it.
@@ -93,10 +93,7 @@ fn a_stage_refuses_an_input_of_another_size_and_a_size_no_device_has() {
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
-    let small = ImageSize {
-        width: 10,
-        height: 10,
-    };
+    let small = ImageSize::new(10, 10);
     let mut targets = RenderTargets::new(&gpu, small).expect("small targets");
     let error = targets.prepare(&globe_from(8e6)).expect_err("another size");
     assert!(error.to_string().contains("image size differs"), "{error}");
@@ -148,11 +145,8 @@ struct Cover {
 }
 
 const EVERYWHERE: StencilTest = StencilTest {
-    is_equal: true,
-    reference: 0,
     read_mask: 0xff,
-    zeroes: false,
-    skips_sky: false,
+    ..StencilTest::ANYWHERE
 };
 
 fn cover_descriptor(test: StencilTest) -> PipelineDescriptor {
@@ -211,8 +205,8 @@ fn a_cover_stays_inside_its_scissor_and_is_counted() {
             .expect("draws");
         let features = gpu.facts.features;
         let is_timed = measured == Measured::Times && features.timestamps;
-        assert_eq!(report.times.fill_ms.is_some(), is_timed, "{measured:?}");
-        assert_eq!(report.times.colour_ms, None, "one pass alone");
+        assert_eq!(report.times.fill_gpu_ms.is_some(), is_timed, "{measured:?}");
+        assert_eq!(report.times.colour_gpu_ms, None, "one pass alone");
         let counts = measured == Measured::Statistics && features.pipeline_statistics;
         assert_eq!(report.statistics.is_some(), counts);
         if let Some(statistics) = report.statistics {
@@ -254,21 +248,13 @@ fn a_draw_that_does_not_fit_is_refused_and_nothing_is_drawn() {
         operation: StencilOperation::Count,
         faces: FaceSet::Both,
     };
-    let volumes = PipelineDescriptor {
-        vertex: VertexStage {
-            path: "vertex/doubled.wgsl",
-            entry_point: "vertex_main",
-            bends_footprints: false,
-        },
-        fragments: Fragments::None,
-        format: VertexFormat::FixedAndFlag,
-        state: PipelineState::Volumes(VolumeState::Mark {
-            rule: mark,
-            has_colour: false,
-            first_pass: FirstPass::Stencil,
-        }),
-        ..cover_descriptor(EVERYWHERE)
+    let marked = VolumeState::Mark {
+        rule: mark,
+        has_colour: false,
+        first_pass: FirstPass::Stencil,
     };
+    let (path, format) = ("vertex/doubled.wgsl", VertexFormat::FixedAndFlag);
+    let volumes = PipelineDescriptor::of_volumes(path, format, marked);
     let volumes = Pipeline::new(&gpu, volumes).expect("valid");
     let buffer = |use_for| Buffer::upload(&gpu, "test", &[0; 64], use_for).expect("fits");
     let (vertices, indices) = (buffer(BufferUse::Vertex), buffer(BufferUse::Index));
@@ -345,19 +331,8 @@ fn a_draw_that_does_not_fit_is_refused_and_nothing_is_drawn() {
     // Negative control: beside its own targets it is recorded.
     let copied = other.fill(1, Measured::Nothing, |recorder| recorder.copy_depth(&copy));
     copied.expect("its own depth");
-    let resolve = PipelineDescriptor {
-        vertex: VertexStage {
-            path: "vertex/resolve.wgsl",
-            entry_point: "vertex_main",
-            bends_footprints: false,
-        },
-        fragments: Fragments::Shader {
-            path: "vertex/resolve.wgsl",
-            entry_point: "fragment_main",
-        },
-        state: PipelineState::Resolve,
-        ..cover_descriptor(EVERYWHERE)
-    };
+    let (path, format) = ("vertex/resolve.wgsl", VertexFormat::Number);
+    let resolve = PipelineDescriptor::of_shader(path, format, PipelineState::Resolve);
     let resolve = Pipeline::new(&gpu, resolve).expect("valid");
     let unwritten = targets.fill(1, Measured::Nothing, |recorder| {
         recorder.pass(false, true, |pass| pass.draw(&state(&resolve, None), 3, 0));
@@ -393,14 +368,8 @@ fn what_the_device_lacks_is_named() {
         }
         Err(other) => panic!("{other}"),
     }
-    let missing = PipelineDescriptor {
-        vertex: VertexStage {
-            path: "vertex/nothing.wgsl",
-            entry_point: "vertex_main",
-            bends_footprints: false,
-        },
-        ..cover_descriptor(EVERYWHERE)
-    };
+    let mut missing = cover_descriptor(EVERYWHERE);
+    missing.vertex.path = "vertex/nothing.wgsl";
     let error = Pipeline::new(&gpu, missing).expect_err("no such shader");
     assert!(matches!(error, DeviceError::Shader { .. }), "{error}");
 }

@@ -13,10 +13,7 @@ use terrafill_vulkan::{
 };
 
 const GRID: &str = "pipelines/grid.wgsl";
-const SIZE: ImageSize = ImageSize {
-    width: 64,
-    height: 64,
-};
+const SIZE: ImageSize = ImageSize::new(64, 64);
 
 /// Two by two cells over the whole picture, at one depth.
 fn resources(gpu: &Arc<Gpu>) -> Arc<Resources> {

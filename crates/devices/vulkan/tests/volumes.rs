@@ -10,12 +10,11 @@ use terrafill_contract::{DeviceError, Picture};
 use terrafill_fixtures::BoxOverGround;
 use terrafill_fixtures::globe::SIZE;
 use terrafill_plan::PixelRect;
-use terrafill_stencil::{DepthRule, StencilExecutor, VolumeDraw, VolumeState};
+use terrafill_stencil::{StencilExecutor, VolumeDraw, VolumeState};
 use terrafill_variant::Switches;
 use terrafill_vulkan::{
-    Buffer, BufferUse, Fragments, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor,
-    RenderTargets, Topology, VertexFormat, VertexStage, VolumeFill, VolumePass, VulkanVolumes,
-    open_for_test,
+    Buffer, BufferUse, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor, RenderTargets,
+    VertexFormat, VolumeFill, VolumePass, VulkanVolumes, open_for_test,
 };
 
 /// A box, closed or not.
@@ -43,46 +42,12 @@ impl Boxes {
     }
 }
 
-const PATH: &str = "vertex/doubled.wgsl";
-
-fn descriptor(state: VolumeState) -> PipelineDescriptor {
-    let fragments = |entry_point| Fragments::Shader {
-        path: PATH,
-        entry_point,
-    };
-    let (entry_point, fragments) = match state {
-        VolumeState::Colour { .. } => ("coloured_main", fragments("region_colour")),
-        VolumeState::Accumulate { depth, .. } => (
-            "numbered_main",
-            fragments(match depth {
-                DepthRule::Fail | DepthRule::Always => "number_behind",
-                DepthRule::Pass => "number_before",
-            }),
-        ),
-        VolumeState::Mark {
-            has_colour: true, ..
-        } => ("vertex_main", fragments("no_colour")),
-        _ => ("vertex_main", Fragments::None),
-    };
-    PipelineDescriptor {
-        vertex: VertexStage {
-            path: PATH,
-            entry_point,
-            bends_footprints: false,
-        },
-        geometry: None,
-        fragments,
-        format: VertexFormat::FixedAndFlag,
-        topology: Topology::Triangles,
-        state: state.into(),
-        depth_bounds: false,
-    }
-}
-
 impl VulkanVolumes for Boxes {
     fn ensure(&mut self, gpu: &Arc<Gpu>, draw: &VolumeDraw<'_>) -> Result<(), DeviceError> {
         if let Entry::Vacant(place) = self.pipelines.entry(draw.state) {
-            place.insert(Pipeline::new(gpu, descriptor(draw.state))?);
+            let (path, format) = ("vertex/doubled.wgsl", VertexFormat::FixedAndFlag);
+            let descriptor = PipelineDescriptor::of_volumes(path, format, draw.state);
+            place.insert(Pipeline::new(gpu, descriptor)?);
         }
         Ok(())
     }

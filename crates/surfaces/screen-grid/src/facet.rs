@@ -67,16 +67,12 @@ pub(crate) fn extent(body: &Ellipsoid, corners_ecef: [DVec3; 3]) -> Extent {
         // Highest where the great circle's plane is steepest.
         let top = DVec3::Z - normal * (normal.z / normal.length_squared());
         let is_between = |p: DVec3| a.cross(p).dot(normal) > 0.0 && p.cross(b).dot(normal) > 0.0;
-        north = if is_between(top) {
-            north.max(latitude(top))
-        } else {
-            north
-        };
-        south = if is_between(-top) {
-            south.min(latitude(-top))
-        } else {
-            south
-        };
+        if is_between(top) {
+            north = north.max(latitude(top));
+        }
+        if is_between(-top) {
+            south = south.min(latitude(-top));
+        }
     }
     let is_round = to - from >= 180.0 - ROUNDING_DEG;
     if is_round {
@@ -84,16 +80,12 @@ pub(crate) fn extent(body: &Ellipsoid, corners_ecef: [DVec3; 3]) -> Extent {
         let normal = (b - a).cross(c - a);
         // Where the axis pierces the triangle's plane.
         let height = normal.dot(a) / normal.z;
-        north = if height >= 0.0 || !height.is_finite() {
-            90.0
-        } else {
-            north
-        };
-        south = if height <= 0.0 || !height.is_finite() {
-            -90.0
-        } else {
-            south
-        };
+        if height >= 0.0 || !height.is_finite() {
+            north = 90.0;
+        }
+        if height <= 0.0 || !height.is_finite() {
+            south = -90.0;
+        }
     }
     let nearest_m = nearest(corners_ecef).length();
     let aside = (body.equatorial_radius_m() - body.polar_radius_m()).abs() / nearest_m;

@@ -76,9 +76,7 @@ impl ScreenGrid {
         let side = n.div_ceil(MAX_PARTS);
         cell / n / side * MAX_PARTS + cell % n / side
     }
-}
 
-impl ScreenGrid {
     fn mesh(&self, camera: &Camera, size: ImageSize) -> Result<ScreenMesh, SurfaceError> {
         let mesh = ScreenMesh::new(&self.body, camera, size, self.options);
         mesh.ok_or_else(|| SurfaceError::EyeBelow {
@@ -162,10 +160,7 @@ mod tests {
     use terrafill_scene::{CameraPose, Scene};
     use terrafill_surface::open_surface;
 
-    const SIZE: ImageSize = ImageSize {
-        width: 300,
-        height: 200,
-    };
+    const SIZE: ImageSize = ImageSize::new(300, 200);
 
     fn opened(body: &str, keys: &str) -> Result<Arc<dyn Surface>, String> {
         let text = format!(
@@ -220,10 +215,7 @@ mod tests {
         let frame = |n: u32, radii: f64| {
             let surface = opened("saturn-like", &format!("n = {n}")).expect("a surface");
             let camera = camera(&body, 20.0, radii * body.equatorial_radius_m());
-            let square = ImageSize {
-                width: 200,
-                height: 200,
-            };
+            let square = ImageSize::new(200, 200);
             let frame = surface.frame(&camera, square);
             frame.map(|_| ()).map_err(|error| error.to_string())
         };

@@ -320,13 +320,7 @@ fn every_extreme_is_finite() {
                     (1e-3, 90.0),
                     (1.0, 45.0),
                 ] {
-                    for size in [
-                        square(1),
-                        ImageSize {
-                            width: 16_384,
-                            height: 1,
-                        },
-                    ] {
+                    for size in [square(1), ImageSize::new(16_384, 1)] {
                         let camera =
                             camera(&body, [longitude, latitude, height * radius_m, 45.0, pitch]);
                         let mesh = ScreenMesh::new(&body, &camera, size, options).expect("above");

@@ -247,12 +247,12 @@ impl Surface for Spiral {
         KIND
     }
 
-    /// Of the coarsest mesh that any view may draw, the same everywhere: seen from infinity a facet lies
-    /// anywhere and is as large as any. A view's own parts say how much less it is.
     fn warnings(&self) -> &[String] {
         self.elevation.warnings()
     }
 
+    /// Of the coarsest mesh that any view may draw, the same everywhere: seen from infinity a facet lies
+    /// anywhere and is as large as any. A view's own parts say how much less it is.
     fn heights(&self, _extent: &Extent) -> HeightRange {
         let mut off = match self.arithmetic {
             Arithmetic::F64 => 0.0,

@@ -188,10 +188,7 @@ mod tests {
             near_m: 10.0,
         };
         let camera = Camera::new(&body, &pose);
-        let size = ImageSize {
-            width: 100,
-            height: 100,
-        };
+        let size = ImageSize::new(100, 100);
         let sight = TileView::new(&body, &camera, size, -11e3);
         let place = |longitude: f64, latitude: f64, height_m: f64| {
             body.geodetic_to_ecef(Geodetic::from_degrees(longitude, latitude, height_m))

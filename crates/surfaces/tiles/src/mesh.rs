@@ -12,7 +12,7 @@ use crate::tile::{CELLS, SIDES, Side, TileId};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::sync::Arc;
-use terrafill_core::{Ellipsoid, Extent, Geodetic};
+use terrafill_core::{Ellipsoid, Extent, Geodetic, index_u32};
 use terrafill_elevation::Elevation;
 use terrafill_surface::{HeightRange, SurfaceBlocks, SurfaceMesh, SurfacePart};
 
@@ -165,7 +165,7 @@ fn add_tile(
     vertices: &TileVertices,
     id: TileId,
 ) {
-    let first = index(mesh.vertices_ecef.len());
+    let first = index_u32(mesh.vertices_ecef.len());
     mesh.heights_m.extend_from_slice(&vertices.heights_m);
     mesh.vertices_ecef.extend_from_slice(&vertices.ecef);
     let extent = id.extent();
@@ -194,10 +194,10 @@ fn add_skirt(
     side: Side,
     depth_m: f64,
 ) {
-    let below = index(mesh.vertices_ecef.len());
+    let below = index_u32(mesh.vertices_ecef.len());
     let rim = |at: u32| {
         let [column, row] = side.vertex(at);
-        index(first) + row * SIDE + column
+        index_u32(first) + row * SIDE + column
     };
     for at in 0..SIDE {
         let top = rim(at) as usize;
@@ -246,12 +246,4 @@ fn reached(id: TileId) -> Extent {
         east_deg,
         north_deg: (extent.north_deg + margin).min(90.0),
     }
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "the triangles are limited to a few million"
-)]
-fn index(vertex: usize) -> u32 {
-    vertex as u32
 }

@@ -189,11 +189,11 @@ impl Surface for Tiles {
         KIND
     }
 
-    /// Of the coarsest tiles and of the finest, whichever a view draws.
     fn warnings(&self) -> &[String] {
         self.elevation.warnings()
     }
 
+    /// Of the coarsest tiles and of the finest, whichever a view draws.
     fn heights(&self, extent: &Extent) -> HeightRange {
         // A triangle of the coarsest tiles reaches a cell beyond the place that it is over.
         let cell = TileId {

@@ -7,8 +7,8 @@ use crate::way::{CesiumFill, NAME};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use terrafill_contract::{
-    Capabilities, Counters, DeviceError, FillBackend, FillInput, Frame, FrameTimes, MAX_REGIONS,
-    MemoryUse, NO_REGION, Picture, Uploaded, ViewId, paint,
+    Counters, DeviceError, FillBackend, FillInput, Frame, FrameTimes, MemoryUse, NO_REGION,
+    Picture, Uploaded, ViewId, paint,
 };
 use terrafill_core::Region;
 use terrafill_scene::ImageSize;
@@ -66,7 +66,8 @@ struct Prepared {
 pub(crate) struct CesiumBackend {
     browser: Browser,
     way: CesiumFill,
-    capabilities: Capabilities,
+    /// What the browser draws on.
+    renderer: String,
     note: String,
     prepared: Option<Prepared>,
 }
@@ -96,12 +97,7 @@ impl CesiumBackend {
         Ok(Self {
             browser,
             way,
-            capabilities: Capabilities {
-                backend: NAME,
-                adapter: opened.renderer,
-                gpu_timestamps: false,
-                pipeline_statistics: false,
-            },
+            renderer: opened.renderer,
             note,
             prepared: None,
         })
@@ -111,8 +107,8 @@ impl CesiumBackend {
         let prepared = self.prepared;
         let revision = prepared.map(|prepared| prepared.revision);
         let view_id = prepared.map(|prepared| prepared.view_id);
-        input.check_prepared(self.capabilities.backend, revision, view_id)?;
-        prepared.ok_or_else(|| input.not_prepared(self.capabilities.backend))
+        input.check_prepared(NAME, revision, view_id)?;
+        prepared.ok_or_else(|| input.not_prepared(NAME))
     }
 
     /// CPU time and wall clock of a frame with the regions shown or hidden, milliseconds.
@@ -132,10 +128,6 @@ impl CesiumBackend {
 }
 
 impl FillBackend for CesiumBackend {
-    fn capabilities(&self) -> &Capabilities {
-        &self.capabilities
-    }
-
     fn tells_regions_apart(&self) -> bool {
         true
     }
@@ -147,13 +139,7 @@ impl FillBackend for CesiumBackend {
 
     fn prepare(&mut self, input: &FillInput) -> Result<MemoryUse, DeviceError> {
         let found = input.scene.regions.len();
-        if found > REGIONS.min(MAX_REGIONS) {
-            return Err(DeviceError::OverCapacity {
-                what: "regions".to_owned(),
-                found: found as u64,
-                allowed: REGIONS as u64,
-            });
-        }
+        DeviceError::check_capacity("regions", found as u64, REGIONS as u64)?;
         let pose = Pose::new(&input.camera, input.size);
         let matrices: Matrices = self.browser.call("view", json!([pose]))?;
         let apart = apart_px(&input.camera, input.size, &matrices);
@@ -190,7 +176,7 @@ impl FillBackend for CesiumBackend {
 
     fn update(&mut self, _: &FillInput, _: &[usize]) -> Result<Uploaded, DeviceError> {
         let what = "regions that change one by one";
-        Err(DeviceError::unsupported(what, &self.capabilities.adapter))
+        Err(DeviceError::unsupported(what, &self.renderer))
     }
 
     fn render(&mut self, input: &FillInput) -> Result<Frame, DeviceError> {
@@ -300,10 +286,7 @@ fn pixels_of(runs: &[i64], size: ImageSize, regions: usize) -> Option<(Vec<u32>,
 mod tests {
     use super::*;
 
-    const SIZE: ImageSize = ImageSize {
-        width: 3,
-        height: 2,
-    };
+    const SIZE: ImageSize = ImageSize::new(3, 2);
 
     #[test]
     fn runs_become_pixels_and_strange_colours_nobodys() {

@@ -231,10 +231,7 @@ mod tests {
     #[test]
     fn a_browser_that_is_not_there_is_an_error() {
         let nowhere = Path::new("/nonexistent");
-        let size = ImageSize {
-            width: 8,
-            height: 8,
-        };
+        let size = ImageSize::new(8, 8);
         let error = Browser::start(nowhere, nowhere, size, true).expect_err("no browser");
         assert!(error.to_string().contains("does not start"), "{error}");
     }

@@ -85,16 +85,7 @@ mod tests {
     use terrafill_core::{Ellipsoid, Geodetic};
     use terrafill_scene::CameraPose;
 
-    const SIZES: [ImageSize; 2] = [
-        ImageSize {
-            width: 1024,
-            height: 1024,
-        },
-        ImageSize {
-            width: 1000,
-            height: 400,
-        },
-    ];
+    const SIZES: [ImageSize; 2] = [ImageSize::new(1024, 1024), ImageSize::new(1000, 400)];
 
     fn camera(heading_deg: f64) -> Camera {
         let pose = CameraPose {

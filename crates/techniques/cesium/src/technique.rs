@@ -6,8 +6,7 @@ use crate::browser::Browser;
 use crate::way::{CesiumFill, NAME};
 use std::path::{Path, PathBuf};
 use terrafill_contract::{
-    Api, DeviceError, FillBackend, GeometryBytes, PlannedStep, Role, THIS_MACHINE, Targets,
-    Technique, layouts,
+    Api, DeviceError, GeometryBytes, OpenedBackend, Role, THIS_MACHINE, Targets, Technique, layouts,
 };
 use terrafill_core::{EdgeRule, Ellipsoid, RegionMesh};
 use terrafill_gpu::shared_targets;
@@ -118,14 +117,6 @@ impl Technique for CesiumTechnique {
         }
     }
 
-    fn ablation(&self, _: Overlap) -> Vec<PlannedStep> {
-        Vec::new()
-    }
-
-    fn matrix_row(&self, _: &Variant) -> Vec<Variant> {
-        Vec::new()
-    }
-
     fn check(&self, variant: &Variant, _: Overlap) -> Result<(), SwitchError> {
         variant.choice("tiles", &TILES)?;
         CesiumFill::of(variant).map(drop)
@@ -141,11 +132,7 @@ impl Technique for CesiumTechnique {
         CesiumFill::of(variant).map(|_| GeometryBytes::default())
     }
 
-    fn open(
-        &self,
-        targets: &Targets,
-        variant: &Variant,
-    ) -> Result<Box<dyn FillBackend>, DeviceError> {
+    fn open(&self, targets: &Targets, variant: &Variant) -> OpenedBackend {
         let way = CesiumFill::of(variant)?;
         let tiles_px = variant.choice("tiles", &TILES)?;
         let (cesium, chromium) =

@@ -5,9 +5,9 @@
 //! region by region; those that are written are 32 bits.
 
 use std::borrow::Borrow;
-use terrafill_core::RegionMesh;
+use terrafill_core::{RegionMesh, index_u32};
 use terrafill_plan::PartOrder;
-use terrafill_stencil::{FixedPoint, VolumePlace};
+use terrafill_stencil::{FixedPoint, IndexLists, VolumePlace};
 
 /// Bytes of one or more regions, what is stored and what is made from it apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -47,9 +47,6 @@ impl std::iter::Sum for ComputeBytes {
     }
 }
 
-/// Largest number of vertices that 16 bits tell apart: no value has another meaning here.
-const MAX_SHORT_VERTICES: usize = 0x1_0000;
-
 /// Bytes that `mesh` takes, by formula. With *v* vertices, *t* triangles, *e* boundary edges in *l*
 /// loops and *i* bytes an index: 12·v + i·(3t + e + l) read, the loops closed and the last word
 /// filled up, and 4·(6t + 6e) written.
@@ -58,7 +55,7 @@ pub fn compute_bytes(mesh: &RegionMesh) -> ComputeBytes {
     let (vertices, triangles) = (mesh.vertices_ecef.len(), mesh.triangles.len());
     let (edges, loops) = (mesh.boundary_edge_count(), mesh.boundary_loops.len());
     let indices = 3 * triangles + edges + loops;
-    let words = if vertices <= MAX_SHORT_VERTICES {
+    let words = if IndexLists::are_short(vertices) {
         indices.div_ceil(2)
     } else {
         indices
@@ -151,13 +148,9 @@ impl SceneGeometry {
     }
 
     /// Puts what `other` has behind its own.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "buffers are refused by the device long before 2^32 elements"
-    )]
     pub(crate) fn append(&mut self, other: &Self) {
-        let first_vertex = (self.positions.len() / 3) as u32;
-        let first_word = self.indices.len() as u32;
+        let first_vertex = index_u32(self.positions.len() / 3);
+        let first_word = index_u32(self.indices.len());
         self.positions.extend(&other.positions);
         self.indices.extend(&other.indices);
         let moved = other.meshes.iter().map(|slice| {
@@ -169,24 +162,20 @@ impl SceneGeometry {
         self.meshes.extend(moved);
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "buffers are refused by the device long before 2^32 elements"
-    )]
     fn push(&mut self, mesh: &RegionMesh, triangles: &[[u32; 3]]) {
         let fixed = FixedPoint::for_mesh(mesh);
-        let first_vertex = (self.positions.len() / 3) as u32;
+        let first_vertex = index_u32(self.positions.len() / 3);
         for vertex in &mesh.vertices_ecef {
             self.positions.extend(fixed.quantize(*vertex).to_array());
         }
-        let has_short_indices = mesh.vertices_ecef.len() <= MAX_SHORT_VERTICES;
+        let has_short_indices = IndexLists::are_short(mesh.vertices_ecef.len());
         let corners = triangles.as_flattened().iter().copied();
         let closed = mesh
             .boundary_loops
             .iter()
             .flat_map(|ring| ring.iter().chain(ring.first()).copied());
         let list: Vec<u32> = corners.chain(closed).collect();
-        let first_word = self.indices.len() as u32;
+        let first_word = index_u32(self.indices.len());
         let first_triangle_index = if has_short_indices {
             let word = |pair: &[u32]| pair[0] | pair.get(1).copied().unwrap_or(0) << 16;
             self.indices.extend(list.chunks(2).map(word));
@@ -200,13 +189,13 @@ impl SceneGeometry {
                 fixed,
                 first_vertex,
                 first_triangle_index,
-                first_loop_index: first_triangle_index + 3 * mesh.triangles.len() as u32,
-                triangle_count: mesh.triangles.len() as u32,
+                first_loop_index: first_triangle_index + 3 * index_u32(mesh.triangles.len()),
+                triangle_count: index_u32(mesh.triangles.len()),
                 has_short_indices,
             },
-            vertex_count: mesh.vertices_ecef.len() as u32,
-            index_words: self.indices.len() as u32 - first_word,
-            edge_count: mesh.boundary_edge_count() as u32,
+            vertex_count: index_u32(mesh.vertices_ecef.len()),
+            index_words: index_u32(self.indices.len()) - first_word,
+            edge_count: index_u32(mesh.boundary_edge_count()),
         });
     }
 

@@ -4,7 +4,7 @@
 use crate::{ComputeVariant, Expansion, GpuCulling, Transform};
 use std::collections::HashMap;
 use terrafill_contract::DeviceError;
-use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
+use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader, vertex_layout};
 use terrafill_stencil::{Holding, VolumeState};
 
 /// What each bind group holds, by its number; 0 holds view and regions.
@@ -49,18 +49,7 @@ pub(crate) struct Pipelines {
 }
 
 /// Layouts of the groups that an entry point of the compute pass may read, 0 first.
-struct Groups<'a>([Option<&'a wgpu::BindGroupLayout>; 4]);
-
-impl<'a> Groups<'a> {
-    fn new(frame: &'a wgpu::BindGroupLayout, bindings: &'a Bindings) -> Self {
-        Self([
-            Some(frame),
-            Some(&bindings.geometry),
-            Some(&bindings.expansion),
-            Some(&bindings.culling),
-        ])
-    }
-}
+type Groups<'a> = [Option<&'a wgpu::BindGroupLayout>; 4];
 
 fn compute_pipeline(
     fill: &VolumeFill,
@@ -86,7 +75,7 @@ fn compute_pipeline(
 
 fn expand_pipeline(
     fill: &VolumeFill,
-    Groups(all): &Groups<'_>,
+    all: &Groups<'_>,
     variant: ComputeVariant,
 ) -> Result<wgpu::ComputePipeline, DeviceError> {
     let (entry_point, groups) = match (variant.expansion, variant.culling) {
@@ -101,7 +90,7 @@ fn expand_pipeline(
 
 fn cull_pipeline(
     fill: &VolumeFill,
-    Groups(all): &Groups<'_>,
+    all: &Groups<'_>,
     culling: GpuCulling,
 ) -> Result<wgpu::ComputePipeline, DeviceError> {
     // Two groups more than it reads: pipelines of one pass whose layouts differ before a group
@@ -116,7 +105,12 @@ impl Pipelines {
     pub(crate) fn new(fill: &VolumeFill, variant: ComputeVariant) -> Result<Self, DeviceError> {
         let gpu = fill.gpu();
         let bindings = Bindings::new(&gpu);
-        let groups = Groups::new(fill.frame_layout(), &bindings);
+        let groups: Groups<'_> = [
+            Some(fill.frame_layout()),
+            Some(&bindings.geometry),
+            Some(&bindings.expansion),
+            Some(&bindings.culling),
+        ];
         let cull = match variant.culling {
             GpuCulling::Off => None,
             culling => Some(cull_pipeline(fill, &groups, culling)?),
@@ -125,7 +119,7 @@ impl Pipelines {
             Transform::VertexStage => None,
             Transform::ComputeStage => {
                 let entry_point = ("compute/expand.wgsl", "place_corners");
-                Some(compute_pipeline(fill, entry_point, &groups.0[..3], &[])?)
+                Some(compute_pipeline(fill, entry_point, &groups[..3], &[])?)
             }
         };
         Ok(Self {
@@ -134,7 +128,7 @@ impl Pipelines {
             expand: expand_pipeline(fill, &groups, variant)?,
             cull,
             volume_shader: fill.shader("compute/fill.wgsl")?,
-            volume_layout: gpu.pipeline_layout("compute", &groups.0[..2]),
+            volume_layout: gpu.pipeline_layout("compute", &groups[..2]),
             volumes: HashMap::new(),
             bindings,
         })
@@ -165,11 +159,8 @@ impl Pipelines {
 
     fn volume_pipeline(&self, gpu: &Gpu, state: VolumeState) -> wgpu::RenderPipeline {
         let is_placed = self.transform == Transform::ComputeStage;
-        let corner = [Some(wgpu::VertexBufferLayout {
-            array_stride: 16,
-            step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &wgpu::vertex_attr_array![0 => Float32x4],
-        })];
+        let attributes = wgpu::vertex_attr_array![0 => Float32x4];
+        let corner = [vertex_layout(&attributes)];
         let shader = VolumeShader {
             module: &self.volume_shader,
             layout: &self.volume_layout,

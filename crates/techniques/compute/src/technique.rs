@@ -3,7 +3,7 @@
 
 use crate::{ComputeBackend, ComputeVariant, Expansion, GpuCulling, compute_bytes, placed_bytes};
 use terrafill_contract::{
-    Api, DeviceError, FillBackend, GeometryBytes, PlannedStep, Role, Targets, Technique, layouts,
+    Api, GeometryBytes, OpenedBackend, PlannedStep, Role, Targets, Technique, layouts,
 };
 use terrafill_core::RegionMesh;
 use terrafill_gpu::shared_targets;
@@ -129,11 +129,7 @@ impl Technique for ComputeTechnique {
         ]
     }
 
-    fn open(
-        &self,
-        targets: &Targets,
-        variant: &Variant,
-    ) -> Result<Box<dyn FillBackend>, DeviceError> {
+    fn open(&self, targets: &Targets, variant: &Variant) -> OpenedBackend {
         let compute = ComputeVariant::of(variant)?;
         let targets = shared_targets(targets)?;
         Ok(Box::new(ComputeBackend::new(&targets, compute)?))

@@ -14,17 +14,6 @@ pub enum Expansion {
     Cached,
 }
 
-impl Expansion {
-    /// Name in variants and reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::PerFrame => "per-frame",
-            Self::Cached => "cached",
-        }
-    }
-}
-
 /// What the device leaves out, on top of what the frame plan did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
 pub enum GpuCulling {
@@ -37,18 +26,6 @@ pub enum GpuCulling {
     /// those in the body's shadow: where fragments behind the surface count, a ray through the
     /// body may enter a volume by one piece and leave it by another.
     Triangles,
-}
-
-impl GpuCulling {
-    /// Name in variants and reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Off => "off",
-            Self::Regions => "regions",
-            Self::Triangles => "triangles",
-        }
-    }
 }
 
 /// Which stage puts corners where they are seen. On lavapipe the compute stage takes 6 to 10 % off
@@ -87,15 +64,22 @@ impl ComputeVariant {
     /// # Errors
     /// [`SwitchError`] when it is one of another technique.
     pub fn of(variant: &Variant) -> Result<Self, SwitchError> {
-        let expansions = [Expansion::PerFrame, Expansion::Cached];
-        let cullings = [GpuCulling::Off, GpuCulling::Regions, GpuCulling::Triangles];
+        let expansions = [
+            ("per-frame", Expansion::PerFrame),
+            ("cached", Expansion::Cached),
+        ];
+        let cullings = [
+            ("off", GpuCulling::Off),
+            ("regions", GpuCulling::Regions),
+            ("triangles", GpuCulling::Triangles),
+        ];
         let transforms = [
             ("vertex", Transform::VertexStage),
             ("compute", Transform::ComputeStage),
         ];
         Ok(Self {
-            expansion: variant.choice("expansion", &expansions.map(|e| (e.name(), e)))?,
-            culling: variant.choice("gpu-culling", &cullings.map(|c| (c.name(), c)))?,
+            expansion: variant.choice("expansion", &expansions)?,
+            culling: variant.choice("gpu-culling", &cullings)?,
             transform: variant.choice("transform", &transforms)?,
             parts: variant.plan.part_culling != PartCulling::Off,
             switches: variant.switches,

@@ -10,8 +10,8 @@ use terrafill_contract::{DeviceError, Feature, FillInput, MemoryUse};
 use terrafill_gpu::{Gpu, VolumeFill, read_buffer};
 use terrafill_plan::PlannedRegion;
 use terrafill_stencil::{
-    BottomCaps, DrawnOfMeshes, DrawnParts, Holding, LaidOut, RegionVolumes, VolumeBackend,
-    VolumeConstants, VolumePlace, WallIndices,
+    DrawnOfMeshes, DrawnParts, HeldMeshes, Holding, IndexBytes, LaidOut, RegionVolumes,
+    VolumeBackend, VolumeConstants, VolumePlace, WallIndices,
 };
 use terrafill_variant::Switches;
 
@@ -46,7 +46,7 @@ pub(crate) struct SceneBuffers {
     pub(crate) bind_group: wgpu::BindGroup,
     bytes: ComputeBytes,
     /// Of which meshes [`Expansion::Cached`] makes bottom caps.
-    bottoms: BottomCaps,
+    bottoms: HeldMeshes,
     /// [`Expansion::Cached`]: all volumes, by mesh.
     pub(crate) expanded: Option<Expanded>,
 }
@@ -111,20 +111,7 @@ impl Filled {
 
     /// What it takes to fill it.
     fn work_held(&self) -> Holding {
-        let work = MemoryUse {
-            constant_bytes: self.work_bytes,
-            ..beyond(&self.work, self.work_bytes)
-        };
-        Holding::memory(Feature::Expansion, work)
-    }
-}
-
-/// One buffer, and what it has beyond what is written into it.
-fn beyond(buffer: &wgpu::Buffer, written: u64) -> MemoryUse {
-    MemoryUse {
-        padding_bytes: buffer.size().saturating_sub(written),
-        buffers: 1,
-        ..MemoryUse::default()
+        Holding::constants(Feature::Expansion, self.work_bytes, self.work.size())
     }
 }
 
@@ -135,26 +122,13 @@ impl Expanded {
             let counts = self.outputs.iter().map(|output| u64::from(count(output)));
             4 * counts.sum::<u64>()
         };
-        let of = |index_bytes| MemoryUse {
-            index_bytes,
-            ..MemoryUse::default()
+        let indices = IndexBytes {
+            top_caps: bytes(|output| output.top_count),
+            bottom_caps: bytes(|output| output.bottom_count),
+            walls: bytes(|output| output.upper_count - output.top_count),
+            spared: bytes(|output| output.top_count - output.bottom_count),
         };
-        let tops = MemoryUse {
-            index_bytes: bytes(|output| output.top_count),
-            ..beyond(&self.indices.buffer, self.indices.output_bytes)
-        };
-        let bottoms = of(bytes(|output| output.bottom_count));
-        [
-            Holding::memory(Feature::TopCaps, tops),
-            Holding {
-                spared_bytes: bytes(|output| output.top_count - output.bottom_count),
-                ..Holding::memory(Feature::BottomCaps, bottoms)
-            },
-            Holding::memory(
-                Feature::Walls,
-                of(bytes(|output| output.upper_count - output.top_count)),
-            ),
-        ]
+        indices.holdings(&[self.indices.buffer.size()])
     }
 }
 
@@ -220,11 +194,8 @@ impl RegionVolumes for ComputeVolumes {
         // A draw finds its region by the instance number, which indirect draws may not have
         // otherwise.
         let first_instance = wgpu::Features::INDIRECT_FIRST_INSTANCE;
-        if variant.culling != GpuCulling::Off && !gpu.device.features().contains(first_instance) {
-            return Err(DeviceError::unsupported(
-                "a first instance in indirect draws",
-                &gpu.facts.name,
-            ));
+        if variant.culling != GpuCulling::Off {
+            gpu.require(first_instance, "a first instance in indirect draws")?;
         }
         Ok(Self {
             variant,
@@ -252,25 +223,19 @@ impl RegionVolumes for ComputeVolumes {
         }];
         all.extend(self.pipelines.holdings());
         if let Some(scene) = &self.scene {
-            let bytes = scene.bytes;
-            let positions = MemoryUse {
-                vertex_bytes: bytes.input_vertex_bytes,
-                ..beyond(&scene.positions, bytes.input_vertex_bytes)
-            };
-            let indices = MemoryUse {
-                index_bytes: bytes.input_index_bytes,
-                ..beyond(&scene.indices, bytes.input_index_bytes)
-            };
-            all.push(Holding::memory(Feature::Positions, positions));
-            all.push(Holding::memory(Feature::Expansion, indices));
+            let [vertices, indices] = [
+                scene.bytes.input_vertex_bytes,
+                scene.bytes.input_index_bytes,
+            ];
+            let positions = [scene.positions.size()];
+            all.push(Holding::vertices(Feature::Positions, vertices, &positions));
+            let read = [scene.indices.size()];
+            all.push(Holding::indices(Feature::Expansion, indices, &read));
         }
         if let Some(placed) = &self.view.placed {
             let corners = &placed.corners;
-            let written = MemoryUse {
-                vertex_bytes: corners.output_bytes,
-                ..beyond(&corners.buffer, corners.output_bytes)
-            };
-            all.push(Holding::memory(Feature::Positions, written));
+            let (written, buffers) = (corners.output_bytes, [corners.buffer.size()]);
+            all.push(Holding::vertices(Feature::Positions, written, &buffers));
             all.push(corners.work_held());
         }
         if let Some(expanded) = self.expanded() {
@@ -307,7 +272,7 @@ impl RegionVolumes for ComputeVolumes {
         &mut self,
         fill: &VolumeFill,
         input: &FillInput,
-        bottoms: &BottomCaps,
+        bottoms: &HeldMeshes,
     ) -> Result<(), DeviceError> {
         let gpu = fill.gpu();
         let (meshes, by_part) = (&input.scene.meshes, self.variant.parts);
@@ -367,7 +332,7 @@ impl RegionVolumes for ComputeVolumes {
         &mut self,
         fill: &VolumeFill,
         input: &FillInput,
-        bottoms: &BottomCaps,
+        bottoms: &HeldMeshes,
     ) -> Result<(), DeviceError> {
         self.view = ViewBuffers::default();
         // Of a view that draws nothing, no compute pass would clear them.
@@ -476,7 +441,7 @@ impl ComputeVolumes {
         &self,
         gpu: &Gpu,
         input: &FillInput,
-        (slices, bottoms): (&[MeshSlice], &BottomCaps),
+        (slices, bottoms): (&[MeshSlice], &HeldMeshes),
         bind_group: &wgpu::BindGroup,
     ) -> Result<Option<Expanded>, DeviceError> {
         if self.variant.expansion == Expansion::PerFrame {
@@ -524,14 +489,9 @@ impl ComputeVolumes {
         self.capacity.check_bytes(label, output_bytes)?;
         self.capacity.check_bytes(work_label, work_bytes)?;
         let dispatch_size = self.capacity.dispatch_size(work.len())?;
-        let buffer = gpu.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            // A binding of 0 bytes is not allowed; an empty plan draws nothing. 16 are one corner.
-            size: output_bytes.max(16),
-            usage: wgpu::BufferUsages::STORAGE | usage,
-            mapped_at_creation: false,
-        });
         let storage = wgpu::BufferUsages::STORAGE;
+        // A binding of 0 bytes is not allowed; an empty plan draws nothing. 16 are one corner.
+        let buffer = gpu.unwritten(label, output_bytes.max(16), storage | usage);
         let work = gpu.upload(work_label, &storage_bytes(work), storage)?;
         let layout = &self.pipelines.bindings.expansion;
         Ok(Filled {
@@ -573,21 +533,11 @@ impl ComputeVolumes {
         let regions = storage_bytes(&regions);
         let padding_bytes = regions.len() as u64 - region_bytes;
         let regions = gpu.upload("region boxes", &regions, wgpu::BufferUsages::STORAGE)?;
-        let draws = gpu.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("draw arguments"),
-            size: draw_bytes,
-            usage: wgpu::BufferUsages::STORAGE
-                | wgpu::BufferUsages::INDIRECT
-                | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
+        let read_back = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let arguments = read_back | wgpu::BufferUsages::INDIRECT;
+        let draws = gpu.unwritten("draw arguments", draw_bytes, arguments);
         let state_bytes = 4 * planned.len().max(1) as u64;
-        let states = gpu.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("region states"),
-            size: state_bytes,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
+        let states = gpu.unwritten("region states", state_bytes, read_back);
         let layout = &self.pipelines.bindings.culling;
         let buffers = [&draws, &regions, &horizon, &states];
         Ok(Culling {
@@ -623,10 +573,7 @@ mod tests {
         let meshes: RegionSet = meshes.expect("it meshes").into();
         let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
         let prepared = PreparedScene::new(&scene, meshes.clone(), surface);
-        let size = ImageSize {
-            width: 16,
-            height: 16,
-        };
+        let size = ImageSize::new(16, 16);
         let full = FillInput::new(&prepared, &scene.views[0], size, PlanOptions::default())
             .expect("a surface");
         let mut empty = full.clone();

@@ -19,10 +19,7 @@ use terrafill_scene::{CameraPose, ImageSize, Scene, View};
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_variant::{BottomCap, ColourWay, DepthRuleChoice, FacePasses, Switches};
 
-const SIZE: ImageSize = ImageSize {
-    width: 256,
-    height: 192,
-};
+const SIZE: ImageSize = ImageSize::new(256, 192);
 
 /// A shipped scene with its views.
 fn shipped(name: &str) -> (PreparedScene, Vec<View>) {

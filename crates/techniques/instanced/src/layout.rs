@@ -6,15 +6,12 @@
 use std::borrow::Borrow;
 use std::ops::Range;
 use terrafill_contract::GeometryBytes;
-use terrafill_core::RegionMesh;
+use terrafill_core::{RegionMesh, index_u32};
 use terrafill_plan::PartOrder;
 use terrafill_stencil::{FixedPoint, IndexLists, VolumePlace};
 
 /// A position in its region's units.
 pub(crate) type Position = [i32; 3];
-
-/// Largest number of vertices that 16 bits tell apart: triangles are lists, which have no restart.
-const MAX_SHORT_VERTICES: usize = 0x1_0000;
 
 /// Bytes that `mesh` takes, by formula. With *v* vertices, *t* triangles, *e* boundary edges and *i*
 /// bytes an index: 12·v + 24·e for positions of vertices and of edges' ends, and i·3t for the one
@@ -22,15 +19,12 @@ const MAX_SHORT_VERTICES: usize = 0x1_0000;
 #[must_use]
 pub fn instanced_bytes(mesh: &RegionMesh) -> GeometryBytes {
     let vertices = mesh.vertices_ecef.len();
-    let index_size = if has_short_indices(mesh) { 2 } else { 4 };
+    let is_short = IndexLists::are_short(vertices);
+    let index_size = if is_short { 2 } else { 4 };
     GeometryBytes {
         vertex_bytes: (12 * vertices + 24 * mesh.boundary_edge_count()) as u64,
         index_bytes: (index_size * 3 * mesh.triangles.len()) as u64,
     }
-}
-
-fn has_short_indices(mesh: &RegionMesh) -> bool {
-    mesh.vertices_ecef.len() <= MAX_SHORT_VERTICES
 }
 
 /// Where one region lies in the scene's buffers.
@@ -71,13 +65,9 @@ impl SceneGeometry {
     }
 
     /// Puts what `other` has behind its own.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "buffers are refused by the device long before 2^32 elements"
-    )]
     pub(crate) fn append(&mut self, other: &Self) {
-        let first_vertex = self.vertices.len() as u32;
-        let first_wall = self.walls.len() as u32;
+        let first_vertex = index_u32(self.vertices.len());
+        let first_wall = index_u32(self.walls.len());
         let [long, short] = [false, true].map(|is_short| self.indices.count(is_short));
         self.vertices.extend(&other.vertices);
         self.walls.extend(&other.walls);
@@ -96,33 +86,28 @@ impl SceneGeometry {
         self.regions.extend(moved);
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "buffers are refused by the device long before 2^32 elements"
-    )]
     fn push(&mut self, mesh: &RegionMesh, triangles: &[[u32; 3]]) {
         let fixed = FixedPoint::for_mesh(mesh);
         let stored = |ecef| fixed.quantize(ecef).to_array();
         let positions: Vec<Position> = mesh.vertices_ecef.iter().copied().map(stored).collect();
-        let is_short = has_short_indices(mesh);
-        let first_wall = self.walls.len() as u32;
+        let is_short = IndexLists::are_short(mesh.vertices_ecef.len());
+        let first_wall = index_u32(self.walls.len());
         let ends = |edge: [u32; 2]| edge.map(|vertex| positions[vertex as usize]);
         self.walls.extend(mesh.boundary_edges().map(ends));
         self.regions.push(RegionSlice {
             place: VolumePlace {
                 fixed,
-                first_vertex: self.vertices.len() as u32,
+                first_vertex: index_u32(self.vertices.len()),
                 first_triangle_index: self.indices.count(is_short),
                 first_loop_index: first_wall,
-                triangle_count: mesh.triangles.len() as u32,
+                triangle_count: index_u32(mesh.triangles.len()),
                 has_short_indices: is_short,
             },
-            walls: first_wall..self.walls.len() as u32,
+            walls: first_wall..index_u32(self.walls.len()),
         });
         self.vertices.extend(positions);
-        for &corner in triangles.as_flattened() {
-            self.indices.push(is_short, corner);
-        }
+        let corners = triangles.as_flattened().iter();
+        self.indices.extend(is_short, corners.copied());
     }
 
     /// Bytes as built.

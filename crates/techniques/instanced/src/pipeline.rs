@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pipelines that draw volumes.
 
-use crate::layout::Position;
 use std::collections::HashMap;
 use terrafill_contract::{DeviceError, Feature};
-use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
+use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader, vertex_layout};
 use terrafill_stencil::{Holding, VolumeState};
 
 /// Which part of a volume a pipeline draws.
@@ -96,27 +95,14 @@ impl Pipelines {
         part: VolumePart,
         state: VolumeState,
     ) -> wgpu::RenderPipeline {
-        let buffer = |stride: usize, step_mode, attributes| {
-            Some(wgpu::VertexBufferLayout {
-                array_stride: stride as u64,
-                step_mode,
-                attributes,
-            })
-        };
         let position = wgpu::vertex_attr_array![0 => Sint32x3];
         let ends = wgpu::vertex_attr_array![0 => Sint32x3, 1 => Sint32x3];
-        let vertices = buffer(
-            size_of::<Position>(),
-            wgpu::VertexStepMode::Vertex,
-            &position,
-        );
-        let walls = buffer(
-            size_of::<[Position; 2]>(),
-            wgpu::VertexStepMode::Instance,
-            &ends,
-        );
+        let walls = vertex_layout(&ends).map(|ends| wgpu::VertexBufferLayout {
+            step_mode: wgpu::VertexStepMode::Instance,
+            ..ends
+        });
         let (buffers, strip_index_format) = match part {
-            VolumePart::TopCap | VolumePart::BottomCap => (vec![vertices], None),
+            VolumePart::TopCap | VolumePart::BottomCap => (vec![vertex_layout(&position)], None),
             // Nothing is indexed and nothing restarts; a strip must name a width nonetheless.
             VolumePart::Walls => (vec![None, walls], Some(wgpu::IndexFormat::Uint16)),
         };

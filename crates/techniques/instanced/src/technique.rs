@@ -3,7 +3,7 @@
 
 use crate::{InstancedBackend, instanced_bytes};
 use terrafill_contract::{
-    Api, DeviceError, FillBackend, GeometryBytes, PlannedStep, Role, Targets, Technique, layouts,
+    Api, GeometryBytes, OpenedBackend, PlannedStep, Role, Targets, Technique, layouts,
 };
 use terrafill_core::RegionMesh;
 use terrafill_gpu::shared_targets;
@@ -58,10 +58,6 @@ impl Technique for InstancedTechnique {
         .steps()
     }
 
-    fn matrix_row(&self, _base: &Variant) -> Vec<Variant> {
-        Vec::new()
-    }
-
     fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
         check_layout(variant)?;
         variant.check_parts(true)?;
@@ -78,11 +74,7 @@ impl Technique for InstancedTechnique {
         Ok(instanced_bytes(mesh))
     }
 
-    fn open(
-        &self,
-        targets: &Targets,
-        variant: &Variant,
-    ) -> Result<Box<dyn FillBackend>, DeviceError> {
+    fn open(&self, targets: &Targets, variant: &Variant) -> OpenedBackend {
         check_layout(variant)?;
         let targets = shared_targets(targets)?;
         Ok(Box::new(InstancedBackend::new(&targets, variant.switches)?))

@@ -5,11 +5,11 @@ use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pipeline::{Pipelines, VERTICES, VolumePart, WALL_CORNERS, WALLS};
 use std::collections::BTreeMap;
 use std::slice::from_ref;
-use terrafill_contract::{DeviceError, Feature, FillInput, GeometryBytes, MemoryUse};
-use terrafill_gpu::{Gpu, VolumeFill, VolumePass, WgpuVolumes};
+use terrafill_contract::{DeviceError, Feature, FillInput, GeometryBytes};
+use terrafill_gpu::{Gpu, VolumeFill, VolumePass, WgpuVolumes, index_format};
 use terrafill_plan::{PartCulling, SeenParts};
 use terrafill_stencil::{
-    BottomCaps, Holding, LaidOut, RegionVolumes, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
+    HeldMeshes, Holding, LaidOut, RegionVolumes, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
 };
 use terrafill_variant::Switches;
 
@@ -81,7 +81,7 @@ impl RegionVolumes for InstancedVolumes {
         &mut self,
         fill: &VolumeFill,
         input: &FillInput,
-        _bottoms: &BottomCaps,
+        _bottoms: &HeldMeshes,
     ) -> Result<(), DeviceError> {
         let by_part = input.plan.options.part_culling != PartCulling::Off;
         let meshes = &input.scene.meshes;
@@ -99,7 +99,7 @@ impl RegionVolumes for InstancedVolumes {
         &mut self,
         _fill: &VolumeFill,
         input: &FillInput,
-        _bottoms: &BottomCaps,
+        _bottoms: &HeldMeshes,
     ) -> Result<(), DeviceError> {
         let seen = input.plan.seen_parts.iter();
         let some = seen.filter(|(_, seen)| self.by_part && seen.facets_left_out > 0);
@@ -140,34 +140,16 @@ impl InstancedVolumes {
 impl SceneBuffers {
     /// Bytes of its buffers by what they are for.
     fn holdings(&self) -> [Holding; 3] {
-        let indices = [self.short_indices.as_ref(), self.long_indices.as_ref()];
-        let indices: Vec<&wgpu::Buffer> = indices.into_iter().flatten().collect();
-        let of_buffers = |buffers: &[&wgpu::Buffer], bytes: GeometryBytes| {
-            let sizes = buffers.iter().map(|buffer| buffer.size());
-            MemoryUse {
-                padding_bytes: sizes.sum::<u64>().saturating_sub(bytes.total()),
-                buffers: buffers.len() as u64,
-                ..bytes.into()
-            }
-        };
-        let GeometryBytes {
-            vertex_bytes,
-            index_bytes,
-        } = self.bytes;
-        let vertices = |vertex_bytes| GeometryBytes {
-            vertex_bytes,
-            index_bytes: 0,
-        };
-        let positions = of_buffers(&[&self.vertices], vertices(self.position_bytes));
-        let caps = GeometryBytes {
-            vertex_bytes: 0,
-            index_bytes,
-        };
-        let walls = vertices(vertex_bytes.saturating_sub(self.position_bytes));
+        let indices = [&self.short_indices, &self.long_indices]
+            .into_iter()
+            .flatten();
+        let indices: Vec<u64> = indices.map(wgpu::Buffer::size).collect();
+        let (positions, caps) = (self.position_bytes, self.bytes.index_bytes);
+        let walls = self.bytes.vertex_bytes.saturating_sub(positions);
         [
-            Holding::memory(Feature::Positions, positions),
-            Holding::memory(Feature::TopCaps, of_buffers(&indices, caps)),
-            Holding::memory(Feature::Walls, of_buffers(&[&self.walls], walls)),
+            Holding::vertices(Feature::Positions, positions, &[self.vertices.size()]),
+            Holding::indices(Feature::TopCaps, caps, &indices),
+            Holding::vertices(Feature::Walls, walls, &[self.walls.size()]),
         ]
     }
 
@@ -176,13 +158,9 @@ impl SceneBuffers {
     }
 
     fn bind_indices(&self, pass: &mut wgpu::RenderPass<'_>, is_short: bool) {
-        let (indices, format) = if is_short {
-            (&self.short_indices, wgpu::IndexFormat::Uint16)
-        } else {
-            (&self.long_indices, wgpu::IndexFormat::Uint32)
-        };
-        if let Some(indices) = indices {
-            pass.set_index_buffer(indices.slice(..), format);
+        let both = [&self.long_indices, &self.short_indices];
+        if let Some(indices) = both[usize::from(is_short)] {
+            pass.set_index_buffer(indices.slice(..), index_format(is_short));
         }
     }
 

@@ -26,10 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let name = arguments.first().map_or("planet-134", String::as_str);
     let rounds: usize = arguments.get(1).map_or(Ok(21), |text| text.parse())?;
     let side: u32 = arguments.get(2).map_or(Ok(1024), |text| text.parse())?;
-    let size = ImageSize {
-        width: side,
-        height: side,
-    };
+    let size = ImageSize::new(side, side);
     let scene = Scene::shipped(name, data_dir_from_env().as_deref())?;
     let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh)
         .map_err(|errors| format!("{errors:?}"))?;

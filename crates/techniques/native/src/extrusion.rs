@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The techniques: what is drawn, and by which shaders.
 
-use terrafill_stencil::{DepthRule, VolumeState};
-use terrafill_vulkan::{
-    Fragments, GeometryStage, HandsOn, PipelineDescriptor, Topology, VertexFormat, VertexStage,
-};
+use terrafill_stencil::VolumeState;
+use terrafill_vulkan::{GeometryStage, HandsOn, PipelineDescriptor, Topology, VertexFormat};
 
 /// How volumes come about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
@@ -159,21 +157,16 @@ impl Extrusion {
         state: VolumeState,
         without_bottom: bool,
     ) -> PipelineDescriptor {
-        let (entry_point, hands_on) = match state {
-            VolumeState::Colour { .. } => ("coloured_main", HandsOn::Colour),
-            VolumeState::Accumulate { .. } => ("numbered_main", HandsOn::Number),
-            _ => ("vertex_main", HandsOn::Nothing),
+        let hands_on = match state {
+            VolumeState::Colour { .. } => HandsOn::Colour,
+            VolumeState::Accumulate { .. } => HandsOn::Number,
+            _ => HandsOn::Nothing,
         };
-        let path = match self {
-            Self::VsControl => "vertex/doubled.wgsl",
-            _ => "native/volume.wgsl",
+        let (path, format) = match self {
+            Self::VsControl => ("vertex/doubled.wgsl", VertexFormat::FixedAndFlag),
+            _ => ("native/volume.wgsl", VertexFormat::Fixed),
         };
         PipelineDescriptor {
-            vertex: VertexStage {
-                path,
-                entry_point,
-                bends_footprints: false,
-            },
             geometry: self.geometry_path(part).map(|path| GeometryStage {
                 path,
                 hands_on,
@@ -182,34 +175,8 @@ impl Extrusion {
                     || matches!(part, VolumePart::Walls | VolumePart::Turned),
                 is_turned: part == VolumePart::Turned,
             }),
-            fragments: match state {
-                VolumeState::Colour { .. } => Fragments::Shader {
-                    path,
-                    entry_point: "region_colour",
-                },
-                VolumeState::Accumulate { depth, .. } => Fragments::Shader {
-                    path,
-                    entry_point: match depth {
-                        DepthRule::Fail | DepthRule::Always => "number_behind",
-                        DepthRule::Pass => "number_before",
-                    },
-                },
-                // As in wgpu, where a pass with a target wants a shader for it.
-                VolumeState::Mark {
-                    has_colour: true, ..
-                } => Fragments::Shader {
-                    path,
-                    entry_point: "no_colour",
-                },
-                _ => Fragments::None,
-            },
-            format: match self {
-                Self::VsControl => VertexFormat::FixedAndFlag,
-                _ => VertexFormat::Fixed,
-            },
             topology: self.topology(part, indices),
-            state: state.into(),
-            depth_bounds: false,
+            ..PipelineDescriptor::of_volumes(path, format, state)
         }
     }
 }

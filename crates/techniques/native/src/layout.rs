@@ -9,7 +9,7 @@ use crate::strips::{StripCorner, Strips};
 use crate::{Extrusion, Indices, NativeVariant, StripCounts, strip_counts};
 use std::borrow::{Borrow, Cow};
 use terrafill_contract::GeometryBytes;
-use terrafill_core::RegionMesh;
+use terrafill_core::{RegionMesh, index_u32};
 use terrafill_plan::PartOrder;
 use terrafill_stencil::{FixedPoint, IndexLists, VolumePlace};
 
@@ -18,7 +18,7 @@ fn has_short_indices(technique: Extrusion, indices: Indices, vertices: usize) ->
     match (technique, indices) {
         (Extrusion::VsControl, _) => 2 * vertices <= 0xffff,
         (Extrusion::GsLine, _) | (_, Indices::Strip) => vertices <= 0xffff,
-        _ => vertices <= 0x1_0000,
+        _ => IndexLists::are_short(vertices),
     }
 }
 
@@ -106,18 +106,15 @@ fn bytes_with(
 /// Where one region lies in the scene's buffers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RegionSlice {
-    pub(crate) fixed: FixedPoint,
-    /// In stored vertices: two per mesh vertex with `vs-control`.
-    pub(crate) first_vertex: u32,
+    /// Vertices are counted as stored: two per mesh vertex with `vs-control`. Triangles, which no shader counts here,
+    /// are not.
+    pub(crate) place: VolumePlace,
     pub(crate) vertex_count: u32,
     /// Its bottom cap can be drawn: its indices are stored, or a geometry shader needs none.
     pub(crate) has_bottom: bool,
-    pub(crate) short_indices: bool,
-    /// In indices of the region's width: caps, or all there is.
-    pub(crate) first_index: u32,
+    /// Indices of caps, or all there is.
     pub(crate) index_count: u32,
-    /// Walls, where they are drawn on their own.
-    pub(crate) first_wall_index: u32,
+    /// Those of walls, where they are drawn on their own.
     pub(crate) wall_index_count: u32,
 }
 
@@ -127,23 +124,14 @@ impl RegionSlice {
     pub(crate) fn replaced_by(&self, other: &Self) -> Option<Self> {
         let counts = |slice: &Self| {
             let indices = [slice.index_count, slice.wall_index_count];
-            let has = [slice.short_indices, slice.has_bottom];
+            let has = [slice.place.has_short_indices, slice.has_bottom];
             (slice.vertex_count, indices, has)
         };
-        let fixed = other.fixed;
-        (counts(self) == counts(other)).then_some(Self { fixed, ..*self })
-    }
-
-    /// As shaders are told; none here counts triangles.
-    pub(crate) fn place(&self) -> VolumePlace {
-        VolumePlace {
-            fixed: self.fixed,
-            first_vertex: self.first_vertex,
-            first_triangle_index: self.first_index,
-            first_loop_index: self.first_wall_index,
-            triangle_count: 0,
-            has_short_indices: self.short_indices,
-        }
+        let place = VolumePlace {
+            fixed: other.place.fixed,
+            ..self.place
+        };
+        (counts(self) == counts(other)).then_some(Self { place, ..*self })
     }
 }
 
@@ -194,13 +182,10 @@ impl SceneGeometry {
         self.vertices.extend(&other.vertices);
         self.indices.append(&other.indices);
         let moved = other.regions.iter().map(|slice| {
-            let by = if slice.short_indices { short } else { long };
-            RegionSlice {
-                first_vertex: slice.first_vertex + first_vertex,
-                first_index: slice.first_index + by,
-                first_wall_index: slice.first_wall_index + by,
-                ..*slice
-            }
+            let is_short = slice.place.has_short_indices;
+            let by = if is_short { short } else { long };
+            let place = slice.place.moved(first_vertex, by, by);
+            RegionSlice { place, ..*slice }
         });
         self.regions.extend(moved);
     }
@@ -210,10 +195,6 @@ impl SceneGeometry {
         self.vertices.len() / words_per_vertex(technique)
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "buffers are refused by the device long before 2^32 elements"
-    )]
     fn push(
         &mut self,
         technique: Extrusion,
@@ -222,7 +203,7 @@ impl SceneGeometry {
         has_bottom: bool,
     ) {
         let fixed = FixedPoint::for_mesh(mesh);
-        let first_vertex = self.vertex_count(technique) as u32;
+        let first_vertex = index_u32(self.vertex_count(technique));
         let ring_order = (technique == Extrusion::GsPerTriangle).then(|| RingOrder::new(mesh));
         for place in 0..mesh.vertex_count() {
             let vertex = ring_order
@@ -249,85 +230,52 @@ impl SceneGeometry {
                 let with_beside = |corner: &StripCorner| [Some(corner.vertex), Some(corner.beside)];
                 self.push_strips(short, mesh, with_beside);
             }
-            (Extrusion::VsControl, _) => self.push_doubled_caps(short, mesh, has_bottom),
-            (Extrusion::GsAdjacency, _) => {
-                for index in with_neighbours(mesh) {
-                    self.indices.push(short, index);
-                }
+            (Extrusion::VsControl, _) => {
+                let triangles = &mesh.triangles;
+                self.indices.push_doubled_caps(short, triangles, has_bottom);
             }
+            (Extrusion::GsAdjacency, _) => self.indices.extend(short, with_neighbours(mesh)),
             (Extrusion::GsTwoEdges, _) => {
                 let caps = mesh
                     .triangles
                     .iter()
                     .map(|&corners| smallest_first(corners));
-                for corner in caps.chain(edges_in_pairs(mesh)).flatten() {
-                    self.indices.push(short, corner);
-                }
+                let inputs = caps.chain(edges_in_pairs(mesh));
+                self.indices.extend(short, inputs.flatten());
             }
             (Extrusion::GsDegenerate, _) => {
                 let walls = mesh.boundary_edges().map(|[a, b]| [a, b, b]);
-                for corner in mesh.triangles.iter().copied().chain(walls).flatten() {
-                    self.indices.push(short, corner);
-                }
+                let inputs = mesh.triangles.iter().copied().chain(walls);
+                self.indices.extend(short, inputs.flatten());
             }
             (Extrusion::GsLine | Extrusion::GsPerTriangle, _) => {
                 let triangles = ring_order
                     .as_ref()
                     .map_or(&mesh.triangles, |order| &order.triangles);
-                for &corner in triangles.as_flattened() {
-                    self.indices.push(short, corner);
-                }
+                let corners = triangles.as_flattened().iter();
+                self.indices.extend(short, corners.copied());
             }
         }
         let first_wall_index = self.indices.count(short);
         match technique {
-            Extrusion::VsControl => self.push_wall_strips(short, mesh),
-            Extrusion::GsLine => {
-                for ring in &mesh.boundary_loops {
-                    for &vertex in ring.iter().chain(ring.first()) {
-                        self.indices.push(short, vertex);
-                    }
-                    self.indices.push(short, u32::MAX);
-                }
-            }
+            Extrusion::VsControl => self.indices.push_doubled_strips(short, mesh),
+            Extrusion::GsLine => self.indices.push_loops(short, mesh),
             _ => {}
         }
         self.regions.push(RegionSlice {
-            fixed,
-            first_vertex,
-            vertex_count: self.vertex_count(technique) as u32 - first_vertex,
+            place: VolumePlace {
+                fixed,
+                first_vertex,
+                first_triangle_index: first_index,
+                first_loop_index: first_wall_index,
+                triangle_count: 0,
+                has_short_indices: short,
+            },
+            vertex_count: index_u32(self.vertex_count(technique)) - first_vertex,
             has_bottom,
-            short_indices: short,
-            first_index,
             index_count: first_wall_index - first_index,
-            first_wall_index,
             wall_index_count: self.indices.count(short) - first_wall_index,
         });
-    }
-
-    /// All of the top, then all of the bottom, so that the bottom may be left out of a draw.
-    fn push_doubled_caps(&mut self, short: bool, mesh: &RegionMesh, has_bottom: bool) {
-        for corner in mesh.triangles.as_flattened() {
-            self.indices.push(short, 2 * corner);
-        }
-        if !has_bottom {
-            return;
-        }
-        for &[a, b, c] in &mesh.triangles {
-            for corner in [a, c, b] {
-                self.indices.push(short, 2 * corner + 1);
-            }
-        }
-    }
-
-    fn push_wall_strips(&mut self, short: bool, mesh: &RegionMesh) {
-        for ring in &mesh.boundary_loops {
-            for &vertex in ring.iter().chain(ring.first()) {
-                self.indices.push(short, 2 * vertex);
-                self.indices.push(short, 2 * vertex + 1);
-            }
-            self.indices.push(short, u32::MAX);
-        }
     }
 
     /// The caps' triangles in strips, each followed by a restart.
@@ -338,10 +286,8 @@ impl SceneGeometry {
         indices_of: impl Fn(&StripCorner) -> [Option<u32>; 2],
     ) {
         for strip in Strips::over(&Neighbours::of(mesh)).iter() {
-            for index in strip.iter().flat_map(&indices_of).flatten() {
-                self.indices.push(short, index);
-            }
-            self.indices.push(short, u32::MAX);
+            let corners = strip.iter().flat_map(&indices_of).flatten();
+            self.indices.extend(short, corners.chain([u32::MAX]));
         }
     }
 
@@ -352,12 +298,12 @@ impl SceneGeometry {
             let Some((&first, others)) = ring.split_first() else {
                 continue;
             };
-            self.indices.push(short, first);
-            for &vertex in others.iter().chain([&first]) {
-                self.indices.push(short, vertex);
-                self.indices.push(short, vertex);
-            }
-            self.indices.push(short, u32::MAX);
+            let twice = others
+                .iter()
+                .chain([&first])
+                .flat_map(|&vertex| [vertex; 2]);
+            let strip = [first].into_iter().chain(twice).chain([u32::MAX]);
+            self.indices.extend(short, strip);
         }
     }
 

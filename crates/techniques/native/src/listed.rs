@@ -8,7 +8,8 @@ use crate::extrusion::VolumePart;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_contract::{DeviceError, Feature, MemoryUse};
+use terrafill_contract::{DeviceError, Feature};
+use terrafill_core::index_u32;
 use terrafill_stencil::{FillPass, FillProgram, FillStep, Holding, VolumeDraw, VolumeList};
 use terrafill_vulkan::{Buffer, BufferUse, DrawCommand, Gpu, IndexWidth};
 
@@ -103,20 +104,11 @@ impl DrawLists {
 
     pub(crate) fn holding(&self) -> Option<Holding> {
         let written = size_of_val(self.commands.as_slice()) as u64;
-        let memory = MemoryUse {
-            constant_bytes: written,
-            padding_bytes: self.buffer.as_ref()?.size().saturating_sub(written),
-            buffers: 1,
-            ..MemoryUse::default()
-        };
-        Some(Holding::memory(Feature::RegionConstants, memory))
+        let size = self.buffer.as_ref()?.size();
+        Some(Holding::constants(Feature::RegionConstants, written, size))
     }
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "there are fewer than 2^32 draws"
-)]
 fn commands_of(
     program: &FillProgram,
     parts: &[VolumePart],
@@ -149,7 +141,7 @@ fn commands_of(
                         part,
                         width,
                         vertices: new.iter().map(|c| u64::from(c.index_count)).sum(),
-                        commands: first as u32..commands.len() as u32,
+                        commands: index_u32(first)..index_u32(commands.len()),
                     });
                 }
             }

@@ -5,7 +5,7 @@
 //! vertex that they begin at, so that the side back is found among a handful without hashing; where
 //! a vertex has many they are in the order of their ends, and not each is looked at.
 
-use terrafill_core::RegionMesh;
+use terrafill_core::{RegionMesh, index_u32};
 
 /// A side of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,12 +28,8 @@ impl Packed {
     /// Neither a wall nor a neighbour, as in a mesh from which triangles were taken.
     const NOTHING: Self = Self(u32::MAX - 1);
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "a mesh has far fewer than 2^32 sides, or no device would hold its indices"
-    )]
     fn of(side: Side) -> Self {
-        Self((3 * side.triangle + side.number) as u32)
+        Self(index_u32(3 * side.triangle + side.number))
     }
 
     fn side(self) -> Side {

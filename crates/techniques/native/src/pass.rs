@@ -9,9 +9,9 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_contract::{DeviceError, Feature, FillInput, GeometryBytes, MemoryUse};
+use terrafill_contract::{DeviceError, Feature, FillInput, GeometryBytes};
 use terrafill_stencil::{
-    BottomCaps, DrawnOfMeshes, DrawnParts, FillProgram, Holding, IndexLists, LaidOut,
+    DrawnOfMeshes, DrawnParts, FillProgram, HeldMeshes, Holding, IndexBytes, IndexLists, LaidOut,
     RegionVolumes, VolumeBackend, VolumeDraw, VolumeList, VolumePlace, VolumeState,
 };
 use terrafill_variant::Switches;
@@ -66,16 +66,16 @@ impl RegionVolumes for NativeVolumes {
     }
 
     fn new(fill: &VolumeFill, variant: NativeVariant) -> Result<Self, DeviceError> {
-        let facts = &fill.gpu().facts;
-        if variant.technique.needs_geometry_shader() && !facts.features.geometry_shader {
-            return Err(DeviceError::unsupported("geometryShader", &facts.name));
-        }
+        let gpu = fill.gpu();
+        let features = gpu.facts.features;
+        let has_stages = features.geometry_shader || !variant.technique.needs_geometry_shader();
+        gpu.require(has_stages, "geometryShader")?;
         Ok(Self {
             variant,
             pipelines: HashMap::new(),
             scene: None,
             laid_out: LaidOut::default(),
-            lists: (variant.switches.merges_draws && facts.features.draws_listed)
+            lists: (variant.switches.merges_draws && features.draws_listed)
                 .then(DrawLists::default),
             drawn_parts: DrawnOfMeshes::new(),
         })
@@ -83,7 +83,7 @@ impl RegionVolumes for NativeVolumes {
 
     fn places(&self) -> Option<impl Fn(usize) -> VolumePlace> {
         let scene = self.scene.as_ref()?;
-        Some(|mesh: usize| scene.regions[mesh].place())
+        Some(|mesh: usize| scene.regions[mesh].place)
     }
 
     fn holdings(&self) -> Vec<Holding> {
@@ -104,7 +104,7 @@ impl RegionVolumes for NativeVolumes {
         &mut self,
         fill: &VolumeFill,
         input: &FillInput,
-        bottoms: &BottomCaps,
+        bottoms: &HeldMeshes,
     ) -> Result<(), DeviceError> {
         let has_bottom = |mesh| bottoms.has(mesh);
         let (variant, meshes) = (&self.variant, &input.scene.meshes);
@@ -121,7 +121,7 @@ impl RegionVolumes for NativeVolumes {
         &mut self,
         _fill: &VolumeFill,
         input: &FillInput,
-        _bottoms: &BottomCaps,
+        _bottoms: &HeldMeshes,
     ) -> Result<(), DeviceError> {
         let walls = self.variant.wall_indices().filter(|_| self.variant.parts);
         let drawn_parts = walls.map(|walls| DrawnParts::of_view(input, walls));
@@ -159,9 +159,9 @@ impl RegionVolumes for NativeVolumes {
         let mut vertices: Vec<(u64, &[u8])> = Vec::new();
         let (mut short, mut long) = (vertices.clone(), vertices.clone());
         for (mesh, slice, geometry) in &rewritten {
-            let first_byte = u64::from(slice.first_vertex) * vertex_bytes;
+            let first_byte = u64::from(slice.place.first_vertex) * vertex_bytes;
             vertices.push((first_byte, bytemuck::cast_slice(&geometry.vertices)));
-            let (first, indices) = (slice.first_index as usize, &geometry.indices);
+            let (first, indices) = (slice.place.first_triangle_index as usize, &geometry.indices);
             // Where triangles stay as they are, so do their indices.
             if replace(&mut scene.indices.short, first, &indices.short) {
                 short.push((2 * first as u64, bytemuck::cast_slice(&indices.short)));
@@ -237,10 +237,10 @@ impl NativeVolumes {
         let has_second = halves == 2 && !without_bottom;
         let parts = self.drawn_parts.get(&mesh);
         let (first, whole) = match part {
-            VolumePart::Walls => (slice.first_wall_index, slice.wall_index_count),
-            VolumePart::Caps if !has_second => (slice.first_index, cap),
+            VolumePart::Walls => (slice.place.first_loop_index, slice.wall_index_count),
+            VolumePart::Caps if !has_second => (slice.place.first_triangle_index, cap),
             VolumePart::Caps | VolumePart::Whole | VolumePart::Turned => {
-                (slice.first_index, slice.index_count)
+                (slice.place.first_triangle_index, slice.index_count)
             }
         };
         let ranges = match (part, parts) {
@@ -277,7 +277,7 @@ impl SceneBuffers {
     }
 
     fn width(&self, list: &VolumeList, volume: usize) -> IndexWidth {
-        if self.slice(list, volume).short_indices {
+        if self.slice(list, volume).place.has_short_indices {
             IndexWidth::Short
         } else {
             IndexWidth::Long
@@ -299,50 +299,34 @@ impl SceneBuffers {
 
     /// Bytes of its buffers by what they are for. One list makes tops, bottoms and walls in a geometry
     /// shader; it counts as that of the tops.
-    fn holdings(&self, technique: Extrusion) -> [Holding; 4] {
-        let (mut top_caps, mut bottom_caps, mut walls, mut spared) = (0, 0, 0, 0);
+    fn holdings(&self, technique: Extrusion) -> Vec<Holding> {
+        let mut bytes = IndexBytes::default();
         for slice in &self.regions {
-            let index_size = if slice.short_indices { 2 } else { 4 };
+            let index_size = if slice.place.has_short_indices { 2 } else { 4 };
             let caps = u64::from(slice.index_count) * index_size;
-            walls += u64::from(slice.wall_index_count) * index_size;
+            bytes.walls += u64::from(slice.wall_index_count) * index_size;
             match (technique.needs_geometry_shader(), slice.has_bottom) {
-                (true, _) => top_caps += caps,
+                (true, _) => bytes.top_caps += caps,
                 (false, true) => {
-                    top_caps += caps / 2;
-                    bottom_caps += caps / 2;
+                    bytes.top_caps += caps / 2;
+                    bytes.bottom_caps += caps / 2;
                 }
                 (false, false) => {
-                    top_caps += caps;
-                    spared += caps;
+                    bytes.top_caps += caps;
+                    bytes.spared += caps;
                 }
             }
         }
-        let indices = [self.short_indices.as_ref(), self.long_indices.as_ref()];
-        let sizes = indices.iter().flatten().map(|buffer| buffer.size());
-        let of_indices = |index_bytes| MemoryUse {
-            index_bytes,
-            ..MemoryUse::default()
-        };
-        let positions = MemoryUse {
-            vertex_bytes: self.bytes.vertex_bytes,
-            padding_bytes: self.vertices.size().saturating_sub(self.bytes.vertex_bytes),
-            buffers: 1,
-            ..MemoryUse::default()
-        };
-        let of_tops = MemoryUse {
-            padding_bytes: sizes.sum::<u64>().saturating_sub(self.bytes.index_bytes),
-            buffers: indices.iter().flatten().count() as u64,
-            ..of_indices(top_caps)
-        };
-        [
-            Holding::memory(Feature::Positions, positions),
-            Holding::memory(Feature::TopCaps, of_tops),
-            Holding {
-                spared_bytes: spared,
-                ..Holding::memory(Feature::BottomCaps, of_indices(bottom_caps))
-            },
-            Holding::memory(Feature::Walls, of_indices(walls)),
-        ]
+        let vertices = [self.vertices.size()];
+        let positions = Holding::vertices(Feature::Positions, self.bytes.vertex_bytes, &vertices);
+        let indices = [&self.short_indices, &self.long_indices]
+            .into_iter()
+            .flatten();
+        let indices: Vec<u64> = indices.map(Buffer::size).collect();
+        [positions]
+            .into_iter()
+            .chain(bytes.holdings(&indices))
+            .collect()
     }
 }
 
@@ -374,7 +358,7 @@ impl VulkanVolumes for NativeVolumes {
             let command = |indices: Range<u32>| DrawCommand {
                 index_count: indices.end - indices.start,
                 first_index: indices.start,
-                vertex_offset: i32::try_from(slice.first_vertex).unwrap_or(i32::MAX),
+                vertex_offset: i32::try_from(slice.place.first_vertex).unwrap_or(i32::MAX),
                 first_instance: u32::try_from(wanted.volume).unwrap_or(u32::MAX),
                 ..DrawCommand::ONE
             };
@@ -413,7 +397,7 @@ impl VulkanVolumes for NativeVolumes {
                     pass.cut(volume, draw.scissor);
                     let slice = scene.slice(list, volume);
                     let mesh = list.volumes[volume].geometry;
-                    let base_vertex = i32::try_from(slice.first_vertex).unwrap_or(i32::MAX);
+                    let base_vertex = i32::try_from(slice.place.first_vertex).unwrap_or(i32::MAX);
                     for indices in self.indices_of(slice, mesh, part, draw.without_bottom) {
                         pass.draw_indexed(pipeline, geometry, indices, base_vertex, volume);
                     }
@@ -478,10 +462,7 @@ mod tests {
         let prepared = PreparedScene::new(&scene, meshes.expect("meshes").into(), surface);
         let mut views = scene.views.iter();
         let view = views.find(|view| view.name == "horizon").expect("a view");
-        let size = ImageSize {
-            width: 256,
-            height: 256,
-        };
+        let size = ImageSize::new(256, 256);
         FillInput::new(&prepared, view, size, PlanOptions::default()).expect("a surface")
     }
 

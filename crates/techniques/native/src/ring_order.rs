@@ -10,7 +10,7 @@
 //! descending, so that both still agree. All of it costs no byte.
 
 use std::collections::HashSet;
-use terrafill_core::RegionMesh;
+use terrafill_core::{RegionMesh, index_u32};
 
 /// Numberings tried until every wall is right: each mends one triangle at least, and meshes of files
 /// hardly ever need a second.
@@ -51,14 +51,10 @@ impl RingOrder {
     }
 
     /// Numbers along `loops`, then inside. Vertices in several places keep their first number.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "vertices of a mesh are numbered in 32 bits"
-    )]
     fn along(loops: &[Vec<u32>], mesh: &RegionMesh, outer: &HashSet<[u32; 2]>) -> Self {
         let count = mesh.vertex_count();
         let mut is_stored = vec![false; count];
-        let all = loops.iter().flatten().copied().chain(0..count as u32);
+        let all = loops.iter().flatten().copied().chain(0..index_u32(count));
         let vertices: Vec<u32> = all
             .filter(|&vertex| !std::mem::replace(&mut is_stored[vertex as usize], true))
             .collect();

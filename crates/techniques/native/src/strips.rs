@@ -15,7 +15,7 @@
 //! depth-first search keeps one whose paths are long.
 
 use crate::neighbours::{Neighbours, Side};
-use terrafill_core::RegionMesh;
+use terrafill_core::{RegionMesh, index_u32};
 
 /// What a strip costs, a repeated corner being 1. Ending a path between two triangles takes away their
 /// turns, and with them three repeated corners at most: before, between and after. Two corners and a
@@ -216,14 +216,6 @@ const ROOT: u8 = 3;
 /// Numbers of sides in a byte.
 const SIDES: [u8; 3] = [0, 1, 2];
 
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "a mesh has far fewer than 2^32 sides, or no device would hold its indices"
-)]
-fn index(triangle: usize) -> u32 {
-    triangle as u32
-}
-
 /// More than any mesh costs.
 const NEVER: u32 = u32::MAX / 2;
 
@@ -260,7 +252,7 @@ impl Forest {
             let mut next = Some(root);
             while let Some(triangle) = next {
                 is_reached[triangle] = true;
-                forest.order.push(index(triangle));
+                forest.order.push(index_u32(triangle));
                 for number in 0..3 {
                     let side = Side { triangle, number };
                     let back = neighbours.beyond(side);
@@ -273,7 +265,7 @@ impl Forest {
                 while let Some((back, side)) = waiting.pop() {
                     if !is_reached[back.triangle] {
                         forest.parent_side[back.triangle] = SIDES[back.number];
-                        forest.children[side.triangle][side.number] = index(back.triangle);
+                        forest.children[side.triangle][side.number] = index_u32(back.triangle);
                         next = Some(back.triangle);
                         break;
                     }
@@ -446,7 +438,7 @@ impl Paths {
         let forest = Forest::over(neighbours);
         let mut paths = Self {
             goes_on: vec![[false; 3]; neighbours.triangles.len()],
-            top: (0..neighbours.triangles.len()).map(index).collect(),
+            top: (0..neighbours.triangles.len()).map(index_u32).collect(),
             cost: 0,
         };
         let mut upward = vec![Upward::Closed; neighbours.triangles.len()];

@@ -3,7 +3,7 @@
 
 use crate::{NativeBackend, NativeVariant, native_bytes, native_layouts};
 use terrafill_contract::{
-    Api, DeviceError, FillBackend, GeometryBytes, PlannedStep, Role, THIS_MACHINE, Targets,
+    Api, DeviceError, GeometryBytes, OpenedBackend, PlannedStep, Role, THIS_MACHINE, Targets,
     Technique, layouts,
 };
 use terrafill_core::RegionMesh;
@@ -143,11 +143,7 @@ impl Technique for NativeTechnique {
         all.map(|(name, bytes)| (name, bytes.total())).collect()
     }
 
-    fn open(
-        &self,
-        targets: &Targets,
-        variant: &Variant,
-    ) -> Result<Box<dyn FillBackend>, DeviceError> {
+    fn open(&self, targets: &Targets, variant: &Variant) -> OpenedBackend {
         let native = NativeVariant::of(variant)?;
         // The rest of a run goes on without Vulkan itself.
         let targets = shared_targets(targets).map_err(|why| {
@@ -215,10 +211,7 @@ mod tests {
     #[test]
     fn a_machine_without_the_device_lacks_it() {
         let devices = Rc::new(Devices::new(Some("no adapter is called so".to_owned())));
-        let size = ImageSize {
-            width: 1,
-            height: 1,
-        };
+        let size = ImageSize::new(1, 1);
         let targets = Targets::new(&devices, size);
         for _ in 0..2 {
             let opened = NativeTechnique.open(&targets, &main()).map(|_| ());

@@ -18,10 +18,7 @@ use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{CameraPose, ImageSize, Scene};
 use terrafill_surface::{EllipsoidKind, open_surface};
 
-const SIZE: ImageSize = ImageSize {
-    width: 256,
-    height: 192,
-};
+const SIZE: ImageSize = ImageSize::new(256, 192);
 
 /// From centre to centre of pixels instead of from place to place, and a rasteriser's snap.
 const PICTURE_PX: f64 = 1.5;

@@ -3,10 +3,10 @@
 
 use std::fmt::Debug;
 use terrafill_contract::{
-    Capabilities, Colours, Counters, CpuStopwatch, DeviceError, FillBackend, FillInput, Frame,
-    FrameTimes, MemoryUse, Picture, Uploaded, ViewId, WorkDone,
+    Colours, Counters, CpuStopwatch, DeviceError, FillBackend, FillInput, Frame, FrameTimes,
+    MemoryUse, Picture, Uploaded, ViewId, WorkDone,
 };
-use terrafill_gpu::{Gpu, RenderTargets, SharedTargets, TimedPass};
+use terrafill_gpu::{Gpu, RenderTargets, SharedTargets, TimedPass, attached, read_only_depth};
 
 /// Something drawn over a surface in one pass.
 pub(crate) trait Overlay: Sized + Debug {
@@ -34,7 +34,6 @@ pub(crate) trait Overlay: Sized + Debug {
 /// Draws an overlay.
 #[derive(Debug)]
 pub(crate) struct OverlayBackend<O> {
-    capabilities: Capabilities,
     targets: SharedTargets,
     overlay: O,
     /// Revision of the meshes and the view that it was loaded for.
@@ -45,15 +44,7 @@ pub(crate) struct OverlayBackend<O> {
 
 impl<O: Overlay> OverlayBackend<O> {
     pub(crate) fn new(targets: &SharedTargets, overlay: O) -> Self {
-        let borrowed = targets.borrow();
-        let facts = &borrowed.gpu().facts;
         Self {
-            capabilities: Capabilities {
-                backend: O::TECHNIQUE,
-                adapter: facts.title(),
-                gpu_timestamps: facts.features.timestamps,
-                pipeline_statistics: facts.features.pipeline_statistics,
-            },
             targets: SharedTargets::clone(targets),
             overlay,
             loaded: None,
@@ -101,23 +92,10 @@ impl<O: Overlay> OverlayBackend<O> {
         }
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(O::TECHNIQUE),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &colour,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Load,
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
+            color_attachments: &[Some(attached(&colour, wgpu::LoadOp::Load))],
             // Neither depth nor stencil is written.
-            depth_stencil_attachment: (!O::READS_DEPTH).then_some(
-                wgpu::RenderPassDepthStencilAttachment {
-                    view: &depth_stencil,
-                    depth_ops: None,
-                    stencil_ops: None,
-                },
-            ),
+            depth_stencil_attachment: (!O::READS_DEPTH)
+                .then(|| read_only_depth(&depth_stencil, None)),
             timestamp_writes: timer.map(|timer| timer.writes(None, Some(TimedPass::Colour))),
             ..Default::default()
         });
@@ -130,10 +108,6 @@ impl<O: Overlay> OverlayBackend<O> {
 }
 
 impl<O: Overlay> FillBackend for OverlayBackend<O> {
-    fn capabilities(&self) -> &Capabilities {
-        &self.capabilities
-    }
-
     fn tells_regions_apart(&self) -> bool {
         true
     }
@@ -187,14 +161,8 @@ impl<O: Overlay> FillBackend for OverlayBackend<O> {
         let watch = CpuStopwatch::start();
         self.run(&targets, true)?;
         let (fill_cpu_ms, fill_wall_ms) = (watch.cpu_ms(), watch.wall_ms());
-        let fill_gpu_ms = match targets.timer() {
-            Some(timer) => timer
-                .read(targets.gpu(), TimedPass::Colour, TimedPass::Colour)?
-                .pass_ms(TimedPass::Colour),
-            None => None,
-        };
         Ok(FrameTimes {
-            fill_gpu_ms,
+            fill_gpu_ms: targets.pass_ms(TimedPass::Colour)?,
             fill_cpu_ms,
             fill_wall_ms,
             ..FrameTimes::default()

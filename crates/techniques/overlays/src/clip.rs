@@ -11,7 +11,7 @@
 use crate::near::{Bounds, Boxes, bounds_of};
 use glam::DVec3;
 use terrafill_contract::FillInput;
-use terrafill_core::{Ellipsoid, RegionMesh};
+use terrafill_core::{Ellipsoid, RegionMesh, index_u32};
 use terrafill_plan::PlannedRegion;
 
 /// Corners of all pieces, and triangles of them.
@@ -25,10 +25,6 @@ pub(crate) struct Pieces {
 impl Pieces {
     /// The planned regions of `input` on what its surface shows of itself: triangles that face the eye
     /// and are not wholly outside the view.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "a plan has at most 2^24 regions"
-    )]
     pub(crate) fn cut(input: &FillInput) -> Self {
         let surface = visible(input);
         let boxes = Boxes::new(surface.iter().map(|triangle| bounds_of(triangle)));
@@ -39,7 +35,7 @@ impl Pieces {
             for triangle in &mesh.triangles {
                 for index in boxes.near(&prisms.bounds(triangle)) {
                     let polygon = prisms.cut(triangle, surface[index]);
-                    pieces.push(&polygon, place as u32);
+                    pieces.push(&polygon, index_u32(place));
                 }
             }
         }
@@ -47,18 +43,14 @@ impl Pieces {
     }
 
     /// A convex polygon as a fan.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "buffers are refused by the device long before 2^32 elements"
-    )]
     fn push(&mut self, polygon: &[DVec3], place: u32) {
         if polygon.len() < 3 {
             return;
         }
-        let first = self.corners.len() as u32;
+        let first = index_u32(self.corners.len());
         self.corners
             .extend(polygon.iter().map(|&corner| (corner, place)));
-        let fan = 1..polygon.len() as u32 - 1;
+        let fan = 1..index_u32(polygon.len()) - 1;
         self.triangles
             .extend(fan.map(|next| [first, first + next, first + next + 1]));
     }

@@ -8,11 +8,10 @@
 use crate::backend::Overlay;
 use crate::buffer::HeldBuffer;
 use crate::clip::Pieces;
-use crate::pipeline::OverlayPipeline;
 use terrafill_contract::{
     Colours, Counters, DeviceError, FillInput, GeometryBytes, MemoryUse, ViewId, count_u32,
 };
-use terrafill_gpu::{Gpu, RenderTargets};
+use terrafill_gpu::{COLOUR_FORMAT, Gpu, RenderTargets, described, tested, vertex_layout};
 use terrafill_variant::{SwitchError, Variant};
 
 /// Key of the share by which depth is greater than the surface's.
@@ -106,19 +105,16 @@ impl DrapedMesh {
         );
         let shader = gpu.shader("overlays/draped.wgsl")?;
         let pipeline_layout = gpu.pipeline_layout("draped mesh", &[Some(&layout)]);
-        let entries = ["vertex_main", "fragment_main"];
-        let pipeline = OverlayPipeline {
-            depth: Some(wgpu::CompareFunction::GreaterEqual),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<Corner>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32],
-            })],
-            ..OverlayPipeline::coloured("draped mesh", &shader, &pipeline_layout, entries)
-        };
+        let targets = [Some(COLOUR_FORMAT.into())];
+        let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32];
+        let corners = [vertex_layout(&attributes)];
+        let mut pipeline = described("draped mesh", &pipeline_layout, &shader, &targets);
+        pipeline.vertex.buffers = &corners;
+        let nearest = wgpu::CompareFunction::GreaterEqual;
+        pipeline.depth_stencil = Some(tested(nearest, Default::default()));
         let nearer = [1.0 + offset(variant)? as f32, 0.0, 0.0, 0.0];
         Ok(Self {
-            pipeline: pipeline.make(gpu),
+            pipeline: gpu.create_render_pipeline(&pipeline),
             layout,
             uploaded: None,
             colours: HeldBuffer::default(),

@@ -7,16 +7,14 @@
 
 use crate::backend::Overlay;
 use crate::buffer::HeldBuffer;
-use crate::pipeline::OverlayPipeline;
 use terrafill_contract::{Colours, Counters, DeviceError, FillInput, GeometryBytes, MemoryUse};
-use terrafill_core::{RegionMesh, VolumeHeights};
-use terrafill_gpu::{Gpu, RenderTargets};
+use terrafill_core::{RegionMesh, VolumeHeights, index_u32};
+use terrafill_gpu::{
+    COLOUR_FORMAT, Gpu, RenderTargets, described, index_format, tested, vertex_layout,
+};
 use terrafill_plan::PlannedRegion;
 use terrafill_stencil::{FixedPoint, IndexLists, PositionFormat, VolumeConstants, VolumePlace};
 use terrafill_variant::{SwitchError, Variant};
-
-/// Largest number of vertices that 16 bits tell apart.
-const MAX_SHORT_VERTICES: usize = 0x1_0000;
 
 /// Key of the height at which meshes lie.
 pub(crate) const HEIGHT: &str = "height-m";
@@ -49,15 +47,13 @@ impl Height {
 
 /// Bytes that `mesh` takes, by formula: 12 a vertex, and 3 indices of 2 or 4 bytes a triangle.
 pub(crate) fn flat_bytes(mesh: &RegionMesh) -> GeometryBytes {
-    let index_size = if has_short_indices(mesh) { 2 } else { 4 };
+    let vertices = mesh.vertices_ecef.len();
+    let is_short = IndexLists::are_short(vertices);
+    let index_size = if is_short { 2 } else { 4 };
     GeometryBytes {
-        vertex_bytes: 12 * mesh.vertices_ecef.len() as u64,
+        vertex_bytes: 12 * vertices as u64,
         index_bytes: index_size * 3 * mesh.triangles.len() as u64,
     }
-}
-
-fn has_short_indices(mesh: &RegionMesh) -> bool {
-    mesh.vertices_ecef.len() <= MAX_SHORT_VERTICES
 }
 
 /// Meshes of a scene on the device.
@@ -72,30 +68,25 @@ struct SceneMeshes {
 }
 
 impl SceneMeshes {
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "buffers are refused by the device long before 2^32 elements"
-    )]
     fn upload(gpu: &Gpu, input: &FillInput) -> Result<Self, DeviceError> {
         let mut vertices: Vec<[i32; 3]> = Vec::new();
         let mut indices = IndexLists::default();
         let mut places = Vec::new();
         for mesh in input.scene.meshes.iter() {
             let fixed = FixedPoint::for_mesh(mesh);
-            let is_short = has_short_indices(mesh);
+            let is_short = IndexLists::are_short(mesh.vertices_ecef.len());
             places.push(VolumePlace {
                 fixed,
-                first_vertex: vertices.len() as u32,
+                first_vertex: index_u32(vertices.len()),
                 first_triangle_index: indices.count(is_short),
                 first_loop_index: 0,
-                triangle_count: mesh.triangles.len() as u32,
+                triangle_count: index_u32(mesh.triangles.len()),
                 has_short_indices: is_short,
             });
             let stored = mesh.vertices_ecef.iter();
             vertices.extend(stored.map(|&ecef| fixed.quantize(ecef).to_array()));
-            for &corner in mesh.triangles.as_flattened() {
-                indices.push(is_short, corner);
-            }
+            let corners = mesh.triangles.as_flattened().iter();
+            indices.extend(is_short, corners.copied());
         }
         let bytes = GeometryBytes {
             vertex_bytes: size_of_val(vertices.as_slice()) as u64,
@@ -140,21 +131,21 @@ impl FlatMesh {
         );
         let shader = gpu.shader("overlays/flat.wgsl")?;
         let pipeline_layout = gpu.pipeline_layout("flat mesh", &[Some(&layout)]);
-        let entries = ["vertex_main", "region_colour"];
-        let pipeline = OverlayPipeline {
-            depth: Some(wgpu::CompareFunction::Greater),
-            // Seen from below, a mesh is behind the surface, or the eye under it.
-            cull_mode: Some(wgpu::Face::Back),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: 12,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &wgpu::vertex_attr_array![0 => Sint32x3],
-            })],
-            ..OverlayPipeline::coloured("flat mesh", &shader, &pipeline_layout, entries)
-        };
+        let targets = [Some(COLOUR_FORMAT.into())];
+        let attributes = wgpu::vertex_attr_array![0 => Sint32x3];
+        let vertices = [vertex_layout(&attributes)];
+        let mut pipeline = described("flat mesh", &pipeline_layout, &shader, &targets);
+        pipeline.vertex.buffers = &vertices;
+        // Seen from below, a mesh is behind the surface, or the eye under it.
+        pipeline.primitive.cull_mode = Some(wgpu::Face::Back);
+        let nearer = wgpu::CompareFunction::Greater;
+        pipeline.depth_stencil = Some(tested(nearer, Default::default()));
+        if let Some(fragment) = &mut pipeline.fragment {
+            fragment.entry_point = Some("region_colour");
+        }
         Ok(Self {
             height: Height::of(variant)?,
-            pipeline: pipeline.make(gpu),
+            pipeline: gpu.create_render_pipeline(&pipeline),
             layout,
             scene: None,
             constants: HeldBuffer::default(),
@@ -228,14 +219,12 @@ impl Overlay for FlatMesh {
         let mut bound = None;
         for (instance, &mesh) in (0..).zip(&self.planned) {
             let place = &scene.places[mesh];
-            if bound != Some(place.has_short_indices) {
-                let (indices, format) = if place.has_short_indices {
-                    (&scene.short_indices, wgpu::IndexFormat::Uint16)
-                } else {
-                    (&scene.long_indices, wgpu::IndexFormat::Uint32)
-                };
-                pass.set_index_buffer(indices.slice(..), format);
-                bound = Some(place.has_short_indices);
+            let is_short = place.has_short_indices;
+            if bound != Some(is_short) {
+                let both = [&scene.long_indices, &scene.short_indices];
+                let indices = both[usize::from(is_short)].slice(..);
+                pass.set_index_buffer(indices, index_format(is_short));
+                bound = Some(is_short);
             }
             let first = place.first_triangle_index;
             let count = 3 * place.triangle_count;

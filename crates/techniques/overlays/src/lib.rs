@@ -17,7 +17,6 @@ mod draped;
 mod flat;
 mod mask;
 mod near;
-mod pipeline;
 mod technique;
 
 pub use technique::{DRAPED_MESH, FLAT_MESH, MASK_TEXTURE, OverlayTechnique};

@@ -14,11 +14,10 @@
 
 use crate::backend::Overlay;
 use crate::buffer::HeldBuffer;
-use crate::pipeline::OverlayPipeline;
 use glam::{DMat3, DVec3};
 use terrafill_contract::{Colours, Counters, DeviceError, FillInput, MemoryUse, count_u32};
 use terrafill_core::{Ellipsoid, Extent};
-use terrafill_gpu::{Gpu, RenderTargets};
+use terrafill_gpu::{COLOUR_FORMAT, Gpu, RenderTargets, attached, described, vertex_layout};
 use terrafill_plan::LazyMesh;
 use terrafill_variant::{SwitchError, Variant};
 
@@ -332,21 +331,16 @@ impl MaskTexture {
             gpu.pipeline_layout("mask", &[]),
             gpu.pipeline_layout("mask lookup", &[Some(&layout)]),
         );
-        let entries = ["vertex_main", "fragment_main"];
-        let drawing = OverlayPipeline {
-            format: FORMAT,
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<Corner>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &wgpu::vertex_attr_array![0 => Float32x2, 1 => Uint32],
-            })],
-            ..OverlayPipeline::coloured("mask", &draw_shader, &none, entries)
-        };
-        let lookup = OverlayPipeline::coloured("mask lookup", &shader, &bound, entries);
+        let (ids, colours) = ([Some(FORMAT.into())], [Some(COLOUR_FORMAT.into())]);
+        let attributes = wgpu::vertex_attr_array![0 => Float32x2, 1 => Uint32];
+        let corners = [vertex_layout(&attributes)];
+        let mut drawing = described("mask", &none, &draw_shader, &ids);
+        drawing.vertex.buffers = &corners;
+        let lookup = described("mask lookup", &bound, &shader, &colours);
         Ok(Self {
             size,
-            drawing: drawing.make(gpu),
-            lookup: lookup.make(gpu),
+            drawing: gpu.create_render_pipeline(&drawing),
+            lookup: gpu.create_render_pipeline(&lookup),
             layout,
             drawn: None,
             constants: HeldBuffer::default(),
@@ -358,13 +352,7 @@ impl MaskTexture {
     /// Draws every region into the mask; what it is drawn from is dropped.
     fn draw_ids(&self, gpu: &Gpu, input: &FillInput) -> Result<DrawnMask, DeviceError> {
         let found = input.scene.regions.len();
-        if found > MAX_ID {
-            return Err(DeviceError::OverCapacity {
-                what: "regions of a mask".to_owned(),
-                found: found as u64,
-                allowed: MAX_ID as u64,
-            });
-        }
+        DeviceError::check_capacity("regions of a mask", found as u64, MAX_ID as u64)?;
         // What follows are coarser levels.
         let meshes = &input.scene.meshes[..found];
         let rectangle = Rectangle::around(meshes.iter().map(|mesh| &mesh.extent));
@@ -374,33 +362,15 @@ impl MaskTexture {
         let bytes = bytemuck::cast_slice(&corners);
         let buffer = gpu.upload("mask corners", bytes, wgpu::BufferUsages::VERTEX)?;
         let texels = rectangle.texels(self.size);
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("mask"),
-            size: wgpu::Extent3d {
-                width: texels[0],
-                height: texels[1],
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
+        let [width, height] = texels;
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+        let texture = gpu.texture("mask", [width, height, 1], 1, FORMAT, usage);
         let ids = texture.create_view(&Default::default());
+        let cleared = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("mask"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &ids,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
+            color_attachments: &[Some(attached(&ids, cleared))],
             ..Default::default()
         });
         pass.set_pipeline(&self.drawing);
@@ -458,15 +428,7 @@ impl Overlay for MaskTexture {
                 wgpu::BindingResource::TextureView(&depth),
                 wgpu::BindingResource::TextureView(&drawn.ids),
             ];
-            let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
-                .zip(resources)
-                .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
-                .collect();
-            let bound = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("mask lookup"),
-                layout: &self.layout,
-                entries: &entries,
-            });
+            let bound = gpu.bind("mask lookup", &self.layout, resources);
             self.bind_group = Some((revision, bound));
         }
         self.drawn = Some(drawn);

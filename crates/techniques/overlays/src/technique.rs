@@ -5,15 +5,13 @@ use crate::backend::OverlayBackend;
 use crate::draped::{self, DrapedMesh};
 use crate::flat::{self, FlatMesh, flat_bytes};
 use crate::mask::{self, MaskTexture};
-use terrafill_contract::{
-    Api, DeviceError, FillBackend, GeometryBytes, PlannedStep, Role, Targets, Technique,
-};
+use terrafill_contract::{Api, GeometryBytes, OpenedBackend, Role, Targets, Technique};
 use terrafill_core::RegionMesh;
 use terrafill_gpu::{SharedTargets, shared_targets};
 use terrafill_scene::{Overlap, Scene};
 use terrafill_variant::{Parameter, SwitchError, Switches, Variant};
 
-type Open = fn(&SharedTargets, &Variant) -> Result<Box<dyn FillBackend>, DeviceError>;
+type Open = fn(&SharedTargets, &Variant) -> OpenedBackend;
 
 /// A technique that draws one kind of overlay, on wgpu.
 #[derive(Debug)]
@@ -138,15 +136,6 @@ impl Technique for OverlayTechnique {
             .collect()
     }
 
-    /// There is no way here from the method of 2007.
-    fn ablation(&self, _overlap: Overlap) -> Vec<PlannedStep> {
-        Vec::new()
-    }
-
-    fn matrix_row(&self, _base: &Variant) -> Vec<Variant> {
-        Vec::new()
-    }
-
     /// No switch of a stencil fill means anything here.
     fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
         self.check_own(variant)?;
@@ -177,11 +166,7 @@ impl Technique for OverlayTechnique {
         Ok(bytes(mesh))
     }
 
-    fn open(
-        &self,
-        targets: &Targets,
-        variant: &Variant,
-    ) -> Result<Box<dyn FillBackend>, DeviceError> {
+    fn open(&self, targets: &Targets, variant: &Variant) -> OpenedBackend {
         self.check_own(variant)?;
         (self.open)(&shared_targets(targets)?, variant)
     }

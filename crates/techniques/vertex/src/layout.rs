@@ -10,9 +10,11 @@ use std::borrow::{Borrow, Cow};
 use std::collections::HashSet;
 use std::ops::Range;
 use terrafill_contract::GeometryBytes;
-use terrafill_core::RegionMesh;
+use terrafill_core::{RegionMesh, index_u32};
 use terrafill_plan::{PartOrder, RegionSet};
-use terrafill_stencil::{FixedPoint, IndexLists, LaidOut, PositionFormat, VolumePlace, two_float};
+use terrafill_stencil::{
+    FixedPoint, IndexBytes, IndexLists, LaidOut, PositionFormat, VolumePlace, two_float,
+};
 
 /// Largest number of distinct indices in 16 bits: 0xffff restarts strips and separates loops.
 const MAX_SHORT_INDICES: usize = 0xffff;
@@ -124,33 +126,21 @@ impl RegionSlice {
     }
 }
 
-/// Bytes of indices by what they are for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct IndexBytes {
-    pub(crate) top_caps: u64,
-    pub(crate) bottom_caps: u64,
-    pub(crate) walls: u64,
-    /// Bottom caps that are not stored.
-    pub(crate) spared: u64,
-}
-
-impl IndexBytes {
-    /// Of these regions.
-    pub(crate) fn of(layout: Layout, regions: &[RegionSlice]) -> Self {
-        let mut bytes = Self::default();
-        for slice in regions {
-            let index_size = if slice.place.has_short_indices { 2 } else { 4 };
-            let cap = 3 * u64::from(slice.place.triangle_count) * index_size;
-            bytes.top_caps += cap;
-            bytes.walls += u64::from(slice.loop_index_count) * index_size;
-            match (layout.is_doubled(), slice.has_bottom) {
-                (false, _) => {}
-                (true, true) => bytes.bottom_caps += cap,
-                (true, false) => bytes.spared += cap,
-            }
+/// Bytes of the indices of these regions by what they are for.
+pub(crate) fn index_bytes(layout: Layout, regions: &[RegionSlice]) -> IndexBytes {
+    let mut bytes = IndexBytes::default();
+    for slice in regions {
+        let index_size = if slice.place.has_short_indices { 2 } else { 4 };
+        let cap = 3 * u64::from(slice.place.triangle_count) * index_size;
+        bytes.top_caps += cap;
+        bytes.walls += u64::from(slice.loop_index_count) * index_size;
+        match (layout.is_doubled(), slice.has_bottom) {
+            (false, _) => {}
+            (true, true) => bytes.bottom_caps += cap,
+            (true, false) => bytes.spared += cap,
         }
-        bytes
     }
+    bytes
 }
 
 /// Meshes as they were laid out, and whether with their bottoms.
@@ -218,12 +208,8 @@ impl SceneGeometry {
     }
 
     /// Puts what `own` has behind its own.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "buffers are refused by the device long before 2^32 elements"
-    )]
     fn append(&mut self, variant: &VertexVariant, own: &Self) {
-        let first_vertex = (self.vertices.len() / variant.vertex_words()) as u32;
+        let first_vertex = index_u32(self.vertices.len() / variant.vertex_words());
         let [long, short] = [false, true].map(|is_short| self.indices.count(is_short));
         self.vertices.extend(&own.vertices);
         self.indices.append(&own.indices);
@@ -250,11 +236,6 @@ impl SceneGeometry {
     }
 
     /// - `number`: of the mesh, which vertices carry where volumes share draws
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_possible_wrap,
-        reason = "buffers are refused by the device long before 2^31 elements"
-    )]
     fn push_vertices(
         &mut self,
         variant: &VertexVariant,
@@ -262,9 +243,9 @@ impl SceneGeometry {
         number: usize,
     ) -> StoredVertices {
         let fixed = FixedPoint::for_mesh(mesh);
-        let first_vertex = (self.vertices.len() / variant.vertex_words()) as u32;
+        let first_vertex = index_u32(self.vertices.len() / variant.vertex_words());
         let above_flag = if variant.merges_volumes() {
-            2 * number as i32
+            i32::try_from(2 * number).unwrap_or(i32::MAX)
         } else {
             0
         };
@@ -283,10 +264,6 @@ impl SceneGeometry {
     }
 
     /// Caps and walls.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "buffers are refused by the device long before 2^32 elements"
-    )]
     fn push_indices(
         &mut self,
         variant: &VertexVariant,
@@ -311,11 +288,11 @@ impl SceneGeometry {
         let first_loop_index = self.indices.count(short_indices);
         let mut turned_index_count = 0;
         match layout {
-            Layout::Pulled => self.push_loops(short_indices, mesh),
+            Layout::Pulled => self.indices.push_loops(short_indices, mesh),
             Layout::PerTriangle => {
                 turned_index_count = self.push_inner_walls(short_indices, mesh, &triangles);
             }
-            _ if variant.has_strips() => self.push_strips(short_indices, mesh),
+            _ if variant.has_strips() => self.indices.push_doubled_strips(short_indices, mesh),
             _ => self.push_wall_list(short_indices, mesh),
         }
         let copies = if layout.is_doubled() { 2 } else { 1 };
@@ -325,11 +302,11 @@ impl SceneGeometry {
                 first_vertex: stored.first_vertex,
                 first_triangle_index,
                 first_loop_index,
-                triangle_count: mesh.triangles.len() as u32,
+                triangle_count: index_u32(mesh.triangles.len()),
                 has_short_indices: short_indices,
             },
             has_bottom,
-            vertex_count: (copies * used) as u32,
+            vertex_count: index_u32(copies * used),
             loop_index_count: self.indices.count(short_indices) - first_loop_index,
             turned_index_count,
         }
@@ -356,36 +333,12 @@ impl SceneGeometry {
     }
 
     fn push_caps(&mut self, layout: Layout, short: bool, triangles: &[[u32; 3]], has_bottom: bool) {
-        // All of the top, then all of the bottom, so that the bottom may be left out of a draw.
-        let copies = if layout.is_doubled() { 2 } else { 1 };
-        for corner in triangles.as_flattened() {
-            self.indices.push(short, copies * corner);
-        }
-        if layout.is_doubled() && has_bottom {
-            for &[a, b, c] in triangles {
-                for corner in [a, c, b] {
-                    self.indices.push(short, 2 * corner + 1);
-                }
-            }
-        }
-    }
-
-    fn push_loops(&mut self, short: bool, mesh: &RegionMesh) {
-        for ring in &mesh.boundary_loops {
-            for &vertex in ring.iter().chain(ring.first()) {
-                self.indices.push(short, vertex);
-            }
-            self.indices.push(short, u32::MAX);
-        }
-    }
-
-    fn push_strips(&mut self, short: bool, mesh: &RegionMesh) {
-        for ring in &mesh.boundary_loops {
-            for &vertex in ring.iter().chain(ring.first()) {
-                self.indices.push(short, 2 * vertex);
-                self.indices.push(short, 2 * vertex + 1);
-            }
-            self.indices.push(short, u32::MAX);
+        if layout.is_doubled() {
+            let indices = &mut self.indices;
+            indices.push_doubled_caps(short, triangles, has_bottom);
+        } else {
+            let corners = triangles.as_flattened().iter();
+            self.indices.extend(short, corners.copied());
         }
     }
 
@@ -426,18 +379,15 @@ impl SceneGeometry {
         let first = self.indices.count(short);
         for [start, end] in ascending {
             for [first, second, third] in wall_triangles(start, end) {
-                for index in [first, third, second] {
-                    self.indices.push(short, index);
-                }
+                self.indices.extend(short, [first, third, second]);
             }
         }
         self.indices.count(short) - first
     }
 
     fn push_wall(&mut self, short: bool, start: u32, end: u32) {
-        for index in wall_triangles(start, end).as_flattened() {
-            self.indices.push(short, *index);
-        }
+        let corners = wall_triangles(start, end);
+        self.indices.extend(short, corners.into_iter().flatten());
     }
 
     /// Bytes as built.

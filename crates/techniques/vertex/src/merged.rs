@@ -11,10 +11,12 @@
 use crate::layout::RegionSlice;
 use std::collections::HashMap;
 use std::ops::Range;
-use terrafill_contract::{DeviceError, Feature, MemoryUse};
-use terrafill_gpu::Gpu;
+use terrafill_contract::{DeviceError, Feature};
+use terrafill_core::index_u32;
+use terrafill_gpu::{Gpu, index_format};
 use terrafill_stencil::{
-    DrawnOfMeshes, FillPass, FillProgram, FillStep, Holding, IndexLists, VolumeDraw, VolumeList,
+    DrawnOfMeshes, FillPass, FillProgram, FillStep, Holding, IndexBytes, IndexLists, VolumeDraw,
+    VolumeList,
 };
 
 /// Restarts strips, in either width.
@@ -56,10 +58,6 @@ impl MergedLists {
         merged
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "buffers are refused by the device long before 2^32 elements"
-    )]
     fn push(&mut self, list: &VolumeList, draw: &VolumeDraw<'_>, held: &Held<'_>) {
         let ranges = self.ranges.entry(draw.volumes.to_vec()).or_default();
         let own = &mut ranges[usize::from(draw.without_bottom)];
@@ -108,8 +106,8 @@ impl MergedLists {
         }
         self.walls += self.indices.len() - first_wall;
         *own = Some(MergedRanges {
-            caps: first_cap as u32..first_wall as u32,
-            walls: first_wall as u32..self.indices.len() as u32,
+            caps: index_u32(first_cap)..index_u32(first_wall),
+            walls: index_u32(first_wall)..index_u32(self.indices.len()),
         });
     }
 
@@ -300,44 +298,26 @@ impl Merged {
 
     pub(crate) fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_bind_group(1, &self.bind_group, &[]);
-        let format = if self.is_short {
-            wgpu::IndexFormat::Uint16
-        } else {
-            wgpu::IndexFormat::Uint32
-        };
         if let Some(indices) = &self.indices {
-            pass.set_index_buffer(indices.slice(..), format);
+            pass.set_index_buffer(indices.slice(..), index_format(self.is_short));
         }
     }
 
     /// Bytes of its buffers by what they are for.
-    pub(crate) fn holdings(&self) -> [Holding; 4] {
+    pub(crate) fn holdings(&self) -> Vec<Holding> {
         let index_size = if self.is_short { 2 } else { 4 };
         let bytes = |indices: usize| (indices * index_size) as u64;
-        let of_indices = |indices: usize| MemoryUse {
-            index_bytes: bytes(indices),
-            ..MemoryUse::default()
+        let indices = IndexBytes {
+            top_caps: bytes(self.lists.top_caps),
+            bottom_caps: bytes(self.lists.bottom_caps),
+            walls: bytes(self.lists.walls),
+            spared: bytes(self.lists.top_caps - self.lists.bottom_caps),
         };
-        let allocated = self.indices.as_ref().map_or(0, wgpu::Buffer::size);
-        let top_caps = MemoryUse {
-            padding_bytes: allocated.saturating_sub(bytes(self.lists.indices.len())),
-            buffers: u64::from(self.indices.is_some()),
-            ..of_indices(self.lists.top_caps)
-        };
-        let volumes = MemoryUse {
-            constant_bytes: self.volume_of_region.size(),
-            buffers: 1,
-            ..MemoryUse::default()
-        };
-        [
-            Holding::memory(Feature::TopCaps, top_caps),
-            Holding {
-                spared_bytes: bytes(self.lists.top_caps - self.lists.bottom_caps),
-                ..Holding::memory(Feature::BottomCaps, of_indices(self.lists.bottom_caps))
-            },
-            Holding::memory(Feature::Walls, of_indices(self.lists.walls)),
-            Holding::memory(Feature::RegionConstants, volumes),
-        ]
+        let buffers: Vec<u64> = self.indices.iter().map(wgpu::Buffer::size).collect();
+        let volumes = self.volume_of_region.size();
+        let volumes = Holding::constants(Feature::RegionConstants, volumes, volumes);
+        let indices = indices.holdings(&buffers).into_iter();
+        indices.chain([volumes]).collect()
     }
 }
 
@@ -378,10 +358,7 @@ mod tests {
             drawn_as: DrawnAs::Volume,
             geometry,
         };
-        let size = ImageSize {
-            width: 64,
-            height: 64,
-        };
+        let size = ImageSize::new(64, 64);
         let volumes = vec![volume(2, 0), volume(0, 5), volume(1, 20)];
         VolumeList::new(ViewId::unique(), size, volumes)
     }

@@ -2,7 +2,7 @@
 //! Large regions drawn in parts: in which order their triangles lie.
 
 use crate::{IndexOrder, Layout, VertexVariant, cache_ordered};
-use terrafill_core::RegionMesh;
+use terrafill_core::{RegionMesh, index_u32};
 use terrafill_plan::PartOrder;
 use terrafill_stencil::WallIndices;
 
@@ -37,16 +37,12 @@ const NO_VERTEX: u32 = u32::MAX;
 /// As [`cache_ordered`], at the cost of these triangles' vertices only.
 ///
 /// - `locals`: of all the mesh's vertices none has a number, before and after
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "meshes have fewer than 2^32 vertices"
-)]
 fn order_for_cache(triangles: &mut [[u32; 3]], locals: &mut [u32]) {
     let mut vertices = Vec::new();
     let mut local = |vertex: u32| {
         let local = &mut locals[vertex as usize];
         if *local == NO_VERTEX {
-            *local = vertices.len() as u32;
+            *local = index_u32(vertices.len());
             vertices.push(vertex);
         }
         *local

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Volumes as the passes of a fill draw them: caps, then walls, then those that are turned over.
 
-use crate::layout::{IndexBytes, LaidOutMeshes, RegionSlice, SceneGeometry};
+use crate::layout::{LaidOutMeshes, RegionSlice, SceneGeometry, index_bytes};
 use crate::merged::Merged;
-use crate::pipeline::{PipelineKey, Pipelines, VolumePart, parts};
+use crate::pipeline::{Pipelines, VolumePart, keys};
 use crate::{Buffers, Layout, VertexVariant};
 use std::ops::Range;
-use terrafill_contract::{DeviceError, Feature, FillInput, GeometryBytes, MemoryUse};
-use terrafill_gpu::{Gpu, VolumeFill, VolumePass, WgpuVolumes};
+use terrafill_contract::{DeviceError, Feature, FillInput, GeometryBytes};
+use terrafill_gpu::{Gpu, VolumeFill, VolumePass, WgpuVolumes, index_format};
 use terrafill_scene::Overlap;
 use terrafill_stencil::{
-    BottomCaps, DrawnOfMeshes, DrawnParts, FaceSet, FillProgram, Holding, IndexLists,
+    DrawnOfMeshes, DrawnParts, FaceSet, FillProgram, HeldMeshes, Holding, IndexLists,
     PositionFormat, RegionVolumes, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
 };
 use terrafill_variant::Switches;
@@ -106,7 +106,7 @@ impl RegionVolumes for VertexVolumes {
         &mut self,
         fill: &VolumeFill,
         input: &FillInput,
-        bottoms: &BottomCaps,
+        bottoms: &HeldMeshes,
     ) -> Result<(), DeviceError> {
         let gpu = fill.gpu();
         let layout = self.variant.layout;
@@ -190,7 +190,7 @@ impl RegionVolumes for VertexVolumes {
         &mut self,
         _fill: &VolumeFill,
         input: &FillInput,
-        _bottoms: &BottomCaps,
+        _bottoms: &HeldMeshes,
     ) -> Result<(), DeviceError> {
         self.drawn_parts = if self.variant.parts {
             DrawnParts::of_view(input, self.variant.wall_indices())
@@ -251,42 +251,23 @@ fn write(gpu: &Gpu, buffer: Option<&wgpu::Buffer>, first_byte: u64, bytes: &[u8]
 impl SceneBuffers {
     /// Bytes of its buffers by what they are for; what all regions' indices share is the top caps'.
     fn holdings(&self, layout: Layout) -> Vec<Holding> {
-        let vertices = [Some(&self.vertices), self.flags.as_ref()];
-        let indices = [self.short_indices.as_ref(), self.long_indices.as_ref()];
-        let of_buffers = |buffers: [Option<&wgpu::Buffer>; 2], written: u64| {
-            let sizes = buffers.iter().flatten().map(|buffer| buffer.size());
-            MemoryUse {
-                padding_bytes: sizes.sum::<u64>().saturating_sub(written),
-                buffers: buffers.iter().flatten().count() as u64,
-                ..MemoryUse::default()
-            }
+        let sizes = |buffers: [Option<&wgpu::Buffer>; 2]| -> Vec<u64> {
+            buffers
+                .into_iter()
+                .flatten()
+                .map(wgpu::Buffer::size)
+                .collect()
         };
-        let index_bytes = IndexBytes::of(layout, &self.regions);
-        let of_indices = |index_bytes| MemoryUse {
-            index_bytes,
-            ..MemoryUse::default()
-        };
-        let positions = MemoryUse {
-            vertex_bytes: self.bytes.vertex_bytes,
-            ..of_buffers(vertices, self.bytes.vertex_bytes)
-        };
+        let vertices = sizes([Some(&self.vertices), self.flags.as_ref()]);
+        let positions = Holding::vertices(Feature::Positions, self.bytes.vertex_bytes, &vertices);
+        let mut all = vec![positions];
         if let Some(merged) = &self.merged {
-            let positions = Holding::memory(Feature::Positions, positions);
-            return [positions].into_iter().chain(merged.holdings()).collect();
+            all.extend(merged.holdings());
+        } else {
+            let indices = sizes([self.short_indices.as_ref(), self.long_indices.as_ref()]);
+            all.extend(index_bytes(layout, &self.regions).holdings(&indices));
         }
-        let top_caps = MemoryUse {
-            index_bytes: index_bytes.top_caps,
-            ..of_buffers(indices, self.bytes.index_bytes)
-        };
-        vec![
-            Holding::memory(Feature::Positions, positions),
-            Holding::memory(Feature::TopCaps, top_caps),
-            Holding {
-                spared_bytes: index_bytes.spared,
-                ..Holding::memory(Feature::BottomCaps, of_indices(index_bytes.bottom_caps))
-            },
-            Holding::memory(Feature::Walls, of_indices(index_bytes.walls)),
-        ]
+        all
     }
 
     /// Holds a region's new geometry for the frames to come, where they are handed it.
@@ -361,21 +342,11 @@ impl SceneBuffers {
             pass.set_bind_group(1, pulled[usize::from(!short_indices)].as_ref(), &[]);
             return;
         }
-        let (indices, format) = if short_indices {
-            (&self.short_indices, wgpu::IndexFormat::Uint16)
-        } else {
-            (&self.long_indices, wgpu::IndexFormat::Uint32)
-        };
-        if let Some(indices) = indices {
-            pass.set_index_buffer(indices.slice(..), format);
+        let both = [&self.long_indices, &self.short_indices];
+        if let Some(indices) = both[usize::from(short_indices)] {
+            pass.set_index_buffer(indices.slice(..), index_format(short_indices));
         }
     }
-}
-
-/// Ranges that lie behind `first`.
-fn moved_by(first: u32, ranges: &[Range<u32>]) -> Vec<Range<u32>> {
-    let moved = |range: &Range<u32>| first + range.start..first + range.end;
-    ranges.iter().map(moved).collect()
 }
 
 /// The pairs of indices that hold those of `range`, and where they begin, in bytes. A buffer with an
@@ -393,29 +364,18 @@ impl WgpuVolumes for VertexVolumes {
         let Some(scene) = &self.scene else {
             return;
         };
-        if let Some(merged) = &scene.merged {
-            for part in parts(self.variant.layout, merged.has_short_indices()) {
-                let key = PipelineKey {
-                    part,
-                    state: draw.state,
-                    blends,
-                };
-                self.pipelines.ensure(gpu, key);
-            }
-            return;
-        }
         for short_indices in [true, false] {
-            let mut drawn = scene.of_width(list, draw.volumes, short_indices);
-            if drawn.next().is_none() {
-                continue;
-            }
-            for part in parts(self.variant.layout, short_indices) {
-                let key = PipelineKey {
-                    part,
-                    state: draw.state,
-                    blends,
-                };
-                self.pipelines.ensure(gpu, key);
+            let is_drawn = match &scene.merged {
+                Some(merged) => merged.has_short_indices() == short_indices,
+                None => {
+                    let mut drawn = scene.of_width(list, draw.volumes, short_indices);
+                    drawn.next().is_some()
+                }
+            };
+            if is_drawn {
+                for key in keys(self.variant.layout, short_indices, draw.state, blends) {
+                    self.pipelines.ensure(gpu, key);
+                }
             }
         }
     }
@@ -472,15 +432,10 @@ impl WgpuVolumes for VertexVolumes {
             return;
         }
         for short_indices in [true, false] {
-            for part in parts(self.variant.layout, short_indices) {
+            for key in keys(self.variant.layout, short_indices, draw.state, blends) {
                 let mut is_bound = false;
                 for volume in scene.of_width(pass.list, draw.volumes, short_indices) {
                     if !is_bound {
-                        let key = PipelineKey {
-                            part,
-                            state: draw.state,
-                            blends,
-                        };
                         if let Some(pipeline) = self.pipelines.volume(key) {
                             pass.raw.set_pipeline(pipeline);
                         }
@@ -488,7 +443,7 @@ impl WgpuVolumes for VertexVolumes {
                         is_bound = true;
                     }
                     pass.cut(volume, draw.scissor);
-                    self.draw_part(scene, pass, part, volume, draw);
+                    self.draw_part(scene, pass, key.part, volume, draw);
                 }
             }
         }
@@ -508,15 +463,11 @@ impl VertexVolumes {
             return;
         };
         pass.cut(first, false);
-        for part in parts(self.variant.layout, merged.has_short_indices()) {
-            let range = match part {
+        let short_indices = merged.has_short_indices();
+        for key in keys(self.variant.layout, short_indices, draw.state, blends) {
+            let range = match key.part {
                 VolumePart::Caps => &ranges.caps,
                 VolumePart::Walls { .. } | VolumePart::TurnedWalls => &ranges.walls,
-            };
-            let key = PipelineKey {
-                part,
-                state: draw.state,
-                blends,
             };
             if let Some(pipeline) = self.pipelines.volume(key).filter(|_| !range.is_empty()) {
                 pass.raw.set_pipeline(pipeline);
@@ -544,23 +495,9 @@ impl VertexVolumes {
         let cap = 3 * slice.place.triangle_count;
         let caps = if with_bottom { 2 * cap } else { cap };
         let parts = self.drawn_parts.get(&pass.list.volumes[volume].geometry);
-        if scene.pulled.is_some() {
-            let mut draw = |range| pass.draw(range, volume);
-            match (part, parts) {
-                (VolumePart::Caps, Some(parts)) => {
-                    parts.both_caps(cap, with_bottom).into_iter().for_each(draw);
-                }
-                (_, Some(parts)) => parts.walls.iter().cloned().for_each(draw),
-                (VolumePart::Caps, None) => draw(0..caps),
-                // Entry e needs entry e + 1; the last one is a separator.
-                (_, None) => draw(0..6 * slice.loop_index_count.saturating_sub(1)),
-            }
-            return;
-        }
+        let is_pulled = scene.pulled.is_some();
         let (walls, turned) = (slice.loop_index_count, slice.turned_index_count);
-        let first_cap = slice.place.first_triangle_index;
-        let first_wall = slice.place.first_loop_index;
-        let inner_wall = first_wall + walls - 2 * turned;
+        let inner_wall = walls - 2 * turned;
         let base_vertex = if scene.flags.is_some() {
             // Every region starts at the first flag, so its positions must start there too.
             let stride = 4 * self.variant.vertex_words() as u64;
@@ -571,33 +508,32 @@ impl VertexVolumes {
         } else {
             i32::try_from(slice.place.first_vertex).unwrap_or(i32::MAX)
         };
+        let first = match part {
+            VolumePart::Caps => slice.place.first_triangle_index,
+            VolumePart::Walls { .. } | VolumePart::TurnedWalls => slice.place.first_loop_index,
+        };
         let mut draw = |range: Range<u32>| {
-            if !range.is_empty() {
-                pass.draw_indexed(range, base_vertex, volume);
+            if is_pulled {
+                pass.draw(range, volume);
+            } else if !range.is_empty() {
+                let indices = first + range.start..first + range.end;
+                pass.draw_indexed(indices, base_vertex, volume);
             }
         };
         match (part, parts) {
             (VolumePart::Caps, Some(parts)) => {
-                let caps = parts.both_caps(cap, with_bottom);
-                moved_by(first_cap, &caps).into_iter().for_each(draw);
+                parts.both_caps(cap, with_bottom).into_iter().for_each(draw);
             }
-            (VolumePart::Walls { .. }, Some(parts)) => {
-                moved_by(first_wall, &parts.walls)
-                    .into_iter()
-                    .for_each(draw);
+            (VolumePart::Caps, None) => draw(0..caps),
+            (VolumePart::Walls { .. }, Some(parts)) => parts.walls.iter().cloned().for_each(draw),
+            // Entry e needs entry e + 1; the last one is a separator.
+            (VolumePart::Walls { .. }, None) if is_pulled => draw(0..6 * walls.saturating_sub(1)),
+            // See `push_inner_walls`.
+            (VolumePart::Walls { .. }, None) if turned > 0 && state.faces() != FaceSet::Both => {
+                draw(0..inner_wall);
+                draw(inner_wall..inner_wall + turned);
             }
-            (VolumePart::Caps, None) => draw(first_cap..first_cap + caps),
-            (VolumePart::Walls { .. }, None) if self.variant.layout == Layout::PerTriangle => {
-                match state.faces() {
-                    FaceSet::Both => draw(first_wall..inner_wall + turned),
-                    // See `push_inner_walls`.
-                    FaceSet::Front | FaceSet::Back => {
-                        draw(first_wall..inner_wall);
-                        draw(inner_wall..inner_wall + turned);
-                    }
-                }
-            }
-            (VolumePart::Walls { .. }, None) => draw(first_wall..first_wall + walls),
+            (VolumePart::Walls { .. }, None) => draw(0..inner_wall + turned),
             (VolumePart::TurnedWalls, _) => draw(inner_wall..inner_wall + turned),
         }
     }

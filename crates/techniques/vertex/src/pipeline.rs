@@ -4,7 +4,7 @@
 use crate::{BOTTOM_PX, Bottom, FLAG_BYTES, Layout, Normals, VertexVariant};
 use std::collections::HashMap;
 use terrafill_contract::DeviceError;
-use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
+use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader, index_format};
 use terrafill_stencil::{Holding, PositionFormat, VolumeState};
 
 /// Which part of a volume a pipeline draws. Doubled walls may be strips, and a strip's restart value
@@ -19,21 +19,30 @@ pub(crate) enum VolumePart {
     TurnedWalls,
 }
 
-/// The parts of volumes in a layout whose indices have this width.
-pub(crate) fn parts(layout: Layout, short_indices: bool) -> impl Iterator<Item = VolumePart> {
-    // The first wall on an inner edge is drawn for the second one too.
-    let turned = (layout == Layout::PerTriangle).then_some(VolumePart::TurnedWalls);
-    [VolumePart::Caps, VolumePart::Walls { short_indices }]
-        .into_iter()
-        .chain(turned)
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct PipelineKey {
     pub(crate) part: VolumePart,
     pub(crate) state: VolumeState,
     /// Colours are blended over what lies under them.
     pub(crate) blends: bool,
+}
+
+/// A pipeline for each part of volumes in a layout whose indices have this width.
+pub(crate) fn keys(
+    layout: Layout,
+    short_indices: bool,
+    state: VolumeState,
+    blends: bool,
+) -> impl Iterator<Item = PipelineKey> {
+    // The first wall on an inner edge is drawn for the second one too.
+    let turned = (layout == Layout::PerTriangle).then_some(VolumePart::TurnedWalls);
+    let both = [VolumePart::Caps, VolumePart::Walls { short_indices }];
+    let parts = both.into_iter().chain(turned);
+    parts.map(move |part| PipelineKey {
+        part,
+        state,
+        blends,
+    })
 }
 
 /// Pipelines of one variant on one device, made when first asked for.
@@ -98,11 +107,7 @@ impl Pipelines {
     fn strip_format(&self, part: VolumePart) -> Option<wgpu::IndexFormat> {
         match part {
             VolumePart::Walls { short_indices } if self.variant.has_strips() => {
-                Some(if short_indices {
-                    wgpu::IndexFormat::Uint16
-                } else {
-                    wgpu::IndexFormat::Uint32
-                })
+                Some(index_format(short_indices))
             }
             _ => None,
         }

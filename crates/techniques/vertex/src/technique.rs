@@ -7,8 +7,7 @@ use crate::{
     centric_shift_m, shared_flag_bytes, variant_bytes,
 };
 use terrafill_contract::{
-    Api, DeviceError, FillBackend, FillInput, GeometryBytes, PlannedStep, Role, Targets, Technique,
-    layouts,
+    Api, FillInput, GeometryBytes, OpenedBackend, PlannedStep, Role, Targets, Technique, layouts,
 };
 use terrafill_core::RegionMesh;
 use terrafill_gpu::shared_targets;
@@ -259,16 +258,10 @@ impl Technique for VertexTechnique {
         [("cap_acmr", ratio)].into_iter().chain(shift_m).collect()
     }
 
-    fn open(
-        &self,
-        targets: &Targets,
-        variant: &Variant,
-    ) -> Result<Box<dyn FillBackend>, DeviceError> {
+    fn open(&self, targets: &Targets, variant: &Variant) -> OpenedBackend {
         let vertex = VertexVariant::of(variant)?;
-        Ok(Box::new(VertexBackend::new(
-            &shared_targets(targets)?,
-            vertex,
-        )?))
+        let targets = shared_targets(targets)?;
+        Ok(Box::new(VertexBackend::new(&targets, vertex)?))
     }
 }
 

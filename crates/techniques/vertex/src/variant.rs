@@ -134,19 +134,6 @@ pub enum Normals {
 }
 
 impl Normals {
-    /// All.
-    pub const ALL: [Self; 3] = [Self::Geodetic, Self::Stored, Self::Centric];
-
-    /// Name in variants and reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Geodetic => "geodetic",
-            Self::Stored => "stored",
-            Self::Centric => "centric",
-        }
-    }
-
     /// Words of 4 bytes that each stored vertex has for them.
     pub(crate) fn words(self) -> usize {
         if self == Self::Stored { 3 } else { 0 }
@@ -242,7 +229,11 @@ impl VertexVariant {
             )?,
             normals: variant.choice(
                 "normals",
-                &Normals::ALL.map(|normals| (normals.name(), normals)),
+                &[
+                    ("geodetic", Normals::Geodetic),
+                    ("stored", Normals::Stored),
+                    ("centric", Normals::Centric),
+                ],
             )?,
             vertex_size: variant.choice(
                 "vertex-bytes",
@@ -468,7 +459,7 @@ mod tests {
 
     #[test]
     fn normals_refuse_what_they_cannot_have() {
-        for normals in Normals::ALL {
+        for normals in [Normals::Geodetic, Normals::Stored, Normals::Centric] {
             let plain = VertexVariant {
                 normals,
                 ..VertexVariant::default()

@@ -39,34 +39,25 @@ impl AblationBuilder {
             faces: FacePasses::TwoPass,
             ..Switches::default()
         };
-        Self {
-            steps: vec![PlannedStep {
-                name: "start",
-                change,
-                variant: variant.clone(),
-                is_aside: false,
-            }],
-            variant,
-        }
+        let steps = Vec::new();
+        Self { steps, variant }.step("start", change, |_| ())
     }
 
     /// A side step: the next one does not keep it.
     #[must_use]
     pub fn aside(
-        mut self,
+        self,
         name: &'static str,
         change: &'static str,
         set: impl FnOnce(&mut Variant),
     ) -> Self {
-        let mut variant = self.variant.clone();
-        set(&mut variant);
-        self.steps.push(PlannedStep {
-            name,
-            change,
-            variant,
-            is_aside: true,
-        });
-        self
+        let kept = self.variant.clone();
+        let mut builder = self.step(name, change, set);
+        builder.variant = kept;
+        if let Some(step) = builder.steps.last_mut() {
+            step.is_aside = true;
+        }
+        builder
     }
 
     /// The same by parameters of the technique's own, `(key, value)`.

@@ -15,12 +15,8 @@ use terrafill_plan::PixelRect;
 /// Numbers an 8-bit stencil can tell apart from "no volume".
 pub(crate) const XOR_NUMBERS: usize = 255;
 
-/// Volumes by number, in passes of at most [`XOR_NUMBERS`] numbers.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(crate) struct XorBatches {
-    /// Pass → number − 1 → indices into the list. Each pass clears the stencil.
-    pub(crate) passes: Vec<Vec<Vec<usize>>>,
-}
+/// Passes → classes → indices into the list.
+pub(crate) type Batches = Vec<Vec<Vec<usize>>>;
 
 fn is_free(volumes: &[Volume], class: &[usize], rect: PixelRect) -> bool {
     class
@@ -28,55 +24,44 @@ fn is_free(volumes: &[Volume], class: &[usize], rect: PixelRect) -> bool {
         .all(|&other| !volumes[other].screen_rect.overlaps(rect))
 }
 
-impl XorBatches {
-    /// Greedy colouring of the rectangles' overlap graph, in their order.
-    #[must_use]
-    pub(crate) fn new(volumes: &[Volume]) -> Self {
-        let mut classes: Vec<Vec<usize>> = Vec::new();
-        for (index, volume) in volumes.iter().enumerate() {
-            let free = classes
-                .iter_mut()
-                .find(|class| is_free(volumes, class, volume.screen_rect));
-            match free {
-                Some(class) => class.push(index),
-                None => classes.push(vec![index]),
-            }
-        }
-        Self {
-            passes: classes
-                .chunks(XOR_NUMBERS)
-                .map(<[Vec<usize>]>::to_vec)
-                .collect(),
+/// Volumes by number less 1, in passes of at most [`XOR_NUMBERS`] numbers, each of which clears the stencil: a greedy
+/// colouring of the rectangles' overlap graph, in their order.
+#[must_use]
+pub(crate) fn xor_batches(volumes: &[Volume]) -> Batches {
+    let mut classes: Vec<Vec<usize>> = Vec::new();
+    for (index, volume) in volumes.iter().enumerate() {
+        let free = classes
+            .iter_mut()
+            .find(|class| is_free(volumes, class, volume.screen_rect));
+        match free {
+            Some(class) => class.push(index),
+            None => classes.push(vec![index]),
         }
     }
+    let passes = classes.chunks(XOR_NUMBERS);
+    passes.map(<[Vec<usize>]>::to_vec).collect()
 }
 
-/// Volumes in classes whose members do not overlap on the screen.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct VolumeClasses;
-
-impl VolumeClasses {
-    /// Pass → class → indices into the list, at most `classes` a pass. No volume comes
-    /// in an earlier pass than one before it in the list, so passes drawn one after the other keep
-    /// the order in which volumes cover each other.
-    #[must_use]
-    pub(crate) fn in_order(volumes: &[Volume], classes: usize) -> Vec<Vec<Vec<usize>>> {
-        let mut passes: Vec<Vec<Vec<usize>>> = Vec::new();
-        for (index, volume) in volumes.iter().enumerate() {
-            let rect = volume.screen_rect;
-            let Some(pass) = passes.last_mut() else {
-                passes.push(vec![vec![index]]);
-                continue;
-            };
-            let free = pass.iter().position(|class| is_free(volumes, class, rect));
-            match free {
-                Some(class) => pass[class].push(index),
-                None if pass.len() < classes => pass.push(vec![index]),
-                None => passes.push(vec![vec![index]]),
-            }
+/// Volumes in classes whose members do not overlap on the screen, at most `classes` a pass. No volume comes
+/// in an earlier pass than one before it in the list, so passes drawn one after the other keep
+/// the order in which volumes cover each other.
+#[must_use]
+pub(crate) fn ordered_batches(volumes: &[Volume], classes: usize) -> Batches {
+    let mut passes = Batches::new();
+    for (index, volume) in volumes.iter().enumerate() {
+        let rect = volume.screen_rect;
+        let Some(pass) = passes.last_mut() else {
+            passes.push(vec![vec![index]]);
+            continue;
+        };
+        let free = pass.iter().position(|class| is_free(volumes, class, rect));
+        match free {
+            Some(class) => pass[class].push(index),
+            None if pass.len() < classes => pass.push(vec![index]),
+            None => passes.push(vec![vec![index]]),
         }
-        passes
     }
+    passes
 }
 
 /// Most screen rectangles over one pixel: no more volumes than that can lie over it.
@@ -126,26 +111,22 @@ mod tests {
     #[test]
     fn overlapping_rectangles_get_different_numbers() {
         let volumes = [volume(0, 10), volume(5, 15), volume(10, 20), volume(30, 40)];
-        let batches = XorBatches::new(&volumes);
-        assert_eq!(batches.passes, vec![vec![vec![0, 2, 3], vec![1]]]);
+        assert_eq!(xor_batches(&volumes), [[vec![0, 2, 3], vec![1]]]);
     }
 
     #[test]
     fn more_numbers_than_the_stencil_has_take_another_pass() {
         let volumes = vec![volume(0, 10); XOR_NUMBERS + 3];
-        let batches = XorBatches::new(&volumes);
-        let sizes: Vec<_> = batches.passes.iter().map(Vec::len).collect();
+        let passes = xor_batches(&volumes);
+        let sizes: Vec<_> = passes.iter().map(Vec::len).collect();
         assert_eq!(sizes, [XOR_NUMBERS, 3]);
-        assert_eq!(
-            batches.passes.iter().flatten().flatten().count(),
-            volumes.len()
-        );
+        assert_eq!(passes.iter().flatten().flatten().count(), volumes.len());
     }
 
     #[test]
     fn planes_keep_the_order_and_never_share_a_pixel() {
         let volumes: Vec<_> = (0..30).map(|i| volume(i * 3, i * 3 + 10)).collect();
-        let passes = VolumeClasses::in_order(&volumes, 3);
+        let passes = ordered_batches(&volumes, 3);
         assert!(passes.len() > 1);
         let mut last = 0;
         for pass in &passes {

@@ -211,12 +211,15 @@ impl FootprintConstants {
     }
 }
 
-/// The bytes in which constants of the same length differ, in whole words, from the first one to behind
-/// the last; `None` where they are the same.
+/// The bytes in which constants differ, in whole words, from the first one to behind the last, or all where their
+/// lengths do; `None` where nothing is to be written.
 ///
 /// Regions that move stand behind one another, so that one write takes what changed of all of them.
 #[must_use]
 pub fn changed_words(before: &[u8], after: &[u8]) -> Option<std::ops::Range<usize>> {
+    if before.len() != after.len() {
+        return (!after.is_empty()).then_some(0..after.len());
+    }
     let differs = |(before, after): (&u8, &u8)| before != after;
     let first = before.iter().zip(after).position(differs)?;
     let last = before.iter().zip(after).rposition(differs)?;
@@ -290,5 +293,7 @@ mod tests {
         assert_eq!(written, after);
         after[39] += 1;
         assert_ne!(written, after);
+        assert_eq!(changed_words(&before[..4], &after), Some(0..40));
+        assert_eq!(changed_words(&before, &[]), None);
     }
 }

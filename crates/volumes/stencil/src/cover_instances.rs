@@ -59,13 +59,10 @@ impl FillProgram {
     pub fn cover_instances(&self, list: &VolumeList) -> Vec<CoverInstance> {
         let mut instances = Vec::new();
         for step in self.passes.iter().flat_map(FillPass::steps) {
-            if let FillStep::Cover {
-                scissor, volumes, ..
-            } = step
-            {
-                for &volume in volumes {
+            if let FillStep::Cover(cover) = step {
+                for &volume in cover.volumes {
                     let number = u32::try_from(volume).unwrap_or(u32::MAX);
-                    let rects = list.cover_rects(volume, scissor);
+                    let rects = list.cover_rects(volume, cover.scissor);
                     instances.extend(rects.map(|rect| CoverInstance::new(rect, list.size, number)));
                 }
             }
@@ -83,10 +80,7 @@ mod tests {
         // As a rasteriser finds them: clip space scaled to pixels in 32 bits.
         let pixels = |clip: f32, count: u32| (clip * 0.5 + 0.5) * count as f32;
         for size in [1, 3, 256, 1000, 1023, 4096, 16_384] {
-            let image = ImageSize {
-                width: size,
-                height: size,
-            };
+            let image = ImageSize::new(size, size);
             for first in [0, 1, size / 3, size - 1] {
                 let rect = PixelRect {
                     left: first,

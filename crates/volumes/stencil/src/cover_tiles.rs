@@ -332,10 +332,7 @@ mod tests {
     #[test]
     fn what_is_in_front_of_the_near_plane_lies_within_a_facets_bounds() {
         let body = Ellipsoid::WGS84;
-        let size = ImageSize {
-            width: 640,
-            height: 480,
-        };
+        let size = ImageSize::new(640, 480);
         let pose = CameraPose {
             eye: Geodetic::from_degrees(10.0, 50.0, 2_000.0),
             heading_rad: 0.3,

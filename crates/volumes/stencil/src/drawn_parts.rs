@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 use terrafill_contract::FillInput;
-use terrafill_core::RegionMesh;
+use terrafill_core::{RegionMesh, index_u32};
 use terrafill_plan::SeenParts;
 
 /// What is drawn of each mesh of which not all is, by its number.
@@ -69,16 +69,12 @@ impl DrawnParts {
 
     /// Of one mesh.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "meshes have fewer than 2^32 vertices"
-    )]
     pub fn new(mesh: &RegionMesh, seen: &SeenParts, indices: WallIndices) -> Self {
         let mut firsts = Vec::with_capacity(mesh.boundary_loops.len());
         let mut first = 0;
         for ring in &mesh.boundary_loops {
             firsts.push(first);
-            first += indices.per_edge * ring.len() as u32 + indices.per_loop;
+            first += indices.per_edge * index_u32(ring.len()) + indices.per_loop;
         }
         let wall = |(ring, edges): (usize, Range<u32>)| {
             let [start, end] = [edges.start, edges.end].map(|edge| edge * indices.per_edge);

@@ -8,7 +8,7 @@
 use crate::{FillProgram, Holding, Probed, TexturedPlan, VolumeList};
 use std::cell::RefCell;
 use terrafill_contract::{
-    Capabilities, Counters, DeviceError, Feature, FrameTimes, SurfaceTargets, ViewId, WorkDone,
+    Counters, DeviceError, Feature, FrameTimes, SurfaceTargets, ViewId, WorkDone,
 };
 use terrafill_scene::MipChain;
 use terrafill_variant::Switches;
@@ -57,8 +57,8 @@ pub trait StencilExecutor<V>: Sized {
     /// [`DeviceError::Shader`].
     fn new(targets: &Self::Targets, switches: &Switches) -> Result<Self, DeviceError>;
 
-    /// What it runs on, for a backend of this name.
-    fn capabilities(&self, backend: &'static str) -> Capabilities;
+    /// Adapter and driver that it runs on.
+    fn adapter(&self) -> String;
 
     /// What the device has made and written so far.
     fn work_done(&self) -> WorkDone;

@@ -1,21 +1,49 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Which meshes a backend has on the device: those of all regions at all levels, or those that views drew.
+//! Which meshes a backend has on the device, and of which it has bottom caps: those of all regions at all levels, or
+//! those that views drew.
 
-use crate::VolumeList;
+use crate::{FillPass, FillProgram, FillStep, VolumeList};
 use std::collections::{BTreeMap, BTreeSet};
 use terrafill_plan::LevelTable;
-use terrafill_variant::Switches;
+use terrafill_variant::{BottomCap, DepthRuleChoice, Switches};
 
-/// Meshes on the device, by their place in the scene's set.
+/// Meshes of which something is on the device, by their place in the scene's set.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum HeldMeshes {
+pub enum HeldMeshes {
     /// All of the scene: no view brings a new one.
     All,
     /// These.
     Drawn(BTreeSet<usize>),
 }
 
+impl Default for HeldMeshes {
+    /// None.
+    fn default() -> Self {
+        Self::Drawn(BTreeSet::new())
+    }
+}
+
 impl HeldMeshes {
+    /// Those whose bottom caps `program` draws; all of the scene where `switches` ask for them in every view, so that
+    /// an eye on the move brings nothing new.
+    pub(crate) fn bottoms_drawn_by(
+        program: &FillProgram,
+        list: &VolumeList,
+        switches: &Switches,
+    ) -> Self {
+        let follows_view = switches.bottom_cap == BottomCap::WhereNeeded
+            && switches.depth_rule != DepthRuleChoice::Fail;
+        if !follows_view {
+            return Self::All;
+        }
+        let steps = program.passes.iter().flat_map(FillPass::steps);
+        let drawn = steps.flat_map(|step| match step {
+            FillStep::Volumes(draw) if !draw.without_bottom => draw.volumes,
+            _ => &[],
+        });
+        Self::Drawn(drawn.map(|&volume| list.volumes[volume].geometry).collect())
+    }
+
     /// What the volumes of a view need, as `switches` hold meshes.
     pub(crate) fn needed_by(list: &VolumeList, switches: &Switches) -> Self {
         if !switches.holds_drawn_meshes {
@@ -31,6 +59,14 @@ impl HeldMeshes {
             (Self::All, _) => true,
             (Self::Drawn(_), Self::All) => false,
             (Self::Drawn(held), Self::Drawn(needed)) => needed.is_subset(held),
+        }
+    }
+
+    /// Those of both.
+    pub(crate) fn joined(&self, other: &Self) -> Self {
+        match (self, other) {
+            (Self::Drawn(some), Self::Drawn(others)) => Self::Drawn(some | others),
+            _ => Self::All,
         }
     }
 
@@ -50,7 +86,8 @@ impl HeldMeshes {
     }
 
     /// Whether a mesh is held.
-    pub(crate) fn has(&self, mesh: usize) -> bool {
+    #[must_use]
+    pub fn has(&self, mesh: usize) -> bool {
         match self {
             Self::All => true,
             Self::Drawn(meshes) => meshes.contains(&mesh),
@@ -61,7 +98,11 @@ impl HeldMeshes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_plan::Level;
+    use crate::{DepthRange, Volume};
+    use terrafill_contract::ViewId;
+    use terrafill_plan::{DrawnAs, Level, NearRectangle, PixelRect};
+    use terrafill_scene::{ImageSize, Overlap};
+    use terrafill_variant::ColourWay;
 
     fn drawn(meshes: &[usize]) -> HeldMeshes {
         HeldMeshes::Drawn(meshes.iter().copied().collect())
@@ -91,6 +132,56 @@ mod tests {
         assert_eq!(second, drawn(&[1, 3, 5]));
         let third = second.followed_by(&drawn(&[0]), &levels(), 6);
         assert_eq!(third, drawn(&[0, 1, 5]));
+    }
+
+    /// Three volumes, of meshes 10, 11 and 12; the near plane meets the second.
+    fn list() -> VolumeList {
+        let size = ImageSize::new(8, 8);
+        let volume = |geometry| Volume {
+            screen_rect: PixelRect::full(size),
+            depth: DepthRange::ANY,
+            near_rectangle: NearRectangle::by_bounds(geometry == 11),
+            drawn_as: DrawnAs::Volume,
+            geometry,
+        };
+        VolumeList::new(ViewId::unique(), size, (10..13).map(volume).collect())
+    }
+
+    fn of(depth_rule: DepthRuleChoice, bottom_cap: BottomCap) -> HeldMeshes {
+        let list = list();
+        let switches = Switches {
+            colour: ColourWay::Rectangle,
+            depth_rule,
+            bottom_cap,
+            ..Switches::default()
+        };
+        let program = FillProgram::new(&list.volumes, &switches, Overlap::Disjoint);
+        HeldMeshes::bottoms_drawn_by(&program.expect("allowed"), &list, &switches)
+    }
+
+    #[test]
+    fn bottoms_are_those_of_volumes_that_count_behind_the_surface() {
+        let found = of(DepthRuleChoice::Automatic, BottomCap::WhereNeeded);
+        assert_eq!(found, drawn(&[11]));
+        assert!(found.has(11) && !found.has(10));
+        let found = of(DepthRuleChoice::Pass, BottomCap::WhereNeeded);
+        assert_eq!(found, HeldMeshes::default());
+        // Negative controls: asked for in every view, they are all there.
+        for (rule, bottom) in [
+            (DepthRuleChoice::Fail, BottomCap::WhereNeeded),
+            (DepthRuleChoice::Automatic, BottomCap::FirstPass),
+            (DepthRuleChoice::Automatic, BottomCap::Always),
+        ] {
+            assert_eq!(of(rule, bottom), HeldMeshes::All, "{rule:?} {bottom:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_held_grows() {
+        let held = drawn(&[1, 2]);
+        assert!(held.hold(&HeldMeshes::default()) && !held.hold(&drawn(&[3])));
+        assert_eq!(held.joined(&drawn(&[3])), drawn(&[1, 2, 3]));
+        assert_eq!(held.joined(&HeldMeshes::All), HeldMeshes::All);
     }
 
     #[test]

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Index lists of two widths, as every layout of meshes in GPU buffers has them.
 
+use terrafill_core::{RegionMesh, index_u32};
+
 /// Indices of a scene: of 16 bits for regions whose vertices fit, of 32 for the others.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct IndexLists {
@@ -11,6 +13,13 @@ pub struct IndexLists {
 }
 
 impl IndexLists {
+    /// Whether 16 bits tell so many vertices apart where no value has another meaning: in lists of triangles, which
+    /// have no restart.
+    #[must_use]
+    pub fn are_short(vertices: usize) -> bool {
+        vertices <= 0x1_0000
+    }
+
     /// Appends `index` to the list of its region's width. `u32::MAX` is the largest value of either,
     /// which restarts strips and separates loops.
     #[allow(
@@ -25,18 +34,48 @@ impl IndexLists {
         }
     }
 
+    /// Appends `indices` to the list of their region's width.
+    pub fn extend(&mut self, is_short: bool, indices: impl IntoIterator<Item = u32>) {
+        for index in indices {
+            self.push(is_short, index);
+        }
+    }
+
+    /// Caps of vertices that are stored twice: all of the top, then all of the bottom, so that the bottom may be left
+    /// out of a draw.
+    pub fn push_doubled_caps(&mut self, is_short: bool, triangles: &[[u32; 3]], has_bottom: bool) {
+        let top = triangles.as_flattened().iter();
+        self.extend(is_short, top.map(|corner| 2 * corner));
+        let bottom = triangles.iter().filter(|_| has_bottom);
+        let turned = bottom.flat_map(|&[a, b, c]| [a, c, b]);
+        self.extend(is_short, turned.map(|corner| 2 * corner + 1));
+    }
+
+    /// Walls of vertices that are stored twice: a strip for each loop, closed and followed by a restart.
+    pub fn push_doubled_strips(&mut self, is_short: bool, mesh: &RegionMesh) {
+        for ring in &mesh.boundary_loops {
+            let closed = ring.iter().chain(ring.first());
+            let ends = closed.flat_map(|vertex| [2 * vertex, 2 * vertex + 1]);
+            self.extend(is_short, ends.chain([u32::MAX]));
+        }
+    }
+
+    /// Loops, closed and each followed by a restart.
+    pub fn push_loops(&mut self, is_short: bool, mesh: &RegionMesh) {
+        for ring in &mesh.boundary_loops {
+            let closed = ring.iter().chain(ring.first()).copied();
+            self.extend(is_short, closed.chain([u32::MAX]));
+        }
+    }
+
     /// Indices of one width so far.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "buffers are refused by the device long before 2^32 elements"
-    )]
     #[must_use]
     pub fn count(&self, is_short: bool) -> u32 {
-        if is_short {
-            self.short.len() as u32
+        index_u32(if is_short {
+            self.short.len()
         } else {
-            self.long.len() as u32
-        }
+            self.long.len()
+        })
     }
 
     /// Puts others behind them.

@@ -9,7 +9,6 @@
 
 mod ablation;
 mod batches;
-mod bottom_caps;
 mod constants;
 mod cover_instances;
 mod cover_tiles;
@@ -33,7 +32,6 @@ mod volume_backend;
 mod volumes;
 
 pub use ablation::{AblationBuilder, LOD_PX};
-pub use bottom_caps::BottomCaps;
 pub use constants::{FootprintConstants, VolumeConstants, VolumePlace, changed_words};
 pub use cover_instances::CoverInstance;
 pub use drawn_parts::{DrawnOfMeshes, DrawnParts, WallIndices};
@@ -41,16 +39,17 @@ pub use executor::{StencilExecutor, StencilWork};
 pub use fixed_point::{
     EyeInUnits, FixedPoint, PositionFormat, eye_relative_m, two_float, two_float_difference_m,
 };
+pub use held_meshes::HeldMeshes;
 pub use index_lists::IndexLists;
 pub use laid_out::LaidOut;
 pub use matrix::matrix_row;
-pub use needs::{COLOUR_BYTES, DEPTH_STENCIL_BYTES, Holding};
+pub use needs::{COLOUR_BYTES, DEPTH_STENCIL_BYTES, Holding, IndexBytes};
 pub use needs_ablation::needs_ablation;
 pub use program::{
     CoverShape, DepthRule, FaceEffect, FaceSet, FillCommand, FillPass, FillProgram,
     StencilOperation, StencilRule, StencilTest,
 };
-pub use steps::{FillStep, NUMBER_BYTES, VolumeDraw, VolumeState};
+pub use steps::{CoverDraw, FillStep, NUMBER_BYTES, VolumeDraw, VolumeState};
 pub use textured::{
     CoverLook, CoverOverrides, CoverPurpose, RouteNote, TexturedCover, TexturedPlan, TexturedRegion,
 };

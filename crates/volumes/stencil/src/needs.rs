@@ -4,9 +4,8 @@
 //! Bytes and pipelines are those that the backend's parts hold ([`Holding`]); nothing here assumes them. So
 //! their sums can be held against what the device was asked to make ([`Needs::undeclared`]).
 
-use crate::held_meshes::HeldMeshes;
 use crate::uses::{Uses, length};
-use crate::{BottomCaps, DepthRule, NUMBER_BYTES, VolumeState};
+use crate::{DepthRule, HeldMeshes, NUMBER_BYTES, VolumeState};
 use terrafill_contract::{Feature, FillInput, MemoryUse, Need, Needs, WorkDone};
 use terrafill_plan::LeftOutReason;
 use terrafill_scene::{Overlap, TextureShare};
@@ -60,9 +59,31 @@ impl Holding {
     pub fn constants(feature: Feature, written_bytes: u64, buffer_bytes: u64) -> Self {
         let memory = MemoryUse {
             constant_bytes: written_bytes,
-            padding_bytes: buffer_bytes.saturating_sub(written_bytes),
-            buffers: 1,
-            ..MemoryUse::default()
+            ..in_buffers(written_bytes, &[buffer_bytes])
+        };
+        Self::memory(feature, memory)
+    }
+
+    /// Buffers of vertices.
+    ///
+    /// - `buffers`: bytes of each
+    #[must_use]
+    pub fn vertices(feature: Feature, vertex_bytes: u64, buffers: &[u64]) -> Self {
+        let memory = MemoryUse {
+            vertex_bytes,
+            ..in_buffers(vertex_bytes, buffers)
+        };
+        Self::memory(feature, memory)
+    }
+
+    /// Buffers of indices.
+    ///
+    /// - `buffers`: bytes of each
+    #[must_use]
+    pub fn indices(feature: Feature, index_bytes: u64, buffers: &[u64]) -> Self {
+        let memory = MemoryUse {
+            index_bytes,
+            ..in_buffers(index_bytes, buffers)
         };
         Self::memory(feature, memory)
     }
@@ -97,6 +118,50 @@ impl Holding {
     }
 }
 
+/// Buffers, and what they have beyond what is written into them.
+fn in_buffers(written_bytes: u64, buffers: &[u64]) -> MemoryUse {
+    MemoryUse {
+        padding_bytes: buffers.iter().sum::<u64>().saturating_sub(written_bytes),
+        buffers: buffers.len() as u64,
+        ..MemoryUse::default()
+    }
+}
+
+/// Bytes of indices by what they are for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct IndexBytes {
+    /// Top caps.
+    pub top_caps: u64,
+    /// Bottom caps.
+    pub bottom_caps: u64,
+    /// Walls.
+    pub walls: u64,
+    /// Bottom caps that are not stored.
+    pub spared: u64,
+}
+
+impl IndexBytes {
+    /// Caps and walls that share buffers; what these have beyond them is the top caps'.
+    ///
+    /// - `buffers`: bytes of each
+    #[must_use]
+    pub fn holdings(self, buffers: &[u64]) -> [Holding; 3] {
+        let written_bytes = self.top_caps + self.bottom_caps + self.walls;
+        let tops = MemoryUse {
+            index_bytes: self.top_caps,
+            ..in_buffers(written_bytes, buffers)
+        };
+        [
+            Holding::memory(Feature::TopCaps, tops),
+            Holding {
+                spared_bytes: self.spared,
+                ..Holding::indices(Feature::BottomCaps, self.bottom_caps, &[])
+            },
+            Holding::indices(Feature::Walls, self.walls, &[]),
+        ]
+    }
+}
+
 impl VolumeState {
     /// What pipelines of this state are for.
     #[must_use]
@@ -126,7 +191,7 @@ pub(crate) fn needs_of(
     input: &FillInput,
     switches: &Switches,
     uses: &Uses,
-    (meshes, bottoms): (&HeldMeshes, &BottomCaps),
+    (meshes, bottoms): (&HeldMeshes, &HeldMeshes),
     (holdings, made): (&[Holding], WorkDone),
 ) -> Needs {
     let reasons = NeedReasons {
@@ -165,7 +230,7 @@ struct NeedReasons<'a> {
     switches: &'a Switches,
     uses: &'a Uses,
     meshes: &'a HeldMeshes,
-    bottoms: &'a BottomCaps,
+    bottoms: &'a HeldMeshes,
 }
 
 impl NeedReasons<'_> {
@@ -292,22 +357,22 @@ impl NeedReasons<'_> {
         let is_drawn = uses.bottoms > 0;
         let drawn = uses.volumes;
         let reason = match (self.bottoms, is_drawn) {
-            (BottomCaps::All, _) => format!(
+            (HeldMeshes::All, _) => format!(
                 "bottom-cap={} with depth-rule={}: of all meshes, whatever the view; {} of {drawn} volumes \
                  are drawn with theirs",
                 self.switches.setting("bottom-cap"),
                 self.switches.setting("depth-rule"),
                 uses.bottoms
             ),
-            (BottomCaps::Of(_), true) => format!(
+            (HeldMeshes::Drawn(_), true) => format!(
                 "{} of {drawn} volumes count behind the surface, where bottoms lie",
                 uses.bottoms
             ),
-            (BottomCaps::Of(_), false) => {
+            (HeldMeshes::Drawn(_), false) => {
                 format!("no volume is drawn with its bottom: {}", self.near_plane())
             }
         };
-        let is_held = is_drawn || *self.bottoms == BottomCaps::All;
+        let is_held = is_drawn || *self.bottoms == HeldMeshes::All;
         let reason = if is_held && need.bytes == 0 {
             format!("{reason}; they are made of the tops' triangles and take no bytes")
         } else {

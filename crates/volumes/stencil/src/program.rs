@@ -6,7 +6,7 @@
 //! nothing else.
 
 use crate::Volume;
-use crate::batches::{VolumeClasses, XorBatches, overlap_depth};
+use crate::batches::{ordered_batches, overlap_depth, xor_batches};
 use terrafill_contract::DeviceError;
 use terrafill_plan::{DrawnAs, NearRectangle};
 use terrafill_scene::Overlap;
@@ -104,6 +104,17 @@ pub struct StencilTest {
     pub skips_sky: bool,
 }
 
+impl StencilTest {
+    /// Whatever the stencil says, which stays as it is.
+    pub const ANYWHERE: Self = Self {
+        is_equal: true,
+        reference: 0,
+        read_mask: 0,
+        zeroes: false,
+        skips_sky: false,
+    };
+}
+
 /// What brings the colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum CoverShape {
@@ -196,6 +207,25 @@ impl FillCommand {
 }
 
 impl FillPass {
+    /// Clears the stencil and marks; without colour.
+    fn marking(commands: Vec<FillCommand>) -> Self {
+        Self {
+            clears_stencil: true,
+            has_colour: false,
+            first_pass: FirstPass::Stencil,
+            commands,
+        }
+    }
+
+    /// Colours what passes before it marked.
+    fn colouring(commands: Vec<FillCommand>) -> Self {
+        Self {
+            clears_stencil: false,
+            has_colour: true,
+            ..Self::marking(commands)
+        }
+    }
+
     /// Whether the stencil is cleared, written or looked at.
     #[must_use]
     pub fn touches_stencil(&self) -> bool {
@@ -262,7 +292,7 @@ impl FillProgram {
                 *index = near[*index];
             }
         }
-        program.add_unmarked(ANYWHERE, CoverShape::Flat, flat);
+        program.add_unmarked(StencilTest::ANYWHERE, CoverShape::Flat, flat);
         program.add_unmarked(ON_GROUND, CoverShape::Rectangle, ground);
         Ok(program)
     }
@@ -305,12 +335,7 @@ impl FillProgram {
         };
         match self.passes.last_mut() {
             Some(pass) => pass.commands.push(command),
-            None => self.passes.push(FillPass {
-                clears_stencil: false,
-                has_colour: true,
-                first_pass: FirstPass::Stencil,
-                commands: vec![command],
-            }),
+            None => self.passes.push(FillPass::colouring(vec![command])),
         }
     }
 
@@ -352,15 +377,8 @@ fn check_depth(volumes: &[Volume]) -> Result<(), DeviceError> {
     if volumes.len() <= COUNTABLE {
         return Ok(());
     }
-    let found = overlap_depth(volumes);
-    if found <= COUNTABLE {
-        return Ok(());
-    }
-    Err(DeviceError::OverCapacity {
-        what: "volumes over one pixel, counted together in 8 bits".to_owned(),
-        found: found as u64,
-        allowed: COUNTABLE as u64,
-    })
+    let what = "volumes over one pixel, counted together in 8 bits";
+    DeviceError::check_capacity(what, overlap_depth(volumes) as u64, COUNTABLE as u64)
 }
 
 /// Volumes whose numbers a 32-bit float can accumulate. It holds integers to 2²⁴, and the sum of
@@ -369,14 +387,8 @@ fn check_depth(volumes: &[Volume]) -> Result<(), DeviceError> {
 const ACCUMULABLE: usize = 4_095;
 
 fn check_numbers(volumes: usize) -> Result<(), DeviceError> {
-    if volumes <= ACCUMULABLE {
-        return Ok(());
-    }
-    Err(DeviceError::OverCapacity {
-        what: "volumes in view whose numbers are accumulated in 32-bit floats".to_owned(),
-        found: volumes as u64,
-        allowed: ACCUMULABLE as u64,
-    })
+    let what = "volumes in view whose numbers are accumulated in 32-bit floats";
+    DeviceError::check_capacity(what, volumes as u64, ACCUMULABLE as u64)
 }
 
 struct Builder<'a> {
@@ -483,7 +495,7 @@ impl Builder<'_> {
 
     fn xor(&self) -> Vec<FillPass> {
         let mut passes = Vec::new();
-        for classes in XorBatches::new(self.volumes).passes {
+        for classes in xor_batches(self.volumes) {
             let numbered = || (1..=u8::MAX).zip(&classes);
             // Bits that no number has stay 0 and are not looked at.
             let largest = u8::try_from(classes.len()).unwrap_or(u8::MAX);
@@ -494,79 +506,47 @@ impl Builder<'_> {
                 around.map(move |_| number)
             });
             let outside = outside.fold(0, |all, number| all ^ number);
-            passes.push(FillPass {
-                clears_stencil: true,
-                has_colour: false,
-                first_pass: FirstPass::Stencil,
-                commands: numbered()
-                    .flat_map(|(mask, volumes)| {
-                        self.mark(volumes, StencilOperation::Invert { mask })
-                    })
-                    .collect(),
+            let marks = numbered()
+                .flat_map(|(mask, volumes)| self.mark(volumes, StencilOperation::Invert { mask }));
+            passes.push(FillPass::marking(marks.collect()));
+            let covers = numbered().map(|(number, volumes)| FillCommand::Cover {
+                test: StencilTest {
+                    reference: number ^ outside,
+                    read_mask: bits,
+                    ..StencilTest::ANYWHERE
+                },
+                shape: CoverShape::Rectangle,
+                volumes: volumes.clone(),
             });
-            passes.push(FillPass {
-                clears_stencil: false,
-                has_colour: true,
-                first_pass: FirstPass::Stencil,
-                commands: numbered()
-                    .map(|(number, volumes)| FillCommand::Cover {
-                        test: StencilTest {
-                            is_equal: true,
-                            reference: number ^ outside,
-                            read_mask: bits,
-                            zeroes: false,
-                            skips_sky: false,
-                        },
-                        shape: CoverShape::Rectangle,
-                        volumes: volumes.clone(),
-                    })
-                    .collect(),
-            });
+            passes.push(FillPass::colouring(covers.collect()));
         }
         passes
     }
 
     fn bit_planes(&self) -> Vec<FillPass> {
         let mut passes = Vec::new();
-        for planes in VolumeClasses::in_order(self.volumes, 8) {
+        for planes in ordered_batches(self.volumes, 8) {
             let bit = |plane: usize| 1_u8 << plane;
-            passes.push(FillPass {
-                clears_stencil: true,
-                has_colour: false,
-                first_pass: FirstPass::Stencil,
-                commands: planes
-                    .iter()
-                    .enumerate()
-                    .flat_map(|(plane, volumes)| {
-                        self.mark(volumes, StencilOperation::Invert { mask: bit(plane) })
-                    })
-                    .collect(),
+            let marks = planes.iter().enumerate().flat_map(|(plane, volumes)| {
+                self.mark(volumes, StencilOperation::Invert { mask: bit(plane) })
             });
+            passes.push(FillPass::marking(marks.collect()));
             let mut in_order: Vec<(usize, usize)> = planes
                 .iter()
                 .enumerate()
                 .flat_map(|(plane, volumes)| volumes.iter().map(move |&volume| (volume, plane)))
                 .collect();
             in_order.sort_unstable();
-            passes.push(FillPass {
-                clears_stencil: false,
-                has_colour: true,
-                first_pass: FirstPass::Stencil,
-                commands: in_order
-                    .iter()
-                    .map(|&(volume, plane)| FillCommand::Cover {
-                        test: StencilTest {
-                            is_equal: true,
-                            reference: bit(plane),
-                            read_mask: bit(plane),
-                            zeroes: false,
-                            skips_sky: false,
-                        },
-                        shape: CoverShape::Rectangle,
-                        volumes: vec![volume],
-                    })
-                    .collect(),
+            let covers = in_order.iter().map(|&(volume, plane)| FillCommand::Cover {
+                test: StencilTest {
+                    reference: bit(plane),
+                    read_mask: bit(plane),
+                    ..StencilTest::ANYWHERE
+                },
+                shape: CoverShape::Rectangle,
+                volumes: vec![volume],
             });
+            passes.push(FillPass::colouring(covers.collect()));
         }
         passes
     }
@@ -587,34 +567,27 @@ impl Builder<'_> {
         }
         vec![FillPass {
             clears_stencil: self.switches.stencil_clear == StencilClear::AtStart,
-            has_colour: true,
-            first_pass: FirstPass::Stencil,
-            commands,
+            ..FillPass::colouring(commands)
         }]
     }
 
     fn id_accumulation(&self) -> Vec<FillPass> {
+        let numbers = self.split(&self.all(), |depth, faces, without_bottom, volumes| {
+            FillCommand::Accumulate {
+                depth,
+                faces,
+                without_bottom,
+                scissor: self.switches.scissor,
+                volumes,
+            }
+        });
+        let accumulating = FillPass {
+            clears_stencil: false,
+            ..FillPass::marking(numbers)
+        };
         vec![
-            FillPass {
-                clears_stencil: false,
-                has_colour: false,
-                first_pass: FirstPass::Stencil,
-                commands: self.split(&self.all(), |depth, faces, without_bottom, volumes| {
-                    FillCommand::Accumulate {
-                        depth,
-                        faces,
-                        without_bottom,
-                        scissor: self.switches.scissor,
-                        volumes,
-                    }
-                }),
-            },
-            FillPass {
-                clears_stencil: false,
-                has_colour: true,
-                first_pass: FirstPass::Stencil,
-                commands: vec![FillCommand::Resolve],
-            },
+            accumulating,
+            FillPass::colouring(vec![FillCommand::Resolve]),
         ]
     }
 
@@ -648,20 +621,12 @@ impl Builder<'_> {
                 volumes: vec![0],
             }],
         };
-        vec![
-            FillPass {
-                clears_stencil: !zeroes,
-                has_colour: false,
-                first_pass: self.switches.first_pass,
-                commands: self.mark(&self.all(), StencilOperation::Count),
-            },
-            FillPass {
-                clears_stencil: false,
-                has_colour: true,
-                first_pass: FirstPass::Stencil,
-                commands: covers,
-            },
-        ]
+        let marking = FillPass {
+            clears_stencil: !zeroes,
+            first_pass: self.switches.first_pass,
+            ..FillPass::marking(self.mark(&self.all(), StencilOperation::Count))
+        };
+        vec![marking, FillPass::colouring(covers)]
     }
 }
 
@@ -674,19 +639,10 @@ const MARKED: StencilTest = StencilTest {
     skips_sky: false,
 };
 
-/// Whatever the stencil says.
-const ANYWHERE: StencilTest = StencilTest {
-    is_equal: true,
-    reference: 0,
-    read_mask: 0,
-    zeroes: false,
-    skips_sky: false,
-};
-
 /// Where there is a surface: one that is made for a view may have none close to the limb.
 const ON_GROUND: StencilTest = StencilTest {
     skips_sky: true,
-    ..ANYWHERE
+    ..StencilTest::ANYWHERE
 };
 
 #[cfg(test)]

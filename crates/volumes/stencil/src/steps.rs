@@ -74,20 +74,24 @@ pub struct VolumeDraw<'a> {
     pub volumes: &'a [usize],
 }
 
+/// For each volume, in this order, one triangle over the screen in its colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CoverDraw<'a> {
+    /// What the stencil must say.
+    pub test: StencilTest,
+    /// Cuts each triangle to its volume's rectangle.
+    pub scissor: bool,
+    /// Indices into the list.
+    pub volumes: &'a [usize],
+}
+
 /// One step of a pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FillStep<'a> {
     /// Volumes.
     Volumes(VolumeDraw<'a>),
-    /// For each volume, in this order, one triangle over the screen in its colour.
-    Cover {
-        /// What the stencil must say.
-        test: StencilTest,
-        /// Cuts each triangle to its volume's rectangle.
-        scissor: bool,
-        /// Indices into the list.
-        volumes: &'a [usize],
-    },
+    /// Triangles over the screen.
+    Cover(CoverDraw<'a>),
     /// One triangle over the screen that looks up the colours of accumulated numbers.
     Resolve,
 }
@@ -192,11 +196,11 @@ fn step_of<'a>(command: &'a FillCommand, pass: &FillPass) -> FillStep<'a> {
             test,
             shape,
             volumes,
-        } => FillStep::Cover {
+        } => FillStep::Cover(CoverDraw {
             test: *test,
             scissor: *shape == CoverShape::Rectangle,
             volumes,
-        },
+        }),
         FillCommand::Resolve => FillStep::Resolve,
     }
 }

@@ -102,11 +102,9 @@ impl CoverOverrides {
     /// Of the probe of the same cover, which finds level and place of everything and colours nothing.
     fn of_probe(self) -> Self {
         Self {
-            fades: false,
-            ends_at_edges: false,
-            is_magnified: false,
             normalizes_position: self.normalizes_position,
             is_floor: self.is_floor,
+            ..Self::default()
         }
     }
 

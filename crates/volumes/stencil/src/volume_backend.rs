@@ -5,17 +5,16 @@
 //! programs ([`StencilExecutor`]); this keeps both up to date with the input, and counts and measures
 //! alike for all.
 
-use crate::held_meshes::HeldMeshes;
 use crate::needs::needs_of;
 use crate::textured_work::TexturedWork;
 use crate::uses::Uses;
 use crate::{
-    BottomCaps, FillProgram, Holding, PositionFormat, StencilExecutor, StencilWork,
+    FillProgram, HeldMeshes, Holding, PositionFormat, StencilExecutor, StencilWork,
     VolumeConstants, VolumeList, VolumePlace,
 };
 use terrafill_contract::{
-    Capabilities, Colours, Counters, DeviceError, FillBackend, FillInput, Frame, FrameTimes,
-    MemoryUse, Needs, Picture, Uploaded, ViewId, WorkDone,
+    Colours, Counters, DeviceError, FillBackend, FillInput, Frame, FrameTimes, MemoryUse, Needs,
+    Picture, Uploaded, ViewId, WorkDone,
 };
 use terrafill_scene::Overlap;
 use terrafill_variant::Switches;
@@ -55,7 +54,7 @@ pub trait RegionVolumes: Sized {
         &mut self,
         executor: &Self::Executor,
         input: &FillInput,
-        bottoms: &BottomCaps,
+        bottoms: &HeldMeshes,
     ) -> Result<(), DeviceError>;
 
     /// Writes the changed meshes over what they were. False, with nothing written, where one of
@@ -80,7 +79,7 @@ pub trait RegionVolumes: Sized {
         &mut self,
         _executor: &Self::Executor,
         _input: &FillInput,
-        _bottoms: &BottomCaps,
+        _bottoms: &HeldMeshes,
     ) -> Result<(), DeviceError> {
         Ok(())
     }
@@ -116,7 +115,6 @@ pub trait RegionVolumes: Sized {
 /// Fills regions by volumes.
 #[derive(Debug)]
 pub struct VolumeBackend<V: RegionVolumes> {
-    capabilities: Capabilities,
     switches: Switches,
     variant: V::Variant,
     executor: V::Executor,
@@ -127,7 +125,7 @@ pub struct VolumeBackend<V: RegionVolumes> {
     /// Which of them.
     held: HeldMeshes,
     /// Of which of them they hold bottom caps.
-    bottoms: BottomCaps,
+    bottoms: HeldMeshes,
     /// View of the program that the executor holds.
     view: Option<ViewId>,
     /// What the device did since the last frame, for the next one's counters.
@@ -152,7 +150,6 @@ impl<V: RegionVolumes> VolumeBackend<V> {
         let volumes = V::new(&executor, variant)?;
         Ok(Self {
             made: executor.work_done() - before,
-            capabilities: executor.capabilities(V::TECHNIQUE),
             switches,
             variant,
             volumes,
@@ -160,7 +157,7 @@ impl<V: RegionVolumes> VolumeBackend<V> {
             textured: TexturedWork::default(),
             meshes: None,
             held: HeldMeshes::All,
-            bottoms: BottomCaps::default(),
+            bottoms: HeldMeshes::default(),
             view: None,
             work: WorkDone::default(),
         })
@@ -200,11 +197,8 @@ impl<V: RegionVolumes> VolumeBackend<V> {
             && self.volumes.positions() == PositionFormat::Fixed
             && self.switches.texture.is_none();
         if !input.scene.footprints.is_empty() && !is_bent {
-            let adapter = &self.capabilities.adapter;
-            return Err(DeviceError::unsupported(
-                "bending footprints without vertices=bent and positions=fixed",
-                adapter,
-            ));
+            let what = "bending footprints without vertices=bent and positions=fixed";
+            return Err(DeviceError::unsupported(what, &self.executor.adapter()));
         }
         let list = VolumeList::of(input, &self.switches);
         let program = FillProgram::new(&list.volumes, &self.switches, input.scene.overlap)?;
@@ -220,7 +214,7 @@ impl<V: RegionVolumes> VolumeBackend<V> {
         colours: Colours,
         blends: bool,
     ) -> Result<(), DeviceError> {
-        let bottoms = BottomCaps::drawn_by(&program, &list, &self.switches);
+        let bottoms = HeldMeshes::bottoms_drawn_by(&program, &list, &self.switches);
         self.view = None;
         self.volumes.upload_view(&self.executor, input, &bottoms)?;
         let places = self.volumes.places();
@@ -248,7 +242,7 @@ impl<V: RegionVolumes> VolumeBackend<V> {
     ) -> Result<(u64, bool), DeviceError> {
         let (list, program) = self.program(input)?;
         let revision = Some(input.scene.meshes.revision());
-        let mut bottoms = BottomCaps::drawn_by(&program, &list, &self.switches);
+        let mut bottoms = HeldMeshes::bottoms_drawn_by(&program, &list, &self.switches);
         let is_new = self.meshes != revision;
         let mut held = HeldMeshes::needed_by(&list, &self.switches);
         let lacks_bottoms = self.volumes.stores_bottom_caps() && !self.bottoms.hold(&bottoms);
@@ -276,7 +270,7 @@ impl<V: RegionVolumes> VolumeBackend<V> {
         &mut self,
         input: &FillInput,
         held: &HeldMeshes,
-        bottoms: &BottomCaps,
+        bottoms: &HeldMeshes,
     ) -> Result<(), DeviceError> {
         if *held == HeldMeshes::All {
             return self.volumes.upload(&self.executor, input, bottoms);
@@ -326,10 +320,6 @@ impl<V: RegionVolumes> VolumeBackend<V> {
 }
 
 impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
-    fn capabilities(&self) -> &Capabilities {
-        &self.capabilities
-    }
-
     fn tells_regions_apart(&self) -> bool {
         self.switches.colour.tells_regions_apart()
     }
@@ -357,7 +347,7 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
         let uses = Uses::new(input, &list, &program, &self.switches);
         let held = self.holdings();
         let found = (held.as_slice(), self.made);
-        let drawn = BottomCaps::drawn_by(&program, &list, &self.switches);
+        let drawn = HeldMeshes::bottoms_drawn_by(&program, &list, &self.switches);
         let bottoms = if self.volumes.stores_bottom_caps() {
             &self.bottoms
         } else {

@@ -105,7 +105,8 @@ impl Work {
                         faces: draw.state.faces(),
                     });
                 }
-                FillStep::Cover { test, .. } => {
+                FillStep::Cover(cover) => {
+                    let test = cover.test;
                     // On Vulkan pipelines of covers differ in the number that they are of.
                     let is_native = matches!(technique, Technique::Native(_));
                     let reference = if is_native { test.reference } else { 0 };

@@ -14,7 +14,7 @@ use terrafill_native::Extrusion;
 use terrafill_plan::PlanOptions;
 use terrafill_scene::{ImageSize, Scene, View};
 use terrafill_stencil::{
-    BottomCaps, FillCommand, FillPass, FillProgram, FillStep, RegionVolumes as _, StencilExecutor,
+    FillCommand, FillPass, FillProgram, FillStep, HeldMeshes, RegionVolumes as _, StencilExecutor,
     StencilWork, VolumeConstants, VolumeList,
 };
 use terrafill_variant::{BottomCap, ColourWay, DepthRuleChoice, FacePasses, Switches};
@@ -229,7 +229,7 @@ pub(crate) fn differing_when(
     let mut program = program.expect("allowed");
     change(&mut program, &mut list);
     targets.wgpu().borrow_mut().prepare(input).expect("fits");
-    volumes.upload(fill, input, &BottomCaps::All).expect("fits");
+    volumes.upload(fill, input, &HeldMeshes::All).expect("fits");
     let places = volumes.places().expect("uploaded");
     let constants = VolumeConstants::bytes_of_all(input, volumes.positions(), Colours::Ids, places);
     let work = StencilWork {

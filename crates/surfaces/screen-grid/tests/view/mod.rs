@@ -31,10 +31,7 @@ pub(crate) fn camera(
 }
 
 pub(crate) fn square(side: u32) -> ImageSize {
-    ImageSize {
-        width: side,
-        height: side,
-    }
+    ImageSize::new(side, side)
 }
 
 pub(crate) fn grid(cells: u32) -> GridOptions {

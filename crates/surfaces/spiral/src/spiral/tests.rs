@@ -18,10 +18,7 @@ use terrafill_surface::{EllipsoidKind, open_surface};
 
 /// Of the globe's mean radius, as the figures that are compared with.
 const RADIUS_M: f64 = 6_371_008.8;
-const SIZE: ImageSize = ImageSize {
-    width: 1920,
-    height: 1080,
-};
+const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
 fn sphere() -> Ellipsoid {
     Ellipsoid::new("sphere", RADIUS_M, RADIUS_M).expect("a body")

@@ -10,10 +10,7 @@ use terrafill_elevation::{Base, Grid, HeightField, Projection, Registration, Rel
 use terrafill_scene::{CameraPose, Scene};
 use terrafill_surface::{EllipsoidKind, InBackground, open_surface};
 
-const SIZE: ImageSize = ImageSize {
-    width: 96,
-    height: 96,
-};
+const SIZE: ImageSize = ImageSize::new(96, 96);
 
 /// Ridges of 2 km on 1° × 1° of 300 × 300 samples over a bare ellipsoid.
 fn ridges() -> Elevation {

@@ -60,6 +60,11 @@ fn tally(program: &FillProgram, volumes: usize) -> Vec<[usize; 3]> {
     tally
 }
 
+/// Of volumes that do not overlap.
+fn disjoint(volumes: &[Volume], switches: &Switches) -> FillProgram {
+    FillProgram::new(volumes, switches, Overlap::Disjoint).expect("allowed")
+}
+
 fn every_combination() -> Vec<Switches> {
     let mut all = Vec::new();
     for colour in ColourWay::ALL {
@@ -95,7 +100,7 @@ fn every_combination() -> Vec<Switches> {
 #[test]
 fn whatever_the_switches_each_face_marks_once_and_each_region_is_covered_once() {
     for switches in every_combination() {
-        let program = FillProgram::new(&three(), &switches, Overlap::Disjoint).expect("allowed");
+        let program = disjoint(&three(), &switches);
         let tally = tally(&program, 3);
         for (index, [front, back, covers]) in tally.into_iter().enumerate() {
             assert_eq!((front, back), (1, 1), "{switches:?}");
@@ -115,8 +120,7 @@ fn covers_look_at_no_more_bits_than_numbers_have() {
     let switches = Switches::default();
     let many: Vec<Volume> = (0..5).map(|index| volume(index, 0, false)).collect();
     for (volumes, numbers, bits) in [(&many[..1], 1, 1), (&many[..3], 3, 3), (&many[..], 5, 7)] {
-        let program = FillProgram::new(volumes, &switches, Overlap::Disjoint);
-        let program = program.expect("allowed");
+        let program = disjoint(volumes, &switches);
         let tests = program.commands().filter_map(|command| match command {
             FillCommand::Cover { test, .. } => Some((test.reference, test.read_mask)),
             _ => None,
@@ -133,8 +137,7 @@ fn a_flat_volume_is_covered_once_and_marks_nothing() {
     for switches in every_combination() {
         let mut volumes = three();
         volumes[0].drawn_as = DrawnAs::FlatMesh;
-        let program = FillProgram::new(&volumes, &switches, Overlap::Disjoint);
-        let program = program.expect("allowed");
+        let program = disjoint(&volumes, &switches);
         let own: Vec<_> = program
             .commands()
             .filter(|command| {
@@ -157,7 +160,7 @@ fn a_flat_volume_is_covered_once_and_marks_nothing() {
         else {
             panic!("{switches:?}: {own:?}");
         };
-        assert_eq!((test, flat.as_slice()), (&ANYWHERE, &[0][..]));
+        assert_eq!((test, flat.as_slice()), (&StencilTest::ANYWHERE, &[0][..]));
         let resolved = usize::from(switches.colour == ColourWay::IdAccumulation);
         let tally = tally(&program, 3);
         assert_eq!(tally[0], [0, 0, 1 + resolved], "{switches:?}");
@@ -171,8 +174,7 @@ fn a_flat_volume_is_covered_once_and_marks_nothing() {
         for volume in &mut volumes {
             volume.drawn_as = DrawnAs::FlatMesh;
         }
-        let program = FillProgram::new(&volumes, &switches, Overlap::Disjoint);
-        let program = program.expect("allowed");
+        let program = disjoint(&volumes, &switches);
         assert_eq!(program.passes.len(), 1, "{switches:?}");
         assert_eq!(program.counted().count(), 0, "{switches:?}");
         assert!(!program.passes[0].touches_stencil(), "{switches:?}");
@@ -192,7 +194,7 @@ fn flat_volumes_need_regions_that_do_not_overlap() {
 #[test]
 fn what_marks_is_counted_once_more_and_nothing_else() {
     for switches in every_combination() {
-        let program = FillProgram::new(&three(), &switches, Overlap::Disjoint).expect("allowed");
+        let program = disjoint(&three(), &switches);
         let mut counted = Vec::new();
         for command in program.commands() {
             let (faces, without_bottom, scissor, volumes) = match command {
@@ -274,7 +276,7 @@ fn the_depth_rule_is_chosen_per_region() {
             colour: ColourWay::OneColour,
             ..Switches::default()
         };
-        let program = FillProgram::new(&three(), &switches, Overlap::Disjoint).expect("allowed");
+        let program = disjoint(&three(), &switches);
         let mut rules = Vec::new();
         for command in program.commands() {
             if let FillCommand::Volumes {
@@ -314,7 +316,7 @@ fn a_volume_around_the_eye_is_counted_in_front_and_marks_what_lies_outside() {
             scissor: true,
             ..Switches::default()
         };
-        FillProgram::new(volumes, &switches, Overlap::Disjoint).expect("allowed")
+        disjoint(volumes, &switches)
     };
     // Of each volume: whether it counts in front, is cut to its rectangle and has a bottom; its number and test.
     let told = |program: &FillProgram| {
@@ -410,8 +412,7 @@ fn only_a_volume_that_the_near_plane_cuts_is_coloured_with_its_bottom() {
                 bottom_cap,
                 ..Switches::default()
             };
-            let program = FillProgram::new(&three(), &switches, Overlap::Disjoint);
-            let program = program.expect("allowed");
+            let program = disjoint(&three(), &switches);
             for command in program.commands() {
                 match command {
                     FillCommand::Cover {

@@ -19,10 +19,7 @@ fn extremes_are_finite_and_an_eye_on_or_below_the_ground_is_refused() {
                     ] {
                         let mut camera = camera(&body, [longitude, latitude, height], pitch);
                         camera.fov_y_rad = f64::to_radians(fov_deg);
-                        let size = ImageSize {
-                            width: size[0],
-                            height: size[1],
-                        };
+                        let size = ImageSize::new(size[0], size[1]);
                         let spiral = Spiral::new(&body, n);
                         let frame = spiral.frame(&camera, size).expect("above");
                         let vertices = frame.vertices_rte.iter().flatten();

@@ -6,10 +6,7 @@ use super::*;
 /// Rays of a coarse picture that enter the body below the lowest place drawn, and those of them that meet no
 /// triangle.
 fn uncovered(spiral: &Spiral, camera: &Camera) -> [usize; 2] {
-    let size = ImageSize {
-        width: 48,
-        height: 48,
-    };
+    let size = ImageSize::new(48, 48);
     let frame = spiral.frame(camera, size).expect("above");
     let body = &spiral.body;
     let (a, b) = (body.equatorial_radius_m(), body.polar_radius_m());
