@@ -15,7 +15,7 @@ use crate::data::Folders;
 use crate::error::parsed;
 use crate::scene::{Overlap, Scene, SurfaceChoice};
 use crate::shipped;
-use crate::{DataFile, DataNeed, SceneError};
+use crate::{DataFile, DataNeed, SceneError, choices};
 use check::Check;
 use raw::RawScene;
 use sources::load_surface_file;
@@ -49,7 +49,7 @@ impl Scene {
     pub fn shipped(name: &str, data_dir: Option<&Path>) -> Result<Self, SceneError> {
         let text = shipped::shipped_scene_text(name).ok_or_else(|| SceneError::Unknown {
             name: name.to_owned(),
-            allowed: shipped::shipped_scene_names().join(", "),
+            allowed: choices(name, shipped::shipped_scene_names()),
         })?;
         Self::from_toml(text, &format!("bench-scenes/{name}.toml"), data_dir)
     }

@@ -2,6 +2,7 @@
 //! Scenes: body, regions, surface and cameras, read from TOML and checked once.
 
 mod camera;
+mod choices;
 mod data;
 mod error;
 mod file;
@@ -15,6 +16,7 @@ mod suite;
 mod texture;
 
 pub use camera::{Camera, CameraPose, ImageSize};
+pub use choices::choices;
 pub use data::{
     DATA_DIR_VARIABLE, DEFAULT_DATA_DIR, DataFile, DataNeed, RegionLoadError, SceneNeeds, data_dir,
     data_dir_from_env, joined_data_dirs, load_regions, sha256_hex, split_data_dirs,

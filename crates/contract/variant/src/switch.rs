@@ -3,6 +3,7 @@
 //! of variants are made from that.
 
 use crate::RouteChoice;
+use terrafill_scene::choices;
 
 /// Values that a switch or a parameter may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,11 +43,11 @@ impl Values {
         }
     }
 
-    /// As an error says what is allowed.
+    /// As an error says what is allowed in place of `found`.
     #[must_use]
-    pub fn allowed(self) -> String {
+    pub fn allowed(self, found: &str) -> String {
         match self {
-            Self::OneOf(values) => values.join(", "),
+            Self::OneOf(values) => choices(found, values.iter().copied()),
             Self::Percent => "whole percent, 1 to 100".to_owned(),
             Self::Pixels => "PIXELS, a number above 0, or off".to_owned(),
             Self::RouteOr(values) => {
@@ -166,7 +167,7 @@ pub(crate) fn set<T>(
     (switch.set)(of, value).ok_or_else(|| SwitchError {
         switch: switch.key,
         found: value.to_owned(),
-        allowed: switch.values.allowed(),
+        allowed: switch.values.allowed(value),
     })?;
     Ok(true)
 }
@@ -178,16 +179,12 @@ pub(crate) fn set<T>(
 pub fn pick<T: Copy>(
     switch: &'static str,
     value: &str,
-    choices: &[(&'static str, T)],
+    known: &[(&'static str, T)],
 ) -> Result<T, SwitchError> {
-    let found = choices.iter().find(|(name, _)| *name == value);
+    let found = known.iter().find(|(name, _)| *name == value);
     found.map(|&(_, choice)| choice).ok_or_else(|| SwitchError {
         switch,
         found: value.to_owned(),
-        allowed: choices
-            .iter()
-            .map(|(name, _)| *name)
-            .collect::<Vec<_>>()
-            .join(", "),
+        allowed: choices(value, known.iter().map(|(name, _)| *name)),
     })
 }

@@ -46,7 +46,7 @@ impl Parameter {
         Err(SwitchError {
             switch: self.key,
             found: value.to_owned(),
-            allowed: self.values.allowed(),
+            allowed: self.values.allowed(value),
         })
     }
 }

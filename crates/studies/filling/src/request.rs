@@ -4,7 +4,7 @@
 use crate::subject::{Surfaces, Techniques};
 use terrafill_contract::{PlannedStep, Technique};
 use terrafill_results::Skipped;
-use terrafill_scene::{ImageSize, Scene};
+use terrafill_scene::{ImageSize, Scene, choices};
 use terrafill_study::{Depth, Request, StudyError};
 
 /// Name of the study.
@@ -68,7 +68,7 @@ impl Wishes {
         let known = || all.iter().chain(all_rivals).map(|known| known.name());
         let unknown = |name: &&String| known().all(|known| known != *name);
         if let Some(name) = request.techniques.iter().find(unknown) {
-            let allowed = known().collect::<Vec<_>>().join(", ");
+            let allowed = choices(name, known());
             return Err(StudyError::BadInput(format!(
                 "technique {name:?}, allowed: {allowed}"
             )));

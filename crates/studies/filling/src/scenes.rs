@@ -13,7 +13,7 @@ use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_lab::distinct;
 use terrafill_plan::{LazyMesh, LeveledMeshes, RegionSet};
 use terrafill_results::Skipped;
-use terrafill_scene::{Overlap, Scene, SceneError, shipped_scene_names};
+use terrafill_scene::{Overlap, Scene, SceneError, choices, shipped_scene_names};
 use terrafill_study::StudyError;
 use terrafill_surface::open_surface;
 
@@ -181,10 +181,13 @@ fn check_wishes(
             _ => !allowed.contains(&wanted.as_str()),
         };
         if let Some(found) = wanted.find(is_unknown) {
-            return Err(StudyError::BadInput(format!(
-                "--{option}: found {found:?}, allowed: {}",
-                allowed.join(", ")
-            )));
+            let scene = match option {
+                "ablation" => ablation_part(found).0,
+                _ => found,
+            };
+            let allowed = choices(scene, allowed);
+            let message = format!("--{option}: found {found:?}, allowed: {allowed}");
+            return Err(StudyError::BadInput(message));
         }
     }
     let ablations = wishes
@@ -196,9 +199,9 @@ fn check_wishes(
     let unknown =
         wanted.find_map(|(scene, step)| Some((scene, step.filter(|s| !steps.contains(s))?)));
     if let Some((scene, step)) = unknown {
+        let allowed = choices(step, steps);
         return Err(StudyError::BadInput(format!(
-            "--ablation: found step {step:?} of {scene}, allowed: {}",
-            steps.join(", ")
+            "--ablation: found step {step:?} of {scene}, allowed: {allowed}"
         )));
     }
     Ok(())

@@ -5,6 +5,7 @@ use crate::make::makers;
 use crate::state::PinnedFile;
 use serde::Deserialize;
 use std::path::{Component, Path};
+use terrafill_scene::choices;
 
 /// The catalogue that ships.
 const SHIPPED: &str = include_str!("../catalogue.toml");
@@ -185,19 +186,17 @@ impl Catalogue {
         }
         let begins = |set: &&DataSet| !name.is_empty() && set.name.starts_with(name);
         let found: Vec<&DataSet> = self.sets.iter().filter(begins).collect();
-        let names = |sets: &mut dyn Iterator<Item = &DataSet>| {
-            let names: Vec<&str> = sets.map(|set| set.name.as_str()).collect();
-            names.join(", ")
-        };
+        let names =
+            |sets: &[&DataSet], like| choices(like, sets.iter().map(|set| set.name.as_str()));
         match found.as_slice() {
             [set] => Ok(set),
             [] => Err(UnknownSet {
                 found: format!("{name:?}"),
-                allowed: names(&mut self.sets.iter()),
+                allowed: names(&self.sets.iter().collect::<Vec<_>>(), name),
             }),
             several => Err(UnknownSet {
                 found: format!("{name:?}, which begins several names"),
-                allowed: format!("one of {}", names(&mut several.iter().copied())),
+                allowed: format!("one of {}", names(several, "")),
             }),
         }
     }

@@ -25,6 +25,7 @@ use terrafill_core::Ellipsoid;
 use terrafill_data::{Mirror, WrongMirror};
 use terrafill_filling::EXTREME;
 use terrafill_results::Shard;
+use terrafill_scene::choices;
 use values::{parse_body, parse_number, parse_processes, parse_samples, parse_shard, parse_size};
 
 const EXIT_CODES: &str = "\
@@ -225,7 +226,7 @@ fn parse_suite(text: &str) -> Result<String, String> {
     if suites.contains(&text) {
         Ok(text.to_owned())
     } else {
-        Err(format!("allowed: {}", suites.join(", ")))
+        Err(choices(text, suites))
     }
 }
 

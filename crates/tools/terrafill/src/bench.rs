@@ -25,7 +25,7 @@ use std::sync::mpsc::Receiver;
 use terrafill_contract::Devices;
 use terrafill_gpu::shared_gpu;
 use terrafill_results::{Budget, Moment, Run, RunFolder, Skipped, append_clocks, read_durations};
-use terrafill_scene::ImageSize;
+use terrafill_scene::{ImageSize, choices};
 use terrafill_study::{
     Depth, FramesPerSample, Request, RunOptions, RunOutcome, Settling, Share, Study, StudyError,
     Turn, Turns, plan_shared,
@@ -214,11 +214,8 @@ fn studies(arguments: &BenchArguments, depth: Depth) -> Result<Vec<&'static dyn 
     for name in arguments.study.iter().chain(&arguments.suite) {
         let found = STUDIES.iter().find(|study| study.name() == name);
         let study = found.ok_or_else(|| {
-            let allowed: Vec<&str> = STUDIES.iter().map(|study| study.name()).collect();
-            Failure::bad_input(format!(
-                "--study: found {name:?}, allowed: {}",
-                allowed.join(", ")
-            ))
+            let allowed = choices(name, STUDIES.iter().map(|study| study.name()));
+            Failure::bad_input(format!("--study: found {name:?}, allowed: {allowed}"))
         })?;
         if !chosen.iter().any(|other| other.name() == study.name()) {
             chosen.push(*study);

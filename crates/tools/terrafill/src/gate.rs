@@ -20,7 +20,9 @@ use terrafill_gate::{
     refuse_equal_programs, save_baseline, self_test, shipped_limits, text, write_files,
 };
 use terrafill_results::{Clock, Run};
-use terrafill_scene::{ImageSize, shipped_scene_names, shipped_scene_text, split_data_dirs};
+use terrafill_scene::{
+    ImageSize, choices, shipped_scene_names, shipped_scene_text, split_data_dirs,
+};
 
 /// Timed samples of a case in each process, of one frame each: the median of 30 frames is not moved by
 /// those that were held up.
@@ -408,14 +410,14 @@ fn accept(arguments: &BlessArguments, report: &GateReport) -> Result<(), Failure
     for pattern in patterns {
         if !found.iter().any(|finding| is_named(pattern, finding)) {
             let cases: BTreeSet<&str> = found.iter().map(|finding| finding.case.as_str()).collect();
+            let cases = choices(pattern, cases);
             let of_metric = match arguments.metric.as_slice() {
                 [] => String::new(),
                 some => format!(" in {}", some.join(", ")),
             };
             return Err(Failure::bad_input(format!(
-                "{}: found no difference of {pattern:?}{of_metric} to bless, there are: {}",
-                arguments.gate.display(),
-                cases.into_iter().collect::<Vec<_>>().join(", ")
+                "{}: found no difference of {pattern:?}{of_metric} to bless, there are: {cases}",
+                arguments.gate.display()
             )));
         }
     }

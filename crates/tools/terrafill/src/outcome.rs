@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How a command ended, and what it prints.
 
+use crate::techniques::wrapped;
 use std::io::{self, Write as _};
 
 /// How a command ended; the numbers are the exit codes of `terrafill --help`.
@@ -92,10 +93,20 @@ pub(crate) fn written(result: io::Result<()>) -> Result<(), Failure> {
     }
 }
 
+/// Characters of a line on standard error at most: of longer ones the rest stands below, behind [`INDENT`].
+const WIDTH: usize = 200;
+/// Begins what is the rest of the line above.
+const INDENT: &str = "    ";
+
 /// Writes a line to standard error. Where that cannot be written there is no place left to say so:
 /// the exit code still does.
 pub(crate) fn complain(line: impl std::fmt::Display) {
-    drop(writeln!(io::stderr(), "{line}"));
+    let lines = wrapped(&line.to_string(), WIDTH - INDENT.len());
+    drop(writeln!(
+        io::stderr(),
+        "{}",
+        lines.join(&format!("\n{INDENT}"))
+    ));
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ use terrafill_contract::{
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_plan::{LeveledMeshes, PlanOptions};
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{ImageSize, Scene, View};
+use terrafill_scene::{ImageSize, Scene, View, choices};
 use terrafill_surface::open_surface;
 use terrafill_variant::Variant;
 
@@ -118,8 +118,7 @@ fn size(arguments: &RenderArguments) -> ImageSize {
 fn find_view<'a>(scene: &'a Scene, name: &str) -> Result<&'a View, Failure> {
     let found = scene.views.iter().find(|view| view.name == name);
     found.ok_or_else(|| {
-        let names: Vec<&str> = scene.views.iter().map(|view| view.name.as_str()).collect();
-        let allowed = names.join(", ");
+        let allowed = choices(name, scene.views.iter().map(|view| view.name.as_str()));
         Failure::bad_input(format!("--view: found {name:?}, allowed: {allowed}"))
     })
 }
@@ -163,7 +162,7 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
         };
         if let Some(technique) = technique.filter(|_| switch == FULL_PLAN) {
             let Some(top) = technique.full_plans(scene.overlap).pop() else {
-                return Err(refuse(&allowed_switches(variant)));
+                return Err(refuse(&allowed_switches(variant, key)));
             };
             *variant = top;
             continue;
@@ -177,7 +176,7 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
         }
         match variant.set(key, value) {
             Ok(true) => {}
-            Ok(false) => return Err(refuse(&allowed_switches(variant))),
+            Ok(false) => return Err(refuse(&allowed_switches(variant, key))),
             Err(error) => return Err(refuse(&format!("{key}={}", error.allowed))),
         }
     }

@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use terrafill_contract::Technique;
 use terrafill_core::MeshOptions;
-use terrafill_scene::Overlap;
+use terrafill_scene::{Overlap, choices};
 use terrafill_variant::Variant;
 
 /// Switch of the meshes that go into every technique.
@@ -27,13 +27,10 @@ fn switches(variant: &Variant) -> Vec<(&'static str, Vec<&'static str>, &'static
     all
 }
 
-/// The same in a line: `key=value|value, …`.
-pub(crate) fn allowed_switches(variant: &Variant) -> String {
-    let all = switches(variant).into_iter();
-    let all: Vec<String> = all
-        .map(|(key, values, _)| format!("{key}={}", values.join("|")))
-        .collect();
-    all.join(", ")
+/// The keys of the same, in place of one that is none of them.
+pub(crate) fn allowed_switches(variant: &Variant, found: &str) -> String {
+    let keys = choices(found, switches(variant).into_iter().map(|(key, ..)| key));
+    format!("{keys} (all: --list-switches)")
 }
 
 /// A switch of `render --set`.
@@ -105,11 +102,14 @@ impl Switch {
 }
 
 /// Broken behind spaces and bars.
-fn wrapped(text: &str, width: usize) -> Vec<String> {
+pub(crate) fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_inclusive([' ', '|']) {
         match lines.last_mut() {
-            Some(last) if (last.chars().count() + word.trim_end().chars().count()) <= width => {
+            Some(last)
+                if last.is_empty()
+                    || last.chars().count() + word.trim_end().chars().count() <= width =>
+            {
                 last.push_str(word);
             }
             _ => lines.push(word.to_owned()),

@@ -8,6 +8,7 @@ use crate::outcome::{Failure, Outcome, complain, written};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::error::Error as _;
 use std::io::Write as _;
+use terrafill_scene::choices;
 
 /// Prints help to standard output, problems to standard error.
 pub(crate) fn answer(error: &clap::Error) -> Result<Outcome, Failure> {
@@ -26,17 +27,17 @@ pub(crate) fn answer(error: &clap::Error) -> Result<Outcome, Failure> {
 /// `--edges: found "x", allowed: planar, great-ellipse`; nothing for other errors.
 fn wrong_value(error: &clap::Error) -> Option<String> {
     let text = |kind| match error.get(kind) {
-        Some(ContextValue::String(text)) => Some(text.clone()),
-        Some(ContextValue::Strings(list)) if !list.is_empty() => Some(list.join(", ")),
+        Some(ContextValue::String(text)) => Some(text.as_str()),
         _ => None,
     };
-    let allowed = match error.kind() {
-        ErrorKind::InvalidValue => text(ContextKind::ValidValue)?,
-        ErrorKind::ValueValidation => error.source()?.to_string(),
+    let found = text(ContextKind::InvalidValue)?;
+    let allowed = match (error.kind(), error.get(ContextKind::ValidValue)) {
+        (ErrorKind::InvalidValue, Some(ContextValue::Strings(list))) if !list.is_empty() => {
+            choices(found, list.iter().map(String::as_str))
+        }
+        (ErrorKind::ValueValidation, _) => error.source()?.to_string(),
         _ => return None,
     };
-    let argument = text(ContextKind::InvalidArg)?;
-    let argument = argument.split(' ').next()?;
-    let found = text(ContextKind::InvalidValue)?;
+    let argument = text(ContextKind::InvalidArg)?.split(' ').next()?;
     Some(format!("{argument}: found {found:?}, allowed: {allowed}"))
 }

@@ -17,7 +17,8 @@ use std::sync::Arc;
 use terrafill_contract::Technique;
 use terrafill_results::{CaseId, PlannedCase, Skipped};
 use terrafill_scene::{
-    Expectation, ImageSize, Scene, SceneError, SuiteScene, SuiteView, names_files, suite_scenes,
+    Expectation, ImageSize, Scene, SceneError, SuiteScene, SuiteView, choices, names_files,
+    suite_scenes,
 };
 use terrafill_study::{
     CaseGroup, Context, Depth, Group, Planned, Request, Session, StudyError, files_read,
@@ -142,8 +143,7 @@ fn techniques(
     let find = |name: &String| {
         let mut known = exact.iter().copied();
         known.find(|known| known.name() == name).ok_or_else(|| {
-            let allowed: Vec<&str> = exact.iter().map(|known| known.name()).collect();
-            let allowed = allowed.join(", ");
+            let allowed = choices(name, exact.iter().map(|known| known.name()));
             StudyError::BadInput(format!(
                 "technique {name:?} of {EXTREME}, allowed: {allowed}"
             ))
@@ -170,11 +170,8 @@ fn scenes(request: &Request) -> Result<Vec<(String, String)>, StudyError> {
         }
         let is_it = |(file, _): &&(&str, &str)| *file == format!("{EXTREME}/{name}.toml");
         suite.iter().find(is_it).map(owned).ok_or_else(|| {
-            let stem = |(file, _): &(&str, &str)| {
-                let stem = Path::new(file).file_stem().unwrap_or_default();
-                stem.to_string_lossy().into_owned()
-            };
-            let allowed = suite.iter().map(stem).collect::<Vec<_>>().join(", ");
+            let files = suite.iter().map(|(file, _)| Path::new(file).file_stem());
+            let allowed = choices(name, files.filter_map(|stem| stem?.to_str()));
             StudyError::BadInput(format!("scene {name:?} of {EXTREME}, allowed: {allowed}"))
         })
     };

@@ -124,12 +124,15 @@ pub(super) fn check_metric(
 ) -> Result<(), HistoryError> {
     let failed = HistoryError::sql(path);
     let stored = declared(transaction).map_err(&failed)?;
-    let key = |of: &MetricRow| (of.unit.clone(), of.kind, of.better);
+    let key = |of: &MetricRow| {
+        let (unit, kind, better) = (&of.unit, of.kind.name(), of.better);
+        format!("{kind} in {unit}, better {better:?}").to_lowercase()
+    };
     match stored.values().find(|stored| stored.name == metric.name) {
         Some(stored) if key(stored) != key(metric) => Err(HistoryError::Run {
             run: path.display().to_string(),
             message: format!(
-                "metric {}: found {:?}, the store has {:?}; begin another store",
+                "metric {}: found {}, the store has {}; begin another store",
                 metric.name,
                 key(metric),
                 key(stored)

@@ -4,6 +4,7 @@
 use clap::{Args, ValueEnum};
 use terrafill_core::{EdgeRule, Ellipsoid, Inside, Reading, Repair, Unwrap};
 use terrafill_results::Shard;
+use terrafill_scene::choices;
 
 /// Edge rule by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -106,7 +107,7 @@ pub(super) fn parse_number(text: &str) -> Result<f64, &'static str> {
 }
 
 pub(super) fn parse_body(text: &str) -> Result<Ellipsoid, String> {
-    Ellipsoid::by_name(text).ok_or_else(|| Ellipsoid::ALL.map(|body| body.name()).join(", "))
+    Ellipsoid::by_name(text).ok_or_else(|| choices(text, Ellipsoid::ALL.map(|body| body.name())))
 }
 
 /// What to do about rings that cross themselves or one another, by name.

@@ -20,6 +20,9 @@ pub(crate) const NAMED: [&str; 6] = [
     "native",
 ];
 
+/// Begins the rest of a line on standard error that was too long.
+const INDENT: &str = "    ";
+
 /// What a run of the program came to.
 pub(crate) struct Ran {
     pub(crate) code: i32,
@@ -132,7 +135,11 @@ pub(crate) fn ran(command: &mut Command) -> Ran {
     let output = command.output().expect("the program starts");
     let ran = Ran::new(&output);
     check_manners(&ran).unwrap_or_else(|complaint| panic!("{command:?}: {complaint}"));
-    ran
+    // Tests look for words wherever a long line was broken.
+    let begins = format!("\n{INDENT}");
+    let stderr = ran.stderr.replace(&format!("|{begins}"), "|");
+    let stderr = stderr.replace(&begins, " ");
+    Ran { stderr, ..ran }
 }
 
 fn check_manners(ran: &Ran) -> Result<(), String> {
@@ -142,6 +149,19 @@ fn check_manners(ran: &Ran) -> Result<(), String> {
         }
         if text.contains("panicked") {
             return Err(format!("a panic: {text}"));
+        }
+    }
+    // Words for people: no list without end, nothing as the code writes it.
+    for line in ran.stderr.lines() {
+        let begins = ["error: ", "warning: ", "skipped: ", INDENT];
+        let is_message = begins.iter().any(|begins| line.starts_with(begins));
+        if is_message && line.chars().count() > 200 {
+            return Err(format!("over 200 characters: {line}"));
+        }
+        for words in ["allowed: allowed:", "Some(", "Err("] {
+            if line.contains(words) {
+                return Err(format!("{words:?} in {line}"));
+            }
         }
     }
     if ran.code < 0 {
@@ -321,7 +341,16 @@ fn bad_manners_are_noticed() {
         stderr: stderr.to_owned(),
     };
     assert_eq!(check_manners(&ran(0, "fine ×\n")), Ok(()));
+    assert_eq!(
+        check_manners(&ran(2, &"x".repeat(201))),
+        Ok(()),
+        "no message"
+    );
     let wrong = [
+        ran(2, &format!("error: {}", "x".repeat(200))),
+        ran(2, &format!("error: x\n    {}", "x".repeat(200))),
+        ran(2, "error: a: found \"b\", allowed: allowed: c"),
+        ran(2, "error: found Some(1)"),
         ran(0, "\u{1b}[2K"),
         ran(0, "1/9\r2/9"),
         ran(101, "thread 'main' panicked at"),

@@ -184,6 +184,35 @@ fn a_wrong_value_gets_one_line_with_what_is_allowed() {
 }
 
 #[test]
+fn what_is_misspelt_gets_the_name_that_was_meant() {
+    let desk = Desk::new();
+    let render = "render california --out a.png --size 8 --view";
+    let cases: [(&str, &str); 11] = [
+        ("bench califrnia", "california"),
+        ("bench --study filing", "filling"),
+        ("bench --suite extrem", "extreme"),
+        ("bench california --technique instancd", "instanced"),
+        ("bench california --ablation califrnia", "california"),
+        ("data get blue-marbel", "blue-marble"),
+        ("mesh f --edges planr", "planar"),
+        (&format!("{render} globs"), "globe"),
+        (&format!("{render} globe --technique instancd"), "instanced"),
+        (&format!("{render} globe --set laiout=pulled"), "layout"),
+        (&format!("{render} globe --set layout=puled"), "pulled"),
+    ];
+    for (line, meant) in cases {
+        let line: Vec<&str> = line.split(' ').collect();
+        let meant = format!("; did you mean {meant:?}?");
+        desk.run(&line).refused(&[&["allowed: ", &meant]]);
+    }
+    // Negative control: what is like nothing. Of many names the first are listed.
+    let ran = desk.run(&["bench", "atlantis"]);
+    ran.refused(&[&["allowed: planet-134, california, ", " … and "]]);
+    assert!(!ran.stderr.contains("did you mean"), "{}", ran.stderr);
+    assert_eq!(desk.names(), [""; 0], "nothing was written");
+}
+
+#[test]
 fn usage_errors_end_with_2_and_say_what_is_missing() {
     let desk = Desk::new();
     let cases: [(&[&str], &str); 5] = [
