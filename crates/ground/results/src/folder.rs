@@ -46,6 +46,15 @@ pub enum RunError {
         /// Why.
         source: std::io::Error,
     },
+    /// There is no run.
+    #[error(
+        "{}: no such file; {folder} is no folder of a run, which holds schema.json, plan.json, environment.json \
+         and tables as `terrafill bench` writes them", folder.join(SCHEMA_FILE).display()
+    )]
+    NoRun {
+        /// What stands there, if anything does.
+        folder: PathBuf,
+    },
     /// A table of the folder is missing.
     #[error("{path}: found no such file, expected a table with the columns {expected}")]
     MissingTable {
@@ -219,7 +228,7 @@ impl RunFolder {
     /// Opens a run to append to, such as from another process of the same run.
     ///
     /// # Errors
-    /// [`RunError::Io`] if there is none; [`RunError::Schema`], [`RunError::Malformed`].
+    /// [`RunError::NoRun`] if there is none; [`RunError::Schema`], [`RunError::Malformed`].
     pub fn open(path: &Path) -> Result<Self, RunError> {
         check_schema(path)?;
         let plan: RunPlan = read_json(&path.join(PLAN))?;
@@ -365,6 +374,11 @@ pub(crate) fn cell(
 
 /// The folder's files are of the schema that this program writes.
 pub(crate) fn check_schema(path: &Path) -> Result<(), RunError> {
+    if !path.join(SCHEMA_FILE).exists() {
+        return Err(RunError::NoRun {
+            folder: path.to_owned(),
+        });
+    }
     for file in [SCHEMA_FILE, ENVIRONMENT] {
         let file = path.join(file);
         let value: serde_json::Value = read_json(&file)?;

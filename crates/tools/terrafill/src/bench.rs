@@ -523,13 +523,13 @@ pub(crate) fn report(arguments: &ReportArguments) -> Result<Outcome, Failure> {
 
 /// Puts limits that are given into the folder of a run: reports answer by them.
 fn keep(given: &BudgetArguments, folder: &Path) -> Result<(), Failure> {
-    let was = Budget::read(folder).map_err(Failure::bad_input)?;
-    let Some(budget) = given.over(was) else {
-        return Ok(());
-    };
     // Not beside what is no run.
     RunFolder::open(folder).map_err(Failure::bad_input)?;
-    budget.write(folder).map_err(Failure::bad_input)
+    let was = Budget::read(folder).map_err(Failure::bad_input)?;
+    let budget = given.over(was);
+    budget.map_or(Ok(()), |budget| {
+        budget.write(folder).map_err(Failure::bad_input)
+    })
 }
 
 pub(crate) fn merge(arguments: &MergeArguments) -> Result<Outcome, Failure> {

@@ -228,9 +228,11 @@ fn nothing_to_measure_ends_with_4() {
 fn a_folder_without_a_run_has_no_report_and_cannot_be_resumed() {
     let desk = Desk::new();
     desk.write("folder/file", "");
-    for folder in ["none", "folder"] {
+    for folder in ["none", "folder", "folder/file"] {
+        let schema = format!("{folder}/schema.json: no such file");
+        let no_run = format!("{folder} is no folder of a run, which holds schema.json, plan.json");
         desk.run(&["report", folder])
-            .refused(&[&[folder, "schema.json"]]);
+            .refused(&[&[&schema, &no_run]]);
         assert!(!desk.path("none").exists());
     }
     if has_device() {
