@@ -31,6 +31,7 @@ mod textured;
 
 pub use chapter::FillingChapter;
 pub use request::STUDY;
+pub use session::PictureCheck;
 pub use study::FillingStudy;
 pub use subject::{Surfaces, Techniques};
 pub use suite::{EXTREME, ExtremeChapter, ExtremeStudy, IN_HAND, extreme_sentence};

@@ -185,7 +185,7 @@ fn check_wishes(
                 "ablation" => ablation_part(found).0,
                 _ => found,
             };
-            let allowed = choices(scene, allowed);
+            let allowed = choices(scene, allowed.iter().copied());
             let message = format!("--{option}: found {found:?}, allowed: {allowed}");
             return Err(StudyError::BadInput(message));
         }

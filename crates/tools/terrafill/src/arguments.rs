@@ -344,8 +344,8 @@ pub(crate) struct RenderArguments {
     pub(crate) scene: Option<String>,
     #[command(flatten)]
     pub(crate) own: OwnArguments,
-    /// View of the scene; of GeoJSON all, filled or dense, horizon
-    #[arg(long, required_unless_present_any = ["fit", "list_switches"], conflicts_with = "fit")]
+    /// View if there are several; of GeoJSON all, filled or dense, horizon
+    #[arg(long, conflicts_with = "fit")]
     pub(crate) view: Option<String>,
     #[arg(long, help = FIT_HELP)]
     pub(crate) fit: bool,
@@ -360,8 +360,8 @@ pub(crate) struct RenderArguments {
     pub(crate) technique: String,
     #[arg(long, alias = "variant", value_name = "KEY=VALUE", help = SET_HELP)]
     pub(crate) set: Vec<String>,
-    /// Print every switch with its values and its default, and draw nothing
-    #[arg(long, exclusive = true)]
+    /// Print each switch with meaning, values and default; draw nothing
+    #[arg(long)]
     pub(crate) list_switches: bool,
     /// Picture to write, .png, or - for standard output
     #[arg(long, required_unless_present = "list_switches")]
@@ -372,6 +372,9 @@ pub(crate) struct RenderArguments {
     /// Counters, memory and what was left out, JSON
     #[arg(long)]
     pub(crate) stats: Option<PathBuf>,
+    /// Compare with the reference: a picture that is wrong ends with 1
+    #[arg(long)]
+    pub(crate) check: bool,
     /// Folder of data, may be repeated [default: $TERRAFILL_DATA, or data]
     #[arg(long)]
     pub(crate) data: Vec<PathBuf>,

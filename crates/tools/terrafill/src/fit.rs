@@ -16,7 +16,7 @@ use terrafill_scene::{
 };
 
 /// Name of the fitted view.
-pub(crate) const VIEW: &str = "fit";
+const VIEW: &str = "fit";
 
 /// Vertical field of view: that of scenes that name none.
 pub(crate) const FOV_RAD: f64 = 60.0 * PI / 180.0;

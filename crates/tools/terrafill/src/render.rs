@@ -5,6 +5,7 @@ use crate::arguments::RenderArguments;
 use crate::data::data_dirs;
 use crate::draft;
 use crate::fit;
+use crate::input::is_standard;
 use crate::outcome::{Failure, Outcome, complain, print};
 use crate::output::{check_paths, check_pictures, write_all};
 use crate::registry::{SURFACES, technique};
@@ -15,10 +16,12 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::time::Instant;
 use terrafill_contract::{
     DeviceError, Devices, FillInput, Frame, MemoryUse, PreparedScene, Targets, Technique, paint,
 };
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
+use terrafill_filling::PictureCheck;
 use terrafill_plan::{LeveledMeshes, PlanOptions};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{ImageSize, Scene, View, choices};
@@ -29,6 +32,8 @@ use terrafill_variant::Variant;
 struct RenderedPicture {
     rgb: Vec<u8>,
     frame: Frame,
+    /// Whether its ids are of regions, and not of any region.
+    tells_regions_apart: bool,
     memory: Option<MemoryUse>,
     variant: String,
     /// What the backend settled that people should know.
@@ -38,7 +43,10 @@ struct RenderedPicture {
 }
 
 pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
-    let (Some(name), Some(out)) = (&arguments.scene, &arguments.out) else {
+    let started = Instant::now();
+    let (false, Some(name), Some(out)) =
+        (arguments.list_switches, &arguments.scene, &arguments.out)
+    else {
         // Only `--list-switches` goes without: the parser asks for both.
         print(techniques::text())?;
         return Ok(Outcome::Done);
@@ -55,8 +63,12 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
             .map(PathBuf::as_path),
     )?;
     let scene = scene(name, arguments)?;
-    let view = find_view(&scene, arguments.view.as_deref().unwrap_or(fit::VIEW))?;
+    let view = find_view(&scene, arguments.view.as_deref())?;
     let wanted = wanted(&scene, arguments)?;
+    if arguments.check && wanted.subject.is_none() {
+        let message = "--check: found --technique reference, allowed: one that is compared with it";
+        return Err(Failure::bad_input(message));
+    }
     let input = input(&scene, view, &wanted, arguments)?;
     let drawn = match &wanted.subject {
         None => draw_reference(&input, wanted.is_textured)?,
@@ -80,7 +92,39 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
         files.push((path, (text + "\n").into_bytes()));
     }
     write_all(&files)?;
-    Ok(Outcome::Done)
+    let mut said = Vec::new();
+    if is_file(out) {
+        let seconds = started.elapsed().as_secs_f64();
+        said.push(format!("wrote {}, {seconds:.1} s", out.display()));
+    }
+    let subject = wanted.subject.as_ref().filter(|_| arguments.check);
+    let check = subject.map(|(technique, variant)| {
+        let as_mask = !drawn.tells_regions_apart;
+        PictureCheck::new(*technique, variant, &input, &drawn.frame, as_mask)
+    });
+    let check = check.transpose().map_err(Failure::bad_input)?;
+    let differs = check.as_ref().map(|check| check.mismatched_px);
+    said.extend(differs.map(|px| format!("{px} px differ from the reference")));
+    for line in said {
+        // Beside a picture or figures nothing else belongs on standard output.
+        if files.iter().all(|(path, _)| is_file(path)) {
+            print(line + "\n")?;
+        } else {
+            complain(line);
+        }
+    }
+    match check {
+        Some(check) if !check.objections.is_empty() => Err(Failure {
+            outcome: Outcome::Regression,
+            message: check.objections.join("\n"),
+        }),
+        _ => Ok(Outcome::Done),
+    }
+}
+
+/// Whether it is neither standard output nor a pipe or a device.
+fn is_file(path: &Path) -> bool {
+    !is_standard(path) && path.is_file()
 }
 
 /// The scene called `name`, or that of the regions in the file `name`.
@@ -115,11 +159,17 @@ fn size(arguments: &RenderArguments) -> ImageSize {
     }
 }
 
-fn find_view<'a>(scene: &'a Scene, name: &str) -> Result<&'a View, Failure> {
-    let found = scene.views.iter().find(|view| view.name == name);
+/// The view called `name`, or without a name the only one.
+fn find_view<'a>(scene: &'a Scene, name: Option<&str>) -> Result<&'a View, Failure> {
+    let found = match (name, scene.views.as_slice()) {
+        (None, [only]) => Some(only),
+        (name, views) => views.iter().find(|view| Some(&*view.name) == name),
+    };
     found.ok_or_else(|| {
-        let allowed = choices(name, scene.views.iter().map(|view| view.name.as_str()));
-        Failure::bad_input(format!("--view: found {name:?}, allowed: {allowed}"))
+        let views = scene.views.iter().map(|view| view.name.as_str());
+        let allowed = choices(name.unwrap_or_default(), views);
+        let name = name.map_or_else(|| "none".to_owned(), |name| format!("{name:?}"));
+        Failure::bad_input(format!("--view: found {name}, allowed: {allowed}"))
     })
 }
 
@@ -266,6 +316,7 @@ fn draw_reference(input: &FillInput, is_textured: bool) -> Result<RenderedPictur
         rgb: judged.picture.unwrap_or_else(|| paint(&frame)),
         variant: if is_textured { "texture=on" } else { "" }.to_owned(),
         frame,
+        tells_regions_apart: true,
         memory: None,
         note: None,
         figures: BTreeMap::new(),
@@ -292,6 +343,7 @@ fn draw(
         Ok(RenderedPicture {
             rgb: rgb.collect(),
             frame,
+            tells_regions_apart: backend.tells_regions_apart(),
             memory: Some(memory),
             variant: named.name(),
             note: backend.note(),

@@ -228,7 +228,7 @@ fn one_at_a_time(subject: &Subject) -> bool {
 }
 
 /// What speaks against a picture.
-fn reasons_of(verdict: Comparison) -> Vec<String> {
+pub(super) fn reasons_of(verdict: Comparison) -> Vec<String> {
     match verdict {
         Comparison::Pass => Vec::new(),
         Comparison::Fail(reasons) => reasons,

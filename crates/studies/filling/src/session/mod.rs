@@ -2,12 +2,15 @@
 //! One scene and view being measured: the reference is drawn once, probes are compared with it, and
 //! frames are timed.
 
+mod check;
 mod drawn;
 mod judging;
 mod pictures;
 mod references;
 #[cfg(test)]
 mod tests;
+
+pub use check::PictureCheck;
 
 use crate::cases::{FillCase, ViewGroup};
 use crate::memory::LayoutOfScene;

@@ -12,12 +12,13 @@ use terrafill_conformance::{
     BAND_RADIUS_PX, BORDER_ROUNDING, ErrorFigures, MAX_HAUSDORFF_PX, boundary_band,
     boundary_movement, boundary_rounding, compare_closely, filled_only, with_movement,
 };
-use terrafill_contract::{FillInput, Frame, paint};
+use terrafill_contract::{FillInput, Frame, Technique, paint};
 use terrafill_core::EdgeRule;
 use terrafill_reference::{CloseLook, ReferenceBackend, ReferenceScene};
 use terrafill_results::quantile;
 use terrafill_scene::ImageSize;
 use terrafill_study::{StudyError, write_rgb};
+use terrafill_variant::Variant;
 
 /// Errors of a picture, or why it could not be compared.
 type Compared = Result<ErrorFigures, String>;
@@ -51,12 +52,20 @@ impl Reference {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Against {
     /// What a ring edge is.
-    edges: EdgeRule,
+    pub(super) edges: EdgeRule,
     /// The body itself, and not the scene's surface as drawn.
     is_on_body: bool,
 }
 
 impl Against {
+    /// What a technique draws on a scene whose edges are of this rule.
+    pub(super) fn of(technique: &dyn Technique, variant: &Variant, scene: EdgeRule) -> Self {
+        Self {
+            edges: technique.edge_rule(variant, scene),
+            is_on_body: technique.draws_own_surface(),
+        }
+    }
+
     /// What the scene says.
     pub(super) fn scene(edges: EdgeRule) -> Self {
         Self {
@@ -65,7 +74,7 @@ impl Against {
         }
     }
 
-    fn reference(self) -> ReferenceBackend {
+    pub(super) fn reference(self) -> ReferenceBackend {
         if self.is_on_body {
             ReferenceBackend::on_body()
         } else {
@@ -103,10 +112,7 @@ impl<'a> References<'a> {
         let scene = self.group.scene.edge_rule;
         match &case.subject {
             Subject::Baseline(_) => Against::scene(scene),
-            Subject::Fill(technique, variant) => Against {
-                edges: technique.edge_rule(variant, scene),
-                is_on_body: technique.draws_own_surface(),
-            },
+            Subject::Fill(technique, variant) => Against::of(*technique, variant, scene),
         }
     }
 
@@ -191,29 +197,43 @@ impl<'a> References<'a> {
         let reference = reference.map_err(|error| error.to_string())?;
         let input = self.input_of(against.edges);
         let look = CloseLook::new(&input, &reference.rays);
-        let as_compared = |id: u32| if as_mask { id.min(1) } else { id };
-        let shows = |pixel: usize, id: u32| {
-            let mut ids = look.ids_within(pixel, BAND_RADIUS_PX).into_iter();
-            ids.any(|shown| as_compared(shown) == id)
-        };
         let (expected, frame) = reference.beside(frame, as_mask);
-        let may_round_to = |pixel: usize, id: u32| {
-            let mut ids = look.ids_by_rounding(pixel, BORDER_ROUNDING).into_iter();
-            ids.any(|shown| as_compared(shown) == id)
-        };
-        let figures = compare_closely(expected, &frame, may_round_to, shows).and_then(|figures| {
-            let shown_at = |place| as_compared(look.id_at(place));
-            let movement = if is_moved {
-                boundary_movement(expected, &frame, shown_at)?
-            } else if figures.hausdorff_px.is_some_and(|px| px > MAX_HAUSDORFF_PX) {
-                boundary_rounding(expected, &frame, shown_at)?
-            } else {
-                return Ok(figures);
-            };
-            Ok(with_movement(figures, movement))
-        });
-        figures.map_err(|error| error.to_string())
+        compare_through(&look, expected, &frame, as_mask, is_moved)
     }
+}
+
+/// Errors of a frame, by a reference that is asked between its pixels as well.
+///
+/// - `as_mask`: both are fills in one colour
+/// - `is_moved`: as of [`References::figures`]
+pub(super) fn compare_through(
+    look: &CloseLook<'_>,
+    expected: &Frame,
+    frame: &Frame,
+    as_mask: bool,
+    is_moved: bool,
+) -> Compared {
+    let as_compared = |id: u32| if as_mask { id.min(1) } else { id };
+    let shows = |pixel: usize, id: u32| {
+        let mut ids = look.ids_within(pixel, BAND_RADIUS_PX).into_iter();
+        ids.any(|shown| as_compared(shown) == id)
+    };
+    let may_round_to = |pixel: usize, id: u32| {
+        let mut ids = look.ids_by_rounding(pixel, BORDER_ROUNDING).into_iter();
+        ids.any(|shown| as_compared(shown) == id)
+    };
+    let figures = compare_closely(expected, frame, may_round_to, shows).and_then(|figures| {
+        let shown_at = |place| as_compared(look.id_at(place));
+        let movement = if is_moved {
+            boundary_movement(expected, frame, shown_at)?
+        } else if figures.hausdorff_px.is_some_and(|px| px > MAX_HAUSDORFF_PX) {
+            boundary_rounding(expected, frame, shown_at)?
+        } else {
+            return Ok(figures);
+        };
+        Ok(with_movement(figures, movement))
+    });
+    figures.map_err(|error| error.to_string())
 }
 
 /// `None` of no numbers.

@@ -37,7 +37,14 @@ const SCENE: [&str; 10] = [
 
 fn render(desk: &Desk, more: &[&str]) {
     let text = desk.run(&[&SCENE[..], more].concat()).succeeded();
-    assert_eq!(text, "");
+    assert!(is_written(&text, "a.png"), "{text}");
+}
+
+/// Whether it says that this file was written, after how many seconds, and nothing else.
+fn is_written(text: &str, file: &str) -> bool {
+    let seconds = text.strip_prefix(&format!("wrote {file}, "));
+    let seconds = seconds.and_then(|text| text.strip_suffix(" s\n"));
+    seconds.is_some_and(|seconds| seconds.parse::<f64>().is_ok())
 }
 
 fn ids(desk: &Desk) -> Vec<u16> {
@@ -680,10 +687,78 @@ fn every_switch_is_listed_with_its_values_and_needs_no_scene() {
             }
         }
     }
-    let ran = desk.run(&["render", "--list-switches", "california"]);
-    assert_eq!(ran.code, 2, "{}", ran.stdout);
+    // Beside any argument, and nothing is drawn.
+    let beside = [&SCENE[..], &["--list-switches", "--technique", "native"]].concat();
+    assert_eq!(desk.run(&beside).succeeded(), text);
+    assert!(!desk.path("a.png").exists());
+    // Negative control: without it both are asked for.
     let ran = desk.run(&["render", "california", "--view", "globe"]);
     assert!(ran.stderr.contains("--out"), "{}", ran.stderr);
+}
+
+#[test]
+fn the_only_view_needs_no_name_and_several_are_named() {
+    let desk = Desk::new();
+    write_squares(&desk);
+    let fixed = ["--technique", "reference", "--size", "16", "--out", "a.png"];
+    let render = |scene: &[&str]| desk.run(&[&["render"][..], scene, &fixed].concat());
+    let only = render(&["squares.toml", "--data", "data"]).succeeded();
+    assert!(is_written(&only, "a.png"), "{only}");
+    let unnamed = desk.read("a.png");
+    render(&["squares.toml", "--data", "data", "--view", "above"]).succeeded();
+    assert_eq!(desk.read("a.png"), unnamed);
+    render(&["california"]).refused(&[&["--view: found none, allowed: globe, top-down, horizon"]]);
+    // Negative control: a name that the only view has not.
+    render(&["squares.toml", "--data", "data", "--view", "below"])
+        .refused(&[&["--view: found \"below\", allowed: above"]]);
+}
+
+#[test]
+fn what_was_written_is_said_where_no_output_is_read() {
+    let desk = Desk::new();
+    write_squares(&desk);
+    let reference = [&SCENE[..], &["--technique", "reference"]].concat();
+    let ran = desk.run(&[&reference[..], &["--stats", "-"]].concat());
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    // Negative control: figures alone are on standard output.
+    let figures: Result<Value, _> = serde_json::from_str(&ran.stdout);
+    assert!(figures.is_ok(), "{}", ran.stdout);
+    assert!(is_written(&ran.stderr, "a.png"), "{}", ran.stderr);
+}
+
+#[test]
+fn a_picture_is_checked_and_a_wrong_one_ends_with_1() {
+    let desk = Desk::new();
+    write_squares(&desk);
+    let reference = ["--technique", "reference", "--check"];
+    desk.run(&[&SCENE[..], &reference].concat())
+        .refused(&[&["--check: found --technique reference"]]);
+    assert!(!desk.path("a.png").exists());
+    if !has_device() {
+        return;
+    }
+    let differing = |text: &str| {
+        let line = text.lines().nth(1).unwrap_or_default();
+        let px = line.strip_suffix(" px differ from the reference");
+        px.and_then(|px| px.parse::<u32>().ok())
+    };
+    let text = desk.run(&[&SCENE[..], &["--check"]].concat()).succeeded();
+    assert!(differing(&text).is_some_and(|px| px <= 20), "{text}");
+    // Negative controls: regions overlap where the scene says that none do, which XOR colouring relies on. What is
+    // approximate by nature may differ.
+    let overlapping = collection(&[
+        ("below", polygon(&rectangle(-8.0, -8.0, 4.0, 8.0))),
+        ("above", polygon(&rectangle(-4.0, -8.0, 8.0, 8.0))),
+    ]);
+    desk.write_scene("squares", &overlapping);
+    let wrong = desk.run(&[&SCENE[..], &["--check"]].concat());
+    assert_eq!(wrong.code, 1, "{}{}", wrong.stdout, wrong.stderr);
+    assert!(differing(&wrong.stdout) > Some(20), "{}", wrong.stdout);
+    let words = " mismatched pixels outside the boundary band, allowed 0";
+    assert!(wrong.stderr.contains(words), "{}", wrong.stderr);
+    let flat = ["--check", "--technique", "flat-mesh"];
+    let flat = desk.run(&[&SCENE[..], &flat].concat()).succeeded();
+    assert!(differing(&flat).is_some(), "{flat}");
 }
 
 /// Draws a file so that its regions fill a picture, colour and ids.
@@ -696,7 +771,8 @@ fn fit(desk: &Desk, file: &str, size: &str) -> Ran {
 /// Ids of a fitted picture, 96 × 64; long edges are warned of.
 fn fitted(desk: &Desk, file: &str) -> Vec<u16> {
     let ran = fit(desk, file, "96x64");
-    assert_eq!((ran.code, ran.stdout.as_str()), (0, ""), "{}", ran.stderr);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert!(is_written(&ran.stdout, "a.png"), "{}", ran.stdout);
     ids(desk)
 }
 
