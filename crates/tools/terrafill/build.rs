@@ -22,6 +22,15 @@ fn main() {
     let is_dirty = changes.is_some_and(|changes| !changes.is_empty());
     let mark = if is_dirty { "+dirty" } else { "" };
     println!("cargo::rustc-env=TERRAFILL_COMMIT={head}{mark}");
+    let features = std::env::vars_os().filter_map(|(name, _)| {
+        let feature = name.to_str()?.strip_prefix("CARGO_FEATURE_")?;
+        Some(feature.to_lowercase().replace('_', "-"))
+    });
+    let features = match features.collect::<Vec<_>>().join(" ") {
+        none if none.is_empty() => "none".to_owned(),
+        some => some,
+    };
+    println!("cargo::rustc-env=TERRAFILL_FEATURES={features}");
     let lock = std::fs::read_to_string(Path::new(ROOT).join("Cargo.lock")).unwrap_or_default();
     for package in ["wgpu", "ash"] {
         let version = locked_version(&lock, package);

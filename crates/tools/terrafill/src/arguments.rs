@@ -15,9 +15,9 @@ pub(crate) use history::{
 pub(crate) use own::{InitArguments, OwnArguments, SceneArguments, SceneVerb, UnusedArguments};
 pub(crate) use values::{Edges, ReadingArguments, RingRepair};
 
-use crate::registry;
+use crate::{registry, version};
 use clap::builder::PossibleValuesParser;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
 use gate::{BLESS_EXAMPLE, GATE_EXAMPLE};
 use history::HISTORY_EXAMPLE;
 use std::path::PathBuf;
@@ -31,6 +31,7 @@ use values::{parse_body, parse_number, parse_processes, parse_samples, parse_sha
 const EXIT_CODES: &str = "\
 Exit codes: 0 done · 1 a picture is wrong · 2 bad input or usage · 3 inconclusive ·
             4 nothing measured · 5 no usable device · 128 + n stopped by signal n
+Colours: --color auto|always|never with any command; auto has none where NO_COLOR is set
 Example: terrafill bench california --quick --out out/first";
 
 const BENCH_EXAMPLE: &str = "\
@@ -46,8 +47,12 @@ Example: terrafill locate countries.geojson --points points.csv --names";
 
 /// Draws things on planets by competing GPU techniques and measures their error and their cost.
 #[derive(Debug, Parser)]
-#[command(version, after_help = EXIT_CODES, max_term_width = 100)]
+#[command(version, long_version = version::long(), after_help = EXIT_CODES, max_term_width = 100)]
 pub(crate) struct Arguments {
+    // Hidden, since every verb has it: `terrafill --help` names it below.
+    #[arg(long, global = true, hide = true, default_value = "auto")]
+    #[allow(dead_code, reason = "read before the others are, see `colour`")]
+    pub(crate) color: ColorChoice,
     #[command(subcommand)]
     pub(crate) verb: Verb,
 }

@@ -10,6 +10,7 @@ mod arguments;
 mod backfill;
 mod bench;
 mod clocks;
+mod colour;
 mod data;
 mod devices;
 mod draft;
@@ -33,21 +34,30 @@ mod stop;
 mod suite;
 mod techniques;
 mod usage;
+mod version;
 
 use arguments::{Arguments, Verb};
-use clap::Parser as _;
-use outcome::{Failure, Outcome, complain};
+use clap::{CommandFactory as _, FromArgMatches as _};
+use outcome::{Failure, Outcome, complain_of_error};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let result = match Arguments::try_parse() {
+    let words: Vec<String> = std::env::args_os()
+        .map(|word| word.to_string_lossy().into_owned())
+        .collect();
+    let colour = colour::asked(&words);
+    let command = Arguments::command().color(colour);
+    let parsed = command
+        .try_get_matches()
+        .and_then(|matches| Arguments::from_arg_matches(&matches));
+    let result = match parsed {
         Ok(arguments) => run(&arguments.verb),
         Err(error) => usage::answer(&error),
     };
     stop::wait_if_stopping();
     let outcome = result.unwrap_or_else(|failure| {
         for problem in failure.message.lines() {
-            complain(format!("error: {problem}"));
+            complain_of_error(problem);
         }
         failure.outcome
     });

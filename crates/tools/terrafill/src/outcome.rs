@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How a command ended, and what it prints.
 
+use crate::colour::error_mark;
 use crate::techniques::wrapped;
 use std::io::{self, Write as _};
 
@@ -97,6 +98,11 @@ pub(crate) fn written(result: io::Result<()>) -> Result<(), Failure> {
 const WIDTH: usize = 200;
 /// Begins what is the rest of the line above.
 const INDENT: &str = "    ";
+
+/// Writes an error to standard error, as [`complain`] does.
+pub(crate) fn complain_of_error(problem: impl std::fmt::Display) {
+    complain(format!("{} {problem}", error_mark()));
+}
 
 /// Writes a line to standard error. Where that cannot be written there is no place left to say so:
 /// the exit code still does.

@@ -4,7 +4,7 @@
 //! A wrong value gets the one line that wrong input gets everywhere, with what was found and what is
 //! allowed; for the rest clap's own text says best what the verb looks like.
 
-use crate::outcome::{Failure, Outcome, complain, written};
+use crate::outcome::{Failure, Outcome, complain_of_error, written};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::error::Error as _;
 use std::io::Write as _;
@@ -13,7 +13,7 @@ use terrafill_scene::choices;
 /// Prints help to standard output, problems to standard error.
 pub(crate) fn answer(error: &clap::Error) -> Result<Outcome, Failure> {
     if let Some(line) = wrong_value(error) {
-        complain(format!("error: {line}"));
+        complain_of_error(line);
         return Ok(Outcome::BadInput);
     }
     let printed = error.print();

@@ -89,10 +89,50 @@ fn exit_codes_are_listed_and_the_version_is_the_packages() {
     ] {
         assert!(help.contains(&format!("{code} {word}")), "{help}");
     }
-    assert_eq!(
-        desk.run(&["--version"]).succeeded(),
-        concat!("terrafill ", env!("CARGO_PKG_VERSION"), "\n")
-    );
+    let short = concat!("terrafill ", env!("CARGO_PKG_VERSION"), "\n");
+    assert_eq!(desk.run(&["-V"]).succeeded(), short);
+    let long = desk.run(&["--version"]).succeeded();
+    let lines: Vec<&str> = long.lines().collect();
+    let [number, commit, build] = lines[..] else {
+        panic!("{long}");
+    };
+    assert_eq!(number, short.trim_end());
+    let known = ["unknown, built outside git", env!("TERRAFILL_COMMIT")];
+    let known = known[usize::from(!known[1].is_empty())];
+    assert_eq!(commit, format!("commit {known}"));
+    for words in [" build, features ", ", wgpu ", ", ash "] {
+        assert!(build.contains(words), "{build}");
+    }
+}
+
+#[test]
+fn errors_of_every_kind_have_one_colour_where_colours_are_asked_for() {
+    let desk = Desk::new();
+    let stderr = |line: &str, colour: &str| {
+        let words: Vec<&str> = line.split(' ').chain(["--color", colour]).collect();
+        let output = desk.command(&words).env("NO_COLOR", "1").output();
+        let output = output.expect("the program starts");
+        assert_eq!(output.status.code(), Some(2), "{line}");
+        String::from_utf8(output.stderr).expect("UTF-8")
+    };
+    // The program's own, one about a value, and clap's.
+    for line in ["mesh none.geojson", "mesh f --edges x", "mesh f --fly"] {
+        let coloured = stderr(line, "always");
+        assert!(
+            coloured.starts_with("\u{1b}[1m\u{1b}[31merror:\u{1b}[0m "),
+            "{coloured:?}"
+        );
+        // Negative controls: an error that is written to a pipe, and where none is wanted.
+        for colour in ["auto", "never"] {
+            let plain = stderr(line, colour);
+            assert!(
+                plain.starts_with("error: ") && !plain.contains('\u{1b}'),
+                "{plain:?}"
+            );
+        }
+    }
+    desk.run(&["mesh", "f", "--color", "blue"])
+        .refused(&[&["--color: found \"blue\", allowed: auto, always, never"]]);
 }
 
 #[test]
