@@ -83,7 +83,7 @@ pub struct DataNeed {
 /// What a scene reads from the data folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneNeeds {
-    /// Name of a shipped scene, or path of a scene file in the repository.
+    /// Name of a shipped scene.
     pub scene: String,
     /// In the order of the scene file; none where the scene needs no data.
     pub files: Vec<DataNeed>,

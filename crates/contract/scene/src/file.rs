@@ -49,12 +49,20 @@ impl Scene {
     pub fn shipped(name: &str, data_dir: Option<&Path>) -> Result<Self, SceneError> {
         let text = shipped::shipped_scene_text(name).ok_or_else(|| SceneError::Unknown {
             name: name.to_owned(),
-            allowed: choices(name, shipped::shipped_scene_names()),
+            allowed: choices(
+                name,
+                [
+                    shipped::shipped_scene_names(),
+                    shipped::scene_names_in_folders(),
+                ]
+                .concat(),
+            ),
         })?;
         Self::from_toml(text, &format!("bench-scenes/{name}.toml"), data_dir)
     }
 
-    /// A scene by the name of one that ships, or by the path of a scene file (with `/` or `.toml` in it).
+    /// A scene by the name of one that ships, or by the path of a scene file: one that ends with `.toml`, or has a
+    /// `/` and is there.
     ///
     /// # Errors
     /// As [`Scene::shipped`].
@@ -64,7 +72,8 @@ impl Scene {
                 path: name.to_owned(),
             });
         }
-        if name.contains('/') || name.ends_with(".toml") {
+        let is_path = name.ends_with(".toml") || (name.contains('/') && Path::new(name).exists());
+        if is_path && shipped::shipped_scene_text(name).is_none() {
             Self::load(Path::new(name), data_dir)
         } else {
             Self::shipped(name, data_dir)

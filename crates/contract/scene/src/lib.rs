@@ -28,7 +28,9 @@ pub use generated::{Cells, Coast, Nested};
 pub use needs::shipped_scene_needs;
 pub use procedural::Islands;
 pub use scene::{LevelChoice, Overlap, Scene, SurfaceChoice, SurfaceFile, TexturedFills, View};
-pub use shipped::{shipped_scene_names, shipped_scene_text, suite_names, suite_scenes};
+pub use shipped::{
+    scene_names_in_folders, shipped_scene_names, shipped_scene_text, suite_names, suite_scenes,
+};
 pub use suite::{Expectation, SuiteScene, SuiteView};
 pub use texture::{
     MipChain, MipLevel, Outside, SceneTexture, TextureAnchor, TexturePlacement, TextureShare,

@@ -35,8 +35,8 @@ pub(crate) const SCENES: &[(&str, &str)] = &[
     file!("window-east.toml"),
 ];
 
-/// Scenes that are named by their path and read data: known here for what they need alone.
-pub(crate) const BY_PATH: &[(&str, &str)] = &[
+/// Scenes over real elevation, which a run without names leaves out.
+pub(crate) const TERRAIN: &[(&str, &str)] = &[
     file!("terrain/countries-over-etopo.toml"),
     file!("terrain/everest.toml"),
     file!("terrain/grand-canyon.toml"),
@@ -116,6 +116,21 @@ pub fn shipped_scene_names() -> Vec<&'static str> {
         .collect()
 }
 
+/// Names of those in folders, which a run without names leaves out: `terrain/everest`, `extreme/poles`.
+#[must_use]
+pub fn scene_names_in_folders() -> Vec<&'static str> {
+    let names = all().skip(SCENES.len());
+    names
+        .map(|(file, _)| file.trim_end_matches(".toml"))
+        .collect()
+}
+
+/// Every scene that ships: file and text.
+fn all() -> impl Iterator<Item = &'static (&'static str, &'static str)> {
+    let suites = SUITES.iter().flat_map(|(_, scenes)| *scenes);
+    SCENES.iter().chain(TERRAIN).chain(suites)
+}
+
 /// Names of the suites.
 #[must_use]
 pub fn suite_names() -> Vec<&'static str> {
@@ -139,7 +154,7 @@ pub(crate) fn height_names() -> Vec<&'static str> {
 /// File of a scene that ships with the program, by name.
 #[must_use]
 pub fn shipped_scene_text(name: &str) -> Option<&'static str> {
-    find(SCENES, &format!("{name}.toml"))
+    find(all(), &format!("{name}.toml"))
 }
 
 pub(crate) fn data_text(name: &str) -> Option<&'static str> {
@@ -154,7 +169,10 @@ fn names<T>(all: &[(&'static str, T)]) -> Vec<&'static str> {
     all.iter().map(|(name, _)| *name).collect()
 }
 
-fn find<T: Copy>(all: &[(&str, T)], wanted: &str) -> Option<T> {
-    let mut all = all.iter();
+fn find<'a, T: Copy + 'a>(
+    all: impl IntoIterator<Item = &'a (&'static str, T)>,
+    wanted: &str,
+) -> Option<T> {
+    let mut all = all.into_iter();
     all.find(|(name, _)| *name == wanted).map(|(_, own)| *own)
 }

@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 use terrafill_core::{Ellipsoid, Region};
 use terrafill_fixtures::data;
 use terrafill_scene::{
-    ImageSize, Scene, SceneError, View, scene_needs, shipped_scene_names, shipped_scene_needs,
+    ImageSize, Scene, SceneError, View, scene_names_in_folders, scene_needs, shipped_scene_names,
+    shipped_scene_needs,
 };
 
 /// Samples along each side of a view.
@@ -367,7 +368,7 @@ fn what_every_scene_of_the_repository_reads_is_known() {
             .trim_end_matches(".toml");
         let known = known
             .iter()
-            .find(|known| known.scene == name || known.scene == path)
+            .find(|known| known.scene == name)
             .map(|known| known.files.clone());
         needed += needs.len();
         assert_eq!(
@@ -422,9 +423,40 @@ fn a_scene_that_is_not_shipped_is_named_with_those_that_are() {
     assert_eq!(
         error.to_string(),
         "scene \"planet-135\" is not shipped, allowed: planet-134, california, square-10m, \
-         square-200km, hills, screen-grid, spiral, countries-110m … and 9 more; \
+         square-200km, hills, screen-grid, spiral, countries-110m … and 54 more; \
          did you mean \"planet-134\"?"
     );
+}
+
+#[test]
+fn scenes_in_folders_are_named_by_folder_and_file_and_a_path_is_still_one() {
+    let names = scene_names_in_folders();
+    assert_eq!(
+        (names.len(), names[0]),
+        (45, "terrain/countries-over-etopo")
+    );
+    let poles = Scene::open("extreme/poles", None).expect("ships");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..");
+    let by_path = root.join("bench-scenes/extreme/poles.toml");
+    let by_path = Scene::open(&by_path.display().to_string(), None).expect("a path");
+    assert_eq!(poles.views, by_path.views);
+    let everest = Scene::open("terrain/everest", None).expect_err("no data");
+    assert!(
+        matches!(everest, SceneError::DataMissing { .. }),
+        "{everest}"
+    );
+    // Negative controls: a bare name is none of a folder's, and a path to nothing no scene.
+    for (name, meant) in [
+        ("poles", "extreme/poles"),
+        ("terrain/everst", "terrain/everest"),
+    ] {
+        let error = Scene::open(name, None).expect_err("unknown").to_string();
+        let meant = format!("; did you mean {meant:?}?");
+        assert!(
+            error.contains("is not shipped") && error.ends_with(&meant),
+            "{error}"
+        );
+    }
 }
 
 #[test]

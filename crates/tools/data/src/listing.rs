@@ -277,14 +277,14 @@ mod tests {
         };
         let countries = set("natural-earth-110m-countries");
         assert_eq!(countries.file.state, FileState::Missing);
-        let over_etopo = "bench-scenes/terrain/countries-over-etopo.toml";
+        let over_etopo = "terrain/countries-over-etopo";
         assert_eq!(
             countries.scenes,
             ["countries-110m", "blue-marble", over_etopo]
         );
         let states = set("us-10m");
         assert_eq!(states.file.state, FileState::Begun { arrived_bytes: 2 });
-        let canyon = "bench-scenes/terrain/grand-canyon.toml";
+        let canyon = "terrain/grand-canyon";
         assert_eq!(states.scenes, ["us-states", canyon]);
         assert_eq!(states.made.len(), 2);
         let marble = set("blue-marble");

@@ -50,9 +50,10 @@ pub fn carry_scenes(
         };
         let mut hasher = DefaultHasher::new();
         text.hash(&mut hasher);
-        let copies = folder.join(format!("scenes/{:016x}", hasher.finish()));
-        std::fs::create_dir_all(&copies).map_err(GateError::io(&copies))?;
-        let copy = copies.join(format!("{scene}.toml"));
+        let copy = folder.join(format!("scenes/{:016x}/{scene}.toml", hasher.finish()));
+        // A scene of a folder is in one here as well.
+        let copies = copy.parent().unwrap_or(folder);
+        std::fs::create_dir_all(copies).map_err(GateError::io(copies))?;
         std::fs::write(&copy, text).map_err(GateError::io(&copy))?;
         let copy = copy.canonicalize().map_err(GateError::io(&copy))?;
         let path = copy.display().to_string();

@@ -5,9 +5,10 @@ use crate::arguments::{ScenesArguments, StudiesArguments};
 use crate::data::data_dirs;
 use crate::outcome::{Failure, Outcome, print, print_json};
 use crate::registry::STUDIES;
+use rayon::prelude::*;
 use serde::Serialize;
 use terrafill_results::MetricRow;
-use terrafill_scene::{Scene, SceneError, shipped_scene_names};
+use terrafill_scene::{Scene, SceneError, scene_names_in_folders, shipped_scene_names};
 
 /// A scene as it is listed.
 #[derive(Serialize)]
@@ -109,8 +110,9 @@ impl ListedScene {
 
 pub(crate) fn scenes(arguments: &ScenesArguments) -> Result<Outcome, Failure> {
     let data = data_dirs(&arguments.data)?;
-    let scenes: Vec<ListedScene> = shipped_scene_names()
-        .into_iter()
+    let names = [shipped_scene_names(), scene_names_in_folders()].concat();
+    let scenes: Vec<ListedScene> = names
+        .into_par_iter()
         .map(|name| ListedScene::new(name, Scene::shipped(name, data.as_deref())))
         .collect();
     if arguments.json {

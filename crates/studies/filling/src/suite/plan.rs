@@ -159,16 +159,18 @@ fn scenes(request: &Request) -> Result<Vec<(String, String)>, StudyError> {
     if request.scenes.is_empty() {
         return Ok(suite.iter().map(owned).collect());
     }
+    let folder = format!("{EXTREME}/");
     let find = |name: &String| {
+        let name = name.strip_prefix(&folder).unwrap_or(name);
         if name.contains('/') || name.ends_with(".toml") {
             let read = std::fs::read_to_string(name);
             let read = read.map_err(|source| SceneError::Unreadable {
                 path: PathBuf::from(name),
                 source,
             });
-            return Ok((name.clone(), read.map_err(bad_input)?));
+            return Ok((name.to_owned(), read.map_err(bad_input)?));
         }
-        let is_it = |(file, _): &&(&str, &str)| *file == format!("{EXTREME}/{name}.toml");
+        let is_it = |(file, _): &&(&str, &str)| *file == format!("{folder}{name}.toml");
         suite.iter().find(is_it).map(owned).ok_or_else(|| {
             let files = suite.iter().map(|(file, _)| Path::new(file).file_stem());
             let allowed = choices(name, files.filter_map(|stem| stem?.to_str()));

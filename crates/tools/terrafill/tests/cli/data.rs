@@ -52,7 +52,7 @@ fn sets_are_listed_with_licence_source_size_and_readers() {
         "    public domain\n",
         "    https://raw.githubusercontent.com/d3/d3-geo/",
         "    vectors/us_states_10m.geojson · 180,766 bytes · not here\n",
-        "    read by countries-110m, blue-marble, bench-scenes/terrain/countries-over-etopo.toml\n",
+        "    read by countries-110m, blue-marble, terrain/countries-over-etopo\n",
         "Cannot be got yet:\n",
         "terrain/N27E086.hgt · not here\n",
     ] {

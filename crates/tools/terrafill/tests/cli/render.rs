@@ -714,6 +714,35 @@ fn the_only_view_needs_no_name_and_several_are_named() {
 }
 
 #[test]
+fn scenes_in_folders_are_drawn_by_their_names() {
+    let desk = Desk::new();
+    let draw = |scene: &str, out: &str| {
+        let fixed = [
+            "--view",
+            "over-north",
+            "--technique",
+            "reference",
+            "--size",
+            "32",
+        ];
+        let ran = desk.run(&[&["render", scene, "--out", out][..], &fixed].concat());
+        ran.succeeded();
+        desk.read(out)
+    };
+    let file = include_str!("../../../../../bench-scenes/extreme/poles.toml");
+    desk.write("poles.toml", file);
+    assert_eq!(
+        draw("extreme/poles", "named.png"),
+        draw("./poles.toml", "path.png")
+    );
+    // One that needs data says which, and is not taken for a path. Negative control: what is neither.
+    let render =
+        |scene: &'static str| desk.run(&["render", scene, "--view", "v", "--out", "a.png"]);
+    render("terrain/everest").refused(&[&["needs vectors/ne_50m_admin_0_countries.geojson"]]);
+    render("./extreme/poles").refused(&[&["\"./extreme/poles\" is not shipped"]]);
+}
+
+#[test]
 fn what_was_written_is_said_where_no_output_is_read() {
     let desk = Desk::new();
     write_squares(&desk);

@@ -227,7 +227,7 @@ fn a_wrong_value_gets_one_line_with_what_is_allowed() {
 fn what_is_misspelt_gets_the_name_that_was_meant() {
     let desk = Desk::new();
     let render = "render california --out a.png --size 8 --view";
-    let cases: [(&str, &str); 11] = [
+    let cases: [(&str, &str); 12] = [
         ("bench califrnia", "california"),
         ("bench --study filing", "filling"),
         ("bench --suite extrem", "extreme"),
@@ -235,6 +235,7 @@ fn what_is_misspelt_gets_the_name_that_was_meant() {
         ("bench california --ablation califrnia", "california"),
         ("data get blue-marbel", "blue-marble"),
         ("mesh f --edges planr", "planar"),
+        ("bench everst", "terrain/everest"),
         (&format!("{render} globs"), "globe"),
         (&format!("{render} globe --technique instancd"), "instanced"),
         (&format!("{render} globe --set laiout=pulled"), "layout"),
@@ -283,6 +284,9 @@ fn scenes_says_what_there_is_and_what_the_rest_needs() {
         "countries-110m\n    skipped: no data folder is given (TERRAFILL_DATA is not set, and there is no folder \
          data)\n",
         "needs vectors/ne_110m_admin_0_countries.geojson\n",
+        "terrain/everest\n    skipped: ",
+        "extreme/poles\n",
+        "extreme/nan-coordinates\n    not available: ",
     ] {
         assert!(text.contains(phrase), "{phrase:?} is not in {text}");
     }
