@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What a run is doing: a bar on a terminal, elsewhere a line at least every half minute.
+//! What a run is doing: a bar on a terminal, elsewhere a line at once and then every few seconds.
 
 use crate::outcome::complain;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -10,14 +10,17 @@ use std::time::{Duration, Instant};
 use terrafill_results::{GroupDuration, RunError, RunFolder, append_durations};
 use terrafill_study::Progress;
 
-/// Longest silence where there is no terminal: what watches a job takes longer ones for a hang.
-const LONGEST_SILENCE: Duration = Duration::from_secs(25);
+/// From line to line where there is no terminal: what watches a job takes silence for a hang.
+const INTERVAL: Duration = Duration::from_secs(5);
+
+/// From here on the time that is left is said in minutes.
+const LONG_S: f64 = 120.0;
 
 /// Says what a run is doing until it is dropped.
 pub(crate) enum Said {
     Bar(ProgressBar),
     Lines {
-        steps: Option<Sender<String>>,
+        steps: Option<Sender<Step>>,
         writer: Option<JoinHandle<()>>,
     },
 }
@@ -47,6 +50,27 @@ impl Said {
     }
 }
 
+/// How far a run is.
+pub(crate) struct Step {
+    done: usize,
+    all: usize,
+    what: String,
+}
+
+impl Step {
+    /// - `passed`: since the first step was begun
+    fn line(&self, prefix: &str, passed: Duration) -> String {
+        let Self { done, all, what } = self;
+        let left_s = passed.as_secs_f64() * all.saturating_sub(*done) as f64 / *done as f64;
+        let left = match done {
+            0 => "time left not known yet".to_owned(),
+            _ if left_s < LONG_S => format!("about {left_s:.0} s left"),
+            _ => format!("about {:.0} min left", left_s / 60.0),
+        };
+        format!("{prefix}; step {done} of {all}, {left}: {what}")
+    }
+}
+
 /// Which process it is, and how many are left.
 fn title(process: u32, processes: u32, at_most: Option<u32>) -> String {
     let all = at_most.unwrap_or(processes);
@@ -58,20 +82,23 @@ fn title(process: u32, processes: u32, at_most: Option<u32>) -> String {
     }
 }
 
-/// Writes the newest step whenever a silence has lasted long enough, even within one long step.
-fn write_lines(prefix: &str, said: &Receiver<String>) {
-    let mut newest = "starting".to_owned();
+/// Writes the first step, and then the newest after each interval, even within one long step.
+fn write_lines(prefix: &str, said: &Receiver<Step>) {
+    let Ok(mut newest) = said.recv() else {
+        return;
+    };
+    let started = Instant::now();
     loop {
-        let silent_since = Instant::now();
+        complain(newest.line(prefix, started.elapsed()));
+        let said_at = Instant::now();
         loop {
-            let left = LONGEST_SILENCE.saturating_sub(silent_since.elapsed());
+            let left = INTERVAL.saturating_sub(said_at.elapsed());
             match said.recv_timeout(left) {
                 Ok(step) => newest = step,
                 Err(RecvTimeoutError::Timeout) => break,
                 Err(RecvTimeoutError::Disconnected) => return,
             }
         }
-        complain(format!("{prefix}, {newest}"));
     }
 }
 
@@ -86,7 +113,8 @@ impl Progress for Said {
             Self::Lines { steps, .. } => {
                 if let Some(steps) = steps {
                     // A writer that has ended has nobody to write to.
-                    drop(steps.send(format!("step {done} of {all}: {what}")));
+                    let what = what.to_owned();
+                    drop(steps.send(Step { done, all, what }));
                 }
             }
         }
@@ -154,6 +182,33 @@ impl Drop for Said {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_line_has_totals_and_the_time_that_is_left() {
+        let line = |done, seconds| {
+            let what = "globe".to_owned();
+            let step = Step {
+                done,
+                all: 40,
+                what,
+            };
+            step.line("process 1/5, 4 left", Duration::from_secs(seconds))
+        };
+        let begins = "process 1/5, 4 left; step";
+        assert_eq!(
+            line(10, 5),
+            format!("{begins} 10 of 40, about 15 s left: globe")
+        );
+        assert_eq!(
+            line(10, 60),
+            format!("{begins} 10 of 40, about 3 min left: globe")
+        );
+        // Negative control: from no step nothing is concluded.
+        assert_eq!(
+            line(0, 5),
+            format!("{begins} 0 of 40, time left not known yet: globe")
+        );
+    }
 
     #[test]
     fn processes_are_numbered_and_what_is_left_is_said() {

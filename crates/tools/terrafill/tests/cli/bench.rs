@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `bench`, `report` and `merge`: what a run writes, what it is asked for, and how it ends.
 
-use crate::harness::{Desk, NAMED, QUICK, collection, has_device, polygon, rectangle};
+use crate::harness::{Desk, NAMED, QUICK, collection, has_device, is_progress, polygon, rectangle};
 use std::collections::{BTreeMap, BTreeSet};
 use terrafill_results::{Case, Outcome, REPEATS, Run};
 
@@ -157,6 +157,26 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
     // A run in the same place is not mixed with this one.
     desk.run(&quick("run", &[]))
         .refused(&[&["run holds a run already", "--resume"]]);
+}
+
+#[test]
+fn a_run_in_a_pipe_says_at_once_how_far_it_is_and_then_seldom() {
+    let desk = Desk::new();
+    let line = ["bench", "--study", "growth", "--quick", "--samples", "1"];
+    let started = std::time::Instant::now();
+    let output = desk.command(&line).output().expect("the program starts");
+    let seconds = started.elapsed().as_secs();
+    let said = String::from_utf8(output.stderr).expect("UTF-8");
+    let lines: Vec<&str> = said.lines().filter(|line| is_progress(line)).collect();
+    let first = lines.first().copied().unwrap_or_default();
+    let begins = "process 1/1; step 0 of ";
+    assert!(
+        first.starts_with(begins) && first.contains(" left"),
+        "{said}"
+    );
+    assert!(lines.len() as u64 <= 1 + seconds / 5, "{seconds} s: {said}");
+    // Negative control: what says nothing of how far it is.
+    assert!(!is_progress("process 1 of the run: exit status: 2"));
 }
 
 #[test]
