@@ -29,7 +29,7 @@ mod subject;
 mod suite;
 mod textured;
 
-pub use chapter::FillingChapter;
+pub use chapter::{FillingChapter, answer_text};
 pub use request::STUDY;
 pub use session::PictureCheck;
 pub use study::FillingStudy;

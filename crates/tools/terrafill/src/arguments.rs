@@ -35,7 +35,7 @@ Colours: --color auto|always|never with any command; auto has none where NO_COLO
 Example: terrafill bench california --quick --out out/first";
 
 const BENCH_EXAMPLE: &str = "\
-Takes --tolerance-px, --max-mb and --budget-ms of `terrafill report`, too.
+Takes --tolerance-px, --max-mb, --budget-ms and --open of `terrafill report`, too.
 Example: terrafill bench planet-134 california --out out/first";
 
 const LOCATE_AFTER_HELP: &str = "\
@@ -212,6 +212,8 @@ pub(crate) struct BenchArguments {
     pub(crate) matrix: Vec<String>,
     #[arg(long, value_name = "FILE", requires = "study", help = CASTERS_HELP)]
     pub(crate) casters: Option<String>,
+    #[arg(long, hide = true)]
+    pub(crate) open: bool,
     #[command(flatten)]
     pub(crate) budget: BudgetArguments,
 }
@@ -323,6 +325,9 @@ pub(crate) struct ReportArguments {
     /// Put all pages and pictures into index.html alone
     #[arg(long)]
     pub(crate) single_file: bool,
+    /// Open the report with the system's program for pages
+    #[arg(long)]
+    pub(crate) open: bool,
     #[command(flatten)]
     pub(crate) budget: BudgetArguments,
 }

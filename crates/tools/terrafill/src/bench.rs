@@ -23,6 +23,7 @@ use std::process::{Command, Stdio};
 use std::rc::Rc;
 use std::sync::mpsc::Receiver;
 use terrafill_contract::Devices;
+use terrafill_filling::answer_text;
 use terrafill_gpu::shared_gpu;
 use terrafill_results::{Budget, Moment, Run, RunFolder, Skipped, append_clocks, read_durations};
 use terrafill_scene::{ImageSize, choices};
@@ -201,9 +202,11 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         "{} right, {} wrong, {} failed, {} skipped; {} wrong where the error is the question{driver_fault}\n",
         outcome.ok, outcome.wrong, outcome.failed, outcome.skipped, outcome.wrong_on_purpose
     );
+    let run = Run::load(&arguments.out).map_err(Failure::bad_input)?;
     print_report(
         terrafill_report::write(&arguments.out, &chapters()),
-        &counts,
+        &format!("{counts}{}", answer_text(&run)),
+        arguments.open,
     )
 }
 
@@ -518,7 +521,7 @@ pub(crate) fn report(arguments: &ReportArguments) -> Result<Outcome, Failure> {
         terrafill_report::write
     };
     keep(&arguments.budget, &arguments.run)?;
-    print_report(write(&arguments.run, &chapters()), "")
+    print_report(write(&arguments.run, &chapters()), "", arguments.open)
 }
 
 /// Puts limits that are given into the folder of a run: reports answer by them.
@@ -539,7 +542,8 @@ pub(crate) fn merge(arguments: &MergeArguments) -> Result<Outcome, Failure> {
     }
     terrafill_results::merge(&arguments.runs, &arguments.out, metrics())
         .map_err(Failure::bad_input)?;
-    print_report(terrafill_report::write(&arguments.out, &chapters()), "")
+    let report = terrafill_report::write(&arguments.out, &chapters());
+    print_report(report, "", false)
 }
 
 /// Whether a folder is one of `gate`, ended or not.

@@ -55,6 +55,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     print_report(
         terrafill_report::write(out, &chapters()),
         &format!("{sentence}\n"),
+        arguments.open,
     )
 }
 

@@ -13,10 +13,14 @@ use crate::purpose::{Purpose, is_approximate};
 use terrafill_conformance::MAX_ROUNDED_PX;
 use terrafill_lab::{in_every_group, none_differs, some_of};
 use terrafill_plot::dotted;
-use terrafill_plot::number::{count, digits, figure, measured_bytes, significant};
+use terrafill_plot::number::{count, digits, elided, figure, measured_bytes, significant};
 use terrafill_results::{
-    Answers, Block, Case, Cell, ChapterError, Finding, Metric, Outcome, Row, Table, TableLayout,
+    Answers, Block, Case, Cell, ChapterError, Finding, Metric, Outcome, Row, Run, Table,
+    TableLayout,
 };
+
+/// Characters of a fill's name on a terminal, so that its figures fit beside it.
+const MAX_NAME: usize = 48;
 
 /// Fills that compete in a view, fastest first.
 pub(super) struct Contest<'d, 'a> {
@@ -170,6 +174,59 @@ fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
         cell(least(fills, error)),
     ];
     Some(Row::named(name, cells))
+}
+
+/// The answer for a terminal: of each view the fastest fill of each technique, the best first; empty where none was
+/// timed.
+#[must_use]
+pub fn answer_text(run: &Run) -> String {
+    let data = Data::new(run);
+    let headings = ["fill", data.timings.unit(), "bytes", "wrong px", "÷ best"];
+    let mut rows = vec![headings.map(str::to_owned)];
+    for view in &data.views {
+        let contest = Contest::new(&data, view);
+        let fills = contest.fills.iter().copied();
+        let techniques = grouped(fills, |case| case.condition(TECHNIQUE));
+        let fastest = techniques.iter().filter_map(|(_, fills)| fills.first());
+        for (place, fill) in fastest.enumerate() {
+            if place == 0 {
+                let mut title: [String; 5] = Default::default();
+                title[0] = view.title();
+                rows.push(title);
+            }
+            rows.push(terminal_row(&data, &contest, fill));
+        }
+    }
+    if rows.len() == 1 {
+        return String::new();
+    }
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();
+    let widths = [0, 1, 2, 3, 4].map(|column| width(column).unwrap_or(0));
+    let line = |row: &[String; 5]| {
+        let [fill, figures @ ..] = row;
+        let mut line = format!("{fill:<0$}", widths[0]);
+        for (figure, &width) in figures.iter().zip(&widths[1..]) {
+            line += &format!("  {figure:>width$}");
+        }
+        line.trim_end().to_owned() + "\n"
+    };
+    rows.iter().map(line).collect()
+}
+
+/// Name, time with half its interval, bytes of geometry, wrong pixels, and time over the view's best.
+fn terminal_row(data: &Data<'_>, contest: &Contest<'_, '_>, fill: &Case) -> [String; 5] {
+    let time = data.timings.typical(fill).map(|time| {
+        let half = time.interval.map(|[low, high]| 0.5 * (high - low));
+        let half = half.map_or_else(String::new, |half| format!(" ± {}", significant(half)));
+        format!("{}{half}", significant(time.middle))
+    });
+    [
+        format!("  {}", elided(&label(fill), MAX_NAME)),
+        or_dash(time),
+        or_dash(fill.value(GEOMETRY_BYTES).map(measured_bytes)),
+        or_dash(fill.value(MISMATCHED_PX).map(digits)),
+        or_dash(contest.over_fastest(data, fill).map(significant)),
+    ]
 }
 
 /// The fill with the least figure, of several the first.

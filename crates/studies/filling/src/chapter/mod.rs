@@ -28,6 +28,8 @@ mod take;
 mod tests;
 mod textured;
 
+pub use answers::answer_text;
+
 use crate::keys::{FILL_CPU_MS, FILL_GPU_MS};
 use crate::purpose::never_right;
 use crate::request::STUDY;

@@ -3,7 +3,7 @@
 //! wrong and must be seen.
 
 use super::data::{Data, name};
-use super::{FillingChapter, error_time, textured};
+use super::{FillingChapter, answer_text, error_time, textured};
 use crate::claims::PAPER;
 use std::collections::BTreeSet;
 use terrafill_fixtures::data;
@@ -928,6 +928,15 @@ fn about_forty_per_cent_is_measured_in_bytes() {
     assert!(found[2].contains(&format!("{ratio:.3} ×")), "{found:?}");
 }
 
+/// The cell of the first view's answer below a heading.
+fn answered(run: &MadeUpRun, heading: &str) -> String {
+    let blocks = answers(run).blocks;
+    let table = tables(&blocks)[0];
+    let mut headings = table.headings.iter();
+    let column = headings.position(|own| own.text == heading);
+    table.rows[0].cells[column.expect("a heading")].text.clone()
+}
+
 #[test]
 fn pairs_are_ratios_within_processes_and_gaps_within_the_noise_are_ties() {
     let of = |control_ms: f64, shader_ms: f64| {
@@ -938,9 +947,7 @@ fn pairs_are_ratios_within_processes_and_gaps_within_the_noise_are_ties() {
         again(&mut run, 0, 1.05 * control_ms);
         let chapter = section(&run, "One thing changed");
         let cells = texts(tables(&chapter)[0], 0).join(" | ");
-        let ties = tables(&answers(&run).blocks)[0].rows[0].cells[3]
-            .text
-            .clone();
+        let ties = answered(&run, "ties");
         (cells, words(&blocks(&run)), ties)
     };
     let (cells, all, _) = of(10.0, 11.0);
@@ -1601,6 +1608,36 @@ fn the_first_words_say_what_to_take_what_it_costs_and_how_sure_that_is() {
 }
 
 #[test]
+fn a_terminal_has_the_best_fill_of_each_technique() {
+    let lines = |run: &MadeUpRun| -> Vec<String> {
+        let (_folder, run) = written(run);
+        answer_text(&run).lines().map(str::to_owned).collect()
+    };
+    let found = lines(&best_of(21.0));
+    let [head, view, best, other] = &found[..] else {
+        panic!("{found:#?}");
+    };
+    assert!(
+        head.starts_with("fill ") && head.ends_with(" ÷ best"),
+        "{head}"
+    );
+    assert!(head.contains(" process CPU ms "), "{head}");
+    assert_eq!(view, "s, globe");
+    for (line, name, time, bytes, over) in [
+        (best, "  vertex/doubled ", " 21.5 ± ", " 4.00 kB ", " 1.00"),
+        (other, "  native/gs-line ", " 43.0 ± ", " 500 B ", " 2.00"),
+    ] {
+        assert!(line.starts_with(name) && line.ends_with(over), "{line}");
+        assert!(line.contains(time) && line.contains(bytes), "{line}");
+    }
+    // Negative controls: a wrong fill is none, and nothing is said of a run without fills.
+    let mut wrong = best_of(21.0);
+    wrong.cases[0].ended(Status::Wrong, "41 pixels");
+    assert!(lines(&wrong)[2].starts_with("  vertex/pulled "));
+    assert_eq!(lines(&on_cpu()), [""; 0]);
+}
+
+#[test]
 fn nothing_is_drawn_or_advised_below_the_fastest() {
     let mut run = best_of(20.0);
     // In most processes the second takes less than the first, and its median is longer.
@@ -1793,14 +1830,7 @@ fn an_approximate_fill_is_shown_as_such_and_wins_nothing() {
         run
     };
     let title = "Volumes against approximate fills";
-    let best = |run: &MadeUpRun| {
-        let found = answers(run);
-        let table = found.blocks.iter().find_map(|block| match block {
-            Block::Table(table) => Some(table.rows[0].cells[2].text.clone()),
-            _ => None,
-        });
-        table.expect("a table of answers")
-    };
+    let best = |run: &MadeUpRun| answered(run, "recommended");
     let run = made(&[("approximate", "yes")]);
     assert_eq!(best(&run), "vertex/doubled");
     let within = "mask-texture/texture,size=1024: within the tolerances in 0 of 1 views";

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `bench`, `report` and `merge`: what a run writes, what it is asked for, and how it ends.
 
-use crate::harness::{Desk, NAMED, QUICK, collection, has_device, is_progress, polygon, rectangle};
+use crate::harness::{
+    Desk, NAMED, QUICK, collection, has_device, is_progress, polygon, ran, rectangle,
+};
 use std::collections::{BTreeMap, BTreeSet};
+use terrafill_results::made_up::{MadeUpRun, case_id};
 use terrafill_results::{Case, Outcome, REPEATS, Run};
 
 /// Columns that scripts and the gate rely on, in this order.
@@ -62,6 +65,15 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
     let counts = format!("{QUICK}{all} right, 0 wrong, 0 failed, 0 skipped");
     assert!(text.starts_with(&counts), "{text}");
     assert!(text.ends_with("report: run/index.html\n"), "{text}");
+    // Each view has its table: the best fill of each technique.
+    for view in ["globe", "top-down", "horizon"] {
+        let own = text.split_once(&format!("\ncalifornia, {view}\n"));
+        let own: Vec<&str> = own.expect(view).1.lines().take(3).collect();
+        assert!(own.iter().all(|line| line.starts_with("  ")), "{text}");
+        assert!(own[0].ends_with(" 1.00"), "{text}");
+    }
+    // Negative control: a full-screen pass is no fill.
+    assert!(!text.contains("depth-pass"), "{text}");
     assert_eq!(desk.names(), ["run"]);
     for name in FILES {
         assert!(!desk.read(&format!("run/{name}")).is_empty(), "{name}");
@@ -242,6 +254,48 @@ fn nothing_to_measure_ends_with_4() {
     );
     let ran = desk.run(&["bench", "california", "--shard", "4/4", "--out", "shard"]);
     assert_eq!(ran.code, 4, "{}", ran.stderr);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_report_is_opened_by_the_systems_program_where_that_is_asked_for() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let desk = Desk::new();
+    let mut made = MadeUpRun::default();
+    let conditions = [
+        ("scene", "moon"),
+        ("view", "globe"),
+        ("technique", "vertex"),
+    ];
+    made.case(case_id("filling", "moon/globe/vertex/doubled", &conditions))
+        .timed("fill_cpu_ms", &[1.5]);
+    made.write(&desk.path("run")).expect("a run");
+    let opener = "#!/bin/sh\nprintf %s \"$1\" > opened.new && mv opened.new opened\n";
+    desk.write("bin/xdg-open", opener);
+    let executable = std::fs::Permissions::from_mode(0o755);
+    std::fs::set_permissions(desk.path("bin/xdg-open"), executable).expect("ours");
+    let report = |path: &str, more: &[&str]| {
+        let mut command = desk.command(&[&["report", "run"][..], more].concat());
+        ran(command.env("PATH", path))
+    };
+    let path = format!("{}:/usr/bin:/bin", desk.path("bin").display());
+    let plain = report(&path, &[]);
+    // Negative controls: without the option nothing is opened, and without the program the report is written.
+    let nowhere = desk.path("none").display().to_string();
+    let without = report(&nowhere, &["--open"]);
+    assert_eq!((without.code, &without.stdout), (plain.code, &plain.stdout));
+    let warning = "warning: --open: xdg-open: ";
+    assert!(without.stderr.contains(warning), "{}", without.stderr);
+    assert!(!desk.path("opened").exists());
+    let opened = report(&path, &["--open"]);
+    assert_eq!((opened.code, &opened.stdout), (plain.code, &plain.stdout));
+    for _ in 0..500 {
+        if desk.path("opened").exists() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    assert_eq!(desk.read_text("opened"), "run/index.html");
 }
 
 #[test]
