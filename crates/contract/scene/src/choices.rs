@@ -44,9 +44,9 @@ mod tests {
         let names = ["vertex", "compute", "terrain/everest"];
         let all = "vertex, compute, terrain/everest";
         for (found, meant) in [
-            ("vertx", "vertex"),
+            ("vertexx", "vertex"),
             ("Compute", "compute"),
-            ("everst", "terrain/everest"),
+            ("everestx", "terrain/everest"),
         ] {
             let expected = format!("{all}; did you mean {meant:?}?");
             assert_eq!(choices(found, names), expected);

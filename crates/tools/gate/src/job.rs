@@ -257,7 +257,9 @@ impl<'a> Job<'a> {
         }
         // The last lines say why; a progress line or two stand before them.
         let last = &ended.said[ended.said.len().saturating_sub(4)..];
-        let message = format!("{}: {}", ended.status, last.join("; "));
+        // What is indented goes on with the line above it.
+        let last = last.join("; ").replace(";     ", " ");
+        let message = format!("{}: {last}", ended.status);
         // Who kills without a word is the system, when it is short of memory.
         if ended.said.iter().any(|line| says_machine_failed(line)) || was_killed(ended.status) {
             return self.failed(side, message).of_machine();

@@ -228,18 +228,21 @@ fn what_is_misspelt_gets_the_name_that_was_meant() {
     let desk = Desk::new();
     let render = "render california --out a.png --size 8 --view";
     let cases: [(&str, &str); 12] = [
-        ("bench califrnia", "california"),
-        ("bench --study filing", "filling"),
-        ("bench --suite extrem", "extreme"),
-        ("bench california --technique instancd", "instanced"),
-        ("bench california --ablation califrnia", "california"),
-        ("data get blue-marbel", "blue-marble"),
-        ("mesh f --edges planr", "planar"),
-        ("bench everst", "terrain/everest"),
-        (&format!("{render} globs"), "globe"),
-        (&format!("{render} globe --technique instancd"), "instanced"),
-        (&format!("{render} globe --set laiout=pulled"), "layout"),
-        (&format!("{render} globe --set layout=puled"), "pulled"),
+        ("bench californiax", "california"),
+        ("bench --study fillingx", "filling"),
+        ("bench --suite extremex", "extreme"),
+        ("bench california --technique instancedx", "instanced"),
+        ("bench california --ablation californiax", "california"),
+        ("data get blue-marblex", "blue-marble"),
+        ("mesh f --edges planarx", "planar"),
+        ("bench everestx", "terrain/everest"),
+        (&format!("{render} globex"), "globe"),
+        (
+            &format!("{render} globe --technique instancedx"),
+            "instanced",
+        ),
+        (&format!("{render} globe --set layoutx=pulled"), "layout"),
+        (&format!("{render} globe --set layout=pulledx"), "pulled"),
     ];
     for (line, meant) in cases {
         let line: Vec<&str> = line.split(' ').collect();
