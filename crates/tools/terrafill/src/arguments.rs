@@ -18,6 +18,7 @@ pub(crate) use values::{Edges, ReadingArguments, RingRepair};
 use crate::{registry, version};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
+use clap_complete::aot::Shell;
 use gate::{BLESS_EXAMPLE, GATE_EXAMPLE};
 use history::HISTORY_EXAMPLE;
 use std::path::PathBuf;
@@ -113,6 +114,18 @@ pub(crate) enum Verb {
     /// List the devices of this machine, what runs on them, and what the rest lack
     #[command(after_help = "Example: terrafill devices --json")]
     Devices(DevicesArguments),
+    /// Print what a shell completes commands by
+    #[command(after_help = "Example: terrafill completions bash > ~/.terrafill.bash")]
+    Completions {
+        #[arg(value_enum)]
+        shell: Shell,
+    },
+    /// Write manual pages, one for each command
+    #[command(after_help = "Example: terrafill man target/man && man -l target/man/terrafill.1")]
+    Man {
+        /// Folder for them
+        folder: PathBuf,
+    },
     /// Mesh one region and print its vertices and CPU milliseconds: what `bench` starts for each
     #[command(hide = true, name = registry::GROWTH_SAMPLE)]
     GrowthSample(GrowthSampleArguments),

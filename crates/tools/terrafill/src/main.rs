@@ -21,6 +21,7 @@ mod history;
 mod input;
 mod inspect;
 mod locate;
+mod manual;
 mod mesh;
 mod outcome;
 mod output;
@@ -82,6 +83,8 @@ fn run(verb: &Verb) -> Result<Outcome, Failure> {
         Verb::Studies(arguments) => inspect::studies(arguments),
         Verb::Techniques(arguments) => techniques::run(arguments),
         Verb::Devices(arguments) => devices::run(arguments),
+        Verb::Completions { shell } => manual::completions(*shell),
+        Verb::Man { folder } => manual::man(folder),
         Verb::GrowthSample(arguments) => bench::growth_sample(arguments),
     }
 }

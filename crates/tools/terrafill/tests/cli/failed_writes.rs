@@ -14,7 +14,7 @@ const FULL: &str = "/dev/full";
 
 /// Command lines of every verb, each of which prints something. `OUT` is a folder that is new each
 /// time. `GPU`: only where there is a device.
-const COMMANDS: [&str; 35] = [
+const COMMANDS: [&str; 37] = [
     "--help",
     "--version",
     "help",
@@ -51,6 +51,8 @@ const COMMANDS: [&str; 35] = [
     "studies --markdown",
     "techniques",
     "devices",
+    "completions bash",
+    "man OUT",
 ];
 
 /// Hidden, and a verb all the same.

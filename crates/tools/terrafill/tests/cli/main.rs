@@ -15,6 +15,7 @@ mod inputs;
 mod killed;
 mod lagoon;
 mod locate;
+mod manual;
 mod mesh;
 mod own;
 mod readme;
