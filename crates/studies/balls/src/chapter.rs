@@ -6,7 +6,7 @@ mod drawn;
 
 use crate::drop::MOSTLY;
 use crate::integrator::Integrator;
-use crate::keys::*;
+use crate::metrics::*;
 use terrafill_lab::{
     Cases, Drawing, Figure, Names, Panel, Section, SectionedChapter, Select, finding, log_slope,
 };
@@ -237,8 +237,13 @@ fn orders(cases: &Cases<'_>) -> Table {
 
 fn findings(cases: &Cases<'_>) -> Vec<Finding> {
     let mut findings = Vec::new();
-    for name in ["symplectic-euler", "velocity-verlet", "rk4", "split-verlet"] {
-        let expected = Integrator::from_name(name).and_then(Integrator::order);
+    for integrator in [
+        Integrator::SymplecticEuler,
+        Integrator::VelocityVerlet,
+        Integrator::Rk4,
+        Integrator::SplitVerlet,
+    ] {
+        let (name, expected) = (integrator.name(), integrator.order());
         let order = fitted_order(&errors(cases, name, "1e3", "f64"), "1e3");
         let both = order.zip(expected);
         findings.push(finding(

@@ -3,8 +3,8 @@
 
 use crate::STUDY;
 use crate::drawing::{DrawCalls, DrawsBalls};
-use crate::keys::{BALLS, DRAWN, GROUND, INTERFACE, PART, SIZE_PX, WAY};
-use crate::on_devices::{TIMED, constants, counts, take_all};
+use crate::metrics::{BALLS, DRAWN, GROUND, INTERFACE, PART, SIZE_PX, WAY};
+use crate::on_devices::{TIMED, constants, take_all};
 use crate::stepping::{Stepping, Steps};
 use crate::terrain::{BallView, JudgedBalls, State, Terrain, judge};
 use crate::walk::{Walk, walk};
@@ -14,8 +14,8 @@ use terrafill_contract::{CpuStopwatch, DeviceError, ids_of};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
 use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, Request, StudyError,
-    file_stem, judged, planned_case, verified, write_rgb,
+    CaseGroup, CaseSession, Context, Failure, Figures, Measures, Request, StudyError, file_stem,
+    judged, planned_case, verified, write_rgb,
 };
 
 /// Balls that are drawn one by one at most: the published figure ends at 5,000.
@@ -37,16 +37,14 @@ pub(crate) fn size_of(request: &Request) -> ImageSize {
 }
 
 /// Balls over terrain, drawn or not.
-struct DrawnBalls {
+pub(crate) struct DrawnBalls {
     cases: Vec<(Stepping, DrawCalls, u32)>,
     size: ImageSize,
 }
 
-pub(crate) fn group(is_quick: bool, pictures: (ImageSize, u32)) -> impl Group {
-    group_of(counts(is_quick), pictures)
-}
-
-fn group_of(counts: &[u32], (size, samples): (ImageSize, u32)) -> CaseGroup<DrawnBalls> {
+/// - `counts`: numbers of balls
+/// - `samples`: of a process
+pub(crate) fn group(counts: &[u32], size: ImageSize, samples: u32) -> CaseGroup<DrawnBalls> {
     let mut cases = Vec::new();
     for way in Stepping::ALL {
         for &balls in counts {
@@ -175,9 +173,7 @@ impl DrawnSession<'_> {
         self.opened.insert(case, opened);
         Ok(found)
     }
-}
 
-impl DrawnSession<'_> {
     /// The picture of one draw, where it is kept, as a note: balls dark before the sky.
     fn picture(
         &self,
@@ -279,6 +275,7 @@ mod tests {
     use std::rc::Rc;
     use terrafill_contract::Devices;
     use terrafill_results::Status;
+    use terrafill_study::Group as _;
 
     const SIZE: ImageSize = ImageSize {
         width: QUICK_SIDE_PX,
@@ -288,7 +285,7 @@ mod tests {
     #[test]
     fn balls_over_terrain_follow_f64_and_those_over_other_ground_do_not() {
         let devices = Rc::new(Devices::default());
-        let group = group_of(&[500], (SIZE, 1));
+        let group = group(&[500], SIZE, 1);
         let context = Context {
             devices: &devices,
             folder: std::path::Path::new(""),
@@ -343,29 +340,15 @@ mod tests {
             ..BallOutcome::default()
         };
         assert_eq!(right.reason(), "");
-        let far = BallOutcome {
-            walk: Walk {
-                step_m: 1.0,
-                ..Walk::default()
-            },
-            ..BallOutcome::default()
+        let said = |change: fn(&mut BallOutcome)| {
+            let mut wrong = BallOutcome::default();
+            change(&mut wrong);
+            wrong.reason()
         };
-        assert!(far.reason().contains("from f64"));
-        let strayed = BallOutcome {
-            strayed: 2,
-            ..BallOutcome::default()
-        };
-        assert!(strayed.reason().contains("2 balls end elsewhere"));
-        let sent = BallOutcome {
-            uploaded: 4,
-            ..BallOutcome::default()
-        };
-        assert!(sent.reason().contains("4 bytes"));
-        let other = BallOutcome {
-            differing: 1,
-            draws: 2,
-            ..BallOutcome::default()
-        };
-        assert!(other.reason().contains("1 pixels differ"));
+        assert!(said(|ball| ball.walk.step_m = 1.0).contains("from f64"));
+        assert!(said(|ball| ball.strayed = 2).contains("2 balls end elsewhere"));
+        assert!(said(|ball| ball.uploaded = 4).contains("4 bytes"));
+        let differing = said(|ball| (ball.differing, ball.draws) = (1, 2));
+        assert!(differing.contains("1 pixels differ"));
     }
 }

@@ -80,12 +80,6 @@ impl Integrator {
             Self::ExactEvent => None,
         }
     }
-
-    /// The one of this name.
-    pub(crate) fn from_name(name: &str) -> Option<Self> {
-        let mut all = Self::SPRING.into_iter().chain(Self::HARD);
-        all.find(|integrator| integrator.name() == name)
-    }
 }
 
 /// What acts on a ball.

@@ -15,7 +15,6 @@ mod drop;
 #[cfg(test)]
 mod formulas;
 mod integrator;
-mod keys;
 mod metrics;
 mod on_devices;
 mod stepping;

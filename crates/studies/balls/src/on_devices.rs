@@ -2,9 +2,10 @@
 //! Balls stepped on devices, nothing drawn, against the same integrator in `f64`.
 
 use crate::STUDY;
+use crate::arithmetic::Real as _;
 use crate::closed_form::GRAVITY;
 use crate::integrator::{Ball, Forces, Integrator, step};
-use crate::keys::{BALLS, INTERFACE, PART, WAY};
+use crate::metrics::{BALLS, INTERFACE, PART, WAY};
 use crate::stepping::{BallConstants, Stepping, Steps};
 use crate::terrain::{CELL_M, CELLS, State};
 use terrafill_contract::{CpuStopwatch, DeviceError};
@@ -35,10 +36,10 @@ pub(crate) fn counts(is_quick: bool) -> &'static [u32] {
 }
 
 /// Balls on devices.
-pub(crate) fn group(is_quick: bool, samples: u32) -> impl Group {
-    let stepped = Stepping::ALL.into_iter().flat_map(|way| {
+pub(crate) fn group(counts: &[u32], samples: u32) -> impl Group + use<> {
+    let stepped = Stepping::ALL.into_iter().flat_map(move |way| {
         let of = move |&balls: &u32| Stepped { way, balls };
-        counts(is_quick).iter().map(of)
+        counts.iter().map(of)
     });
     trials(STUDY, format!("{STUDY}/device"), samples, stepped.collect())
 }
@@ -52,27 +53,19 @@ struct Stepped {
 /// Dropped at rest from 0.1 to 0.3 m.
 fn balls(count: u32) -> Vec<State> {
     let height = |i: u32| 0.1 + 0.2 * (f64::from(i) + 0.5) / f64::from(count);
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "the device's first state is the nearest f32, and the reference begins there"
-    )]
-    let ball = |i| [[0.0, 0.0, height(i) as f32, 1.0], [0.0; 4]];
+    // The device's first state is the nearest f32, and the reference begins there.
+    let ball = |i| [[0.0, 0.0, f32::of(height(i)), 1.0], [0.0; 4]];
     (0..count).map(ball).collect()
 }
 
 pub(crate) fn constants(count: u32) -> BallConstants {
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to f32 is part of what is measured"
-    )]
-    let near = |value: f64| value as f32;
     BallConstants {
-        step_s: near(1.0 / f64::from(STEPS_PER_SECOND)),
-        gravity: near(GRAVITY),
-        stiffness: near(STIFFNESS),
+        step_s: f32::of(1.0 / f64::from(STEPS_PER_SECOND)),
+        gravity: f32::of(GRAVITY),
+        stiffness: f32::of(STIFFNESS),
         count,
         cells: CELLS,
-        cell_m: near(CELL_M),
+        cell_m: f32::of(CELL_M),
         padding: [0; 2],
     }
 }
@@ -90,13 +83,9 @@ fn height_m(integrator: Integrator, first_m: f64) -> f64 {
         height: first_m,
         speed: 0.0_f64,
     };
+    let step_s = 1.0 / f64::from(STEPS_PER_SECOND);
     for _ in 0..STEPS {
-        step(
-            integrator,
-            &forces,
-            &mut ball,
-            1.0 / f64::from(STEPS_PER_SECOND),
-        );
+        step(integrator, &forces, &mut ball, step_s);
     }
     ball.height
 }

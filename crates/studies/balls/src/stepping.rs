@@ -120,14 +120,12 @@ impl OnWgpu {
             storage(true),
             storage(false),
         ];
-        let heights = match terrain {
-            Some(terrain) => {
-                types.push(storage(true));
-                let bytes = bytemuck::cast_slice(&terrain.heights);
-                Some(gpu.upload("heights", bytes, wgpu::BufferUsages::STORAGE)?)
-            }
-            None => None,
-        };
+        types.extend(terrain.map(|_| storage(true)));
+        let heights = terrain.map(|terrain| {
+            let bytes = bytemuck::cast_slice(&terrain.heights);
+            gpu.upload("heights", bytes, wgpu::BufferUsages::STORAGE)
+        });
+        let heights = heights.transpose()?;
         let layout = gpu.buffer_layout("balls", wgpu::ShaderStages::COMPUTE, &types);
         let bound = [(&first, &second), (&second, &first)].map(|(from, to)| {
             let mut buffers = vec![&constants, from, to];
@@ -157,15 +155,10 @@ impl OnWgpu {
 impl Steps for OnWgpu {
     fn step(&mut self, count: u32) -> Result<(), DeviceError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let stamps = self.timer.as_ref();
-        let stamps = stamps.map(|timer| timer.around(TimedPass::Surface));
+        let timer = self.timer.as_ref();
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("step balls"),
-            timestamp_writes: stamps.map(|stamps| wgpu::ComputePassTimestampWrites {
-                query_set: stamps.query_set,
-                beginning_of_pass_write_index: stamps.beginning_of_pass_write_index,
-                end_of_pass_write_index: stamps.end_of_pass_write_index,
-            }),
+            timestamp_writes: timer.map(|timer| timer.around_compute(TimedPass::Surface)),
         });
         pass.set_pipeline(&self.pipeline);
         for _ in 0..count {
@@ -179,11 +172,9 @@ impl Steps for OnWgpu {
     }
 
     fn gpu_ms(&self) -> Result<Option<f64>, DeviceError> {
-        let slot = TimedPass::Surface;
-        Ok(match &self.timer {
-            Some(timer) => timer.read(&self.gpu, slot, slot)?.pass_ms(slot),
-            None => None,
-        })
+        let timer = self.timer.as_ref();
+        let timed = timer.map(|timer| timer.pass_ms(&self.gpu, TimedPass::Surface));
+        Ok(timed.transpose()?.flatten())
     }
 
     fn read(&self) -> Result<Vec<State>, DeviceError> {
@@ -248,21 +239,18 @@ impl OnVulkan {
         let bytes = bytemuck::bytes_of(constants);
         let constants = Buffer::upload(&gpu, "ball constants", bytes, BufferUse::Uniform)?;
         let constants = Arc::new(constants);
-        let heights = match terrain {
-            Some(terrain) => {
-                let bytes = bytemuck::cast_slice(&terrain.heights);
-                let heights = Buffer::upload(&gpu, "heights", bytes, BufferUse::Storage)?;
-                Some(Resource::Storage(Arc::new(heights)))
-            }
-            None => None,
-        };
+        let heights = terrain.map(|terrain| {
+            let bytes = bytemuck::cast_slice(&terrain.heights);
+            Buffer::upload(&gpu, "heights", bytes, BufferUse::Storage)
+        });
+        let heights = heights.transpose()?.map(Arc::new);
         let bind = |from: usize| {
             let mut all = vec![
                 Resource::Uniform(Arc::clone(&constants)),
                 Resource::Storage(Arc::clone(&states[from])),
                 Resource::Storage(Arc::clone(&states[1 - from])),
             ];
-            all.extend(heights.clone());
+            all.extend(heights.clone().map(Resource::Storage));
             Resources::new(&gpu, all)
         };
         let bound = [bind(0)?, bind(1)?];

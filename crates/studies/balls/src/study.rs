@@ -4,8 +4,8 @@
 use crate::chapter::CHAPTER;
 use crate::drop::{Arithmetic, Drop, GROUND_M, MOSTLY};
 use crate::integrator::Integrator;
-use crate::keys::{self, *};
-use crate::{STUDY, drawn, metrics::METRICS, on_devices};
+use crate::metrics::*;
+use crate::{STUDY, drawn, on_devices};
 use std::collections::BTreeMap;
 use terrafill_contract::CpuStopwatch;
 use terrafill_results::{ConditionKey, PlannedCase, Status, Verdict};
@@ -14,13 +14,10 @@ use terrafill_study::{
     judged, planned_case,
 };
 
-/// Conditions of a case, in the order of its name.
-type Conditions = Vec<(ConditionKey, String)>;
-
 /// Steps a second; a quick run leaves out the last.
-const STEPS_PER_SECOND: [u32; 6] = [30, 120, 480, 1_920, 7_680, 30_720];
-/// Stiffness k/m by its name in tables, 1/s².
-const STIFFNESS: [(&str, f64); 3] = [("1e3", 1e3), ("1e5", 1e5), ("1e7", 1e7)];
+const STEPS: [u32; 6] = [30, 120, 480, 1_920, 7_680, 30_720];
+/// Stiffness k/m, 1/s².
+const SPRINGS: [f64; 3] = [1e3, 1e5, 1e7];
 /// Timed runs of each case in a process, unless the request says otherwise.
 const SAMPLES: u32 = 2;
 
@@ -33,7 +30,7 @@ impl Study for BallsStudy {
         name: STUDY,
         question: "Which integrator takes a bouncing ball to which error, and what does a step cost on devices?",
         metrics: METRICS,
-        conditions: crate::keys::CONDITIONS,
+        conditions: crate::metrics::CONDITIONS,
         least_depth: Full,
         chapter: CHAPTER,
     );
@@ -46,27 +43,35 @@ impl Study for BallsStudy {
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let is_quick = request.depth == Depth::Quick;
         let samples = request.samples.unwrap_or(SAMPLES);
-        let pictures = (drawn::size_of(request), samples);
+        let (counts, size) = (on_devices::counts(is_quick), drawn::size_of(request));
         Ok(Planned {
             groups: vec![
                 Box::new(group(is_quick, samples)),
-                Box::new(on_devices::group(is_quick, samples)),
-                Box::new(drawn::group(is_quick, pictures)),
+                Box::new(on_devices::group(counts, samples)),
+                Box::new(drawn::group(counts, size, samples)),
             ],
             ..Planned::default()
         })
     }
 }
 
-fn state(datum_m: f64) -> String {
-    if datum_m > 0.0 { "height" } else { "gap" }.to_owned()
+/// Conditions of a case, in the order of its name.
+fn conditions(drop: &Drop) -> [(ConditionKey, String); 6] {
+    let stiffness = drop.stiffness.map(|stiffness| format!("{stiffness:e}"));
+    let state = if drop.datum_m > 0.0 { "height" } else { "gap" };
+    [
+        (PART, "drop".to_owned()),
+        (INTEGRATOR, drop.integrator.name().to_owned()),
+        (STIFFNESS, stiffness.unwrap_or_else(|| "hard".to_owned())),
+        (ARITHMETIC, drop.arithmetic.name().to_owned()),
+        (STATE, state.to_owned()),
+        (STEPS_PER_SECOND, drop.steps_per_second.to_string()),
+    ]
 }
 
-fn drops(is_quick: bool) -> Vec<(Conditions, Drop)> {
-    let spring = STIFFNESS.map(|(name, value)| (name, Some(value)));
-    let laws = spring.into_iter().chain([("hard", None)]);
+fn drops(is_quick: bool) -> Vec<Drop> {
     let mut drops = Vec::new();
-    for (name, stiffness) in laws {
+    for stiffness in SPRINGS.map(Some).into_iter().chain([None]) {
         let integrators: &[Integrator] = match stiffness {
             Some(_) => &Integrator::SPRING,
             None => &Integrator::HARD,
@@ -74,25 +79,17 @@ fn drops(is_quick: bool) -> Vec<(Conditions, Drop)> {
         for &integrator in integrators {
             for arithmetic in Arithmetic::ALL {
                 for datum_m in [0.0, GROUND_M] {
-                    for &steps in &STEPS_PER_SECOND[..if is_quick { 5 } else { 6 }] {
-                        let drop = Drop {
+                    for &steps_per_second in &STEPS[..if is_quick { 5 } else { 6 }] {
+                        drops.push(Drop {
                             integrator,
                             stiffness,
                             arithmetic,
                             datum_m,
-                            steps_per_second: steps,
+                            steps_per_second,
                             restitution: 1.0,
                             balls: if is_quick { 16 } else { 128 },
                             seconds: 5,
-                        };
-                        let conditions = vec![
-                            (INTEGRATOR, integrator.name().to_owned()),
-                            (keys::STIFFNESS, name.to_owned()),
-                            (ARITHMETIC, arithmetic.name().to_owned()),
-                            (STATE, state(datum_m)),
-                            (keys::STEPS_PER_SECOND, steps.to_string()),
-                        ];
-                        drops.push((conditions, drop));
+                        });
                     }
                 }
             }
@@ -104,20 +101,16 @@ fn drops(is_quick: bool) -> Vec<(Conditions, Drop)> {
 /// Drops, which need no device.
 fn group(is_quick: bool, samples: u32) -> CaseGroup<Vec<Drop>> {
     let drops = drops(is_quick);
-    let case = |(conditions, drop): &(Conditions, Drop)| {
-        let part = [(PART, "drop".to_owned())].into_iter();
-        let conditions = part.chain(conditions.iter().cloned());
-        PlannedCase {
-            may_be_wrong: drop.may_blow_up(),
-            ..planned_case(STUDY, samples, conditions, None)
-        }
+    let case = |drop: &Drop| PlannedCase {
+        may_be_wrong: drop.may_blow_up(),
+        ..planned_case(STUDY, samples, conditions(drop), None)
     };
     CaseGroup {
         name: format!("{STUDY}/drop"),
         cases: drops.iter().map(case).collect(),
         // The check of a case runs it once.
         warm_up: Some(0),
-        work: drops.into_iter().map(|(_, drop)| drop).collect(),
+        work: drops,
         open: |group, _| Ok(Box::new(CaseSession(BallsSession(&group.work)))),
     }
 }

@@ -4,6 +4,7 @@
 //! Metres from the terrain's corner, z up. The tile is small, so that `f32` moves a ball by 2 µm at
 //! worst when it rounds a place.
 
+use crate::arithmetic::Real as _;
 use crate::closed_form::GRAVITY;
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec2, DVec3, DVec4};
@@ -30,12 +31,8 @@ impl Terrain {
         let wave = |column: u32, row: u32| {
             let x = TAU * f64::from(column) * CELL_M / 40.0;
             let y = TAU * f64::from(row) * CELL_M / 30.0 + 0.3;
-            #[allow(
-                clippy::cast_possible_truncation,
-                reason = "the nearest f32 is the height that device and reference share"
-            )]
-            let height = (2.0 * x.sin() * y.sin()) as f32;
-            height
+            // The nearest f32 is the height that device and reference share.
+            f32::of(2.0 * x.sin() * y.sin())
         };
         let rows = 0..=CELLS;
         let vertices = rows.flat_map(|row| (0..=CELLS).map(move |column| wave(column, row)));
@@ -68,13 +65,8 @@ impl Terrain {
     /// The same of a cell's own surface, which goes on beyond its borders.
     fn at_in(&self, cell: DVec2, place: DVec2) -> (f64, DVec2) {
         let share = place / CELL_M - cell;
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "held between 0 and the number of cells"
-        )]
-        let first = cell.y as usize * (CELLS as usize + 1) + cell.x as usize;
         let side = CELLS as usize + 1;
+        let first = whole(cell.y) as usize * side + whole(cell.x) as usize;
         let corner = |offset: usize| f64::from(self.heights[first + offset]);
         // h = a + b x + c y + d x y on a cell.
         let (a, b, c) = (corner(0), corner(1) - corner(0), corner(side) - corner(0));
@@ -111,12 +103,7 @@ impl Terrain {
 
     /// Balls at rest from 0.1 to 0.3 m above the ground, evenly over all of it.
     pub(crate) fn balls(&self, count: u32) -> Vec<State> {
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a root of a count"
-        )]
-        let side = f64::from(count).sqrt().ceil() as u32;
+        let side = whole(f64::from(count).sqrt().ceil());
         let along = |number: u32| (f64::from(number) + 0.5) / f64::from(side) * SIDE_M;
         let ball = |number: u32| {
             let place = DVec2::new(along(number % side), along(number / side));
@@ -126,6 +113,16 @@ impl Terrain {
         };
         (0..count).map(ball).collect()
     }
+}
+
+/// A place in a picture or among cells without its fraction. Whoever calls makes sure that it lies there.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "not negative, and at most some thousands"
+)]
+fn whole(place: f64) -> u32 {
+    place as u32
 }
 
 /// From where the balls are seen: an eye, the axes of the screen, and the tangent of half the field of view.
@@ -225,12 +222,7 @@ pub(crate) fn judge(
         if !is_sure || at.min_element() < 0.0 || at.cmpge(end).any() || away < NEAR_M {
             continue;
         }
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "inside the picture"
-        )]
-        let pixel = at.y as usize * width + at.x as usize;
+        let pixel = whole(at.y) as usize * width + whole(at.x) as usize;
         sure[pixel] = sure[pixel].min(away);
     }
     let mut judged = JudgedBalls::default();

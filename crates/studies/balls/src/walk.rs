@@ -193,32 +193,22 @@ mod tests {
     #[test]
     fn whatever_is_wrong_is_said() {
         assert_eq!(Walk::default().reason(), "");
-        let wrong = [
-            Walk {
-                step_m: f64::NAN,
-                ..Walk::default()
-            },
-            Walk {
-                step_speed: 1e-3,
-                ..Walk::default()
-            },
-            Walk {
-                unexplained: 1,
-                ..Walk::default()
-            },
-            Walk {
-                guided_max_m: 2.0 * ALLOWED_M,
-                ..Walk::default()
-            },
-        ];
-        for walk in wrong {
-            assert!(walk.reason().contains("from f64"), "{walk:?}");
-        }
-        let sent = Walk {
-            uploaded: 4,
-            ..Walk::default()
+        let said = |change: fn(&mut Walk)| {
+            let mut wrong = Walk::default();
+            change(&mut wrong);
+            wrong.reason()
         };
-        assert!(sent.reason().contains("4 bytes"));
+        let wrong = [
+            said(|walk| walk.step_m = f64::NAN),
+            said(|walk| walk.step_speed = 1e-3),
+            said(|walk| walk.unexplained = 1),
+            said(|walk| walk.guided_max_m = 2.0 * ALLOWED_M),
+        ];
+        assert!(
+            wrong.iter().all(|said| said.contains("from f64")),
+            "{wrong:?}"
+        );
+        assert!(said(|walk| walk.uploaded = 4).contains("4 bytes"));
     }
 
     #[test]

@@ -68,15 +68,14 @@ impl Study for FlightStudy {
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let bad = |error: &dyn ToString| StudyError::BadInput(error.to_string());
-        let scenes = if request.scenes.is_empty() {
-            vec![home().map_err(|error| bad(&error))?]
+        let scenes: Result<Vec<Scene>, _> = if request.scenes.is_empty() {
+            home().map(|home| vec![home])
         } else {
             let names = request.scenes.iter();
             let opened = names.map(|name| Scene::open(name, request.data_dir.as_deref()));
-            opened
-                .collect::<Result<_, _>>()
-                .map_err(|error| bad(&error))?
+            opened.collect()
         };
+        let scenes = scenes.map_err(|error| bad(&error))?;
         let mut planned = Planned {
             inputs: scenes.iter().flat_map(files_read).collect(),
             ..Planned::default()
@@ -141,10 +140,12 @@ fn flights(
             continue;
         };
         // The ways of making pieces do not depend on who fills: one technique shows them all.
-        let paces = match cases.is_empty() {
-            true => &Pace::ALL[..],
-            false if is_quick => &[],
-            false => &Pace::ALL[2..3],
+        let paces = if cases.is_empty() {
+            &Pace::ALL[..]
+        } else if is_quick {
+            &[]
+        } else {
+            &Pace::ALL[2..3]
         };
         cases.extend(paces.iter().map(|&pace| FlightCase {
             technique,
@@ -185,10 +186,8 @@ fn flights(
 }
 
 fn memory(surface: &dyn Surface) -> PieceMemory {
-    let refining = surface.refining();
-    refining
-        .map(|refining| refining.memory())
-        .unwrap_or_default()
+    let memory = surface.refining().map(|refining| refining.memory());
+    memory.unwrap_or_default()
 }
 
 /// What one frame took and showed.
@@ -271,12 +270,8 @@ fn figures(
 ) -> Result<(ErrorFigures, u64), String> {
     let judge = ReferenceBackend::new();
     let (reference, settled) = (references.frame(input)?, references.frame(asked_for)?);
-    let changed_px = reference
-        .ids
-        .iter()
-        .zip(&settled.ids)
-        .filter(|(now, then)| now != then)
-        .count();
+    let ids = reference.ids.iter().zip(&settled.ids);
+    let changed_px = ids.filter(|(now, then)| now != then).count();
     // Hardly any frame is asked about closely, and to get ready for it takes longer than to draw.
     let scene: OnceCell<Option<ReferenceScene>> = OnceCell::new();
     let closely = || {
@@ -290,15 +285,12 @@ fn figures(
         closely().is_some_and(|look| look.ids_within(pixel, BAND_RADIUS_PX).contains(&id))
     };
     let figures = compare_closely(&reference, drawn, by_rounding, shows);
-    Ok((
-        figures.map_err(|error| error.to_string())?,
-        changed_px as u64,
-    ))
+    let figures = figures.map_err(|error| error.to_string())?;
+    Ok((figures, changed_px as u64))
 }
 
 struct FlightsSession<'a> {
     group: &'a CaseGroup<Flights>,
-    flights: &'a Flights,
     context: Context<'a>,
     views: Vec<View>,
     references: References,
@@ -318,18 +310,15 @@ struct FlightsSession<'a> {
 impl<'a> FlightsSession<'a> {
     fn new(group: &'a CaseGroup<Flights>, context: Context<'a>) -> Result<Self, StudyError> {
         let flights = &group.work;
+        let scene = &flights.scene;
         let bad = |error: &dyn std::error::Error| {
             StudyError::BadInput(format!("{}: {error}", group.name))
         };
-        let meshes = RegionMesh::build_all(
-            &flights.scene.regions,
-            &flights.scene.body,
-            flights.scene.edge_rule,
-            &flights.scene.mesh,
-        );
+        let meshes =
+            RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh);
         let meshes = meshes.map_err(|errors| bad(&errors[0]))?;
         // Another one than the settled: a flight begins with nothing made.
-        let surface = open_surface(flights.surfaces, &flights.scene);
+        let surface = open_surface(flights.surfaces, scene);
         let surface = surface.map_err(|error| bad(&error))?;
         let broken = || StudyError::Broken {
             place: group.name.clone(),
@@ -337,7 +326,7 @@ impl<'a> FlightsSession<'a> {
         };
         let as_it_is = AsItIs::new(Arc::clone(&surface)).map(Arc::new);
         let as_it_is = as_it_is.ok_or_else(broken)?;
-        let whole = PreparedScene::new(&flights.scene, meshes.into(), Arc::clone(&surface));
+        let whole = PreparedScene::new(scene, meshes.into(), Arc::clone(&surface));
         let now = PreparedScene {
             surface: Arc::<AsItIs>::clone(&as_it_is),
             ..whole.clone()
@@ -345,9 +334,8 @@ impl<'a> FlightsSession<'a> {
         let budget_bytes = memory(&*surface).budget_bytes;
         Ok(Self {
             group,
-            flights,
             context,
-            views: path(&flights.scene.views, FRAMES, REST),
+            views: path(&scene.views, FRAMES, REST),
             references: References::default(),
             targets: Targets::new(context.devices, flights.size),
             backends: BTreeMap::new(),
@@ -367,8 +355,8 @@ impl<'a> FlightsSession<'a> {
         index: usize,
         compared_of: Option<u32>,
     ) -> Result<(Vec<Flown>, Compared), Failure> {
-        let case = &self.flights.cases[index];
-        let size = self.flights.size;
+        let flights = &self.group.work;
+        let (case, size) = (&flights.cases[index], flights.size);
         let mut backend = match self.backends.remove(&index) {
             Some(backend) => backend,
             None => case.technique.open(&self.targets, &case.variant)?,
@@ -414,7 +402,7 @@ impl<'a> FlightsSession<'a> {
             if is_compared {
                 let drawn = backend.render(&input)?;
                 let asked_for = FillInput {
-                    surface: self.flights.settled.frame(&input.camera, size)?,
+                    surface: flights.settled.frame(&input.camera, size)?,
                     ..input.clone()
                 };
                 let figures = figures(&self.references, &input, &asked_for, &drawn);
@@ -439,7 +427,7 @@ impl<'a> FlightsSession<'a> {
 impl Measures for FlightsSession<'_> {
     /// A flight whose last frame is kept as a picture.
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
-        let (_, compared) = self.fly(case, Some(self.flights.compared_of))?;
+        let (_, compared) = self.fly(case, Some(self.group.work.compared_of))?;
         let mut verdict = compared.verdict();
         if let Some(picture) = compared.picture {
             let name = file_stem(&self.group.cases[case].id.key());
@@ -596,19 +584,14 @@ mod tests {
                     }
                     // Negative control: what does not wait is late, and shows it.
                     Making::AFrame(_) => {
-                        assert!(
-                            late > 3.0 && changed_px > 0.0,
-                            "{name}: {late} {changed_px}"
-                        );
+                        let shows_it = late > 3.0 && changed_px > 0.0;
+                        assert!(shows_it, "{name}: {late} {changed_px}");
                     }
                     Making::Background => assert!(late > 0.0, "{name}"),
                 }
                 let evicted = value("flight_pieces_evicted");
-                assert_eq!(
-                    evicted > 0.0,
-                    pace.budget_bytes.is_some(),
-                    "{name}: {evicted}"
-                );
+                let is_tight = pace.budget_bytes.is_some();
+                assert_eq!(evicted > 0.0, is_tight, "{name}: {evicted}");
                 let made = value("flight_pieces_made");
                 match pace.making {
                     Making::Anew => made_anew = made,
@@ -644,11 +627,8 @@ mod tests {
             assert_eq!(references.0.borrow().len(), 2, "another moment");
             let verdict = compared.verdict();
             assert_eq!(verdict.status, Status::Wrong);
-            assert!(
-                verdict.reason.starts_with("1 of 2 frames; frame 7: "),
-                "{}",
-                verdict.reason
-            );
+            let reason = verdict.reason;
+            assert!(reason.starts_with("1 of 2 frames; frame 7: "), "{reason}");
         });
     }
 }

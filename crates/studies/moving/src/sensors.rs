@@ -52,10 +52,7 @@ impl Sensors {
     /// The first `count` sensors over `body`; more of them are the same and further ones.
     pub(crate) fn new(body: Ellipsoid, count: usize) -> Result<Self, Failure> {
         let mut random = SplitMix64::new(SEED);
-        // 53 random bits are the digits of a number below 1.
-        let mut between = |[low, high]: [f64; 2]| {
-            low + (high - low) * ((random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
-        };
+        let mut between = |[low, high]: [f64; 2]| low + (high - low) * random.unit();
         let sensors = (0..count).map(|_| Sensor {
             start_deg: [0, 1].map(|axis| {
                 MIDDLE_DEG[axis] + between([-HALF_WIDTH_DEG[axis], HALF_WIDTH_DEG[axis]])
@@ -113,10 +110,8 @@ impl Sensors {
     ///
     /// - `first`: as in [`Sensors::regions`]
     pub(crate) fn discs(&self, first: usize) -> Vec<RegionMesh> {
-        let indices = 0..self.sensors.len();
-        indices
-            .map(|index| self.mesher.disc(name(index), first + index))
-            .collect()
+        let disc = |index| self.mesher.disc(name(index), first + index);
+        (0..self.sensors.len()).map(disc).collect()
     }
 
     /// What a device bends them by at `frame`, by place in the scene.
@@ -153,9 +148,8 @@ impl Sensors {
     ) -> Result<Vec<RegionMesh>, Failure> {
         let meshes = self.footprints(frame).map(|at| {
             let (index, footprint) = at?;
-            let mesh = self
-                .mesher
-                .mesh(name(index), first + index, footprint, rule);
+            let place = first + index;
+            let mesh = self.mesher.mesh(name(index), place, footprint, rule);
             mesh.map_err(Failure::broken)
         });
         meshes.collect()
@@ -174,22 +168,17 @@ mod tests {
     fn every_footprint_of_every_frame_can_be_followed_and_moves() {
         let sensors = Sensors::new(Ellipsoid::WGS84, 200).expect("vertices");
         for frame in 0..FRAMES {
-            let strips = sensors
-                .strips(frame, 10, EdgeRule::Planar)
-                .expect("all round");
-            let next = sensors
-                .strips(frame + 1, 10, EdgeRule::Planar)
-                .expect("all round");
+            let [strips, next] = [frame, frame + 1].map(|frame| {
+                let strips = sensors.strips(frame, 10, EdgeRule::Planar);
+                strips.expect("all round")
+            });
             for (index, (strip, next)) in strips.iter().zip(&next).enumerate() {
                 assert_eq!(strip.region_index, 10 + index);
                 assert_eq!(strip.vertex_count(), 256);
                 assert_ne!(strip.vertices_ecef, next.vertices_ecef);
                 // Chords, of which a reference that reads the ring's edges knows nothing.
-                assert!(
-                    strip.boundary_deviation_m < 2_000.0,
-                    "{}",
-                    strip.boundary_deviation_m
-                );
+                let deviation_m = strip.boundary_deviation_m;
+                assert!(deviation_m < 2_000.0, "{deviation_m}");
             }
         }
     }
@@ -198,13 +187,9 @@ mod tests {
     fn the_sweep_begins_again_and_more_sensors_are_further_ones() {
         let of = |count| Sensors::new(Ellipsoid::WGS84, count).expect("vertices");
         let vertices = |sensors: &Sensors, frame| -> Vec<_> {
-            let strips = sensors
-                .strips(frame, 0, EdgeRule::Planar)
-                .expect("all round");
-            strips
-                .into_iter()
-                .map(|strip| strip.vertices_ecef)
-                .collect()
+            let strips = sensors.strips(frame, 0, EdgeRule::Planar);
+            let strips = strips.expect("all round").into_iter();
+            strips.map(|strip| strip.vertices_ecef).collect()
         };
         assert_eq!(vertices(&of(3), 0), vertices(&of(3), FRAMES));
         assert_eq!(vertices(&of(3), 5)[..], vertices(&of(5), 5)[..3]);

@@ -78,11 +78,8 @@ impl Stage {
             overlap: Overlap::Ordered,
             ..base.clone()
         };
-        let meshed = still
-            .iter()
-            .map(|region| RegionMesh::build(region, &base.body, base.edge_rule, &base.mesh));
-        let mut meshes: Vec<RegionMesh> =
-            meshed.collect::<Result<_, _>>().map_err(Failure::broken)?;
+        let meshed = RegionMesh::build_all(&still, &base.body, base.edge_rule, &base.mesh);
+        let mut meshes = meshed.map_err(|errors| Failure::broken(&errors[0]))?;
         meshes.extend(sensors.strips(0, still.len(), base.edge_rule)?);
         let mut prepared = PreparedScene::new(&scene, meshes.into(), surface);
         prepared.regions = all_regions(&still, &sensors, 0)?.into();
@@ -96,8 +93,8 @@ impl Stage {
 
     /// The first frame, by this way of keeping up to date.
     pub(crate) fn start(&self, upkeep: Upkeep) -> Result<FillInput, Failure> {
-        match upkeep {
-            Upkeep::Rewrite | Upkeep::Reload => Ok(self.start.clone()),
+        let scene = match upkeep {
+            Upkeep::Rewrite | Upkeep::Reload => return Ok(self.start.clone()),
             Upkeep::Bend => {
                 let first = self.still.len();
                 let mut meshes = self.start.scene.meshes[..first].to_vec();
@@ -106,17 +103,12 @@ impl Stage {
                     meshes: meshes.into(),
                     ..self.start.scene.clone()
                 };
-                let scene = discs.with_footprints(self.sensors.bent(0, first)?);
-                let scene = scene.map_err(Failure::broken)?;
-                Ok(self.start.remeshed(&scene, PlanOptions::default()))
+                discs.with_footprints(self.sensors.bent(0, first)?)
             }
-            Upkeep::Remesh => {
-                let changed = self.meshes(0, upkeep)?;
-                let scene = self.start.scene.with_changed(changed);
-                let scene = scene.map_err(Failure::broken)?;
-                Ok(self.start.remeshed(&scene, PlanOptions::default()))
-            }
-        }
+            Upkeep::Remesh => self.start.scene.with_changed(self.meshes(0, upkeep)?),
+        };
+        let scene = scene.map_err(Failure::broken)?;
+        Ok(self.start.remeshed(&scene, PlanOptions::default()))
     }
 
     /// How far vertices that the device computes in f32 may be off at `frame`, in metres and in pixels of

@@ -16,7 +16,7 @@ use terrafill_results::{Skipped, Status, Verdict};
 use terrafill_scene::{ImageSize, Overlap, Scene, SceneError};
 use terrafill_study::{
     CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,
-    Study, StudyError, file_stem, files_read, judged, planned_case, write_rgb,
+    Study, StudyError, file_stem, files_read, judged, planned_case, verified, write_rgb,
 };
 use terrafill_surface::SurfaceKind;
 use terrafill_variant::Variant;
@@ -173,7 +173,6 @@ struct Flight {
 
 struct SweepSession<'a> {
     group: &'a CaseGroup<Sweep>,
-    sweep: &'a Sweep,
     context: Context<'a>,
     stage: Stage,
     targets: Targets,
@@ -209,11 +208,9 @@ impl Compared {
             (WRONG.name, self.tally.wrong.len() as f64),
             (OUTSIDE.name, self.tally.outside_px as f64),
         ];
-        figures.extend(
-            self.bound
-                .into_iter()
-                .flat_map(|[metres, pixels]| [(BOUND_M.name, metres), (BOUND_PX.name, pixels)]),
-        );
+        if let Some([metres, pixels]) = self.bound {
+            figures.extend([(BOUND_M.name, metres), (BOUND_PX.name, pixels)]);
+        }
         judged(self.tally.reason(), figures, vec![("image", image)])
     }
 }
@@ -232,7 +229,6 @@ impl<'a> SweepSession<'a> {
         let stage = Stage::new(scene, sweep.surfaces, view, sweep.size, sensors);
         Ok(Self {
             group,
-            sweep,
             context,
             stage: stage.map_err(bad)?,
             targets: Targets::new(context.devices, sweep.size),
@@ -297,14 +293,10 @@ impl<'a> SweepSession<'a> {
         backend.prepare(&input)?;
         let mut compared = Compared::default();
         for frame in 0..frames {
-            let cost = match frame {
-                0 => StepCost::default(),
-                _ => {
-                    let step = self.stage.step(&mut *backend, &input, frame, case.upkeep)?;
-                    input = step.0;
-                    step.1
-                }
-            };
+            let mut cost = StepCost::default();
+            if frame > 0 {
+                (input, cost) = self.stage.step(&mut *backend, &input, frame, case.upkeep)?;
+            }
             if case.upkeep == Upkeep::Bend {
                 let [metres, pixels] = self.stage.bound(frame)?;
                 let [most_m, most_px] = compared.bound.unwrap_or_default();
@@ -322,7 +314,7 @@ impl<'a> SweepSession<'a> {
     }
 
     fn verify_frames(&mut self, index: usize, frames: u32) -> Result<Verdict, Failure> {
-        let case = &self.sweep.cases[index];
+        let case = &self.group.work.cases[index];
         let (mut flight, compared) = self.fly(case, frames)?;
         let image = match case.upkeep {
             Upkeep::Rewrite | Upkeep::Bend => self.write_picture(index, &mut flight)?,
@@ -344,7 +336,7 @@ impl<'a> SweepSession<'a> {
 
 impl Measures for SweepSession<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
-        self.verify_frames(case, self.sweep.frames)
+        self.verify_frames(case, self.group.work.frames)
     }
 
     fn recheck(
@@ -357,24 +349,18 @@ impl Measures for SweepSession<'_> {
     }
 
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        let flight = self.flights.get_mut(&case);
-        let flight = flight.ok_or("it was not verified".to_owned())?;
-        let upkeep = self.sweep.cases[case].upkeep;
-        let Flight {
-            backend,
-            input,
-            frame,
-        } = flight;
+        let upkeep = self.group.work.cases[case].upkeep;
+        let flight = verified(&mut self.flights, case)?;
+        let (backend, input) = (&mut *flight.backend, &mut flight.input);
         // Another case may have drawn over it.
         backend.draw_surface(input)?;
-        let next = (*frame + 1) % FRAMES;
+        let next = (flight.frame + 1) % FRAMES;
         let watch = CpuStopwatch::start();
-        let step = self.stage.step(&mut **backend, input, next, upkeep);
-        let (moved, cost) = step?;
+        let (moved, cost) = self.stage.step(backend, input, next, upkeep)?;
         let times = backend.time_frame(&moved);
         let (frame_cpu_ms, frame_wall_ms) = (watch.cpu_ms(), watch.wall_ms());
         let times = times?;
-        (*input, *frame) = (moved, next);
+        (*input, flight.frame) = (moved, next);
         let mut values = vec![
             (MESH.name, cost.mesh_cpu_ms),
             (PLAN.name, cost.plan_cpu_ms),
@@ -506,10 +492,8 @@ mod tests {
             for technique in ["vertex", "native"] {
                 let [rewrite, reload] =
                     ["rewrite", "reload"].map(|way| bytes[&(technique, way)].expect("counted"));
-                assert!(
-                    rewrite > 0.0 && 5.0 * rewrite < reload,
-                    "{rewrite} {reload}"
-                );
+                let is_less = rewrite > 0.0 && 5.0 * rewrite < reload;
+                assert!(is_less, "{rewrite} {reload}");
             }
         });
     }
@@ -527,11 +511,8 @@ mod tests {
             stale.add(20, figures, StepCost::default());
             let verdict = stale.verdict(String::new());
             assert_eq!(verdict.status, Status::Wrong);
-            assert!(
-                verdict.reason.starts_with("1 of 1 frames; frame 20: "),
-                "{}",
-                verdict.reason
-            );
+            let reason = verdict.reason;
+            assert!(reason.starts_with("1 of 1 frames; frame 20: "), "{reason}");
             assert!(stale.tally.outside_px > 0);
         });
     }

@@ -3,13 +3,13 @@
 //!
 //! Writes of the stencil are counted along the rays of pixels, as a device with this step would make them.
 
-use crate::count::Rule;
+use crate::count::{Pass, Rule};
 use crate::device::Interface;
 use crate::near::EyeTest;
 use crate::reference::Reference;
-use crate::scissor::{Rectangle, depths_of_parts, of_parts};
-use crate::way::{Bounds, Counting, Cut, DeviceWay, Positions, Silhouettes};
-use crate::work::{BOUNDS_SHARE, End, Pass, Scene};
+use crate::scissor::{depths_of_parts, of_parts};
+use crate::way::{Bounds, Counting, Cut, DeviceWay, Silhouettes};
+use crate::work::{BOUNDS_SHARE, End, Scene};
 use terrafill_casters::{EdgeTable, Side, Volume};
 use terrafill_contract::CpuStopwatch;
 use terrafill_variant::FacePasses;
@@ -32,15 +32,10 @@ const ANTICIPATED: &str = "anticipated: faster";
 /// From the bottom.
 pub(crate) fn steps(interface: Interface) -> Vec<StencilStep> {
     let mut way = DeviceWay {
-        interface,
         silhouettes: Silhouettes::EachTriangle,
-        positions: Positions::Eye,
         end: End::Infinite,
-        rule: Rule::Fail,
         faces: FacePasses::TwoPass,
-        cut: Cut::Off,
-        counting: Counting::Casters,
-        bounds: Bounds::Off,
+        ..DeviceWay::plain(interface)
     };
     let mut steps = Vec::new();
     let mut add = |name, paper, way: DeviceWay, is_kept| {
@@ -88,7 +83,7 @@ impl Scene {
         for (at, &[a, b, c]) in self.mesh().triangles.iter().enumerate() {
             if self.is_lit(at) {
                 sides.extend([[a, b], [b, c], [c, a]]);
-            } else if self.is_robust() {
+            } else if self.prepared.is_robust {
                 // Turned to the light, as its cap is.
                 sides.extend([[a, c], [c, b], [b, a]]);
             }
@@ -99,7 +94,8 @@ impl Scene {
     fn found(&self, way: DeviceWay, table: &EdgeTable) -> Result<Volume, String> {
         match way.silhouettes {
             Silhouettes::EachTriangle => self.volume_of_each_triangle(way.end),
-            _ => self.volume_of(&self.sides_by(table), way.end),
+            // Found anew.
+            _ => self.volume_of(&table.sides(&self.prepared, &self.facing), way.end),
         }
     }
 
@@ -125,48 +121,29 @@ impl Scene {
             _ => Some(self.volume(End::Sea)?),
         };
         let reference = Reference::new(mesh, self.to_light);
-        let mut caster_of = vec![0; mesh.parts.len()];
-        for (at, caster) in mesh.casters.iter().enumerate() {
-            caster_of[caster.parts.clone()].fill(at);
-        }
+        let count = mesh.parts.len();
         let drawn = self.draw_by(&volume, |view, _| {
-            let fails = match way.counting {
-                Counting::Chosen(test) => self.fails(test, view, &reference),
-                _ => vec![way.rule == Rule::Fail; mesh.parts.len()],
-            };
+            let rectangles = closed.as_ref().map(|closed| of_parts(view, closed, count));
+            let depths = depths_of_parts(view, &volume, count, BOUNDS_SHARE);
+            let (mut parts, mut bounds) = (vec![None; count], vec![[0.0; 2]; count]);
             // What is drawn together has a rectangle and a range of depth together: parts of a caster by rule.
-            let group = |part: usize| 2 * caster_of[part] + usize::from(fails[part]);
-            let mut rectangles = vec![Rectangle::NONE; 2 * mesh.casters.len()];
-            if let Some(closed) = &closed {
-                let parts = of_parts(view, closed, mesh.parts.len());
-                for (part, own) in parts.into_iter().enumerate() {
-                    rectangles[group(part)] = rectangles[group(part)].or(own);
+            for group in self.groups(way, view, &reference) {
+                let rule = match way.counting {
+                    Counting::Chosen(_) if group.is_near => Rule::Fail,
+                    Counting::Chosen(_) => Rule::Pass,
+                    _ => way.rule,
+                };
+                let rectangle = group.rectangle(way, view, rectangles.as_deref());
+                let ranges = group.parts.iter().map(|part| depths[*part]);
+                let range = ranges.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+                for part in group.parts {
+                    parts[part] = rectangle.map(|own| (rule, own));
+                    bounds[part] = range.unwrap_or_default();
                 }
             }
-            let whole = Rectangle::whole(view);
-            let rectangle = |part: usize| match way.cut {
-                Cut::Off => Some(whole),
-                Cut::Culled => (!rectangles[group(part)].is_empty()).then_some(whole),
-                Cut::Rectangle => Some(rectangles[group(part)]),
-            };
-            let bounds = match way.bounds {
-                Bounds::Off => Vec::new(),
-                _ => {
-                    let parts = depths_of_parts(view, &volume, mesh.parts.len(), BOUNDS_SHARE);
-                    let none = [f64::INFINITY, f64::NEG_INFINITY];
-                    let mut groups = vec![none; 2 * mesh.casters.len()];
-                    for (part, [low, high]) in parts.iter().enumerate() {
-                        let own = &mut groups[group(part)];
-                        *own = [own[0].min(*low), own[1].max(*high)];
-                    }
-                    (0..parts.len()).map(|part| groups[group(part)]).collect()
-                }
-            };
-            let part = |part: usize| {
-                let rule = if fails[part] { Rule::Fail } else { Rule::Pass };
-                rectangle(part).map(|own| (rule, own))
-            };
-            let parts = (0..fails.len()).map(part).collect();
+            if way.bounds == Bounds::Off {
+                bounds.clear();
+            }
             vec![Pass { parts, bounds }]
         });
         Ok(drawn.updates)
@@ -183,10 +160,8 @@ mod tests {
     fn silhouettes_rules_and_depth_bounds_write_less_and_the_other_steps_as_much() {
         let scene = Scene::new([10.0, -60.0], [64, 48]).expect("a port");
         let steps = steps(Interface::Wgpu);
-        let writes: Vec<u64> = steps
-            .iter()
-            .map(|step| scene.writes_of(step.way).expect("above"))
-            .collect();
+        let writes = steps.iter().map(|step| scene.writes_of(step.way));
+        let writes: Vec<u64> = writes.map(|writes| writes.expect("above")).collect();
         let of = |name: &str| {
             let at = steps.iter().position(|step| step.name == name);
             writes[at.expect("a step")]

@@ -4,7 +4,7 @@
 //! The middle of the model is laid at the origin, over the same sea as the port; heights stay. Eyes look
 //! from four sides, above everything that casts: under a sun above the horizon no eye is in shadow.
 
-use crate::view::DeckCamera;
+use crate::view::{DeckCamera, box_of};
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -77,15 +77,10 @@ fn options(text: &str) -> Result<Options<'_>, String> {
                 Ok(unit_m) if unit_m.is_finite() && unit_m > 0.0 => options.reading.unit_m = unit_m,
                 _ => return wrong("metres above 0"),
             },
-            "policy" => {
-                let found = Policy::ALL
-                    .into_iter()
-                    .find(|policy| policy.name() == value);
-                match found {
-                    Some(policy) => options.policy = policy,
-                    None => return wrong(&Policy::ALL.map(Policy::name).join(", ")),
-                }
-            }
+            "policy" => match Policy::ALL.iter().find(|policy| policy.name() == value) {
+                Some(policy) => options.policy = *policy,
+                None => return wrong(&Policy::ALL.map(Policy::name).join(", ")),
+            },
             _ => {
                 return Err(format!(
                     "--{SETTING}: found {option:?}, allowed: up=…, unit=…, policy=…"
@@ -100,24 +95,20 @@ fn options(text: &str) -> Result<Options<'_>, String> {
 impl Brought {
     /// Reads a file as the setting names it.
     pub(crate) fn new(setting: &str) -> Result<Self, String> {
-        let Options {
-            file,
-            reading,
-            policy,
-        } = options(setting)?;
-        let path = Path::new(file);
-        let read = ModelFile::read(path, reading).map_err(|error| error.to_string())?;
+        let options = options(setting)?;
+        let path = Path::new(options.file);
+        let read = ModelFile::read(path, options.reading).map_err(|error| error.to_string())?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let brought = Self::of(&name, read.mesh, policy);
+        let brought = Self::of(&name, read.mesh, options.policy);
         Ok(Self {
             warnings: read.warnings,
-            ..brought.map_err(|error| format!("{file}: {error}"))?
+            ..brought.map_err(|error| format!("{}: {error}", options.file))?
         })
     }
 
     pub(crate) fn of(name: &str, mut mesh: Mesh, policy: Policy) -> Result<Self, String> {
         let found = verdict(&mesh);
-        let [low, high] = extent(&mesh);
+        let [low, high] = box_of(&mesh.vertices);
         if high.z <= 0.0 {
             return Err(format!(
                 "highest place: found {} m, allowed: above the sea, which is at 0",
@@ -143,7 +134,7 @@ impl Brought {
 
     /// The model from its sides, so far away that it fills less than the width of a picture.
     pub(crate) fn views(&self, size: [u32; 2]) -> Vec<DeckCamera> {
-        let [low, high] = extent(&self.prepared.mesh);
+        let [low, high] = box_of(&self.prepared.mesh.vertices);
         let reach = 0.5 * (high - low).truncate().length();
         // 38.6° hold 0.35 of the distance to either side. The eye is above the top, and 14.7° downwards
         // hold the sea before the model.
@@ -160,14 +151,6 @@ impl Brought {
     }
 }
 
-fn extent(mesh: &Mesh) -> [DVec3; 2] {
-    let places = mesh.vertices.iter().copied();
-    [
-        places.clone().fold(DVec3::INFINITY, DVec3::min),
-        places.fold(DVec3::NEG_INFINITY, DVec3::max),
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -180,9 +163,8 @@ mod tests {
     /// Every model as an object of triangles, z up.
     fn obj(mesh: &Mesh) -> String {
         let places = mesh.vertices.iter();
-        let mut text: String = places
-            .map(|place| format!("v {} {} {}\n", place.x, place.y, place.z))
-            .collect();
+        let places = places.map(|place| format!("v {} {} {}\n", place.x, place.y, place.z));
+        let mut text: String = places.collect();
         for caster in &mesh.casters {
             text += &format!("o {}\n", caster.name);
             for part in &mesh.parts[caster.parts.clone()] {
@@ -247,11 +229,8 @@ mod tests {
             }
             let first = u32::try_from(vertices.start).expect("few");
             for corners in &mesh.triangles[triangles] {
-                bin.extend(
-                    corners
-                        .iter()
-                        .flat_map(|corner| (corner - first).to_le_bytes()),
-                );
+                let corners = corners.map(|corner| (corner - first).to_le_bytes());
+                bin.extend(corners.concat());
             }
         }
         let all: Vec<String> = (0..nodes.len()).map(|node| node.to_string()).collect();
@@ -269,11 +248,7 @@ mod tests {
         }
         let mut bytes = b"glTF".to_vec();
         let lengths = [2, 12 + 8 + json.len() + 8 + bin.len(), json.len()];
-        bytes.extend(
-            lengths
-                .iter()
-                .flat_map(|length| (*length as u32).to_le_bytes()),
-        );
+        bytes.extend(lengths.map(|length| (length as u32).to_le_bytes()).concat());
         bytes.extend(b"JSON");
         bytes.extend(json.into_bytes());
         bytes.extend((bin.len() as u32).to_le_bytes());
@@ -290,9 +265,8 @@ mod tests {
             up: Up::Z,
             unit_m: 1.0,
         };
-        let read = ModelFile::read(&path, reading);
+        let read = ModelFile::read(&path, reading).map_err(|error| error.to_string());
         read.map(|file| file.mesh)
-            .map_err(|error| error.to_string())
     }
 
     #[test]
@@ -312,17 +286,11 @@ mod tests {
         ] {
             // Vertices are numbered as faces name them, so places are compared.
             assert_eq!(own.vertices.len(), as_read.vertices.len());
-            for triangle in 0..own.triangles.len() {
-                assert_eq!(
-                    own.corners(triangle),
-                    as_read.corners(triangle),
-                    "{triangle}"
-                );
+            for at in 0..own.triangles.len() {
+                assert_eq!(own.corners(at), as_read.corners(at), "{at}");
             }
-            assert_eq!(
-                (&own.parts, &own.casters),
-                (&as_read.parts, &as_read.casters)
-            );
+            assert_eq!(own.parts, as_read.parts);
+            assert_eq!(own.casters, as_read.casters);
         }
         let view = bridge([64, 48])[4];
         let scene = |mesh: &Mesh| {
@@ -366,19 +334,17 @@ mod tests {
     #[test]
     fn a_port_written_otherwise_is_noticed() {
         let ours = port(PortSize::named("port-xs").expect("named"));
-        let closed = |mesh: &Mesh, bytes: &dyn Fn(&Mesh) -> Vec<u8>, name: &str| {
-            read(name, &bytes(mesh)).map(|mesh| verdict(&mesh).to_string())
+        let found = |mesh: &Mesh| {
+            let read = [
+                read("a.obj", obj(mesh).as_bytes()),
+                read("a.glb", &glb(mesh)),
+            ];
+            read.map(|mesh| verdict(&mesh.expect("read")).to_string())
         };
-        let as_obj = |mesh: &Mesh| obj(mesh).into_bytes();
-        let as_glb = |mesh: &Mesh| glb(mesh);
         let mut turned = ours.clone();
         turned.triangles[40].swap(1, 2);
-        for (bytes, name) in [
-            (&as_obj as &dyn Fn(&Mesh) -> _, "a.obj"),
-            (&as_glb, "a.glb"),
-        ] {
-            assert_eq!(closed(&ours, bytes, name).expect("read"), "closed");
-            let found = closed(&turned, bytes, name).expect("read");
+        assert_eq!(found(&ours), ["closed"; 2]);
+        for found in found(&turned) {
             assert!(found.starts_with("flipped 3 edges"), "{found}");
         }
         // Bytes that are cut off, and a file that says less of itself than it has.
@@ -417,7 +383,7 @@ mod tests {
     fn eyes_stand_above_everything_and_see_the_model() {
         for mesh in [hull(1_000), port(PortSize::NAMED[0].1)] {
             let brought = Brought::of("a", mesh, Policy::Refuse).expect("closed");
-            let [low, high] = extent(&brought.prepared.mesh);
+            let [low, high] = box_of(&brought.prepared.mesh.vertices);
             assert!((low + high).truncate().length() < 1e-9 * high.length());
             for view in brought.views([4, 3]) {
                 assert!(view.near_corners().iter().all(|corner| corner.z > high.z));
@@ -443,13 +409,10 @@ mod tests {
         open.triangles.pop();
         open.planes.pop();
         open.parts[0].triangles.end -= 1;
-        let error = Brought::of("a", open.clone(), Policy::Refuse).err();
-        let error = error.expect("open");
-        assert!(
-            error.starts_with("border 3 edges")
-                && error.ends_with("policies: refuse, cap, robust, as-is"),
-            "{error}"
-        );
+        let error = Brought::of("a", open.clone(), Policy::Refuse).expect_err("open");
+        assert!(error.starts_with("border 3 edges"), "{error}");
+        let policies = "policies: refuse, cap, robust, as-is";
+        assert!(error.ends_with(policies), "{error}");
         let capped = Brought::of("a", open, Policy::Cap).expect("capped");
         assert_eq!(capped.verdict.border, 3, "as the file has it");
     }

@@ -8,7 +8,7 @@ mod plots;
 mod sections;
 mod times;
 
-use crate::keys::{QUESTION, SUN, TIME};
+use crate::metrics::{QUESTION, SUN, TIME};
 use sections::SECTIONS;
 use terrafill_lab::{Cases, Figure, SectionedChapter};
 use terrafill_results::{Answers, Block, Case, ConditionKey, Metric};
@@ -51,16 +51,7 @@ impl<'a> Own<'a> {
         all.filter(move |case| case.condition(QUESTION) == question)
     }
 
-    /// Values of a metric where all conditions hold.
-    fn values(
-        &self,
-        question: &str,
-        conditions: &[(ConditionKey, &str)],
-        metric: &Metric,
-    ) -> Vec<f64> {
-        self.question(question).with(conditions).values(metric)
-    }
-
+    /// The first value of a metric where all conditions hold.
     fn value(
         &self,
         question: &str,

@@ -8,10 +8,11 @@
 
 use crate::named::named;
 use crate::reference::{Light, Seen, Truth};
-use crate::scissor::Rectangle;
-use crate::view::DeckCamera;
+use crate::scissor::around;
+use crate::view::{DeckCamera, whole};
 use glam::{DVec3, DVec4};
 use terrafill_casters::{Mesh, Volume};
+use terrafill_plan::PixelRect;
 
 named! {
     /// Which faces count.
@@ -52,12 +53,43 @@ pub(crate) struct Stencil {
 }
 
 impl Stencil {
-    /// Empty.
-    pub(crate) fn clear(view: &DeckCamera) -> Self {
-        Self {
+    /// Draws volumes, where what is seen lies between the depths of the pass.
+    pub(crate) fn of(
+        view: &DeckCamera,
+        mesh: &Mesh,
+        volume: &Volume,
+        truth: &Truth,
+        pass: &Pass,
+    ) -> Self {
+        let mut stencil = Self {
             counts: vec![0; view.pixel_count()],
             updates: 0,
+        };
+        let depths = depths(view, mesh, truth);
+        for triangle in &volume.triangles {
+            let part = triangle.part as usize;
+            let Some((rule, rectangle)) = pass.parts[part] else {
+                continue;
+            };
+            let places = triangle
+                .corners
+                .map(|corner| volume.vertices[corner as usize]);
+            let spanned = Spanned::new(view.eye, places, triangle.corners);
+            if spanned.volume == 0.0 {
+                continue;
+            }
+            let seen = around(view, &spanned.corners).within(rectangle);
+            let bounds = pass.bounds.get(part);
+            fill(view, &spanned, seen, |at, depth, is_front| {
+                if bounds.is_some_and(|[near, far]| !(*near..=*far).contains(&depths[at])) {
+                    return;
+                }
+                let (add, writes) = rule.adds(is_front, depth < depths[at]);
+                stencil.counts[at] += add;
+                stencil.updates += writes;
+            });
         }
+        stencil
     }
 
     /// Which pixels are in shadow where a count has 8 bits and wraps.
@@ -67,14 +99,15 @@ impl Stencil {
             .map(|count| count.rem_euclid(256) != 0)
             .collect()
     }
-
-    pub(crate) fn max(&self) -> i32 {
-        self.counts.iter().copied().max().unwrap_or(0)
-    }
 }
 
-/// How a part's volume is drawn: `None` for not at all.
-pub(crate) type Draw = Option<(Rule, Rectangle)>;
+/// What is counted together.
+pub(crate) struct Pass {
+    /// How each part's volume is drawn: `None` for not at all.
+    pub(crate) parts: Vec<Option<(Rule, PixelRect)>>,
+    /// Of each part the depths of what is seen, m, nearest and farthest; empty for all.
+    pub(crate) bounds: Vec<[f64; 2]>,
+}
 
 /// Pixels by what is wrong with them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -92,6 +125,11 @@ pub(crate) struct Wrong {
 impl Wrong {
     pub(crate) fn outside(self) -> usize {
         self.false_lit + self.false_dark
+    }
+
+    /// Those in the band too.
+    pub(crate) fn all(self) -> usize {
+        self.outside() + self.in_band
     }
 
     pub(crate) fn plus(self, other: Self) -> Self {
@@ -185,44 +223,6 @@ impl Spanned {
     }
 }
 
-/// Draws volumes into a stencil, where what is seen lies between two depths.
-///
-/// - `how`: of each part
-/// - `bounds`: of each part, m, nearest and farthest; empty for none
-pub(crate) fn draw_within(
-    stencil: &mut Stencil,
-    view: &DeckCamera,
-    mesh: &Mesh,
-    volume: &Volume,
-    truth: &Truth,
-    how: &dyn Fn(u32) -> Draw,
-    bounds: &[[f64; 2]],
-) {
-    let depths = depths(view, mesh, truth);
-    for triangle in &volume.triangles {
-        let Some((rule, rectangle)) = how(triangle.part) else {
-            continue;
-        };
-        let places = triangle
-            .corners
-            .map(|corner| volume.vertices[corner as usize]);
-        let spanned = Spanned::new(view.eye, places, triangle.corners);
-        if spanned.volume == 0.0 {
-            continue;
-        }
-        let seen = Rectangle::around(view, &spanned.corners).and(rectangle);
-        let bounds = bounds.get(triangle.part as usize);
-        fill(view, &spanned, seen, |at, depth, is_front| {
-            if bounds.is_some_and(|[near, far]| !(*near..=*far).contains(&depths[at])) {
-                return;
-            }
-            let (add, writes) = rule.adds(is_front, depth < depths[at]);
-            stencil.counts[at] += add;
-            stencil.updates += writes;
-        });
-    }
-}
-
 /// Of each pixel, whether its centre lies in a triangle of the volumes that is so thin there that it lies in none of
 /// four places beside it.
 ///
@@ -231,8 +231,7 @@ pub(crate) fn draw_within(
 ///
 /// - `beside_px`: how far to the right or left, and up or down
 pub(crate) fn slivers(view: &DeckCamera, volume: &Volume, beside_px: f64) -> Vec<bool> {
-    let [width, height] = view.size.map(|side| side as usize);
-    let mut held = vec![false; width * height];
+    let mut held = vec![false; view.pixel_count()];
     for triangle in &volume.triangles {
         let places = triangle
             .corners
@@ -242,9 +241,9 @@ pub(crate) fn slivers(view: &DeckCamera, volume: &Volume, beside_px: f64) -> Vec
             continue;
         }
         let is_positive = spanned.volume > 0.0;
-        let seen = Rectangle::around(view, &spanned.corners);
+        let seen = around(view, &spanned.corners);
         fill(view, &spanned, seen, |at, _, _| {
-            let [column, row] = [at % width, at / width].map(|at| u32::try_from(at).unwrap_or(0));
+            let [column, row] = view.pixel(at);
             let around = [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]];
             held[at] |= !around.into_iter().any(|way| {
                 let beside = way.map(|steps: f64| steps * beside_px);
@@ -276,13 +275,13 @@ fn depths(view: &DeckCamera, mesh: &Mesh, truth: &Truth) -> Vec<f64> {
 fn fill(
     view: &DeckCamera,
     spanned: &Spanned,
-    seen: Rectangle,
+    seen: PixelRect,
     mut fragment: impl FnMut(usize, f64, bool),
 ) {
     // Inside, the shares have the sign that their sum over places before the eye has.
     let is_positive = spanned.volume > 0.0;
-    for row in seen.rows[0]..seen.rows[1] {
-        let columns = span(view, spanned, row, seen.columns, is_positive);
+    for row in seen.top..seen.bottom {
+        let columns = span(view, spanned, row, [seen.left, seen.right], is_positive);
         for column in columns[0]..columns[1] {
             let ray = view.ray(column, row);
             if !spanned.is_inside(ray, is_positive) {
@@ -298,11 +297,6 @@ fn fill(
 }
 
 /// Columns of a row that may lie inside, a pixel more on either side: shares are linear along a row.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to the image"
-)]
 fn span(
     view: &DeckCamera,
     spanned: &Spanned,
@@ -311,7 +305,7 @@ fn span(
     is_positive: bool,
 ) -> [u32; 2] {
     let (start, step) = (view.ray(0, row), view.ray(1, row) - view.ray(0, row));
-    let (mut low, mut high) = (f64::from(columns[0]), f64::from(columns[1]));
+    let [mut low, mut high] = columns.map(f64::from);
     for edge in &spanned.edges {
         let sign = if is_positive { 1.0 } else { -1.0 };
         let (at_start, slope) = (sign * edge.dot(start), sign * edge.dot(step));
@@ -321,7 +315,8 @@ fn span(
             high = high.min(-at_start / slope + 2.0);
         }
     }
-    [low, high].map(|end| end.clamp(f64::from(columns[0]), f64::from(columns[1])) as u32)
+    let [first, past] = columns.map(f64::from);
+    [low, high].map(|end| whole(end.clamp(first, past)))
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ mod on_wgpu;
 
 use self::on_vulkan::OnVulkan;
 use self::on_wgpu::OnWgpu;
+use crate::named::named;
 use crate::source::VolumeSource;
 use terrafill_contract::{
     Counters, CpuStopwatch, DeviceError, Devices, FrameTimes, Picture, SurfaceView,
@@ -13,23 +14,15 @@ use terrafill_contract::{
 use terrafill_stencil::{StencilExecutor, StencilWork};
 use terrafill_variant::Switches;
 
-/// An interface that draws.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Interface {
-    Wgpu,
-    Vulkan,
+named! {
+    /// An interface that draws.
+    all Interface {
+        Wgpu = terrafill_gpu::API.name,
+        Vulkan = terrafill_vulkan::API.name,
+    }
 }
 
 impl Interface {
-    pub(crate) const ALL: [Self; 2] = [Self::Wgpu, Self::Vulkan];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Wgpu => terrafill_gpu::API.name,
-            Self::Vulkan => terrafill_vulkan::API.name,
-        }
-    }
-
     /// What is seen, and the program over its volumes, ready to be drawn into targets of its own.
     ///
     /// - `has_bounds`: the device tests the surface's depth against the range of each volume

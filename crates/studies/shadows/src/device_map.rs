@@ -70,12 +70,15 @@ impl Scene {
         }
         let sizes = [frame.columns, frame.rows].map(|side| u32::try_from(side).unwrap_or(allowed));
         let size = self.darkest()?.0.size;
+        let texture = |[width, height]: [u32; 2], format, usage| {
+            gpu.texture("shadow map", [width, height, 1], 1, format, usage)
+        };
         let used = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let read = wgpu::TextureUsages::TEXTURE_BINDING;
-        let map = texture(&gpu, sizes, DEPTH, used | read);
-        let map = map.create_view(&wgpu::TextureViewDescriptor::default());
-        let depth = texture(&gpu, size, DEPTH, used);
-        let answer = texture(&gpu, size, ANSWER, used | wgpu::TextureUsages::COPY_SRC);
+        let map = texture(sizes, DEPTH, used | read);
+        let map = map.create_view(&Default::default());
+        let depth = texture(size, DEPTH, used);
+        let answer = texture(size, ANSWER, used | wgpu::TextureUsages::COPY_SRC);
         let layout = layout(&gpu);
         let heights = frame.heights(self.mesh());
         let mut channels = Vec::new();
@@ -89,7 +92,7 @@ impl Scene {
             channels,
             map,
             answer,
-            depth: depth.create_view(&wgpu::TextureViewDescriptor::default()),
+            depth: depth.create_view(&Default::default()),
             gpu,
         })
     }
@@ -120,15 +123,10 @@ impl Scene {
                 let texel = frame.place(place);
                 let height = (place.dot(self.to_light) - low) / (high - low);
                 let [x, y, z] = relative;
-                vertices.push([
-                    x,
-                    y,
-                    z,
-                    (texel.x / frame.columns as f64) as f32,
-                    (texel.y / frame.rows as f64) as f32,
-                    height as f32,
-                    normal.dot(self.to_light) as f32,
-                ]);
+                let in_map = [texel.x / frame.columns as f64, texel.y / frame.rows as f64];
+                let [column, row] = in_map.map(|share| share as f32);
+                let cosine = normal.dot(self.to_light) as f32;
+                vertices.push([x, y, z, column, row, height as f32, cosine]);
             }
         }
         let axis = |axis: DVec3, over: f64| (axis / over).as_vec3().extend(0.0).to_array();
@@ -147,13 +145,10 @@ impl Scene {
         let asking = gpu.upload("asking", asking, wgpu::BufferUsages::UNIFORM)?;
         let map = wgpu::BindingResource::TextureView(map);
         let bound = gpu.bind("map", layout, [asking.as_entire_binding(), map]);
+        let bytes = bytemuck::cast_slice(&vertices);
         Ok(Channel {
             count: u32::try_from(vertices.len()).unwrap_or(u32::MAX),
-            vertices: gpu.upload(
-                "receivers",
-                bytemuck::cast_slice(&vertices),
-                wgpu::BufferUsages::VERTEX,
-            )?,
+            vertices: gpu.upload("receivers", bytes, wgpu::BufferUsages::VERTEX)?,
             asking,
             bound,
             numbers,
@@ -175,11 +170,9 @@ impl DeviceMap {
             let mut numbers = channel.numbers;
             let metres = bias.metres(step, texel_m, 1.0) as f32;
             numbers[BIAS_WORDS[usize::from(bias == Bias::Slope)]] = metres;
-            self.gpu
-                .write_buffer(&channel.asking, 0, bytemuck::cast_slice(&numbers));
-            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-            self.draw(&mut encoder, at, false);
-            self.gpu.queue.submit([encoder.finish()]);
+            let numbers = bytemuck::cast_slice(&numbers);
+            self.gpu.write_buffer(&channel.asking, 0, numbers);
+            self.submit(at, false);
             let pixels = read_texture(&self.gpu, &self.answer, wgpu::TextureAspect::All)?;
             masks.push(pixels.iter().map(|answer| *answer > 127).collect());
         }
@@ -189,9 +182,7 @@ impl DeviceMap {
     /// Draws the map and asks it for a channel.
     pub(crate) fn time(&self, channel: usize) -> Result<FrameTimes, DeviceError> {
         let watch = CpuStopwatch::start();
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.draw(&mut encoder, channel, true);
-        self.gpu.queue.submit([encoder.finish()]);
+        self.submit(channel, true);
         self.gpu.wait()?;
         let mut times = FrameTimes {
             fill_cpu_ms: watch.cpu_ms(),
@@ -206,7 +197,8 @@ impl DeviceMap {
         Ok(times)
     }
 
-    fn draw(&self, encoder: &mut wgpu::CommandEncoder, channel: usize, is_timed: bool) {
+    fn submit(&self, channel: usize, is_timed: bool) {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let timer = self.timer.as_ref().filter(|_| is_timed);
         let own = &self.channels[channel];
         let depth = |view| {
@@ -230,9 +222,7 @@ impl DeviceMap {
             pass.set_vertex_buffer(0, own.vertices.slice(..));
             pass.draw(0..self.casters, 0..1);
         }
-        let answer = self
-            .answer
-            .create_view(&wgpu::TextureViewDescriptor::default());
+        let answer = self.answer.create_view(&Default::default());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("asking"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -252,29 +242,9 @@ impl DeviceMap {
         pass.set_bind_group(0, &own.bound, &[]);
         pass.set_vertex_buffer(0, own.vertices.slice(..));
         pass.draw(0..own.count, 0..1);
+        drop(pass);
+        self.gpu.queue.submit([encoder.finish()]);
     }
-}
-
-fn texture(
-    gpu: &Gpu,
-    [width, height]: [u32; 2],
-    format: wgpu::TextureFormat,
-    usage: wgpu::TextureUsages,
-) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("shadow map"),
-        size: wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    })
 }
 
 fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {

@@ -9,7 +9,6 @@ use crate::count::{Wrong, slivers};
 use crate::device::{Channel, Draws, Retile};
 use crate::loading::{Loadable, listed, program};
 use crate::reference::{Light, Reference, SEA_RADIUS_M};
-use crate::scissor::Rectangle;
 use crate::sea::surface;
 use crate::source::VolumeSource;
 use crate::tiling::tiled;
@@ -64,16 +63,15 @@ impl Scene {
             Cut::Off => None,
             _ => Some(self.volume(End::Sea)?),
         };
-        let found = self.found_by(way, &volume)?;
+        let found = self.found_by(way)?;
         let open = |view: &DeckCamera, reference: &Reference<'_>| -> Result<Channel, Failure> {
             let loadable = match &found {
                 None => self.loadable(way, view, &volume, closed.as_ref(), reference)?,
                 Some(found) => {
                     let casters = 0..self.mesh().casters.len();
-                    let whole = Rectangle::whole(view);
                     Loadable {
-                        list: casters.map(|caster| listed(whole, caster)).collect(),
-                        source: self.seen_from(view, found),
+                        list: casters.map(|caster| listed(view.whole(), caster)).collect(),
+                        source: self.seen_from(view, found, way.positions, &volume),
                         left_out: 0,
                     }
                 }
@@ -168,10 +166,8 @@ impl Scene {
                 })
             };
             let whole = work(list.clone())?;
-            let retile: Option<Retile> = (way.bounds == Bounds::Tiles).then(|| {
-                let retile: Retile =
-                    Box::new(move |picture| work(tiled(&list, size, &picture.depth)));
-                retile
+            let retile = (way.bounds == Bounds::Tiles).then(|| -> Retile {
+                Box::new(move |picture| work(tiled(&list, size, &picture.depth)))
             });
             let seen = SurfaceView {
                 draws_back_faces,
@@ -194,15 +190,11 @@ impl Scene {
     ) -> Result<T, Failure> {
         let body = Ellipsoid::new("sea", SEA_RADIUS_M, SEA_RADIUS_M)
             .ok_or_else(|| "no sphere".to_owned())?;
-        let size = ImageSize {
-            width: view.size[0],
-            height: view.size[1],
-        };
         use_it(SurfaceView {
             id: ViewId::unique(),
             body: &body,
             camera: &camera(view),
-            size,
+            size: view.image_size(),
             surface: &surface(positions, view, self.mesh()),
             picture: None,
             // Of a lit face that looks away the light cap is drawn too. Beside a rim it is as near as what looks at

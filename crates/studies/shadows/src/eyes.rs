@@ -5,8 +5,8 @@ use crate::near::{Boxes, EyeTest, chosen, is_shadowed_at_corners, shadowed_share
 use crate::reference::{Reference, Truth};
 use crate::view::{DeckCamera, deck_eyes, sun};
 use crate::views::Chooser;
-use crate::work::{EYES, NEARS, Scene};
-use terrafill_casters::{Facing, PortSize, port};
+use crate::work::{EYES, NEARS, Scene, port_m};
+use terrafill_casters::Facing;
 
 /// What a test of the eye came to over all eyes.
 #[derive(Debug, Clone, Copy, Default)]
@@ -39,7 +39,7 @@ pub(crate) struct EyeTable {
 
 impl EyeTable {
     pub(crate) fn new(at: [f64; 2]) -> Result<Self, String> {
-        let mesh = port(PortSize::named("port-m").ok_or("no port-m")?);
+        let mesh = port_m()?;
         let to_light = sun(at);
         let (facing, boxes) = (Facing::of(&mesh, to_light), Boxes::of(&mesh));
         let reference = Reference::new(&mesh, to_light);
@@ -88,8 +88,8 @@ impl EyeTable {
 
     pub(crate) fn result(&self, test: EyeTest, near: f64) -> Option<EyeResult> {
         let mut all = self.results.iter();
-        let found =
-            all.find(|(own, result)| *own == test && result.near.to_bits() == near.to_bits());
+        let is_it = |result: &EyeResult| result.near.to_bits() == near.to_bits();
+        let found = all.find(|(own, result)| *own == test && is_it(result));
         found.map(|(_, result)| *result)
     }
 

@@ -3,8 +3,8 @@
 
 use crate::ablation::StencilStep;
 use crate::count::Rule;
-use crate::keys::{CHECKED_PX, SIZE_PX};
 use crate::maps::Bias;
+use crate::metrics::{CHECKED_PX, SIZE_PX};
 use crate::named::named;
 use crate::near::EyeTest;
 use crate::outline::Way;

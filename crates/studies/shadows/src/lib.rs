@@ -16,7 +16,6 @@ mod drawing;
 mod eyes;
 mod images;
 mod job;
-mod keys;
 mod list;
 mod loading;
 mod maps;

@@ -15,8 +15,7 @@ use crate::outline::Way;
 use crate::rivals::Rival;
 use crate::source::Adjacency;
 use crate::views::{Chooser, Eyes, Place};
-use crate::way::Silhouettes;
-use crate::way::{Bounds, Counting, Cut, DeviceWay, Positions};
+use crate::way::{Bounds, Counting, Cut, DeviceWay, Positions, Silhouettes};
 use crate::work::{End, NEARS, Scissor};
 use terrafill_casters::Policy;
 use terrafill_results::PlannedCase;
@@ -54,7 +53,9 @@ const MAP_SUNS: [[f64; 2]; 5] = [
     [2.0, -60.0],
     [1.0, -60.0],
 ];
+const QUICK_MAP_SUNS: usize = 1;
 const TEXELS_M: [f64; 4] = [1.0, 0.25, 0.1, 0.05];
+const QUICK_TEXELS: usize = 2;
 /// Sun of scissors and finite volumes.
 const LOW_SUN: [f64; 2] = [10.0, -60.0];
 /// Sun of rails seen from near, low enough to show a step of f32.
@@ -99,24 +100,9 @@ const OF_ANY_MODEL: [&str; 10] = [
     "device-maps",
 ];
 
-/// Volumes from the CPU, closed at the sea, z-fail, two-sided, whole.
-fn device_way(interface: Interface) -> DeviceWay {
-    DeviceWay {
-        interface,
-        silhouettes: Silhouettes::Adjacency,
-        positions: Positions::Eye,
-        end: End::Sea,
-        rule: Rule::Fail,
-        faces: FacePasses::TwoSided,
-        cut: Cut::Off,
-        counting: Counting::Casters,
-        bounds: Bounds::Off,
-    }
-}
-
 /// How devices draw: what differs from one to the next is one thing.
 fn device_ways(interface: Interface) -> Vec<DeviceWay> {
-    let way = device_way(interface);
+    let way = DeviceWay::plain(interface);
     let (end, rule, faces) = (End::Infinite, Rule::Pass, FacePasses::TwoPass);
     let bounded = |bounds| DeviceWay { bounds, ..way };
     // No more than some fifty volumes of this port lie over a pixel.
@@ -166,7 +152,7 @@ fn device_ways(interface: Interface) -> Vec<DeviceWay> {
 
 /// Whose near plane is partly in shadow: by rule, and by who chooses it.
 fn near_ways(interface: Interface) -> Vec<DeviceWay> {
-    let way = device_way(interface);
+    let way = DeviceWay::plain(interface);
     let rule = |rule| DeviceWay { rule, ..way };
     let counting = |counting| DeviceWay { counting, ..way };
     vec![
@@ -186,7 +172,7 @@ fn row_ways(interface: Interface) -> impl Iterator<Item = DeviceWay> {
         end: End::Infinite,
         rule: Rule::Pass,
         counting: Counting::Parts { is_guarded },
-        ..device_way(interface)
+        ..DeviceWay::plain(interface)
     })
 }
 
@@ -208,14 +194,14 @@ fn facing_ways(interface: Interface) -> Vec<DeviceWay> {
     let of = |silhouettes| DeviceWay {
         end: End::Infinite,
         silhouettes,
-        ..device_way(interface)
+        ..DeviceWay::plain(interface)
     };
     all.into_iter().map(of).collect()
 }
 
 /// The same from numbers that count from elsewhere.
 fn origin_ways(interface: Interface) -> impl Iterator<Item = DeviceWay> {
-    let way = device_way(interface);
+    let way = DeviceWay::plain(interface);
     let worlds = ORIGINS_M.map(Positions::World).into_iter();
     let all = std::iter::once(Positions::Eye).chain(worlds);
     all.map(move |positions| DeviceWay { positions, ..way })
@@ -232,6 +218,17 @@ fn cross<A: Copy, B: Copy>(first: &[A], second: &[B], job: impl Fn(A, B) -> Job)
     first.iter().flat_map(of).collect()
 }
 
+/// The same under each of these suns.
+fn under<A: Copy, B: Copy>(
+    suns: &[[f64; 2]],
+    first: &[A],
+    second: &[B],
+    job: impl Fn([f64; 2], A, B) -> Job,
+) -> Vec<Job> {
+    let of = |sun: &[f64; 2]| cross(first, second, |a, b| job(*sun, a, b));
+    suns.iter().flat_map(of).collect()
+}
+
 /// A question's cases.
 pub(crate) type Questions = (&'static str, Vec<(Job, PlannedCase)>);
 
@@ -244,26 +241,15 @@ pub(crate) fn questions(
     brought: Option<&Brought>,
 ) -> Vec<Questions> {
     let is_quick = depth == Depth::Quick;
-    let suns = &SUNS[..if is_quick { QUICK_SUNS } else { SUNS.len() }];
+    let part = |quick: usize, all: usize| if is_quick { ..quick } else { ..all };
+    let suns = &SUNS[part(QUICK_SUNS, SUNS.len())];
     let meshes = match brought {
         Some(_) => &[BROUGHT][..],
-        None if is_quick => &MESHES[..QUICK_MESHES],
-        None => &MESHES[..],
+        None => &MESHES[part(QUICK_MESHES, MESHES.len())],
     };
-    let device_suns = if is_quick {
-        &DEVICE_SUNS[..QUICK_DEVICE_SUNS]
-    } else {
-        &DEVICE_SUNS[..]
-    };
-    let (map_suns, texels) = if is_quick {
-        (&MAP_SUNS[..1], &TEXELS_M[..2])
-    } else {
-        (&MAP_SUNS[..], &TEXELS_M[..])
-    };
-    let eyes = DECK_SUNS.iter().flat_map(|sun| {
-        let of = |near, test| Job::Eye(*sun, near, test);
-        cross(&NEARS, &EyeTest::ALL, of)
-    });
+    let device_suns = &DEVICE_SUNS[part(QUICK_DEVICE_SUNS, DEVICE_SUNS.len())];
+    let map_suns = &MAP_SUNS[part(QUICK_MAP_SUNS, MAP_SUNS.len())];
+    let texels = &TEXELS_M[part(QUICK_TEXELS, TEXELS_M.len())];
     // By what the casters are cut to: each scene is made once.
     let ends = [End::Infinite, End::SeaOfWhole, End::Sea, End::Calm];
     let rules = |end| match end {
@@ -271,27 +257,15 @@ pub(crate) fn questions(
         _ => &[Rule::Fail],
     };
     let updates = suns.iter().flat_map(|sun| {
-        let of = |end| {
-            cross(&[end], rules(end), |end, rule| {
-                Job::Updates(*sun, end, rule)
-            })
-        };
+        let of = |end| under(&[*sun], &[end], rules(end), Job::Updates);
         ends.into_iter().flat_map(of)
-    });
-    let maps = map_suns.iter().flat_map(|sun| {
-        let of = |texel, bias| Job::Map(*sun, texel, bias);
-        cross(texels, &Bias::ALL, of)
-    });
-    let device_maps = map_suns.iter().flat_map(|sun| {
-        let of = |texel, bias| Job::DeviceMap(*sun, texel, bias);
-        cross(texels, &Bias::DRAWN, of)
     });
     let of_place = |place, chooser| Job::View(LOW_SUN, place, chooser);
     let of_boxes = |is_edge_on, way| Job::Facing(FACING_SUN, is_edge_on, way);
     let seen = |way, (sun, eyes)| Job::Origin(sun, eyes, way);
     let all: [Vec<Job>; 20] = [
         vec![Job::Model],
-        eyes.collect(),
+        under(&DECK_SUNS, &NEARS, &EyeTest::ALL, Job::Eye),
         updates.collect(),
         cross(&Place::ALL, &Chooser::ALL, of_place),
         cross(&[LOW_SUN], &Scissor::ALL, Job::Scissor),
@@ -308,8 +282,8 @@ pub(crate) fn questions(
         cross(&ROWS, &of_both(row_ways), Job::DeviceRow),
         cross(&[true, false], &of_both(facing_ways), of_boxes),
         cross(&of_both(origin_ways), &ORIGINS_SEEN, seen),
-        maps.collect(),
-        device_maps.collect(),
+        under(map_suns, texels, &Bias::ALL, Job::Map),
+        under(map_suns, texels, &Bias::DRAWN, Job::DeviceMap),
     ];
     let planned = |jobs: Vec<Job>| {
         let question = jobs.first().map_or("", |job| question(*job));

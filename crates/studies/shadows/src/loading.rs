@@ -7,7 +7,7 @@
 use crate::count::Rule;
 use crate::near::near_caps;
 use crate::reference::Reference;
-use crate::scissor::{Rectangle, of_parts};
+use crate::scissor::{NONE, joined, of_parts};
 use crate::source::{EyeVolumes, VolumeSource};
 use crate::view::DeckCamera;
 use crate::way::{Bounds, Counting, Cut, DeviceWay, count, eye_vertices};
@@ -36,13 +36,33 @@ pub(crate) struct Loadable {
 }
 
 /// Parts that are one volume of the list, and whether the near plane may meet it.
-struct Together {
-    parts: Vec<usize>,
-    is_near: bool,
+pub(crate) struct Together {
+    pub(crate) parts: Vec<usize>,
+    pub(crate) is_near: bool,
+}
+
+impl Together {
+    /// Where it is drawn; `None` for nowhere.
+    ///
+    /// - `rectangles`: of each part, where volumes are cut
+    pub(crate) fn rectangle(
+        &self,
+        way: DeviceWay,
+        view: &DeckCamera,
+        rectangles: Option<&[PixelRect]>,
+    ) -> Option<PixelRect> {
+        let own = rectangles.map(|all| self.parts.iter().map(|part| all[*part]).fold(NONE, joined));
+        match own {
+            Some(own) if own.area() == 0 => None,
+            Some(own) if way.cut == Cut::Rectangle => Some(own),
+            _ => Some(view.whole()),
+        }
+    }
 }
 
 impl Scene {
-    fn groups(
+    /// What is counted and drawn together.
+    pub(crate) fn groups(
         &self,
         way: DeviceWay,
         view: &DeckCamera,
@@ -54,24 +74,21 @@ impl Scene {
             is_near: false,
         };
         match way.counting {
-            Counting::Casters | Counting::ZpPlus => mesh
-                .casters
-                .iter()
-                .map(|caster| all(caster.parts.clone()))
-                .collect(),
-            Counting::Parts { .. } => (0..mesh.parts.len())
-                .map(|part| all(part..part + 1))
-                .collect(),
+            Counting::Casters | Counting::ZpPlus => {
+                let casters = mesh.casters.iter();
+                casters.map(|caster| all(caster.parts.clone())).collect()
+            }
+            Counting::Parts { .. } => {
+                let parts = 0..mesh.parts.len();
+                parts.map(|part| all(part..part + 1)).collect()
+            }
             Counting::Chosen(test) => {
                 let fail = self.fails(test, view, reference);
                 let of = |caster: &terrafill_casters::Caster| {
-                    let split = [false, true].map(|is_near| Together {
-                        parts: caster
-                            .parts
-                            .clone()
-                            .filter(|part| fail[*part] == is_near)
-                            .collect(),
-                        is_near,
+                    let split = [false, true].map(|is_near| {
+                        let parts = caster.parts.clone();
+                        let parts = parts.filter(|part| fail[*part] == is_near).collect();
+                        Together { parts, is_near }
                     });
                     split.into_iter().filter(|own| !own.parts.is_empty())
                 };
@@ -102,20 +119,13 @@ impl Scene {
         for triangle in &volume.triangles {
             of_part[triangle.part as usize].extend(triangle.corners);
         }
-        for Together { parts, is_near } in self.groups(way, view, reference) {
-            let rectangle = match &rectangles {
-                Some(all) => {
-                    let own = parts.iter().map(|part| all[*part]);
-                    own.fold(Rectangle::NONE, Rectangle::or)
-                }
-                None => Rectangle::whole(view),
-            };
-            if rectangle.is_empty() {
+        for group in self.groups(way, view, reference) {
+            let Some(screen_rect) = group.rectangle(way, view, rectangles.as_deref()) else {
                 left_out += 1;
                 continue;
-            }
+            };
             let first = volumes.indices.len();
-            for part in parts {
+            for part in group.parts {
                 volumes.indices.extend(&of_part[part]);
             }
             let own = &volumes.indices[first..];
@@ -124,21 +134,17 @@ impl Scene {
                 Bounds::Off => DepthRange::ANY,
                 _ => depth_range(view, places),
             };
-            let drawn = match way.cut {
-                Cut::Rectangle => rectangle,
-                Cut::Off | Cut::Culled => Rectangle::whole(view),
-            };
             list.push(terrafill_stencil::Volume {
-                near_rectangle: NearRectangle::by_bounds(is_near),
+                near_rectangle: NearRectangle::by_bounds(group.is_near),
                 depth,
-                ..listed(drawn, volumes.ranges.len())
+                ..listed(screen_rect, volumes.ranges.len())
             });
             volumes
                 .ranges
                 .push(count(first)..count(volumes.indices.len()));
         }
         if way.counting == Counting::ZpPlus {
-            let caps = near_caps(view, self.to_light, mesh, self.facing())?;
+            let caps = near_caps(view, self.to_light, mesh, &self.facing)?;
             let first = count(volumes.indices.len());
             for place in caps.iter().flatten() {
                 let along = (*place - view.eye).as_vec3().extend(1.0);
@@ -146,7 +152,7 @@ impl Scene {
                 volumes.vertices.push(along.to_array().map(f32::to_bits));
             }
             if !caps.is_empty() {
-                list.push(listed(Rectangle::whole(view), volumes.ranges.len()));
+                list.push(listed(view.whole(), volumes.ranges.len()));
                 volumes.ranges.push(first..count(volumes.indices.len()));
             }
         }
@@ -191,15 +197,10 @@ fn depth_range(view: &DeckCamera, corners: impl Iterator<Item = DVec4>) -> Depth
 }
 
 /// A volume over the whole depth.
-pub(crate) fn listed(rectangle: Rectangle, geometry: usize) -> terrafill_stencil::Volume {
+pub(crate) fn listed(screen_rect: PixelRect, geometry: usize) -> terrafill_stencil::Volume {
     terrafill_stencil::Volume {
         drawn_as: DrawnAs::Volume,
-        screen_rect: PixelRect {
-            left: rectangle.columns[0],
-            top: rectangle.rows[0],
-            right: rectangle.columns[1],
-            bottom: rectangle.rows[1],
-        },
+        screen_rect,
         depth: DepthRange::ANY,
         // The case names its depth rule; only `DepthRuleChoice::Automatic` reads this.
         near_rectangle: NearRectangle::Outside,
@@ -222,22 +223,15 @@ pub(crate) fn program(
     };
     if way.rule == Rule::Preload {
         for pass in &mut program.passes {
-            let commands = std::mem::take(&mut pass.commands);
-            let preloads = commands.iter().filter_map(|command| match command {
+            let mut preloads = pass.commands.clone();
+            preloads.retain_mut(|command| match command {
                 FillCommand::Volumes { rule, .. } => {
-                    let mut always = command.clone();
-                    if let FillCommand::Volumes { rule: own, .. } = &mut always {
-                        *own = terrafill_stencil::StencilRule {
-                            depth: DepthRule::Always,
-                            ..*rule
-                        };
-                    }
-                    Some(always)
+                    rule.depth = DepthRule::Always;
+                    true
                 }
-                _ => None,
+                _ => false,
             });
-            let preloads: Vec<FillCommand> = preloads.collect();
-            pass.commands = preloads.into_iter().chain(commands).collect();
+            pass.commands.splice(..0, preloads);
         }
     }
     Ok(program)

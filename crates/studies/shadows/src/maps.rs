@@ -7,8 +7,8 @@
 
 use crate::count::Wrong;
 use crate::named::named;
-use crate::reference::{Light, Seen, Truth};
-use crate::view::DeckCamera;
+use crate::reference::{Seen, Truth};
+use crate::view::{DeckCamera, whole};
 use crate::work::Scene;
 use glam::{DVec2, DVec3};
 use terrafill_casters::Mesh;
@@ -99,12 +99,7 @@ impl Frame {
                 "a map of texels of {texel_m} m takes {found:.0} MB, allowed: {allowed} MB"
             )));
         }
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a port's texels: whole, positive and few"
-        )]
-        let [columns, rows] = count.to_array().map(|count| count as usize);
+        let [columns, rows] = count.to_array().map(|count| whole(count) as usize);
         Ok(Self {
             to_light,
             axes,
@@ -159,36 +154,25 @@ impl Map {
     }
 
     /// Texels whose centres lie between two places along an axis.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped to the map"
-    )]
     fn between(low: f64, high: f64, count: usize) -> std::ops::Range<usize> {
-        let at = |place: f64| (place - 0.5).ceil().clamp(0.0, count as f64) as usize;
+        let at = |place: f64| whole((place - 0.5).ceil().clamp(0.0, count as f64)) as usize;
         at(low)..at(high).max(at(low))
     }
 
     #[allow(clippy::cast_possible_truncation, reason = "a map holds f32")]
     fn draw(&mut self, corners: [DVec3; 3]) {
-        let Frame {
-            to_light,
-            columns,
-            rows,
-            ..
-        } = self.frame;
-        let flat = corners.map(|corner| self.frame.place(corner));
-        let [a, b, c] = flat;
+        let frame = self.frame;
+        let [a, b, c] = corners.map(|corner| frame.place(corner));
         let (ab, ac) = (b - a, c - a);
         let area = ab.perp_dot(ac);
         if area == 0.0 {
             return;
         }
-        let heights = corners.map(|corner| corner.dot(to_light));
+        let heights = corners.map(|corner| corner.dot(frame.to_light));
         let rise = [heights[1] - heights[0], heights[2] - heights[0]];
         let low = a.min(b).min(c);
         let high = a.max(b).max(c);
-        for row in Self::between(low.y, high.y, rows) {
+        for row in Self::between(low.y, high.y, frame.rows) {
             let y = row as f64 + 0.5;
             // Where the row's centre line meets the triangle's edges.
             let mut span = [f64::INFINITY, f64::NEG_INFINITY];
@@ -201,36 +185,27 @@ impl Map {
             if span[0] > span[1] {
                 continue;
             }
-            for column in Self::between(span[0], span[1], columns) {
+            for column in Self::between(span[0], span[1], frame.columns) {
                 let at = DVec2::new(column as f64 + 0.5, y) - a;
                 let shares = [at.perp_dot(ac) / area, ab.perp_dot(at) / area];
                 let height = heights[0] + shares[0] * rise[0] + shares[1] * rise[1];
-                let own = &mut self.nearest_m[row * columns + column];
+                let own = &mut self.nearest_m[row * frame.columns + column];
                 *own = own.max(height as f32);
             }
         }
     }
 
     /// How far above a place, along the light, the map has something; −∞ where it has nothing.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "checked to lie in the map"
-    )]
     fn above(&self, place: DVec3) -> f64 {
-        let Frame {
-            to_light,
-            columns,
-            rows,
-            ..
-        } = self.frame;
         let at = self.frame.place(place);
+        let [columns, rows] = [self.frame.columns, self.frame.rows];
         let is_in = at.x >= 0.0 && at.y >= 0.0 && at.x < columns as f64 && at.y < rows as f64;
         if !is_in {
             return f64::NEG_INFINITY;
         }
-        let texel = at.y as usize * columns + at.x as usize;
-        f64::from(self.nearest_m[texel]) - place.dot(to_light)
+        let [column, row] = at.to_array().map(whole);
+        let texel = row as usize * columns + column as usize;
+        f64::from(self.nearest_m[texel]) - place.dot(self.frame.to_light)
     }
 }
 
@@ -265,7 +240,7 @@ pub(crate) struct Mapped {
 impl Scene {
     /// Shadows by a map with texels of this size, at the step of the bias that leaves the fewest wrong.
     pub(crate) fn mapped(&self, texel_m: f64, bias: Bias) -> Result<Mapped, Failure> {
-        let map = self.map(texel_m)?;
+        let map = Map::of(self.mesh(), self.to_light, texel_m)?;
         let asked = self.asked(&map);
         let masks = |step: f64| -> Vec<Vec<bool>> {
             let is_dark = |asked: &Option<Asked>| {
@@ -282,16 +257,9 @@ impl Scene {
                 .map(|channel| channel.iter().map(is_dark).collect())
                 .collect()
         };
-        let wrong = |masks: &[Vec<bool>]| {
-            let channels = masks.iter().zip(&self.channels);
-            channels.fold(Wrong::default(), |sum, (mask, (_, truth))| {
-                sum.plus(Wrong::of(mask, truth))
-            })
-        };
-        let all = |wrong: Wrong| wrong.outside() + wrong.in_band;
-        let unbiased = all(wrong(&masks(0.0)));
+        let unbiased = self.wrong(&masks(0.0)).all();
         let steps = bias.steps().iter().copied();
-        let best = steps.min_by_key(|step| all(wrong(&masks(*step))));
+        let best = steps.min_by_key(|step| self.wrong(&masks(*step)).all());
         let best = best.unwrap_or(0.0);
         let three = self.with_most_casters(3);
         let in_three = |step: &f64| {
@@ -300,16 +268,16 @@ impl Scene {
             for &channel in &three {
                 let truth = &self.channels[channel].1;
                 sum = sum.plus(Wrong::of(&masks[channel], truth));
-                judged += truth.count(Light::Lit) + truth.count(Light::Shadow);
+                judged += truth.judged();
             }
-            all(sum) as f64 / judged.max(1) as f64
+            sum.all() as f64 / judged.max(1) as f64
         };
         let wrong_in_three = bias.steps().iter().map(in_three).fold(1.0, f64::min);
         let masks = masks(best);
         let level = self.to_light.z;
         let level_slope = (1.0 - level * level).max(0.0).sqrt() / level;
         Ok(Mapped {
-            wrong: wrong(&masks),
+            wrong: self.wrong(&masks),
             judged: self.judged(),
             unbiased,
             bias_m: bias.metres(best, texel_m, level_slope),
@@ -333,21 +301,16 @@ impl Scene {
         channels
     }
 
-    /// Where a map with texels of this size lies.
-    pub(crate) fn frame(&self, texel_m: f64) -> Result<Frame, Failure> {
-        Frame::of(self.mesh(), self.to_light, texel_m)
-    }
-
     pub(crate) fn judged(&self) -> usize {
-        let channels = self.channels.iter();
-        channels
-            .map(|(_, truth)| truth.count(Light::Lit) + truth.count(Light::Shadow))
-            .sum()
+        self.channels.iter().map(|(_, truth)| truth.judged()).sum()
     }
 
-    /// A map with texels of this size.
-    pub(crate) fn map(&self, texel_m: f64) -> Result<Map, Failure> {
-        Map::of(self.mesh(), self.to_light, texel_m)
+    /// Masks of all channels against the reference.
+    pub(crate) fn wrong(&self, masks: &[Vec<bool>]) -> Wrong {
+        let channels = masks.iter().zip(&self.channels);
+        channels.fold(Wrong::default(), |sum, (mask, (_, truth))| {
+            sum.plus(Wrong::of(mask, truth))
+        })
     }
 
     /// What the map says of each pixel of each channel; `None` for the sky.
@@ -360,7 +323,6 @@ impl Scene {
 
     fn asked_of(&self, map: &Map, view: &DeckCamera, truth: &Truth) -> Vec<Option<Asked>> {
         let mesh = self.mesh();
-        let width = view.size[0] as usize;
         let pixel = |(at, seen): (usize, &Seen)| {
             let (depth, normal) = match *seen {
                 Seen::Sky => return None,
@@ -370,8 +332,7 @@ impl Scene {
                     (depth, mesh.normals[plane as usize].normalize_or_zero())
                 }
             };
-            let (column, row) = (at % width, at / width);
-            let [column, row] = [column, row].map(|at| u32::try_from(at).unwrap_or(0));
+            let [column, row] = view.pixel(at);
             let cosine = normal.dot(self.to_light);
             let slope = (1.0 - cosine * cosine).max(0.0).sqrt() / cosine;
             Some(Asked {
@@ -390,8 +351,7 @@ mod tests {
     use terrafill_casters::row;
 
     fn share(mapped: &Mapped) -> f64 {
-        let wrong = mapped.wrong.outside() + mapped.wrong.in_band;
-        wrong as f64 / mapped.judged as f64
+        mapped.wrong.all() as f64 / mapped.judged as f64
     }
 
     #[test]
@@ -411,19 +371,11 @@ mod tests {
         let scene = Scene::new([10.0, -60.0], [64, 48]).expect("a port");
         for bias in Bias::DRAWN {
             let [fine, coarse] = [0.25, 2.0].map(|texel| scene.mapped(texel, bias).expect("small"));
-            assert!(
-                share(&fine) < share(&coarse),
-                "{bias:?}: {} {}",
-                share(&fine),
-                share(&coarse)
-            );
-            assert!(
-                0.001 < share(&fine) && share(&fine) < 0.05,
-                "{}",
-                share(&fine)
-            );
+            let [of_fine, of_coarse] = [&fine, &coarse].map(share);
+            assert!(of_fine < of_coarse, "{bias:?}: {of_fine} {of_coarse}");
+            assert!((0.001..0.05).contains(&of_fine), "{of_fine}");
             // Without a bias, texels shade the very casters that they show.
-            let wrong = fine.wrong.outside() + fine.wrong.in_band;
+            let wrong = fine.wrong.all();
             assert!(fine.unbiased > 5 * wrong, "{} {wrong}", fine.unbiased);
             assert!(fine.bias_m > 0.0);
             assert!(fine.masks.len() == 7 && fine.masks.iter().all(|mask| mask.len() == 64 * 48));
@@ -438,16 +390,10 @@ mod tests {
         let lit = |mapped: &Mapped| mapped.wrong.false_lit + mapped.wrong.in_band;
         assert!(lit(&without) > lit(&with), "{without:?} {with:?}");
         // 3.8 % are computed elsewhere, of 7,178 samples.
-        assert!(
-            (0.02..0.06).contains(&without.wrong_in_three),
-            "{}",
-            without.wrong_in_three
-        );
-        let elsewhere = share(&without);
-        assert!(
-            elsewhere < without.wrong_in_three,
-            "{elsewhere}: channels without casters are right"
-        );
+        let (in_three, in_all) = (without.wrong_in_three, share(&without));
+        assert!((0.02..0.06).contains(&in_three), "{in_three}");
+        // Channels without casters are right.
+        assert!(in_all < in_three, "{in_all} {in_three}");
     }
 
     #[test]

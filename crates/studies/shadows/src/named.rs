@@ -3,14 +3,14 @@
 
 /// Declares an enumeration with the name of each variant; with `all`, a list of them too.
 macro_rules! named {
-    ($(#[$meta:meta])* all $kind:ident { $($(#[$of:meta])* $variant:ident = $name:literal,)* }) => {
+    ($(#[$meta:meta])* all $kind:ident { $($(#[$of:meta])* $variant:ident = $name:expr,)* }) => {
         $crate::named::named! { $(#[$meta])* $kind { $($(#[$of])* $variant = $name,)* } }
 
         impl $kind {
-            pub(crate) const ALL: [Self; [$($name),*].len()] = [$(Self::$variant),*];
+            pub(crate) const ALL: [Self; [$(stringify!($variant)),*].len()] = [$(Self::$variant),*];
         }
     };
-    ($(#[$meta:meta])* $kind:ident { $($(#[$of:meta])* $variant:ident = $name:literal,)* }) => {
+    ($(#[$meta:meta])* $kind:ident { $($(#[$of:meta])* $variant:ident = $name:expr,)* }) => {
         $(#[$meta])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub(crate) enum $kind {

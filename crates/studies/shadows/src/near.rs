@@ -7,7 +7,7 @@
 use crate::named::named;
 use crate::reference::Reference;
 use crate::scissor::cut;
-use crate::view::DeckCamera;
+use crate::view::{DeckCamera, box_of};
 use glam::DVec3;
 use std::ops::Range;
 use terrafill_casters::{Facing, Mesh};
@@ -39,12 +39,6 @@ pub(crate) struct Boxes {
     models: Vec<([DVec3; 2], Range<usize>)>,
 }
 
-fn box_of(places: &[DVec3]) -> [DVec3; 2] {
-    let low = places.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = places.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-    [low, high]
-}
-
 impl Boxes {
     pub(crate) fn of(mesh: &Mesh) -> Self {
         let parts = mesh.parts.iter();
@@ -52,12 +46,8 @@ impl Boxes {
             .map(|part| box_of(&mesh.vertices[part.vertices.clone()]))
             .collect();
         let models = mesh.casters.iter().map(|model| {
-            let corners: Vec<DVec3> = parts[model.parts.clone()]
-                .iter()
-                .flatten()
-                .copied()
-                .collect();
-            (box_of(&corners), model.parts.clone())
+            let corners = parts[model.parts.clone()].iter().flatten();
+            (box_of(corners), model.parts.clone())
         });
         Self {
             models: models.collect(),
@@ -235,10 +225,8 @@ mod tests {
             // The small port's dock is 60 m long.
             view.eye.x = view.eye.x / 5.0 - 120.0;
             let is_dark = shadowed_share(&view, &reference) > 0.0;
-            assert!(
-                is_dark || !is_shadowed_at_corners(&view, &reference),
-                "a sample"
-            );
+            let at_corners = is_shadowed_at_corners(&view, &reference);
+            assert!(is_dark || !at_corners, "a sample");
             for (at, test) in EyeTest::ALL.into_iter().enumerate() {
                 let choice = chosen(test, &view, to_light, &mesh, &facing, &boxes, &reference);
                 let any = choice.contains(&true);

@@ -9,7 +9,7 @@
 //!
 //! Where they disagree the pixel is undecided. The sea is a sphere that touches the origin.
 
-use crate::view::DeckCamera;
+use crate::view::{DeckCamera, box_of, whole};
 use glam::{DVec2, DVec3};
 use terrafill_casters::Mesh;
 
@@ -33,6 +33,16 @@ pub(crate) enum Seen {
     Sea(f64),
     /// Index of a triangle and its depth, m.
     Triangle(u32, f64),
+}
+
+impl Seen {
+    /// m; `None` for the sky.
+    pub(crate) fn depth(self) -> Option<f64> {
+        match self {
+            Self::Sky => None,
+            Self::Sea(depth) | Self::Triangle(_, depth) => Some(depth),
+        }
+    }
 }
 
 /// What the reference says of a pixel.
@@ -61,6 +71,11 @@ pub(crate) struct Truth {
 impl Truth {
     pub(crate) fn count(&self, light: Light) -> usize {
         self.light.iter().filter(|own| **own == light).count()
+    }
+
+    /// Pixels of which it says whether they are lit.
+    pub(crate) fn judged(&self) -> usize {
+        self.count(Light::Lit) + self.count(Light::Shadow)
     }
 }
 
@@ -95,10 +110,6 @@ struct Grid {
     cells: Vec<Vec<u32>>,
 }
 
-fn cross(a: DVec2, b: DVec2) -> f64 {
-    a.perp_dot(b)
-}
-
 impl<'a> Reference<'a> {
     pub(crate) fn new(mesh: &'a Mesh, to_light: DVec3) -> Self {
         let corners: Vec<[DVec3; 3]> = (0..mesh.triangles.len())
@@ -108,9 +119,7 @@ impl<'a> Reference<'a> {
         let mut reference = Self {
             mesh,
             to_light,
-            order: (0..mesh.triangles.len())
-                .filter_map(|at| u32::try_from(at).ok())
-                .collect(),
+            order: (0..).take(corners.len()).collect(),
             corners,
             nodes: Vec::new(),
             grid,
@@ -122,13 +131,8 @@ impl<'a> Reference<'a> {
     }
 
     fn split(&mut self, first: usize, past: usize) {
-        let all = self.order[first..past]
-            .iter()
-            .flat_map(|at| self.corners[*at as usize]);
-        let (low, high) = all.fold(
-            (DVec3::INFINITY, DVec3::NEG_INFINITY),
-            |(low, high), place| (low.min(place), high.max(place)),
-        );
+        let own = self.order[first..past].iter();
+        let [low, high] = box_of(own.flat_map(|at| &self.corners[*at as usize]));
         let node = self.nodes.len();
         self.nodes.push(Node {
             low,
@@ -237,13 +241,20 @@ impl<'a> Reference<'a> {
         })
     }
 
+    /// Of the casters, where what is seen is one.
+    fn plane(&self, seen: Seen) -> Option<u32> {
+        match seen {
+            Seen::Sky | Seen::Sea(_) => None,
+            Seen::Triangle(triangle, _) => Some(self.mesh.planes[triangle as usize]),
+        }
+    }
+
     /// Light of a visible point.
     pub(crate) fn light(&self, view: &DeckCamera, ray: DVec3, seen: Seen) -> Light {
-        let (depth, own) = match seen {
-            Seen::Sky => return Light::Sky,
-            Seen::Sea(depth) => (depth, None),
-            Seen::Triangle(triangle, depth) => (depth, Some(self.mesh.planes[triangle as usize])),
+        let Some(depth) = seen.depth() else {
+            return Light::Sky;
         };
+        let own = self.plane(seen);
         let place = view.eye + ray * depth;
         let cosine = own.map(|plane| {
             let normal = self.mesh.normals[plane as usize];
@@ -308,9 +319,8 @@ fn meets([a, b, c]: &[DVec3; 3], from: DVec3, along: DVec3) -> Option<f64> {
     }
     let normal = (b - a).cross(c - a);
     let slope = normal.dot(along);
-    (slope != 0.0)
-        .then(|| normal.dot(a) / slope)
-        .filter(|distance| *distance > 0.0)
+    let distance = (slope != 0.0).then(|| normal.dot(a) / slope);
+    distance.filter(|distance| *distance > 0.0)
 }
 
 /// Where a ray enters the sea.
@@ -325,8 +335,7 @@ fn sea_distance(from: DVec3, along: DVec3) -> Option<f64> {
 
 impl Grid {
     fn new(corners: &[[DVec3; 3]], to_light: DVec3) -> Self {
-        let axes = to_light.any_orthonormal_pair();
-        let axes = [axes.0, axes.1];
+        let axes: [DVec3; 2] = to_light.any_orthonormal_pair().into();
         let flat = |place: DVec3| DVec2::new(place.dot(axes[0]), place.dot(axes[1]));
         let places = corners.iter().flatten().map(|place| flat(*place));
         let (low, high) = places.fold(
@@ -369,14 +378,10 @@ impl Grid {
         grid
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped to the grid"
-    )]
     fn cell(&self, flat: DVec2) -> [usize; 2] {
         let at = (flat - self.low) / self.extent * self.count as f64;
-        [at.x, at.y].map(|at| at.clamp(0.0, self.count as f64 - 1.0) as usize)
+        let last = self.count as f64 - 1.0;
+        [at.x, at.y].map(|at| whole(at.clamp(0.0, last)) as usize)
     }
 
     /// The triangle nearest to the sun over a place, and how far above the place it is.
@@ -388,7 +393,7 @@ impl Grid {
             // Relative to the place: as many digits as there can be.
             let local = corners[triangle as usize].map(|corner| corner - place);
             let [a, b, c] = local.map(flat);
-            let [u, v, w] = [cross(b, c), cross(c, a), cross(a, b)];
+            let [u, v, w] = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
             let area = u + v + w;
             let is_inside = [u, v, w].iter().all(|share| share * area >= 0.0);
             if !is_inside || area == 0.0 {
@@ -455,15 +460,11 @@ mod tests {
             assert!(lit > 300 && dark > 20, "{lit} lit, {dark} in shadow");
             assert_eq!(apart, 0);
             for at in (0..truth.seen.len()).step_by(7) {
-                let (depth, own) = match truth.seen[at] {
-                    Seen::Sky => continue,
-                    Seen::Sea(depth) => (depth, None),
-                    Seen::Triangle(triangle, depth) => {
-                        (depth, Some(mesh.planes[triangle as usize]))
-                    }
+                let own = reference.plane(truth.seen[at]);
+                let Some(depth) = truth.seen[at].depth() else {
+                    continue;
                 };
-                let column = u32::try_from(at % 48).expect("small");
-                let row = u32::try_from(at / 48).expect("small");
+                let [column, row] = view.pixel(at);
                 let place = view.eye + view.ray(column, row) * depth;
                 assert_eq!(
                     reference.is_shadowed(place, own),

@@ -14,6 +14,7 @@ mod on_wgpu;
 use self::on_vulkan::Rays;
 use self::on_wgpu::Tiles;
 use crate::casting::{Casting, Receivers};
+use crate::device::Interface;
 use crate::drawing::DeviceDrawn;
 use crate::named::named;
 use crate::view::DeckCamera;
@@ -24,7 +25,7 @@ use terrafill_study::Failure;
 
 /// A triangle counts as over a place where the place is this many pixels below it: where rasterisers round corners to
 /// 1/256 of a pixel, depths are no more exact.
-const MARGIN_PX: f64 = 1.0 / 256.0;
+pub(crate) const MARGIN_PX: f64 = 1.0 / 256.0;
 
 named! {
     /// How shadows come about without volumes.
@@ -35,27 +36,19 @@ named! {
 }
 
 impl Rival {
-    pub(crate) fn api(self) -> &'static str {
+    pub(crate) fn interface(self) -> Interface {
         match self {
-            Self::Tiles => terrafill_gpu::API.name,
-            Self::Rays => terrafill_vulkan::API.name,
+            Self::Tiles => Interface::Wgpu,
+            Self::Rays => Interface::Vulkan,
         }
-    }
-
-    /// Whether a triangle that faces away is handed over too: rays leave it out themselves, and another sun then
-    /// changes nothing that is held.
-    fn takes_all(self) -> bool {
-        self == Self::Rays
     }
 }
 
 impl Scene {
     /// Asks a rival in every channel.
-    pub(crate) fn asked_by(&self, devices: &Devices, rival: Rival) -> Result<DeviceDrawn, Failure> {
-        self.asked_with(devices, rival, MARGIN_PX)
-    }
-
-    fn asked_with(
+    ///
+    /// - `margin_px`: [`MARGIN_PX`]
+    pub(crate) fn asked_by(
         &self,
         devices: &Devices,
         rival: Rival,
@@ -78,7 +71,8 @@ impl Scene {
         let places = mesh.vertices.iter();
         let places = places.map(|place| Positions::Eye.relative(*place, view.eye).extend(1.0));
         let all = (0_u32..).zip(&mesh.triangles);
-        let taken = all.filter(|(at, _)| rival.takes_all() || self.is_lit(*at as usize));
+        // Rays leave out what faces away themselves: another sun then changes nothing that is held.
+        let taken = all.filter(|(at, _)| rival == Rival::Rays || self.is_lit(*at as usize));
         let triangles: Vec<[u32; 4]> = taken.map(|(at, [a, b, c])| [*a, *b, *c, at]).collect();
         let axis = |axis: glam::DVec3| axis.as_vec3().extend(0.0).to_array();
         let pixel = 2.0 * view.tan[0] / f64::from(view.size[0]);

@@ -1,104 +1,75 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Rectangles of pixels: of a volume, of a caster's shadow, of what is above the horizon.
 
-use crate::view::DeckCamera;
+use crate::view::{DeckCamera, whole};
 use glam::DVec3;
 use terrafill_casters::Volume;
+use terrafill_plan::PixelRect;
 
-/// Half-open ranges of pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Rectangle {
-    pub(crate) columns: [u32; 2],
-    pub(crate) rows: [u32; 2],
+/// No pixel.
+pub(crate) const NONE: PixelRect = PixelRect {
+    left: 0,
+    top: 0,
+    right: 0,
+    bottom: 0,
+};
+
+/// The smallest rectangle that holds both; [`NONE`] adds nothing.
+pub(crate) fn joined(one: PixelRect, other: PixelRect) -> PixelRect {
+    match (one, other) {
+        (NONE, only) | (only, NONE) => only,
+        _ => one.around(other),
+    }
 }
 
-impl Rectangle {
-    pub(crate) fn whole(view: &DeckCamera) -> Self {
-        Self {
-            columns: [0, view.size[0]],
-            rows: [0, view.size[1]],
-        }
-    }
-
-    pub(crate) const NONE: Self = Self {
-        columns: [0, 0],
-        rows: [0, 0],
-    };
-
-    pub(crate) fn and(self, other: Self) -> Self {
-        let meet = |a: [u32; 2], b: [u32; 2]| {
-            let low = a[0].max(b[0]);
-            [low, a[1].min(b[1]).max(low)]
-        };
-        Self {
-            columns: meet(self.columns, other.columns),
-            rows: meet(self.rows, other.rows),
-        }
-    }
-
-    pub(crate) fn is_empty(self) -> bool {
-        let is_empty = |range: [u32; 2]| range[0] >= range[1];
-        is_empty(self.columns) || is_empty(self.rows)
-    }
-
-    pub(crate) fn or(self, other: Self) -> Self {
-        if self == Self::NONE || other == Self::NONE {
-            return if self == Self::NONE { other } else { self };
-        }
-        let join = |a: [u32; 2], b: [u32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-        Self {
-            columns: join(self.columns, other.columns),
-            rows: join(self.rows, other.rows),
-        }
-    }
-
-    /// Pixels in which a triangle can be seen, and one more on every side.
-    ///
-    /// - `corners`: relative to the eye; directions where they are at infinity
-    pub(crate) fn around(view: &DeckCamera, corners: &[DVec3; 3]) -> Self {
-        // Right, up and depth; the cone over the triangle is cut by the four sides of the view.
-        let mut cone: Vec<DVec3> = corners
-            .iter()
-            .map(|corner| {
-                let flat = [view.right, view.up].map(|axis| corner.dot(axis));
-                DVec3::new(
-                    flat[0] / view.tan[0],
-                    flat[1] / view.tan[1],
-                    corner.dot(view.forward),
-                )
-            })
-            .collect();
-        let sides = [
-            DVec3::new(1.0, 0.0, 1.0),
-            DVec3::new(-1.0, 0.0, 1.0),
-            DVec3::new(0.0, 1.0, 1.0),
-            DVec3::new(0.0, -1.0, 1.0),
-        ];
-        for side in sides {
-            cone = cut(&cone, |place| side.dot(place));
-        }
-        let mut found: Option<[f64; 4]> = None;
-        for place in cone.iter().filter(|place| place.z > 0.0) {
-            let (x, y) = (place.x / place.z, place.y / place.z);
-            let [left, right, bottom, top] = found.unwrap_or([x, x, y, y]);
-            found = Some([left.min(x), right.max(x), bottom.min(y), top.max(y)]);
-        }
-        found.map_or(Self::NONE, |[left, right, bottom, top]| Self {
-            columns: pixels(left, right, view.size[0]),
-            rows: pixels(-top, -bottom, view.size[1]),
+/// Pixels in which a triangle can be seen, and one more on every side.
+///
+/// - `corners`: relative to the eye; directions where they are at infinity
+pub(crate) fn around(view: &DeckCamera, corners: &[DVec3; 3]) -> PixelRect {
+    // Right, up and depth; the cone over the triangle is cut by the four sides of the view.
+    let mut cone: Vec<DVec3> = corners
+        .iter()
+        .map(|corner| {
+            let flat = [view.right, view.up].map(|axis| corner.dot(axis));
+            DVec3::new(
+                flat[0] / view.tan[0],
+                flat[1] / view.tan[1],
+                corner.dot(view.forward),
+            )
         })
+        .collect();
+    let sides = [
+        DVec3::new(1.0, 0.0, 1.0),
+        DVec3::new(-1.0, 0.0, 1.0),
+        DVec3::new(0.0, 1.0, 1.0),
+        DVec3::new(0.0, -1.0, 1.0),
+    ];
+    for side in sides {
+        cone = cut(&cone, |place| side.dot(place));
+    }
+    let mut found: Option<[f64; 4]> = None;
+    for place in cone.iter().filter(|place| place.z > 0.0) {
+        let (x, y) = (place.x / place.z, place.y / place.z);
+        let [left, right, bottom, top] = found.unwrap_or([x, x, y, y]);
+        found = Some([left.min(x), right.max(x), bottom.min(y), top.max(y)]);
+    }
+    let Some([left, right, bottom, top]) = found else {
+        return NONE;
+    };
+    let [left, right] = pixels(left, right, view.size[0]);
+    let [top, bottom] = pixels(-top, -bottom, view.size[1]);
+    PixelRect {
+        left,
+        top,
+        right,
+        bottom,
     }
 }
 
 /// Pixels of −1…1 that a range touches, one more on either side.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to the image"
-)]
 fn pixels(low: f64, high: f64, size: u32) -> [u32; 2] {
     let at = |share: f64| (share + 1.0) / 2.0 * f64::from(size);
-    let end = |place: f64| place.clamp(0.0, f64::from(size)) as u32;
+    let end = |place: f64| whole(place.clamp(0.0, f64::from(size)));
     [end(at(low).floor() - 1.0), end(at(high).ceil() + 1.0)]
 }
 
@@ -140,53 +111,49 @@ pub(crate) fn depths_of_parts(
 }
 
 /// Of each part, the rectangle of its volume.
-pub(crate) fn of_parts(view: &DeckCamera, volume: &Volume, parts: usize) -> Vec<Rectangle> {
-    let mut rectangles = vec![Rectangle::NONE; parts];
+pub(crate) fn of_parts(view: &DeckCamera, volume: &Volume, parts: usize) -> Vec<PixelRect> {
+    let mut rectangles = vec![NONE; parts];
     for triangle in &volume.triangles {
         let corners = triangle.corners.map(|corner| {
             let place = volume.vertices[corner as usize];
             place.truncate() - view.eye * place.w
         });
         let own = &mut rectangles[triangle.part as usize];
-        *own = own.or(Rectangle::around(view, &corners));
+        *own = joined(*own, around(view, &corners));
     }
     rectangles
 }
 
 /// The pixels that lie whole above the horizon of the tangent plane: "above the sea" as a rectangle.
-pub(crate) fn above_horizon(view: &DeckCamera) -> Rectangle {
-    Rectangle {
-        rows: [0, view.size[1] / 2],
-        ..Rectangle::whole(view)
+pub(crate) fn above_horizon(view: &DeckCamera) -> PixelRect {
+    PixelRect {
+        bottom: view.size[1] / 2,
+        ..view.whole()
     }
 }
 
 /// The least rectangle that holds some pixels.
-pub(crate) fn around_pixels(view: &DeckCamera, is_in: impl Fn(usize) -> bool) -> Rectangle {
-    let width = view.size[0];
-    let mut found = Rectangle::NONE;
-    for at in (0..)
-        .take(view.pixel_count())
-        .filter(|at| is_in(*at as usize))
-    {
-        let (column, row) = (at % width, at / width);
-        found = found.or(Rectangle {
-            columns: [column, column + 1],
-            rows: [row, row + 1],
-        });
-    }
-    found
+pub(crate) fn around_pixels(view: &DeckCamera, is_in: impl Fn(usize) -> bool) -> PixelRect {
+    let pixels = (0..view.pixel_count()).filter(|at| is_in(*at));
+    let rectangles = pixels.map(|at| {
+        let [left, top] = view.pixel(at);
+        let (right, bottom) = (left + 1, top + 1);
+        PixelRect {
+            left,
+            top,
+            right,
+            bottom,
+        }
+    });
+    rectangles.fold(NONE, joined)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    impl Rectangle {
-        fn holds(&self, column: u32, row: u32) -> bool {
-            let is_in = |range: [u32; 2], at| (range[0]..range[1]).contains(&at);
-            is_in(self.columns, column) && is_in(self.rows, row)
-        }
+    fn holds(own: PixelRect, column: u32, row: u32) -> bool {
+        (own.left..own.right).contains(&column) && (own.top..own.bottom).contains(&row)
     }
 
     #[test]
@@ -197,18 +164,18 @@ mod tests {
             view.towards(9.0, -3.0),
             view.towards(-3.0, 9.0),
         ];
-        assert_eq!(Rectangle::around(&view, &whole), Rectangle::whole(&view));
+        assert_eq!(around(&view, &whole), view.whole());
         let behind = whole.map(|corner| -corner);
-        assert_eq!(Rectangle::around(&view, &behind), Rectangle::NONE);
+        assert_eq!(around(&view, &behind), NONE);
         // From before the eye to behind it: everything right of the middle and above may be met.
         let through = [
             view.towards(0.0, 0.0),
             view.right - view.forward,
             view.up - view.forward,
         ];
-        let found = Rectangle::around(&view, &through);
+        let found = around(&view, &through);
         assert!(
-            found.holds(39, 0) && found.holds(20, 14) && !found.holds(0, 29),
+            holds(found, 39, 0) && holds(found, 20, 14) && !holds(found, 0, 29),
             "{found:?}"
         );
         let small = [
@@ -216,25 +183,17 @@ mod tests {
             view.towards(0.51, 0.5),
             view.towards(0.5, 0.51),
         ];
-        let found = Rectangle::around(&view, &small);
-        assert!(
-            found.columns[1] - found.columns[0] <= 4 && found.holds(30, 7),
-            "{found:?}"
-        );
+        let found = around(&view, &small);
+        assert!(found.width() <= 4 && holds(found, 30, 7), "{found:?}");
     }
 
     #[test]
     fn pixels_are_held_and_nothing_holds_none() {
         let view = DeckCamera::level(DVec3::ZERO, 0.0, 0.5, [4, 3]);
         let found = around_pixels(&view, |at| at == 5 || at == 10);
-        assert_eq!(
-            found,
-            Rectangle {
-                columns: [1, 3],
-                rows: [1, 3]
-            }
-        );
-        assert_eq!(around_pixels(&view, |_| false), Rectangle::NONE);
-        assert!(!above_horizon(&view).holds(0, 1));
+        let sides = [found.left, found.top, found.right, found.bottom];
+        assert_eq!(sides, [1, 1, 3, 3]);
+        assert_eq!(around_pixels(&view, |_| false), NONE);
+        assert!(!holds(above_horizon(&view), 0, 1));
     }
 }

@@ -5,6 +5,7 @@ use crate::reference::SEA_RADIUS_M;
 use crate::view::DeckCamera;
 use crate::way::{Positions, count};
 use glam::DVec3;
+use std::iter::successors;
 use terrafill_casters::Mesh;
 use terrafill_surface::{HeightRange, SurfaceFrame};
 
@@ -43,15 +44,11 @@ fn sea(view: &DeckCamera) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let ahead = (view.forward - up * up.dot(view.forward)).normalize();
     let right = ahead.cross(up);
     let horizon_m = (2.0 * SEA_RADIUS_M * height_m).sqrt();
-    let mut away_m = vec![0.5 * height_m];
-    while away_m.last().is_some_and(|last| *last < 1.2 * horizon_m) {
-        away_m.extend(away_m.last().map(|last| last * RING_RATIO));
-    }
+    let farther = |last: &f64| (*last < 1.2 * horizon_m).then_some(last * RING_RATIO);
+    let away_m: Vec<f64> = successors(Some(0.5 * height_m), farther).collect();
     let half_deg = view.tan[0].atan().to_degrees() + SECTOR_DEG;
-    let mut azimuths_deg = vec![-half_deg];
-    while azimuths_deg.last().is_some_and(|last| *last < half_deg) {
-        azimuths_deg.extend(azimuths_deg.last().map(|last| last + SECTOR_DEG));
-    }
+    let next = |last: &f64| (*last < half_deg).then_some(last + SECTOR_DEG);
+    let azimuths_deg: Vec<f64> = successors(Some(-half_deg), next).collect();
     let mut places = Vec::with_capacity(away_m.len() * azimuths_deg.len());
     for away in &away_m {
         let (sin, cos) = (away / SEA_RADIUS_M).sin_cos();

@@ -7,8 +7,7 @@
 
 use crate::source::{Adjacency, Adjacent, Computed, EyeMesh, IS_CAP, VolumeSource};
 use crate::view::DeckCamera;
-use crate::way::Silhouettes;
-use crate::way::{DeviceWay, count, eye_vertices};
+use crate::way::{DeviceWay, Positions, Silhouettes, count, eye_vertices};
 use crate::work::{End, Scene};
 use terrafill_casters::{EdgeTable, Mesh, Side, Volume};
 use terrafill_study::Failure;
@@ -22,15 +21,11 @@ impl Scene {
     ///
     /// # Errors
     /// [`Failure::Unable`] for a mesh in which an edge has not two triangles, one either way.
-    pub(crate) fn found_by(
-        &self,
-        way: DeviceWay,
-        volume: &Volume,
-    ) -> Result<Option<DeviceVolume>, Failure> {
-        let source = match way.silhouettes {
+    pub(crate) fn found_by(&self, way: DeviceWay) -> Result<Option<VolumeSource>, Failure> {
+        Ok(Some(match way.silhouettes {
             Silhouettes::Adjacency | Silhouettes::EachTriangle => return Ok(None),
             Silhouettes::Pulled => VolumeSource::Pulled(self.pieces(false)?),
-            Silhouettes::Corners => VolumeSource::Corners(self.pieces(true)?),
+            Silhouettes::Corners => VolumeSource::Pulled(self.pieces(true)?),
             Silhouettes::Computed => VolumeSource::Computed(Computed {
                 vertices: Vec::new(),
                 mesh: self.pieces(false)?,
@@ -38,11 +33,6 @@ impl Scene {
                 is_closed: way.end != End::Infinite,
             }),
             Silhouettes::Geometry(by) => VolumeSource::Adjacent(self.adjacent(by)?),
-        };
-        Ok(Some(DeviceVolume {
-            way,
-            source,
-            volume: volume.clone(),
         }))
     }
 
@@ -57,7 +47,7 @@ impl Scene {
                          closed meshes";
             Failure::Unable(needs.to_owned())
         };
-        if self.is_robust() {
+        if self.prepared.is_robust {
             Err(unfit())
         } else {
             EdgeTable::of(&mesh).pairs().ok_or_else(unfit)
@@ -84,7 +74,7 @@ impl Scene {
             lit: if by_corners {
                 Vec::new()
             } else {
-                self.lit_bits()
+                packed(&self.facing.is_lit)
             },
             ..EyeMesh::default()
         };
@@ -110,8 +100,7 @@ impl Scene {
         // A geometry shader looks at every edge of a triangle; one that is given edges can be given fewer.
         let edges = self.edges(by != Adjacency::Lines)?;
         let (mut table, mut vertices) = (Vec::new(), Vec::new());
-        let (mut corners, mut caps) = (Vec::new(), Vec::new());
-        let mut bits = Bits::default();
+        let (mut corners, mut caps, mut bits) = (Vec::new(), Vec::new(), Vec::new());
         let is_lit = |triangle: u32| self.is_lit(triangle as usize);
         // The direction is before all places.
         let placed = |vertex: u32| vertex + 1;
@@ -161,18 +150,15 @@ impl Scene {
             vertices.push(counted);
         }
         if by == Adjacency::Lines {
-            bits.end_word();
+            bits.resize(bits.len().next_multiple_of(u32::BITS as usize), false);
             let parts = mesh.casters.iter().flat_map(|caster| caster.parts.clone());
             let triangles = parts.flat_map(|part| mesh.parts[part].triangles.clone());
             bits.extend(triangles.map(|triangle| self.is_lit(triangle)));
         }
-        let bits = bits.words;
-        let begins = |parts: [usize; 3]| parts.map(count);
-        let [corners_at, caps_at, bits_at] = begins([
-            table.len(),
-            table.len() + corners.len(),
-            table.len() + corners.len() + caps.len(),
-        ]);
+        let bits = packed(&bits);
+        let corners_at = count(table.len());
+        let caps_at = corners_at + count(corners.len());
+        let bits_at = caps_at + count(caps.len());
         let places_at = bits_at + count(bits.len());
         let light_bytes = size_of_val(&*bits) as u64;
         Ok(Adjacent {
@@ -185,38 +171,34 @@ impl Scene {
     }
 
     /// The same as this eye has it.
-    pub(crate) fn seen_from(&self, view: &DeckCamera, found: &DeviceVolume) -> VolumeSource {
+    ///
+    /// - `volume`: from the CPU, of which a compute shader takes the vertices
+    pub(crate) fn seen_from(
+        &self,
+        view: &DeckCamera,
+        found: &VolumeSource,
+        positions: Positions,
+        volume: &Volume,
+    ) -> VolumeSource {
         let away = (-self.to_light).as_vec3();
         let places = self.mesh().vertices.iter();
         let places = places.map(|place| (place - view.eye).as_vec3());
-        match &found.source {
-            VolumeSource::Pulled(mesh) | VolumeSource::Corners(mesh) => {
-                let mut mesh = mesh.clone();
-                let all = places
-                    .map(|place| place.extend(1.0))
-                    .chain([away.extend(0.0)]);
+        let mut seen = found.clone();
+        match &mut seen {
+            VolumeSource::Volumes(_) => {}
+            VolumeSource::Pulled(mesh) => {
+                let places = places.map(|place| place.extend(1.0));
+                let all = places.chain([away.extend(0.0)]);
                 mesh.places = all.map(|place| place.to_array()).collect();
-                match found.source {
-                    VolumeSource::Pulled(_) => VolumeSource::Pulled(mesh),
-                    _ => VolumeSource::Corners(mesh),
-                }
             }
-            VolumeSource::Computed(own) => {
-                let vertices = eye_vertices(found.way.positions, view, &found.volume);
-                VolumeSource::Computed(Computed {
-                    vertices,
-                    ..own.clone()
-                })
-            }
+            VolumeSource::Computed(own) => own.vertices = eye_vertices(positions, view, volume),
             VolumeSource::Adjacent(own) => {
-                let mut own = own.clone();
                 let all = std::iter::once(away).chain(places);
-                own.words
-                    .extend(all.flat_map(|place| place.to_array()).map(f32::to_bits));
-                VolumeSource::Adjacent(own)
+                let words = all.flat_map(|place| place.to_array()).map(f32::to_bits);
+                own.words.extend(words);
             }
-            VolumeSource::Volumes(volumes) => VolumeSource::Volumes(volumes.clone()),
         }
+        seen
     }
 
     /// Triangles whose sign of facing in `f32` from an eye depends on which corner comes first.
@@ -234,13 +216,6 @@ impl Scene {
     }
 }
 
-/// A volume as a device made it, with the way and the source.
-pub(crate) struct DeviceVolume {
-    way: DeviceWay,
-    source: VolumeSource,
-    volume: Volume,
-}
-
 /// The corner of a triangle that is on no end of an edge.
 fn opposite(mesh: &Mesh, triangle: u32, edge: Side) -> u32 {
     let corners = mesh.triangles[triangle as usize];
@@ -250,29 +225,12 @@ fn opposite(mesh: &Mesh, triangle: u32, edge: Side) -> u32 {
 }
 
 /// Bits in words, the lowest first.
-#[derive(Default)]
-struct Bits {
-    words: Vec<u32>,
-    count: usize,
-}
-
-impl Bits {
-    fn extend(&mut self, bits: impl IntoIterator<Item = bool>) {
-        for bit in bits {
-            let at = self.count % 32;
-            if at == 0 {
-                self.words.push(0);
-            }
-            if let Some(word) = self.words.last_mut() {
-                *word |= u32::from(bit) << at;
-            }
-            self.count += 1;
-        }
-    }
-
-    fn end_word(&mut self) {
-        self.count = 32 * self.words.len();
-    }
+fn packed(bits: &[bool]) -> Vec<u32> {
+    let word = |bits: &[bool]| {
+        let bits = bits.iter().rev();
+        bits.fold(0, |word, bit| word << 1 | u32::from(*bit))
+    };
+    bits.chunks(u32::BITS as usize).map(word).collect()
 }
 
 #[cfg(test)]
@@ -281,12 +239,8 @@ mod tests {
 
     #[test]
     fn bits_fill_words_from_the_lowest_on() {
-        let mut bits = Bits::default();
-        bits.extend([true, false, true]);
-        bits.end_word();
-        bits.extend([false; 32]);
-        bits.extend([true]);
-        assert_eq!(bits.words, [5, 0, 1]);
+        let bits = [&[true, false, true][..], &[false; 61], &[true]].concat();
+        assert_eq!(packed(&bits), [5, 0, 1]);
     }
 
     #[test]

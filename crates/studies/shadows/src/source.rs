@@ -26,7 +26,7 @@ pub(crate) struct EyeMesh {
     pub(crate) places: Vec<[f32; 4]>,
     /// Triangles and edges, as `casters/pulled.wgsl` reads them.
     pub(crate) pieces: Vec<[u32; 4]>,
-    /// A bit a triangle.
+    /// A bit a triangle; none where every edge computes facings from corners.
     pub(crate) lit: Vec<u32>,
     /// Of each caster, by [`terrafill_stencil::Volume::geometry`]: its range of pieces.
     pub(crate) ranges: Vec<Range<u32>>,
@@ -71,12 +71,10 @@ pub(crate) struct Adjacent {
 }
 
 /// What a device makes volumes of.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) enum VolumeSource {
     Volumes(EyeVolumes),
     Pulled(EyeMesh),
-    /// As pulled, without facing bits.
-    Corners(EyeMesh),
     Computed(Computed),
     Adjacent(Adjacent),
 }
@@ -90,7 +88,7 @@ impl VolumeSource {
                 let bytes = size_of_val(&*volumes.vertices) + size_of_val(&*volumes.indices);
                 [bytes as u64; 2]
             }
-            Self::Pulled(mesh) | Self::Corners(mesh) => {
+            Self::Pulled(mesh) => {
                 let fixed = size_of_val(&*mesh.places) + size_of_val(&*mesh.pieces);
                 // The bits and the direction.
                 let light = size_of_val(&*mesh.lit);

@@ -13,9 +13,10 @@ use crate::device_map::DeviceMap;
 use crate::eyes::EyeTable;
 use crate::job::Job;
 use crate::list::questions;
-use crate::metrics::METRICS;
+use crate::maps::Map;
+use crate::metrics::{METRICS, SHADOW_MAP_CPU_MS, TIME};
 use crate::view::bridge;
-use crate::work::{End, Scene, prepared_port};
+use crate::work::{End, Scene, closed, port_m};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use terrafill_casters::EdgeTable;
@@ -23,7 +24,7 @@ use terrafill_contract::{CpuStopwatch, FrameTimes};
 use terrafill_results::{PlannedCase, Verdict};
 use terrafill_study::{
     CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,
-    Study, StudyError, size_name,
+    Study, StudyError, size_name, verified,
 };
 
 /// Pixels of each channel in which a case is checked: rays take long. What is timed has the request's size.
@@ -45,7 +46,7 @@ impl Study for ShadowsStudy {
         name: STUDY,
         question: "What does each optimisation of shadow volumes save in a port, and what does it get wrong?",
         metrics: METRICS,
-        conditions: crate::keys::CONDITIONS,
+        conditions: crate::metrics::CONDITIONS,
         least_depth: Full,
         chapter: crate::chapter::CHAPTER,
     );
@@ -79,7 +80,19 @@ impl Study for ShadowsStudy {
                     timed_size,
                     brought: brought.clone(),
                 },
-                open: |group, context| Ok(Box::new(CaseSession(Answering::new(group, context)))),
+                open: |group, context| {
+                    Ok(Box::new(CaseSession(Answering {
+                        question: &group.work,
+                        cases: &group.cases,
+                        context,
+                        scenes: Vec::new(),
+                        eyes: None,
+                        meshes: Vec::new(),
+                        opened: BTreeMap::new(),
+                        edges: None,
+                        map: None,
+                    })))
+                },
             })
         });
         Ok(Planned {
@@ -131,21 +144,7 @@ struct Answering<'a> {
     map: Option<([f64; 2], f64, bool, DeviceMap)>,
 }
 
-impl<'a> Answering<'a> {
-    fn new(group: &'a CaseGroup<Question>, context: Context<'a>) -> Self {
-        Self {
-            question: &group.work,
-            cases: &group.cases,
-            context,
-            scenes: Vec::new(),
-            eyes: None,
-            meshes: Vec::new(),
-            opened: BTreeMap::new(),
-            edges: None,
-            map: None,
-        }
-    }
-
+impl Answering<'_> {
     /// The scene called `name`, made if it is none of the last ones.
     fn scene(
         &mut self,
@@ -175,7 +174,7 @@ impl<'a> Answering<'a> {
         let feet_m = end.feet_m();
         self.scene(&format!("{sun:?} {feet_m:?}"), || {
             let Some(own) = brought else {
-                return Scene::standing(&prepared_port()?, sun, bridge(*size), feet_m);
+                return Scene::standing(&closed(port_m()?)?, sun, bridge(*size), feet_m);
             };
             let of = |feet_m| Scene::standing(&own.prepared, sun, own.views(*size), feet_m);
             // A user's model that has no simple cut stands as it is: it casts the same.
@@ -220,7 +219,7 @@ impl Measures for Answering<'_> {
         match self.question.jobs[case] {
             Job::Silhouette(name, method) => {
                 let mesh = self.ready(name)?;
-                watched("shadow_silhouette_cpu_ms", || Ok(mesh.sides(method)))
+                watched(TIME.name, || Ok(mesh.sides(method)))
             }
             Job::DeviceMap(sun, texel_m, _) => {
                 let size = self.question.timed_size;
@@ -238,8 +237,9 @@ impl Measures for Answering<'_> {
             Job::Map(sun, texel_m, _) => {
                 let scene = self.under(sun)?;
                 let mut kept = None;
-                watched("shadow_map_cpu_ms", || {
-                    Ok(scene.asked(kept.insert(scene.map(texel_m)?)))
+                watched(SHADOW_MAP_CPU_MS.name, || {
+                    let map = Map::of(scene.mesh(), scene.to_light, texel_m)?;
+                    Ok(scene.asked(kept.insert(map)))
                 })
             }
             job => {
@@ -247,10 +247,7 @@ impl Measures for Answering<'_> {
                     Job::StencilStep(sun, step) => self.volumes_ms(sun, step)?,
                     _ => None,
                 };
-                let channel = self.opened.get_mut(&case);
-                let times = channel
-                    .ok_or_else(|| "it was not verified".to_owned())?
-                    .time()?;
+                let times = verified(&mut self.opened, case)?.time()?;
                 let mut values = filled(&times);
                 values.extend(found_ms.map(|ms| ("shadow_volumes_cpu_ms", ms)));
                 Ok(values)

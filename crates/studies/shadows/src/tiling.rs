@@ -21,13 +21,6 @@ struct Tile {
     high: f32,
 }
 
-impl Tile {
-    /// Whether it sees a depth between two of which one may be in the range.
-    fn meets(&self, range: DepthRange) -> bool {
-        self.low <= range.high && range.low <= self.high
-    }
-}
-
 /// Rows of tiles, from above.
 fn tiles(size: ImageSize, depth: &[f32]) -> Vec<Vec<Tile>> {
     let starts = |extent: u32| (0..extent).step_by(TILE as usize);
@@ -63,7 +56,9 @@ pub(crate) fn tiled(volumes: &[Volume], size: ImageSize, depth: &[f32]) -> Vec<V
         let mut rects: Vec<PixelRect> = Vec::new();
         for row in &tiles {
             let mut runs: Vec<PixelRect> = Vec::new();
-            for tile in row.iter().filter(|tile| tile.meets(volume.depth)) {
+            // A depth between the least and the greatest of a tile may be in the range.
+            let DepthRange { low, high } = volume.depth;
+            for tile in row.iter().filter(|own| own.low <= high && low <= own.high) {
                 match runs.last_mut().filter(|last| last.right == tile.rect.left) {
                     Some(last) => last.right = tile.rect.right,
                     None => runs.push(tile.rect),
@@ -79,8 +74,10 @@ pub(crate) fn tiled(volumes: &[Volume], size: ImageSize, depth: &[f32]) -> Vec<V
                 }
             }
         }
-        let cut = rects.into_iter().map(|rect| meet(rect, volume.screen_rect));
-        let seen = cut.filter(|rect| rect.left < rect.right && rect.top < rect.bottom);
+        let cut = rects
+            .into_iter()
+            .map(|rect| rect.within(volume.screen_rect));
+        let seen = cut.filter(|rect| rect.area() > 0);
         all.extend(seen.map(|screen_rect| Volume {
             screen_rect,
             ..*volume
@@ -89,20 +86,10 @@ pub(crate) fn tiled(volumes: &[Volume], size: ImageSize, depth: &[f32]) -> Vec<V
     all
 }
 
-fn meet(one: PixelRect, other: PixelRect) -> PixelRect {
-    PixelRect {
-        left: one.left.max(other.left),
-        top: one.top.max(other.top),
-        right: one.right.min(other.right),
-        bottom: one.bottom.min(other.bottom),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::loading::listed;
-    use crate::scissor::Rectangle;
 
     #[test]
     fn a_volume_is_drawn_where_depths_are_in_its_range_and_nowhere_else() {
@@ -114,13 +101,9 @@ mod tests {
         let mut depth = vec![0.0; 1600];
         depth[..800].fill(0.01);
         depth[35 * 40 + 20] = 0.5;
-        let whole = Rectangle {
-            columns: [0, 40],
-            rows: [0, 40],
-        };
         let volume = |low, high| Volume {
             depth: DepthRange { low, high },
-            ..listed(whole, 7)
+            ..listed(PixelRect::full(size), 7)
         };
         let rects = |low, high| {
             let found = tiled(&[volume(low, high)], size, &depth);

@@ -3,7 +3,9 @@
 
 use glam::DVec3;
 use terrafill_casters::Mesh;
+use terrafill_plan::PixelRect;
 use terrafill_results::SplitMix64;
+use terrafill_scene::ImageSize;
 
 /// Field of view of one of seven channels over 270°, degrees.
 const CHANNEL_DEG: f64 = 270.0 / 7.0;
@@ -88,9 +90,44 @@ impl DeckCamera {
         corners.map(|[x, y]| self.eye + self.towards(x, y) * self.near)
     }
 
-    pub(crate) fn pixel_count(&self) -> usize {
-        self.size[0] as usize * self.size[1] as usize
+    pub(crate) fn image_size(&self) -> ImageSize {
+        let [width, height] = self.size;
+        ImageSize { width, height }
     }
+
+    /// All pixels.
+    pub(crate) fn whole(&self) -> PixelRect {
+        PixelRect::full(self.image_size())
+    }
+
+    pub(crate) fn pixel_count(&self) -> usize {
+        self.image_size().pixel_count()
+    }
+
+    /// Column and row of the pixel of this index.
+    pub(crate) fn pixel(&self, at: usize) -> [u32; 2] {
+        let width = self.size[0] as usize;
+        [at % width, at / width].map(|at| u32::try_from(at).unwrap_or(0))
+    }
+}
+
+/// A place in a picture or a grid without its fraction. Whoever calls makes sure that it lies there.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "from 0 to below 2³²"
+)]
+pub(crate) fn whole(place: f64) -> u32 {
+    place as u32
+}
+
+/// Least and greatest coordinates of places.
+pub(crate) fn box_of<'a>(places: impl IntoIterator<Item = &'a DVec3>) -> [DVec3; 2] {
+    let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    let places = places.into_iter();
+    places.fold(none, |[low, high], place| {
+        [low.min(*place), high.max(*place)]
+    })
 }
 
 /// A unit vector towards the sun.
@@ -111,16 +148,16 @@ pub(crate) fn bridge(size: [u32; 2]) -> Vec<DeckCamera> {
 /// Seeded eyes on the dock, outside every part of it.
 pub(crate) fn deck_eyes(mesh: &Mesh, count: usize, near: f64) -> Vec<DeckCamera> {
     let mut random = SplitMix64::new(EYES_SEED);
-    // 53 bits are as many as an `f64` has.
-    let mut share = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
     let mut eyes = Vec::with_capacity(count);
     while eyes.len() < count {
-        let eye = DVec3::new(300.0 * share() - 150.0, 19.0 * share() - 9.5, WALKER_M);
-        let azimuth = 360.0 * share();
+        let eye = DVec3::new(
+            300.0 * random.unit() - 150.0,
+            19.0 * random.unit() - 9.5,
+            WALKER_M,
+        );
+        let azimuth = 360.0 * random.unit();
         if !mesh.parts.iter().any(|part| {
-            let places = &mesh.vertices[part.vertices.clone()];
-            let low = places.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-            let high = places.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+            let [low, high] = box_of(&mesh.vertices[part.vertices.clone()]);
             // A metre of air: a near plane inside a wall sees nothing that anyone would.
             (low - 1.0).cmple(eye).all() && eye.cmple(high + 1.0).all()
         }) {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Eyes in the port beside the bridge and the deck, each of which is hard in a way of its own.
 
-use crate::count::Rule;
+use crate::count::{Pass, Rule};
 use crate::named::named;
 use crate::near::{Boxes, EyeTest, chosen};
 use crate::reference::Reference;
-use crate::scissor::Rectangle;
 use crate::view::DeckCamera;
-use crate::work::{ChannelTotals, End, Pass, Scene};
+use crate::work::{ChannelTotals, End, Scene};
 use glam::DVec3;
 
 named! {
@@ -104,7 +103,7 @@ impl Scene {
             let pass = match chooser {
                 Chooser::All(rule) => self.whole(view, rule),
                 Chooser::Test(test) => {
-                    let whole = Rectangle::whole(view);
+                    let whole = view.whole();
                     let fails = self.fails(test, view, &reference).into_iter();
                     let rule = |is_fail| if is_fail { Rule::Fail } else { Rule::Pass };
                     Pass {
@@ -124,16 +123,9 @@ impl Scene {
         view: &DeckCamera,
         reference: &Reference<'_>,
     ) -> Vec<bool> {
-        let (mesh, boxes) = (self.mesh(), Boxes::of(self.mesh()));
-        chosen(
-            test,
-            view,
-            self.to_light,
-            mesh,
-            self.facing(),
-            &boxes,
-            reference,
-        )
+        let (mesh, facing) = (self.mesh(), &self.facing);
+        let boxes = Boxes::of(mesh);
+        chosen(test, view, self.to_light, mesh, facing, &boxes, reference)
     }
 }
 

@@ -130,6 +130,21 @@ pub(crate) enum Counting {
 }
 
 impl DeviceWay {
+    /// Volumes from the CPU, closed at the sea, z-fail, two-sided, whole.
+    pub(crate) fn plain(interface: Interface) -> Self {
+        Self {
+            interface,
+            silhouettes: Silhouettes::Adjacency,
+            positions: Positions::Eye,
+            end: End::Sea,
+            rule: Rule::Fail,
+            faces: FacePasses::TwoSided,
+            cut: Cut::Off,
+            counting: Counting::Casters,
+            bounds: Bounds::Off,
+        }
+    }
+
     /// As rows have it.
     pub(crate) fn rule_name(self) -> String {
         match self.counting {
@@ -141,11 +156,10 @@ impl DeviceWay {
 
     /// As rows have it.
     pub(crate) fn bounds_name(self) -> String {
-        let name = self.bounds.name();
-        match (self.bounds, self.counting) {
-            (Bounds::Off, _) => name.to_owned(),
-            (_, Counting::Parts { .. }) => format!("{name}, by part"),
-            _ => name.to_owned(),
+        let name = self.bounds.name().to_owned();
+        match self.counting {
+            Counting::Parts { .. } if self.bounds != Bounds::Off => name + ", by part",
+            _ => name,
         }
     }
 

@@ -6,10 +6,10 @@ mod staged;
 
 pub(crate) use self::rounding::ROUNDING_PX;
 
-use crate::count::{Draw, Rule, Stencil, Wrong, draw_within};
+use crate::count::{Pass, Rule, Stencil, Wrong};
 use crate::named::named;
 use crate::reference::{Light, Reference, Seen, Truth};
-use crate::scissor::{Rectangle, above_horizon, around_pixels, depths_of_parts, of_parts};
+use crate::scissor::{above_horizon, around_pixels, depths_of_parts, of_parts};
 #[cfg(test)]
 use crate::view::bridge;
 use crate::view::{DeckCamera, sun};
@@ -81,8 +81,8 @@ named! {
 /// The port under a sun, seen from the bridge.
 pub(crate) struct Scene {
     pub(crate) to_light: DVec3,
-    prepared: Prepared,
-    facing: Facing,
+    pub(crate) prepared: Prepared,
+    pub(crate) facing: Facing,
     sides: Vec<Side>,
     pub(crate) channels: Vec<(DeckCamera, Truth)>,
     /// The channel with most shadow alone, in pictures of the size that is timed.
@@ -104,12 +104,6 @@ pub(crate) struct ChannelTotals {
     pub(crate) masks: Vec<Vec<bool>>,
 }
 
-/// What is counted together, of each part: how it is drawn, and between which depths; no depths for all.
-pub(crate) struct Pass {
-    pub(crate) parts: Vec<Draw>,
-    pub(crate) bounds: Vec<[f64; 2]>,
-}
-
 /// What the views hold, over all channels.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Pixels {
@@ -120,17 +114,20 @@ pub(crate) struct Pixels {
     pub(crate) undecided: usize,
 }
 
-/// The port, closed.
-pub(crate) fn prepared_port() -> Result<Prepared, String> {
-    let named = PortSize::named("port-m").ok_or("no port-m")?;
-    let prepared = Policy::Refuse.prepare(port(named));
+pub(crate) fn port_m() -> Result<Mesh, String> {
+    Ok(port(PortSize::named("port-m").ok_or("no port-m")?))
+}
+
+/// Of a closed mesh.
+pub(crate) fn closed(mesh: Mesh) -> Result<Prepared, String> {
+    let prepared = Policy::Refuse.prepare(mesh);
     prepared.map_err(|error| error.to_string())
 }
 
 impl Scene {
     /// The port, cut below the sea.
     pub(crate) fn of_port(at: [f64; 2], views: Vec<DeckCamera>) -> Result<Self, String> {
-        Self::standing(&prepared_port()?, at, views, End::Sea.feet_m())
+        Self::standing(&closed(port_m()?)?, at, views, End::Sea.feet_m())
     }
 
     /// The same from the bridge.
@@ -151,21 +148,14 @@ impl Scene {
             None => Ok(prepared.clone()),
         };
         let prepared = prepared.map_err(|error| error.to_string())?;
-        Ok(Self::of_prepared(prepared, at, views))
+        Ok(Self::lit_from(prepared, sun(at), views))
     }
 
     pub(crate) fn of(mesh: Mesh, at: [f64; 2], views: Vec<DeckCamera>) -> Result<Self, String> {
-        let prepared = Policy::Refuse
-            .prepare(mesh)
-            .map_err(|error| error.to_string())?;
-        Ok(Self::of_prepared(prepared, at, views))
+        Ok(Self::lit_from(closed(mesh)?, sun(at), views))
     }
 
-    pub(crate) fn of_prepared(prepared: Prepared, at: [f64; 2], views: Vec<DeckCamera>) -> Self {
-        Self::lit_from(prepared, sun(at), views)
-    }
-
-    fn lit_from(prepared: Prepared, to_light: DVec3, views: Vec<DeckCamera>) -> Self {
+    pub(crate) fn lit_from(prepared: Prepared, to_light: DVec3, views: Vec<DeckCamera>) -> Self {
         let facing = Facing::of(&prepared.mesh, to_light);
         let sides = EdgeTable::of(&prepared.mesh).sides(&prepared, &facing);
         let reference = Reference::new(&prepared.mesh, to_light);
@@ -197,11 +187,6 @@ impl Scene {
 
     pub(crate) fn volume(&self, end: End) -> Result<Volume, String> {
         self.volume_of(&self.sides, end)
-    }
-
-    /// Silhouette by stored adjacency, found anew.
-    pub(crate) fn sides_by(&self, table: &EdgeTable) -> Vec<Side> {
-        table.sides(&self.prepared, &self.facing)
     }
 
     /// Volumes that these sides enclose.
@@ -237,36 +222,35 @@ impl Scene {
             ..ChannelTotals::default()
         };
         for (view, truth) in &self.channels {
-            let mut whole = Stencil::clear(view);
+            let mut counts = vec![0; view.pixel_count()];
             let mut mask = vec![false; view.pixel_count()];
             for pass in how(view, truth) {
-                let mut stencil = Stencil::clear(view);
-                let of_part = |part: u32| pass.parts[part as usize];
-                draw_within(
-                    &mut stencil,
-                    view,
-                    mesh,
-                    volume,
-                    truth,
-                    &of_part,
-                    &pass.bounds,
-                );
+                let stencil = Stencil::of(view, mesh, volume, truth, &pass);
                 for (dark, is_dark) in mask.iter_mut().zip(stencil.mask()) {
                     *dark |= is_dark;
                 }
-                whole.updates += stencil.updates;
-                for (sum, count) in whole.counts.iter_mut().zip(stencil.counts) {
+                drawn.updates += stencil.updates;
+                for (sum, count) in counts.iter_mut().zip(stencil.counts) {
                     *sum += count;
                 }
             }
-            drawn.add(&whole, mask, truth);
+            drawn.wrong = drawn.wrong.plus(Wrong::of(&mask, truth));
+            drawn.max_overlap = counts.into_iter().fold(drawn.max_overlap, i32::max);
+            for (at, is_dark) in mask.iter().enumerate() {
+                if truth.light[at] == Light::Shadow && !is_dark {
+                    let is_on_caster = matches!(truth.seen[at], Seen::Triangle(..));
+                    drawn.lost += 1;
+                    drawn.lost_on_casters += usize::from(is_on_caster);
+                }
+            }
+            drawn.masks.push(mask);
         }
         drawn
     }
 
     /// All parts by one rule, wherever they are.
     pub(crate) fn whole(&self, view: &DeckCamera, rule: Rule) -> Pass {
-        let part = Some((rule, Rectangle::whole(view)));
+        let part = Some((rule, view.whole()));
         Pass {
             parts: vec![part; self.prepared.mesh.parts.len()],
             bounds: Vec::new(),
@@ -289,7 +273,7 @@ impl Scene {
         Ok(self.draw_by(&volume, |view, truth| {
             let mut pass = self.whole(view, rule);
             let within = match scissor {
-                Scissor::Off | Scissor::CasterRectangle => Rectangle::whole(view),
+                Scissor::Off | Scissor::CasterRectangle => view.whole(),
                 Scissor::Horizon => above_horizon(view),
                 Scissor::ReceiverRectangle => {
                     around_pixels(view, |at| matches!(truth.seen[at], Seen::Triangle(..)))
@@ -299,7 +283,7 @@ impl Scene {
                 .as_ref()
                 .map(|closed| of_parts(view, closed, pass.parts.len()));
             for (at, part) in pass.parts.iter_mut().enumerate() {
-                let own = own.as_ref().map_or(within, |own| own[at].and(within));
+                let own = own.as_ref().map_or(within, |own| own[at].within(within));
                 *part = Some((rule, own));
             }
             vec![pass]
@@ -336,29 +320,9 @@ impl Scene {
         }))
     }
 
-    /// Which triangles face the sun.
-    pub(crate) fn facing(&self) -> &Facing {
-        &self.facing
-    }
-
-    /// Whether every triangle casts, see [`terrafill_casters::Policy::Robust`].
-    pub(crate) fn is_robust(&self) -> bool {
-        self.prepared.is_robust
-    }
-
     /// Whether a triangle faces the sun.
     pub(crate) fn is_lit(&self, triangle: usize) -> bool {
         self.facing.is_lit[triangle]
-    }
-
-    /// A bit a triangle that faces the sun.
-    pub(crate) fn lit_bits(&self) -> Vec<u32> {
-        let words = self.facing.is_lit.chunks(u32::BITS as usize);
-        let word = |lit: &[bool]| {
-            let bits = lit.iter().rev();
-            bits.fold(0, |word, is_lit| word << 1 | u32::from(*is_lit))
-        };
-        words.map(word).collect()
     }
 
     pub(crate) fn mesh(&self) -> &Mesh {
@@ -391,21 +355,6 @@ impl Scene {
     }
 }
 
-impl ChannelTotals {
-    fn add(&mut self, stencil: &Stencil, mask: Vec<bool>, truth: &Truth) {
-        self.wrong = self.wrong.plus(Wrong::of(&mask, truth));
-        self.updates += stencil.updates;
-        self.max_overlap = self.max_overlap.max(stencil.max());
-        for (at, is_dark) in mask.iter().enumerate() {
-            if truth.light[at] == Light::Shadow && !is_dark {
-                self.lost += 1;
-                self.lost_on_casters += usize::from(matches!(truth.seen[at], Seen::Triangle(..)));
-            }
-        }
-        self.masks.push(mask);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -417,12 +366,8 @@ mod tests {
             let whole = scene.drawn(End::Sea, rule, Scissor::Off).expect("above");
             let within = scene.drawn_within(rule, BOUNDS_SHARE).expect("above");
             assert_eq!(within.wrong, whole.wrong, "{}", rule.name());
-            assert!(
-                2 * within.updates < whole.updates,
-                "{} {}",
-                within.updates,
-                whole.updates
-            );
+            let [few, all] = [within.updates, whole.updates];
+            assert!(2 * few < all, "{few} {all}");
             let tight = scene.drawn_within(rule, -1.0 / 32.0).expect("above");
             assert!(tight.wrong.outside() > 0, "{}", rule.name());
         }

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter's section on balls that step on devices.
 
-use crate::keys::*;
-use crate::metrics::METRICS;
+use super::number;
+use crate::metrics::*;
 use crate::stepping::Stepping;
 use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
 use terrafill_results::{Case, Clock, Finding, Metric};
 
-const CPU: &Metric = Metric::of(&METRICS, "ball_step_cpu_us");
-const WALL: &Metric = Metric::of(&METRICS, "ball_step_wall_us");
-const GPU: &Metric = Metric::of(&METRICS, "ball_step_gpu_us");
 /// Numbers of balls between which the slope is taken.
 const SLOPE: [&str; 2] = ["10000", "1000000"];
 /// Slopes of log time over log number of balls that count as proportional.
@@ -27,13 +24,15 @@ pub(super) const SECTION: Section<'static> = Section {
     columns: &[
         Column::metric("largest error, m", BALL_DEVICE_MAX_M),
         Column::metric("rms error, m", BALL_DEVICE_RMS_M),
-        Column::metric("CPU µs a step", CPU),
+        Column::metric("CPU µs a step", BALL_STEP_CPU_US),
         Column::of(
             "CPU ns a step and ball",
-            Figure::Computed(|case| Some(1e3 * case.value(CPU)? / balls(case))),
+            Figure::Computed(|case| {
+                Some(1e3 * case.value(BALL_STEP_CPU_US)? / number(case, BALLS))
+            }),
         ),
-        Column::metric("wall µs a step", WALL),
-        Column::metric("GPU µs a step", GPU).or("the device keeps no time"),
+        Column::metric("wall µs a step", BALL_STEP_WALL_US),
+        Column::metric("GPU µs a step", BALL_STEP_GPU_US).or("the device keeps no time"),
         Column::metric("uploaded in all steps", BALL_UPLOAD_BYTES),
     ],
     ..Section::EMPTY
@@ -41,11 +40,7 @@ pub(super) const SECTION: Section<'static> = Section {
 
 /// What devices are compared by.
 fn time(clock: Clock) -> &'static Metric {
-    clock.pick(GPU, CPU)
-}
-
-fn balls(case: &Case) -> f64 {
-    case.condition(BALLS).parse().unwrap_or(f64::NAN)
+    clock.pick(BALL_STEP_GPU_US, BALL_STEP_CPU_US)
 }
 
 /// Slope of log time over log number of balls.
@@ -61,7 +56,7 @@ fn slope_of(cases: &Cases<'_>, way: Stepping) -> Option<f64> {
             .with(&[(BALLS, count)])
             .iter()
             .find(|case| case.counts())?;
-        Some((balls(case), case.value(time(cases.clock()))?))
+        Some((number(case, BALLS), case.value(time(cases.clock()))?))
     };
     Some(slope(point(SLOPE[0])?, point(SLOPE[1])?))
 }
@@ -71,6 +66,7 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Option<String> {
     let clock = cases.clock();
     let timed = cases.with(&[(PART, "device")]);
     let timed = timed.fitting(|case| case.counts() && case.value(time(clock)).is_some());
+    let balls = |case: &Case| number(case, BALLS);
     let most = timed.iter().map(balls).max_by(f64::total_cmp)?;
     let best = timed
         .fitting(|case| balls(case) >= most)
@@ -139,7 +135,8 @@ mod tests {
                 ("balls", "1000000"),
             ];
             let case = made.case(case_id(crate::STUDY, name, &conditions));
-            case.timed(GPU, &[gpu]).timed(CPU, &[cpu]);
+            case.timed(BALL_STEP_GPU_US, &[gpu])
+                .timed(BALL_STEP_CPU_US, &[cpu]);
         }
         let folder = tempfile::tempdir().expect("a folder");
         let run = made.write(folder.path()).expect("a run");

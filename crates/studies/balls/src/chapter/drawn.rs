@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter's section on balls over terrain that are drawn.
 
+use super::number;
 use crate::drawing::DrawCalls;
-use crate::keys::*;
-use crate::metrics::METRICS;
+use crate::metrics::*;
 use crate::stepping::Stepping;
 use crate::walk::ALLOWED_M;
 use terrafill_lab::{Cases, Column, Comparison, Figure, Names, Section, Select, finding};
@@ -12,9 +12,6 @@ use terrafill_results::{
     Block, Case, Claim, Clock, Estimate, Finding, Metric, Noise, Outcome, Scope, ratio,
 };
 
-const FRAME_CPU: &Metric = Metric::of(&METRICS, "ball_frame_cpu_us");
-const FRAME_WALL: &Metric = Metric::of(&METRICS, "ball_frame_wall_us");
-const DRAW_CPU: &Metric = Metric::of(&METRICS, "ball_draw_cpu_us");
 /// The one number that was published with balls.
 const PUBLISHED_BALLS: &str = "4000";
 const WHAT_FIGURE_12_CANNOT_SHOW: &str = "Published is a figure of seconds a step up to 5,000 balls, and one number: 4,000 balls at 21 frames per second, \
@@ -37,15 +34,14 @@ pub(super) const SECTION: Section<'static> = Section {
         ("balls", BALLS),
     ]),
     columns: &[
-        Column::metric("CPU µs a frame", FRAME_CPU),
+        Column::metric("CPU µs a frame", BALL_FRAME_CPU_US),
         Column::of(
             "CPU ns a frame and ball",
             Figure::Computed(|case| {
-                let balls: f64 = case.condition(BALLS).parse().ok()?;
-                Some(1e3 * case.value(FRAME_CPU)? / balls)
+                Some(1e3 * case.value(BALL_FRAME_CPU_US)? / number(case, BALLS))
             }),
         ),
-        of_drawn("CPU µs of the draws", DRAW_CPU),
+        of_drawn("CPU µs of the draws", BALL_DRAW_CPU_US),
         of_drawn("GPU µs of the draws", BALL_DRAW_GPU_US),
         Column::metric("draws", BALL_DRAWS),
         Column::metric("uploaded", BALL_UPLOAD_BYTES),
@@ -73,7 +69,7 @@ const fn of_drawn(heading: &'static str, metric: &'static Metric) -> Column {
 
 /// A GPU's clock does not cover the calls of a frame, so on hardware it is the wall clock.
 fn frame(clock: Clock) -> &'static Metric {
-    clock.pick(FRAME_WALL, FRAME_CPU)
+    clock.pick(BALL_FRAME_WALL_US, BALL_FRAME_CPU_US)
 }
 
 /// The published number of balls by a draw each and by one for all.

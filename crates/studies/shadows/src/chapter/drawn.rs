@@ -2,10 +2,10 @@
 //! What is measured of volumes and maps that devices drew.
 
 use super::Own;
-use super::findings::{ends, finding, is_multiple, number};
+use super::findings::{finding, is_multiple, joined, number};
 use super::times::is_same_but;
-use crate::keys::*;
-use terrafill_lab::measured;
+use crate::metrics::*;
+use terrafill_lab::{grouped, measured};
 use terrafill_plot::number::significant;
 use terrafill_results::{Case, Finding, Outcome};
 
@@ -24,7 +24,7 @@ impl Own<'_> {
         let is_published =
             |case: &Case| matches!(case.condition(RULE), "z-pass" | "automatic, eye");
         let [others, published] = self.wrong_by("near", is_published);
-        let [_, most] = ends(&published)?;
+        let most = published.into_iter().reduce(f64::max)?;
         let total: f64 = others.iter().sum();
         (!others.is_empty()).then(|| {
             finding(
@@ -50,14 +50,9 @@ impl Own<'_> {
             (*lost > 0.0) == (wraps && is_multiple(case.condition(CASTERS)))
         };
         let losing = known.iter().filter(|(_, lost)| *lost > 0.0);
-        let losing: Vec<String> = losing
-            .map(|(case, lost)| format!("{}: {} %", case.condition(CASTERS), significant(*lost)))
-            .collect();
-        let losing = if losing.is_empty() {
-            "none".to_owned()
-        } else {
-            losing.join(", ")
-        };
+        let losing = losing
+            .map(|(case, lost)| format!("{}: {} %", case.condition(CASTERS), significant(*lost)));
+        let losing = joined(losing, ", ").unwrap_or_else(|| "none".to_owned());
         (!known.is_empty()).then(|| {
             finding(
                 "On a device, 8 bits lose shadows of exactly 256 and 512 casters, and passes of 255 lose none.",
@@ -70,7 +65,7 @@ impl Own<'_> {
     pub(super) fn facings(&self) -> Option<Finding> {
         let by_corners = |case: &Case| case.condition(SILHOUETTE).contains("by corners");
         let [bits, corners] = self.wrong_by("facings", by_corners);
-        let [_, most] = ends(&corners)?;
+        let most = corners.into_iter().reduce(f64::max)?;
         let total: f64 = bits.iter().sum();
         (!bits.is_empty()).then(|| {
             finding(
@@ -124,38 +119,30 @@ impl Own<'_> {
 
     /// Wrong pixels by what vertices count from.
     pub(super) fn origins(&self) -> Option<Finding> {
-        let mut all: Vec<(&str, [f64; 2])> = Vec::new();
-        let near = self.of_question("origins");
         // From the bridge a pixel is wider than a step of f32 at 100 km.
-        for case in near.filter(|case| case.condition(VIEW) != "bridge") {
-            let band = measured(case, SHADOW_BAND_PX);
-            let Some((outside, band)) = Self::wrong_px(case).zip(band) else {
-                continue;
-            };
-            let name = case.condition(POSITIONS);
-            match all.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, [most, in_band])) => {
-                    (*most, *in_band) = (most.max(outside), in_band.max(band));
-                }
-                None => all.push((name, [outside, band])),
-            }
-        }
+        let near = self.of_question("origins");
+        let near = near.filter(|case| case.condition(VIEW) != "bridge");
+        let wrong = near.filter_map(|case| {
+            let band = measured(case, SHADOW_BAND_PX)?;
+            Some((case.condition(POSITIONS), [Self::wrong_px(case)?, band]))
+        });
+        let all = grouped(wrong, |(name, _)| *name).into_iter();
+        let most = |(name, own): (_, Vec<(&str, [f64; 2])>)| {
+            let most = |at: usize| own.iter().map(|(_, px)| px[at]).fold(0.0, f64::max);
+            (name, [most(0), most(1)])
+        };
+        let all: Vec<(&str, [f64; 2])> = all.map(most).collect();
         let is_right =
             |(name, [outside, _]): &(&str, [f64; 2])| (*outside == 0.0) == name.contains("the eye");
         let text = all.iter().map(|(name, most)| {
             let [outside, band] = most.map(number);
             format!("{name}: {outside} and {band} in the band")
         });
-        let text: Vec<String> = text.collect();
-        (all.len() > 1).then(|| {
-            finding(
-                "Places in f32 about an origin 100 km away are wrong, and about the eye right.",
-                all.iter().all(is_right),
-                format!(
-                    "Most wrong pixels of views in which a rail or its shadow is 1 m away, {}",
-                    text.join("; ")
-                ),
-            )
-        })
+        let text = joined(text, "; ").filter(|_| all.len() > 1)?;
+        Some(finding(
+            "Places in f32 about an origin 100 km away are wrong, and about the eye right.",
+            all.iter().all(is_right),
+            format!("Most wrong pixels of views in which a rail or its shadow is 1 m away, {text}"),
+        ))
     }
 }

@@ -4,8 +4,8 @@
 //! That port has the same kinds and counts of parts as ours. Where its cranes, ships and eyes stand is not recorded.
 
 use super::Own;
-use super::findings::finding;
-use crate::keys::*;
+use super::findings::{finding, joined};
+use crate::metrics::*;
 use crate::work::EYES;
 use terrafill_plot::number::significant;
 use terrafill_results::Finding;
@@ -35,9 +35,8 @@ fn is_same(own: f64, other: f64) -> bool {
     (1.0 / SAME..SAME).contains(&(own / other))
 }
 
-fn three(values: impl IntoIterator<Item = f64>) -> String {
-    let texts: Vec<String> = values.into_iter().map(significant).collect();
-    texts.join(", ")
+fn three(values: &[f64]) -> String {
+    joined(values.iter().copied().map(significant), ", ").unwrap_or_default()
 }
 
 fn or_none(value: Option<f64>) -> String {
@@ -64,17 +63,15 @@ impl Own<'_> {
                 or_none(of("constant", texel, MAP_WRONG))
             ));
         }
-        (!texts.is_empty()).then(|| {
-            finding(
-                "Wrong pixels of shadow maps grow with texels as another program has it, under a sun at 10°.",
-                is_alike,
-                format!(
-                    "Sea and casters in the three channels that see most of casters, best constant bias there, faces turned \
-                     away from the sun ask the map: {}",
-                    texts.join("; ")
-                ),
-            )
-        })
+        let texts = joined(texts, "; ")?;
+        Some(finding(
+            "Wrong pixels of shadow maps grow with texels as another program has it, under a sun at 10°.",
+            is_alike,
+            format!(
+                "Sea and casters in the three channels that see most of casters, best constant bias there, faces turned \
+                 away from the sun ask the map: {texts}"
+            ),
+        ))
     }
 
     /// Stencil writes by rule and extent.
@@ -88,27 +85,21 @@ impl Own<'_> {
                 continue;
             };
             let own = [pass, fail, closed];
-            is_alike &= own
-                .iter()
-                .zip(other)
-                .all(|(own, other)| is_same(*own, other));
+            let mut pairs = own.iter().zip(other);
+            is_alike &= pairs.all(|(own, other)| is_same(*own, other));
             texts.push(format!(
                 "sun {sun}: {}, there {}; closed with what lies under the sea {}",
-                three(own),
-                three(other),
+                three(&own),
+                three(&other),
                 or_none(of("sea-closed, whole hulls", "z-fail"))
             ));
         }
-        (!texts.is_empty()).then(|| {
-            finding(
-                "Stencil writes are what another program computed over a port of its own.",
-                is_alike,
-                format!(
-                    "Per pixel, z-pass, z-fail, z-fail of volumes closed at the sea, {}",
-                    texts.join("; ")
-                ),
-            )
-        })
+        let texts = joined(texts, "; ")?;
+        Some(finding(
+            "Stencil writes are what another program computed over a port of its own.",
+            is_alike,
+            format!("Per pixel, z-pass, z-fail, z-fail of volumes closed at the sea, {texts}"),
+        ))
     }
 
     /// Eyes that the published test misses, by near plane.
@@ -130,21 +121,19 @@ impl Own<'_> {
                 let [own, other] = [*own, other].map(|share| share / 100.0 * EYES as f64);
                 (own - other).abs() <= COUNT_DEVIATIONS * (own + other).sqrt()
             });
-            let [any, mostly, other] = [any, mostly, other.to_vec()].map(three);
+            let [any, mostly, other] = [&any[..], &mostly, &other].map(three);
             texts.push(format!("sun {sun}: {any}; {mostly}; there {other}"));
         }
-        (!texts.is_empty()).then(|| {
-            finding(
-                "The segment to the light leaves as many eyes on deck with most of their picture miscounted as another \
-                 program has it.",
-                is_alike,
-                format!(
-                    "In % of {EYES} eyes at 0.1, 0.5 and 1 m of near plane, where any part of the near rectangle is in shadow, \
-                     and where more than half is. {}. Equal within {COUNT_DEVIATIONS} standard deviations of a count, or not",
-                    texts.join(". ")
-                ),
-            )
-        })
+        let texts = joined(texts, ". ")?;
+        Some(finding(
+            "The segment to the light leaves as many eyes on deck with most of their picture miscounted as another \
+             program has it.",
+            is_alike,
+            format!(
+                "In % of {EYES} eyes at 0.1, 0.5 and 1 m of near plane, where any part of the near rectangle is in shadow, \
+                 and where more than half is. {texts}. Equal within {COUNT_DEVIATIONS} standard deviations of a count, or not"
+            ),
+        ))
     }
 }
 
@@ -152,7 +141,7 @@ impl Own<'_> {
 mod tests {
     use super::*;
     use crate::chapter::tests::{finding, with};
-    use crate::keys::UPDATES;
+    use crate::metrics::UPDATES;
     use terrafill_results::Standing;
     use terrafill_results::made_up::MadeUpRun;
 

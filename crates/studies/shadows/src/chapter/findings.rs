@@ -2,7 +2,7 @@
 //! What was published, and what is measured.
 
 use super::Own;
-use crate::keys::*;
+use crate::metrics::*;
 use terrafill_lab::{measured, range};
 use terrafill_plot::number::{count, significant};
 use terrafill_results::{Case, ConditionKey, Finding};
@@ -41,13 +41,6 @@ const TWINS: [(&str, &str, ConditionKey, &str); 10] = [
     ("the eye's test there", "near", RULE, "automatic, eye"),
 ];
 
-/// Least and greatest.
-pub(super) fn ends(values: &[f64]) -> Option<[f64; 2]> {
-    let least = values.iter().copied().reduce(f64::min)?;
-    let most = values.iter().copied().reduce(f64::max)?;
-    Some([least, most])
-}
-
 /// Pixels, with every digit.
 #[allow(
     clippy::cast_possible_truncation,
@@ -56,6 +49,12 @@ pub(super) fn ends(values: &[f64]) -> Option<[f64; 2]> {
 )]
 pub(super) fn number(px: f64) -> String {
     count(px as u64)
+}
+
+/// In one text; `None` where there is nothing.
+pub(super) fn joined(texts: impl IntoIterator<Item = String>, between: &str) -> Option<String> {
+    let texts: Vec<String> = texts.into_iter().collect();
+    (!texts.is_empty()).then(|| texts.join(between))
 }
 
 pub(super) fn finding(claim: &str, holds: bool, because: String) -> Finding {
@@ -113,17 +112,12 @@ impl Own<'_> {
         let known: Vec<(&str, f64)> = TWINS.iter().filter_map(of).collect();
         let text = known.iter();
         let text = text.map(|(name, most)| format!("{name}: {}", number(*most)));
-        let text: Vec<String> = text.collect();
-        (!known.is_empty()).then(|| {
-            finding(
-                "Twins that must be wrong are.",
-                known.iter().all(|(_, most)| *most > 0.0),
-                format!(
-                    "So many pixels, contour pixels or open edges are wrong at most: {}",
-                    text.join(", ")
-                ),
-            )
-        })
+        let text = joined(text, ", ")?;
+        Some(finding(
+            "Twins that must be wrong are.",
+            known.iter().all(|(_, most)| *most > 0.0),
+            format!("So many pixels, contour pixels or open edges are wrong at most: {text}"),
+        ))
     }
 
     /// Every rule and extent against the reference.
@@ -143,18 +137,10 @@ impl Own<'_> {
     /// Under each sun and bias, by texels.
     fn maps(&self) -> Option<Finding> {
         let of_sun = |sun: &&str| {
-            let own = self.of_question("maps");
-            let own = own
-                .filter(|case| case.condition(SUN) == *sun && case.condition(BIAS) == "constant");
-            let point = |case: &Case| {
-                Some((
-                    case.condition(TEXEL_M).parse().ok()?,
-                    measured(case, MAP_WRONG)?,
-                ))
-            };
-            let mut texels: Vec<(f64, f64)> = own.filter_map(point).collect();
-            texels.sort_by(|a, b| a.0.total_cmp(&b.0));
-            texels
+            let own = self
+                .question("maps")
+                .with(&[(SUN, *sun), (BIAS, "constant")]);
+            own.series(TEXEL_M, MAP_WRONG)
         };
         let suns = self.suns("maps");
         let all: Vec<Vec<(f64, f64)>> = suns.iter().map(of_sun).collect();
@@ -179,10 +165,10 @@ impl Own<'_> {
     }
 
     fn eye_test(&self) -> Option<Finding> {
-        let published = self.values("eyes", &[(EYE_TEST, "eye")], MISSED);
-        let exact = self.values("eyes", &[(EYE_TEST, "near-exact")], MISSED);
-        let [_, most] = ends(&published)?;
-        let [_, missed] = ends(&exact)?;
+        let by = |test| self.question("eyes").with(&[(EYE_TEST, test)]);
+        let published = by("eye").values(MISSED);
+        let most = by("eye").greatest(MISSED)?;
+        let missed = by("near-exact").greatest(MISSED)?;
         Some(finding(
             "The segment from the eye to the light says where z-pass is right (Yang & Jin, 2006, anticipated).",
             most == 0.0,
@@ -258,13 +244,12 @@ impl Own<'_> {
             let [fail, pass] = [fail, pass].map(significant);
             texts.push(format!("{fail} against {pass} at {sun}"));
         }
-        (!texts.is_empty()).then(|| {
-            finding(
-                "Under suns at 5° and below along the dock, z-fail of volumes closed at the sea writes less than z-pass.",
-                is_less,
-                format!("Writes per pixel: {}", texts.join(", ")),
-            )
-        })
+        let texts = joined(texts, ", ")?;
+        Some(finding(
+            "Under suns at 5° and below along the dock, z-fail of volumes closed at the sea writes less than z-pass.",
+            is_less,
+            format!("Writes per pixel: {texts}"),
+        ))
     }
 
     fn bounds(&self) -> Option<Finding> {
@@ -272,26 +257,19 @@ impl Own<'_> {
         let (mut is_less, mut lost) = (true, 0.0);
         for case in self.of_question("bounds") {
             let (sun, rule) = (case.condition(SUN), case.condition(RULE));
-            let (whole, within) = (
-                self.writes(sun, "sea-closed", rule)?,
-                measured(case, UPDATES)?,
-            );
+            let whole = self.writes(sun, "sea-closed", rule)?;
+            let within = measured(case, UPDATES)?;
             is_less &= within < whole;
             lost += Self::wrong_px(case)?;
             let [whole, within] = [whole, within].map(significant);
             texts.push(format!("{rule} at {sun}: {whole} to {within}"));
         }
-        (!texts.is_empty()).then(|| {
-            finding(
-                "Depth bounds save stencil writes and change no pixel (Yang & Jin, 2006, anticipated).",
-                is_less && lost == 0.0,
-                format!(
-                    "{} pixels outside the band are wrong; writes per pixel, {}",
-                    number(lost),
-                    texts.join(", ")
-                ),
-            )
-        })
+        let (lost_px, texts) = (number(lost), joined(texts, ", ")?);
+        Some(finding(
+            "Depth bounds save stencil writes and change no pixel (Yang & Jin, 2006, anticipated).",
+            is_less && lost == 0.0,
+            format!("{lost_px} pixels outside the band are wrong; writes per pixel, {texts}"),
+        ))
     }
 
     fn horizon(&self) -> Option<Finding> {
@@ -312,21 +290,19 @@ impl Own<'_> {
         let all = self.of_question("outlines");
         let all = all.filter(|case| case.condition(OUTLINE) == "value");
         let pair = |case: &Case| {
-            Some((
-                case.condition(MODELS).parse().ok()?,
-                measured(case, SHADOW_CLEARS)?,
-            ))
+            let models = case.condition(MODELS).parse().ok()?;
+            Some((models, measured(case, SHADOW_CLEARS)?))
         };
         let pairs: Option<Vec<(f64, f64)>> = all.map(pair).collect();
-        let pairs = pairs.filter(|pairs| !pairs.is_empty())?;
+        let pairs = pairs?;
         let text = pairs.iter();
         let text = text.map(|(models, clears)| format!("{models}: {clears}"));
-        let text: Vec<String> = text.collect();
+        let text = joined(text, ", ")?;
         let is_as_said = |(models, clears): &(f64, f64)| *clears == 1.0 + (models / 255.0).floor();
         Some(finding(
             "A stencil value for each model takes 1 + ⌊N/255⌋ clears.",
             pairs.iter().all(is_as_said),
-            format!("Clears by models: {}", text.join(", ")),
+            format!("Clears by models: {text}"),
         ))
     }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Figures that plots of sections take from cases, and plots in which cases of other questions stand beside.
 
-use crate::keys::*;
+use crate::metrics::*;
 use terrafill_lab::{Cases, Drawing, Figure, Names, Panel, measured};
 use terrafill_plot::Upwards;
 use terrafill_results::{Block, Case, ChapterError};

@@ -4,7 +4,7 @@
 use super::plots::{
     device_map_plot, elevation_deg, finite_plot, mesh_kind, whole_triangles, writes,
 };
-use crate::keys::*;
+use crate::metrics::*;
 use terrafill_lab::{Column, Drawing, Figure, Names, Panel, Section, Select};
 use terrafill_plot::Upwards;
 use terrafill_results::{ConditionKey, Metric};

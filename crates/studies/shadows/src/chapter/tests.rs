@@ -2,7 +2,7 @@
 //! Findings stand and fall by their figures.
 
 use super::*;
-use crate::keys::{FILL_CPU, FILL_GPU, LOST, UPDATES};
+use crate::metrics::{FILL_CPU, FILL_GPU, LOST, UPDATES};
 use terrafill_results::made_up::{MadeUpRun, case_id};
 use terrafill_results::{Chapter as _, Standing};
 
@@ -47,41 +47,34 @@ fn updates(values: [f64; 4]) -> MadeUpRun {
 #[test]
 fn claims_stand_and_fall_by_their_figures() {
     let cheap = updates([12.0, 41.0, 12.0, 7.5]);
-    assert_eq!(
-        finding(&cheap, "z-pass writes less"),
-        Some(Standing::DoesNotHold)
-    );
-    assert_eq!(finding(&cheap, "Closing volumes"), Some(Standing::Holds));
     // Negative control: the other way round.
     let dear = updates([12.0, 41.0, 12.0, 43.0]);
-    assert_eq!(finding(&dear, "z-pass writes less"), Some(Standing::Holds));
-    assert_eq!(
-        finding(&dear, "Closing volumes"),
-        Some(Standing::DoesNotHold)
-    );
-    let low = "at 5° and below";
-    assert_eq!(finding(&cheap, low), Some(Standing::Holds));
-    assert_eq!(finding(&dear, low), Some(Standing::DoesNotHold));
+    use Standing::{DoesNotHold, Holds};
+    for (claim, standings) in [
+        ("z-pass writes less", [DoesNotHold, Holds]),
+        ("Closing volumes", [Holds, DoesNotHold]),
+        ("at 5° and below", [Holds, DoesNotHold]),
+    ] {
+        let found = [&cheap, &dear].map(|run| finding(run, claim));
+        assert_eq!(found, standings.map(Some), "{claim}");
+    }
     assert_eq!(finding(&cheap, "clears"), None, "not measured");
 }
 
 #[test]
 fn a_way_is_faster_where_it_is_under_every_sun() {
-    let claim = "Two-sided stencil is faster";
-    let times = |values: [(&str, &str, f64); 4]| {
-        let mut run = MadeUpRun::default();
-        for (sun, faces, ms) in values {
-            let conditions = [("question", "devices"), ("sun", sun), ("faces", faces)];
-            let id = case_id(crate::STUDY, &format!("{sun}/{faces}"), &conditions);
-            run.case(id).timed(FILL_CPU, &[ms; 7]);
-        }
-        finding(&run, claim)
+    let times = |low_ms: f64| {
+        let way = |sun, faces| [("question", "devices"), ("sun", sun), ("faces", faces)];
+        let run = device_run(&[
+            (&way("60°", "two-sided"), 1.0),
+            (&way("60°", "two-pass"), 2.0),
+            (&way("5°", "two-sided"), low_ms),
+            (&way("5°", "two-pass"), 2.0),
+        ]);
+        finding(&run, "Two-sided stencil is faster")
     };
-    let high = [("60°", "two-sided", 1.0), ("60°", "two-pass", 2.0)];
-    let low = |ms: f64| [("5°", "two-sided", ms), ("5°", "two-pass", 2.0)];
-    let both = |[a, b]: [_; 2], [c, d]: [_; 2]| [a, b, c, d];
-    assert_eq!(times(both(high, low(1.5))), Some(Standing::Holds));
-    assert_eq!(times(both(high, low(3.0))), Some(Standing::DoesNotHold));
+    assert_eq!(times(1.5), Some(Standing::Holds));
+    assert_eq!(times(3.0), Some(Standing::DoesNotHold));
 }
 
 fn device_run(cases: &[(&[(&'static str, &'static str)], f64)]) -> MadeUpRun {
@@ -131,13 +124,8 @@ fn a_curve_of_maps_is_the_other_program_s_or_it_is_not() {
                 ("texel_m", texel),
                 ("bias", "constant, no normals"),
             ];
-            with(
-                "maps",
-                &conditions,
-                "shadow_map_wrong_in_three",
-                wrong,
-                &mut run,
-            );
+            let metric = "shadow_map_wrong_in_three";
+            with("maps", &conditions, metric, wrong, &mut run);
         }
         finding(&run, "as another program has it")
     };
@@ -218,20 +206,10 @@ fn a_row_that_wraps_where_it_must_not_is_no_agreement() {
             ("511", 0.0),
             ("512", 100.0),
         ] {
-            with(
-                "rows",
-                &[("casters", count), ("counting", "8 bits, wrapping")],
-                LOST,
-                lost,
-                &mut run,
-            );
-            with(
-                "rows",
-                &[("casters", count), ("counting", "passes of 255")],
-                LOST,
-                0.0,
-                &mut run,
-            );
+            for (counting, lost) in [("8 bits, wrapping", lost), ("passes of 255", 0.0)] {
+                let conditions = [("casters", count), ("counting", counting)];
+                with("rows", &conditions, LOST, lost, &mut run);
+            }
         }
         finding(&run, "Eight bits")
     };
@@ -259,14 +237,9 @@ fn a_question_that_was_measured_has_a_table_and_others_have_none() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = run.write(folder.path()).expect("a run");
     let blocks = CHAPTER.blocks(&run).expect("a chapter");
-    let tables = blocks
-        .iter()
-        .filter(|block| matches!(block, Block::Table(_)));
-    assert_eq!(tables.count(), 1);
-    let plots = blocks
-        .iter()
-        .filter(|block| matches!(block, Block::Plot(_)));
-    assert_eq!(plots.count(), 1);
+    let count = |is_it: fn(&Block) -> bool| blocks.iter().filter(|block| is_it(block)).count();
+    assert_eq!(count(|block| matches!(block, Block::Table(_))), 1);
+    assert_eq!(count(|block| matches!(block, Block::Plot(_))), 1);
     let mut other = MadeUpRun::default();
     other.case(case_id("filling", "a", &[]));
     let other = other.write(&folder.path().join("other")).expect("a run");

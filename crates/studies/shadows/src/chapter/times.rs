@@ -5,8 +5,9 @@ use super::Own;
 use super::findings::number;
 use super::plots::is_plain;
 use super::sections::DEVICE_KEYS;
-use crate::keys::*;
-use terrafill_lab::{Answer, Comparison, Follows, measured, overall, range};
+use crate::metrics::*;
+use std::collections::BTreeSet;
+use terrafill_lab::{Answer, Comparison, Follows, grouped, measured, overall, range};
 use terrafill_results::{Case, Claim, Clock, ConditionKey, Finding, Outcome, Scope, Standing};
 
 /// Two ways of a device that differ in one condition: its key, the way said to be faster, the other one.
@@ -71,8 +72,9 @@ pub(super) fn is_same_but(keys: &[ConditionKey], a: &Case, b: &Case) -> bool {
 }
 
 /// How many times as fast the second of each pair is.
-fn gains(answers: &[Answer]) -> Option<String> {
-    let figures = answers.iter().filter_map(|answer| answer.figure.as_ref());
+fn gains<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Option<String> {
+    let answers = answers.into_iter();
+    let figures = answers.filter_map(|answer| answer.figure.as_ref());
     range(&figures.map(|figure| figure.middle).collect::<Vec<_>>())
 }
 
@@ -199,25 +201,20 @@ impl<'a> Own<'a> {
         let pairs = drawn.windows(2).map(|pair| [pair[0], pair[1]]);
         let pairs: Vec<[&Case; 2]> = pairs.filter(is_next).collect();
         let answers = self.judge(STEP, (&OF_STEPS, None), &pairs);
-        let mut of_steps: Vec<(&str, Vec<Answer>)> = Vec::new();
-        let mut anticipated = Vec::new();
-        for ([_, case], answer) in pairs.iter().zip(answers) {
-            let name = case.condition(STEP);
-            match of_steps.iter_mut().find(|(step, _)| *step == name) {
-                Some((_, known)) => known.push(answer.clone()),
-                None => of_steps.push((name, vec![answer.clone()])),
-            }
-            if case.condition(PAPER).contains("anticipated") {
-                anticipated.push(answer);
-            }
-        }
-        let text = of_steps.iter();
-        let text = text.filter_map(|(step, own)| Some(format!("{step}: {}", gains(own)?)));
+        let judged = pairs.iter().zip(&answers);
+        let of_steps = grouped(judged.clone(), |([_, case], _)| case.condition(STEP));
+        let text = of_steps.iter().filter_map(|(step, own)| {
+            let gains = gains(own.iter().map(|(_, answer)| *answer))?;
+            Some(format!("{step}: {gains}"))
+        });
         let because = format!(
             "Times as fast to draw as the step before, by {}: {}",
             self.0.clock().name(),
             text.collect::<Vec<_>>().join("; ")
         );
+        let is_anticipated = |case: &Case| case.condition(PAPER).contains("anticipated");
+        let anticipated = judged.filter(|([_, case], _)| is_anticipated(case));
+        let anticipated: Vec<Answer> = anticipated.map(|(_, answer)| answer.clone()).collect();
         let claim = "Each step of the ablation that was anticipated to be faster is (Yang & Jin, 2006, anticipated).";
         (!anticipated.is_empty()).then(|| finding(claim.to_owned(), &anticipated, because))
     }
@@ -234,9 +231,7 @@ impl<'a> Own<'a> {
         let all: Vec<&Case> = self.of_question("rivals").filter(known).collect();
         let wrong: Option<Vec<f64>> = all.iter().map(|case| Self::wrong_px(case)).collect();
         let wrong: f64 = wrong?.iter().sum();
-        let mut names: Vec<&str> = all.iter().map(|case| case.condition(RIVAL)).collect();
-        names.sort_unstable();
-        names.dedup();
+        let names: BTreeSet<&str> = all.iter().map(|case| case.condition(RIVAL)).collect();
         let mut texts = Vec::new();
         let mut answers = Vec::new();
         for name in names {

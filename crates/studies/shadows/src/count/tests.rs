@@ -13,11 +13,14 @@ fn is_cap(face: Face) -> bool {
     face != Face::Side
 }
 
+/// Casters under a sun, seen in a channel of the bridge.
 struct Setting {
     prepared: Prepared,
     facing: Facing,
     sides: Vec<Side>,
     to_light: DVec3,
+    view: DeckCamera,
+    truth: Truth,
 }
 
 impl Setting {
@@ -25,42 +28,38 @@ impl Setting {
         let to_light = sun(at);
         let prepared = Policy::Refuse.prepare(mesh).expect("closed");
         let facing = Facing::of(&prepared.mesh, to_light);
-        let sides = EdgeTable::of(&prepared.mesh).silhouette(&facing);
+        let view = bridge([64, 48])[4];
+        let truth = Reference::new(&prepared.mesh, to_light).picture(&view);
         Self {
+            sides: EdgeTable::of(&prepared.mesh).silhouette(&facing),
+            truth,
             prepared,
             facing,
-            sides,
             to_light,
+            view,
         }
     }
 
     fn volume(&self, extent: &Extent) -> Volume {
-        let Self {
-            prepared,
-            facing,
-            sides,
-            to_light,
-        } = self;
-        Volume::of(prepared, facing, sides, *to_light, extent).expect("from above")
+        let (prepared, facing) = (&self.prepared, &self.facing);
+        Volume::of(prepared, facing, &self.sides, self.to_light, extent).expect("from above")
     }
 
     fn closed(&self) -> Extent {
         Extent::ClosedAt(sea_level_below(&self.prepared.mesh, self.to_light, 1.0).expect("above"))
     }
 
-    fn stencil(&self, view: &DeckCamera, truth: &Truth, volume: &Volume, rule: Rule) -> Stencil {
-        let mut stencil = Stencil::clear(view);
-        let how = |_| Some((rule, Rectangle::whole(view)));
-        draw_within(
-            &mut stencil,
-            view,
-            &self.prepared.mesh,
-            volume,
-            truth,
-            &how,
-            &[],
-        );
-        stencil
+    fn stencil(&self, volume: &Volume, rule: Rule) -> Stencil {
+        let mesh = &self.prepared.mesh;
+        let pass = Pass {
+            parts: vec![Some((rule, self.view.whole())); mesh.parts.len()],
+            bounds: Vec::new(),
+        };
+        Stencil::of(&self.view, mesh, volume, &self.truth, &pass)
+    }
+
+    fn wrong(&self, volume: &Volume, rule: Rule) -> Wrong {
+        Wrong::of(&self.stencil(volume, rule).mask(), &self.truth)
     }
 }
 
@@ -69,22 +68,13 @@ fn every_rule_and_extent_has_the_mask_of_the_reference() {
     for mesh in [port(PortSize::NAMED[1].1), hull(600)] {
         for at in [[60.0, 90.0], [10.0, -60.0], [1.0, 0.0]] {
             let setting = Setting::new(mesh.clone(), at);
-            let reference = Reference::new(&setting.prepared.mesh, setting.to_light);
-            let view = bridge([64, 48])[4];
-            let truth = reference.picture(&view);
             for extent in [Extent::Infinite, setting.closed()] {
                 let volume = setting.volume(&extent);
                 let mut counts = Vec::new();
                 for rule in [Rule::Pass, Rule::Fail, Rule::Preload] {
-                    let stencil = setting.stencil(&view, &truth, &volume, rule);
-                    let wrong = Wrong::of(&stencil.mask(), &truth);
-                    assert_eq!(
-                        wrong,
-                        Wrong::default(),
-                        "sun {at:?}, {}, {extent:?}",
-                        rule.name()
-                    );
-                    counts.push(stencil);
+                    let wrong = setting.wrong(&volume, rule);
+                    assert_eq!(wrong, Wrong::default(), "{at:?}, {rule:?}, {extent:?}");
+                    counts.push(setting.stencil(&volume, rule));
                 }
                 assert_eq!(
                     counts[0].counts, counts[1].counts,
@@ -100,14 +90,8 @@ fn every_rule_and_extent_has_the_mask_of_the_reference() {
 #[test]
 fn twins_are_seen_misprint_dropped_side_and_clipped_cap() {
     let setting = Setting::new(port(PortSize::NAMED[1].1), [30.0, -60.0]);
-    let reference = Reference::new(&setting.prepared.mesh, setting.to_light);
-    let view = bridge([64, 48])[4];
-    let truth = reference.picture(&view);
     let volume = setting.volume(&setting.closed());
-    let wrong = |volume: &Volume, rule| {
-        let stencil = setting.stencil(&view, &truth, volume, rule);
-        Wrong::of(&stencil.mask(), &truth).outside()
-    };
+    let wrong = |volume: &Volume, rule| setting.wrong(volume, rule).outside();
     assert_eq!(wrong(&volume, Rule::Fail), 0);
     let printed = wrong(&volume, Rule::PassAsPrinted);
     assert!(printed > 100, "{printed}");
@@ -119,7 +103,7 @@ fn twins_are_seen_misprint_dropped_side_and_clipped_cap() {
     let alone = |triangle: &VolumeTriangle| {
         let mut alone = volume.clone();
         alone.triangles = vec![*triangle];
-        setting.stencil(&view, &truth, &alone, Rule::Fail).updates
+        setting.stencil(&alone, Rule::Fail).updates
     };
     let sides = volume
         .triangles
@@ -128,8 +112,8 @@ fn twins_are_seen_misprint_dropped_side_and_clipped_cap() {
     let largest = sides.max_by_key(|triangle| alone(triangle)).expect("some");
     let mut streak = volume.clone();
     streak.triangles.retain(|triangle| triangle != largest);
-    let stencil = setting.stencil(&view, &truth, &streak, Rule::Fail);
-    let whole = setting.stencil(&view, &truth, &volume, Rule::Fail);
+    let stencil = setting.stencil(&streak, Rule::Fail);
+    let whole = setting.stencil(&volume, Rule::Fail);
     let counts = stencil.counts.iter().zip(&whole.counts);
     let differing = counts.filter(|(a, b)| a != b).count() as u64;
     assert!(differing > 20 && differing == alone(largest), "{differing}");
@@ -145,16 +129,13 @@ fn a_sliver_is_one_where_it_is_thin() {
             let ray = view.ray_beside(32, 24, [right, down]);
             (view.eye + ray * 10.0).extend(1.0)
         });
-        let corners = [0, 1, 2];
-        let (part, face) = (0, Face::Side);
-        let triangles = vec![VolumeTriangle {
-            corners,
-            part,
-            face,
-        }];
         Volume {
             vertices: places.to_vec(),
-            triangles,
+            triangles: vec![VolumeTriangle {
+                corners: [0, 1, 2],
+                part: 0,
+                face: Face::Side,
+            }],
         }
     };
     let holds = |px, at: usize| slivers(&view, &volume(px), 1.0 / 32.0)[at];
@@ -166,13 +147,9 @@ fn a_sliver_is_one_where_it_is_thin() {
 #[test]
 fn a_finite_volume_loses_what_lies_beyond_it() {
     let setting = Setting::new(port(PortSize::NAMED[1].1), [5.0, -60.0]);
-    let reference = Reference::new(&setting.prepared.mesh, setting.to_light);
-    let view = bridge([64, 48])[4];
-    let truth = reference.picture(&view);
     let wrong = |length: f64| {
         let volume = setting.volume(&Extent::Finite(length));
-        let stencil = setting.stencil(&view, &truth, &volume, Rule::Fail);
-        Wrong::of(&stencil.mask(), &truth).outside()
+        setting.wrong(&volume, Rule::Fail).outside()
     };
     assert_eq!(wrong(10_000.0), 0);
     assert!(wrong(10.0) > 20, "{}", wrong(10.0));

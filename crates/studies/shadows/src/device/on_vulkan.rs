@@ -10,7 +10,7 @@ use terrafill_contract::DeviceError;
 use terrafill_stencil::{VolumeDraw, VolumeState};
 use terrafill_vulkan::{
     Buffer, BufferUse, Fragments, Geometry, GeometryStage, Gpu, HandsOn, IndexWidth, Pipeline,
-    PipelineDescriptor, Topology, VertexFormat, VertexStage, VolumePass, VulkanVolumes,
+    PipelineDescriptor, Topology, VertexFormat, VolumePass, VulkanVolumes,
 };
 
 /// Hands corners and facing bits to a geometry shader.
@@ -64,7 +64,7 @@ impl OnVulkan {
             }
             // What it reads lies behind the volumes' constants.
             VolumeSource::Adjacent(own) => Feed::Adjacent(own.by, own.vertices),
-            VolumeSource::Pulled(_) | VolumeSource::Corners(_) | VolumeSource::Computed(_) => {
+            VolumeSource::Pulled(_) | VolumeSource::Computed(_) => {
                 let what = "storage buffers and compute passes of the study";
                 return Err(DeviceError::unsupported(what, terrafill_vulkan::API.name));
             }
@@ -84,69 +84,46 @@ impl OnVulkan {
     }
 
     fn descriptor(&self, state: VolumeState, part: VolumePart) -> PipelineDescriptor {
-        let fragments = match state {
-            VolumeState::Mark {
-                has_colour: true, ..
-            } => Fragments::Shader {
-                path: SHADER,
-                entry_point: "no_colour",
-            },
-            _ => Fragments::None,
-        };
-        let geometry = |path| {
-            Some(GeometryStage {
-                path,
-                hands_on: HandsOn::Nothing,
-                draws_bottom: false,
-                is_turned: false,
-            })
-        };
-        let (entry_point, geometry, topology) = match (&self.feed, part) {
-            (Feed::Buffers { .. }, _) => ("vertex_main", None, Topology::Triangles),
-            (Feed::Adjacent(by, _), VolumePart::Caps) => {
-                let entry_point = match by {
-                    Adjacency::Triangles => "triangle_caps",
-                    Adjacency::Corners => "corner_caps",
-                    Adjacency::Lines => "caps",
-                };
-                (entry_point, None, Topology::Triangles)
-            }
-            (Feed::Adjacent(by, _), VolumePart::Volume) => match by {
-                Adjacency::Triangles => (
-                    "triangles",
-                    geometry("casters/triangles.geom"),
-                    Topology::TrianglesWithAdjacency,
-                ),
-                Adjacency::Corners => (
-                    "triangles",
-                    geometry("casters/corners.geom"),
-                    Topology::TrianglesWithAdjacency,
-                ),
-                Adjacency::Lines => (
-                    "lines",
-                    geometry("casters/lines.geom"),
-                    Topology::LinesWithAdjacency,
-                ),
-            },
-        };
         let (path, format) = match self.feed {
             Feed::Buffers { .. } => (SHADER, VertexFormat::FixedAndFlag),
             Feed::Adjacent(..) => (ADJACENT_SHADER, VertexFormat::Number),
         };
-        PipelineDescriptor {
-            vertex: VertexStage {
-                path,
-                entry_point,
-                bends_footprints: false,
+        let mut described = PipelineDescriptor {
+            fragments: match state {
+                VolumeState::Mark {
+                    has_colour: true, ..
+                } => Fragments::Shader {
+                    path: SHADER,
+                    entry_point: "no_colour",
+                },
+                _ => Fragments::None,
             },
-            geometry,
-            fragments,
-            format,
-            topology,
-            state: state.into(),
             // Counting fragments tests nothing.
             depth_bounds: self.has_bounds && !matches!(state, VolumeState::Count { .. }),
+            ..PipelineDescriptor::of_shader(path, format, state.into())
+        };
+        if let Feed::Adjacent(by, _) = &self.feed {
+            let (volume, caps, path) = match by {
+                Adjacency::Triangles => ("triangles", "triangle_caps", "casters/triangles.geom"),
+                Adjacency::Corners => ("triangles", "corner_caps", "casters/corners.geom"),
+                Adjacency::Lines => ("lines", "caps", "casters/lines.geom"),
+            };
+            described.vertex.entry_point = caps;
+            if part == VolumePart::Volume {
+                described.vertex.entry_point = volume;
+                described.geometry = Some(GeometryStage {
+                    path,
+                    hands_on: HandsOn::Nothing,
+                    draws_bottom: false,
+                    is_turned: false,
+                });
+                described.topology = match by {
+                    Adjacency::Lines => Topology::LinesWithAdjacency,
+                    _ => Topology::TrianglesWithAdjacency,
+                };
+            }
         }
+        described
     }
 }
 
@@ -187,13 +164,7 @@ impl VulkanVolumes for OnVulkan {
                         pass.draw_indexed(pipeline, geometry, ranges[caster].clone(), 0, volume);
                     }
                     Feed::Adjacent(_, vertices) => {
-                        let [of_volume, of_caps] = vertices[caster];
-                        let count = if part == VolumePart::Caps {
-                            of_caps
-                        } else {
-                            of_volume
-                        };
-                        pass.draw(pipeline, count, volume);
+                        pass.draw(pipeline, vertices[caster][part as usize], volume);
                     }
                 }
             }

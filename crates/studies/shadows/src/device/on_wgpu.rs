@@ -61,18 +61,12 @@ impl Finder {
         let shape = [word(pieces), own.far, u32::from(own.is_closed), 0];
         let (storage, copied) = (wgpu::BufferUsages::STORAGE, wgpu::BufferUsages::COPY_SRC);
         let upload = |label, bytes: &[u8], usage| gpu.upload(label, bytes, usage);
-        let read = upload(
-            "caster pieces",
-            bytemuck::cast_slice(&own.mesh.pieces),
-            storage,
-        )?;
+        let pieces_bytes = bytemuck::cast_slice(&own.mesh.pieces);
+        let read = upload("caster pieces", pieces_bytes, storage)?;
         let owners = upload("casters of pieces", bytemuck::cast_slice(&owners), storage)?;
         let lit = upload("facing bits", bytemuck::cast_slice(&own.mesh.lit), storage)?;
-        let shape = upload(
-            "shape",
-            bytemuck::cast_slice(&shape),
-            wgpu::BufferUsages::UNIFORM,
-        )?;
+        let usage = wgpu::BufferUsages::UNIFORM;
+        let shape = upload("shape", bytemuck::cast_slice(&shape), usage)?;
         let vertices = bytemuck::cast_slice(&own.vertices);
         let vertices = upload("shadow vertices", vertices, wgpu::BufferUsages::VERTEX)?;
         let none = upload("no indices", bytemuck::cast_slice(&none), copied)?;
@@ -89,11 +83,10 @@ impl Finder {
         // A caster without pieces draws nothing, and a binding of 0 bytes is not allowed.
         let bytes = (4 * of_piece * pieces.max(1)) as u64;
         let indices = room("found indices", bytes, wgpu::BufferUsages::INDEX);
-        let kinds =
-            [true, true, true].map(|read_only| wgpu::BufferBindingType::Storage { read_only });
-        let written =
-            [false, false].map(|read_only| wgpu::BufferBindingType::Storage { read_only });
-        let kinds = [&kinds[..], &[wgpu::BufferBindingType::Uniform], &written].concat();
+        let kind = |read_only| wgpu::BufferBindingType::Storage { read_only };
+        let (held, written) = (kind(true), kind(false));
+        let uniform = wgpu::BufferBindingType::Uniform;
+        let kinds = [held, held, held, uniform, written, written];
         let layout = gpu.buffer_layout("silhouettes", wgpu::ShaderStages::COMPUTE, &kinds);
         let buffers = [&read, &owners, &lit, &shape, &draws, &indices];
         let bound = gpu.bind_buffers("silhouettes", &layout, &buffers);
@@ -168,8 +161,7 @@ impl OnWgpu {
                     own.depth_layout = Some(depth);
                 }
             }
-            VolumeSource::Pulled(mesh) => own.pull(fill, PULLED_SHADER, mesh)?,
-            VolumeSource::Corners(mesh) => own.pull(fill, CORNERS_SHADER, mesh)?,
+            VolumeSource::Pulled(mesh) => own.pull(fill, mesh)?,
             VolumeSource::Computed(computed) => {
                 let (finder, buffers) = Finder::new(fill, &computed)?;
                 (own.finder, own.buffers) = (Some(finder), Some(buffers));
@@ -184,15 +176,17 @@ impl OnWgpu {
     }
 
     /// A vertex shader pulls a mesh.
-    fn pull(&mut self, fill: &VolumeFill, shader: &str, mesh: EyeMesh) -> Result<(), DeviceError> {
+    fn pull(&mut self, fill: &VolumeFill, mesh: EyeMesh) -> Result<(), DeviceError> {
         let gpu = fill.gpu();
         let upload = |label, bytes: &[u8]| gpu.upload(label, bytes, wgpu::BufferUsages::STORAGE);
         let mut buffers = vec![
             upload("caster places", bytemuck::cast_slice(&mesh.places))?,
             upload("caster pieces", bytemuck::cast_slice(&mesh.pieces))?,
         ];
+        let mut shader = CORNERS_SHADER;
         if !mesh.lit.is_empty() {
             buffers.push(upload("facing bits", bytemuck::cast_slice(&mesh.lit))?);
+            shader = PULLED_SHADER;
         }
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
         let kinds = vec![storage; buffers.len()];

@@ -2,25 +2,16 @@
 //! Devices' depth bounds with a twin that is too tight, and a rim with a twin that is culled.
 
 use super::*;
-use crate::count::Rule;
 use crate::device::Interface;
-use crate::way::Counting;
+use crate::view::sun;
 use crate::work::Scene;
 use terrafill_casters::Mesh;
 use terrafill_stencil::DepthRange;
-use terrafill_variant::FacePasses;
 
 fn way(bounds: Bounds) -> DeviceWay {
     DeviceWay {
-        interface: Interface::Wgpu,
-        silhouettes: Silhouettes::Adjacency,
-        positions: Positions::Eye,
-        end: End::Sea,
-        rule: Rule::Fail,
-        faces: FacePasses::TwoSided,
-        cut: Cut::Off,
-        counting: Counting::Casters,
         bounds,
+        ..DeviceWay::plain(Interface::Wgpu)
     }
 }
 
@@ -102,7 +93,7 @@ fn beside_a_rim_a_lit_back_that_is_drawn_keeps_the_light_and_one_that_is_culled_
     let own = crate::brought::Brought::of("box", mesh, terrafill_casters::Policy::Refuse);
     let own = own.expect("closed");
     let views = own.views([128, 96]);
-    let scene = Scene::of_prepared(own.prepared, [10.0, -60.0], views);
+    let scene = Scene::lit_from(own.prepared, sun([10.0, -60.0]), views);
     for interface in Interface::ALL {
         let way = DeviceWay {
             interface,

@@ -4,15 +4,17 @@
 use crate::STUDY;
 use crate::brought::Brought;
 use crate::count::Rule;
+use crate::device::Interface;
 use crate::job::{Job, Method, sun_name};
-use crate::keys::*;
+use crate::metrics::*;
 use crate::near::EyeTest;
 use crate::outline::Way;
 use crate::views::Chooser;
-use crate::way::{Counting, DeviceWay, Positions};
+use crate::way::{Counting, Positions};
 use crate::work::Scissor;
 use terrafill_casters::Policy;
-use terrafill_results::{CaseId, ConditionKey, PlannedCase};
+use terrafill_results::{ConditionKey, PlannedCase};
+use terrafill_study::planned_case;
 use terrafill_variant::FacePasses;
 
 /// Timed silhouettes, and frames of a device, a process.
@@ -28,8 +30,8 @@ fn under(sun: [f64; 2]) -> Condition {
     is(SUN, sun_name(sun))
 }
 
-fn by(way: DeviceWay) -> Condition {
-    is(API, way.interface.name())
+fn by(interface: Interface) -> Condition {
+    is(API, interface.name())
 }
 
 fn counting(is_guarded: bool) -> Condition {
@@ -97,17 +99,27 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
             ),
         ),
         Job::Rival(sun, rival) => {
-            let conditions = vec![under(sun), is(API, rival.api()), is(RIVAL, rival.name())];
+            let conditions = vec![under(sun), by(rival.interface()), is(RIVAL, rival.name())];
             ("rivals", conditions, false)
         }
         Job::StencilStep(sun, step) => {
             let named = is(STEP, format!("{} {}", step.number, step.name));
-            let conditions = vec![under(sun), by(step.way), named, is(PAPER, step.paper)];
+            let conditions = vec![
+                under(sun),
+                by(step.way.interface),
+                named,
+                is(PAPER, step.paper),
+            ];
             ("ladder", conditions, false)
         }
         Job::Origin(sun, eyes, way) => {
             let positions = is(POSITIONS, way.positions.name());
-            let conditions = vec![under(sun), is(VIEW, eyes.name()), by(way), positions];
+            let conditions = vec![
+                under(sun),
+                is(VIEW, eyes.name()),
+                by(way.interface),
+                positions,
+            ];
             ("origins", conditions, way.positions != Positions::Eye)
         }
         Job::Near(sun, way) => {
@@ -115,18 +127,18 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
                 Counting::Casters => way.rule == Rule::Pass,
                 counting => counting == Counting::Chosen(EyeTest::Eye),
             };
-            let conditions = vec![under(sun), by(way), is(RULE, way.rule_name())];
+            let conditions = vec![under(sun), by(way.interface), is(RULE, way.rule_name())];
             ("near", conditions, may_be_wrong)
         }
         Job::DeviceRow(count, way) => {
             let is_guarded = way.counting == Counting::Parts { is_guarded: true };
-            let conditions = vec![is(CASTERS, count), by(way), counting(is_guarded)];
+            let conditions = vec![is(CASTERS, count), by(way.interface), counting(is_guarded)];
             ("device-rows", conditions, !is_guarded)
         }
         Job::Facing(sun, is_edge_on, way) => {
             let boxes = if is_edge_on { "edge-on" } else { "at random" };
             let silhouette = is(SILHOUETTE, way.silhouettes.name());
-            let conditions = vec![under(sun), is(BOXES, boxes), by(way), silhouette];
+            let conditions = vec![under(sun), is(BOXES, boxes), by(way.interface), silhouette];
             ("facings", conditions, way.silhouettes.decides_by_corners())
         }
         Job::Device(sun, way) => {
@@ -136,7 +148,7 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
             };
             let conditions = vec![
                 under(sun),
-                by(way),
+                by(way.interface),
                 is(EXTENT, way.end.name()),
                 is(RULE, way.rule_name()),
                 is(FACES, faces),
@@ -157,20 +169,20 @@ pub(super) fn question(job: Job) -> &'static str {
 pub(super) fn planned(job: Job, samples: Option<u32>, brought: Option<&Brought>) -> PlannedCase {
     let (question, conditions, may_be_wrong) = described(job);
     let model = brought.map(|brought| is(MODEL, &brought.name));
-    let conditions: Vec<Condition> = model.into_iter().chain(conditions).collect();
-    let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
-    let name = format!("{question}/{}", values.join("/"));
-    let conditions = std::iter::once(is(QUESTION, question)).chain(conditions.clone());
+    let conditions = [is(QUESTION, question)]
+        .into_iter()
+        .chain(model)
+        .chain(conditions);
+    let samples = match job {
+        Job::Silhouette(..) => samples.unwrap_or(SAMPLES),
+        Job::Map(..) => samples.unwrap_or(1),
+        job if job.is_of_device() => samples.unwrap_or(SAMPLES),
+        _ => 0,
+    };
     // Of a mesh that is not closed, any answer but the verdict may be wrong.
     let may_leak = brought.is_some_and(|brought| brought.policy == Policy::AsIs);
     PlannedCase {
-        id: CaseId::new(STUDY, name, conditions),
-        samples: match job {
-            Job::Silhouette(..) => samples.unwrap_or(SAMPLES),
-            Job::Map(..) => samples.unwrap_or(1),
-            job if job.is_of_device() => samples.unwrap_or(SAMPLES),
-            _ => 0,
-        },
         may_be_wrong: may_be_wrong || may_leak,
+        ..planned_case(STUDY, samples, conditions, None)
     }
 }

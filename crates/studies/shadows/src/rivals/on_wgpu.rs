@@ -62,15 +62,9 @@ impl Tiles {
         let pixels = width * height;
         let answers = room("answers", pixels, wgpu::BufferUsages::COPY_SRC);
         let kind = |read_only| wgpu::BufferBindingType::Storage { read_only };
-        let kinds = [
-            wgpu::BufferBindingType::Uniform,
-            kind(true),
-            kind(true),
-            kind(true),
-            kind(false),
-            kind(false),
-            kind(false),
-        ];
+        let (held, written) = (kind(true), kind(false));
+        let uniform = wgpu::BufferBindingType::Uniform;
+        let kinds = [uniform, held, held, held, written, written, written];
         let layout = gpu.buffer_layout("tiles", wgpu::ShaderStages::COMPUTE, &kinds);
         let buffers = [
             &receivers, &depths, &places, &triangles, &boxes, &dark, &answers,
@@ -157,8 +151,7 @@ impl Draws for Tiles {
             ..FrameTimes::default()
         };
         if let Some(timer) = &self.timer {
-            let stamps = timer.read(&self.gpu, TimedPass::Colour, TimedPass::Colour)?;
-            times.fill_gpu_ms = stamps.pass_ms(TimedPass::Colour);
+            times.fill_gpu_ms = timer.pass_ms(&self.gpu, TimedPass::Colour)?;
         }
         Ok(times)
     }

@@ -11,10 +11,8 @@ use terrafill_shaders::struct_layout;
 fn receivers_lie_as_the_shaders_have_them() {
     for path in ["casters/tiles.wgsl", "casters/rays.wgsl"] {
         let layout = struct_layout(path, "Receivers").expect("a struct");
-        let offsets = layout
-            .members
-            .iter()
-            .map(|(name, offset, _)| (name.as_str(), *offset as usize));
+        let members = layout.members.iter();
+        let offsets = members.map(|(name, offset, _)| (name.as_str(), *offset as usize));
         let own = [
             ("right", offset_of!(Receivers, right)),
             ("up", offset_of!(Receivers, up)),
@@ -33,7 +31,7 @@ fn receivers_lie_as_the_shaders_have_them() {
 /// `None` where the device cannot.
 fn asked(scene: &Scene, rival: Rival, margin_px: f64) -> Option<DeviceDrawn> {
     let devices = Devices::default();
-    match scene.asked_with(&devices, rival, margin_px) {
+    match scene.asked_by(&devices, rival, margin_px) {
         Err(Failure::Unable(error)) => {
             eprintln!("skipped: {error}");
             let needed = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();

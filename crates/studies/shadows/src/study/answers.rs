@@ -7,8 +7,8 @@ use crate::count::{Rule, Wrong};
 use crate::eyes::EyeTable;
 use crate::images;
 use crate::job::{Job, Method};
-use crate::keys::MOSTLY;
 use crate::maps::Mapped;
+use crate::metrics::MOSTLY;
 use crate::near::EyeTest;
 use crate::outline::{Way, outlines};
 use crate::view::sun;
@@ -17,15 +17,11 @@ use crate::work::{BOUNDS_SHARE, ChannelTotals, End, NEARS, Pixels, Scene, Scisso
 use std::path::Path;
 use terrafill_casters::{Extent, Policy, Volume};
 use terrafill_results::{Status, Verdict};
-use terrafill_study::{Failure, Figures};
+use terrafill_study::{Failure, Figures, judged};
 
 fn verdict(is_right: bool, reason: String, figures: Figures) -> Verdict {
-    Verdict {
-        status: if is_right { Status::Ok } else { Status::Wrong },
-        reason: if is_right { String::new() } else { reason },
-        figures,
-        ..Verdict::default()
-    }
+    let reason = if is_right { String::new() } else { reason };
+    judged(reason, figures, Vec::new())
 }
 
 /// A share in per cent.
@@ -88,9 +84,11 @@ fn picture(
 
 /// Of a map, by what is wrong of it.
 pub(super) fn map_figures(mapped: &Mapped, wrong: Wrong) -> Figures {
-    let all = wrong.outside() + wrong.in_band;
     vec![
-        ("shadow_map_wrong", percent(all as f64, mapped.judged)),
+        (
+            "shadow_map_wrong",
+            percent(wrong.all() as f64, mapped.judged),
+        ),
         ("shadow_map_bias_m", mapped.bias_m),
         ("shadow_bytes", mapped.bytes as f64),
     ]
@@ -264,14 +262,12 @@ impl Answering<'_> {
     }
 
     pub(super) fn ready(&mut self, name: &'static str) -> Result<&Ready, String> {
-        let place = match self.meshes.iter().position(|own| own.name == name) {
-            Some(place) => place,
-            None => {
-                let brought = self.question.brought.as_deref();
-                self.meshes.push(ready(name, brought)?);
-                self.meshes.len() - 1
-            }
-        };
+        let known = self.meshes.iter().position(|own| own.name == name);
+        let place = known.unwrap_or(self.meshes.len());
+        if known.is_none() {
+            let brought = self.question.brought.as_deref();
+            self.meshes.push(ready(name, brought)?);
+        }
         Ok(&self.meshes[place])
     }
 

@@ -36,15 +36,11 @@ pub(super) fn ready(name: &'static str, brought: Option<&Brought>) -> Result<Rea
 
 fn mesh_named(name: &str) -> Result<Mesh, String> {
     let plain = name.split(',').next().unwrap_or(name);
-    match plain.strip_prefix("hull-") {
-        Some(triangles) => triangles
-            .parse()
-            .map(hull)
-            .map_err(|_| format!("{name}: no mesh")),
-        None => PortSize::named(plain)
-            .map(port)
-            .ok_or_else(|| format!("{name}: no mesh")),
-    }
+    let found = match plain.strip_prefix("hull-") {
+        Some(triangles) => triangles.parse().ok().map(hull),
+        None => PortSize::named(plain).map(port),
+    };
+    found.ok_or_else(|| format!("{name}: no mesh"))
 }
 
 /// Turns the first triangle that faces away from the sun and has a lit neighbour, so that it faces the

@@ -9,7 +9,8 @@ use crate::device_map::{DeviceMap, differing};
 use crate::drawing::DeviceDrawn;
 use crate::images;
 use crate::job::Job;
-use crate::maps::Bias;
+use crate::maps::{Bias, Frame};
+use crate::rivals::MARGIN_PX;
 use crate::views::Eyes;
 use crate::work::{Pixels, Scene};
 use terrafill_casters::EdgeTable;
@@ -71,7 +72,8 @@ impl Answering<'_> {
             let size = self.question.timed_size;
             let scene = self.under(sun)?;
             let scene = scene.timed_at(size).filter(|_| is_timed).unwrap_or(scene);
-            let map = scene.device_map(devices, &scene.frame(texel_m)?)?;
+            let frame = Frame::of(scene.mesh(), scene.to_light, texel_m)?;
+            let map = scene.device_map(devices, &frame)?;
             self.map = Some((sun, texel_m, is_timed, map));
         }
         let map = self.map.as_ref().map(|(.., map)| map);
@@ -90,10 +92,7 @@ impl Answering<'_> {
         let map = self.map(sun, texel_m, false)?;
         let masks = map.masks(bias, mapped.step, texel_m)?;
         let scene = self.under(sun)?;
-        let channels = masks.iter().zip(&scene.channels);
-        let wrong = channels.fold(Wrong::default(), |sum, (mask, (_, truth))| {
-            sum.plus(Wrong::of(mask, truth))
-        });
+        let wrong = scene.wrong(&masks);
         let differs = differing(scene, &masks, &mapped.masks);
         let differs = percent(differs as f64, mapped.judged);
         if differs > MAX_DIFFERS {
@@ -141,7 +140,7 @@ impl Answering<'_> {
         };
         let draw = |scene: &Scene| match (way, job) {
             (Some(way), _) => scene.drawn_by(context.devices, way),
-            (None, Job::Rival(_, rival)) => scene.asked_by(context.devices, rival),
+            (None, Job::Rival(_, rival)) => scene.asked_by(context.devices, rival, MARGIN_PX),
             (None, _) => Err("no device draws it".to_owned().into()),
         };
         let mut drawn = draw(scene)?;

@@ -4,29 +4,31 @@
 use super::answers::percent;
 use super::*;
 use crate::device_map::differing;
-use crate::maps::Bias;
+use crate::maps::{Bias, Frame};
 use terrafill_contract::Devices;
 use terrafill_results::Status;
 
 /// By name of the case.
 type Verdicts = Vec<(String, Verdict)>;
 
-/// Verdicts of the cases of a question that `keep` names.
-fn verdicts(question: &str, keep: impl Fn(&str) -> bool) -> Vec<(String, Verdict)> {
-    verdicts_at(Depth::Quick, question, keep)
-}
-
-fn verdicts_at(
-    depth: Depth,
-    question: &str,
-    keep: impl Fn(&str) -> bool,
-) -> Vec<(String, Verdict)> {
-    let request = Request {
+fn request(depth: Depth) -> Request {
+    Request {
         depth,
         size: SIZE,
         ..Request::default()
-    };
-    verdicts_of(&request, question, keep).0
+    }
+}
+
+/// Verdicts of the cases of a question that `keep` names.
+fn verdicts(question: &str, keep: impl Fn(&str) -> bool) -> Verdicts {
+    verdicts_of(&request(Depth::Quick), question, keep).0
+}
+
+/// The same of what a device can draw.
+fn drawn(question: &str, keep: impl Fn(&str) -> bool) -> Verdicts {
+    let mut all = verdicts(question, keep);
+    all.retain(|(name, verdict)| is_drawn(name, verdict, false));
+    all
 }
 
 /// The same, and sizes of the pictures by name of the case.
@@ -38,9 +40,8 @@ fn verdicts_of(
     let planned = ShadowsStudy.plan(request).expect("planned");
     let mut groups = planned.groups.iter();
     let name = format!("{STUDY}/{question}");
-    let group = groups
-        .find(|group| group.name() == name)
-        .expect("such a group");
+    let group = groups.find(|group| group.name() == name);
+    let group = group.expect("such a group");
     let folder = tempfile::tempdir().expect("a folder");
     let devices = Rc::new(Devices::default());
     let context = Context {
@@ -62,6 +63,16 @@ fn verdicts_of(
     (all, pictures)
 }
 
+fn assert_is(is_right: bool, name: &str, verdict: &Verdict) {
+    let status = if is_right { Status::Ok } else { Status::Wrong };
+    assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
+}
+
+/// Whether eight bits count a multiple of 256 there.
+fn is_wrapped(name: &str) -> bool {
+    name.contains("wrapping") && ["/256/", "/512/"].iter().any(|of| name.contains(of))
+}
+
 fn figure(verdict: &Verdict, metric: &str) -> f64 {
     let mut all = verdict.figures.iter();
     all.find(|(name, _)| *name == metric)
@@ -71,25 +82,11 @@ fn figure(verdict: &Verdict, metric: &str) -> f64 {
 #[test]
 fn rows_wrap_at_256_and_the_guard_does_not() {
     for (name, verdict) in verdicts("rows", |_| true) {
-        let is_wrapped =
-            name.contains("wrapping") && (name.contains("256/") || name.contains("512/"));
-        let status = if is_wrapped {
-            Status::Wrong
-        } else {
-            Status::Ok
-        };
-        assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
+        assert_is(!is_wrapped(&name), &name, &verdict);
         assert!(figure(&verdict, "shadow_px") > 50.0, "{name}");
-        let casters: f64 = name
-            .split('/')
-            .nth(1)
-            .expect("a number")
-            .parse()
-            .expect("a number");
-        assert_eq!(
-            figure(&verdict, "shadow_max_overlap").to_bits(),
-            casters.to_bits()
-        );
+        let casters = name.split('/').nth(1).expect("a number");
+        let overlap = figure(&verdict, "shadow_max_overlap");
+        assert_eq!(overlap.to_string(), casters);
     }
 }
 
@@ -112,18 +109,10 @@ fn an_open_hull_is_refused_capped_or_doubled_and_leaks_as_it_is() {
         all[0].1.reason
     );
     for (name, verdict) in &all[1..] {
-        let status = if name.contains("as-is") {
-            Status::Wrong
-        } else {
-            Status::Ok
-        };
-        assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
-        let layers = if name.contains("robust") { 2.0 } else { 1.0 };
-        assert_eq!(
-            figure(verdict, "shadow_max_overlap").to_bits(),
-            f64::to_bits(layers),
-            "{name}"
-        );
+        assert_is(!name.contains("as-is"), name, verdict);
+        let layers = if name.contains("robust") { "2" } else { "1" };
+        let overlap = figure(verdict, "shadow_max_overlap");
+        assert_eq!(overlap.to_string(), layers, "{name}");
     }
 }
 
@@ -132,8 +121,7 @@ fn silhouettes_close_their_volumes_unless_a_face_is_turned() {
     let small = |name: &str| !name.contains("port-m");
     for (name, verdict) in verdicts("silhouettes", small) {
         let is_open = name.contains("turned") && !name.contains("adjacency");
-        let status = if is_open { Status::Wrong } else { Status::Ok };
-        assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
+        assert_is(!is_open, &name, &verdict);
     }
 }
 
@@ -148,11 +136,10 @@ fn is_drawn(name: &str, verdict: &Verdict, may_lack: bool) -> bool {
     true
 }
 
-fn mask_hash(verdict: &Verdict) -> &str {
+fn mask_hash(verdict: &Verdict) -> String {
     let mut notes = verdict.notes.iter();
-    notes
-        .find(|(key, _)| *key == "mask_hash")
-        .map_or("", |(_, hash)| hash)
+    let hash = notes.find(|(key, _)| *key == "mask_hash");
+    hash.map_or_else(String::new, |(_, hash)| hash.clone())
 }
 
 #[test]
@@ -173,7 +160,7 @@ fn devices_draw_the_reference_s_shadows_and_the_same_by_both_interfaces() {
             );
             continue;
         }
-        assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+        assert_is(true, &name, &verdict);
         assert!(figure(&verdict, "shadow_px") > 1_000.0, "{name}");
         assert!(figure(&verdict, "shadow_band_px") < 200.0, "{name}");
         at_rims += figure(&verdict, "shadow_rim_px");
@@ -193,10 +180,8 @@ fn devices_draw_the_reference_s_shadows_and_the_same_by_both_interfaces() {
         }
         // Whoever finds the silhouettes.
         let (same, _) = way.rsplit_once('/').expect("a silhouette");
-        hashes
-            .entry(same.to_owned())
-            .or_default()
-            .push(mask_hash(&verdict).to_owned());
+        let same = hashes.entry(same.to_owned()).or_default();
+        same.push(mask_hash(&verdict));
     }
     assert!(at_rims < 20.0, "{at_rims}");
     for (name, hashes) in hashes {
@@ -236,11 +221,8 @@ fn steps_of_the_ablation_have_the_same_mask_and_fewer_writes() {
             continue;
         }
         assert!(!may_lack, "{name}");
-        assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
-        let own = (
-            mask_hash(&verdict).to_owned(),
-            figure(&verdict, "shadow_updates"),
-        );
+        assert_is(true, &name, &verdict);
+        let own = (mask_hash(&verdict), figure(&verdict, "shadow_updates"));
         if let Some((hash, writes)) = &before {
             // z-pass writes nothing below the sea.
             let is_less = own.1 < *writes || name.contains("/7 ") && own.1 <= *writes;
@@ -257,7 +239,7 @@ fn rivals_have_the_reference_s_shadows() {
     for (name, verdict) in verdicts("rivals", |name| name.contains("10°")) {
         // Not every driver has ray queries.
         if is_drawn(&name, &verdict, name.contains("ray query")) {
-            assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+            assert_is(true, &name, &verdict);
             assert!(figure(&verdict, "shadow_px") > 1_000.0, "{name}");
         }
     }
@@ -267,19 +249,13 @@ fn rivals_have_the_reference_s_shadows() {
 fn a_facing_that_each_edge_decides_for_itself_leaks_where_walls_are_edge_on() {
     let mut hashes: BTreeMap<String, Vec<String>> = BTreeMap::new();
     let mut leaks = 0;
-    for (name, verdict) in verdicts("facings", |_| true) {
-        if !is_drawn(&name, &verdict, false) {
-            continue;
-        }
+    for (name, verdict) in drawn("facings", |_| true) {
         let boxes = name.split('/').nth(2).expect("boxes").to_owned();
         if !name.contains("by corners") {
-            assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+            assert_is(true, &name, &verdict);
             // As above.
             if !name.contains("/gs-") {
-                hashes
-                    .entry(boxes)
-                    .or_default()
-                    .push(mask_hash(&verdict).to_owned());
+                hashes.entry(boxes).or_default().push(mask_hash(&verdict));
             }
         } else if boxes == "edge-on" {
             assert_eq!(verdict.status, Status::Wrong, "{name}: no leak");
@@ -297,16 +273,12 @@ fn a_facing_that_each_edge_decides_for_itself_leaks_where_walls_are_edge_on() {
 #[test]
 fn a_near_plane_in_shadow_is_missed_by_the_eye_s_test_and_by_no_other_rule() {
     let mut right: Vec<String> = Vec::new();
-    for (name, verdict) in verdicts("near", |_| true) {
-        if !is_drawn(&name, &verdict, false) {
-            continue;
-        }
+    for (name, verdict) in drawn("near", |_| true) {
         assert!(figure(&verdict, "shadow_px") > 100.0, "{name}");
         let is_missed = name.ends_with("/z-pass") || name.ends_with("automatic, eye");
-        let status = if is_missed { Status::Wrong } else { Status::Ok };
-        assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
+        assert_is(!is_missed, &name, &verdict);
         if !is_missed {
-            right.push(mask_hash(&verdict).to_owned());
+            right.push(mask_hash(&verdict));
         }
     }
     assert!(right.iter().all(|hash| *hash == right[0]), "{right:?}");
@@ -314,36 +286,21 @@ fn a_near_plane_in_shadow_is_missed_by_the_eye_s_test_and_by_no_other_rule() {
 
 #[test]
 fn a_device_s_rows_wrap_at_256_and_512_and_the_guard_s_do_not() {
-    for (name, verdict) in verdicts("device-rows", |_| true) {
-        if !is_drawn(&name, &verdict, false) {
-            continue;
-        }
-        let is_wrapped =
-            name.contains("wrapping") && (name.contains("/256/") || name.contains("/512/"));
-        let status = if is_wrapped {
-            Status::Wrong
-        } else {
-            Status::Ok
-        };
-        assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
+    for (name, verdict) in drawn("device-rows", |_| true) {
+        assert_is(!is_wrapped(&name), &name, &verdict);
         let lost = figure(&verdict, "shadow_lost_share");
-        assert_eq!(lost > 50.0, is_wrapped, "{name}: {lost} %");
+        assert_eq!(lost > 50.0, is_wrapped(&name), "{name}: {lost} %");
     }
 }
 
 #[test]
 fn a_device_s_map_says_what_the_cpu_s_says() {
     let of_cpu = verdicts("maps", |_| true);
-    for (name, verdict) in verdicts("device-maps", |_| true) {
-        if !is_drawn(&name, &verdict, false) {
-            continue;
-        }
+    for (name, verdict) in drawn("device-maps", |_| true) {
         assert_ne!(verdict.status, Status::Failed, "{name}: {}", verdict.reason);
         let same = name.replace("device-maps", "maps");
-        let (_, of_cpu) = of_cpu
-            .iter()
-            .find(|(own, _)| *own == same)
-            .expect("the CPU's");
+        let of_cpu = of_cpu.iter().find(|(own, _)| *own == same);
+        let (_, of_cpu) = of_cpu.expect("the CPU's");
         let [own, cpu] = [&verdict, of_cpu].map(|verdict| figure(verdict, "shadow_map_wrong"));
         assert!((own - cpu).abs() < 0.1 * cpu, "{name}: {own} and {cpu} %");
         let differs = figure(&verdict, "shadow_map_differs");
@@ -357,16 +314,15 @@ fn a_device_s_map_half_a_texel_aside_is_noticed() {
     let scene = Scene::new([10.0, -60.0], [64, 48]).expect("a port");
     let mapped = scene.mapped(1.0, Bias::Constant).expect("small");
     let share = |texels: f64| {
-        let frame = scene.frame(1.0).expect("small").moved(texels);
+        let frame = Frame::of(scene.mesh(), scene.to_light, 1.0);
+        let frame = frame.expect("small").moved(texels);
         let map = match scene.device_map(&devices, &frame) {
             Err(Failure::Unable(_)) => return None,
             map => map.expect("a map"),
         };
         let masks = map.masks(Bias::Constant, mapped.step, 1.0).expect("masks");
-        Some(percent(
-            differing(&scene, &masks, &mapped.masks) as f64,
-            scene.judged(),
-        ))
+        let differing = differing(&scene, &masks, &mapped.masks);
+        Some(percent(differing as f64, scene.judged()))
     };
     if let (Some(own), Some(aside)) = (share(0.0), share(0.5)) {
         assert!(own < MAX_DIFFERS && aside > MAX_DIFFERS, "{own} {aside} %");
@@ -376,12 +332,13 @@ fn a_device_s_map_half_a_texel_aside_is_noticed() {
 #[test]
 fn in_larger_pictures_a_device_differs_at_rims_of_casters_alone() {
     let way = "wgpu/sea-closed/z-fail/two-sided/off/off/adjacency";
-    let all = verdicts_at(Depth::Full, "devices", |name| name.contains(way));
+    let keep = |name: &str| name.contains(way);
+    let (all, _) = verdicts_of(&request(Depth::Full), "devices", keep);
     assert_eq!(all.len(), 4);
     let mut at_rims = 0.0;
     for (name, verdict) in all {
         if verdict.status != Status::Skipped {
-            assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+            assert_is(true, &name, &verdict);
             at_rims += figure(&verdict, "shadow_rim_px");
         }
     }
@@ -394,16 +351,15 @@ fn what_is_timed_is_drawn_and_held_at_the_size_that_is_named() {
         |name: &str| name.contains("10° from -60°/wgpu/sea-closed/z-fail/two-sided/off/off/");
     let at = |names_size| {
         let request = Request {
-            depth: Depth::Quick,
             size: [320, 240],
             names_size,
-            ..Request::default()
+            ..request(Depth::Quick)
         };
         verdicts_of(&request, "devices", keep)
     };
     let (all, pictures) = at(true);
     for (name, verdict) in all.iter().filter(|(name, all)| is_drawn(name, all, false)) {
-        assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+        assert_is(true, name, verdict);
         assert_eq!(pictures[name], (320, 240), "{name}");
         assert!(figure(verdict, "shadow_timed_wrong_px") < 1.0, "{name}");
     }
@@ -415,9 +371,9 @@ fn what_is_timed_is_drawn_and_held_at_the_size_that_is_named() {
     }
 }
 
-/// Shadows about origins far away and about the eye, in the views of that name: how many were judged.
-fn origins_seen_from(view: &str) -> usize {
-    let mut judged = 0;
+/// Shadows about origins far away and about the eye, in the views of that name.
+fn check_origins_seen_from(view: &str) {
+    let mut judged = 0_u32;
     for (name, verdict) in verdicts("origins", |name| name.contains(view)) {
         if verdict.status == Status::Skipped {
             continue;
@@ -443,42 +399,32 @@ fn origins_seen_from(view: &str) -> usize {
         // At the earth's centre a step is a quarter of a metre.
         assert!(!name.contains("6371") || !is_right, "{name}");
     }
-    judged
+    assert!(judged.is_multiple_of(4), "{judged}");
 }
 
 // A test each, so that none takes as long as a driver that hangs.
 
 #[test]
 fn an_origin_far_away_is_wrong_in_f32_from_the_bridge_and_from_the_eye_right() {
-    let judged = origins_seen_from("bridge");
-    assert!(judged.is_multiple_of(4), "{judged}");
+    check_origins_seen_from("bridge");
 }
 
 #[test]
 fn an_origin_far_away_is_wrong_in_f32_in_a_rails_shadow_and_from_the_eye_right() {
-    let judged = origins_seen_from("rail-shadow");
-    assert!(judged.is_multiple_of(4), "{judged}");
+    check_origins_seen_from("rail-shadow");
 }
 
 #[test]
 fn an_origin_far_away_is_wrong_in_f32_at_the_quays_edge_and_from_the_eye_right() {
-    let judged = origins_seen_from("quay-edge");
-    assert!(judged.is_multiple_of(4), "{judged}");
+    check_origins_seen_from("quay-edge");
 }
 
 #[test]
 fn a_quick_plan_is_a_part_of_the_whole() {
     let count = |depth| {
-        let request = Request {
-            depth,
-            ..Request::default()
-        };
-        let planned = ShadowsStudy.plan(&request).expect("planned");
-        planned
-            .groups
-            .iter()
-            .map(|group| group.cases().len())
-            .sum::<usize>()
+        let planned = ShadowsStudy.plan(&request(depth)).expect("planned");
+        let cases = planned.groups.iter().map(|group| group.cases().len());
+        cases.sum::<usize>()
     };
     assert!(count(Depth::Quick) < count(Depth::Full));
 }

@@ -2,7 +2,7 @@
 //! Where a device's rounding alone may make the difference.
 
 use super::Scene;
-use crate::reference::{Light, Reference, Seen};
+use crate::reference::{Light, Reference};
 use crate::view::DeckCamera;
 use glam::DVec3;
 
@@ -23,16 +23,12 @@ impl Scene {
         at: usize,
         light: Light,
     ) -> bool {
-        let width = view.size[0] as usize;
-        let [column, row] = [at % width, at / width].map(|at| u32::try_from(at).unwrap_or(0));
+        let [column, row] = view.pixel(at);
         let look = |right: f64, down: f64| {
             let beside = [right, down].map(|steps| steps * ROUNDING_PX);
             let ray = view.ray_beside(column, row, beside);
             let seen = reference.seen(view.eye, ray, view.near);
-            let place = match seen {
-                Seen::Sky => None,
-                Seen::Sea(depth) | Seen::Triangle(_, depth) => Some(view.eye + ray * depth),
-            };
+            let place = seen.depth().map(|depth| view.eye + ray * depth);
             (reference.light(view, ray, seen), place)
         };
         let (_, own) = look(0.0, 0.0);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Scenes that are set up for one question each.
 
-use super::{ChannelTotals, EYES, End, NEARS, Scene};
+use super::{ChannelTotals, EYES, End, NEARS, Scene, port_m};
 use crate::count::Rule;
 use crate::near::shadowed_share;
 use crate::reference::Reference;
 use crate::view::{DeckCamera, deck_eyes, sun};
 use glam::{DVec2, DVec3};
-use terrafill_casters::{Mesh, MeshError, Policy, PortSize, hull, port, row};
+use terrafill_casters::{Mesh, MeshError, Policy, hull, row};
 use terrafill_results::SplitMix64;
 
 /// Boxes along either axis, their size, m, and their seed.
@@ -19,16 +19,13 @@ impl Scene {
     /// Plates in a row, seen from the side where all of their shadows lie over one another.
     pub(crate) fn of_row(count: u32, size: [u32; 2]) -> Result<Self, String> {
         let eye = DVec3::new(450.0, -250.0, 40.0);
-        Self::of(
-            row(count),
-            [2.0, 180.0],
-            vec![DeckCamera::level(eye, 90.0, 0.5, size)],
-        )
+        let view = DeckCamera::level(eye, 90.0, 0.5, size);
+        Self::of(row(count), [2.0, 180.0], vec![view])
     }
 
     /// The eye on deck that stands in the light while most of its near rectangle is in shadow.
     pub(crate) fn of_missed_eye(at: [f64; 2], size: [u32; 2]) -> Result<Self, String> {
-        let mesh = port(PortSize::named("port-m").ok_or("no port-m")?);
+        let mesh = port_m()?;
         let to_light = sun(at);
         let reference = Reference::new(&mesh, to_light);
         let near = NEARS[NEARS.len() - 1];
@@ -47,8 +44,7 @@ impl Scene {
     pub(crate) fn of_boxes(at: [f64; 2], is_edge_on: bool, size: [u32; 2]) -> Result<Self, String> {
         let to_light = sun(at);
         let mut random = SplitMix64::new(BOXES_SEED);
-        // 53 bits are as many as an `f64` has.
-        let mut share = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
+        let mut share = || random.unit() - 0.5;
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
         for column in 0..BOXES[0] {
             for row in 0..BOXES[1] {
@@ -93,11 +89,8 @@ impl Scene {
     /// A hull whose shadow falls towards the eye, seen from below its deck.
     pub(crate) fn of_hull(size: [u32; 2]) -> Result<Self, String> {
         let eye = DVec3::new(0.0, -150.0, 9.0);
-        Self::of(
-            hull(1_000),
-            [30.0, 90.0],
-            vec![DeckCamera::level(eye, 90.0, 0.5, size)],
-        )
+        let view = DeckCamera::level(eye, 90.0, 0.5, size);
+        Self::of(hull(1_000), [30.0, 90.0], vec![view])
     }
 
     /// The same caster with a tenth of its deck missing, by a policy: what it comes to against the whole
