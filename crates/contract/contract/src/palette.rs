@@ -8,7 +8,6 @@ use crate::{Frame, NO_REGION};
 #[must_use]
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "channels are clamped to 0 … 255"
 )]
 pub fn region_colour(index: usize) -> [u8; 3] {
@@ -99,7 +98,6 @@ mod tests {
     fn ids_travel_as_colours() {
         #[allow(
             clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
             reason = "what an 8-bit unorm target stores"
         )]
         let stored = |rgba: [f32; 4]| rgba.map(|channel| (channel * 255.0).round() as u8);

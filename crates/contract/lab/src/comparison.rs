@@ -335,12 +335,7 @@ fn exact(first: &Case, second: &Case, metric: &Metric) -> Option<Estimate> {
 
 /// How many processes would decide it, if the interval shrinks as the root of their number. A ratio on the end
 /// of the band takes more than a run can have.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "a small whole number"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "a small whole number")]
 fn processes_to_decide(figure: &Estimate, [low, high]: [f64; 2], band: f64) -> usize {
     let half_width = 0.5 * (high / low).ln();
     let from_band = (figure.middle.ln().abs() - band.ln()).abs();

@@ -6,7 +6,6 @@ use terrafill_scene::ImageSize;
 /// A whole place along a side of `count` pixels; beyond either end it is that end.
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "clamped to the image before the cast"
 )]
 pub(crate) fn pixel(at: f64, count: u32) -> u32 {

@@ -269,11 +269,7 @@ fn taps(count: u32) -> Vec<Taps> {
         .collect()
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to 0 … 255"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "clamped to 0 … 255")]
 fn byte(value: f32) -> u8 {
     (value * 255.0).round().clamp(0.0, 255.0) as u8
 }

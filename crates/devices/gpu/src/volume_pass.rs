@@ -45,10 +45,6 @@ impl<'a> VolumePass<'a> {
     }
 
     /// Gives all fragments of the following draws the sky's depth, 0, or with `is_at_sky` off their own.
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "images are far smaller than 2^24 pixels a side"
-    )]
     pub(crate) fn at_sky(&mut self, is_at_sky: bool) {
         if is_at_sky != self.is_at_sky {
             let size = PixelRect::full(self.list.size);

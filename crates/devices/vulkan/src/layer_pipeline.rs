@@ -125,10 +125,6 @@ impl LayeredDepth {
     ) {
         let device = &self.gpu.device;
         let area = self.extent().into();
-        #[allow(
-            clippy::cast_precision_loss,
-            reason = "sides are far below 2^24 texels"
-        )]
         let side = self.extent().width as f32;
         // Texels' rows grow with y, unlike pictures'.
         let viewport = vk::Viewport {

@@ -142,10 +142,6 @@ impl Targets {
     }
 
     /// Of negative height: WGSL has y up, Vulkan down.
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "images are far smaller than 2^24 pixels a side"
-    )]
     pub(crate) fn viewport(&self) -> vk::Viewport {
         let (width, height) = (self.extent.width as f32, self.extent.height as f32);
         vk::Viewport {

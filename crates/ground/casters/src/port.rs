@@ -335,11 +335,7 @@ fn ship(
 pub fn hull(triangles: u32) -> Mesh {
     // n meridians by n/2 rings: about n² triangles.
     let around = f64::from(triangles.max(24)).sqrt().ceil();
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "the root of a u32"
-    )]
+    #[allow(clippy::cast_possible_truncation, reason = "the root of a u32")]
     let around = around as u32;
     let rings = around / 2;
     let place = |ring: u32, meridian: u32| {

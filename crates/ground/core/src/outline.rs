@@ -520,11 +520,7 @@ struct OpenGroup {
 }
 
 /// A number's bits as an integer in the same order ([`f64::total_cmp`]), for keys.
-#[allow(
-    clippy::cast_possible_wrap,
-    clippy::cast_sign_loss,
-    reason = "bits are what is meant"
-)]
+#[allow(clippy::cast_possible_wrap, reason = "bits are what is meant")]
 fn order_key(number: f64) -> i64 {
     let bits = number.to_bits() as i64;
     bits ^ (((bits >> 63) as u64) >> 1) as i64

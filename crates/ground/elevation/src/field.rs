@@ -499,7 +499,6 @@ impl HeightField {
     /// The samples on either side of `at`, and how far it is from the first to the second.
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "0 to the number of samples"
     )]
     fn between(&self, at: f64, count: u32, is_round: bool) -> (usize, usize, f64) {
@@ -517,7 +516,6 @@ impl HeightField {
 /// Samples that bilinear values from `from` to `to` are made of; `None` where there are none.
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "0 to the number of samples"
 )]
 fn samples_between(from: f64, to: f64, count: u32, beyond: f64) -> Option<[usize; 2]> {

@@ -29,7 +29,6 @@ impl PictureLevel<'_> {
     #[must_use]
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "places inside a picture, and bytes between bytes"
     )]
     pub fn colour(&self, longitude_rad: f64, latitude_rad: f64) -> [u8; 4] {
@@ -70,10 +69,6 @@ fn middles() -> impl Iterator<Item = f64> {
 ///
 /// - `levels`: of the picture, the finest first, at least one
 #[must_use]
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "columns and rows of a level are far fewer than 2^53"
-)]
 pub fn cut_tile(levels: &[PictureLevel<'_>], tile: MapTile) -> Vec<u8> {
     let tiles = f64::from(tile.level).exp2();
     let level = level_for(levels, tiles * f64::from(SIDE));
@@ -105,11 +100,7 @@ pub fn cut_cap(levels: &[PictureLevel<'_>], is_south: bool) -> Vec<u8> {
 }
 
 #[cfg(test)]
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "places on small pictures"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "places on small pictures")]
 mod tests {
     use super::*;
     use crate::{MapPoint, cap_point, max_latitude_rad};

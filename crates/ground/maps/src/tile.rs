@@ -76,7 +76,6 @@ impl MapTile {
     #[must_use]
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "a place on the map is inside 0 … 1"
     )]
     pub fn at(level: u32, u: f64, mercator_v: f64) -> Option<Self> {
@@ -98,7 +97,6 @@ impl MapTile {
 #[must_use]
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "a level is small and not negative"
 )]
 pub fn level_of(body: &Ellipsoid, latitude_rad: f64, focal_px: f64, distance_m: f64) -> u32 {

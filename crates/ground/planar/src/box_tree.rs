@@ -219,7 +219,6 @@ impl<'a> BoxTree<'a> {
 /// Of each box the number of its cell, and its index; in this order.
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "places are between 0 and 2²¹, and edges fewer than 2³²"
 )]
 fn cells_of(boxes: &[AxisBox]) -> Vec<(u64, u32)> {

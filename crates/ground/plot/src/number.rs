@@ -43,7 +43,6 @@ pub fn count(value: u64) -> String {
 #[must_use]
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "whole, not negative and below 2⁵³"
 )]
 pub fn digits(value: f64) -> String {

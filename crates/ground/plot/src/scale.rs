@@ -143,7 +143,6 @@ pub(crate) fn tick_label(value: f64) -> String {
 /// A tick of an axis of counts.
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "ticks are not negative and far below 2^53"
 )]
 pub(crate) fn whole(tick: f64) -> u64 {

@@ -17,7 +17,6 @@ pub struct Spread {
 #[must_use]
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "the rank lies within the slice's length"
 )]
 pub fn quantile(values: &[f64], q: f64) -> Option<f64> {

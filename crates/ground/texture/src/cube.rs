@@ -100,10 +100,6 @@ impl CubeTexture {
     }
 
     /// Place on the face of the centre of texel `index`.
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "texel numbers are far below 2^52"
-    )]
     fn place(&self, index: i64) -> f64 {
         (2.0 * index as f64 + 1.0) / f64::from(self.size) - 1.0
     }

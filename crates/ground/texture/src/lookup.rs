@@ -69,7 +69,6 @@ impl TexelFormat {
     /// The bits that store `number`, 0 … 1, in the low bytes.
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "rounded and within 0 … 65535"
     )]
     pub(crate) fn bits_of(self, number: f64) -> u32 {
@@ -93,11 +92,7 @@ impl TexelFormat {
 }
 
 /// Bits of the half float nearest to `number`, 0 … 1 (IEEE 754 binary16, ties to even).
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "rounded and below 2^16"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "rounded and below 2^16")]
 fn half_bits(number: f64) -> u32 {
     // Below 2⁻¹⁴ numbers are subnormal: all in units of 2⁻²⁴.
     let exponent = number.log2().floor().max(-14.0);
@@ -319,7 +314,6 @@ impl LookupTable {
 
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "clamped to the table first"
     )]
     fn clamped(&self, index: f64) -> usize {

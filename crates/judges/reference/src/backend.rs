@@ -250,11 +250,7 @@ impl Blend {
         self.below *= 1.0 - alpha;
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped to 0 … 255"
-    )]
+    #[allow(clippy::cast_possible_truncation, reason = "clamped to 0 … 255")]
     fn over(&self, background: u8, channel: usize) -> u8 {
         let value = self.rgb[channel] * 255.0 + f64::from(background) * self.below;
         value.round().clamp(0.0, 255.0) as u8

@@ -331,7 +331,6 @@ impl Cells {
 
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "the cast saturates, and the number of rows and columns bounds it from above"
     )]
     fn row(latitude_deg: f64) -> usize {
@@ -340,7 +339,6 @@ impl Cells {
 
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "a remainder of 360 is neither negative nor above 360"
     )]
     fn column(longitude_deg: f64) -> usize {

@@ -57,7 +57,6 @@ impl<'a> Sampler<'a> {
     /// Trilinear.
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "levels are few and not negative"
     )]
     pub(crate) fn sample(&self, uv: [f64; 2], level: f64, address: [AddressMode; 2]) -> Rgba {
@@ -85,7 +84,6 @@ impl<'a> Sampler<'a> {
 
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "whole numbers inside the level"
     )]
     fn texel(&self, level: &MipLevel, column: f64, row: f64) -> Rgba {

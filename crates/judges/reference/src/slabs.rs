@@ -56,7 +56,6 @@ impl Slabs {
 
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "the cast saturates, and the number of slabs bounds it from above"
     )]
     fn slab_of(&self, x: f64) -> usize {

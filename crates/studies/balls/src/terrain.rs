@@ -118,7 +118,6 @@ impl Terrain {
 /// A place in a picture or among cells without its fraction. Whoever calls makes sure that it lies there.
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "not negative, and at most some thousands"
 )]
 fn whole(place: f64) -> u32 {

@@ -112,11 +112,7 @@ impl DeckCamera {
 }
 
 /// A place in a picture or a grid without its fraction. Whoever calls makes sure that it lies there.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "from 0 to below 2³²"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "from 0 to below 2³²")]
 pub(crate) fn whole(place: f64) -> u32 {
     place as u32
 }

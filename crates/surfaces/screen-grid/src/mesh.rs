@@ -229,7 +229,6 @@ impl Builder<'_> {
     /// Place on the screen and cell of a point; `None` beside the screen and behind the eye.
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "cells of a place on the screen"
     )]
     fn seen_at(&self, rte: DVec3) -> Option<([f64; 2], u32)> {

@@ -27,11 +27,7 @@ impl Draws {
     }
 
     /// 1 … `last`.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a small number"
-    )]
+    #[allow(clippy::cast_possible_truncation, reason = "a small number")]
     fn count(&mut self, last: u32) -> u32 {
         1 + (self.next() * f64::from(last)) as u32
     }

@@ -56,7 +56,6 @@ impl Steps {
     pub(crate) fn new(step_deg: f64) -> Self {
         #[allow(
             clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
             reason = "a step is at least a degree"
         )]
         let per_turn = (360.0 / step_deg).round() as u32;

@@ -240,11 +240,7 @@ impl FillBackend for CesiumBackend {
 }
 
 /// Frames of a sample, by what one takes.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to a few"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "clamped to a few")]
 fn frames_of_sample(cpu_ms: f64) -> u32 {
     (SAMPLE_CPU_MS / cpu_ms)
         .ceil()

@@ -105,11 +105,7 @@ impl Rectangle {
     }
 
     /// Columns and rows with `longer` texels along the longer side.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between 1 and `longer`"
-    )]
+    #[allow(clippy::cast_possible_truncation, reason = "between 1 and `longer`")]
     fn texels(&self, longer: u32) -> [u32; 2] {
         let [x, y] = self.half_deg();
         let scale = f64::from(longer) / x.max(y);

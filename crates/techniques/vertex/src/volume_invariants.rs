@@ -477,10 +477,6 @@ impl Reader<'_> {
     }
 }
 
-#[allow(
-    clippy::cast_sign_loss,
-    reason = "the bits of a float are carried in an integer attribute"
-)]
 fn floats(corner: Corner) -> [Vec3; 2] {
     let [x, y, z, u, v, w] = corner.words.map(|word| f32::from_bits(word as u32));
     [Vec3::new(x, y, z), Vec3::new(u, v, w)]

@@ -47,7 +47,6 @@ fn value(value: f64, unit: &str) -> String {
         "bytes" if value >= 0.0 => {
             #[allow(
                 clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
                 reason = "bytes are whole and not negative"
             )]
             let whole = value as u64;

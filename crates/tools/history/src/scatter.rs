@@ -117,11 +117,7 @@ fn levels(values: impl Iterator<Item = f64>) -> Vec<(f64, f64)> {
 fn log_scatter(values: &[f64]) -> f64 {
     let mut differences: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
     differences.sort_by(f64::total_cmp);
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a share of a small count"
-    )]
+    #[allow(clippy::cast_possible_truncation, reason = "a share of a small count")]
     let left_out = (TRIMMED * differences.len() as f64).ceil() as usize;
     differences.truncate(differences.len() - left_out);
     let mean = differences.iter().sum::<f64>() / differences.len() as f64;
@@ -256,11 +252,7 @@ impl Scatters {
 
     /// The size that has this probability.
     pub(crate) fn size_at(&self, probability: f64) -> f64 {
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a share of a count"
-        )]
+        #[allow(clippy::cast_possible_truncation, reason = "a share of a count")]
         let larger = (probability * (self.by_chance.len() + 1) as f64) as usize;
         let at = self.by_chance.len().saturating_sub(larger.max(1));
         self.by_chance.get(at).copied().unwrap_or(f64::INFINITY)

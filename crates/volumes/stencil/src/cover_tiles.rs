@@ -96,11 +96,7 @@ impl Tiles {
 }
 
 /// Numbers of the tiles between two places along a side of a rectangle.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to the rectangle"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "clamped to the rectangle")]
 fn tiles_of([from, to]: [f64; 2], [first, past]: [u32; 2]) -> Range<u32> {
     let is_outside = to < f64::from(first) || from > f64::from(past);
     if is_outside || first >= past {

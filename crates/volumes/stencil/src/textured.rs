@@ -545,7 +545,6 @@ impl EyeDistance {
 
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "clamped to what the type holds"
 )]
 fn whole(texels: f64) -> u32 {

@@ -223,7 +223,6 @@ impl Probed {
 
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "ids are whole and below 2²⁴"
 )]
 fn region_id(stored: f32) -> Option<u32> {

@@ -22,11 +22,7 @@ pub(super) struct VertexGrid {
 
 impl VertexGrid {
     /// About one cell per vertex.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between 1 and 2,048"
-    )]
+    #[allow(clippy::cast_possible_truncation, reason = "between 1 and 2,048")]
     pub(super) fn new(all: &[Vertex]) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for vertex in all {
@@ -130,7 +126,6 @@ impl VertexGrid {
 
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "a negative or infinite number becomes the first or last cell, which is what is meant"
 )]
 fn cell(at: f64, count: usize) -> usize {

@@ -112,7 +112,6 @@ pub(crate) fn chebyshev_nodes(low: f64, high: f64, count: usize) -> Vec<f64> {
     if count < 2 {
         return vec![middle];
     }
-    #[allow(clippy::cast_precision_loss, reason = "a few dozen nodes")]
     let angle = |i: usize| std::f64::consts::PI * (i as f64 + 0.5) / count as f64;
     let reach = angle(0).cos();
     (0..count)

@@ -153,11 +153,7 @@ fn composite(input: &FillInput, surface: &Picture, opacity: f64, order: &[usize]
     pixels
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a mean of bytes is a byte"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "a mean of bytes is a byte")]
 fn to_byte(value: f64) -> u8 {
     value.round() as u8
 }

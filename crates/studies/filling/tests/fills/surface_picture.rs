@@ -62,11 +62,7 @@ fn picture_of_normals(turned: u32) -> Arc<MipChain> {
             let (sin_lon, cos_lon) = longitude.to_radians().sin_cos();
             let (sin_lat, cos_lat) = latitude.to_radians().sin_cos();
             let normal = DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat);
-            #[allow(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "28 to 228"
-            )]
+            #[allow(clippy::cast_possible_truncation, reason = "28 to 228")]
             let bytes = colour_of(normal).map(|level| level.round() as u8);
             texels.extend([bytes[0], bytes[1], bytes[2], 255]);
         }

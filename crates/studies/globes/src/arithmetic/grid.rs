@@ -197,11 +197,7 @@ fn is_tangent(eye_ecef: DVec3, ray: DVec3) -> bool {
 
 /// One of many views straight down that lie evenly among all: over the sphere, between 1 km and 100,000 km, of any
 /// heading, 1 to 20 cells a side. By multiples of powers of an irrational number (Roberts, 2018).
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a small number"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "a small number")]
 fn view(number: u32) -> (u32, Camera, ImageSize) {
     // The root of x⁶ = x + 1.
     const ROOT: f64 = 1.134_724_138_401_519_4;

@@ -45,7 +45,6 @@ struct Line {
 }
 
 /// Least squares, and Student's test of the correlation.
-#[allow(clippy::cast_precision_loss, reason = "ten points")]
 fn line(points: &[[f64; 2]]) -> Line {
     let count = points.len() as f64;
     let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;

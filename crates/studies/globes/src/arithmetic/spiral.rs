@@ -110,11 +110,7 @@ fn rings(eye: &Eye, law: &str) -> u32 {
     high
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a small number of turns"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "a small number of turns")]
 fn whole(turns: f64) -> u32 {
     turns as u32
 }

@@ -108,11 +108,7 @@ impl HeightCube {
         let [s, t, out] = along_face(face, d);
         let place = [s / out, t / out];
         let at = place.map(|at| 0.5 * (at + 1.0) * f64::from(self.side));
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "0 … side"
-        )]
+        #[allow(clippy::cast_possible_truncation, reason = "0 … side")]
         let cell = at.map(|at| (at.max(0.0) as u32).min(self.side - 1));
         OnFace {
             face,

@@ -150,7 +150,6 @@ impl Spiral {
     /// The first vertex on the outer circle.
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "some thousands of vertices"
     )]
     fn rim(&self) -> u32 {

@@ -74,7 +74,6 @@ fn map_direction([u, v]: [f64; 2]) -> DVec3 {
 
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "a share of 255 after clamping"
 )]
 fn texel(layer: usize, direction: DVec3) -> [u8; 4] {

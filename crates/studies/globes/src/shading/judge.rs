@@ -81,7 +81,6 @@ pub(super) fn is_lost(colour: &[f32; 4]) -> bool {
 /// As pictures show it: what is not finite is magenta.
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "a share of 255 after clamping"
 )]
 pub(super) fn bytes(colour: [f32; 4]) -> [u8; 3] {

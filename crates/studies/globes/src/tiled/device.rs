@@ -38,7 +38,6 @@ struct MapConstants {
 impl MapConstants {
     #[allow(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "rounding to what the GPU reads is the purpose; a texel's number is below 2^31"
     )]
     fn new(eye: &Eye, options: &Options, tiles: usize, level: Option<u32>) -> Self {

@@ -44,7 +44,6 @@ const TWINS: [(&str, &str, ConditionKey, &str); 10] = [
 /// Pixels, with every digit.
 #[allow(
     clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
     reason = "whole, positive and below 2⁵³"
 )]
 pub(super) fn number(px: f64) -> String {

@@ -73,11 +73,7 @@ pub(crate) fn corners(mesh: &ScreenMesh, triangle: usize) -> [DVec3; 3] {
 }
 
 /// The nearest triangle at each pixel's centre, row by row.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "pixels of a picture"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "pixels of a picture")]
 pub(crate) fn seen(camera: &Camera, size: ImageSize, mesh: &ScreenMesh) -> Vec<Option<Seen>> {
     let mut pixels: Vec<Option<Seen>> = vec![None; size.pixel_count()];
     for triangle in 0..mesh.triangles.len() {
@@ -119,11 +115,7 @@ pub(crate) fn pixel(size: ImageSize, i: usize) -> [u32; 2] {
 }
 
 /// Median, 99th percentile and maximum.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a place in a list"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "a place in a list")]
 pub(crate) fn spread(mut values: Vec<f64>) -> [f64; 3] {
     values.sort_by(f64::total_cmp);
     let at = |share: f64| values[((values.len() - 1) as f64 * share) as usize];

@@ -87,11 +87,7 @@ fn hits(frame: &SurfaceFrame, camera: &Camera) -> Vec<Option<f64>> {
         } else if view.iter().all(|v| v.z > 0.0) {
             continue;
         }
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "cut to the picture"
-        )]
+        #[allow(clippy::cast_possible_truncation, reason = "cut to the picture")]
         let [columns, rows] =
             [0, 1].map(|axis| low[axis] as usize..high[axis].max(0.0).ceil() as usize);
         for row in rows {

@@ -64,11 +64,7 @@ pub(super) fn pose(
             let (Some(place), true) = (places.get(at / 4), weight != 0.0) else {
                 continue;
             };
-            #[allow(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "a whole number of 16 bits"
-            )]
+            #[allow(clippy::cast_possible_truncation, reason = "a whole number of 16 bits")]
             let transform = joints.get(*joint as usize).ok_or_else(|| {
                 let allowed = format!("below {}, the joints of its skin", joints.len());
                 wrong(element(), format!("joint {joint}"), allowed)
