@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Crossings that lie on the antimeridian, where pieces of the crossing edges end.
 
-use crate::edge::Degrees;
+use crate::edge::{Degrees, great_ellipse_crossing};
 use crate::pieces::Piece;
 use crate::{EdgeRule, Ring};
-use terrafill_planar::intersection::Crossing;
-use terrafill_planar::intersection::{edges_cross, great_ellipse_crossing};
+use terrafill_planar::intersection::{Crossing, edges_cross};
 
 /// An edge where it is cut at the antimeridian, or one that runs along it.
 ///

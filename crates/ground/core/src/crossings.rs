@@ -193,8 +193,8 @@ pub(crate) fn distance(rule: EdgeRule, a: Degrees, b: Degrees) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::edge::great_ellipse_crossing;
     use proptest::prelude::*;
-    use terrafill_planar::intersection::great_ellipse_crossing;
 
     fn slow_crossings(edges: &[[Degrees; 2]]) -> Vec<Crossing> {
         let all = (0..edges.len()).flat_map(|a| (a + 1..edges.len()).map(move |b| [a, b]));

@@ -14,7 +14,8 @@ pub(crate) mod area;
 
 use crate::{EdgeRule, Ellipsoid, Geodetic, MeshOptions};
 use glam::DVec3;
-pub(crate) use terrafill_planar::{Degrees, in_order, normal};
+use terrafill_planar::intersection::unit_arcs_crossing;
+pub(crate) use terrafill_planar::{Degrees, in_order};
 
 /// Ratio of the deviation of an edge to its length above which it is split however small it is. Beyond
 /// it a triangle next to the edge can be turned over. That happens only near poles and on small bodies,
@@ -279,6 +280,18 @@ pub(crate) fn along_pole(start: Degrees, end: Degrees) -> Option<f64> {
     (start[1].abs() == 90.0 && start[1] == end[1]).then_some(start[1])
 }
 
+/// Unit normal of the body at a position.
+pub(crate) fn normal([longitude_deg, latitude_deg]: Degrees) -> DVec3 {
+    let (sin_lon, cos_lon) = longitude_deg.to_radians().sin_cos();
+    let (sin_lat, cos_lat) = latitude_deg.to_radians().sin_cos();
+    DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat)
+}
+
+/// Where two arcs cross, each strictly between its ends and by more than rounding can feign.
+pub(crate) fn great_ellipse_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degrees> {
+    unit_arcs_crossing(a.map(normal), b.map(normal))
+}
+
 /// Angle between the normals of two positions. From the chord: an arc cosine has no digits left
 /// for neighbours.
 pub(crate) fn arc_rad(a: Degrees, b: Degrees) -> f64 {
@@ -398,6 +411,34 @@ fn largest_of([first, middle, last]: [f64; 3]) -> f64 {
 mod tests {
     use super::*;
 
+    /// Sine of the angle at which a place is off the plane of an arc.
+    fn off(arc: [Degrees; 2], place: Degrees) -> f64 {
+        let [from, to] = arc.map(normal);
+        let plane = from.cross(to - from).normalize();
+        plane.dot(normal(place) - from).abs()
+    }
+
+    #[test]
+    fn a_crossing_of_arcs_that_hardly_differ_is_on_both() {
+        let mut off_by_planes = 0.0_f64;
+        for apart_deg in [1e-1, 1e-5, 1e-9, 1e-11] {
+            let a = [[10.0, -33.0], [100.0, 41.0]];
+            let b = [[10.0, -33.0 - apart_deg], [100.0, 41.0 + apart_deg]];
+            let at = great_ellipse_crossing(a, b).expect("cross");
+            for arc in [a, b] {
+                assert!(off(arc, at) < 1e-15, "{apart_deg}: {}", off(arc, at));
+            }
+            // Negative control: as the line in which the planes meet.
+            let [m, n] = [a, b]
+                .map(|arc| arc.map(normal))
+                .map(|[p, q]| p.cross(q - p));
+            let line = m.cross(n).normalize();
+            let place = [line.y.atan2(line.x), line.z.atan2(line.x.hypot(line.y))];
+            off_by_planes = off_by_planes.max(off(a, place.map(f64::to_degrees)));
+        }
+        assert!(off_by_planes > 1e-8, "{off_by_planes}");
+    }
+
     #[test]
     fn middle_of_two_neighbours_lies_between_them() {
         // Two corners of Washington, D.C., 2 cm apart at 1:110m.
@@ -415,9 +456,7 @@ mod tests {
     #[test]
     fn a_tiny_arc_beside_a_pole_is_no_straight_line_in_degrees() {
         let [start, end] = [[-6.813_725_5, -89.999_999_994], [60.0, -89.999_999_999_9]];
-        let (from, to) = (normal(start), normal(end));
-        let plane = from.cross(to - from).normalize();
-        let off = |place: Degrees| plane.dot(normal(place) - from).abs();
+        let off = |place: Degrees| off([start, end], place);
         for share in [0.125, 0.5, 0.75] {
             let on_arc = point_on_edge(EdgeRule::GreatEllipse, start, end, share);
             // The last bit of a latitude near 90.

@@ -16,14 +16,16 @@
 
 use crate::EdgeRule;
 use crate::crossings::{find_crossings, split_at};
-use crate::edge::{Degrees, ROUNDING, arc_rad, in_order, normal, point_on_edge};
+use crate::edge::{
+    Degrees, ROUNDING, arc_rad, great_ellipse_crossing, in_order, normal, point_on_edge,
+};
 use crate::pieces::OutlineEdge;
 use glam::DVec3;
 use std::cell::{Cell, RefCell};
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use terrafill_planar::box_tree::{AxisBox, BoxTree};
-use terrafill_planar::intersection::{Crossing, great_ellipse_crossing, orient};
+use terrafill_planar::intersection::{Crossing, orient};
 
 /// Edges that one edge of a group may become on average.
 const MAX_PARTS: usize = 32;

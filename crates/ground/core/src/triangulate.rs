@@ -9,7 +9,7 @@
 mod insertion_order;
 
 use crate::crossings::{self, CrossingPlaces, crossing_places, find_crossings, split_outline};
-use crate::edge::{Degrees, arc_rad};
+use crate::edge::{Degrees, arc_rad, great_ellipse_crossing};
 use crate::lens::{LensCorner, WithinRounding, any_in_lens, follow_arcs, sight_of};
 use crate::mesh::LONGEST_INTERIOR_EDGE_STEPS;
 use crate::pieces::{OutlineEdge, bounds};
@@ -17,7 +17,7 @@ use crate::{EdgeRule, MeshOptions};
 use insertion_order::{Corners, in_order, odd_edges};
 use terrafill_planar::delaunay::{Blocked, Delaunay, FRAME_CORNERS, PointLocation};
 use terrafill_planar::index_u32;
-use terrafill_planar::intersection::{Crossing, great_ellipse_crossing, without_underflow};
+use terrafill_planar::intersection::{Crossing, without_underflow};
 
 /// Interior edges that span more longitude than this are halved: beyond it, close to a pole, a
 /// triangle that is small on the body can still be turned over.

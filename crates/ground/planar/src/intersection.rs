@@ -4,7 +4,7 @@
 //! Degrees for planar edges, unit normals for great ellipses. Planar decisions are exact
 //! (`robust::orient2d`); arcs cross only where rounding cannot feign it.
 
-use crate::{Degrees, normal};
+use crate::Degrees;
 use glam::DVec3;
 
 /// Two edges, by index, the lower first, and where they cross.
@@ -53,12 +53,8 @@ pub fn planar_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degrees> {
     })
 }
 
-/// Where two arcs cross, each strictly between its ends and by more than rounding can feign.
-pub fn great_ellipse_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degrees> {
-    unit_arcs_crossing(a.map(normal), b.map(normal))
-}
-
-/// As [`great_ellipse_crossing`], by the normals at the ends.
+/// Where two arcs cross, each strictly between its ends and by more than rounding can feign; by the unit normals at
+/// their ends.
 pub fn unit_arcs_crossing(a: [DVec3; 2], b: [DVec3; 2]) -> Option<Degrees> {
     let off_b = a.map(|end| certain_side(b, end));
     let apart =
@@ -110,34 +106,6 @@ pub fn edges_cross(a: [Degrees; 2], b: [Degrees; 2]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Sine of the angle at which a place is off the plane of an arc.
-    fn off(arc: [Degrees; 2], place: Degrees) -> f64 {
-        let [from, to] = arc.map(normal);
-        let plane = from.cross(to - from).normalize();
-        plane.dot(normal(place) - from).abs()
-    }
-
-    #[test]
-    fn a_crossing_of_arcs_that_hardly_differ_is_on_both() {
-        let mut off_by_planes = 0.0_f64;
-        for apart_deg in [1e-1, 1e-5, 1e-9, 1e-11] {
-            let a = [[10.0, -33.0], [100.0, 41.0]];
-            let b = [[10.0, -33.0 - apart_deg], [100.0, 41.0 + apart_deg]];
-            let at = great_ellipse_crossing(a, b).expect("cross");
-            for arc in [a, b] {
-                assert!(off(arc, at) < 1e-15, "{apart_deg}: {}", off(arc, at));
-            }
-            // Negative control: as the line in which the planes meet.
-            let [m, n] = [a, b]
-                .map(|arc| arc.map(normal))
-                .map(|[p, q]| p.cross(q - p));
-            let line = m.cross(n).normalize();
-            let place = [line.y.atan2(line.x), line.z.atan2(line.x.hypot(line.y))];
-            off_by_planes = off_by_planes.max(off(a, place.map(f64::to_degrees)));
-        }
-        assert!(off_by_planes > 1e-8, "{off_by_planes}");
-    }
 
     /// From the find `a_crossing_told_half_a_millimetre_off_its_edge`: a long edge, the tiny edge of a
     /// sliver over it, and the ends of another. Coordinates are those of the file.

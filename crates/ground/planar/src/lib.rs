@@ -7,8 +7,6 @@ pub mod delaunay;
 pub mod intersection;
 pub mod sweep;
 
-use glam::DVec3;
-
 /// Longitude and latitude, degrees.
 pub type Degrees = [f64; 2];
 
@@ -19,13 +17,6 @@ pub fn in_order(start: Degrees, end: Degrees) -> (Degrees, Degrees) {
     } else {
         (start, end)
     }
-}
-
-/// Unit normal of the body at a position.
-pub fn normal([longitude_deg, latitude_deg]: Degrees) -> DVec3 {
-    let (sin_lon, cos_lon) = longitude_deg.to_radians().sin_cos();
-    let (sin_lat, cos_lat) = latitude_deg.to_radians().sin_cos();
-    DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat)
 }
 
 /// A vertex index as meshes store it.

@@ -137,16 +137,18 @@ fn a_scene_names_its_spiral_and_what_is_wrong_is_named() {
         ),
         (
             "frame = \"global\"",
-            "t.toml: surface.frame: found \"global\", allowed: local-sin2, lonlat, hemisphere, local",
+            "t.toml: surface.frame: found \"global\", allowed: local-sin2, lonlat, hemisphere, local; \
+             did you mean \"local\"?",
         ),
         (
             "trig = \"2/3\"",
-            "t.toml: surface.trig: found \"2/3\", allowed: native, 1/2, 3/2, 3/4, 5/4, 5/6, 7/8, 9/10",
+            "t.toml: surface.trig: found \"2/3\", allowed: native, 1/2, 3/2, 3/4, 5/4, 5/6, 7/8, 9/10; \
+             did you mean \"3/2\"?",
         ),
         (
             "seed = 4",
             "t.toml: surface.seed: found 4, allowed: only the keys kind, n, step_deg, std, law, fan_px, \
-             indices, rim, frame, trig, precision, base",
+             indices, rim, frame, trig … and 2 more; did you mean \"std\"?",
         ),
     ] {
         assert_eq!(opened(text).expect_err(text), expected);
