@@ -10,6 +10,7 @@
 //! studies open, [`Progress`] receives progress, and who wants several processes starts
 //! them with another [`RunOptions::process`] each.
 
+mod failure;
 mod files_read;
 mod picture;
 mod plan;
@@ -22,16 +23,15 @@ mod study;
 mod trial;
 mod turns;
 
+pub use failure::{Failure, StudyError};
 pub use files_read::files_read;
 pub use picture::{file_stem, write_rgb};
 pub use plan::{FramesPerSample, Plan, RunOptions, plan, plan_shared};
 pub use run::{Progress, RunOutcome, Silent, run, run_by_turns};
-pub use session::{
-    CaseGroup, CaseSession, Failure, Figures, Measures, OpenSession, judged, planned_case, verified,
-};
+pub use session::{CaseGroup, OpenSession, judged, planned_case, verified};
 pub use share::Share;
 pub use steady::Settling;
-pub use study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError, size_name};
+pub use study::{Context, Depth, Figures, Group, Planned, Request, Session, Study, size_name};
 pub use terrafill_results::SplitMix64;
 pub use trial::{Trial, trials};
 pub use turns::{Turn, Turns};

@@ -8,7 +8,7 @@
 use crate::plan::{FramesPerSample, Plan, PlannedGroup, RunOptions, first_case};
 use crate::schedule::block_order;
 use crate::steady::{Settled, settle};
-use crate::{Context, Session, StudyError, Turn, Turns};
+use crate::{Context, Failure, Figures, Session, StudyError, Turn, Turns};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::rc::Rc;
@@ -289,7 +289,7 @@ fn warm_up(group: &PlannedGroup, options: &RunOptions) -> u32 {
 }
 
 /// The median of each metric that all measurements of a sample have.
-fn medians(taken: &[Vec<(&'static str, f64)>]) -> Vec<(&'static str, f64)> {
+fn medians(taken: &[Figures]) -> Figures {
     let metrics = taken.first().into_iter().flatten();
     let of = |name: &str| -> Option<f64> {
         let value = |values: &Vec<(&str, f64)>| {
@@ -366,10 +366,11 @@ impl Running<'_> {
     fn verdict(&mut self, work: usize, is_new: bool) -> Result<Verdict, StudyError> {
         let known = self.known.get(&self.key(work)).filter(|_| !is_new);
         let earlier = known.and_then(|known| Some((known.status?, &known.notes)));
-        match earlier {
+        let verdict = match earlier {
             Some((status, notes)) => self.session.recheck(work, status, notes),
             None => self.session.verify(work),
-        }
+        };
+        verdict.or_else(Failure::verdict)
     }
 
     /// Why a case does not do what it did when it was verified.
@@ -431,11 +432,11 @@ impl Running<'_> {
         &mut self,
         case: usize,
         FramesPerSample { frames, extra }: FramesPerSample,
-    ) -> Result<Vec<(&'static str, f64)>, String> {
+    ) -> Result<Figures, Failure> {
         let work = self.group.work[case];
-        let mut sum = self.session.sample(work)?;
+        let mut sum = self.session.time(work)?;
         for _ in 1..frames + extra {
-            let values = self.session.sample(work)?;
+            let values = self.session.time(work)?;
             // A value that one frame lacks has no mean.
             sum.retain(|(metric, _)| values.iter().any(|(other, _)| other == metric));
             for (metric, total) in &mut sum {
@@ -462,11 +463,11 @@ impl Running<'_> {
             (FramesPerSample::default(), Ok(()))
         };
         let sampled = |()| (0..of).map(|_| self.sample(case, frames)).collect();
-        let taken: Result<Vec<_>, String> = drawn.and_then(sampled);
+        let taken: Result<Vec<_>, Failure> = drawn.and_then(sampled);
         let taken = match taken {
             Ok(taken) => taken,
-            Err(message) => {
-                self.fail(case, &message)?;
+            Err(failure) => {
+                self.fail(case, &failure.reason())?;
                 return Ok(false);
             }
         };
@@ -498,7 +499,7 @@ impl Running<'_> {
         };
         let work = self.group.work[case];
         self.session.begin_block()?;
-        let sample = || self.session.sample(work);
+        let sample = || self.session.time(work).map_err(Failure::reason);
         // What breaks here breaks again where it is measured, and is that case's verdict there.
         let Ok(Settled::Unsteady(off)) = settle(max_looks, &self.group.times, sample) else {
             return Ok(());

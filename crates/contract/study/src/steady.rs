@@ -5,6 +5,7 @@
 //! slower in its first process than in the next. The runner reads no clock. It looks at the times that
 //! a session measures, and keeps none of them.
 
+use crate::Figures;
 use terrafill_results::{Clock, Kind, Metric, median};
 
 /// Looks in a row that have to agree.
@@ -78,7 +79,7 @@ pub(crate) enum Settled {
 pub(crate) fn settle(
     max_looks: u32,
     times: &[TimeMetric],
-    mut sample: impl FnMut() -> Result<Vec<(&'static str, f64)>, String>,
+    mut sample: impl FnMut() -> Result<Figures, String>,
 ) -> Result<Settled, String> {
     let mut looks: Vec<f64> = Vec::new();
     for _ in 0..max_looks {
@@ -104,7 +105,7 @@ fn spread(looks: &[f64]) -> f64 {
 /// The median time of some frames, milliseconds.
 fn look(
     times: &[TimeMetric],
-    sample: &mut impl FnMut() -> Result<Vec<(&'static str, f64)>, String>,
+    sample: &mut impl FnMut() -> Result<Figures, String>,
 ) -> Result<Option<f64>, String> {
     let (mut taken, mut sum) = (Vec::new(), 0.0);
     while sum < LOOK_MS && taken.len() < MAX_FRAMES {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a study promises the runner.
 
+use crate::{Failure, StudyError};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -68,30 +69,6 @@ pub fn size_name([width, height]: [u32; 2]) -> String {
     } else {
         format!("{width}x{height}")
     }
-}
-
-/// Why a study cannot be planned or measured as a whole. What goes wrong with one case is that
-/// case's [`Verdict`] instead.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum StudyError {
-    /// A scene, a name or a value is wrong; one line for each problem.
-    #[error("{0}")]
-    BadInput(String),
-    /// No device can run anything of it.
-    #[error("no usable device: {0}")]
-    NoDevice(String),
-    /// The device or something else broke in the middle.
-    #[error("{place}: {message}")]
-    Broken {
-        /// Group or case in hand.
-        place: String,
-        /// What happened.
-        message: String,
-    },
-    /// The run's folder.
-    #[error(transparent)]
-    Run(#[from] terrafill_results::RunError),
 }
 
 /// A study's cases.
@@ -206,16 +183,19 @@ pub trait Group {
     fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError>;
 }
 
+/// Names of metrics, and values.
+pub type Figures = Vec<(&'static str, f64)>;
+
 /// A group being measured. Cases are known by their place in [`Group::cases`].
 pub trait Session {
-    /// Makes a case ready and holds it against the reference. Called once, before anything is timed.
+    /// Prepares a case and compares its result with the reference. Called once, before anything is timed.
     ///
     /// # Errors
-    /// [`StudyError`] when the session cannot go on; what is wrong with the case is its verdict.
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError>;
+    /// [`Failure`], which becomes the case's verdict.
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure>;
 
-    /// Makes a case ready that an earlier process has verified, and makes sure that it still does the
-    /// same work. Verifies it once more by default.
+    /// Prepares a case that an earlier process has verified, and makes sure that it still does the same work.
+    /// Verifies it once more by default.
     ///
     /// - `status`, `notes`: of the earlier verdict
     ///
@@ -226,7 +206,7 @@ pub trait Session {
         case: usize,
         _status: Status,
         _notes: &BTreeMap<String, String>,
-    ) -> Result<Verdict, StudyError> {
+    ) -> Result<Verdict, Failure> {
         self.verify(case)
     }
 
@@ -241,16 +221,16 @@ pub trait Session {
     /// Called before each sample that counts: what this draws is not measured.
     ///
     /// # Errors
-    /// As [`Session::sample`].
-    fn before_sample(&mut self, _case: usize) -> Result<(), String> {
+    /// As [`Session::time`].
+    fn before_sample(&mut self, _case: usize) -> Result<(), Failure> {
         Ok(())
     }
 
-    /// Measures a verified case once: metric names and values.
+    /// A timed frame of a verified case: metric names and values.
     ///
     /// # Errors
-    /// A message; the case fails with it and the others go on.
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String>;
+    /// [`Failure`], with which the case fails.
+    fn time(&mut self, case: usize) -> Result<Figures, Failure>;
 }
 
 #[cfg(test)]

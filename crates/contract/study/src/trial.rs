@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Cases that share nothing but their devices: each is opened when it is verified, and what it opened is timed.
 
-use crate::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, planned_case, verified};
+use crate::{CaseGroup, Context, Failure, Figures, Session, planned_case, verified};
 use std::collections::BTreeMap;
 use terrafill_results::{ConditionKey, Status, Verdict};
 
@@ -49,11 +49,11 @@ pub fn trials<T: Trial + 'static>(
         warm_up: None,
         work: trials,
         open: |group, context| {
-            Ok(Box::new(CaseSession(Trials {
+            Ok(Box::new(Trials {
                 trials: &group.work,
                 context,
                 opened: BTreeMap::new(),
-            })))
+            }))
         },
     }
 }
@@ -65,7 +65,7 @@ struct Trials<'a, T: Trial> {
     opened: BTreeMap<usize, T::Opened>,
 }
 
-impl<T: Trial> Measures for Trials<'_, T> {
+impl<T: Trial> Session for Trials<'_, T> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let (opened, verdict) = self.trials[case].verify(self.context)?;
         self.opened.insert(case, opened);
@@ -134,11 +134,14 @@ mod tests {
             folder: std::path::Path::new(""),
         };
         let mut session = group.open(context).expect("opens");
-        let found = [0, 1].map(|case| session.verify(case).expect("a verdict").status);
+        let verify = |case| session.verify(case).or_else(Failure::verdict);
+        let found = [0, 1]
+            .map(verify)
+            .map(|found| found.expect("a verdict").status);
         assert_eq!(found, [Status::Ok, Status::Skipped]);
         let again = session.recheck(2, Status::Ok, &BTreeMap::new());
         assert_eq!(again.expect("a verdict").status, Status::Ok);
-        let mut frames = |case| session.sample(case);
+        let mut frames = |case| session.time(case).map_err(Failure::reason);
         assert_eq!(frames(2), Ok(vec![("frames", 3.0)]));
         assert_eq!(frames(0), Ok(vec![("frames", 1.0)]));
         assert_eq!(frames(2), Ok(vec![("frames", 6.0)]));

@@ -12,8 +12,8 @@ use terrafill_results::{
     Verdict,
 };
 use terrafill_study::{
-    CaseGroup, FramesPerSample, Group, Plan, Planned, Request, RunOptions, RunOutcome, Session,
-    Settling, Silent, Study, StudyError, Turn, Turns, plan, run, run_by_turns,
+    CaseGroup, Failure, Figures, FramesPerSample, Group, Plan, Planned, Request, RunOptions,
+    RunOutcome, Session, Settling, Silent, Study, StudyError, Turn, Turns, plan, run, run_by_turns,
 };
 
 const METRICS: [Metric; 2] = [
@@ -147,7 +147,7 @@ fn group(index: usize, samples: u32) -> CaseGroup<()> {
 struct MadeUpSession(DeviceLoss);
 
 impl Session for MadeUpSession {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         script().verified.borrow_mut().push(case);
         Ok(Verdict {
             status: STATUSES[case],
@@ -166,7 +166,7 @@ impl Session for MadeUpSession {
         case: usize,
         _status: Status,
         notes: &BTreeMap<String, String>,
-    ) -> Result<Verdict, StudyError> {
+    ) -> Result<Verdict, Failure> {
         assert_eq!(notes["picture"], format!("{case}.png"));
         script().rechecked.borrow_mut().push(case);
         let status = match STATUSES[case] {
@@ -184,12 +184,12 @@ impl Session for MadeUpSession {
         Ok(())
     }
 
-    fn before_sample(&mut self, case: usize) -> Result<(), String> {
+    fn before_sample(&mut self, case: usize) -> Result<(), Failure> {
         script().before.borrow_mut().push(case);
         Ok(())
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
         let script = script();
         if script.broken_after.get() == Some(script.sampled.borrow().len()) {
             // What a kill leaves: nothing of this sample, everything of those before.
@@ -199,10 +199,10 @@ impl Session for MadeUpSession {
         let lost = script.lost_after.get();
         if lost.is_some_and(|lost| script.sampled.borrow().len() > lost) {
             self.0.report("timed out");
-            return Err("a fence was not signalled".to_owned());
+            return Err(Failure::broken("a fence was not signalled"));
         }
         if script.failing.get() == Some(case) {
-            return Err("out of memory".to_owned());
+            return Err(Failure::broken("out of memory"));
         }
         let costs = script.costs.borrow();
         let taken = script.sampled.borrow().len();

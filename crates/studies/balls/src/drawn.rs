@@ -14,8 +14,8 @@ use terrafill_contract::{CpuStopwatch, DeviceError, ids_of};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
 use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Measures, Request, StudyError, file_stem,
-    judged, planned_case, verified, write_rgb,
+    CaseGroup, Context, Failure, Figures, Request, Session, StudyError, file_stem, judged,
+    planned_case, verified, write_rgb,
 };
 
 /// Balls that are drawn one by one at most: the published figure ends at 5,000.
@@ -76,14 +76,14 @@ pub(crate) fn group(counts: &[u32], size: ImageSize, samples: u32) -> CaseGroup<
         warm_up: None,
         work: DrawnBalls { cases, size },
         open: |group, context| {
-            Ok(Box::new(CaseSession(DrawnSession {
+            Ok(Box::new(DrawnSession {
                 group,
                 context,
                 terrain: Terrain::new(),
                 walked: BTreeMap::new(),
                 first: BTreeMap::new(),
                 opened: BTreeMap::new(),
-            })))
+            }))
         },
     }
 }
@@ -226,7 +226,7 @@ impl BallOutcome {
     }
 }
 
-impl Measures for DrawnSession<'_> {
+impl Session for DrawnSession<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let found = self.run(case)?;
         let reason = found.reason();
@@ -292,7 +292,10 @@ mod tests {
         };
         let mut session = group.open(context).expect("opens");
         for (at, planned) in group.cases.iter().enumerate() {
-            let verdict = session.verify(at).expect("a verdict");
+            let verdict = session
+                .verify(at)
+                .or_else(Failure::verdict)
+                .expect("a verdict");
             let name = &planned.id.name;
             eprintln!(
                 "{name}: {:?} {} {:?}",
@@ -302,7 +305,7 @@ mod tests {
                 continue;
             }
             assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
-            let times = session.sample(at).expect("a time");
+            let times = session.time(at).expect("a time");
             assert!(times.iter().all(|(_, time)| *time >= 0.0), "{times:?}");
         }
         // Negative controls: other ground, and a picture of balls that moved on.

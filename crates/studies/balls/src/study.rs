@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 use terrafill_contract::CpuStopwatch;
 use terrafill_results::{ConditionKey, PlannedCase, Status, Verdict};
 use terrafill_study::{
-    CaseGroup, CaseSession, Depth, Failure, Figures, Measures, Planned, Request, Study, StudyError,
-    judged, planned_case,
+    CaseGroup, Depth, Failure, Figures, Planned, Request, Session, Study, StudyError, judged,
+    planned_case,
 };
 
 /// Steps a second; a quick run leaves out the last.
@@ -111,13 +111,13 @@ fn group(is_quick: bool, samples: u32) -> CaseGroup<Vec<Drop>> {
         // The check of a case runs it once.
         warm_up: Some(0),
         work: drops,
-        open: |group, _| Ok(Box::new(CaseSession(BallsSession(&group.work)))),
+        open: |group, _| Ok(Box::new(BallsSession(&group.work))),
     }
 }
 
 struct BallsSession<'a>(&'a [Drop]);
 
-impl Measures for BallsSession<'_> {
+impl Session for BallsSession<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let landed = self.0[case].land();
         let reason = if landed.blown_share > MOSTLY {

@@ -12,9 +12,7 @@ use crate::subject::{Subject, Surfaces, Techniques};
 use std::rc::Rc;
 use terrafill_results::{Chapter, ConditionKey, Metric};
 use terrafill_scene::Overlap;
-use terrafill_study::{
-    CaseGroup, CaseSession, Group, Planned, Request, Study, StudyError, files_read,
-};
+use terrafill_study::{CaseGroup, Group, Planned, Request, Study, StudyError, files_read};
 
 /// Which technique fills regions with which error, at which cost.
 #[derive(Debug, Clone, Copy)]
@@ -73,7 +71,7 @@ impl Study for FillingStudy {
                     let make = || ReadyScene::new(scene, surfaces);
                     let ready = last.get(scene.name.clone(), make)?;
                     let session = ViewSession::new(view, &ready, context)?;
-                    Ok(Box::new(CaseSession(session)))
+                    Ok(Box::new(session))
                 },
             })
         });

@@ -23,8 +23,8 @@ use terrafill_reference::{CloseLook, ReferenceBackend, ReferenceScene};
 use terrafill_results::{Skipped, Status, Verdict, median};
 use terrafill_scene::{ImageSize, Scene, View};
 use terrafill_study::{
-    CaseGroup, CaseSession, Context, Depth, Failure, Figures, Measures, Planned, Request, Study,
-    StudyError, file_stem, files_read, judged, planned_case, write_rgb,
+    CaseGroup, Context, Depth, Failure, Figures, Planned, Request, Session, Study, StudyError,
+    file_stem, files_read, judged, planned_case, write_rgb,
 };
 use terrafill_surface::{
     AsItIs, InBackground, PieceMemory, Refinement, Surface, SurfaceKind, open_surface,
@@ -173,7 +173,7 @@ fn flights(
         cases: planned.collect(),
         // The flight that is compared warms it.
         warm_up: Some(0),
-        open: |group, context| Ok(Box::new(CaseSession(FlightsSession::new(group, context)?))),
+        open: |group, context| Ok(Box::new(FlightsSession::new(group, context)?)),
         work: Flights {
             cases,
             scene,
@@ -424,7 +424,7 @@ impl<'a> FlightsSession<'a> {
     }
 }
 
-impl Measures for FlightsSession<'_> {
+impl Session for FlightsSession<'_> {
     /// A flight whose last frame is kept as a picture.
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let (_, compared) = self.fly(case, Some(self.group.work.compared_of))?;

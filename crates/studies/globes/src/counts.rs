@@ -21,9 +21,7 @@ use scene::{NodeVertices, Picture};
 use std::collections::BTreeMap;
 use terrafill_contract::CpuStopwatch;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
-use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged, verified,
-};
+use terrafill_study::{CaseGroup, Context, Failure, Figures, Session, judged, verified};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "counts";
@@ -101,7 +99,7 @@ impl Counts {
                 work,
                 list: list.clone(),
             },
-            open: |group, context| Ok(Box::new(CaseSession(CountPart::new(&group.work, context)))),
+            open: |group, context| Ok(Box::new(CountPart::new(&group.work, context))),
         }
     }
 
@@ -253,7 +251,7 @@ fn verdict(work: &Work, paged: &Paged) -> Verdict {
     judged(reason, figures, vec![("leaves", paged.course.note())])
 }
 
-impl Measures for CountPart<'_> {
+impl Session for CountPart<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let paged = self.run(case)?;
         Ok(verdict(&self.group.work[case], &paged))

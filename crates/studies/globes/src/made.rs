@@ -29,7 +29,7 @@ use terrafill_plot::number::significant;
 use terrafill_results::{CaseId, PlannedCase, RunInput, Skipped, Verdict};
 use terrafill_scene::Scene;
 use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Measures, files_read, judged, verified,
+    CaseGroup, Context, Failure, Figures, Session, files_read, judged, verified,
 };
 use toml::Value;
 
@@ -197,12 +197,12 @@ impl MadeGlobes {
                 fields,
             },
             open: |group, context| {
-                Ok(Box::new(CaseSession(MadePart {
+                Ok(Box::new(MadePart {
                     group: &group.work,
                     context,
                     targets: None,
                     ready: BTreeMap::new(),
-                })))
+                }))
             },
         }
     }
@@ -247,7 +247,7 @@ fn against(eye: &Eye, spiral: &Spiral, made: &[[f32; 3]]) -> (f64, f64, usize) {
     (px, metres, lost)
 }
 
-impl Measures for MadePart<'_> {
+impl Session for MadePart<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let work = self.group.work[case];
         let eye = self.group.eye(&work)?;

@@ -6,7 +6,7 @@ use std::fmt::Debug;
 use std::rc::Rc;
 use terrafill_contract::{DeviceError, Devices, device_for_test};
 use terrafill_results::Verdict;
-use terrafill_study::{Context, Session};
+use terrafill_study::{Context, Failure, Session};
 
 /// What `check` gives in a new folder; `None`, said aloud, where no device opens.
 pub(crate) fn on_device<T, R>(
@@ -25,7 +25,10 @@ pub(crate) fn on_device<T, R>(
 
 /// The verdict on a case, printed with its figures.
 pub(crate) fn verdict(session: &mut dyn Session, case: usize, name: &dyn Debug) -> Verdict {
-    let verdict = session.verify(case).expect("a verdict");
+    let verdict = session
+        .verify(case)
+        .or_else(Failure::verdict)
+        .expect("a verdict");
     let Verdict {
         status,
         reason,

@@ -28,9 +28,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::rc::Rc;
 use terrafill_results::{Case, CaseId, PlannedCase, Verdict, quantile};
-use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged, verified,
-};
+use terrafill_study::{CaseGroup, Context, Failure, Figures, Session, judged, verified};
 use terrafill_surface::SurfaceFrame;
 
 /// Name of this part in cases.
@@ -200,14 +198,14 @@ impl Shadings {
                 face: if is_quick { QUICK_FACE } else { FACE },
             },
             open: |group, context| {
-                Ok(Box::new(CaseSession(ShadingPart {
+                Ok(Box::new(ShadingPart {
                     group: &group.work,
                     cases: &group.cases,
                     context,
                     pictures: None,
                     targets: BTreeMap::new(),
                     ready: BTreeMap::new(),
-                })))
+                }))
             },
         }
     }
@@ -249,7 +247,7 @@ impl ShadingPart<'_> {
     }
 }
 
-impl Measures for ShadingPart<'_> {
+impl Session for ShadingPart<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let work = self.group.work[case];
         let eye = self.group.eye(&work)?;

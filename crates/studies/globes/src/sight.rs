@@ -18,9 +18,7 @@ use std::sync::Arc;
 use terrafill_contract::{DeviceError, SurfaceInterface, SurfaceTargets, ViewConstants};
 use terrafill_gpu::RayCast;
 use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
-use terrafill_study::{
-    CaseGroup, CaseSession, Context, Depth, Failure, Figures, Measures, verified,
-};
+use terrafill_study::{CaseGroup, Context, Depth, Failure, Figures, Session, verified};
 use terrafill_surface::{Surface, SurfaceError, SurfaceFrame};
 use toml::Value;
 
@@ -151,13 +149,13 @@ impl SurfacesView {
                 opened: Rc::clone(opened),
             },
             open: |group, context| {
-                Ok(Box::new(CaseSession(SightPart {
+                Ok(Box::new(SightPart {
                     sight: &group.work,
                     context,
                     targets: BTreeMap::new(),
                     judged: BTreeMap::new(),
                     ready: BTreeMap::new(),
-                })))
+                }))
             },
         }
     }
@@ -227,7 +225,7 @@ impl SightPart<'_> {
     }
 }
 
-impl Measures for SightPart<'_> {
+impl Session for SightPart<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let frame = self.make_ready(case)?;
         let hash = self.ready[&case].fingerprint;

@@ -29,9 +29,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
-use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged, verified,
-};
+use terrafill_study::{CaseGroup, Context, Failure, Figures, Session, judged, verified};
 use terrafill_surface::{Surface, SurfaceFrame};
 use tile_set::{ADDRESSES, Content, Shown, TileSet};
 use truth::{Truth, off_texels, tiles, truths};
@@ -82,13 +80,13 @@ impl Tiled {
                 opened: Rc::clone(opened),
             },
             open: |group, context| {
-                Ok(Box::new(CaseSession(TiledPart {
+                Ok(Box::new(TiledPart {
                     group: &group.work,
                     context,
                     targets: None,
                     truths: BTreeMap::new(),
                     ready: BTreeMap::new(),
-                })))
+                }))
             },
         }
     }
@@ -170,7 +168,7 @@ fn of_mesh(mesh: &MapMesh) -> u64 {
     fingerprint(&[bytemuck::cast_slice(&mesh.vertices)])
 }
 
-impl Measures for TiledPart<'_> {
+impl Session for TiledPart<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let (eye, options) = (&self.group.eye, self.group.options[case]);
         let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;

@@ -20,9 +20,7 @@ use field::{COARSE_TRIANGLES, FINEST, Field, Levels, ZONES, node, number};
 use rule::ZoneRule;
 use std::collections::BTreeMap;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
-use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged, verified,
-};
+use terrafill_study::{CaseGroup, Context, Failure, Figures, Session, judged, verified};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "zones";
@@ -106,7 +104,7 @@ impl Zones {
             cases: cases.collect(),
             warm_up: None,
             work: Self { work },
-            open: |group, context| Ok(Box::new(CaseSession(ZonePart::new(&group.work, context)))),
+            open: |group, context| Ok(Box::new(ZonePart::new(&group.work, context))),
         }
     }
 }
@@ -212,7 +210,7 @@ impl<'a> ZonePart<'a> {
     }
 }
 
-impl Measures for ZonePart<'_> {
+impl Session for ZonePart<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let work = self.group.work[case];
         let hides = self.hidden(work)?;

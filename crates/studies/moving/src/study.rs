@@ -15,8 +15,8 @@ use terrafill_reference::{CloseLook, ReferenceBackend, ReferenceScene};
 use terrafill_results::{Skipped, Status, Verdict};
 use terrafill_scene::{ImageSize, Overlap, Scene, SceneError};
 use terrafill_study::{
-    CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,
-    Study, StudyError, file_stem, files_read, judged, planned_case, verified, write_rgb,
+    CaseGroup, Context, Depth, Failure, Figures, Group, Planned, Request, Session, Study,
+    StudyError, file_stem, files_read, judged, planned_case, verified, write_rgb,
 };
 use terrafill_surface::SurfaceKind;
 use terrafill_variant::Variant;
@@ -152,7 +152,7 @@ fn sweep(
         name: format!("{STUDY}/{}/{sensors}", scene.name),
         cases: planned.collect(),
         warm_up: None,
-        open: |group, context| Ok(Box::new(CaseSession(SweepSession::new(group, context)?))),
+        open: |group, context| Ok(Box::new(SweepSession::new(group, context)?)),
         work: Sweep {
             cases,
             scene: Rc::clone(scene),
@@ -334,7 +334,7 @@ impl<'a> SweepSession<'a> {
     }
 }
 
-impl Measures for SweepSession<'_> {
+impl Session for SweepSession<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         self.verify_frames(case, self.group.work.frames)
     }

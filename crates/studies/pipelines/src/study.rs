@@ -17,8 +17,8 @@ use terrafill_contract::{DeviceError, Devices, ids_of};
 use terrafill_results::{ConditionKey, Verdict};
 use terrafill_scene::ImageSize;
 use terrafill_study::{
-    CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,
-    Study, StudyError, planned_case, verified,
+    CaseGroup, Context, Depth, Failure, Figures, Group, Planned, Request, Session, Study,
+    StudyError, planned_case, verified,
 };
 
 /// Cells a side.
@@ -174,14 +174,14 @@ fn grids(
         },
         open: |group, context| {
             let grid = Grid::new(group.work.cells);
-            Ok(Box::new(CaseSession(GridSession {
+            Ok(Box::new(GridSession {
                 truth: rays(&grid, group.work.size).picture(1),
                 group,
                 context,
                 grid,
                 first: BTreeMap::new(),
                 opened: BTreeMap::new(),
-            })))
+            }))
         },
     }
 }
@@ -229,7 +229,7 @@ struct GridSession<'a> {
     opened: BTreeMap<usize, Box<dyn Draws>>,
 }
 
-impl Measures for GridSession<'_> {
+impl Session for GridSession<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let Grids {
             experiment,

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use terrafill_contract::{Devices, device_for_test};
 use terrafill_results::{Status, Verdict};
 use terrafill_shaders::StructLayout;
-use terrafill_study::{Context, Group};
+use terrafill_study::{Context, Failure, Group};
 
 /// Devices and the folder of a run.
 pub(crate) struct Tested {
@@ -34,7 +34,10 @@ impl Tested {
         let mut session = group.open(context).expect("opens");
         let mut verdicts = Vec::new();
         for (at, case) in group.cases().iter().enumerate() {
-            let verdict = session.verify(at).expect("a verdict");
+            let verdict = session
+                .verify(at)
+                .or_else(Failure::verdict)
+                .expect("a verdict");
             let (name, status) = (&case.id.name, verdict.status);
             eprintln!(
                 "{name}: {status:?} {} {:?}",
@@ -49,7 +52,7 @@ impl Tested {
         let is_timed = |at: usize| group.cases()[at].samples > 0;
         let right = verdicts.iter().filter(|(_, of)| of.status == Status::Ok);
         if let Some((last, _)) = right.rev().find(|(at, _)| is_timed(*at)) {
-            let times = session.sample(*last).expect("a time");
+            let times = session.time(*last).expect("a time");
             assert!(times.iter().all(|(_, ms)| *ms > 0.0), "{times:?}");
         }
         verdicts

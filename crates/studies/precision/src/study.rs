@@ -12,8 +12,8 @@ use std::rc::Rc;
 use terrafill_gpu::shared_gpu;
 use terrafill_results::{PlannedCase, Verdict};
 use terrafill_study::{
-    CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,
-    Session, Study, StudyError, judged, planned_case,
+    CaseGroup, Context, Depth, Failure, Figures, Group, Planned, Request, Session, Study,
+    StudyError, judged, planned_case,
 };
 
 /// Timed passes of each formula in a process, unless the request says otherwise.
@@ -97,11 +97,11 @@ struct TimingSession<'a> {
 }
 
 impl Session for TimingSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        Ok(match self.kernels.borrow().timed(&self.formulas[case]) {
-            Ok(_) => judged(String::new(), Vec::new(), Vec::new()),
-            Err(why) => Verdict::skipped(format!("not on this device: {why}")),
-        })
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+        match self.kernels.borrow().timed(&self.formulas[case]) {
+            Ok(_) => Ok(judged(String::new(), Vec::new(), Vec::new())),
+            Err(why) => Err(Failure::Unable(format!("not on this device: {why}"))),
+        }
     }
 
     fn begin_block(&mut self) -> Result<(), StudyError> {
@@ -109,9 +109,10 @@ impl Session for TimingSession<'_> {
         Ok(())
     }
 
-    fn sample(&mut self, case: usize) -> Result<Figures, String> {
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
         let time = self.kernels.borrow().time(&self.formulas[case])?;
-        let empty = self.empty.as_ref().ok_or("no block was begun")?;
+        let empty = self.empty.as_ref();
+        let empty = empty.ok_or_else(|| Failure::broken("no block was begun"))?;
         let per_evaluation =
             |ms: f64, empty_ms: f64| (ms - empty_ms) * 1e6 / time.evaluations as f64;
         let gpu = time.gpu_ms.zip(empty.gpu_ms);
@@ -143,7 +144,7 @@ fn errors(suite: &Rc<Suite>, condition: Condition) -> CaseGroup<(Rc<Suite>, Cond
             let kernels = kernels(suite, context)?;
             let rows = suite.rows(condition, &kernels.borrow())?;
             let cases = &group.cases;
-            Ok(Box::new(CaseSession(Errors { cases, rows })))
+            Ok(Box::new(Errors { cases, rows }))
         },
     }
 }
@@ -153,7 +154,7 @@ struct Errors<'a> {
     rows: Vec<PrecisionRow>,
 }
 
-impl Measures for Errors<'_> {
+impl Session for Errors<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let mut rows = self.rows.iter();
         let row = rows.find(|row| row.id() == self.cases[case].id);

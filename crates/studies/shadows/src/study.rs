@@ -23,8 +23,8 @@ use terrafill_casters::EdgeTable;
 use terrafill_contract::{CpuStopwatch, FrameTimes};
 use terrafill_results::{PlannedCase, Verdict};
 use terrafill_study::{
-    CaseGroup, CaseSession, Context, Depth, Failure, Figures, Group, Measures, Planned, Request,
-    Study, StudyError, size_name, verified,
+    CaseGroup, Context, Depth, Failure, Figures, Group, Planned, Request, Session, Study,
+    StudyError, size_name, verified,
 };
 
 /// Pixels of each channel in which a case is checked: rays take long. What is timed has the request's size.
@@ -81,7 +81,7 @@ impl Study for ShadowsStudy {
                     brought: brought.clone(),
                 },
                 open: |group, context| {
-                    Ok(Box::new(CaseSession(Answering {
+                    Ok(Box::new(Answering {
                         question: &group.work,
                         cases: &group.cases,
                         context,
@@ -91,7 +91,7 @@ impl Study for ShadowsStudy {
                         opened: BTreeMap::new(),
                         edges: None,
                         map: None,
-                    })))
+                    }))
                 },
             })
         });
@@ -205,7 +205,7 @@ fn watched<T>(
     }
 }
 
-impl Measures for Answering<'_> {
+impl Session for Answering<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         match self.question.jobs[case] {
             Job::DeviceMap(sun, texel_m, bias) => self.device_mapped(sun, texel_m, bias),

@@ -31,7 +31,7 @@ use terrafill_gpu::{Baseline, CpuStopwatch, SharedTargets, shared_targets};
 use terrafill_plan::{LazyMesh, PlanOptions};
 use terrafill_results::{Status, Verdict, median};
 use terrafill_stencil::PositionFormat;
-use terrafill_study::{Context, Failure, Figures, Measures, StudyError};
+use terrafill_study::{Context, Failure, Figures, Session, StudyError};
 
 /// What a probe frame is drawn for.
 #[derive(Debug, Clone, Copy)]
@@ -241,7 +241,7 @@ impl<'a> ViewSession<'a> {
     }
 }
 
-impl Measures for ViewSession<'_> {
+impl Session for ViewSession<'_> {
     fn verify(&mut self, index: usize) -> Result<Verdict, Failure> {
         let case = &self.group.cases[index];
         match (&case.subject, case.regions) {

@@ -11,7 +11,7 @@ use std::rc::Rc;
 use std::time::Instant;
 use terrafill_results::{PlannedCase, RunError, Status, Verdict};
 use terrafill_scene::Expectation;
-use terrafill_study::{CaseSession, Context, Session, StudyError};
+use terrafill_study::{Context, Failure, Figures, Session, StudyError};
 
 /// Why a scene has nothing to draw.
 #[derive(Debug, Clone)]
@@ -37,7 +37,7 @@ const NO_LAYER: &str = "validation-layer-missing";
 pub(super) const REFUSED: &str = "refused";
 
 /// What is drawn, or why nothing is; `None` for a scene that must be refused whole and was not.
-pub(super) type State<'a> = Result<Option<Box<CaseSession<ViewSession<'a>>>>, Closed>;
+pub(super) type State<'a> = Result<Option<Box<ViewSession<'a>>>, Closed>;
 
 pub(super) struct SuiteSession<'a> {
     expect: &'a Expectation,
@@ -82,7 +82,7 @@ impl<'a> SuiteSession<'a> {
 
     fn drawn(
         &mut self,
-        draw: impl FnOnce(&mut dyn Session) -> Result<Verdict, StudyError>,
+        draw: impl FnOnce(&mut ViewSession<'a>) -> Result<Verdict, Failure>,
     ) -> Result<Verdict, Closed> {
         match &mut self.state {
             Err(closed) => Err(closed.clone()),
@@ -90,7 +90,9 @@ impl<'a> SuiteSession<'a> {
                 status: Status::Ok,
                 ..Verdict::default()
             }),
-            Ok(Some(session)) => unpanicked(|| draw(&mut **session)).map_err(Closed::Crashed),
+            Ok(Some(session)) => {
+                unpanicked(|| draw(session).or_else(Failure::verdict)).map_err(Closed::Crashed)
+            }
         }
     }
 }
@@ -103,7 +105,7 @@ pub(super) fn drawing<'a>(
 ) -> Result<State<'a>, StudyError> {
     let opened = catch_unwind(AssertUnwindSafe(|| ViewSession::new(group, ready, context)));
     Ok(match opened {
-        Ok(Ok(session)) => Ok(Some(Box::new(CaseSession(session)))),
+        Ok(Ok(session)) => Ok(Some(Box::new(session))),
         // Without a device nothing of the suite can go on.
         Ok(Err(error @ StudyError::NoDevice(_))) => return Err(error),
         Ok(Err(error)) => Err(Closed::Refused(error.to_string())),
@@ -149,7 +151,7 @@ pub(super) fn settle(expect: &Expectation, came: Result<Verdict, Closed>) -> Ver
 }
 
 impl Session for SuiteSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         self.take_in_hand(case)?;
         let before = Heard::so_far();
         let came = self.drawn(|session| session.verify(case));
@@ -178,7 +180,7 @@ impl Session for SuiteSession<'_> {
         case: usize,
         status: Status,
         notes: &BTreeMap<String, String>,
-    ) -> Result<Verdict, StudyError> {
+    ) -> Result<Verdict, Failure> {
         self.take_in_hand(case)?;
         let came = self.drawn(|session| session.recheck(case, status, notes));
         Ok(settle(self.expect, came))
@@ -191,15 +193,15 @@ impl Session for SuiteSession<'_> {
         Ok(())
     }
 
-    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        self.take_in_hand(case).map_err(|error| error.to_string())?;
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        self.take_in_hand(case)?;
         if let Some(message) = &self.broken {
-            return Err(message.clone());
+            return Err(message.clone().into());
         }
         let Ok(Some(session)) = &mut self.state else {
-            return Err("there is nothing to time".to_owned());
+            return Err(Failure::broken("there is nothing to time"));
         };
-        unpanicked(|| session.sample(case))
+        Ok(unpanicked(|| session.time(case).map_err(Failure::reason))?)
     }
 }
 

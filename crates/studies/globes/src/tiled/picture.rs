@@ -31,7 +31,7 @@ use terrafill_maps::{CAP_SPAN, MapTile, PictureLevel, cut_cap, cut_tile};
 use terrafill_results::{CaseId, PlannedCase, RunInput, Verdict, quantile};
 use terrafill_scene::{MipChain, Scene};
 use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Measures, files_read, judged, verified,
+    CaseGroup, Context, Failure, Figures, Session, files_read, judged, verified,
 };
 
 /// Name of this part in cases.
@@ -109,12 +109,12 @@ impl Pictured {
                 opened: Rc::clone(opened),
             },
             open: |group, context| {
-                Ok(Box::new(CaseSession(PicturePart {
+                Ok(Box::new(PicturePart {
                     group: &group.work,
                     context,
                     targets: None,
                     ready: BTreeMap::new(),
-                })))
+                }))
             },
         }
     }
@@ -211,7 +211,7 @@ impl PicturePart<'_> {
     }
 }
 
-impl Measures for PicturePart<'_> {
+impl Session for PicturePart<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let eye = self.eye(case);
         let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;

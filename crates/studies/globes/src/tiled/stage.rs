@@ -23,7 +23,7 @@ use std::sync::Arc;
 use terrafill_contract::{DeviceError, Picture, ViewConstants};
 use terrafill_maps::TILE_TEXELS;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
-use terrafill_study::{CaseGroup, CaseSession, Context, Failure, Figures, Measures, judged};
+use terrafill_study::{CaseGroup, Context, Failure, Figures, Session, judged};
 use terrafill_vulkan::{
     Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, GeometryOutput, Gpu, Measured,
     PrimitiveStages, RenderTargets, Resource, Resources, Shader, Topology, VertexFormat,
@@ -124,13 +124,13 @@ impl Stages {
                 opened: Rc::clone(opened),
             },
             open: |group, context| {
-                Ok(Box::new(CaseSession(StagePart {
+                Ok(Box::new(StagePart {
                     group: &group.work,
                     context,
                     targets: None,
                     truths: None,
                     ready: BTreeMap::new(),
-                })))
+                }))
             },
         }
     }
@@ -265,7 +265,7 @@ impl StagePart<'_> {
     }
 }
 
-impl Measures for StagePart<'_> {
+impl Session for StagePart<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let splitter = Splitter::ALL[case];
         let (mesh, truths) = self.mesh(splitter)?;
@@ -338,7 +338,7 @@ mod tests {
                         assert_ne!(verdict.status, Status::Wrong, "{}", verdict.reason);
                         assert_ne!(verdict.status, Status::Failed, "{}", verdict.reason);
                         if verdict.status == Status::Ok {
-                            assert!(session.sample(case).is_ok());
+                            assert!(session.time(case).is_ok());
                         }
                     }
                     // Negative control: with nobody, pixels beside the seam are wrong.

@@ -22,7 +22,7 @@ fn verdicts(name: &str, side_px: u32, options: Vec<Options>) -> Option<Vec<Verdi
         let verdicts = options.map(|(case, options)| {
             let verdict = on_device::verdict(&mut *session, case, options);
             if verdict.status == Status::Ok {
-                assert!(session.sample(case).is_ok());
+                assert!(session.time(case).is_ok());
             }
             verdict
         });

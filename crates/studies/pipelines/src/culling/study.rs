@@ -18,9 +18,7 @@ use std::rc::Rc;
 use terrafill_contract::{DeviceError, ids_of};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
-use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Measures, planned_case, verified,
-};
+use terrafill_study::{CaseGroup, Context, Failure, Figures, Session, planned_case, verified};
 
 /// Cells a side of a tile: the published 256, whose lists are counted and whose frames are not timed, and a quarter of
 /// it for frames; a quick run has small tiles.
@@ -115,7 +113,7 @@ fn group(
             cases,
         },
         open: |group, context| {
-            Ok(Box::new(CaseSession(CullSession {
+            Ok(Box::new(CullSession {
                 group,
                 context,
                 ground: Rc::new(Ground::new(group.work.tile_cells)),
@@ -123,7 +121,7 @@ fn group(
                 wgpu: None,
                 views: BTreeMap::new(),
                 opened: BTreeMap::new(),
-            })))
+            }))
         },
     }
 }
@@ -203,7 +201,7 @@ impl CullSession<'_> {
     }
 }
 
-impl Measures for CullSession<'_> {
+impl Session for CullSession<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let CullCase { way, view, second } = self.group.work.cases[case];
         let size = self.group.work.size;

@@ -23,8 +23,7 @@ use std::collections::BTreeMap;
 use terrafill_contract::{DeviceError, Devices};
 use terrafill_results::{PlannedCase, SplitMix64, Verdict};
 use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged, planned_case,
-    verified,
+    CaseGroup, Context, Failure, Figures, Group, Session, judged, planned_case, verified,
 };
 
 /// A side of the picture, pixels.
@@ -138,12 +137,12 @@ fn group_of(cases: Vec<BlurCase>, samples: u32) -> CaseGroup<Vec<BlurCase>> {
         warm_up: None,
         work: cases,
         open: |group, context| {
-            Ok(Box::new(CaseSession(BlurSession {
+            Ok(Box::new(BlurSession {
                 cases: &group.work,
                 context,
                 first: BTreeMap::new(),
                 opened: BTreeMap::new(),
-            })))
+            }))
         },
     }
 }
@@ -351,7 +350,7 @@ struct BlurSession<'a> {
     opened: BTreeMap<usize, Box<dyn LooksUp>>,
 }
 
-impl Measures for BlurSession<'_> {
+impl Session for BlurSession<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let blurred = self.cases[case];
         let mut opened = blurred.open(self.context.devices)?;

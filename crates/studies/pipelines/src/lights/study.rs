@@ -16,8 +16,7 @@ use terrafill_contract::ids_of;
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
 use terrafill_study::{
-    CaseGroup, CaseSession, Context, Failure, Figures, Group, Measures, judged, planned_case,
-    verified,
+    CaseGroup, Context, Failure, Figures, Group, Session, judged, planned_case, verified,
 };
 
 const LIGHTS: [u32; 3] = [1, 4, 16];
@@ -72,13 +71,13 @@ fn group(
             size,
         },
         open: |group, context| {
-            Ok(Box::new(CaseSession(LightSession {
+            Ok(Box::new(LightSession {
                 group,
                 context,
                 grid: Grid::new(group.work.cells),
                 first: None,
                 opened: BTreeMap::new(),
-            })))
+            }))
         },
     }
 }
@@ -93,7 +92,7 @@ struct LightSession<'a> {
     opened: BTreeMap<usize, OnVulkan>,
 }
 
-impl Measures for LightSession<'_> {
+impl Session for LightSession<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         let Lights {
             ref lights,
