@@ -4,7 +4,7 @@
 use crate::{AddressMode, DeviceError, FillInput, ViewId};
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
-use terrafill_core::Ellipsoid;
+use terrafill_core::{Ellipsoid, nearest_f32};
 use terrafill_scene::{Camera, ImageSize, MipChain};
 use terrafill_surface::SurfaceFrame;
 
@@ -83,10 +83,6 @@ pub struct ViewConstants {
 impl ViewConstants {
     /// Constants of a view's camera and body.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     pub fn new(view: &SurfaceView<'_>) -> Self {
         let camera = view.camera;
         let column = |i: usize| {
@@ -99,11 +95,13 @@ impl ViewConstants {
         Self {
             view_from_ecef: [column(0), column(1), column(2)],
             eye_ecef: camera.eye_ecef.as_vec3().to_array(),
-            near_m: camera.near_m as f32,
-            normal_scale: [1.0, 1.0, flattening_squared as f32],
-            clip_scale_x: (clip_scale_y / view.size.aspect()) as f32,
-            clip_scale_y: clip_scale_y as f32,
-            pixel_per_distance: (2.0 * camera.tan_half_fov() / f64::from(view.size.height)) as f32,
+            near_m: nearest_f32(camera.near_m),
+            normal_scale: [1.0, 1.0, nearest_f32(flattening_squared)],
+            clip_scale_x: nearest_f32(clip_scale_y / view.size.aspect()),
+            clip_scale_y: nearest_f32(clip_scale_y),
+            pixel_per_distance: nearest_f32(
+                2.0 * camera.tan_half_fov() / f64::from(view.size.height),
+            ),
             padding: [0.0; 2],
         }
     }

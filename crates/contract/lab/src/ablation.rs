@@ -329,7 +329,7 @@ fn said(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made_up::{TIME, empty, written};
+    use crate::made_up::{TIME, empty};
     use terrafill_results::Status;
     use terrafill_results::condition::{SIZE_PX, VIEW};
     use terrafill_results::made_up::{MadeUpRun, case_id};
@@ -366,7 +366,7 @@ mod tests {
 
     /// Names of steps with their gains, and the blocks of all.
     fn gains(made: &MadeUpRun) -> (Vec<(String, Option<f64>)>, String) {
-        let run = written(made);
+        let run = made.loaded();
         let cases = Cases::of_study(&run, "study");
         let steps = ablation(TIMINGS, KEYS, cases.iter());
         let section = StepsSection {
@@ -411,7 +411,7 @@ mod tests {
 
     #[test]
     fn work_has_an_exponent_where_the_other_work_stays() {
-        let run = written(&made());
+        let run = made().loaded();
         let steps = ablation(TIMINGS, KEYS, run.of_study("study"));
         let time = |case: &Case| case.value(TIME);
         let one = |_: &Case| Some(1.0);
@@ -434,7 +434,7 @@ mod tests {
     #[test]
     fn a_number_that_is_left_out_and_a_missing_step_are_named() {
         let missing = |made: &MadeUpRun| {
-            missing_steps(&ablation(TIMINGS, KEYS, written(made).of_study("study")))
+            missing_steps(&ablation(TIMINGS, KEYS, made.loaded().of_study("study")))
         };
         let mut made = made();
         assert_eq!(missing(&made), [""; 0]);

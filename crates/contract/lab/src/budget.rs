@@ -292,7 +292,7 @@ fn by_excess(a: &Priced<'_>, b: &Priced<'_>, budget: &Budget) -> Ordering {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made_up::{TIME, empty, written};
+    use crate::made_up::{TIME, empty};
     use terrafill_results::made_up::case_id;
 
     /// What is said of a coarse choice of 1 ms that is off by 2 px and an exact one of 4 ms.
@@ -302,7 +302,7 @@ mod tests {
             made.case(case_id("study", name, &[("way", name)]))
                 .timed(TIME, &[ms; 5]);
         }
-        let run = written(&made);
+        let run = made.loaded();
         let timings = Timings {
             metric: TIME,
             noise: None,

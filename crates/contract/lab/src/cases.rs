@@ -377,7 +377,7 @@ pub fn range(values: &[f64]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made_up::{TIME, empty, written};
+    use crate::made_up::{TIME, empty};
     use terrafill_results::condition::{API, VIEW};
     use terrafill_results::made_up::{MadeUpRun, case_id};
     use terrafill_results::{Scope, Status};
@@ -398,7 +398,7 @@ mod tests {
     }
 
     fn with<R>(made: &MadeUpRun, look: impl Fn(&Cases<'_>) -> R) -> R {
-        look(&Cases::of_study(&written(made), "study"))
+        look(&Cases::of_study(&made.loaded(), "study"))
     }
 
     #[test]

@@ -360,7 +360,6 @@ fn too_noisy([low, high]: [f64; 2], band: f64, enough: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made_up::written;
     use terrafill_results::RunEnvironment;
     use terrafill_results::made_up::{MadeUpRun, case_id};
 
@@ -408,7 +407,7 @@ mod tests {
         comparison: &Comparison<'_>,
         claim: Claim,
     ) -> Result<Answer, Refused> {
-        let run = written(made);
+        let run = made.loaded();
         comparison.judge(&run, [&run.cases[0], &run.cases[1]], claim, None)
     }
 
@@ -441,7 +440,7 @@ mod tests {
         assert!(judge(&missing, &comparison, Claim::Faster).is_ok());
         assert!(judge(&two, &comparison, Claim::Faster).is_err());
         // On a page it stands where its answer would.
-        let loaded = written(&two);
+        let loaded = two.loaded();
         let pairs = [[&loaded.cases[0], &loaded.cases[1]]];
         let finding = DRAWS.finding(&loaded, &pairs, Claim::Faster, String::new(), None);
         assert_eq!(finding.standing, Standing::CannotBeTested);

@@ -2,7 +2,7 @@
 //! A made-up run with one time, for tests of everything that reads cases.
 
 use terrafill_results::made_up::MadeUpRun;
-use terrafill_results::{Kind, Metric, Run, Scope};
+use terrafill_results::{Kind, Metric, Scope};
 
 pub(crate) const METRICS: [Metric; 1] =
     [Metric::less("draw_cpu_ms", "ms", Kind::Time, "Time.").covering(Scope::FRAME)];
@@ -14,10 +14,4 @@ pub(crate) fn empty() -> MadeUpRun {
         metrics: METRICS.to_vec(),
         ..MadeUpRun::default()
     }
-}
-
-/// As its folder has it.
-pub(crate) fn written(made: &MadeUpRun) -> Run {
-    let folder = tempfile::tempdir().expect("a folder");
-    made.write(folder.path()).expect("a run")
 }

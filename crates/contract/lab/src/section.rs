@@ -421,7 +421,6 @@ mod tests {
     use crate::cases::finding;
     use crate::curves::Panel;
     use crate::figure::{Figure, Names};
-    use crate::made_up::written;
     use terrafill_plot::Upwards;
     use terrafill_results::condition::{SCENE, SIZE_PX, VIEW};
     use terrafill_results::made_up::{MadeUpRun, case_id};
@@ -495,7 +494,7 @@ mod tests {
 
     #[test]
     fn a_section_has_a_row_for_each_of_its_cases_and_none_for_a_repeat() {
-        let run = written(&made_up());
+        let run = made_up().loaded();
         let cases = Cases::of_study(&run, "study");
         let blocks = SECTION.blocks(&cases).expect("blocks");
         let tables = tables(&blocks);
@@ -554,7 +553,7 @@ mod tests {
         };
         let mut made = made_up();
         made.cases[4].figures.clear();
-        let run = written(&made);
+        let run = made.loaded();
         let blocks = section.blocks(&Cases::of_study(&run, "study"));
         let blocks = blocks.expect("blocks");
         let table = tables(&blocks)[0];
@@ -578,7 +577,7 @@ mod tests {
         let table = |outcome, may_be_wrong| {
             let mut made = made_up();
             made.cases[0].ended(outcome, "9 px").may_be_wrong = may_be_wrong;
-            let run = written(&made);
+            let run = made.loaded();
             let cases = Cases::of_study(&run, "study");
             let first = cases.first().map(|case| (case, vec![Cell::name("said")]));
             case_table(&cases, vec!["case".into()], &COLUMNS, first)
@@ -604,7 +603,7 @@ mod tests {
         let mut made = made_up();
         made.cases[0].figures.clear();
         made.cases[2].ended(Status::Failed, "out of memory");
-        let run = written(&made);
+        let run = made.loaded();
         let cases = Cases::of_study(&run, "study").with(&[(SCENE, "hills")]);
         let columns = Section {
             named_by: Names::Columns(&[("seen from", VIEW), ("size", SIZE_PX)]),

@@ -114,7 +114,7 @@ mod tests {
         let mut made = MadeUpRun::default();
         let options = ["depth=quick", "size=512x256", "scenes=hills"];
         made.environment.options = options.map(str::to_owned).to_vec();
-        let run = crate::made_up::written(&made);
+        let run = made.loaded();
         let because = |standing, because: &str| {
             let finding = Finding {
                 claim: "It grows".to_owned(),

@@ -164,7 +164,7 @@ pub fn sums_by_process(cases: &[&Case], metric: &Metric) -> BTreeMap<u32, f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::made_up::{TIME, empty, written};
+    use crate::made_up::{TIME, empty};
     use terrafill_results::Status;
     use terrafill_results::made_up::case_id;
 
@@ -178,7 +178,7 @@ mod tests {
         made.cases[2].ended(Status::Wrong, "9 px");
         let again = made.cases[1].id.repeat();
         made.case(again).timed(TIME, &[1.1; 5]);
-        let run = written(&made);
+        let run = made.loaded();
         let timings = Timings {
             metric: TIME,
             noise: Noise::of(run.of_study("study"), TIME),
@@ -208,7 +208,7 @@ mod tests {
         assert!(!timings.is_tie(2.0));
         assert_eq!(timings.contradiction(slow), None);
         made.cases[0].timed(TIME, &[2.0, 0.0]);
-        let run = written(&made);
+        let run = made.loaded();
         let found = timings.contradiction(&run.cases[0]).expect("a time of 0");
         assert!(found.contains("1 of 2 times are 0"), "{found}");
         assert!(band_sentence(None).ends_with("measured no identical work twice."));
@@ -222,7 +222,7 @@ mod tests {
             made.case(case_id("study", name, &[("way", name)]))
                 .timed(TIME, times);
         }
-        let run = written(&made);
+        let run = made.loaded();
         let sums = |cases: &[&Case]| sums_by_process(cases, TIME).into_values().collect();
         let [both, first] = [0, 1].map(|place: usize| &run.cases[place]);
         let found: Vec<f64> = sums(&[both, first]);

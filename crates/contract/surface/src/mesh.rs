@@ -7,7 +7,7 @@ use crate::{HeightRange, SurfaceBlocks, SurfaceError, SurfaceFrame};
 use glam::DVec3;
 use std::f64::consts::PI;
 use std::sync::Arc;
-use terrafill_core::{Ellipsoid, Geodetic};
+use terrafill_core::{Ellipsoid, Geodetic, index_u32, nearest_f32};
 use terrafill_scene::{Camera, ImageSize};
 
 /// Triangles of a planet's surface.
@@ -87,7 +87,7 @@ impl SurfaceMesh {
         let side = rows.div_ceil(MOST_BLOCK_ROWS).max(FEWEST_BLOCK_CELLS);
         for south in (0..rows).step_by(side as usize) {
             for west in (0..columns).step_by(side as usize) {
-                starts.push(triangle_number(&triangles));
+                starts.push(index_u32(triangles.len()));
                 for column in west..columns.min(west + side) {
                     for row in south..rows.min(south + side) {
                         let south_west = row * columns + column;
@@ -104,7 +104,7 @@ impl SurfaceMesh {
             }
         }
         let ends = starts.iter().copied().skip(1);
-        let ends = ends.chain([triangle_number(&triangles)]);
+        let ends = ends.chain([index_u32(triangles.len())]);
         let ranges = starts.iter().zip(ends).map(|(&start, end)| start..end);
         let blocks = SurfaceBlocks::new(ranges, &triangles, &vertices_ecef);
         let mut mesh = Self {
@@ -157,15 +157,15 @@ impl SurfaceMesh {
     ///
     /// # Errors
     /// [`SurfaceError::EyeBelow`].
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     pub fn frame(&self, kind: &'static str, camera: &Camera) -> Result<SurfaceFrame, SurfaceError> {
         self.check_above(kind, camera.eye_ecef)?;
         let to_rte = |vertex: &DVec3| {
             let relative = *vertex - camera.eye_ecef;
-            [relative.x as f32, relative.y as f32, relative.z as f32]
+            [
+                nearest_f32(relative.x),
+                nearest_f32(relative.y),
+                nearest_f32(relative.z),
+            ]
         };
         Ok(SurfaceFrame {
             vertices_rte: self.vertices_ecef.iter().map(to_rte).collect(),
@@ -217,15 +217,6 @@ impl SurfaceMesh {
         }
         Ok(())
     }
-}
-
-/// Of the next triangle.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "4,096 rows have 67 million triangles"
-)]
-fn triangle_number(triangles: &[[u32; 3]]) -> u32 {
-    triangles.len() as u32
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use glam::DVec3;
 use std::fmt::Debug;
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_core::Extent;
+use terrafill_core::{Extent, index_u32};
 use terrafill_scene::{Camera, ImageSize};
 
 /// Heights above the ellipsoid between which a surface lies, metres.
@@ -175,11 +175,7 @@ impl SurfaceFrame {
     /// - `draws_back_faces`: which are not known to be hidden
     #[must_use]
     pub fn index_ranges(&self, draws_back_faces: bool) -> Vec<Range<u32>> {
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "indices of triangles are u32"
-        )]
-        let whole = 0..self.triangles.len() as u32;
+        let whole = 0..index_u32(self.triangles.len());
         let shown = self.shown.as_deref().filter(|_| !draws_back_faces);
         let shown = shown.unwrap_or(std::slice::from_ref(&whole)).iter();
         let some = shown.map(|range| 3 * range.start..3 * range.end.min(whole.end));

@@ -203,17 +203,8 @@ impl Evaluator {
         );
         let own = table.as_ref().map(|table| &table.layout);
         let layouts: Vec<_> = std::iter::once(&layout).chain(own).map(Some).collect();
-        let pipeline_layout = gpu.pipeline_layout(kernel.name, &layouts);
-        let pipeline = |entry_point| {
-            gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(kernel.name),
-                layout: Some(&pipeline_layout),
-                module: &module,
-                entry_point: Some(entry_point),
-                compilation_options: Default::default(),
-                cache: None,
-            })
-        };
+        let pipeline =
+            |entry_point| gpu.compute_pipeline(kernel.name, &module, entry_point, &layouts, &[]);
         let buffer = |size: usize, usage| gpu.unwritten(kernel.name, size as u64, usage);
         let vectors = size_of::<[f32; 4]>();
         let of_inputs = EVALUATIONS_PER_DISPATCH * vectors;

@@ -9,7 +9,7 @@ use crate::{RenderTargets, TimedPass};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use terrafill_contract::DeviceError;
-use terrafill_core::Ellipsoid;
+use terrafill_core::{Ellipsoid, nearest_f32};
 use terrafill_scene::{Camera, ImageSize};
 
 /// Twin of `RayConstants` in `surface/ray_cast.wgsl`.
@@ -28,10 +28,6 @@ struct RayConstants {
 }
 
 impl RayConstants {
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     fn new(body: &Ellipsoid, camera: &Camera, size: ImageSize) -> Self {
         let radii = body.radii_m();
         let unit_m = body.equatorial_radius_m();
@@ -46,13 +42,13 @@ impl RayConstants {
             column: scaled(at(1.0, 0.0) - at(0.0, 0.0)),
             row: scaled(at(0.0, 1.0) - at(0.0, 0.0)),
             eye: eye.as_vec3().to_array(),
-            height: (eye.length_squared() - 1.0) as f32,
+            height: nearest_f32(eye.length_squared() - 1.0),
             normal_scale: radii
                 .recip()
                 .as_vec3()
-                .map(|share| share * unit_m as f32)
+                .map(|share| share * nearest_f32(unit_m))
                 .to_array(),
-            near: (camera.near_m / unit_m) as f32,
+            near: nearest_f32(camera.near_m / unit_m),
             unscale: (radii / unit_m).as_vec3().to_array(),
             padding: 0.0,
         }

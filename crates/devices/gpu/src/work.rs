@@ -119,13 +119,30 @@ impl Gpu {
         self.device.create_render_pipeline(descriptor)
     }
 
-    /// Makes a compute pipeline.
+    /// Makes a compute pipeline and its layout.
+    ///
+    /// - `constants`: of the shader's overrides
     #[must_use]
-    pub fn create_compute_pipeline(
+    pub fn compute_pipeline(
         &self,
-        descriptor: &wgpu::ComputePipelineDescriptor<'_>,
+        label: &str,
+        module: &wgpu::ShaderModule,
+        entry_point: &str,
+        groups: &[Option<&wgpu::BindGroupLayout>],
+        constants: &[(&str, f64)],
     ) -> wgpu::ComputePipeline {
         self.work.count_pipeline();
-        self.device.create_compute_pipeline(descriptor)
+        let descriptor = wgpu::ComputePipelineDescriptor {
+            label: Some(label),
+            layout: Some(&self.pipeline_layout(label, groups)),
+            module,
+            entry_point: Some(entry_point),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants,
+                ..Default::default()
+            },
+            cache: None,
+        };
+        self.device.create_compute_pipeline(&descriptor)
     }
 }

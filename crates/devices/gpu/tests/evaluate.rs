@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 use terrafill_contract::DeviceError;
+use terrafill_core::nearest_f32;
 use terrafill_gpu::{
     EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, Evaluator, Gpu, GpuOptions, Kernel,
     RouteTexelFormat, RouteTexels, open_for_test,
@@ -55,12 +56,8 @@ fn gpu() -> Option<Arc<Gpu>> {
 }
 
 /// Inputs in −1 … 1.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "inputs of a test, in f32 as the device takes them"
-)]
 fn inputs(count: usize) -> Vec<[f32; 4]> {
-    let at = |i: usize| (2.0 * i as f64 / count as f64 - 1.0) as f32;
+    let at = |i: usize| nearest_f32(2.0 * i as f64 / count as f64 - 1.0);
     (0..count).map(|i| [at(i), 7.0, 0.0, 0.0]).collect()
 }
 

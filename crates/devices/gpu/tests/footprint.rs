@@ -6,7 +6,9 @@ mod common;
 
 use common::evaluated;
 use std::sync::Arc;
-use terrafill_core::{Ellipsoid, FootprintMesher, Geodetic, MovingFootprint, SensorCone};
+use terrafill_core::{
+    Ellipsoid, FootprintMesher, Geodetic, MovingFootprint, SensorCone, nearest_f32,
+};
 use terrafill_gpu::{Gpu, GpuOptions, Kernel, open_for_test};
 use terrafill_shaders::shared_text;
 use terrafill_stencil::{FixedPoint, FootprintConstants};
@@ -24,10 +26,6 @@ fn moving(mesher: &FootprintMesher, longitude_deg: f64, tilt_deg: f64) -> Moving
 }
 
 /// Largest distance from the vertices in f64, metres.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "inputs as the device takes them"
-)]
 fn worst_m(gpu: &Arc<Gpu>, wgsl: &str, mesher: &FootprintMesher, of: &MovingFootprint) -> f64 {
     let kernel = Kernel {
         name: "footprint",
@@ -41,7 +39,7 @@ fn worst_m(gpu: &Arc<Gpu>, wgsl: &str, mesher: &FootprintMesher, of: &MovingFoot
     let vectors: [[f32; 4]; 4] = bytemuck::cast(constants);
     let steps = mesher.steps().iter();
     let inputs: Vec<[f32; 3]> = steps
-        .map(|&[cos, sin]| [cos as f32, sin as f32, 0.0])
+        .map(|&[cos, sin]| [nearest_f32(cos), nearest_f32(sin), 0.0])
         .collect();
     let values = evaluated(gpu, &kernel, &vectors, &inputs);
     assert_eq!(values.len(), mesher.steps().len());

@@ -47,5 +47,5 @@ pub use mesh_error::MeshError;
 pub use pieces::NEARLY_OPPOSITE_RAD;
 pub use region::{EdgePlace, EdgeRule, Inside, Polygon, Region, Repair, Ring, Unwrap};
 pub use shape_family::ShapeFamily;
-pub use terrafill_planar::index_u32;
+pub use terrafill_planar::{index_u32, nearest_f32};
 pub use warning::{RegionWarning, WarningSubject};

@@ -4,6 +4,8 @@
 //!
 //! Smooth across a void of any size, the same on every machine, and O(samples).
 
+use terrafill_core::nearest_f32;
+
 struct Level {
     columns: usize,
     rows: usize,
@@ -28,7 +30,7 @@ impl Level {
                         }
                     }
                 }
-                samples.push(rounded(sum / count));
+                samples.push(nearest_f32(sum / count));
             }
         }
         Self {
@@ -49,7 +51,7 @@ impl Level {
                     let far = [beside(column, coarser.columns), beside(row, coarser.rows)];
                     let at =
                         |x: usize, y: usize| f64::from(coarser.samples[y * coarser.columns + x]);
-                    *sample = rounded(
+                    *sample = nearest_f32(
                         (9.0 * at(near[0], near[1])
                             + 3.0 * (at(far[0], near[1]) + at(near[0], far[1]))
                             + at(far[0], far[1]))
@@ -68,11 +70,6 @@ fn beside(index: usize, count: usize) -> usize {
         0 => own.saturating_sub(1),
         _ => (own + 1).min(count - 1),
     }
-}
-
-#[allow(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
-fn rounded(value: f64) -> f32 {
-    value as f32
 }
 
 /// Fills every NaN; gives how many there were, or `None` where there is nothing else.

@@ -28,3 +28,10 @@ pub fn index_u32(index: usize) -> u32 {
     debug_assert!(index < u32::MAX as usize);
     index as u32
 }
+
+/// The nearest number that a device has. Where rounding to it is meant, this says so, and no cast does.
+#[must_use]
+#[allow(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
+pub fn nearest_f32(value: f64) -> f32 {
+    value as f32
+}

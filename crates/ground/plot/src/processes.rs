@@ -84,8 +84,7 @@ mod tests {
         let mut run = MadeUpRun::default();
         run.case(case_id("filling", "a", &[]))
             .timed(METRIC, processes);
-        let folder = tempfile::tempdir().expect("a folder");
-        run.write(folder.path()).expect("a run")
+        run.loaded()
     }
 
     fn cell(processes: &[f64]) -> Cell {

@@ -64,6 +64,16 @@ impl MadeUpRun {
         &mut self.cases[last]
     }
 
+    /// The run as a folder has it that is gone again.
+    ///
+    /// # Panics
+    /// Where it cannot be written or is no run.
+    #[must_use]
+    pub fn loaded(&self) -> Run {
+        let folder = tempfile::tempdir().expect("a folder");
+        self.write(folder.path()).expect("a run")
+    }
+
     /// Writes the folder and reads it back.
     ///
     /// # Errors

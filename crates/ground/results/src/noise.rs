@@ -171,9 +171,7 @@ mod tests {
             run.case(id.repeat()).timed(METRIC, again);
             run.case(id).timed(METRIC, original);
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
-        Noise::of(run.cases.iter(), METRIC)
+        Noise::of(run.loaded().cases.iter(), METRIC)
     }
 
     #[test]
@@ -236,8 +234,7 @@ mod tests {
             for (name, times) in [("slow", slow), ("fast", fast)] {
                 run.case(case_id("filling", name, &[])).timed(METRIC, times);
             }
-            let folder = tempfile::tempdir().expect("a folder");
-            let run = run.write(folder.path()).expect("a run");
+            let run = run.loaded();
             let gain = ratio(&run.cases[0], &run.cases[1], METRIC).expect("a ratio");
             Claim::Faster.standing_beyond(&gain, Noise::band(noise))
         };
@@ -276,8 +273,7 @@ mod tests {
         run.case(case_id("filling", "a", &[])).timed(METRIC, &[1.0]);
         run.case(case_id("filling", "a", &[]).repeat())
             .timed(METRIC, &[1.0]);
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
+        let run = run.loaded();
         let one = Noise::of(run.cases.iter(), METRIC).expect("a pair");
         assert_eq!(one.between, None);
     }
@@ -287,9 +283,7 @@ mod tests {
         let is_marked = |times: &[f64]| {
             let mut run = MadeUpRun::default();
             run.case(case_id("filling", "a", &[])).timed(METRIC, times);
-            let folder = tempfile::tempdir().expect("a folder");
-            let run = run.write(folder.path()).expect("a run");
-            has_two_groups(&run.cases[0], METRIC)
+            has_two_groups(&run.loaded().cases[0], METRIC)
         };
         assert!(is_marked(&[1.07, 0.293, 0.294]));
         assert!(is_marked(&[0.3, 1.0, 0.301, 1.01, 0.299]));
@@ -311,8 +305,7 @@ mod tests {
         let mut run = MadeUpRun::default();
         run.case(case_id("filling", "a", &[]))
             .timed(METRIC, &[1.0; 5]);
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
+        let run = run.loaded();
         assert_eq!(Noise::of(run.cases.iter(), METRIC), None);
     }
 }

@@ -233,8 +233,7 @@ mod tests {
             let id = case_id("filling", name, &[]);
             run.case(id).sampled(METRIC, samples);
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
+        let run = run.loaded();
         ratio(&run.cases[0], &run.cases[1], METRIC)
     }
 
@@ -297,9 +296,7 @@ mod tests {
             let mut run = MadeUpRun::default();
             run.case(case_id("filling", "a", &[]))
                 .timed(METRIC, samples);
-            let folder = tempfile::tempdir().expect("a folder");
-            let run = run.write(folder.path()).expect("a run");
-            typical(&run.cases[0], METRIC)
+            typical(&run.loaded().cases[0], METRIC)
         };
         let five = typical_of(&[9.0, 10.0, 11.0, 10.0, 10.5]).expect("times");
         let [low, high] = five.interval.expect("enough");
@@ -320,8 +317,7 @@ mod tests {
             run.case(case_id("filling", name, &[]))
                 .timed(METRIC, &times);
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
+        let run = run.loaded();
         let (fastest, other) = (&run.cases[0], &run.cases[1]);
         let over = over_typical(other, fastest, METRIC).expect("five processes");
         assert_eq!((over.middle, over.processes), (12.0 / 11.0, 5));
@@ -342,9 +338,7 @@ mod tests {
             let case = run.case(case_id("filling", "a", &[]));
             case.timed("colour_gpu_ms", parts)
                 .timed("stencil_gpu_ms", rests);
-            let folder = tempfile::tempdir().expect("a folder");
-            let run = run.write(folder.path()).expect("a run");
-            share(&run.cases[0], "colour_gpu_ms", "stencil_gpu_ms")
+            share(&run.loaded().cases[0], "colour_gpu_ms", "stencil_gpu_ms")
         };
         let quarter = share_of(&[1.0, 2.0, 3.0, 4.0, 5.0], &[3.0, 6.0, 9.0, 12.0, 15.0]);
         let quarter = quarter.expect("five processes");

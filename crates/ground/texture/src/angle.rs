@@ -10,7 +10,7 @@ use crate::angle_core::AngleCore;
 use crate::coefficients::Coefficients;
 use crate::lookup::Filter;
 use crate::operations::{ProgramBuilder, Step, Value};
-use crate::rounding::rounded;
+use terrafill_core::nearest_f32;
 
 /// Of [`AngleCore::CesiumCubic`], ascending: the minimax cubic of its shape to four decimals, which a
 /// test finds again. Not the generator's, whose coefficients are not rounded.
@@ -101,7 +101,7 @@ impl AngleCore {
 
     /// Numerator and denominator as the shader has them; empty where there are none.
     fn coefficients_f32(self) -> (Vec<f32>, Vec<f32>) {
-        let to_f32 = |list: &[f64]| list.iter().map(|c| rounded(*c)).collect();
+        let to_f32 = |list: &[f64]| list.iter().map(|c| nearest_f32(*c)).collect();
         let (numerator, denominator) = self.coefficients().unwrap_or((&[], &[]));
         (to_f32(numerator), to_f32(denominator))
     }
@@ -226,7 +226,10 @@ mod tests {
             let angle = turn * ((f64::from(i) + 0.5) / f64::from(directions) - 0.5);
             // Lengths over a factor of two, so that mantissas differ.
             let length = 4e6 * (1.0 + f64::from(i % 977) / 977.0);
-            let (y, x) = (rounded(length * angle.sin()), rounded(length * angle.cos()));
+            let (y, x) = (
+                nearest_f32(length * angle.sin()),
+                nearest_f32(length * angle.cos()),
+            );
             for arithmetic in [Arithmetic::Fused, Arithmetic::Separate] {
                 let [found, _] = program.emulate(&[], [x, y, 0.0], arithmetic);
                 let exact = f64::from(y).atan2(f64::from(x));
@@ -268,7 +271,7 @@ mod tests {
     fn worst_on_unit(core: AngleCore, places: u32) -> f64 {
         let program = program(core, AngleCore::near);
         let at = |i: u32| {
-            let t = rounded(f64::from(i) / f64::from(places));
+            let t = nearest_f32(f64::from(i) / f64::from(places));
             let [found, _] = program.emulate(&[], [1.0, t, 0.0], Arithmetic::Fused);
             (f64::from(found) - f64::from(t).atan()).abs()
         };
@@ -356,7 +359,7 @@ mod tests {
         let angle = b.multiply(t, sum);
         let program = b.finish(angle, z);
         let at = |i: u32| {
-            let t = rounded(f64::from(i) / 20_000.0);
+            let t = nearest_f32(f64::from(i) / 20_000.0);
             let [found, _] = program.emulate(&[], [t, 0.0, 0.0], Arithmetic::Fused);
             (f64::from(found) - f64::from(t).atan()).abs()
         };

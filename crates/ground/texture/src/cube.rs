@@ -12,8 +12,9 @@
 //! Weights have [`WEIGHT_BITS`] fractional bits, as `subTexelPrecisionBits` says for all common GPUs.
 
 use crate::lookup::Sampler;
-use crate::rounding::{Bounded, rounded};
+use crate::rounding::Bounded;
 use std::fmt::Write as _;
+use terrafill_core::nearest_f32;
 
 /// Fractional bits of a bilinear weight.
 pub(crate) const WEIGHT_BITS: i32 = 8;
@@ -130,14 +131,14 @@ impl CubeTexture {
             return [f32::NAN; 2];
         };
         // The sampler has the place in f32, and rounds the weights.
-        let place = point.place.map(|p| f64::from(rounded(p)));
+        let place = point.place.map(|p| f64::from(nearest_f32(p)));
         let (corner, weights) = self.footprint(place);
         let steps = f64::from(WEIGHT_BITS).exp2();
         let [u, v] = weights.map(|w| (w * steps).round() / steps);
         let texels = self.corners(point.face, corner);
         [0, 1].map(|channel| {
             let [a, b, c, d] = texels.map(|texel| f64::from(texel[channel]));
-            rounded((1.0 - v) * (a + u * (b - a)) + v * (c + u * (d - c)))
+            nearest_f32((1.0 - v) * (a + u * (b - a)) + v * (c + u * (d - c)))
         })
     }
 

@@ -8,7 +8,8 @@
 //! 0 then meet the coarse ones of 1 / distance (Reed 2015, "Depth precision visualized").
 
 use crate::operations::{ProgramBuilder, Value};
-use crate::rounding::{half_ulp, rounded};
+use crate::rounding::half_ulp;
+use terrafill_core::nearest_f32;
 
 /// How a distance becomes a depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -213,16 +214,12 @@ impl DepthFormat {
     /// Standard and reversed depth are taken as exact before they are stored: what the rasteriser
     /// adds depends on the triangle. Logarithmic depth is computed in `f32` by the fragment shader.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to the buffer's precision is the purpose"
-    )]
     pub fn stored(&self, distance_m: f64) -> f32 {
         let depth = match self.mapping {
             DepthMapping::Standard | DepthMapping::Reversed => self.depth(distance_m),
             DepthMapping::Logarithmic => {
-                let scale = (1.0 / self.log2_far()) as f32;
-                f64::from((1.0 + distance_m as f32).log2() * scale)
+                let scale = nearest_f32(1.0 / self.log2_far());
+                f64::from((1.0 + nearest_f32(distance_m)).log2() * scale)
             }
         };
         self.quantized(depth)
@@ -230,14 +227,10 @@ impl DepthFormat {
 
     /// Rounds to the nearest depth that the buffer can hold.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to the buffer's precision is the purpose"
-    )]
     pub fn quantized(&self, depth: f64) -> f32 {
         match self.storage {
-            DepthStorage::Float32 => depth as f32,
-            DepthStorage::Unorm24 => ((depth * UNORM24_STEPS).round() / UNORM24_STEPS) as f32,
+            DepthStorage::Float32 => nearest_f32(depth),
+            DepthStorage::Unorm24 => nearest_f32((depth * UNORM24_STEPS).round() / UNORM24_STEPS),
         }
     }
 
@@ -290,7 +283,7 @@ impl DepthFormat {
                 let logarithm = summands * log2_per_m * log2_per_m + even(half_ulp(sum.log2()));
                 // The scale is one number, off by what it is off by.
                 let scale = 1.0 / self.log2_far();
-                let off = f64::from(rounded(scale)) - scale;
+                let off = f64::from(nearest_f32(scale)) - scale;
                 logarithm * scale * scale + (off * sum.log2()).powi(2) + even(half_ulp(depth))
             }
         };
@@ -319,18 +312,14 @@ impl DepthFormat {
     }
 
     /// Constants of [`Self::distance_steps`]: near, near / far, log2(1 + far) and 0.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     pub(crate) fn constants(&self) -> [f32; 4] {
         let logarithm = match self.mapping {
-            DepthMapping::Logarithmic => self.log2_far() as f32,
+            DepthMapping::Logarithmic => nearest_f32(self.log2_far()),
             DepthMapping::Standard | DepthMapping::Reversed => 0.0,
         };
         [
-            self.near_m as f32,
-            self.near_over_far() as f32,
+            nearest_f32(self.near_m),
+            nearest_f32(self.near_over_far()),
             logarithm,
             0.0,
         ]

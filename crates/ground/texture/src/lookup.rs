@@ -7,9 +7,9 @@
 //! is 8 on every desktop driver and on software ones), which limits it whatever the format.
 //! [`Filter::LinearExact`] loads two texels and interpolates in the shader instead.
 
-use crate::rounding::rounded;
 use std::f64::consts::FRAC_PI_4;
 use std::fmt::Write as _;
+use terrafill_core::nearest_f32;
 
 /// How a texel stores its number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,15 +76,15 @@ impl TexelFormat {
             Self::R8Unorm => (number * 255.0).round_ties_even() as u32,
             Self::R16Unorm => (number * 65535.0).round_ties_even() as u32,
             Self::R16Float => half_bits(number),
-            Self::R32Float => rounded(number).to_bits(),
+            Self::R32Float => nearest_f32(number).to_bits(),
         }
     }
 
     /// What a shader reads from such bits.
     fn decode(self, bits: u32) -> f32 {
         match self {
-            Self::R8Unorm => rounded(f64::from(bits) / 255.0),
-            Self::R16Unorm => rounded(f64::from(bits) / 65535.0),
+            Self::R8Unorm => nearest_f32(f64::from(bits) / 255.0),
+            Self::R16Unorm => nearest_f32(f64::from(bits) / 65535.0),
             Self::R16Float => half_value(bits),
             Self::R32Float => f32::from_bits(bits),
         }
@@ -110,7 +110,7 @@ fn half_value(bits: u32) -> f32 {
     } else {
         (1024.0 + fraction) * (f64::from(exponent) - 25.0).exp2()
     };
-    rounded(value)
+    nearest_f32(value)
 }
 
 /// How a number between texels is read.
@@ -275,17 +275,17 @@ impl LookupTable {
         if u.is_nan() {
             return f32::NAN;
         }
-        let texels = rounded(to_f64(self.values.len()));
+        let texels = nearest_f32(to_f64(self.values.len()));
         if self.sampler.weighs_exactly {
             let place = f64::from(u) * f64::from(texels) - 0.5;
             let left = place.floor();
             let [a, b] = [left, left + 1.0].map(|i| f64::from(self.values[self.clamped(i)]));
             let (bias, _) = self.sampler.bias_and_variance();
-            return rounded(a + (place - left) * (b - a) + bias);
+            return nearest_f32(a + (place - left) * (b - a) + bias);
         }
         let fixed = (f64::from(u * texels) * 256.0 + 0.5).floor() - 128.0;
         let left = (fixed / 256.0).floor();
-        let weight = rounded((fixed - left * 256.0) / 256.0);
+        let weight = nearest_f32((fixed - left * 256.0) / 256.0);
         let (a, b) = (
             self.values[self.clamped(left)],
             self.values[self.clamped(left + 1.0)],

@@ -14,6 +14,7 @@ use crate::operations::{Arithmetic, Operations, Program, ProgramBuilder, Value};
 use crate::rounding::{Bounded, half_ulp};
 use crate::{DepthFormat, DepthMapping, MapRegion};
 use glam::{DMat3, DVec3};
+use terrafill_core::nearest_f32;
 
 /// A perspective view of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -138,22 +139,23 @@ impl PositionRoute {
     ///
     /// The inverse is taken in `f64` and rounded: one computed in `f32` is worse.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     pub fn constants(&self, view: &PerspectiveView, region: &MapRegion) -> Vec<[f32; 4]> {
         let [width, height] = view.size_px();
         let screen = [
-            (0.5 * width) as f32,
-            (0.5 * height) as f32,
-            (2.0 / (width * view.focal_x)) as f32,
-            (-2.0 / (height * view.focal_y)) as f32,
+            nearest_f32(0.5 * width),
+            nearest_f32(0.5 * height),
+            nearest_f32(2.0 / (width * view.focal_x)),
+            nearest_f32(-2.0 / (height * view.focal_y)),
         ];
         let axes = view.meridian_from_view(region);
-        let row = |i: usize, columns: [DVec3; 4]| columns.map(|c| c[i] as f32);
+        let row = |i: usize, columns: [DVec3; 4]| columns.map(|c| nearest_f32(c[i]));
         let anchor = region.anchor_meridian();
-        let anchor = [anchor.x as f32, anchor.y as f32, anchor.z as f32, 0.0];
+        let anchor = [
+            nearest_f32(anchor.x),
+            nearest_f32(anchor.y),
+            nearest_f32(anchor.z),
+            0.0,
+        ];
         let mut constants = vec![screen, view.depth.constants()];
         let (columns, w, absolute) = match self {
             Self::InverseEcef => {
@@ -171,7 +173,7 @@ impl PositionRoute {
         };
         constants.extend((0..3).map(|i| row(i, columns)));
         if let Some(w) = w {
-            constants.push(w.map(|value| value as f32));
+            constants.push(w.map(nearest_f32));
         }
         if absolute {
             constants.push(anchor);
@@ -279,10 +281,6 @@ impl PositionRoute {
     /// `max_m` bounds what any device may do that keeps to WGSL's accuracies and does not
     /// reassociate: rounding of the stored depth, of the constants and of every step.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "pixel centres are exact in f32"
-    )]
     pub fn residual(
         &self,
         view: &PerspectiveView,
@@ -333,8 +331,8 @@ impl PositionRoute {
                 })
                 .sum();
             let inputs = [
-                pixel[0] as f32,
-                pixel[1] as f32,
+                nearest_f32(pixel[0]),
+                nearest_f32(pixel[1]),
                 view.depth.stored(distance_m),
             ];
             let emulated = program.emulate_all(&constants, inputs, Arithmetic::Fused);

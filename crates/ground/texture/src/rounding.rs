@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Rounding to `f32`, and values with a bound on the error that steps so rounded have made.
 
+use terrafill_core::nearest_f32;
+
 /// A value in exact arithmetic with what rounding may add to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounded {
@@ -74,17 +76,8 @@ pub(crate) fn half_ulp(value: f64) -> f64 {
 /// Numbers as a shader's constants have them: four to a vector, the last one filled with zeros.
 pub(crate) fn vectors(numbers: &[f64]) -> Vec<[f32; 4]> {
     let vector = |four: &[f64]| {
-        let lane = |i: usize| rounded(four.get(i).copied().unwrap_or(0.0));
+        let lane = |i: usize| nearest_f32(four.get(i).copied().unwrap_or(0.0));
         std::array::from_fn(lane)
     };
     numbers.chunks(4).map(vector).collect()
-}
-
-/// `f64` to the nearest `f32`.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "rounding to f32 is what is asked for"
-)]
-pub(crate) fn rounded(value: f64) -> f32 {
-    value as f32
 }

@@ -4,7 +4,7 @@
 //! coordinate route one after the other, against `f64`.
 
 use glam::DVec3;
-use terrafill_core::{Ellipsoid, Geodetic};
+use terrafill_core::{Ellipsoid, Geodetic, nearest_f32};
 use terrafill_texture::{
     Arithmetic, Chooser, CoordinateRoute, Demand, DepthFormat, MAX_TOLERANCE, MapExtent, MapRegion,
     PerspectiveView, PositionRoute, RMS_TOLERANCE,
@@ -45,14 +45,8 @@ fn pixel_of(
     let x = -to_eye.dot(view.right) / distance_m * view.focal_x;
     let y = -to_eye.dot(view.up) / distance_m * view.focal_y;
     let visible = to_eye.dot(normal) > 0.1 * to_eye.length() && x.abs() < 1.0 && y.abs() < 1.0;
-    let place = |part: f64, size: u32| -> f32 {
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "a whole number below 2000 and a half"
-        )]
-        let centre = ((part * f64::from(size)).floor() + 0.5) as f32;
-        centre
-    };
+    let place =
+        |part: f64, size: u32| -> f32 { nearest_f32((part * f64::from(size)).floor() + 0.5) };
     visible.then(|| {
         let pixel = [
             place(0.5 * (x + 1.0), SIZE[0]),

@@ -106,12 +106,7 @@ impl OnWgpu {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let bytes = bytemuck::cast_slice(balls);
         let first = gpu.upload("balls", bytes, usage)?;
-        let second = gpu.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("balls"),
-            size: first.size(),
-            usage,
-            mapped_at_creation: false,
-        });
+        let second = gpu.unwritten("balls", first.size(), usage);
         let uniform = wgpu::BufferUsages::UNIFORM;
         let constants = gpu.upload("ball constants", bytemuck::bytes_of(constants), uniform)?;
         let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
@@ -132,20 +127,13 @@ impl OnWgpu {
             buffers.extend(&heights);
             gpu.bind_buffers("balls", &layout, &buffers)
         });
-        let pipeline = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("step balls"),
-            layout: Some(&gpu.pipeline_layout("balls", &[Some(&layout)])),
-            module: &gpu.shader(step_shader(terrain))?,
-            entry_point: Some(ENTRY),
-            compilation_options: Default::default(),
-            cache: None,
-        });
+        let module = gpu.shader(step_shader(terrain))?;
         Ok(Self {
+            pipeline: gpu.compute_pipeline("step balls", &module, ENTRY, &[Some(&layout)], &[]),
             timer: PassTimer::new(&gpu),
             gpu,
             states: [first, second],
             bound,
-            pipeline,
             groups: groups(balls),
             current: 0,
         })

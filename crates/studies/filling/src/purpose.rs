@@ -141,8 +141,7 @@ mod tests {
         ] {
             made.case(case_id("filling", role, &[("role", role)]));
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = made.write(folder.path()).expect("a run");
+        let run = made.loaded();
         let of = |is_one: &dyn Fn(&Case) -> bool| -> Vec<bool> {
             run.cases.iter().map(is_one).collect()
         };

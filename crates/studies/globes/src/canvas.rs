@@ -219,12 +219,7 @@ pub(crate) fn written(
     size: u64,
     usage: wgpu::BufferUsages,
 ) -> wgpu::Buffer {
-    gpu.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size,
-        usage: usage | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    })
+    gpu.unwritten(label, size, usage | wgpu::BufferUsages::COPY_DST)
 }
 
 /// A buffer for constants of this type.

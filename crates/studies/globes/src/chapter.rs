@@ -285,8 +285,7 @@ mod tests {
         }
         let skipped = run.case(id("absent", "1"));
         skipped.ended(Status::Skipped, "no such surface");
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
+        let run = run.loaded();
         let answers = GlobesChapter.answers(&run).expect("answers");
         (answers, GlobesChapter.blocks(&run).expect("a chapter"))
     }

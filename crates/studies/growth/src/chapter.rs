@@ -98,9 +98,7 @@ mod tests {
     }
 
     fn blocks(run: &MadeUpRun) -> Vec<Block> {
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
-        CHAPTER.blocks(&run).expect("a chapter")
+        CHAPTER.blocks(&run.loaded()).expect("a chapter")
     }
 
     #[test]

@@ -263,11 +263,6 @@ mod tests {
         }
     }
 
-    fn read(run: &MadeUpRun) -> Run {
-        let folder = tempfile::tempdir().expect("a folder");
-        run.write(folder.path()).expect("a run")
-    }
-
     /// Of the section: those on geometry shaders.
     fn findings(run: &Run) -> Vec<Finding> {
         let cases = Cases::of_study(run, crate::STUDY);
@@ -285,7 +280,7 @@ mod tests {
         add(&mut made_up, "vertex", "rewrite", 0.9, 200_000.0);
         add(&mut made_up, "native", "rewrite", 0.4, 60_000.0);
         add(&mut made_up, "native", "reload", 0.1, 50.0);
-        let run = read(&made_up);
+        let run = made_up.loaded();
         let answers = CHAPTER.answers(&run).expect("answers");
         use Standing::{DoesNotHold, Holds, NotMeasured};
         assert_eq!(standings(&answers.requirements), [Holds; 3]);
@@ -297,7 +292,7 @@ mod tests {
         assert_eq!(standings(&findings(&run)), [Holds; 2]);
         // Another way that counts takes less.
         add(&mut made_up, "vertex", "bend", 0.1, 6_000.0);
-        let run = read(&made_up);
+        let run = made_up.loaded();
         let answers = CHAPTER.answers(&run).expect("answers");
         let because = &answers.requirements[2].because;
         assert!(because.starts_with("vertex plain"), "{because}");
@@ -309,12 +304,12 @@ mod tests {
         wrong.ended(Status::Wrong, "1 of 60 frames");
         wrong.figure(COMPARED, 60.0);
         wrong.figure(WRONG, 1.0);
-        let run = read(&made_up);
+        let run = made_up.loaded();
         let answers = CHAPTER.answers(&run).expect("answers");
         assert_eq!(standings(&answers.requirements), [DoesNotHold; 3]);
         assert_eq!(standings(&findings(&run)), [DoesNotHold; 2]);
         // Nothing of it: no verdict.
-        let run = read(&MadeUpRun::default());
+        let run = MadeUpRun::default().loaded();
         let answers = CHAPTER.answers(&run).expect("answers");
         assert_eq!(standings(&answers.requirements), [NotMeasured; 3]);
         assert!(CHAPTER.blocks(&run).expect("a chapter").is_empty());
@@ -329,8 +324,7 @@ mod tests {
             // Identical work takes 10 % longer.
             let id = made_up.cases[1].id.repeat();
             made_up.case(id).timed(MESH_AND_UPDATE, &[2.2; 5]);
-            let run = read(&made_up);
-            findings(&run)[1].clone()
+            findings(&made_up.loaded())[1].clone()
         };
         let none = standing(1.1);
         assert_eq!(none.standing, Standing::NoDifference);
@@ -347,7 +341,7 @@ mod tests {
         add(&mut made_up, "vertex", "rewrite", 0.9, 200_000.0);
         add(&mut made_up, "native", "rewrite", 0.4, 60_000.0);
         add(&mut made_up, "native", "reload", 3.0, 900_000.0);
-        let run = read(&made_up);
+        let run = made_up.loaded();
         let blocks = CHAPTER.blocks(&run).expect("a chapter");
         let Some(Block::Text(text)) = blocks.get(1) else {
             panic!("an answer: {blocks:?}");
@@ -365,7 +359,7 @@ mod tests {
         // Negative control: one that is slower by more ties with none.
         add(&mut made_up, "vertex", "bend", 5.0, 6_000.0);
         made_up.cases.remove(0);
-        let answers = CHAPTER.answers(&read(&made_up)).expect("answers");
+        let answers = CHAPTER.answers(&made_up.loaded()).expect("answers");
         let Some(Block::Text(text)) = answers.blocks.first() else {
             panic!("an answer: {answers:?}");
         };

@@ -184,9 +184,7 @@ mod tests {
                 made.case(amplified(cells))
                     .figure("pipeline_sent_bytes", bytes);
             }
-            let folder = tempfile::tempdir().expect("a folder");
-            let run = made.write(folder.path()).expect("a run");
-            requirements(&Cases::of_study(&run, crate::STUDY))
+            requirements(&Cases::of_study(&made.loaded(), crate::STUDY))
         };
         let right = made(0.0, 400.0);
         for words in [

@@ -117,7 +117,7 @@ impl OnWgpu {
         let is_placed = way == Submission::ComputeIndirect;
         let storage = wgpu::BufferUsages::STORAGE;
         let kept_bytes = u64::from(side).pow(2) * 16;
-        let kept = is_placed.then(|| unwritten(gpu, "clip positions", kept_bytes, storage));
+        let kept = is_placed.then(|| gpu.unwritten("clip positions", kept_bytes, storage));
         let stage = wgpu::ShaderStages::VERTEX | wgpu::ShaderStages::COMPUTE;
         // Fragments number triangles by the grid's cells.
         let all = stage | wgpu::ShaderStages::FRAGMENT;
@@ -155,7 +155,7 @@ impl OnWgpu {
             }
             Submission::ComputeIndirect => {
                 let usage = storage | wgpu::BufferUsages::INDIRECT;
-                let arguments = unwritten(gpu, "draw arguments", ARGUMENT_BYTES, usage);
+                let arguments = gpu.unwritten("draw arguments", ARGUMENT_BYTES, usage);
                 let kept = kept
                     .as_ref()
                     .ok_or(DeviceError::Missing("buffer of vertices"))?;
@@ -226,21 +226,6 @@ impl OnWgpu {
     }
 }
 
-/// A buffer that the device writes, or that is written before each frame.
-pub(crate) fn unwritten(
-    gpu: &Gpu,
-    label: &str,
-    size: u64,
-    usage: wgpu::BufferUsages,
-) -> wgpu::Buffer {
-    gpu.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size,
-        usage,
-        mapped_at_creation: false,
-    })
-}
-
 pub(crate) fn heights(gpu: &Gpu, grid: &Grid) -> Result<wgpu::TextureView, DeviceError> {
     let side = grid.cells + 1;
     let allowed = gpu.device.limits().max_texture_dimension_2d;
@@ -276,16 +261,8 @@ pub(crate) fn compute_pipeline(
     entry_point: &'static str,
     layouts: &[Option<&wgpu::BindGroupLayout>],
 ) -> Result<wgpu::ComputePipeline, DeviceError> {
-    Ok(
-        gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(path),
-            layout: Some(&gpu.pipeline_layout(path, layouts)),
-            module: &gpu.shader(path)?,
-            entry_point: Some(entry_point),
-            compilation_options: Default::default(),
-            cache: None,
-        }),
-    )
+    let module = gpu.shader(path)?;
+    Ok(gpu.compute_pipeline(path, &module, entry_point, layouts, &[]))
 }
 
 /// Triangles of vertices that have nothing but numbers.

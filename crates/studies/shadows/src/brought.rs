@@ -159,6 +159,7 @@ mod tests {
     use crate::view::bridge;
     use crate::work::{End, Scene, Scissor};
     use terrafill_casters::{PortSize, hull, port};
+    use terrafill_core::{index_u32, nearest_f32};
 
     /// Every model as an object of triangles, z up.
     fn obj(mesh: &Mesh) -> String {
@@ -178,7 +179,6 @@ mod tests {
     }
 
     /// Every model as a node with a mesh of its own, y up, in `f32`.
-    #[allow(clippy::cast_possible_truncation, reason = "GLB holds f32")]
     fn glb(mesh: &Mesh) -> Vec<u8> {
         let (mut bin, mut nodes, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
         let (mut views, mut accessors) = (Vec::new(), Vec::new());
@@ -196,7 +196,7 @@ mod tests {
             let places = &mesh.vertices[vertices.clone()];
             let [low, high] = [DVec3::min, DVec3::max].map(|of| {
                 let all = places.iter().copied().reduce(of).expect("vertices");
-                let [x, y, z] = [all.x, all.z, -all.y].map(|value| value as f32);
+                let [x, y, z] = [all.x, all.z, -all.y].map(nearest_f32);
                 format!("[{x},{y},{z}]")
             });
             for (count, kind, component, size, bounds) in [
@@ -224,7 +224,7 @@ mod tests {
             }
             for place in places {
                 for value in [place.x, place.z, -place.y] {
-                    bin.extend((value as f32).to_le_bytes());
+                    bin.extend(nearest_f32(value).to_le_bytes());
                 }
             }
             let first = u32::try_from(vertices.start).expect("few");
@@ -248,10 +248,14 @@ mod tests {
         }
         let mut bytes = b"glTF".to_vec();
         let lengths = [2, 12 + 8 + json.len() + 8 + bin.len(), json.len()];
-        bytes.extend(lengths.map(|length| (length as u32).to_le_bytes()).concat());
+        bytes.extend(
+            lengths
+                .map(|length| index_u32(length).to_le_bytes())
+                .concat(),
+        );
         bytes.extend(b"JSON");
         bytes.extend(json.into_bytes());
-        bytes.extend((bin.len() as u32).to_le_bytes());
+        bytes.extend(index_u32(bin.len()).to_le_bytes());
         bytes.extend(b"BIN\0");
         bytes.extend(bin);
         bytes

@@ -14,6 +14,7 @@ use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError, Devices, FrameTimes};
+use terrafill_core::nearest_f32;
 use terrafill_gpu::{Gpu, PassTimer, TimedPass, read_texture};
 use terrafill_study::Failure;
 
@@ -97,7 +98,6 @@ impl Scene {
         })
     }
 
-    #[allow(clippy::cast_possible_truncation, reason = "a device has f32")]
     fn channel(
         &self,
         gpu: &Gpu,
@@ -124,9 +124,9 @@ impl Scene {
                 let height = (place.dot(self.to_light) - low) / (high - low);
                 let [x, y, z] = relative;
                 let in_map = [texel.x / frame.columns as f64, texel.y / frame.rows as f64];
-                let [column, row] = in_map.map(|share| share as f32);
-                let cosine = normal.dot(self.to_light) as f32;
-                vertices.push([x, y, z, column, row, height as f32, cosine]);
+                let [column, row] = in_map.map(nearest_f32);
+                let cosine = nearest_f32(normal.dot(self.to_light));
+                vertices.push([x, y, z, column, row, nearest_f32(height), cosine]);
             }
         }
         let axis = |axis: DVec3, over: f64| (axis / over).as_vec3().extend(0.0).to_array();
@@ -139,8 +139,8 @@ impl Scene {
         numbers[..12].copy_from_slice(&axes.concat());
         numbers[12] = frame.columns as f32;
         numbers[13] = frame.rows as f32;
-        numbers[14] = (high - low) as f32;
-        numbers[17] = view.near as f32;
+        numbers[14] = nearest_f32(high - low);
+        numbers[17] = nearest_f32(view.near);
         let asking = bytemuck::cast_slice(&numbers);
         let asking = gpu.upload("asking", asking, wgpu::BufferUsages::UNIFORM)?;
         let map = wgpu::BindingResource::TextureView(map);
@@ -158,7 +158,6 @@ impl Scene {
 
 impl DeviceMap {
     /// Masks of all channels by a step of a bias.
-    #[allow(clippy::cast_possible_truncation, reason = "a device has f32")]
     pub(crate) fn masks(
         &self,
         bias: Bias,
@@ -168,7 +167,7 @@ impl DeviceMap {
         let mut masks = Vec::new();
         for (at, channel) in self.channels.iter().enumerate() {
             let mut numbers = channel.numbers;
-            let metres = bias.metres(step, texel_m, 1.0) as f32;
+            let metres = nearest_f32(bias.metres(step, texel_m, 1.0));
             numbers[BIAS_WORDS[usize::from(bias == Bias::Slope)]] = metres;
             let numbers = bytemuck::cast_slice(&numbers);
             self.gpu.write_buffer(&channel.asking, 0, numbers);

@@ -16,6 +16,7 @@ use glam::DVec4;
 use std::ops::Range;
 use terrafill_casters::Volume;
 use terrafill_contract::DeviceError;
+use terrafill_core::nearest_f32;
 use terrafill_plan::{DrawnAs, NearRectangle, PixelRect};
 use terrafill_scene::Overlap;
 use terrafill_stencil::{DepthRange, DepthRule, FillCommand, FillProgram};
@@ -165,10 +166,6 @@ impl Scene {
 }
 
 /// Depths of the surface at which a closed volume of these corners can be around it.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "rounding to f32 is far less than what the range is widened by"
-)]
 fn depth_range(view: &DeckCamera, corners: impl Iterator<Item = DVec4>) -> DepthRange {
     let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
     for corner in corners {
@@ -191,8 +188,8 @@ fn depth_range(view: &DeckCamera, corners: impl Iterator<Item = DVec4>) -> Depth
     let low = depth(farthest) * (1.0 - RELATIVE) - ABSOLUTE;
     let high = depth(nearest) * (1.0 + RELATIVE) + ABSOLUTE;
     DepthRange {
-        low: low.clamp(0.0, 1.0) as f32,
-        high: high.clamp(0.0, 1.0) as f32,
+        low: nearest_f32(low.clamp(0.0, 1.0)),
+        high: nearest_f32(high.clamp(0.0, 1.0)),
     }
 }
 

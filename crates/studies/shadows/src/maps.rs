@@ -12,6 +12,7 @@ use crate::view::{DeckCamera, whole};
 use crate::work::Scene;
 use glam::{DVec2, DVec3};
 use terrafill_casters::Mesh;
+use terrafill_core::nearest_f32;
 use terrafill_study::Failure;
 
 /// The most bytes of a map.
@@ -159,7 +160,6 @@ impl Map {
         at(low)..at(high).max(at(low))
     }
 
-    #[allow(clippy::cast_possible_truncation, reason = "a map holds f32")]
     fn draw(&mut self, corners: [DVec3; 3]) {
         let frame = self.frame;
         let [a, b, c] = corners.map(|corner| frame.place(corner));
@@ -190,7 +190,7 @@ impl Map {
                 let shares = [at.perp_dot(ac) / area, ab.perp_dot(at) / area];
                 let height = heights[0] + shares[0] * rise[0] + shares[1] * rise[1];
                 let own = &mut self.nearest_m[row * frame.columns + column];
-                *own = own.max(height as f32);
+                *own = own.max(nearest_f32(height));
             }
         }
     }

@@ -21,6 +21,7 @@ use crate::view::DeckCamera;
 use crate::way::{Positions, count};
 use crate::work::Scene;
 use terrafill_contract::Devices;
+use terrafill_core::nearest_f32;
 use terrafill_study::Failure;
 
 /// A triangle counts as over a place where the place is this many pixels below it: where rasterisers round corners to
@@ -65,7 +66,6 @@ impl Scene {
         })
     }
 
-    #[allow(clippy::cast_possible_truncation, reason = "a device has f32")]
     fn casting(&self, view: &DeckCamera, rival: Rival, margin_px: f64) -> Casting {
         let mesh = self.mesh();
         let places = mesh.vertices.iter();
@@ -84,8 +84,8 @@ impl Scene {
                 to_light: axis(self.to_light),
                 size: view.size,
                 triangles: count(triangles.len()),
-                near_m: view.near as f32,
-                margin: (margin_px * pixel) as f32,
+                near_m: nearest_f32(view.near),
+                margin: nearest_f32(margin_px * pixel),
                 unused: [0; 3],
             },
             places: places.map(|place| place.to_array()).collect(),

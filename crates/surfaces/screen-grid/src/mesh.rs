@@ -8,7 +8,7 @@ use crate::rays::{Eye, Rays};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-use terrafill_core::Ellipsoid;
+use terrafill_core::{Ellipsoid, nearest_f32};
 use terrafill_scene::{Camera, ImageSize};
 
 /// What becomes of corners whose rays miss the body.
@@ -76,15 +76,9 @@ impl ScreenMesh {
 
     /// What the GPU reads.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     pub fn rounded(&self) -> Vec<[f32; 3]> {
         let vertices = self.vertices_rte.iter();
-        vertices
-            .map(|v| v.to_array().map(|coordinate| coordinate as f32))
-            .collect()
+        vertices.map(|v| v.to_array().map(nearest_f32)).collect()
     }
 }
 

@@ -5,7 +5,7 @@
 //! those of A. Jeromel's paper (StuCoSReC 2018, pp. 39–42).
 
 use glam::DVec3;
-use terrafill_core::Ellipsoid;
+use terrafill_core::{Ellipsoid, nearest_f32};
 
 /// In what arithmetic vertices are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -29,14 +29,10 @@ impl Rays {
 
     /// What is kept of a result. Rounding each operation of `f64` to `f32` gives what `f32` gives: 53 bits
     /// are more than 2 · 24 + 2 (Figueroa, 1995, for + − × ÷ √).
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to f32 is the purpose"
-    )]
     fn kept(self, x: f64) -> f64 {
         match self {
             Self::F64 => x,
-            Self::F32WithC64 | Self::F32 => f64::from(x as f32),
+            Self::F32WithC64 | Self::F32 => f64::from(nearest_f32(x)),
         }
     }
 

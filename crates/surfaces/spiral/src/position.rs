@@ -11,7 +11,7 @@
 
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
-use terrafill_core::Ellipsoid;
+use terrafill_core::{Ellipsoid, nearest_f32};
 
 /// How a vertex is computed from its angle, its radius and the focus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,10 +103,9 @@ impl Arithmetic {
     }
 
     fn round(self, value: f64) -> f64 {
-        #[allow(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
         match self {
             Self::F64 | Self::Buffer => value,
-            Self::F32 => f64::from(value as f32),
+            Self::F32 => f64::from(nearest_f32(value)),
         }
     }
 

@@ -8,6 +8,7 @@ use crate::expansion::OutputSlice;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use terrafill_contract::FillInput;
+use terrafill_core::nearest_f32;
 use terrafill_plan::PlannedRegion;
 
 /// Twin of `CullRegion` in `compute/cull.wgsl`.
@@ -65,10 +66,6 @@ pub(crate) struct Horizon {
 
 impl Horizon {
     /// The shadow of the largest ellipsoid certainly below the surface as drawn.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     pub(crate) fn new(input: &FillInput) -> Self {
         let radii = input.scene.body.radii_below_m(input.terrain().lowest_m);
         if radii.min_element() <= 0.0 {
@@ -78,7 +75,7 @@ impl Horizon {
         let eye = input.camera.eye_ecef / radii;
         Self {
             eye: eye.as_vec3().to_array(),
-            tangent_squared: (eye.length_squared() - 1.0) as f32,
+            tangent_squared: nearest_f32(eye.length_squared() - 1.0),
             scale: radii.recip().as_vec3().to_array(),
             padding: 0,
         }

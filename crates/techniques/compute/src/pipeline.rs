@@ -57,20 +57,8 @@ fn compute_pipeline(
     groups: &[Option<&wgpu::BindGroupLayout>],
     constants: &[(&str, f64)],
 ) -> Result<wgpu::ComputePipeline, DeviceError> {
-    let gpu = fill.gpu();
-    Ok(
-        gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(entry_point),
-            layout: Some(&gpu.pipeline_layout("compute", groups)),
-            module: &fill.shader(path)?,
-            entry_point: Some(entry_point),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                constants,
-                ..Default::default()
-            },
-            cache: None,
-        }),
-    )
+    let (gpu, module) = (fill.gpu(), fill.shader(path)?);
+    Ok(gpu.compute_pipeline(entry_point, &module, entry_point, groups, constants))
 }
 
 fn expand_pipeline(

@@ -11,6 +11,7 @@ use crate::clip::Pieces;
 use terrafill_contract::{
     Colours, Counters, DeviceError, FillInput, GeometryBytes, MemoryUse, ViewId, count_u32,
 };
+use terrafill_core::nearest_f32;
 use terrafill_gpu::{COLOUR_FORMAT, Gpu, RenderTargets, described, tested, vertex_layout};
 use terrafill_variant::{SwitchError, Variant};
 
@@ -94,7 +95,6 @@ pub(crate) struct DrapedMesh {
 }
 
 impl DrapedMesh {
-    #[allow(clippy::cast_possible_truncation, reason = "a power of two is exact")]
     pub(crate) fn new(gpu: &Gpu, variant: &Variant) -> Result<Self, DeviceError> {
         let uniform = wgpu::BufferBindingType::Uniform;
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
@@ -112,7 +112,7 @@ impl DrapedMesh {
         pipeline.vertex.buffers = &corners;
         let nearest = wgpu::CompareFunction::GreaterEqual;
         pipeline.depth_stencil = Some(tested(nearest, Default::default()));
-        let nearer = [1.0 + offset(variant)? as f32, 0.0, 0.0, 0.0];
+        let nearer = [1.0 + nearest_f32(offset(variant)?), 0.0, 0.0, 0.0];
         Ok(Self {
             pipeline: gpu.create_render_pipeline(&pipeline),
             layout,

@@ -16,7 +16,7 @@ use crate::backend::Overlay;
 use crate::buffer::HeldBuffer;
 use glam::{DMat3, DVec3};
 use terrafill_contract::{Colours, Counters, DeviceError, FillInput, MemoryUse, count_u32};
-use terrafill_core::{Ellipsoid, Extent};
+use terrafill_core::{Ellipsoid, Extent, nearest_f32};
 use terrafill_gpu::{COLOUR_FORMAT, Gpu, RenderTargets, attached, described, vertex_layout};
 use terrafill_plan::LazyMesh;
 use terrafill_variant::{SwitchError, Variant};
@@ -145,10 +145,6 @@ fn corners(meshes: &[LazyMesh], rectangle: &Rectangle) -> Result<Vec<Corner>, De
 }
 
 /// A triangle, and its copies a turn to either side where they reach into the rectangle.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "rounding to what the GPU reads is the purpose"
-)]
 fn push(corners: &mut Vec<Corner>, rectangle: &Rectangle, triangle: [[f64; 2]; 3], id: u32) {
     let (middle, half) = (rectangle.middle_deg(), rectangle.half_deg());
     for turn in [-360.0, 0.0, 360.0] {
@@ -158,7 +154,7 @@ fn push(corners: &mut Vec<Corner>, rectangle: &Rectangle, triangle: [[f64; 2]; 3
         if is_seen {
             corners.extend(moved.map(|place| Corner {
                 clip: std::array::from_fn(|axis| {
-                    ((place[axis] - middle[axis]) / half[axis]) as f32
+                    nearest_f32((place[axis] - middle[axis]) / half[axis])
                 }),
                 id,
             }));
@@ -229,10 +225,6 @@ struct MaskConstants {
     is_local: u32,
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "rounding to what the GPU reads is the purpose"
-)]
 fn constants(input: &FillInput, rectangle: &Rectangle) -> MaskConstants {
     let body: &Ellipsoid = &input.scene.body;
     let (a, b) = (body.equatorial_radius_m(), body.polar_radius_m());
@@ -255,20 +247,20 @@ fn constants(input: &FillInput, rectangle: &Rectangle) -> MaskConstants {
     MaskConstants {
         meridian_from_view: [column(0), column(1), column(2)],
         eye_m: eye.as_vec3().to_array(),
-        axis_distance_m: axis_distance as f32,
-        sine: sine as f32,
-        cosine: cosine as f32,
-        curvature_m: (a * (1.0 - e2) / bend.powf(1.5)) as f32,
-        curvature_growth_m: (3.0 * a * (1.0 - e2) * e2 * sine * cosine / bend.powf(2.5)) as f32,
-        half_rad: half.map(|angle| angle as f32),
-        latitude_rad: latitude as f32,
-        plane_distance_m: plane_distance as f32,
-        equatorial_m: a as f32,
-        polar_m: b as f32,
-        eccentricity_squared: e2 as f32,
-        second_eccentricity_squared: ((a / b).powi(2) - 1.0) as f32,
-        clip_scale: [scale_y / input.size.aspect(), scale_y].map(|scale| scale as f32),
-        near_m: input.camera.near_m as f32,
+        axis_distance_m: nearest_f32(axis_distance),
+        sine: nearest_f32(sine),
+        cosine: nearest_f32(cosine),
+        curvature_m: nearest_f32(a * (1.0 - e2) / bend.powf(1.5)),
+        curvature_growth_m: nearest_f32(3.0 * a * (1.0 - e2) * e2 * sine * cosine / bend.powf(2.5)),
+        half_rad: half.map(nearest_f32),
+        latitude_rad: nearest_f32(latitude),
+        plane_distance_m: nearest_f32(plane_distance),
+        equatorial_m: nearest_f32(a),
+        polar_m: nearest_f32(b),
+        eccentricity_squared: nearest_f32(e2),
+        second_eccentricity_squared: nearest_f32((a / b).powi(2) - 1.0),
+        clip_scale: [scale_y / input.size.aspect(), scale_y].map(nearest_f32),
+        near_m: nearest_f32(input.camera.near_m),
         is_local: u32::from(half[0].max(half[1]) <= MAX_LOCAL_RAD),
     }
 }

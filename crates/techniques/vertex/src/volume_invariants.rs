@@ -19,7 +19,9 @@ use crate::{IndexOrder, Layout, VertexSize, VertexTechnique, VertexVariant, Wall
 use glam::{DVec3, IVec3, Vec3};
 use std::collections::HashMap;
 use terrafill_contract::Technique as _;
-use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, VolumeHeights, parse_regions};
+use terrafill_core::{
+    EdgeRule, Ellipsoid, MeshOptions, RegionMesh, VolumeHeights, nearest_f32, parse_regions,
+};
 use terrafill_fixtures::{ClosedSurface, check_closed, check_volume, data};
 use terrafill_scene::Overlap;
 use terrafill_stencil::{PositionFormat, two_float, two_float_difference_m};
@@ -435,10 +437,6 @@ impl Reader<'_> {
     }
 
     /// `eye_relative_m` of `shared/region.wgsl` with its caller's height, in `f32` throughout.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     fn eye_relative(&self, eye_ecef: DVec3, scene: &Scene, corner: Corner) -> Vec3 {
         let fixed = &self.slice.place.fixed;
         let origin = fixed.origin_ecef.as_vec3();
@@ -461,19 +459,22 @@ impl Reader<'_> {
                 let eye = fixed.eye(eye_ecef);
                 let stored = integers(corner);
                 let difference = (stored >> eye.shift) - eye.eye;
-                let scale = (fixed.unit_m * f64::from(eye.shift).exp2()) as f32;
+                let scale = nearest_f32(fixed.unit_m * f64::from(eye.shift).exp2());
                 let relative = difference.as_vec3() * scale - eye.remainder_m.as_vec3();
-                (relative, origin + stored.as_vec3() * fixed.unit_m as f32)
+                (
+                    relative,
+                    origin + stored.as_vec3() * nearest_f32(fixed.unit_m),
+                )
             }
         };
         let (a, b) = (
             scene.body.equatorial_radius_m(),
             scene.body.polar_radius_m(),
         );
-        let normal_scale = Vec3::new(1.0, 1.0, (a / b).powi(2) as f32);
+        let normal_scale = Vec3::new(1.0, 1.0, nearest_f32((a / b).powi(2)));
         let VolumeHeights { top_m, bottom_m } = scene.heights;
         let height_m = if corner.is_bottom { bottom_m } else { top_m };
-        relative + (ecef * normal_scale).normalize() * height_m as f32
+        relative + (ecef * normal_scale).normalize() * nearest_f32(height_m)
     }
 }
 

@@ -200,8 +200,7 @@ mod tests {
 
     /// What a chapter says of its first comparison that was refused.
     fn refused(study: &dyn Study, run: &MadeUpRun) -> Option<String> {
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
+        let run = run.loaded();
         let blocks = study.chapter().blocks(&run).expect("a chapter");
         let page = format!("{blocks:?}");
         let (_, said) = page.split_once(terrafill_lab::REFUSED)?;
@@ -270,8 +269,7 @@ mod tests {
     /// Findings of a study's chapter, and of what it gives to the report's first page, that were not measured, and of
     /// them those that name no command.
     fn unmeasured(study: &dyn Study, run: &MadeUpRun) -> [Vec<Finding>; 2] {
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
+        let run = run.loaded();
         let blocks = study.chapter().blocks(&run).expect("a chapter");
         let own = blocks.into_iter().filter_map(|block| match block {
             Block::Finding(finding) => Some(finding),

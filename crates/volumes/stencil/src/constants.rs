@@ -5,7 +5,7 @@ use crate::{FixedPoint, PositionFormat, two_float};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use terrafill_contract::{Colours, FillInput};
-use terrafill_core::{ConeEdge, VolumeHeights};
+use terrafill_core::{ConeEdge, VolumeHeights, nearest_f32};
 use terrafill_plan::PlannedRegion;
 
 /// Twin of `VolumeConstants` in `shared/region.wgsl`.
@@ -81,10 +81,6 @@ impl VolumeConstants {
     ///
     /// - `heights`: of its caps
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     pub fn new(
         eye_ecef: DVec3,
         place: &VolumePlace,
@@ -104,11 +100,11 @@ impl VolumeConstants {
             eye: eye.eye.to_array(),
             shift: eye.shift,
             eye_remainder_m: remainder_m.as_vec3().to_array(),
-            scale_m: (fixed.unit_m * f64::from(eye.shift).exp2()) as f32,
+            scale_m: nearest_f32(fixed.unit_m * f64::from(eye.shift).exp2()),
             origin_ecef_m: fixed.origin_ecef.as_vec3().to_array(),
-            unit_m: fixed.unit_m as f32,
-            top_m: heights.top_m as f32,
-            bottom_m: heights.bottom_m as f32,
+            unit_m: nearest_f32(fixed.unit_m),
+            top_m: nearest_f32(heights.top_m),
+            bottom_m: nearest_f32(heights.bottom_m),
             first_vertex: place.first_vertex,
             first_triangle_index: place.first_triangle_index,
             first_loop_index: place.first_loop_index,

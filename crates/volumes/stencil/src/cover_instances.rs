@@ -6,6 +6,7 @@
 
 use crate::{FillPass, FillProgram, FillStep, VolumeList};
 use bytemuck::{Pod, Zeroable};
+use terrafill_core::nearest_f32;
 use terrafill_plan::PixelRect;
 use terrafill_scene::ImageSize;
 
@@ -34,13 +35,10 @@ impl CoverInstance {
 
     /// The pixels of `rect`.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     pub fn new(rect: PixelRect, size: ImageSize, volume: u32) -> Self {
-        let across = |pixels: u32| (2.0 * f64::from(pixels) / f64::from(size.width) - 1.0) as f32;
-        let up = |pixels: u32| (1.0 - 2.0 * f64::from(pixels) / f64::from(size.height)) as f32;
+        let across =
+            |pixels: u32| nearest_f32(2.0 * f64::from(pixels) / f64::from(size.width) - 1.0);
+        let up = |pixels: u32| nearest_f32(1.0 - 2.0 * f64::from(pixels) / f64::from(size.height));
         Self {
             edges: [
                 across(rect.left),

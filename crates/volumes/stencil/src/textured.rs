@@ -14,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 use terrafill_contract::{
     AddressMode, FillInput, PlannedTexture, TextureCoordinates, TexturePixel,
 };
-use terrafill_core::Ellipsoid;
+use terrafill_core::{Ellipsoid, nearest_f32};
 use terrafill_plan::PlannedRegion;
 use terrafill_scene::SceneTexture;
 use terrafill_texture::{
@@ -551,10 +551,6 @@ fn whole(texels: f64) -> u32 {
     texels.ceil().clamp(1.0, f64::from(u32::MAX)) as u32
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "rounding to what the GPU reads is the purpose"
-)]
 fn fixed_part(
     input: &FillInput,
     view: &PerspectiveView,
@@ -581,22 +577,22 @@ fn fixed_part(
             by_lat,
             reduced(at_anchor, texture.address[axis], level),
         ]
-        .map(|c| c as f32)
+        .map(nearest_f32)
     };
     TexturedRegion {
         anchor_m: map.anchor_meridian().as_vec3().to_array(),
         id: (region + 1) as f32,
         eye_m: view.exact_offset_m(map, [0.0; 2], 0.0).as_vec3().to_array(),
-        alpha: texture.alpha as f32,
+        alpha: nearest_f32(texture.alpha),
         right: step(view.right, 2.0 / (width * view.focal_x)),
-        equatorial_radius_m: body.equatorial_radius_m() as f32,
+        equatorial_radius_m: nearest_f32(body.equatorial_radius_m()),
         down: step(view.up, -2.0 / (height * view.focal_y)),
-        eccentricity_squared: body.eccentricity_squared() as f32,
+        eccentricity_squared: nearest_f32(body.eccentricity_squared()),
         u: row(0),
-        fade_end_m: fade_end as f32,
+        fade_end_m: nearest_f32(fade_end),
         v: row(1),
-        fade_per_m: fade_per_m as f32,
-        texel_per_m: texels_per_px.map_or(0.0, |texels| (sight.pixel / texels) as f32),
+        fade_per_m: nearest_f32(fade_per_m),
+        texel_per_m: texels_per_px.map_or(0.0, |texels| nearest_f32(sight.pixel / texels)),
         padding: [0.0; 3],
     }
     .checked(input)

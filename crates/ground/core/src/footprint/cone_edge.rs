@@ -12,6 +12,7 @@ use super::cone::ConeOverBody;
 use crate::mesh::{sagitta_m, volume_heights};
 use crate::{Ellipsoid, OrientedBox, VolumeHeights};
 use glam::DVec3;
+use terrafill_planar::nearest_f32;
 
 /// A cone and a body, with what the closed form needs computed beforehand.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -185,17 +186,13 @@ mod tests {
     }
 
     /// As the shader has it, each step rounded to f32.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     fn in_f32(edge: &ConeEdge, [cos, sin]: [f64; 2]) -> Vec3 {
         let direction = edge.axis.as_vec3()
-            + edge.right.as_vec3() * (cos as f32)
-            + edge.forward.as_vec3() * (sin as f32);
+            + edge.right.as_vec3() * nearest_f32(cos)
+            + edge.forward.as_vec3() * nearest_f32(sin);
         let scaled = direction * edge.inverse_radii.as_vec3();
         let along = edge.scaled_apex.as_vec3().dot(scaled);
-        let power = edge.power as f32;
+        let power = nearest_f32(edge.power);
         let root = (along * along - power * scaled.dot(scaled)).max(0.0).sqrt();
         direction * (power / (root - along))
     }

@@ -12,6 +12,7 @@ use crate::{ElevationError, Grid, HeightField, MAX_SAMPLES, Projection, Registra
 use image::{ImageFormat, ImageReader, Limits};
 use std::f64::consts::PI;
 use std::io::Cursor;
+use terrafill_core::nearest_f32;
 
 /// Deepest level of a tile's address: 4 cm a tile, which no service has.
 const MAX_LEVEL: u32 = 30;
@@ -38,7 +39,6 @@ impl TileEncoding {
         }
     }
 
-    #[allow(clippy::cast_possible_truncation, reason = "f32 holds 24 bits")]
     fn height_m(self, pixel: [u8; 4]) -> f32 {
         let [r, g, b, alpha] = pixel;
         if alpha == 0 || (self == Self::Terrarium && is_black(pixel)) {
@@ -49,7 +49,7 @@ impl TileEncoding {
             Self::TerrainRgb => (65_536.0 * r + 256.0 * g + b) / 10.0 - 10_000.0,
             Self::Terrarium => 256.0 * r + g + b / 256.0 - 32_768.0,
         };
-        height_m as f32
+        nearest_f32(height_m)
     }
 }
 

@@ -3,9 +3,8 @@
 
 use super::*;
 use crate::residual::{Residual, residual_of};
-use crate::rounding::rounded;
 use crate::{CoordinateRoute, MapExtent, MapRegionError};
-use terrafill_core::Ellipsoid;
+use terrafill_core::{Ellipsoid, nearest_f32};
 
 fn chart(name: &str) -> Chart {
     let found = Chart::all().find(|chart| chart.name() == name);
@@ -77,12 +76,12 @@ fn the_bodys_centre_would_leave_the_foot_of_the_normal() {
     // Up becomes the direction from the centre to the anchor.
     let anchor = region.anchor_meridian();
     let centre = anchor.normalize();
-    mutant[0][0] = rounded(centre.x / anchor.length());
-    mutant[0][1] = rounded(centre.z / anchor.length());
+    mutant[0][0] = nearest_f32(centre.x / anchor.length());
+    mutant[0][1] = nearest_f32(centre.z / anchor.length());
     let north = DVec3::new(-centre.z, 0.0, centre.x);
     let scale = f64::from(right[0][3]).hypot(f64::from(right[1][0]));
-    mutant[0][3] = rounded(north.x * scale);
-    mutant[1][0] = rounded(north.z * scale);
+    mutant[0][3] = nearest_f32(north.x * scale);
+    mutant[1][0] = nearest_f32(north.z * scale);
     let error = |constants: &[[f32; 4]]| {
         residual_of(&program, constants, &region, 500).approximation_max_rad * 6_378_137.0
     };

@@ -2,7 +2,8 @@
 //! Runs a [`Program`] on the CPU: in `f32` as a shader would, and in `f64` with its rounding bound.
 
 use super::{Arithmetic, Program, Step, Value};
-use crate::rounding::{Bounded, combine, half_ulp, rounded, slope};
+use crate::rounding::{Bounded, combine, half_ulp, slope};
+use terrafill_core::nearest_f32;
 
 impl Program {
     /// Runs it in `f32`: the same operations in the same order as the shader.
@@ -49,7 +50,7 @@ impl Program {
                 },
                 Step::Divide(a, b) => v(a) / v(b),
                 Step::SquareRoot(a) => v(a).sqrt(),
-                Step::InverseSquareRoot(a) => rounded(1.0 / f64::from(v(a)).sqrt()),
+                Step::InverseSquareRoot(a) => nearest_f32(1.0 / f64::from(v(a)).sqrt()),
                 Step::Minimum(a, b) => v(a).min(v(b)),
                 Step::Maximum(a, b) => v(a).max(v(b)),
                 Step::Less(a, b) => f32::from(u8::from(v(a) < v(b))),
@@ -64,9 +65,9 @@ impl Program {
                         v(if_false)
                     }
                 }
-                Step::Arctangent(a) => rounded(f64::from(v(a)).atan()),
-                Step::Arctangent2 { y, x } => rounded(f64::from(v(y)).atan2(f64::from(v(x)))),
-                Step::PowerOfTwo(a) => rounded(f64::from(v(a)).exp2()),
+                Step::Arctangent(a) => nearest_f32(f64::from(v(a)).atan()),
+                Step::Arctangent2 { y, x } => nearest_f32(f64::from(v(y)).atan2(f64::from(v(x)))),
+                Step::PowerOfTwo(a) => nearest_f32(f64::from(v(a)).exp2()),
                 Step::CubeTexel { direction, channel } => self
                     .cube
                     .as_ref()
@@ -200,10 +201,10 @@ impl Program {
                 })
             }
             Step::LoadTexel(a) => self.table.as_ref().map_or(exact(f64::NAN), |table| {
-                exact(f64::from(table.load(rounded(v(a).value))))
+                exact(f64::from(table.load(nearest_f32(v(a).value))))
             }),
             Step::SampleTable(a) => self.table.as_ref().map_or(exact(f64::NAN), |table| {
-                let value = f64::from(table.sample(rounded(v(a).value)));
+                let value = f64::from(table.sample(nearest_f32(v(a).value)));
                 let mut sample = combine(value, &[(v(a), table.slope())], 1.0);
                 sample.bound += table.sampler_freedom();
                 sample.variance += table.sampler().bias_and_variance().1;

@@ -138,9 +138,7 @@ mod tests {
             case.timed(BALL_STEP_GPU_US, &[gpu])
                 .timed(BALL_STEP_CPU_US, &[cpu]);
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = made.write(folder.path()).expect("a run");
-        recommended(&Cases::of_study(&run, crate::STUDY)).expect("a sentence")
+        recommended(&Cases::of_study(&made.loaded(), crate::STUDY)).expect("a sentence")
     }
 
     #[test]

@@ -169,14 +169,8 @@ impl ByHistogram {
         };
         let layout = gpu.pipeline_layout("nodes", &[Some(&view_layout)]);
         let draw = canvas.pipeline("nodes", &layout, &stages);
-        let count = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("counts"),
-            layout: Some(&gpu.pipeline_layout("counts", &[None, Some(&counted)])),
-            module: &module,
-            entry_point: Some("count_main"),
-            compilation_options: Default::default(),
-            cache: None,
-        });
+        let groups = [None, Some(&counted)];
+        let count = gpu.compute_pipeline("counts", &module, "count_main", &groups, &[]);
         let pictures = texture(
             &gpu,
             "picture of a node",
@@ -220,12 +214,8 @@ impl Counter for ByHistogram {
     fn count(&mut self, eye: &Eye, drawn: &NodeVertices) -> Result<Vec<u64>, DeviceError> {
         let gpu = &self.canvas.gpu;
         let mut encoder = self.record(eye, drawn)?;
-        let counts = gpu.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("counts"),
-            size: 4 * (drawn.nodes.len() as u64 + 1),
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let counts = gpu.unwritten("counts", 4 * (drawn.nodes.len() as u64 + 1), usage);
         let numbers = self.canvas.view();
         let numbers = wgpu::BindingResource::TextureView(&numbers);
         let bound = [numbers, counts.as_entire_binding()];

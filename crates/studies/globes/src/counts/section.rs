@@ -139,9 +139,7 @@ mod tests {
                 run.case(id.repeat()).timed(metric, &[1.1 * ms; 5]);
                 run.case(id).timed(metric, &[ms; 5]);
             }
-            let folder = tempfile::tempdir().expect("a folder");
-            let run = run.write(folder.path()).expect("a run");
-            transfers(&Cases::of_study(&run, crate::STUDY)).standing
+            transfers(&Cases::of_study(&run.loaded(), crate::STUDY)).standing
         };
         assert_eq!(standing(1.05, 1.0), Standing::NoDifference);
         assert_eq!(standing(1.0, 1.05), Standing::NoDifference);

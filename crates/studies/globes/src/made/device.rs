@@ -8,6 +8,7 @@ use bytemuck::{Pod, Zeroable};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, ViewConstants};
+use terrafill_core::nearest_f32;
 use terrafill_gpu::{Gpu, read_buffer};
 use terrafill_scene::ImageSize;
 
@@ -33,19 +34,15 @@ struct SpiralConstants {
 }
 
 impl SpiralConstants {
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     fn new(spiral: &Spiral) -> Self {
         let [east, north, up] = spiral.axes.map(|axis| axis.as_vec3().to_array());
         Self {
             east,
-            inner: spiral.inner as f32,
+            inner: nearest_f32(spiral.inner),
             north,
-            outer: spiral.outer as f32,
+            outer: nearest_f32(spiral.outer),
             up,
-            turns: spiral.turns as f32,
+            turns: nearest_f32(spiral.turns),
             focus: spiral.focus.as_vec3().to_array(),
             per_turn: spiral.per_turn,
             count: spiral.count(),
@@ -74,24 +71,20 @@ struct ReliefConstants {
 }
 
 impl ReliefConstants {
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     fn new(spiral: &Spiral, relief: &Relief) -> Self {
         let up = spiral.axes[2] / spiral.radii;
         let below = relief.heights.on_face(up);
         Self {
             per_metre: spiral.radii.recip().as_vec3().to_array(),
-            base_m: relief.base_m as f32,
+            base_m: nearest_f32(relief.base_m),
             up: up.as_vec3().to_array(),
-            radius_m: spiral.radii.x as f32,
+            radius_m: nearest_f32(spiral.radii.x),
             normal: relief.normal.as_vec3().to_array(),
             side: relief.heights.side,
             ground: relief.ground.as_vec3().to_array(),
             face: below.face,
-            on_face: below.place.map(|at| at as f32),
-            within: below.within.map(|at| at as f32),
+            on_face: below.place.map(nearest_f32),
+            within: below.within.map(nearest_f32),
             cell: below.cell,
             padding: [0; 2],
         }
@@ -179,20 +172,12 @@ impl MadeTargets {
             ("LOCAL", flag(lookup == Some(Lookup::Local))),
         ];
         let compute = (source == Source::Compute).then(|| {
-            gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some("spiral"),
-                layout: Some(&gpu.pipeline_layout("spiral", &[None, Some(made)])),
-                module: &module,
-                entry_point: Some(match lookup {
-                    Some(_) => "make_displaced_main",
-                    None => "make_main",
-                }),
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &overrides,
-                    ..Default::default()
-                },
-                cache: None,
-            })
+            let entry_point = match lookup {
+                Some(_) => "make_displaced_main",
+                None => "make_main",
+            };
+            let groups = [None, Some(made)];
+            gpu.compute_pipeline("spiral", &module, entry_point, &groups, &overrides)
         });
         let attributes = wgpu::vertex_attr_array![0 => Float32x3];
         let buffer = [vertices(&attributes)];
@@ -286,13 +271,9 @@ impl MadeTargets {
     }
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "rounding to what the GPU reads is the purpose"
-)]
 fn direction(k: u32, per_turn: u32) -> [f32; 2] {
     let (sin, cos) = (TAU * f64::from(k) / f64::from(per_turn)).sin_cos();
-    [sin as f32, cos as f32]
+    [nearest_f32(sin), nearest_f32(cos)]
 }
 
 #[cfg(test)]

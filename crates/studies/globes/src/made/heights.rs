@@ -8,7 +8,7 @@ use crate::canvas::on_cube;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
-use terrafill_core::Ellipsoid;
+use terrafill_core::{Ellipsoid, nearest_f32};
 use terrafill_surface::Surface;
 
 /// Faces in WebGPU's order: +x, −x, +y, −y, +z, −z.
@@ -84,8 +84,7 @@ impl HeightCube {
                 place.longitude_rad.to_degrees(),
                 place.latitude_rad.to_degrees(),
             )?;
-            #[allow(clippy::cast_possible_truncation, reason = "samples are in f32")]
-            Some(height_m.max(0.0) as f32)
+            Some(nearest_f32(height_m.max(0.0)))
         };
         let samples = (0..FACES * across * across).into_par_iter().map(sample);
         let samples: Option<Vec<f32>> = samples.collect();
@@ -139,7 +138,6 @@ mod tests {
     use super::*;
 
     #[test]
-    #[allow(clippy::cast_possible_truncation, reason = "samples are in f32")]
     fn heights_are_those_of_the_samples_and_continuous_over_edges_of_faces() {
         let mut samples = Vec::new();
         let side = 8;
@@ -148,7 +146,7 @@ mod tests {
                 let place = [at % (side + 1), at / (side + 1)];
                 let place = place.map(|at| 2.0 * f64::from(at) / f64::from(side) - 1.0);
                 let d = on_cube(face, place).normalize();
-                samples.push((1000.0 * (d.x + 2.0 * d.y * d.z + 3.0)) as f32);
+                samples.push(nearest_f32(1000.0 * (d.x + 2.0 * d.y * d.z + 3.0)));
             }
         }
         let mut cube = HeightCube {

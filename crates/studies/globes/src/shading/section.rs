@@ -263,9 +263,7 @@ mod tests {
             }
             run.case(id).timed(metric, &vec![ms; processes]);
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = run.write(folder.path()).expect("a run");
-        bumps_cost_most(&Cases::of_study(&run, crate::STUDY))
+        bumps_cost_most(&Cases::of_study(&run.loaded(), crate::STUDY))
     }
 
     #[test]

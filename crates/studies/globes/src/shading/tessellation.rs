@@ -116,9 +116,7 @@ mod tests {
                 case.figure(GLOBE_TRIANGLES, triangles);
             }
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        let run = made.write(folder.path()).expect("a run");
-        independent(&Cases::of_study(&run, crate::STUDY)).standing
+        independent(&Cases::of_study(&made.loaded(), crate::STUDY)).standing
     }
 
     #[test]

@@ -4,7 +4,7 @@
 use super::options::{Options, Seam};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-use terrafill_core::Ellipsoid;
+use terrafill_core::{Ellipsoid, nearest_f32};
 use terrafill_maps::{MapPoint, SeamCorner, half_plane_crossings, split};
 use terrafill_scene::Camera;
 use terrafill_surface::SurfaceFrame;
@@ -103,10 +103,6 @@ impl Maker<'_> {
         }
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
     fn vertex(&self, corners: [DVec3; 3], points: [MapPoint; 3], at: SeamCorner) -> MapVertex {
         let mixed =
             |of: &dyn Fn(usize) -> f64| -> f64 { (0..3).map(|i| of(i) * at.weights[i]).sum() };
@@ -129,8 +125,8 @@ impl Maker<'_> {
         };
         MapVertex {
             relative_m: place.as_vec3().to_array(),
-            us: us.map(|u| u as f32),
-            v: v as f32,
+            us: us.map(nearest_f32),
+            v: nearest_f32(v),
         }
     }
 }

@@ -4,7 +4,7 @@
 use super::keep::{Keep, Keeps, Store};
 use super::queries::{Blocks, CacheConstants, SIDE, TexelQuery};
 use crate::draws::Times;
-use crate::on_wgpu::{compute_pipeline, storage_type, texture_type, uniform_type, unwritten};
+use crate::on_wgpu::{compute_pipeline, storage_type, texture_type, uniform_type};
 use std::num::NonZeroU32;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError};
@@ -84,7 +84,7 @@ impl Cache {
         let asked = gpu.upload("queries", bytemuck::cast_slice(queries), storage)?;
         let answer_bytes = 4 * queries.len() as u64;
         let copied = storage | wgpu::BufferUsages::COPY_SRC;
-        let answers = unwritten(gpu, "answers", answer_bytes, copied);
+        let answers = gpu.unwritten("answers", answer_bytes, copied);
         let texels = texels(gpu, keep, blocks)?;
         let layout = layout(gpu, keep);
         let of_array = (keep == Keep::Bindless).then(|| array_layout(gpu, blocks));
@@ -309,7 +309,7 @@ fn texels(gpu: &Gpu, keep: Keep, blocks: Blocks) -> Result<Texels, DeviceError> 
             let allowed = gpu.device.limits().max_storage_buffer_binding_size;
             DeviceError::check_capacity("bytes of blocks", size, allowed)?;
             let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-            Texels::Buffer(unwritten(gpu, "blocks", size, usage))
+            Texels::Buffer(gpu.unwritten("blocks", size, usage))
         }
     })
 }

@@ -363,8 +363,7 @@ mod tests {
                 case.figure("cull_kept", 100.0);
             }
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        made.write(folder.path()).expect("a run")
+        made.loaded()
     }
 
     #[test]

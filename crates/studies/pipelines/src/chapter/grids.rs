@@ -210,8 +210,7 @@ mod tests {
             case.timed("pipeline_wall_ms", &[*wall]);
             case.timed("pipeline_cpu_ms", &[*cpu]);
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        made.write(folder.path()).expect("a run")
+        made.loaded()
     }
 
     fn said_of(device_type: &str, figures: &[(&str, [f64; 3])]) -> String {

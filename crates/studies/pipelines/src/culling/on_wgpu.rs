@@ -8,7 +8,6 @@ use crate::draws::{Counted, Times};
 use crate::grid::GridCamera;
 use crate::on_wgpu::{
     bind, compute_pipeline, draw_pipeline, heights, storage_type, texture_type, uniform_type,
-    unwritten,
 };
 use std::rc::Rc;
 use std::sync::Arc;
@@ -75,7 +74,7 @@ impl OnWgpu {
         let storage = wgpu::BufferUsages::STORAGE;
         let buffer = |label, count: usize, usage| {
             let copied = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-            unwritten(gpu, label, 4 * count as u64, usage | copied)
+            gpu.unwritten(label, 4 * count as u64, usage | copied)
         };
         let tiles = buffer("tiles", ground.tile_boxes.len(), storage);
         let kept = buffer("patches", ground.patch_boxes.len(), storage);

@@ -78,13 +78,8 @@ fn position(run: &mut MadeUpRun, anchor: &str, distance_m: f64, error_m: f64) {
     .figure("max_px", error_m / pixel_m);
 }
 
-fn written(run: &MadeUpRun) -> Run {
-    let folder = tempfile::tempdir().expect("a folder");
-    run.write(folder.path()).expect("a run")
-}
-
 fn blocks(run: &MadeUpRun) -> Vec<Block> {
-    PrecisionChapter.blocks(&written(run)).expect("a chapter")
+    PrecisionChapter.blocks(&run.loaded()).expect("a chapter")
 }
 
 #[test]
@@ -104,7 +99,7 @@ fn each_family_is_a_curve_with_its_time_and_its_errors() {
     ] {
         assert!(svg.contains(word), "{word}");
     }
-    let run = written(&routes());
+    let run = routes().loaded();
     let is_timed = |route| Data::new(&run).time(route).is_some();
     assert!(is_timed("gnomonic-3") && !is_timed("odd-7"));
     // Below the timer's resolution, and drawn there.
@@ -122,7 +117,7 @@ fn a_plan_that_takes_too_coarse_a_route_is_called_out() {
     let standing = |change: &dyn Fn(&mut MadeUpCase)| {
         let mut run = routes();
         change(&mut run.cases[0]);
-        findings(&Data::new(&written(&run))).remove(0).standing
+        findings(&Data::new(&run.loaded())).remove(0).standing
     };
     assert_eq!(standing(&|_| ()), Standing::Holds);
     let coarse = |case: &mut MadeUpCase| {
@@ -149,7 +144,7 @@ fn positions_count_where_a_plan_puts_the_anchor_and_the_middle_stands_beside() {
         position(&mut run, PLAN, 1e3, 2e-4);
         position(&mut run, MIDDLE, 20.0, 3.8e-3);
         position(&mut run, MIDDLE, 10.0, 4.2e-3);
-        let run = written(&run);
+        let run = run.loaded();
         let data = Data::new(&run);
         (findings(&data), positions(&data))
     };
@@ -194,7 +189,7 @@ fn reasons_are_counted_and_a_row_without_one_is_called_out() {
             .note("residual_reason", reason);
     }
     let found = |run: &MadeUpRun| {
-        let run = written(run);
+        let run = run.loaded();
         let data = Data::new(&run);
         (disagreements(&data), findings(&data).pop().expect("some"))
     };

@@ -70,14 +70,7 @@ impl Finder {
         let vertices = bytemuck::cast_slice(&own.vertices);
         let vertices = upload("shadow vertices", vertices, wgpu::BufferUsages::VERTEX)?;
         let none = upload("no indices", bytemuck::cast_slice(&none), copied)?;
-        let room = |label, size: u64, usage| {
-            gpu.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage: storage | usage,
-                mapped_at_creation: false,
-            })
-        };
+        let room = |label, size: u64, usage| gpu.unwritten(label, size, storage | usage);
         let drawn = wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST;
         let draws = room("draws of casters", none.size(), drawn);
         // A caster without pieces draws nothing, and a binding of 0 bytes is not allowed.
@@ -90,16 +83,10 @@ impl Finder {
         let layout = gpu.buffer_layout("silhouettes", wgpu::ShaderStages::COMPUTE, &kinds);
         let buffers = [&read, &owners, &lit, &shape, &draws, &indices];
         let bound = gpu.bind_buffers("silhouettes", &layout, &buffers);
-        let pipeline = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("silhouettes"),
-            layout: Some(&gpu.pipeline_layout("silhouettes", &[Some(&layout)])),
-            module: &gpu.shader(COMPUTE_SHADER)?,
-            entry_point: Some("find"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
+        let module = gpu.shader(COMPUTE_SHADER)?;
+        let groups = [Some(&layout)];
         let finder = Self {
-            pipeline,
+            pipeline: gpu.compute_pipeline("silhouettes", &module, "find", &groups, &[]),
             bound,
             draws,
             none,

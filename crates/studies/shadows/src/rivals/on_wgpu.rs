@@ -49,12 +49,8 @@ impl Tiles {
         let tiles = SIDES.map(|side| width.div_ceil(side) * height.div_ceil(side));
         let all: u32 = tiles.iter().sum();
         let room = |label, words: u32, usage| {
-            gpu.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: u64::from(words) * size_of::<u32>() as u64,
-                usage: storage | usage,
-                mapped_at_creation: false,
-            })
+            let size = u64::from(words) * size_of::<u32>() as u64;
+            gpu.unwritten(label, size, storage | usage)
         };
         let none = wgpu::BufferUsages::empty();
         let boxes = room("boxes of tiles", 2 * all, none);
@@ -71,7 +67,6 @@ impl Tiles {
         ];
         let bound = gpu.bind_buffers("tiles", &layout, &buffers);
         let module = gpu.shader(SHADER)?;
-        let own = gpu.pipeline_layout("tiles", &[Some(&layout)]);
         let steps = [
             ("bound", tiles[0]),
             ("join_middle", tiles[1]),
@@ -80,14 +75,8 @@ impl Tiles {
             ("answer", pixels),
         ];
         let step = |(entry_point, invocations): (&str, u32)| {
-            let pipeline = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(entry_point),
-                layout: Some(&own),
-                module: &module,
-                entry_point: Some(entry_point),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            });
+            let groups = [Some(&layout)];
+            let pipeline = gpu.compute_pipeline(entry_point, &module, entry_point, &groups, &[]);
             (pipeline, invocations.div_ceil(GROUP))
         };
         let held = buffers.iter().map(|buffer| buffer.size()).sum();

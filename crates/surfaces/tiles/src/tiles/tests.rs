@@ -5,7 +5,7 @@
 use super::*;
 use glam::DVec3;
 use std::time::{Duration, Instant};
-use terrafill_core::Geodetic;
+use terrafill_core::{Geodetic, nearest_f32};
 use terrafill_elevation::{Base, Grid, HeightField, Projection, Registration, Relief};
 use terrafill_scene::{CameraPose, Scene};
 use terrafill_surface::{EllipsoidKind, InBackground, open_surface};
@@ -22,9 +22,7 @@ fn ridges() -> Elevation {
         } else {
             0.0
         };
-        #[allow(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
-        let sample = (1000.0 + 900.0 * ridge + spike) as f32;
-        sample
+        nearest_f32(1000.0 + 900.0 * ridge + spike)
     });
     let grid = Grid {
         projection: Projection::Geographic,

@@ -6,6 +6,7 @@
 use crate::ElevationError;
 use crate::error::Complaints;
 use std::io::Cursor;
+use terrafill_core::nearest_f32;
 use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 
@@ -101,19 +102,15 @@ impl Metadata {
     }
 
     /// NaN is a void.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "heights of a planet in f32: half a millimetre at 8 km"
-    )]
     pub(super) fn height_m(&self, value: f64) -> f32 {
         // Both are the same digits of the same number.
-        let is_void = self
-            .no_data
-            .is_some_and(|void| void.to_bits() == value.to_bits() || void as f32 == value as f32);
+        let is_void = self.no_data.is_some_and(|void| {
+            void.to_bits() == value.to_bits() || nearest_f32(void) == nearest_f32(value)
+        });
         if is_void {
             f32::NAN
         } else {
-            ((value * self.scale + self.offset) * self.unit_m) as f32
+            nearest_f32((value * self.scale + self.offset) * self.unit_m)
         }
     }
 }
